@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace haptogram {
+
+/// The whole of a file. "-" is standard input.
+/// @throws Error{bad_input} naming the path and the system's reason
+[[nodiscard]] std::string read_file(const std::filesystem::path& path);
+
+/// Writes `content` beside `path` and renames it into place once all of it is on the disk, so that a reader sees the old
+/// file or the new one and a failure leaves nothing half-written. "-" is standard output; a device or a pipe, which
+/// cannot be renamed onto, is written directly.
+/// @throws Error{bad_input} naming the path and the system's reason (no such folder, no permission, disk full)
+void write_file(const std::filesystem::path& path, std::string_view content);
+
+/// Lower-case hexadecimal SHA-256.
+[[nodiscard]] std::string sha256(std::string_view content);
+
+}  // namespace haptogram

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Takes the zero-delimited COBS bytes of the line apart. Combinational from i_valid to the outputs, one byte in, at most
+// one byte out: o_valid with o_byte for data, o_end at a delimiter, with o_intact when the code ended where it should.
+`default_nettype none
+module cobs_decoder (
+    input  wire       clk,
+    input  wire       rst,
+    input  wire       i_valid,
+    input  wire [7:0] i_byte,
+    output wire       o_valid,
+    output wire [7:0] o_byte,
+    output wire       o_end,
+    output wire       o_intact
+);
+    reg [7:0] left_q;  // data bytes until the next code byte
+    reg       zero_q;  // a zero stands between the last group and the next
+
+    wire is_code = left_q == 8'd0;
+    assign o_end    = i_valid && i_byte == 8'd0;
+    assign o_intact = is_code;
+    assign o_valid  = i_valid && i_byte != 8'd0 && (!is_code || zero_q);
+    assign o_byte   = is_code ? 8'd0 : i_byte;
+
+    always @(posedge clk) begin
+        if (rst || o_end) begin
+            left_q <= 8'd0;
+            zero_q <= 1'b0;
+        end else if (i_valid) begin
+            left_q <= is_code ? i_byte - 1'b1 : left_q - 1'b1;
+            if (is_code) zero_q <= i_byte != 8'hff;
+        end
+    end
+endmodule
+`default_nettype wire

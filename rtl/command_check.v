@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Judges a command's arguments before anything is changed. The verdict, a status code, follows i_settle by one clock.
+`default_nettype none
+`include "interface.vh"
+module command_check #(
+    parameter CHANNELS       = 100,
+    parameter RECORDS        = 400,
+    parameter SEQUENCE_DEPTH = 1024
+) (
+    input  wire        clk,
+    input  wire        i_settle,  // strobe: the arguments are complete
+    input  wire [7:0]  i_command,
+    input  wire [15:0] i_argument_0,
+    input  wire [15:0] i_argument_1,
+    input  wire [15:0] i_argument_2,
+    input  wire [15:0] i_tail_words,
+    input  wire [15:0] i_live_free,
+    output reg  [7:0]  o_status
+);
+    localparam RECORD_WORDS = CHANNELS + `HG_RECORD_HEADER_WORDS;
+    localparam PRIMARY_WORDS = RECORDS * RECORD_WORDS;
+    localparam SEQUENCE_HALVES = SEQUENCE_DEPTH * 2;
+    localparam [15:0] TOP_INDEX = RECORDS[15:0];
+    localparam [16:0] TOP_ENTRY = SEQUENCE_DEPTH[16:0] - 17'd1;
+    localparam [15:0] MOST_WORDS = RECORD_WORDS[15:0];
+
+    wire        writes = i_command == `HG_COMMAND_WRITE;
+    wire [3:0]  region = i_argument_1[15:12];
+    wire [27:0] first  = {i_argument_1[11:0], i_argument_0};  // byte address within the region
+    wire [15:0] words  = writes ? i_tail_words : {1'b0, i_argument_2[15:1]};
+    wire        odd    = first[0] || (!writes && i_argument_2[0]);
+    reg  [27:0] beyond_q;  // word address after the last word
+    reg  [16:0] last_entry_q;
+    reg         misaligned_q, zero_words_q, too_many_q;
+
+    always @(posedge clk) if (i_settle) begin
+        beyond_q     <= {1'b0, first[27:1]} + {12'd0, words};
+        last_entry_q <= {1'b0, i_argument_0} + {1'b0, i_argument_1} - 17'd1;
+        misaligned_q <= odd || (region == `HG_REGION_SEQUENCE && (first[1] || words[0]));
+        zero_words_q <= words == 16'd0;
+        too_many_q   <= !writes && words > MOST_WORDS;
+    end
+
+    reg [27:0] region_words;
+    always @* begin
+        case (region)
+            `HG_REGION_PRIMARY:  region_words = PRIMARY_WORDS[27:0];
+            `HG_REGION_SEQUENCE: region_words = SEQUENCE_HALVES[27:0];
+            `HG_REGION_IDENTITY: region_words = writes ? 28'd0 : `HG_IDENTITY_WORDS;
+            `HG_REGION_STATUS:   region_words = writes ? 28'd0 : `HG_STATUS_WORDS;
+            default:             region_words = 28'd0;
+        endcase
+        o_status = `HG_REPLY_OK;
+        case (i_command)
+            `HG_COMMAND_WRITE, `HG_COMMAND_READ:
+                if (zero_words_q || too_many_q) o_status = `HG_REPLY_BAD_LENGTH;
+                else if (beyond_q > region_words) o_status = `HG_REPLY_BAD_ADDRESS;
+                else if (misaligned_q) o_status = `HG_REPLY_BAD_ALIGNMENT;
+            `HG_COMMAND_SELECT:
+                if (i_argument_0 > TOP_INDEX) o_status = `HG_REPLY_BAD_INDEX;
+            `HG_COMMAND_PUSH:
+                if (i_tail_words > i_live_free) o_status = `HG_REPLY_FIFO_FULL;
+            `HG_COMMAND_START:
+                if (i_argument_1 != 16'd0 && (i_argument_0 == 16'd0 || last_entry_q > TOP_ENTRY))
+                    o_status = `HG_REPLY_BAD_RANGE;
+            default: ;
+        endcase
+    end
+endmodule
+`default_nettype wire

@@ -1,0 +1,33 @@
+// Generated from tools/interface.toml by tools/generate_interface.py; edit the table, not this file.
+// SPDX-License-Identifier: Apache-2.0
+//
+// The shape of each command: how many argument words it has, whether data words follow, what its reply
+// carries (0 nothing, 1 identity block, 2 status block, 3 memory). Combinational.
+`default_nettype none
+module command_table (
+    input  wire [7:0] i_command,
+    output wire       o_known,
+    output wire [1:0] o_args,
+    output wire       o_tail,
+    output wire [1:0] o_reply
+);
+    reg [5:0] shape;
+    always @* begin
+        case (i_command)
+            8'h01: shape = {1'b1, 2'd0, 1'b0, 2'd1};  // identify
+            8'h02: shape = {1'b1, 2'd2, 1'b1, 2'd0};  // write
+            8'h03: shape = {1'b1, 2'd3, 1'b0, 2'd3};  // read
+            8'h04: shape = {1'b1, 2'd0, 1'b0, 2'd0};  // enable
+            8'h05: shape = {1'b1, 2'd0, 1'b0, 2'd0};  // disable
+            8'h06: shape = {1'b1, 2'd2, 1'b0, 2'd0};  // select
+            8'h07: shape = {1'b1, 2'd1, 1'b1, 2'd0};  // push
+            8'h08: shape = {1'b1, 2'd3, 1'b0, 2'd0};  // start
+            8'h09: shape = {1'b1, 2'd0, 1'b0, 2'd0};  // stop
+            8'h0a: shape = {1'b1, 2'd1, 1'b0, 2'd0};  // watchdog
+            8'h0b: shape = {1'b1, 2'd0, 1'b0, 2'd2};  // status
+            default: shape = 6'd0;
+        endcase
+    end
+    assign {o_known, o_args, o_tail, o_reply} = shape;
+endmodule
+`default_nettype wire

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Carries out one frame at a time: reads its words, puts it in order by its sequence number, has its arguments judged,
+// applies it, and has reply_unit answer. Nothing is changed before the whole frame has been found good, but for PUSH,
+// whose indices are provisional until the last one has been seen.
+//
+// A frame with the expected sequence number is applied; an earlier one was applied before and is only answered (reads are
+// read again); a later one is refused. A refused frame does not count: the sequence number stays expected.
+// Writes go out one word a clock without pause, which memory_controller.v relies on.
+`default_nettype none
+`include "interface.vh"
+module command_unit #(
+    parameter RECORDS = 400
+) (
+    input  wire        clk,
+    input  wire        rst,
+    input  wire        i_valid,        // words of good frames, from frame_receiver
+    output wire        o_take,
+    input  wire [15:0] i_word,
+    output wire [7:0]  o_command,      // arguments of the present command, for command_check and for o_execute
+    output wire [15:0] o_argument_0,
+    output wire [15:0] o_argument_1,
+    output wire [15:0] o_argument_2,
+    output wire [15:0] o_tail_words,
+    output wire        o_settle,       // strobe: the arguments are complete
+    input  wire [7:0]  i_status,       // command_check's verdict
+    output reg         o_execute,      // strobe: o_command is applied
+    output reg         o_repeated,     // strobe
+    output reg         o_refused,      // strobe
+    output wire        o_write,        // a word for o_address
+    output wire        o_push,         // an index for the live FIFO
+    output wire        o_keep,
+    output wire        o_take_back,
+    output reg  [27:0] o_address,      // byte address within o_region
+    output reg  [3:0]  o_region,
+    output reg         o_answer,       // strobe; what follows is stable until i_answered
+    output reg  [7:0]  o_status,
+    output reg  [7:0]  o_sequence,
+    output reg  [7:0]  o_expected,     // the next sequence number that would be applied
+    output wire [15:0] o_read_words,   // of data to answer with, from o_address
+    input  wire        i_answered
+);
+    localparam [3:0] LENGTH = 4'd0, HEADER = 4'd1, ARGUMENTS = 4'd2, SETTLE = 4'd3, JUDGE = 4'd4, TAIL = 4'd5,
+                     DRAIN = 4'd6, CLOSE = 4'd7, ANSWER = 4'd8;
+    localparam [15:0] TOP_INDEX = RECORDS[15:0];
+
+    reg [3:0]  state_q;
+    reg [15:0] length_q;          // bytes
+    reg [15:0] words_q;           // still to be taken from the frame
+    reg [7:0]  command_q;
+    reg [15:0] argument_q [0:2];
+    reg [1:0]  count_q;           // arguments taken
+    reg        bad_index_q;
+
+    wire       known, tail;
+    wire [1:0] args, reply;
+    command_table shapes (.i_command(command_q), .o_known(known), .o_args(args), .o_tail(tail), .o_reply(reply));
+
+    wire [15:0] payload_words = {1'b0, length_q[15:1]} - 16'd1;
+    wire [15:0] args_16 = {14'd0, args};
+    wire bad_length = length_q[0] || (tail ? payload_words <= args_16 : payload_words != args_16);
+    wire [7:0] ahead = o_sequence - o_expected;
+    wire in_order = ahead == 8'd0 || command_q == `HG_COMMAND_IDENTIFY;
+    wire repeated = !in_order && ahead[7];
+    wire done = words_q == 16'd0;
+    wire reads = reply != 2'd0 && o_status <= `HG_REPLY_REPEATED;
+
+    assign o_command     = command_q;
+    assign o_argument_0  = argument_q[0];
+    assign o_argument_1  = argument_q[1];
+    assign o_argument_2  = argument_q[2];
+    assign o_settle      = state_q == SETTLE;
+    assign o_tail_words  = payload_words - args_16;
+    assign o_take        = i_valid && (state_q == LENGTH || state_q == HEADER
+                                       || (!done && (state_q == TAIL || state_q == DRAIN
+                                                     || (state_q == ARGUMENTS && !bad_length && count_q != args))));
+    assign o_write       = state_q == TAIL && !done && command_q == `HG_COMMAND_WRITE;
+    assign o_push        = state_q == TAIL && !done && command_q == `HG_COMMAND_PUSH;
+    assign o_keep        = state_q == CLOSE && command_q == `HG_COMMAND_PUSH && o_status == `HG_REPLY_OK;
+    assign o_take_back   = state_q == CLOSE && command_q == `HG_COMMAND_PUSH && o_status != `HG_REPLY_OK;
+    assign o_read_words  = !reads ? 16'd0 : reply == 2'd1 ? `HG_IDENTITY_WORDS : reply == 2'd2 ? `HG_STATUS_WORDS
+                         : {1'b0, argument_q[2][15:1]};
+
+    always @(posedge clk) begin
+        o_execute  <= 1'b0;
+        o_repeated <= 1'b0;
+        o_refused  <= 1'b0;
+        o_answer   <= 1'b0;
+        if (o_take && state_q != LENGTH && state_q != HEADER) words_q <= words_q - 1'b1;
+        if (o_write) o_address <= o_address + 28'd2;
+        case (state_q)
+            LENGTH: if (i_valid) begin
+                length_q <= i_word;
+                state_q  <= HEADER;
+            end
+            HEADER: begin
+                {command_q, o_sequence} <= i_word;
+                words_q <= ({1'b0, length_q[15:1]} + {15'd0, length_q[0]}) - 16'd1;
+                count_q <= 2'd0;
+                state_q <= ARGUMENTS;
+            end
+            ARGUMENTS: if (!known) finish(`HG_REPLY_UNKNOWN_COMMAND);
+                else if (bad_length) finish(`HG_REPLY_BAD_LENGTH);
+                else if (count_q != args) begin
+                    argument_q[count_q] <= i_word;
+                    count_q             <= count_q + 1'b1;
+                end else state_q <= SETTLE;
+            SETTLE: begin
+                {o_region, o_address} <= {argument_q[1], argument_q[0]};
+                if (reply == 2'd1) {o_region, o_address} <= {`HG_REGION_IDENTITY, 28'd0};
+                if (reply == 2'd2) {o_region, o_address} <= {`HG_REGION_STATUS, 28'd0};
+                bad_index_q <= 1'b0;
+                state_q     <= JUDGE;
+            end
+            JUDGE: if (!in_order && !repeated) finish(`HG_REPLY_OUT_OF_ORDER);
+                else if (repeated && reply == 2'd0) finish(`HG_REPLY_REPEATED);
+                else if (i_status != `HG_REPLY_OK) finish(i_status);
+                else if (tail) state_q <= TAIL;
+                else finish(repeated ? `HG_REPLY_REPEATED : `HG_REPLY_OK);
+            TAIL: begin
+                if (o_push && i_word > TOP_INDEX) bad_index_q <= 1'b1;
+                if (done) finish(bad_index_q ? `HG_REPLY_BAD_INDEX : `HG_REPLY_OK);
+            end
+            DRAIN: if (done) state_q <= CLOSE;
+            CLOSE: begin
+                o_execute  <= o_status == `HG_REPLY_OK;
+                o_repeated <= o_status == `HG_REPLY_REPEATED;
+                o_refused  <= o_status > `HG_REPLY_REPEATED;
+                if (o_status == `HG_REPLY_OK) o_expected <= o_sequence + 1'b1;
+                o_answer <= 1'b1;
+                state_q  <= ANSWER;
+            end
+            default: if (i_answered) state_q <= LENGTH;
+        endcase
+        if (rst) begin
+            state_q    <= LENGTH;
+            o_expected <= 8'd0;
+        end
+    end
+
+    task finish(input [7:0] status);
+        begin
+            o_status <= status;
+            state_q  <= DRAIN;
+        end
+    endtask
+endmodule
+`default_nettype wire

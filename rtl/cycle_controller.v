@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Counts ticks through the carrier cycle and decides, at each cycle's last clock, whether to repeat the present record
+// or to commit the next one: 24-bit counter, 24-bit prescaler, as in Haptogram III-C.
+//
+// A cycle is i_cycle_length ticks of i_prescaler clocks. o_tick is high in the first clock of each tick. o_commit is
+// high in a cycle's last clock, and the next clock is tick 0 of the new record: there is no dead time.
+// A record plays for i_dwell cycles; 0 repeats it until the next is ready. i_preempt asks for a change at the next
+// boundary, whatever is left of the dwell. A change that is due but not ready is an underrun, counted once.
+`default_nettype none
+module cycle_controller #(
+    parameter PULSE_BITS   = 8,
+    parameter TIMING_BITS  = 16,
+    parameter IDLE_CLOCKS  = 1250  // cycle before the first record
+) (
+    input  wire                   clk,
+    input  wire                   rst,
+    input  wire                   i_preempt,  // strobe
+    input  wire                   i_ready,    // the fields below and the channels' shadow registers are complete
+    input  wire [15:0]            i_index,
+    input  wire [15:0]            i_dwell,
+    input  wire                   i_silent,   // no pulses; keeps the present cycle length and prescaler
+    input  wire [23:0]            i_cycle_length,
+    input  wire [23:0]            i_prescaler,
+    input  wire [PULSE_BITS-1:0]  i_pulse_length,
+    output wire                   o_commit,
+    output wire                   o_tick,
+    output wire [TIMING_BITS-1:0] o_count,
+    output wire                   o_can_match,
+    output reg  [PULSE_BITS-1:0]  o_pulse_length,
+    output reg  [15:0]            o_index,
+    output wire                   o_cycle_start,
+    output wire                   o_underrun  // strobe
+);
+    localparam [23:0] IDLE_CYCLE = IDLE_CLOCKS[23:0];
+
+    reg [23:0] cycle_length_q;
+    reg [23:0] prescaler_q;
+    reg [23:0] count_q;
+    reg [23:0] phase_q;      // clocks into the present tick
+    reg [15:0] dwell_q;      // cycles left; 0 repeats
+    reg        preempt_q;
+    reg        late_q;       // this underrun has been counted
+
+    wire tick_ends = phase_q == prescaler_q - 1'b1;
+    wire boundary  = tick_ends && count_q == cycle_length_q - 1'b1;
+    wire due       = dwell_q == 16'd1;
+
+    assign o_commit      = boundary && i_ready && (due || dwell_q == 16'd0 || preempt_q);
+    assign o_underrun    = boundary && due && !i_ready && !preempt_q && !late_q;
+    assign o_tick        = phase_q == 24'd0;
+    assign o_cycle_start = o_tick && count_q == 24'd0;
+    assign o_count       = count_q[TIMING_BITS-1:0];
+    // A timing of all ones never matches, whatever the cycle length: it silences its channel.
+    assign o_can_match   = o_pulse_length != {PULSE_BITS{1'b0}} && count_q < {{(24-TIMING_BITS){1'b0}}, {TIMING_BITS{1'b1}}};
+
+    always @(posedge clk) begin
+        if (rst) begin
+            count_q <= 24'd0;
+            phase_q <= 24'd0;
+        end else if (tick_ends) begin
+            phase_q <= 24'd0;
+            count_q <= boundary ? 24'd0 : count_q + 1'b1;
+        end else phase_q <= phase_q + 1'b1;
+    end
+
+    always @(posedge clk) begin
+        if (rst) begin
+            cycle_length_q <= IDLE_CYCLE;
+            prescaler_q    <= 24'd1;
+            o_pulse_length <= {PULSE_BITS{1'b0}};
+            o_index        <= 16'd0;
+            dwell_q        <= 16'd0;
+        end else if (o_commit) begin
+            if (!i_silent) begin
+                cycle_length_q <= i_cycle_length;
+                prescaler_q    <= i_prescaler;
+            end
+            o_pulse_length <= i_silent ? {PULSE_BITS{1'b0}} : i_pulse_length;
+            o_index        <= i_index;
+            dwell_q        <= i_dwell;
+        end else if (boundary && dwell_q > 16'd1) dwell_q <= dwell_q - 1'b1;
+    end
+
+    always @(posedge clk) begin
+        if (rst) {preempt_q, late_q} <= 2'b00;
+        else begin
+            if (i_preempt) preempt_q <= 1'b1;
+            else if (o_commit) preempt_q <= 1'b0;
+            if (o_commit) late_q <= 1'b0;
+            else if (o_underrun) late_q <= 1'b1;
+        end
+    end
+
+endmodule
+`default_nettype wire

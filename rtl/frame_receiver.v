@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Keeps decoded bytes until their frame has proved whole, and drops the frame otherwise: nothing behind this module
+// ever sees a damaged, truncated or over-long frame. A ring of 16-bit words, so that the next frame can arrive while
+// the last one is worked on. Reading side: for each good frame one word with its length in bytes (without CRC), then
+// its bytes in pairs, low byte first, as a valid/take stream that never pauses within a frame.
+// WORDS is a power of two, at least twice the longest frame.
+`default_nettype none
+module frame_receiver #(
+    parameter WORDS = 256
+) (
+    input  wire        clk,
+    input  wire        rst,
+    input  wire        i_valid,
+    input  wire [7:0]  i_byte,
+    input  wire        i_end,
+    input  wire        i_intact,
+    output reg         o_valid,
+    output reg  [15:0] o_word,
+    input  wire        i_take,
+    output wire        o_good,    // strobes
+    output wire        o_damaged
+);
+    localparam BITS = $clog2(WORDS);
+    localparam [BITS:0] ONE = {{BITS{1'b0}}, 1'b1};
+    localparam [15:0] SHORTEST = 16'd4;  // sequence number, command, CRC
+
+    reg [15:0]   ring [0:WORDS-1];
+    reg [BITS:0] start_q;  // of the frame being received: its length goes there
+    reg [BITS:0] place_q;  // where the next pair of bytes goes
+    reg [BITS:0] read_q;
+    reg [15:0]   count_q;  // bytes of this frame so far
+    reg [7:0]    low_q;
+    reg          full_q;   // a pair found no room
+    reg [15:0]   crc_q;
+
+    `include "crc16.vh"
+
+    wire          is_pair = i_valid && count_q[0] && !full_q;
+    wire [BITS:0] used    = place_q - read_q;
+    wire          fits    = !used[BITS];
+    wire          whole   = i_intact && !full_q && crc_q == 16'd0 && count_q >= SHORTEST;
+    wire          empty   = i_intact && count_q == 16'd0;
+    wire [15:0]   length  = count_q - 16'd2;
+    assign o_good    = i_end && whole;
+    assign o_damaged = i_end && !whole && !empty;
+
+    wire          write         = o_good || (is_pair && fits);
+    wire [BITS-1:0] write_address = o_good ? start_q[BITS-1:0] : place_q[BITS-1:0];
+    wire [15:0]   write_word    = o_good ? length : {i_byte, low_q};
+    wire [BITS:0] length_words  = {length[BITS:0] + ONE} >> 1;
+    wire [BITS:0] start_d       = o_good ? start_q + ONE + length_words : start_q;
+    wire [BITS:0] read_d        = read_q + {{BITS{1'b0}}, o_valid && i_take};
+
+    always @(posedge clk) begin
+        if (write) ring[write_address] <= write_word;
+        o_word <= ring[read_d[BITS-1:0]];
+    end
+
+    always @(posedge clk) begin
+        if (i_valid && !count_q[0]) low_q <= i_byte;
+        if (rst) begin
+            start_q <= {(BITS+1){1'b0}};
+            read_q  <= {(BITS+1){1'b0}};
+            o_valid <= 1'b0;
+        end else begin
+            start_q <= start_d;
+            read_q  <= read_d;
+            o_valid <= read_d != start_q;  // what lies before start_q was written at least one clock ago
+        end
+        if (rst || i_end) begin
+            place_q <= rst ? ONE : start_d + ONE;
+            count_q <= 16'd0;
+            full_q  <= 1'b0;
+            crc_q   <= 16'hffff;
+        end else if (i_valid && !full_q) begin
+            count_q <= count_q + 1'b1;
+            crc_q   <= crc16(crc_q, i_byte);
+            full_q  <= is_pair && !fits;
+            if (is_pair && fits) place_q <= place_q + ONE;
+        end
+    end
+endmodule
+`default_nettype wire

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The serial line to words and back: UART, COBS, CRC. Towards the line a whole frame goes in or out; towards the
+// instrument there are only words of good frames.
+`default_nettype none
+`include "interface.vh"
+module link #(
+    parameter CHANNELS = 100,
+    parameter CLOCK_HZ = 50000000,
+    parameter BAUD     = 1000000
+) (
+    input  wire        clk,
+    input  wire        rst,
+    input  wire        i_rx,
+    output wire        o_tx,
+    output wire        o_valid,
+    output wire [15:0] o_word,
+    input  wire        i_take,
+    output wire        o_good,
+    output wire        o_damaged,
+    input  wire        i_reply_valid,
+    output wire        o_reply_ready,
+    input  wire [15:0] i_reply_word,
+    input  wire        i_reply_last
+);
+    localparam RECORD_WORDS = CHANNELS + `HG_RECORD_HEADER_WORDS;
+    // Twice (length word, sequence number and command, address, record); a reply with a record, its CRC and COBS bytes.
+    localparam RECEIVE_WORDS = 1 << $clog2(2 * (RECORD_WORDS + 4));
+    localparam REPLY_BYTES = 1 << $clog2(6 + 2 * RECORD_WORDS + 2 + RECORD_WORDS / 127 + 3);
+    localparam [63:0] CLOCK_64 = CLOCK_HZ;
+    localparam [63:0] BAUD_64 = BAUD;
+    localparam [63:0] STEP_64 = ((BAUD_64 << 20) + CLOCK_64 / 2) / CLOCK_64;
+
+    generate
+        if (BAUD < 1 || CLOCK_HZ / BAUD < 8) baud_out_of_range error();
+    endgenerate
+
+    wire       line, rx_valid, data_valid, data_end, data_intact;
+    wire [7:0] rx_byte, data_byte;
+    synchronizer #(.RESET_VALUE(1'b1)) rx_synchronizer (.clk(clk), .rst(rst), .i_foreign(i_rx), .o_synchronous(line));
+    uart_rx #(.STEP(STEP_64[19:0])) receiver (
+        .clk(clk), .rst(rst), .i_line(line), .o_byte(rx_byte), .o_valid(rx_valid));
+    cobs_decoder decoder (
+        .clk(clk), .rst(rst), .i_valid(rx_valid), .i_byte(rx_byte),
+        .o_valid(data_valid), .o_byte(data_byte), .o_end(data_end), .o_intact(data_intact));
+    frame_receiver #(.WORDS(RECEIVE_WORDS)) frames (
+        .clk(clk), .rst(rst), .i_valid(data_valid), .i_byte(data_byte), .i_end(data_end), .i_intact(data_intact),
+        .o_valid(o_valid), .o_word(o_word), .i_take(i_take), .o_good(o_good), .o_damaged(o_damaged));
+
+    wire       plain_valid, plain_ready, plain_last, tx_valid, tx_ready;
+    wire [7:0] plain_byte, tx_byte;
+    frame_transmitter replies (
+        .clk(clk), .rst(rst), .i_valid(i_reply_valid), .o_ready(o_reply_ready), .i_word(i_reply_word), .i_last(i_reply_last),
+        .o_valid(plain_valid), .i_ready(plain_ready), .o_byte(plain_byte), .o_last(plain_last));
+    cobs_encoder #(.BYTES(REPLY_BYTES)) encoder (
+        .clk(clk), .rst(rst), .i_valid(plain_valid), .o_ready(plain_ready), .i_byte(plain_byte), .i_last(plain_last),
+        .o_valid(tx_valid), .i_ready(tx_ready), .o_byte(tx_byte));
+    uart_tx #(.STEP(STEP_64[19:0])) transmitter (
+        .clk(clk), .rst(rst), .i_valid(tx_valid), .o_ready(tx_ready), .i_byte(tx_byte), .o_line(o_tx));
+endmodule
+`default_nettype wire

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Takes the next (index, dwell), reads that record out of primary memory, one word a clock, into the cycle controller's
+// fields and the channels' shadow registers, and holds it ready until it is committed.
+//
+// i_entry/o_take is a valid/ready stream. From the clock that takes an entry to the one in which o_ready is first high
+// are CHANNELS + 6 clocks; index 0 (silence) is ready at once. A record that cannot be played (index above RECORDS,
+// prescaler 0, a pulse not shorter than its cycle) is refused: o_refused strobes and silence takes its place and dwell.
+// The memory is read without pause in ascending order; writers do the same, so whoever starts first stays first and a
+// record written meanwhile is seen whole or not at all. i_preempt drops whatever is loading or loaded.
+`default_nettype none
+`include "interface.vh"
+module memory_controller #(
+    parameter CHANNELS     = 100,
+    parameter RECORDS      = 400,
+    parameter TIMING_BITS  = 16,
+    parameter PULSE_BITS   = 8
+) (
+    input  wire                    clk,
+    input  wire                    rst,
+    input  wire                    i_preempt,
+    input  wire                    i_entry,
+    output wire                    o_take,
+    input  wire [15:0]             i_index,
+    input  wire [15:0]             i_dwell,
+    output wire                    o_reading,  // o_address is in use
+    output reg  [26:0]             o_address,  // word
+    input  wire [15:0]             i_word,     // one clock after o_address
+    output wire                    o_shift,
+    output wire [TIMING_BITS-1:0]  o_timing,
+    input  wire                    i_commit,
+    output wire                    o_ready,
+    output reg                     o_silent,
+    output reg  [15:0]             o_index,
+    output reg  [15:0]             o_dwell,
+    output reg  [23:0]             o_cycle_length,
+    output reg  [23:0]             o_prescaler,
+    output wire [PULSE_BITS-1:0]   o_pulse_length,
+    output reg                     o_refused
+);
+    localparam WORDS = CHANNELS + `HG_RECORD_HEADER_WORDS;
+    localparam WORD_BITS = 10;
+    localparam [26:0] STRIDE = WORDS[26:0];
+    localparam [WORD_BITS-1:0] LAST = WORDS[WORD_BITS-1:0] - 1'b1;
+    localparam [15:0] TOP_INDEX = RECORDS[15:0];
+    localparam [1:0] IDLE = 2'd0, LOAD = 2'd1, READY = 2'd2;
+
+    generate
+        if (CHANNELS < 2 || CHANNELS > 1000) channels_out_of_range error();
+        if (RECORDS < 1 || RECORDS > 65535) records_out_of_range error();
+    endgenerate
+
+    reg [1:0]            state_q;
+    reg [WORD_BITS-1:0]  asked_q;    // number of the word whose address is out
+    reg [WORD_BITS-1:0]  arrived_q;  // number of the word in i_word
+    reg                  arrives_q;  // i_word belongs to the record being loaded
+    reg [7:0]            pulse_field_q;
+    reg                  reserved_q;  // a bit is set that this version gives no meaning
+    reg                  unplayable_q;
+
+    wire [15:0] wanted = i_index - 1'b1;
+    wire refuse_index = i_index > TOP_INDEX;
+    // All header fields are in place when the first timing arrives.
+    wire [24:0] pulse_limit = 25'd1 << PULSE_BITS;
+    wire unplayable = o_prescaler == 24'd0 || {16'd0, pulse_field_q} >= o_cycle_length
+                      || {17'd0, pulse_field_q} >= pulse_limit || reserved_q;
+
+    assign o_take    = state_q == IDLE && i_entry && !i_preempt;
+    assign o_reading = state_q == LOAD;
+    assign o_ready   = state_q == READY;
+    // A timing too wide for the channel becomes all ones, which never matches.
+    wire too_wide;
+    generate
+        if (TIMING_BITS < 16) begin : narrow
+            assign too_wide = i_word[15:TIMING_BITS] != {(16-TIMING_BITS){1'b0}};
+        end else begin : full
+            assign too_wide = 1'b0;
+        end
+    endgenerate
+    assign o_timing = too_wide ? {TIMING_BITS{1'b1}} : i_word[TIMING_BITS-1:0];
+    assign o_shift        = arrives_q && arrived_q >= `HG_RECORD_HEADER_WORDS;
+    assign o_pulse_length = pulse_field_q[PULSE_BITS-1:0];
+
+    always @(posedge clk) begin
+        o_refused <= 1'b0;
+        arrives_q <= state_q == LOAD && !i_preempt;
+        if (rst || i_preempt) begin
+            state_q   <= IDLE;
+            arrives_q <= 1'b0;
+        end else case (state_q)
+            IDLE: if (i_entry) begin
+                state_q   <= (i_index == 16'd0 || refuse_index) ? READY : LOAD;
+                o_refused <= refuse_index;
+                o_silent  <= i_index == 16'd0 || refuse_index;
+            end
+            LOAD: if (arrives_q && arrived_q == LAST) begin
+                state_q   <= READY;
+                o_silent  <= unplayable_q;
+                o_refused <= unplayable_q;
+            end
+            default: if (i_commit) state_q <= IDLE;
+        endcase
+    end
+
+    // The data path needs no reset: nothing looks at it before the state machine says so.
+    always @(posedge clk) begin
+        if (o_take) begin
+            o_index   <= i_index;
+            o_dwell   <= i_dwell;
+            o_address <= {11'd0, wanted} * STRIDE;
+            asked_q   <= {WORD_BITS{1'b0}};
+        end else if (asked_q != LAST) begin
+            o_address <= o_address + 1'b1;
+            asked_q   <= asked_q + 1'b1;
+        end
+        arrived_q <= asked_q;
+        if (arrives_q) begin
+            if (arrived_q == 0) o_cycle_length[15:0] <= i_word;
+            if (arrived_q == 1) {pulse_field_q, o_cycle_length[23:16]} <= i_word;
+            if (arrived_q == 2) o_prescaler[15:0] <= i_word;
+            if (arrived_q == 3) {reserved_q, o_prescaler[23:16]} <= {i_word[15:8] != 8'd0, i_word[7:0]};
+            if (arrived_q == 4) unplayable_q <= unplayable;
+        end
+    end
+
+endmodule
+`default_nettype wire

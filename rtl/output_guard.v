@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Decides whether the pins may be high at all: not from power-up until enabled, nor from the clock after disable, watchdog
+// expiry or reset, and no longer than MAX_HIGH_CLOCKS at a time, whatever is in memory. o_allow holds the last
+// registers before the pins low one clock later.
+//
+// The bound: time is cut into windows of MAX_HIGH_CLOCKS / 2; a channel that was high through a whole window trips the
+// guard, which disables every output until the host enables them again. One bit per channel does it.
+`default_nettype none
+module output_guard #(
+    parameter CHANNELS        = 100,
+    parameter MAX_HIGH_CLOCKS = 10000  // even, ≥ 8
+) (
+    input  wire                clk,
+    input  wire                rst,
+    input  wire                i_enable,   // strobe
+    input  wire                i_disable,  // strobe; wins over i_enable
+    input  wire                i_expired,  // strobe from the watchdog; wins over i_enable
+    input  wire [CHANNELS-1:0] i_pins,
+    output wire                o_allow,
+    output reg                 o_enabled,
+    output reg                 o_trip      // strobe: some channel was high too long
+);
+    localparam WINDOW      = MAX_HIGH_CLOCKS / 2 - 1;
+    localparam WINDOW_BITS = 24;
+    localparam [WINDOW_BITS-1:0] WINDOW_LAST = WINDOW[WINDOW_BITS-1:0] - 1'b1;
+
+    generate
+        if (MAX_HIGH_CLOCKS < 8 || MAX_HIGH_CLOCKS >= (1 << WINDOW_BITS)) max_high_clocks_out_of_range error();
+    endgenerate
+
+    reg [WINDOW_BITS-1:0] window_q;
+    reg [CHANNELS-1:0]    stayed_high_q;  // since the window's start
+    wire                  window_ends = window_q == WINDOW_LAST;
+    wire                  off = rst || i_disable || i_expired || o_trip;
+
+    always @(posedge clk) begin
+        if (rst || window_ends) window_q <= {WINDOW_BITS{1'b0}};
+        else window_q <= window_q + 1'b1;
+    end
+
+    always @(posedge clk) begin
+        if (rst) stayed_high_q <= {CHANNELS{1'b0}};
+        else if (window_ends) stayed_high_q <= i_pins;
+        else stayed_high_q <= stayed_high_q & i_pins;
+    end
+
+    initial o_trip = 1'b0;
+    always @(posedge clk) o_trip <= !rst && window_ends && (stayed_high_q & i_pins) != {CHANNELS{1'b0}};
+
+    initial o_enabled = 1'b0;
+    always @(posedge clk) begin
+        if (off) o_enabled <= 1'b0;
+        else if (i_enable) o_enabled <= 1'b1;
+    end
+    assign o_allow = o_enabled && !off;
+endmodule
+`default_nettype wire

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// From the next (index, dwell) to the pins: memory controller, cycle controller, pulse generators, output guard. The only
+// ways in are entries, a memory to read, and the guard's three strobes, so that everything contracts 1, 2 and 4 speak of
+// is in here and can be built, proved and measured by itself.
+`default_nettype none
+module player #(
+    parameter CHANNELS        = 100,
+    parameter RECORDS         = 400,
+    parameter TIMING_BITS     = 16,
+    parameter PULSE_BITS      = 8,
+    parameter IDLE_CLOCKS     = 1250,
+    parameter MAX_HIGH_CLOCKS = 10000
+) (
+    input  wire                clk,
+    input  wire                rst,
+    input  wire                i_preempt,
+    input  wire                i_entry,
+    output wire                o_take,
+    input  wire [15:0]         i_index,
+    input  wire [15:0]         i_dwell,
+    output wire                o_reading,
+    output wire [26:0]         o_address,
+    input  wire [15:0]         i_word,
+    input  wire                i_enable,
+    input  wire                i_disable,
+    input  wire                i_expired,
+    output wire [CHANNELS-1:0] o_pins,
+    output wire                o_enabled,
+    output wire [15:0]         o_index,
+    output wire                o_cycle_start,
+    output wire                o_refused,
+    output wire                o_underrun,
+    output wire                o_guard_trip
+);
+    wire                   shift, ready, silent, commit, tick, can_match, cycle_start, allow;
+    wire [TIMING_BITS-1:0] timing, count;
+    wire [15:0]            index, dwell, present;
+    wire [23:0]            cycle_length, prescaler;
+    wire [PULSE_BITS-1:0]  next_pulse_length, pulse_length;
+
+    memory_controller #(
+        .CHANNELS(CHANNELS), .RECORDS(RECORDS), .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS)
+    ) memory (
+        .clk(clk), .rst(rst), .i_preempt(i_preempt), .i_entry(i_entry), .o_take(o_take), .i_index(i_index), .i_dwell(i_dwell),
+        .o_reading(o_reading), .o_address(o_address), .i_word(i_word), .o_shift(shift), .o_timing(timing), .i_commit(commit),
+        .o_ready(ready), .o_silent(silent), .o_index(index), .o_dwell(dwell), .o_cycle_length(cycle_length),
+        .o_prescaler(prescaler), .o_pulse_length(next_pulse_length), .o_refused(o_refused));
+    cycle_controller #(.PULSE_BITS(PULSE_BITS), .TIMING_BITS(TIMING_BITS), .IDLE_CLOCKS(IDLE_CLOCKS)) cycle (
+        .clk(clk), .rst(rst), .i_preempt(i_preempt), .i_ready(ready), .i_index(index), .i_dwell(dwell), .i_silent(silent),
+        .i_cycle_length(cycle_length), .i_prescaler(prescaler), .i_pulse_length(next_pulse_length), .o_commit(commit),
+        .o_tick(tick), .o_count(count), .o_can_match(can_match), .o_pulse_length(pulse_length), .o_index(present),
+        .o_cycle_start(cycle_start), .o_underrun(o_underrun));
+    pulse_generators #(.CHANNELS(CHANNELS), .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS)) generators (
+        .clk(clk), .rst(rst), .i_allow(allow), .i_shift(shift), .i_timing(timing), .i_commit(commit), .i_tick(tick),
+        .i_can_match(can_match), .i_count(count), .i_pulse_length(pulse_length), .o_pins(o_pins));
+    output_guard #(.CHANNELS(CHANNELS), .MAX_HIGH_CLOCKS(MAX_HIGH_CLOCKS)) guard (
+        .clk(clk), .rst(rst), .i_enable(i_enable), .i_disable(i_disable), .i_expired(i_expired), .i_pins(o_pins), .o_allow(allow),
+        .o_enabled(o_enabled), .o_trip(o_guard_trip));
+
+    // What is seen beside the pins takes as long as the pins do.
+    reg [16:0] beside_0_q, beside_1_q;
+    always @(posedge clk) begin
+        if (rst) {beside_0_q, beside_1_q} <= 34'd0;
+        else {beside_0_q, beside_1_q} <= {{cycle_start, present}, beside_0_q};
+    end
+    assign {o_cycle_start, o_index} = beside_1_q;
+endmodule
+`default_nettype wire

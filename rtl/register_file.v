@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The identity and status blocks of the address space: constants, present values, and counters that run modulo 65,536.
+// o_word follows i_read by one clock.
+`default_nettype none
+`include "interface.vh"
+module register_file #(
+    parameter CHANNELS       = 100,
+    parameter RECORDS        = 400,
+    parameter SEQUENCE_DEPTH = 1024,
+    parameter LIVE_DEPTH     = 256,
+    parameter TIMING_BITS    = 16,
+    parameter PULSE_BITS     = 8,
+    parameter CLOCK_HZ       = 50000000
+) (
+    input  wire        clk,
+    input  wire        rst,
+    input  wire        i_read,
+    input  wire        i_is_identity,
+    input  wire [4:0]  i_address,  // word
+    output reg  [15:0] o_word,
+    input  wire        i_enabled,
+    input  wire [1:0]  i_mode,
+    input  wire [15:0] i_present_index,
+    input  wire [15:0] i_live_level,
+    input  wire [15:0] i_watchdog_ms,
+    input  wire        i_underrun,  // strobes, one for each counter
+    input  wire        i_record_refused,
+    input  wire        i_frame_good,
+    input  wire        i_frame_damaged,
+    input  wire        i_frame_repeated,
+    input  wire        i_frame_refused,
+    input  wire        i_watchdog_trip,
+    input  wire        i_guard_trip
+);
+    localparam [15:0] CHANNELS_16 = CHANNELS[15:0], RECORDS_16 = RECORDS[15:0], SEQUENCE_16 = SEQUENCE_DEPTH[15:0],
+                      LIVE_16 = LIVE_DEPTH[15:0], TIMING_16 = TIMING_BITS[15:0], PULSE_16 = PULSE_BITS[15:0];
+    localparam [31:0] CLOCK_32 = CLOCK_HZ;
+    localparam FRAME = 6 + 2 * (CHANNELS + `HG_RECORD_HEADER_WORDS);  // a WRITE of one record
+    localparam [127:0] NAME = `HG_NAME;
+
+    reg [15:0] underruns_q, records_refused_q, good_q, damaged_q, repeated_q, refused_q, watchdog_q, guard_q;
+    wire counts = i_underrun || i_record_refused || i_frame_good || i_frame_damaged || i_frame_repeated || i_frame_refused
+                  || i_watchdog_trip || i_guard_trip;
+    always @(posedge clk) if (rst || counts) begin  // one condition in front spares a simulator eight
+        if (rst) begin
+            {underruns_q, records_refused_q, good_q, damaged_q} <= 64'd0;
+            {repeated_q, refused_q, watchdog_q, guard_q} <= 64'd0;
+        end else begin
+            if (i_underrun) underruns_q <= underruns_q + 1'b1;
+            if (i_record_refused) records_refused_q <= records_refused_q + 1'b1;
+            if (i_frame_good) good_q <= good_q + 1'b1;
+            if (i_frame_damaged) damaged_q <= damaged_q + 1'b1;
+            if (i_frame_repeated) repeated_q <= repeated_q + 1'b1;
+            if (i_frame_refused) refused_q <= refused_q + 1'b1;
+            if (i_watchdog_trip) watchdog_q <= watchdog_q + 1'b1;
+            if (i_guard_trip) guard_q <= guard_q + 1'b1;
+        end
+    end
+
+    always @(posedge clk) if (i_read) begin
+        if (i_is_identity) case (i_address)
+            `HG_IDENTITY_VERSION:        o_word <= `HG_VERSION;
+            `HG_IDENTITY_CHANNELS:       o_word <= CHANNELS_16;
+            `HG_IDENTITY_RECORDS:        o_word <= RECORDS_16;
+            `HG_IDENTITY_SEQUENCE_DEPTH: o_word <= SEQUENCE_16;
+            `HG_IDENTITY_LIVE_DEPTH:     o_word <= LIVE_16;
+            `HG_IDENTITY_BITS:           o_word <= {PULSE_16[7:0], TIMING_16[7:0]};
+            `HG_IDENTITY_CLOCK_HZ_LOW:   o_word <= CLOCK_32[15:0];
+            `HG_IDENTITY_CLOCK_HZ_HIGH:  o_word <= CLOCK_32[31:16];
+            `HG_IDENTITY_FEATURES:       o_word <= `HG_FEATURES;
+            `HG_IDENTITY_FRAME_BYTES:    o_word <= FRAME[15:0];
+            default:                     o_word <= NAME[{i_address[2:0], 4'd0} +: 16];
+        endcase else case (i_address)
+            `HG_STATUS_FLAGS:            o_word <= {13'd0, i_mode, i_enabled};
+            `HG_STATUS_PRESENT_INDEX:    o_word <= i_present_index;
+            `HG_STATUS_UNDERRUNS:        o_word <= underruns_q;
+            `HG_STATUS_REFUSED_RECORDS:  o_word <= records_refused_q;
+            `HG_STATUS_FRAMES_GOOD:      o_word <= good_q;
+            `HG_STATUS_FRAMES_DAMAGED:   o_word <= damaged_q;
+            `HG_STATUS_FRAMES_REPEATED:  o_word <= repeated_q;
+            `HG_STATUS_WATCHDOG_TRIPS:   o_word <= watchdog_q;
+            `HG_STATUS_GUARD_TRIPS:      o_word <= guard_q;
+            `HG_STATUS_LIVE_LEVEL:       o_word <= i_live_level;
+            `HG_STATUS_WATCHDOG_MS:      o_word <= i_watchdog_ms;
+            default:                     o_word <= refused_q;
+        endcase
+    end
+endmodule
+`default_nettype wire

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Answers one frame: three header words, then i_words words read from the address space, as a valid/ready stream with a
+// last mark. o_read is held until i_granted; i_read_word follows one clock later. o_answered strobes at the end.
+`default_nettype none
+module reply_unit (
+    input  wire        clk,
+    input  wire        rst,
+    input  wire        i_answer,      // strobe; the fields below are stable until o_answered
+    input  wire [7:0]  i_sequence,
+    input  wire [7:0]  i_command,
+    input  wire [7:0]  i_status,
+    input  wire [7:0]  i_expected,
+    input  wire [15:0] i_live_level,
+    input  wire [26:0] i_address,     // word
+    input  wire [15:0] i_words,
+    output wire        o_read,
+    output reg  [26:0] o_address,
+    input  wire        i_granted,
+    input  wire [15:0] i_read_word,
+    output wire        o_valid,
+    input  wire        i_ready,
+    output reg  [15:0] o_word,
+    output wire        o_last,
+    output wire        o_answered
+);
+    localparam [2:0] IDLE = 3'd0, HEAD_0 = 3'd1, HEAD_1 = 3'd2, HEAD_2 = 3'd3, ASK = 3'd4, FETCH = 3'd5, SEND = 3'd6;
+
+    reg [2:0]  state_q;
+    reg [15:0] words_q;  // still to be read
+
+    assign o_read     = state_q == ASK;
+    assign o_valid    = state_q == HEAD_0 || state_q == HEAD_1 || state_q == HEAD_2 || state_q == SEND;
+    assign o_last     = (state_q == HEAD_2 || state_q == SEND) && words_q == 16'd0;
+    assign o_answered = o_valid && i_ready && o_last;
+
+    always @(posedge clk) begin
+        case (state_q)
+            IDLE: if (i_answer) begin
+                o_word    <= {i_command | 8'h80, i_sequence};
+                o_address <= i_address;
+                words_q   <= i_words;
+                state_q   <= HEAD_0;
+            end
+            HEAD_0: if (i_ready) begin
+                o_word  <= {i_expected, i_status};
+                state_q <= HEAD_1;
+            end
+            HEAD_1: if (i_ready) begin
+                o_word  <= i_live_level;
+                state_q <= HEAD_2;
+            end
+            ASK: if (i_granted) state_q <= FETCH;
+            FETCH: begin
+                o_word    <= i_read_word;
+                o_address <= o_address + 1'b1;
+                words_q   <= words_q - 1'b1;
+                state_q   <= SEND;
+            end
+            default: if (i_ready) state_q <= words_q == 16'd0 ? IDLE : ASK;  // HEAD_2, SEND
+        endcase
+        if (rst) state_q <= IDLE;
+    end
+endmodule
+`default_nettype wire

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The order of play, in 32-bit words: word 0 is {loops, length}, the others are {dwell, index}. Written in halves, low
+// half first; the word changes when its high half arrives. Data one clock after the address.
+`default_nettype none
+module sequence_memory #(
+    parameter WORDS     = 1024,
+    parameter INIT_FILE = ""
+) (
+    input  wire        clk,
+    input  wire        i_write,
+    input  wire [26:0] i_write_address,  // of 16-bit halves
+    input  wire [15:0] i_write_half,
+    input  wire [15:0] i_read_address,   // of 32-bit words
+    output reg  [31:0] o_word
+);
+    localparam BITS = $clog2(WORDS);
+    reg [31:0] words [0:WORDS-1];
+    reg [15:0] low_q;
+
+    generate
+        if (INIT_FILE != "") begin : initialised
+            initial $readmemh(INIT_FILE, words);
+        end
+        if (WORDS < 2 || WORDS > 65536) words_out_of_range error();
+    endgenerate
+
+    always @(posedge clk) begin
+        if (i_write && !i_write_address[0]) low_q <= i_write_half;
+        if (i_write && i_write_address[0]) words[i_write_address[BITS:1]] <= {i_write_half, low_q};
+        o_word <= words[i_read_address[BITS-1:0]];
+    end
+
+    wire unused = &{1'b0, i_write_address, i_read_address};
+endmodule
+`default_nettype wire

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Receives 8N1 bytes. o_valid strobes in the middle of a good stop bit; a byte whose stop bit is low is dropped.
+//
+// The bit clock is a 20-bit phase accumulator, so the baud rate need not divide the clock: it is off by less than one
+// 2^21-th of the clock rate. A bit is at least 8 clocks.
+`default_nettype none
+module uart_rx #(
+    parameter [19:0] STEP = 20'd20972  // 2^20 · baud / clock, rounded
+) (
+    input  wire       clk,
+    input  wire       rst,
+    input  wire       i_line,  // synchronised
+    output reg  [7:0] o_byte,
+    output reg        o_valid
+);
+    localparam [19:0] HALF_BIT = 20'h80000;
+
+    reg [19:0] phase_q;
+    reg [3:0]  bits_left_q;  // 10 while the start bit is awaited in its middle, 0 when idle
+    reg        high_seen_q;  // a start bit begins with a falling edge
+    wire [20:0] phase_d = {1'b0, phase_q} + {1'b0, STEP};
+
+    always @(posedge clk) begin
+        o_valid <= 1'b0;
+        if (rst) begin
+            bits_left_q <= 4'd0;
+            high_seen_q <= 1'b0;
+        end else if (bits_left_q == 4'd0) begin
+            phase_q     <= HALF_BIT;
+            high_seen_q <= i_line;
+            if (high_seen_q && !i_line) bits_left_q <= 4'd10;
+        end else begin
+            phase_q <= phase_d[19:0];
+            if (phase_d[20]) begin
+                bits_left_q <= bits_left_q - 1'b1;
+                high_seen_q <= i_line;
+                if (bits_left_q == 4'd10 && i_line) bits_left_q <= 4'd0;  // a glitch, no start bit
+                else if (bits_left_q == 4'd1) o_valid <= i_line;
+                else o_byte <= {i_line, o_byte[7:1]};
+            end
+        end
+    end
+endmodule
+`default_nettype wire

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Strobes o_expired when no frame was accepted for i_milliseconds while outputs are enabled; 0 turns it off.
+// i_kick restarts the time. One clock from expiry to strobe.
+`default_nettype none
+module watchdog #(
+    parameter CLOCK_HZ   = 50000000,
+    parameter DEFAULT_MS = 500
+) (
+    input  wire        clk,
+    input  wire        rst,
+    input  wire        i_running,  // outputs are enabled
+    input  wire        i_kick,
+    input  wire        i_set,
+    input  wire [15:0] i_milliseconds,
+    output reg  [15:0] o_milliseconds,
+    output reg         o_expired
+);
+    localparam CLOCKS_PER_MS = CLOCK_HZ / 1000;
+    localparam [19:0] LAST_CLOCK = CLOCKS_PER_MS[19:0] - 1'b1;
+    localparam [15:0] DEFAULT = DEFAULT_MS[15:0];
+
+    generate
+        if (CLOCKS_PER_MS < 2 || CLOCKS_PER_MS > 1000000) clock_hz_out_of_range error();
+    endgenerate
+
+    reg [19:0] clock_q;
+    reg [15:0] left_q;
+    wire millisecond_ends = clock_q == LAST_CLOCK;
+
+    always @(posedge clk) begin
+        o_expired <= 1'b0;
+        if (rst) begin
+            o_milliseconds <= DEFAULT;
+            left_q         <= DEFAULT;
+            clock_q        <= 20'd0;
+        end else if (i_set || i_kick || !i_running || o_milliseconds == 16'd0) begin
+            if (i_set) o_milliseconds <= i_milliseconds;
+            left_q  <= i_set ? i_milliseconds : o_milliseconds;
+            clock_q <= 20'd0;
+        end else if (millisecond_ends) begin
+            clock_q   <= 20'd0;
+            left_q    <= left_q - 1'b1;
+            o_expired <= left_q == 16'd1;
+        end else clock_q <= clock_q + 1'b1;
+    end
+endmodule
+`default_nettype wire
