@@ -66,6 +66,7 @@ module memory_controller #(
                       || {17'd0, pulse_field_q} >= pulse_limit || reserved_q;
 
     assign o_take    = state_q == IDLE && i_entry && !i_preempt;
+    wire   arrives   = state_q == LOAD && arrives_q;  // the last word is still out when the state has changed
     assign o_reading = state_q == LOAD;
     assign o_ready   = state_q == READY;
     // A timing too wide for the channel becomes all ones, which never matches.
@@ -78,7 +79,7 @@ module memory_controller #(
         end
     endgenerate
     assign o_timing = too_wide ? {TIMING_BITS{1'b1}} : i_word[TIMING_BITS-1:0];
-    assign o_shift        = arrives_q && arrived_q >= `HG_RECORD_HEADER_WORDS;
+    assign o_shift        = arrives && arrived_q >= `HG_RECORD_HEADER_WORDS;
     assign o_pulse_length = pulse_field_q[PULSE_BITS-1:0];
 
     always @(posedge clk) begin
@@ -93,7 +94,7 @@ module memory_controller #(
                 o_refused <= refuse_index;
                 o_silent  <= i_index == 16'd0 || refuse_index;
             end
-            LOAD: if (arrives_q && arrived_q == LAST) begin
+            LOAD: if (arrives && arrived_q == LAST) begin
                 state_q   <= READY;
                 o_silent  <= unplayable_q;
                 o_refused <= unplayable_q;
@@ -114,7 +115,7 @@ module memory_controller #(
             asked_q   <= asked_q + 1'b1;
         end
         arrived_q <= asked_q;
-        if (arrives_q) begin
+        if (arrives) begin
             if (arrived_q == 0) o_cycle_length[15:0] <= i_word;
             if (arrived_q == 1) {pulse_field_q, o_cycle_length[23:16]} <= i_word;
             if (arrived_q == 2) o_prescaler[15:0] <= i_word;

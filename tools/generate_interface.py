@@ -38,9 +38,13 @@ def verilog(table):
     define("VERSION", f"16'h{protocol['version_major']:02x}{protocol['version_minor']:02x}")
     define("NAME", "128'h" + "".join(f"{word:04x}" for word in reversed(name_words(table))))
     for region in table["region"]:
+        if region["access"] == "image only":
+            continue
         define(f"REGION_{region['name']}", f"4'h{region['base'] >> 28:x}")
     define("RECORD_HEADER_WORDS", table["record"]["header_words"])
     for name, words in blocks(table).items():
+        if name == "description":  # the board never sees it
+            continue
         define(f"{name}_WORDS", len(words))
         for position, word in enumerate(words):
             define(f"{name}_{word}", f"5'd{position}")

@@ -9,8 +9,9 @@
 
 #include <array>
 #include <cerrno>
-#include <cstdio>
+#include <memory>
 #include <system_error>
+#include <utility>
 
 #include "base/error.hpp"
 
@@ -51,6 +52,57 @@ Error cannot_write(const std::filesystem::path& path) {
     return bad_input(path.string(), fmt::format("cannot be written: {}; choose another place or make room, nothing was left behind", reason()));
 }
 
+/// A file that is written beside its place and renamed into it at the end; removed when it never comes to that.
+class StagedFile {
+public:
+    explicit StagedFile(std::filesystem::path path) : path_(std::move(path)) {
+        struct stat status = {};
+        const bool exists = ::stat(path_.c_str(), &status) == 0;
+        if (path_ == "-" || (exists && !S_ISREG(status.st_mode))) {
+            file_ = std::make_unique<Descriptor>(path_ == "-" ? STDOUT_FILENO : ::open(path_.c_str(), O_WRONLY | O_CLOEXEC));
+            if (file_->get() < 0) throw cannot_write(path_);
+            return;
+        }
+        target_ = exists ? std::filesystem::canonical(path_) : path_;  // keep a symbolic link
+        beside_ = target_.string() + ".XXXXXX";
+        file_ = std::make_unique<Descriptor>(::mkstemp(beside_.data()));
+        if (file_->get() < 0) {
+            const Error error = cannot_write(path_);
+            beside_.clear();
+            throw error;
+        }
+        const mode_t mask = ::umask(0);
+        ::umask(mask);
+        if (::fchmod(file_->get(), exists ? status.st_mode & 07777 : 0666 & ~mask) != 0) fail();
+    }
+    StagedFile(const StagedFile&) = delete;
+    StagedFile& operator=(const StagedFile&) = delete;
+    ~StagedFile() {
+        if (!beside_.empty()) ::unlink(beside_.c_str());
+    }
+
+    void fill(std::string_view content) {
+        if (!write_all(file_->get(), content) || (!beside_.empty() && ::fsync(file_->get()) != 0)) fail();
+    }
+    void commit() {
+        if (beside_.empty()) return;
+        if (::rename(beside_.c_str(), target_.c_str()) != 0) fail();
+        beside_.clear();
+    }
+
+private:
+    [[noreturn]] void fail() {
+        const Error error = cannot_write(path_);  // before anything else changes errno
+        if (!beside_.empty()) ::unlink(std::exchange(beside_, {}).c_str());
+        throw error;
+    }
+
+    std::filesystem::path path_;
+    std::filesystem::path target_;
+    std::string beside_;  // empty when the place is written directly, and after commit
+    std::unique_ptr<Descriptor> file_;
+};
+
 }  // namespace
 
 std::string read_file(const std::filesystem::path& path) {
@@ -71,27 +123,18 @@ std::string read_file(const std::filesystem::path& path) {
 }
 
 void write_file(const std::filesystem::path& path, std::string_view content) {
-    struct stat status = {};
-    const bool exists = ::stat(path.c_str(), &status) == 0;
-    if (path == "-" || (exists && !S_ISREG(status.st_mode))) {
-        const Descriptor file(path == "-" ? STDOUT_FILENO : ::open(path.c_str(), O_WRONLY | O_CLOEXEC));
-        if (file.get() < 0 || !write_all(file.get(), content)) throw cannot_write(path);
-        return;
+    StagedFile file(path);
+    file.fill(content);
+    file.commit();
+}
+
+void write_files(const std::vector<std::pair<std::filesystem::path, std::string>>& files) {
+    std::vector<std::unique_ptr<StagedFile>> staged;
+    for (const auto& [path, content] : files) {
+        staged.push_back(std::make_unique<StagedFile>(path));
+        staged.back()->fill(content);
     }
-    const std::filesystem::path target = exists ? std::filesystem::canonical(path) : path;  // keep a symbolic link
-    std::string beside = target.string() + ".XXXXXX";
-    const int number = ::mkstemp(beside.data());
-    if (number < 0) throw cannot_write(path);
-    const Descriptor file(number);
-    const mode_t mask = ::umask(0);
-    ::umask(mask);
-    const mode_t mode = exists ? status.st_mode & 07777 : 0666 & ~mask;
-    if (!write_all(number, content) || ::fchmod(number, mode) != 0 || ::fsync(number) != 0 ||
-        ::rename(beside.c_str(), target.c_str()) != 0) {
-        const Error error = cannot_write(path);
-        ::unlink(beside.c_str());
-        throw error;
-    }
+    for (const auto& file : staged) file->commit();
 }
 
 std::string sha256(std::string_view content) {

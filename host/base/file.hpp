@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace haptogram {
 
@@ -15,6 +17,10 @@ namespace haptogram {
 /// cannot be renamed onto, is written directly.
 /// @throws Error{bad_input} naming the path and the system's reason (no such folder, no permission, disk full)
 void write_file(const std::filesystem::path& path, std::string_view content);
+
+/// Several files at once: all are written beside their places before the first is renamed, so that a failure to write any
+/// leaves all of them as they were.
+void write_files(const std::vector<std::pair<std::filesystem::path, std::string>>& files);
 
 /// Lower-case hexadecimal SHA-256.
 [[nodiscard]] std::string sha256(std::string_view content);

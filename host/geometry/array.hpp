@@ -43,15 +43,15 @@ struct Array {
     std::vector<Vec3> elements;  ///< metres, z = 0, channel order (row · columns + column)
     double carrier_hz = 40e3;
     double duty = 0.5;              ///< of the carrier period, (0, 0.5]
-    double reach_angle_rad = 1.05;  ///< a focal point must be seen within this angle of the axis by every element's nearest edge
+    double reach_angle_rad = 1.0;   ///< a focal point lies within this angle of the axis, seen from the array's centre
+    double nearest_m = 0.0;         ///< and no nearer to any element: the far field, by default 10·d²/4λ (Haptogram eq. 10)
     Medium medium;
     Transducer transducer;
     BoardSpec board;
 
     [[nodiscard]] double wavelength_m() const { return medium.speed_m_s / carrier_hz; }
-    /// Nearest distance from any element at which the far-field piston holds: Haptogram eq. 10 asks for R ≫ d²/4λ with
-    /// d = 2a; taken here as ten times.
-    [[nodiscard]] double far_field_limit_m() const;
+    /// Why a focal point cannot be reached, in words; empty when it can.
+    [[nodiscard]] std::string unreachable(Vec3 focus) const;
 };
 
 /// Reads an array file (TOML); see host/arrays/README.md for its keys.

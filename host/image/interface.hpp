@@ -13,6 +13,7 @@ inline constexpr std::uint32_t primary_base = 0x00000000;  // 16-bit words
 inline constexpr std::uint32_t sequence_base = 0x10000000;  // 32-bit words
 inline constexpr std::uint32_t identity_base = 0x20000000;  // 16-bit words
 inline constexpr std::uint32_t status_base = 0x30000000;  // 16-bit words
+inline constexpr std::uint32_t description_base = 0x40000000;  // 16-bit words
 inline constexpr unsigned record_header_words = 4;
 inline constexpr std::uint16_t silent_timing = 0xffff;
 
@@ -53,6 +54,18 @@ enum class StatusWord : unsigned {
     frames_refused = 11,
 };
 inline constexpr unsigned status_words = 12;
+
+enum class DescriptionWord : unsigned {
+    magic = 0,
+    format = 1,
+    channels = 2,
+    records = 3,
+    sequence_words = 4,
+    bits = 5,
+    clock_hz_low = 6,
+    clock_hz_high = 7,
+};
+inline constexpr unsigned description_words = 8;
 
 enum class Feature : unsigned {
     sequence = 0,

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "acoustics/field.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "base/error.hpp"
+
+namespace haptogram {
+namespace {
+
+double wave_number(const Array& array) { return 2.0 * std::numbers::pi / array.wavelength_m(); }
+
+}  // namespace
+
+double piston_directivity(double ka_sin) {
+    const double x = std::abs(ka_sin);
+    if (x < 1e-4) return 1.0 - x * x / 8.0;  // the series, where the quotient loses digits
+    return 2.0 * std::cyl_bessel_j(1.0, x) / x;
+}
+
+std::complex<double> propagation(Vec3 element, Vec3 normal, Vec3 point, double k, double radius_m) {
+    const Vec3 ray = point - element;
+    const double range = norm(ray);
+    if (range == 0.0) throw bad_input("field", "a point coincides with an element, where the pressure is infinite; move it");
+    const double sine = norm(cross(ray, normal)) / (range * norm(normal));
+    return std::polar(piston_directivity(k * radius_m * sine) / range, -k * range);
+}
+
+std::complex<double> propagation(Vec3 element, Vec3 point, double k, double radius_m) {
+    return propagation(element, {0.0, 0.0, 1.0}, point, k, radius_m);
+}
+
+std::vector<std::complex<double>> propagation_matrix(const Array& array, std::span<const Vec3> points) {
+    const double k = wave_number(array);
+    std::vector<std::complex<double>> matrix;
+    matrix.reserve(points.size() * array.elements.size());
+    for (const Vec3& point : points)
+        for (const Vec3& element : array.elements) matrix.push_back(propagation(element, point, k, array.transducer.radius_m));
+    return matrix;
+}
+
+std::vector<std::complex<double>> ideal_drives(const Array& array, Vec3 focus) {
+    const double k = wave_number(array);
+    std::vector<std::complex<double>> drives;
+    drives.reserve(array.elements.size());
+    for (const Vec3& element : array.elements) drives.push_back(std::polar(array.transducer.source_pa_m, k * distance(element, focus)));
+    return drives;
+}
+
+std::complex<double> pressure(const Array& array, std::span<const std::complex<double>> drives, Vec3 point) {
+    const double k = wave_number(array);
+    std::complex<double> sum = 0.0;
+    for (std::size_t m = 0; m < array.elements.size(); ++m)
+        sum += drives[m] * propagation(array.elements[m], point, k, array.transducer.radius_m);
+    return sum;
+}
+
+}  // namespace haptogram

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "base/file.hpp"
+#include "command.hpp"
+#include "image/image.hpp"
+
+namespace haptogram::cli {
+namespace {
+
+struct InspectOptions {
+    std::string image;
+    bool json = false;
+};
+
+struct Range {
+    std::uint32_t lowest = interface::silent_timing, highest = 0, firing = 0;
+};
+
+/// Of the channels that fire at all.
+Range timing_range(const Record& record) {
+    Range range;
+    for (const std::uint16_t timing : record.timings) {
+        if (timing >= record.cycle_length || timing == interface::silent_timing) continue;
+        range.lowest = std::min<std::uint32_t>(range.lowest, timing);
+        range.highest = std::max<std::uint32_t>(range.highest, timing);
+        ++range.firing;
+    }
+    return range;
+}
+
+nlohmann::ordered_json to_json(const Image& image, const std::vector<std::string>& found) {
+    nlohmann::ordered_json json = {{"channels", image.channels},       {"clock_hz", image.clock_hz}, {"timing_bits", image.timing_bits},
+                                   {"pulse_bits", image.pulse_bits}, {"loops", image.loops}};
+    json["records"] = nlohmann::ordered_json::array();
+    for (std::size_t i = 0; i < image.records.size(); ++i) {
+        const Record& r = image.records[i];
+        json["records"].push_back({{"index", i + 1},
+                                   {"cycle_length", r.cycle_length},
+                                   {"prescaler", r.prescaler},
+                                   {"pulse_length", r.pulse_length},
+                                   {"timings", r.timings}});
+    }
+    json["sequence"] = nlohmann::ordered_json::array();
+    for (const SequenceEntry& entry : image.sequence) json["sequence"].push_back({{"index", entry.index}, {"dwell_cycles", entry.dwell}});
+    json["problems"] = found;
+    return json;
+}
+
+void print(const Image& image, const std::vector<std::string>& found) {
+    fmt::print("{} channels, {} Hz clock, {} timing bits, {} pulse bits\n", image.channels, image.clock_hz, image.timing_bits, image.pulse_bits);
+    fmt::print("\n{} records\n index  cycle  prescaler  pulse  channels firing  timings\n", image.records.size());
+    for (std::size_t i = 0; i < image.records.size(); ++i) {
+        const Record& r = image.records[i];
+        const Range range = timing_range(r);
+        fmt::print("{:6} {:6} {:10} {:6} {:16}  ", i + 1, r.cycle_length, r.prescaler, r.pulse_length, range.firing);
+        if (range.firing > 0)
+            fmt::print("{}…{}\n", range.lowest, range.highest);
+        else
+            fmt::print("silent\n");
+    }
+    fmt::print("\n{} sequence entries, {}\n entry  index  dwell\n", image.sequence.size(),
+               image.loops == 0 ? std::string("repeated for ever") : fmt::format("played {} times", image.loops));
+    for (std::size_t i = 0; i < image.sequence.size(); ++i) fmt::print("{:6} {:6} {:6}\n", i + 1, image.sequence[i].index, image.sequence[i].dwell);
+    fmt::print("\nchecks: {}\n", found.empty() ? "checksums, regions, records and sequence are in order" : fmt::format("{} problems", found.size()));
+    for (const std::string& problem : found) fmt::print("  {}\n", problem);
+}
+
+int inspect(const InspectOptions& options) {
+    const Image image = from_intel_hex(read_file(options.image), options.image);
+    const std::vector<std::string> found = problems(image);
+    if (options.json)
+        fmt::print("{}\n", to_json(image, found).dump(1));
+    else
+        print(image, found);
+    return found.empty() ? 0 : 1;
+}
+
+}  // namespace
+
+void add_inspect(CLI::App& app, Action& action) {
+    auto options = std::make_shared<InspectOptions>();
+    CLI::App* sub = app.add_subcommand("inspect", "Print an image's records, sequence and checks; exit code 1 when something would not play");
+    sub->add_option("image", options->image, "Intel HEX image")->required();
+    sub->add_flag("--json", options->json, "As JSON, with every timing");
+    sub->callback([options, &action] { action = [options] { return inspect(*options); }; });
+}
+
+}  // namespace haptogram::cli

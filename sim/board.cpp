@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "board.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+namespace haptogram::sim {
+namespace {
+
+double clocks_per_bit(const ModelParameters& p) { return static_cast<double>(p.clock_hz) / static_cast<double>(p.baud); }
+
+}  // namespace
+
+Board::Board(std::size_t model, const BoardOptions& options)
+    : model_(make_model(model, options.power_up_seed)),
+      sender_(clocks_per_bit(model_->parameters())),
+      receiver_(clocks_per_bit(model_->parameters())) {
+    const std::size_t words = (model_->parameters().channels + 31) / 32;
+    outputs_.pins.assign(words, 0);
+    last_pins_.assign(words, 0);
+    reset(options.reset_clocks);
+}
+
+void Board::reset(unsigned clocks) {
+    in_reset_ = true;
+    run(clocks);
+    in_reset_ = false;
+}
+
+void Board::clock() {
+    const bool line = sender_.level(now_);
+    model_->clock(in_reset_, forced_line_.value_or(line), outputs_);
+    if (outputs_.cycle_start && on_cycle_start_) on_cycle_start_({now_, outputs_.index, outputs_.enabled});
+    for (std::size_t word = 0; word < last_pins_.size(); ++word) {
+        std::uint32_t changed = outputs_.pins[word] ^ last_pins_[word];
+        if (changed == 0) continue;
+        last_pins_[word] = outputs_.pins[word];
+        while (changed != 0 && on_edge_) {
+            const int bit = std::countr_zero(changed);
+            changed &= changed - 1;
+            const auto channel = static_cast<std::uint32_t>(word * 32 + static_cast<std::size_t>(bit));
+            on_edge_({now_, channel, outputs_.index, ((outputs_.pins[word] >> bit) & 1U) != 0});
+        }
+    }
+    if (const auto byte = receiver_.sample(now_, outputs_.tx)) arrived_.push_back(*byte);
+    ++now_;
+}
+
+void Board::run(std::uint64_t clocks) {
+    for (std::uint64_t i = 0; i < clocks; ++i) clock();
+}
+
+bool Board::run_until(const std::function<bool()>& done, std::uint64_t limit) {
+    for (const std::uint64_t end = now_ + limit; !done();) {
+        if (now_ >= end) return false;
+        run(16);
+    }
+    return true;
+}
+
+bool Board::any_pin() const {
+    return std::any_of(outputs_.pins.begin(), outputs_.pins.end(), [](std::uint32_t word) { return word != 0; });
+}
+
+std::vector<std::uint8_t> Board::receive() { return std::exchange(arrived_, {}); }
+
+std::optional<std::size_t> find_model(double clock_hz, std::uint32_t channels, std::uint32_t records,
+                                      std::uint32_t sequence_words, std::uint32_t timing_bits) {
+    const auto& models = available_models();
+    const auto fits = [&](const ModelParameters& p) {
+        return std::abs(p.clock_hz - clock_hz) < 0.5 && p.channels == channels && p.records >= records &&
+               p.sequence_depth >= sequence_words && p.timing_bits >= timing_bits;
+    };
+    const auto found = std::find_if(models.begin(), models.end(), fits);
+    if (found == models.end()) return {};
+    return static_cast<std::size_t>(found - models.begin());
+}
+
+}  // namespace haptogram::sim

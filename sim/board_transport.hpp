@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "board.hpp"
+#include "link/transport.hpp"
+
+namespace haptogram::sim {
+
+/// The simulated serial line as a link::Transport: waiting for bytes runs the board's clock.
+class BoardTransport final : public link::Transport {
+public:
+    explicit BoardTransport(Board& board) : board_(board) {}
+
+    void write(std::span<const std::uint8_t> bytes) override { board_.send(bytes); }
+
+    [[nodiscard]] std::vector<std::uint8_t> read(std::chrono::microseconds patience) override {
+        const double clocks = static_cast<double>(patience.count()) * 1e-6 * board_.parameters().clock_hz;
+        // What the host still has to say takes its time on the line; patience begins after it.
+        while (!board_.line_idle() && board_.received() == 0) board_.run(64);
+        board_.run_until([this] { return board_.received() > 0; }, static_cast<std::uint64_t>(clocks));
+        return board_.receive();
+    }
+
+private:
+    Board& board_;
+};
+
+}  // namespace haptogram::sim

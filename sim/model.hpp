@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace haptogram::sim {
+
+/// The parameters that a Verilated core was built with (rtl/haptogram_core.v).
+struct ModelParameters {
+    std::uint32_t channels, records, sequence_depth, live_depth, timing_bits, pulse_bits, clock_hz, baud, watchdog_ms, max_high_clocks;
+};
+
+/// One Verilated core, without Verilator's types.
+class Model {
+public:
+    /// What is at the ports after a clock's rising edge.
+    struct Outputs {
+        bool tx = true, enabled = false, playing = false, fault = false, cycle_start = false;
+        std::uint16_t index = 0;
+        std::vector<std::uint32_t> pins;  ///< channel k is bit k % 32 of word k / 32
+    };
+
+    Model() = default;
+    Model(const Model&) = delete;
+    Model& operator=(const Model&) = delete;
+    virtual ~Model() = default;
+
+    /// One rising clock edge with these inputs; `outputs` is what follows it.
+    virtual void clock(bool reset, bool rx, Outputs& outputs) = 0;
+    [[nodiscard]] virtual const ModelParameters& parameters() const = 0;
+    [[nodiscard]] virtual std::uint16_t& primary_word(std::size_t word) = 0;
+    [[nodiscard]] virtual std::uint32_t& sequence_word(std::size_t word) = 0;
+    /// Writes every signal of every further clock to an FST file.
+    virtual void trace(const std::filesystem::path& file) = 0;
+};
+
+/// The parameters of every core that was Verilated into this build (sim/models.cmake).
+[[nodiscard]] const std::vector<ModelParameters>& available_models();
+
+/// @param model          index into available_models()
+/// @param power_up_seed  when given, every register without an initial value starts at random
+[[nodiscard]] std::unique_ptr<Model> make_model(std::size_t model, std::optional<std::uint32_t> power_up_seed = {});
+
+}  // namespace haptogram::sim

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "board.hpp"
+#include "image/image.hpp"
+#include "image/pulses.hpp"
+
+namespace haptogram::sim {
+
+/// A stretch of whole cycles of one record, as seen at the pins.
+struct Dwell {
+    std::uint16_t index;
+    std::uint64_t begin;
+    std::uint64_t end;
+    std::uint32_t cycles;
+};
+
+/// Gathers pulses and dwells from a board's callbacks.
+class PulseRecorder {
+public:
+    /// Takes over the board's edge and cycle callbacks; the board must not outlive the recorder.
+    explicit PulseRecorder(Board& board);
+
+    [[nodiscard]] const std::vector<Pulse>& pulses() const { return pulses_; }
+    [[nodiscard]] const std::vector<CycleStart>& cycles() const { return cycles_; }
+    /// Whole cycles only: the one still under way is left out.
+    [[nodiscard]] std::vector<Dwell> dwells() const;
+
+private:
+    std::vector<Pulse> pulses_;
+    std::vector<CycleStart> cycles_;
+    std::vector<std::uint64_t> rise_;
+    std::vector<std::uint16_t> rise_index_;
+};
+
+struct PulseReport {
+    std::uint64_t checked = 0;     ///< pulses compared
+    std::uint64_t violations = 0;  ///< pulses missing, unexpected, or at another clock
+    std::vector<std::string> first;  ///< the first few, in words
+};
+
+/// Compares measured pulses with what the image says, exact to the clock (contracts 1 and 2): in every cycle from `begin`
+/// to `end`, each channel whose timing lies within the cycle starts one pulse at its tick, of exactly the record's length;
+/// pulses that overlap merge. The expectation is built from the image's numbers and the measured cycle starts alone.
+[[nodiscard]] PulseReport check_pulses(const Image& image, const std::vector<CycleStart>& cycles, const std::vector<Pulse>& pulses,
+                                       std::uint64_t begin, std::uint64_t end, std::uint32_t channels);
+
+}  // namespace haptogram::sim

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench.hpp"
+
+using namespace haptogram;
+using namespace haptogram::test;
+using interface::Command;
+using interface::Status;
+using link::Bytes;
+
+namespace {
+
+Bytes words(std::initializer_list<std::uint16_t> values) {
+    Bytes bytes;
+    for (const std::uint16_t value : values) {
+        bytes.push_back(static_cast<std::uint8_t>(value));
+        bytes.push_back(static_cast<std::uint8_t>(value >> 8));
+    }
+    return bytes;
+}
+
+/// Sends raw bytes and returns every reply that comes within a millisecond.
+std::vector<link::Reply> talk(Bench& bench, const Bytes& bytes) {
+    bench.board.send(bytes);
+    REQUIRE(bench.board.run_until([&] { return bench.board.line_idle(); }, 10'000'000));
+    bench.board.run(50'000);
+    std::vector<link::Reply> replies;
+    link::ReplyDecoder decoder;
+    decoder.feed(bench.board.receive(), replies);
+    REQUIRE(decoder.damaged() == 0);
+    return replies;
+}
+
+link::Reply one(Bench& bench, std::uint8_t sequence, Command command, const Bytes& payload) {
+    const auto replies = talk(bench, link::encode_request(sequence, command, payload));
+    REQUIRE(replies.size() == 1);
+    REQUIRE(replies[0].sequence == sequence);
+    REQUIRE(replies[0].command == command);
+    return replies[0];
+}
+
+std::uint16_t status_word(Bench& bench, std::uint8_t sequence, interface::StatusWord word) {
+    const Bytes data = one(bench, sequence, Command::status, {}).data;
+    return static_cast<std::uint16_t>(data.at(2 * static_cast<std::size_t>(word)) | data.at(2 * static_cast<std::size_t>(word) + 1) << 8);
+}
+
+}  // namespace
+
+TEST_CASE("contract 5: a frame damaged in any single bit changes nothing, and the next good one is understood", "[contract5]") {
+    Bench bench;
+    one(bench, 0, Command::identify, {});
+    bench.board.primary_word(0) = 0x1111;
+    const Bytes good = link::encode_request(1, Command::write, words({0, 0, 0xabcd}));
+    std::uint16_t damaged = 0;
+    for (std::size_t bit = 0; bit < 8 * (good.size() - 1); ++bit) {  // the delimiter is the case after this one
+        Bytes bad = good;
+        bad[bit / 8] ^= static_cast<std::uint8_t>(1U << (bit % 8));
+        CAPTURE(bit);
+        REQUIRE(talk(bench, bad).empty());
+        REQUIRE(bench.board.primary_word(0) == 0x1111);
+        ++damaged;
+        if (bad[bit / 8] == 0) damaged = static_cast<std::uint16_t>(damaged + (bit / 8 > 0 && bit / 8 + 2 < good.size() ? 1 : 0));
+    }
+    const auto counted = status_word(bench, 1, interface::StatusWord::frames_damaged);
+    REQUIRE(counted >= 8 * (good.size() - 1));
+    REQUIRE(counted <= damaged);
+    REQUIRE(one(bench, 2, Command::write, words({0, 0, 0xabcd})).status == Status::ok);
+    REQUIRE(bench.board.primary_word(0) == 0xabcd);
+}
+
+TEST_CASE("contract 5: frames cut short, run together, or preceded by noise", "[contract5]") {
+    Bench bench;
+    one(bench, 0, Command::identify, {});
+    const Bytes good = link::encode_request(1, Command::write, words({0, 0, 0xabcd}));
+    for (std::size_t length = 1; length + 1 < good.size(); ++length) {
+        Bytes cut(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(length));
+        cut.push_back(0);
+        REQUIRE(talk(bench, cut).empty());
+    }
+    Bytes joined(good.begin(), good.end() - 1);  // its delimiter was lost
+    const Bytes again = link::encode_request(1, Command::stop, {});
+    joined.insert(joined.end(), again.begin(), again.end());
+    REQUIRE(talk(bench, joined).empty());
+    REQUIRE(bench.board.primary_word(0) == 0);
+    Bytes noisy = {0x55, 0xaa, 0x00, 0x00};
+    noisy.insert(noisy.end(), good.begin(), good.end());
+    const auto replies = talk(bench, noisy);
+    REQUIRE(replies.size() == 1);
+    REQUIRE(replies[0].status == Status::ok);
+    REQUIRE(bench.board.primary_word(0) == 0xabcd);
+}
+
+TEST_CASE("contract 5: what is refused says why and changes nothing", "[contract5]") {
+    Bench bench;  // 16 channels, 40 records of 20 words, 64 sequence words
+    one(bench, 0, Command::identify, {});
+    const std::uint16_t primary_end = 40 * 20 * 2;
+    const auto [command, payload, status] = GENERATE_COPY(table<int, Bytes, Status>({
+        {0x7f, {}, Status::unknown_command},
+        {0x00, {}, Status::unknown_command},
+        {static_cast<int>(Command::enable), {0, 0}, Status::bad_length},
+        {static_cast<int>(Command::select), words({1}), Status::bad_length},
+        {static_cast<int>(Command::select), words({1, 1, 1}), Status::bad_length},
+        {static_cast<int>(Command::select), {1, 0, 1}, Status::bad_length},
+        {static_cast<int>(Command::write), words({0, 0}), Status::bad_length},
+        {static_cast<int>(Command::write), {0, 0, 0, 0, 7}, Status::bad_length},
+        {static_cast<int>(Command::read), words({0, 0, 0}), Status::bad_length},
+        {static_cast<int>(Command::read), words({0, 0, 42}), Status::bad_length},  // more than a record
+        {static_cast<int>(Command::write), words({primary_end, 0, 7}), Status::bad_address},
+        {static_cast<int>(Command::write), words({static_cast<std::uint16_t>(primary_end - 2), 0, 7, 7}), Status::bad_address},
+        {static_cast<int>(Command::write), words({0, 0x0fff, 7}), Status::bad_address},
+        {static_cast<int>(Command::write), words({256, 0x1000, 7, 7}), Status::bad_address},
+        {static_cast<int>(Command::write), words({0, 0x2000, 7}), Status::bad_address},  // identity cannot be written
+        {static_cast<int>(Command::write), words({0, 0x3000, 7}), Status::bad_address},
+        {static_cast<int>(Command::write), words({0, 0x4000, 7}), Status::bad_address},
+        {static_cast<int>(Command::read), words({36, 0x2000, 2}), Status::bad_address},
+        {static_cast<int>(Command::write), words({1, 0, 7}), Status::bad_alignment},
+        {static_cast<int>(Command::write), words({2, 0x1000, 7, 7}), Status::bad_alignment},
+        {static_cast<int>(Command::write), words({0, 0x1000, 7}), Status::bad_alignment},
+        {static_cast<int>(Command::read), words({0, 0, 3}), Status::bad_alignment},
+        {static_cast<int>(Command::select), words({41, 0}), Status::bad_index},
+        {static_cast<int>(Command::push), words({1, 1, 41, 1}), Status::bad_index},
+        {static_cast<int>(Command::start), words({0, 1, 1}), Status::bad_range},
+        {static_cast<int>(Command::start), words({1, 64, 1}), Status::bad_range},
+        {static_cast<int>(Command::start), words({63, 2, 1}), Status::bad_range},
+        {static_cast<int>(Command::start), words({0xffff, 0xffff, 1}), Status::bad_range},
+        {static_cast<int>(Command::push), words({1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1}), Status::fifo_full},
+    }));
+    CAPTURE(command, payload, to_string(status));
+    const auto reply = one(bench, 1, static_cast<Command>(command), payload);
+    REQUIRE(reply.status == status);
+    REQUIRE(reply.expected == 1);  // the sequence number is still to be used
+    REQUIRE(reply.live_level == 0);
+    REQUIRE(reply.data.empty());
+    bench.board.run(20'000);
+    REQUIRE(bench.board.outputs().index == 0);
+    REQUIRE_FALSE(bench.board.outputs().enabled);
+    for (std::size_t i = 0; i < 800; ++i) REQUIRE(bench.board.primary_word(i) == 0);
+    for (std::size_t i = 0; i < 64; ++i) REQUIRE(bench.board.sequence_word(i) == 0);
+    REQUIRE(one(bench, 1, Command::stop, {}).status == Status::ok);
+}
+
+TEST_CASE("contract 5: a frame sent again is acknowledged and not applied again", "[contract5]") {
+    Bench bench;
+    one(bench, 250, Command::identify, {});
+    REQUIRE(one(bench, 251, Command::write, words({0, 0, 1})).expected == 252);
+    REQUIRE(one(bench, 252, Command::push, words({100, 1, 2, 3})).live_level >= 1);
+    const auto level = one(bench, 253, Command::status, {}).live_level;
+    REQUIRE(one(bench, 252, Command::push, words({100, 1, 2, 3})).status == Status::repeated);
+    REQUIRE(one(bench, 251, Command::write, words({0, 0, 9})).status == Status::repeated);
+    REQUIRE(bench.board.primary_word(0) == 1);
+    REQUIRE(one(bench, 254, Command::stop, {}).status == Status::ok);
+    REQUIRE(one(bench, 255, Command::push, words({100, 1, 2, 3})).status == Status::ok);
+    REQUIRE(one(bench, 0, Command::status, {}).live_level == level);  // the number wraps around
+    const auto read_again = one(bench, 0, Command::status, {});
+    REQUIRE(read_again.status == Status::repeated);
+    REQUIRE(read_again.data.size() == 2 * interface::status_words);  // reading again does no harm
+    REQUIRE(status_word(bench, 1, interface::StatusWord::frames_repeated) == 3);
+}
+
+TEST_CASE("contract 5: a frame ahead of a lost one is refused and says what is expected", "[contract5]") {
+    Bench bench;
+    one(bench, 10, Command::identify, {});
+    const auto reply = one(bench, 13, Command::write, words({0, 0, 5}));
+    REQUIRE(reply.status == Status::out_of_order);
+    REQUIRE(reply.expected == 11);
+    REQUIRE(bench.board.primary_word(0) == 0);
+    REQUIRE(one(bench, 11, Command::write, words({0, 0, 5})).status == Status::ok);
+    REQUIRE(status_word(bench, 12, interface::StatusWord::frames_refused) == 1);
+}
+
+TEST_CASE("contract 5: written memory reads back, also while it plays", "[contract5]") {
+    auto g = generator();
+    Bench bench;
+    bench.open();
+    std::vector<Bytes> contents;
+    for (std::uint32_t r = 0; r < 40; ++r) {
+        Image image = image_of(16, {random_record(g, 16, 100, 1, 30)});
+        Bytes bytes;
+        for (const std::uint16_t word : primary_words(image)) {
+            bytes.push_back(static_cast<std::uint8_t>(word));
+            bytes.push_back(static_cast<std::uint8_t>(word >> 8));
+        }
+        bench.client.write(interface::primary_base + r * 40, bytes);
+        contents.push_back(bytes);
+    }
+    bench.client.write(interface::sequence_base + 4, {1, 0, 1, 0, 2, 0, 1, 0});
+    bench.client.start(1, 2, 0);
+    bench.wait_for_index(2);
+    for (std::uint32_t r = 0; r < 40; ++r) REQUIRE(bench.client.read(interface::primary_base + r * 40, 40) == contents[r]);
+    REQUIRE(bench.client.read(interface::sequence_base + 4, 8) == Bytes{1, 0, 1, 0, 2, 0, 1, 0});
+    REQUIRE(bench.client.status().underruns == 0);
+}
+
+TEST_CASE("contract 5: identify names the instrument", "[contract5]") {
+    Bench bench;
+    const link::Identity identity = bench.client.identify();
+    const auto& p = bench.board.parameters();
+    REQUIRE(identity.name == "Haptogram");
+    REQUIRE(identity.version_major == interface::version_major);
+    REQUIRE(identity.channels == p.channels);
+    REQUIRE(identity.records == p.records);
+    REQUIRE(identity.sequence_depth == p.sequence_depth);
+    REQUIRE(identity.live_depth == p.live_depth);
+    REQUIRE(identity.timing_bits == p.timing_bits);
+    REQUIRE(identity.pulse_bits == p.pulse_bits);
+    REQUIRE(identity.clock_hz == p.clock_hz);
+    REQUIRE(identity.features == 0xf);
+    REQUIRE(identity.frame_bytes == 6 + 2 * (p.channels + 4));
+}
+
+TEST_CASE("contract 5: random bytes break nothing", "[contract5][fuzz]") {
+    auto g = generator();
+    Bench bench;
+    bench.open();
+    const Image image = image_of(16, {record(16, 250, 1, 100, 9)});
+    bench.load(image);
+    bench.client.select(1);
+    bench.wait_for_index(1);
+    const std::uint64_t begin = bench.board.now();
+    for (int burst = 0; burst < 40; ++burst) {
+        Bytes noise(500);
+        for (auto& byte : noise) byte = static_cast<std::uint8_t>(g() % (burst % 2 == 0 ? 256 : 6));
+        bench.board.send(noise);
+        REQUIRE(bench.board.run_until([&] { return bench.board.line_idle(); }, 10'000'000));
+    }
+    bench.board.run(50'000);
+    static_cast<void>(bench.board.receive());
+    require_equal(bench.check(image), 16 * 1000);
+    REQUIRE(bench.board.now() > begin);
+    link::Client fresh(bench.line);
+    fresh.identify();
+    REQUIRE(fresh.status().present_index == 1);
+    REQUIRE(fresh.status().enabled);
+}

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench.hpp"
+
+using namespace haptogram;
+using namespace haptogram::test;
+
+namespace {
+
+Image twelve_records() {
+    std::vector<Record> records;
+    for (std::uint16_t i = 0; i < 12; ++i) records.push_back(record(16, 100, 1, 20, static_cast<std::uint16_t>(5 * i)));
+    return image_of(16, records);
+}
+
+/// (index, cycles) as measured at the pins, silence before and after left out.
+std::vector<std::pair<int, int>> played(const Bench& bench) {
+    std::vector<std::pair<int, int>> result;
+    for (const sim::Dwell& dwell : bench.recorder.dwells()) result.emplace_back(dwell.index, static_cast<int>(dwell.cycles));
+    while (!result.empty() && result.front().first == 0) result.erase(result.begin());
+    while (!result.empty() && result.back().first == 0) result.pop_back();
+    return result;
+}
+
+using Steps = std::vector<std::pair<int, int>>;
+
+}  // namespace
+
+TEST_CASE("contract 6: a sequence plays its entries for their dwells, as often as asked", "[contract6]") {
+    Bench bench;
+    Image image = twelve_records();
+    image.sequence = {{3, 2}, {12, 1}, {0, 3}, {1, 5}};
+    bench.load(image);
+    bench.open();
+    SECTION("once") {
+        bench.client.start(1, 4, 1);
+        bench.board.run(10'000);
+        REQUIRE(played(bench) == Steps{{3, 2}, {12, 1}, {0, 3}, {1, 5}});
+    }
+    SECTION("three times") {
+        bench.client.start(1, 4, 3);
+        bench.board.run(10'000);
+        REQUIRE(played(bench) == Steps{{3, 2}, {12, 1}, {0, 3}, {1, 5}, {3, 2}, {12, 1}, {0, 3}, {1, 5}, {3, 2}, {12, 1}, {0, 3}, {1, 5}});
+    }
+    SECTION("a part of it") {
+        bench.client.start(2, 2, 2);
+        bench.board.run(10'000);
+        REQUIRE(played(bench) == Steps{{12, 1}, {0, 3}, {12, 1}});
+    }
+    SECTION("for ever, until stopped") {
+        bench.client.start(1, 4, 0);
+        bench.board.run(200'000);
+        REQUIRE(bench.board.outputs().index + 1 > 0);
+        REQUIRE(played(bench).size() > 600);
+        bench.client.stop();
+        bench.board.run(500);
+        const std::size_t pulses = bench.recorder.pulses().size();
+        REQUIRE(bench.board.outputs().index == 0);
+        bench.board.run(100'000);
+        REQUIRE(bench.recorder.pulses().size() == pulses);
+    }
+    require_equal(bench.check(image), 30);
+}
+
+TEST_CASE("contract 6: length 0 takes length and loops from the sequence header", "[contract6]") {
+    Bench bench;
+    Image image = twelve_records();
+    image.sequence = {{2, 1}, {4, 2}};
+    image.loops = 2;
+    bench.load(image);
+    bench.open();
+    bench.client.start(0, 0, 0);
+    bench.board.run(20'000);
+    REQUIRE(played(bench) == Steps{{2, 1}, {4, 2}, {2, 1}, {4, 2}});
+    SECTION("a header that describes nothing playable is silence") {
+        const std::uint32_t header = GENERATE(0U, 64U, 0xffffU);
+        bench.board.sequence_word(0) = header;
+        bench.client.select(1);
+        bench.wait_for_index(1);
+        bench.client.start(0, 0, 0);
+        bench.board.run(5000);
+        REQUIRE(bench.board.outputs().index == 0);
+    }
+}
+
+TEST_CASE("contract 6: index 0 is silence, indices run from 1 to the last record", "[contract6]") {
+    Bench bench;
+    std::vector<Record> records;
+    for (std::uint16_t i = 0; i < 40; ++i) records.push_back(record(16, 100, 1, 20, i));
+    const Image image = image_of(16, records);
+    bench.load(image);
+    bench.open();
+    bench.client.select(1);
+    bench.board.run(1000);
+    REQUIRE(bench.board.outputs().index == 1);
+    bench.client.select(40);
+    bench.board.run(1000);
+    REQUIRE(bench.board.outputs().index == 40);
+    bench.client.select(0);
+    bench.board.run(1000);
+    const std::size_t pulses = bench.recorder.pulses().size();
+    bench.board.run(10'000);
+    REQUIRE(bench.board.outputs().index == 0);
+    REQUIRE(bench.recorder.pulses().size() == pulses);
+    require_equal(bench.check(image), 100);
+}
+
+TEST_CASE("contract 6: an index in memory above RECORDS is refused and silent for its dwell", "[contract6]") {
+    Bench bench;
+    Image image = twelve_records();
+    image.sequence = {{1, 1}, {41, 4}, {65535, 1}, {2, 1}};
+    bench.load(image);
+    bench.open();
+    bench.client.start(1, 4, 1);
+    bench.board.run(3000);
+    REQUIRE(played(bench) == Steps{{1, 1}, {41, 4}, {65535, 1}, {2, 1}});
+    for (const Pulse& p : bench.recorder.pulses()) REQUIRE(p.index <= 2);
+    REQUIRE(bench.client.status().refused_records == 2);
+}
+
+TEST_CASE("contract 6: live indices play in order, their level is in every acknowledgement", "[contract6][live]") {
+    Bench bench;
+    const Image image = twelve_records();
+    bench.load(image);
+    bench.open();
+    bench.client.push({5, 6, 7, 8}, 40);  // 4,000 clocks each, longer than a reply takes
+    bench.client.push({9, 10}, 3);
+    const link::BoardStatus status = bench.client.status();
+    REQUIRE(status.mode == 3);
+    REQUIRE(status.live_level > 0);
+    REQUIRE(status.live_level < 6);
+    bench.board.run(60'000);
+    auto steps = played(bench);
+    REQUIRE(steps.size() == 6);
+    REQUIRE(Steps(steps.begin(), steps.end() - 1) == Steps{{5, 40}, {6, 40}, {7, 40}, {8, 40}, {9, 3}});
+    REQUIRE(steps.back().first == 10);  // held, since nothing follows, and that is an underrun
+    REQUIRE(bench.client.status().underruns == 1);
+    bench.client.push({1}, 0);
+    bench.wait_for_index(1);
+    bench.board.run(20'000);
+    REQUIRE(bench.board.outputs().index == 1);  // dwell 0 waits for the next without complaint
+    REQUIRE(bench.client.status().underruns == 1);
+    require_equal(bench.check(image), 1000);
+}
+
+TEST_CASE("contract 6: a push that does not fit, or has a bad index, pushes nothing", "[contract6][live]") {
+    Bench bench;  // 16 places
+    const Image image = twelve_records();
+    bench.load(image);
+    bench.open();
+    bench.client.push({1, 2, 3}, 2000);
+    const auto level = bench.client.status().live_level;
+    REQUIRE_THROWS_WITH(bench.client.push({4, 5, 41}, 1), Catch::Contains("bad_index"));
+    REQUIRE(bench.client.status().live_level == level);
+    std::vector<std::uint16_t> many(static_cast<std::size_t>(16 - level + 1), 6);
+    REQUIRE_THROWS_WITH(bench.client.push(many, 1), Catch::Contains("fifo_full"));
+    REQUIRE(bench.client.status().live_level == level);
+    many.pop_back();
+    bench.client.push(many, 1);
+    REQUIRE(bench.client.status().live_level == 16);
+    bench.client.stop();
+    REQUIRE(bench.client.status().live_level == 0);
+}
+
+TEST_CASE("modes: each command takes over from any other at the next cycle boundary", "[modes]") {
+    Bench bench;
+    Image image = twelve_records();
+    image.sequence = {{1, 1}, {2, 1}};
+    bench.load(image);
+    bench.open();
+    auto g = generator();
+    for (int i = 0; i < 60; ++i) {
+        bench.board.run(random(g, 0, 300));
+        switch (random(g, 0, 3)) {
+            case 0:
+                bench.client.select(7, static_cast<std::uint16_t>(random(g, 0, 1) * 1000));
+                REQUIRE((bench.board.run(250), bench.board.outputs().index) == 7);
+                REQUIRE(bench.client.status().mode == (bench.client.status().mode == 0 ? 0 : 1));
+                break;
+            case 1:
+                bench.client.start(1, 2, 0);
+                REQUIRE((bench.board.run(250), bench.board.outputs().index) <= 2);
+                REQUIRE(bench.board.outputs().index >= 1);
+                REQUIRE(bench.client.status().mode == 2);
+                break;
+            case 2:
+                bench.client.push({9}, 0);
+                REQUIRE((bench.board.run(250), bench.board.outputs().index) == 9);
+                REQUIRE(bench.client.status().mode == 3);
+                break;
+            default:
+                bench.client.stop();
+                REQUIRE((bench.board.run(250), bench.board.outputs().index) == 0);
+                REQUIRE(bench.client.status().mode == 0);
+        }
+    }
+    require_equal(bench.check(image), 1000);
+}
