@@ -11,10 +11,10 @@ HWY_BEFORE_NAMESPACE();
 namespace haptogram::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// @param x, y, z        element coordinates in metres, `padded` of them, the last one repeated up to a whole vector
+/// @param x, y, z        element coordinates in metres, the last one repeated up to a whole vector
 /// @param ticks_per_m    timer ticks in which sound goes one metre
-void ticks_of_foci(const float* x, const float* y, const float* z, std::size_t elements, std::size_t padded, float ticks_per_m,
-                   float cycle, const Vec3* foci, std::size_t count, float* scratch, std::uint16_t* ticks) {
+void ticks_of_foci(const float* x, const float* y, const float* z, std::size_t elements, float ticks_per_m, float cycle,
+                   const Vec3* foci, std::size_t count, float* scratch, std::uint16_t* ticks) {
     const hn::ScalableTag<float> d;
     const hn::RebindToSigned<decltype(d)> di;
     const hn::Rebind<std::uint16_t, decltype(d)> du16;
@@ -27,7 +27,7 @@ void ticks_of_foci(const float* x, const float* y, const float* z, std::size_t e
         const auto fy = hn::Set(d, static_cast<float>(foci[f].y));
         const auto fz = hn::Set(d, static_cast<float>(foci[f].z));
         auto farthest = hn::Zero(d);
-        for (std::size_t m = 0; m < padded; m += lanes) {
+        for (std::size_t m = 0; m < elements; m += lanes) {
             const auto dx = hn::Sub(fx, hn::Load(d, x + m));
             const auto dy = hn::Sub(fy, hn::Load(d, y + m));
             const auto dz = hn::Sub(fz, hn::Load(d, z + m));
@@ -78,7 +78,7 @@ std::vector<std::uint16_t> focal_law(const Array& array, const Timer& timer, std
     const std::size_t elements = array.elements.size();
     std::vector<std::uint16_t> ticks(foci.size() * elements);
     if (ticks.empty()) return ticks;
-    constexpr std::size_t most_lanes = HWY_MAX_BYTES / sizeof(float);
+    constexpr std::size_t most_lanes = 64;  // of any target: HWY_MAX_BYTES is only this one's
     const std::size_t padded = (elements + most_lanes - 1) / most_lanes * most_lanes;
     const auto buffer = hwy::AllocateAligned<float>(4 * padded);
     float* x = buffer.get();
@@ -93,7 +93,7 @@ std::vector<std::uint16_t> focal_law(const Array& array, const Timer& timer, std
     }
     const auto ticks_per_m = static_cast<float>(1.0 / (array.medium.speed_m_s * timer.tick_s()));
     HWY_DYNAMIC_DISPATCH(ticks_of_foci)
-    (x, y, z, elements, padded, ticks_per_m, static_cast<float>(timer.cycle_ticks), foci.data(), foci.size(), scratch, ticks.data());
+    (x, y, z, elements, ticks_per_m, static_cast<float>(timer.cycle_ticks), foci.data(), foci.size(), scratch, ticks.data());
     return ticks;
 }
 

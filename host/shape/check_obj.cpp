@@ -38,13 +38,16 @@ void append_face(std::string_view rest, std::size_t vertices, const std::string&
         const bool number = error == std::errc{} && (end == word.data() + word.size() || *end == '/');
         if (index < 0) index += static_cast<long long>(vertices) + 1;
         if (!number || index < 1 || index > static_cast<long long>(vertices))
-            throw bad_input(where, fmt::format("found the corner {}, expected the number of one of the {} vertices above; export the "
-                                               "shape again",
-                                               shown(word), vertices));
+            throw bad_input(
+                where,
+                fmt::format("found the corner {}, expected the number of one of the {} vertices above; export the "
+                            "shape again",
+                            shown(word), vertices));
         out += fmt::format(" {}", index);
     }
     if (corners < 3)
-        throw bad_input(where, fmt::format("found a face with {} corners, expected 3 or more; the file may be cut short", corners));
+        throw bad_input(
+            where, fmt::format("found a face with {} corners, expected 3 or more; the file may be cut short", corners));
     out += '\n';
 }
 
@@ -66,10 +69,11 @@ Checked check_obj(const std::string& content, const std::string& file) {
             ++checked.faces;
         } else if (!statement.empty() &&
                    std::find(without_surface.begin(), without_surface.end(), statement) == without_surface.end()) {
-            throw bad_input(at_line(file, lines.number()), fmt::format("found {}, expected a statement of a Wavefront OBJ file with v or f "
-                                                                       "(points, lines and free-form surfaces are not taken); export the "
-                                                                       "shape as a mesh",
-                                                                       shown(lines.line())));
+            throw bad_input(at_line(file, lines.number()),
+                            fmt::format("found {}, expected a statement of a Wavefront OBJ file with v or f "
+                                        "(points, lines and free-form surfaces are not taken); export the "
+                                        "shape as a mesh",
+                                        shown(lines.line())));
         }
     }
     return checked;

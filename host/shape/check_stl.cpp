@@ -15,20 +15,26 @@ constexpr std::size_t binary_triangle = 50;
 
 Checked check_binary(std::string content, const std::string& file) {
     if (content.size() < binary_header)
-        throw bad_input(file, fmt::format("found {} bytes, expected \"solid\" or the {} bytes of a binary STL header; the file is cut "
-                                          "short or is no STL file",
-                                          content.size(), binary_header));
+        throw bad_input(
+            file,
+            fmt::format("found {} bytes, expected \"solid\" or the {} bytes of a binary STL header; the file is cut "
+                        "short or is no STL file",
+                        content.size(), binary_header));
     const std::size_t triangles = load_number<std::uint32_t>(&content[binary_header - 4], std::endian::little);
     const std::size_t size = binary_header + binary_triangle * triangles;
     if (content.size() != size)
-        throw bad_input(file, fmt::format("found {} bytes, which end in triangle {}, expected {} bytes for the {} triangles that the "
-                                          "header promises; the file is cut short or is no STL file",
-                                          content.size(), (content.size() - binary_header) / binary_triangle + 1, size, triangles));
+        throw bad_input(
+            file,
+            fmt::format("found {} bytes, which end in triangle {}, expected {} bytes for the {} triangles that the "
+                        "header promises; the file is cut short or is no STL file",
+                        content.size(), (content.size() - binary_header) / binary_triangle + 1, size, triangles));
     for (std::size_t triangle = 0; triangle < triangles; ++triangle) {
         for (std::size_t number = 3; number < 12; ++number) {  // the first three are the normal
-            const auto value = load_number<float>(&content[binary_header + binary_triangle * triangle + 4 * number], std::endian::little);
+            const auto value = load_number<float>(&content[binary_header + binary_triangle * triangle + 4 * number],
+                                                  std::endian::little);
             if (!is_coordinate(static_cast<double>(value)))
-                throw bad_coordinate(fmt::format("{}, triangle {} of {}", file, triangle + 1, triangles), fmt::format("{}", value));
+                throw bad_coordinate(fmt::format("{}, triangle {} of {}", file, triangle + 1, triangles),
+                                     fmt::format("{}", value));
         }
     }
     return {std::move(content), 3 * triangles, triangles};
@@ -36,7 +42,8 @@ Checked check_binary(std::string content, const std::string& file) {
 
 /// A text STL is one fixed row of lines over and over.
 Checked check_text(std::string content, const std::string& file) {
-    constexpr std::array<std::string_view, 7> row{"facet", "outer", "vertex", "vertex", "vertex", "endloop", "endfacet"};
+    constexpr std::array<std::string_view, 7> row{"facet",  "outer",   "vertex",  "vertex",
+                                                  "vertex", "endloop", "endfacet"};
     Checked checked;
     bool in_solid = false;
     std::size_t step = 0;
@@ -51,7 +58,9 @@ Checked check_text(std::string content, const std::string& file) {
             continue;
         }
         if (word != expected)
-            throw bad_input(at_line(file, lines.number()), fmt::format("found {}, expected \"{}\"; export the shape again", shown(lines.line()), expected));
+            throw bad_input(
+                at_line(file, lines.number()),
+                fmt::format("found {}, expected \"{}\"; export the shape again", shown(lines.line()), expected));
         if (!in_solid) {
             in_solid = true;
             continue;
@@ -68,8 +77,9 @@ Checked check_text(std::string content, const std::string& file) {
         if (step == 0) ++checked.faces;
     }
     if (in_solid)
-        throw bad_input(at_line(file, lines.number()), fmt::format("found the end of the file, expected \"{}\"; the file is cut short",
-                                                                   step == 0 ? "endsolid" : row.at(step)));
+        throw bad_input(at_line(file, lines.number()),
+                        fmt::format("found the end of the file, expected \"{}\"; the file is cut short",
+                                    step == 0 ? "endsolid" : row.at(step)));
     checked.content = std::move(content);
     return checked;
 }

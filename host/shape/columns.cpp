@@ -44,17 +44,20 @@ using Columns = std::array<std::size_t, 3>;  ///< which fields are x, y and z
 
 /// Nothing when the first row holds numbers, not names.
 std::optional<Columns> named_columns(const Fields& fields, const std::string& where) {
-    if (std::any_of(fields.begin(), fields.end(), [](auto field) { return parse_number(field).has_value(); })) return std::nullopt;
+    if (std::any_of(fields.begin(), fields.end(), [](auto field) { return parse_number(field).has_value(); }))
+        return std::nullopt;
     Columns columns{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::string name(1, "xyz"[axis]);
         const auto is_name = [&](auto field) { return lower_case(field) == name; };
         const auto found = std::find_if(fields.begin(), fields.end(), is_name);
         if (found == fields.end() || std::any_of(found + 1, fields.end(), is_name))
-            throw bad_input(where, fmt::format("found a first row {} with {} \"{}\", expected three numbers, or a header that names x, y "
-                                               "and z once each; correct the row",
-                                               fields.empty() ? "\"\"" : shown({fields.front().data(), fields.back().end()}),
-                                               found == fields.end() ? "no" : "more than one", name));
+            throw bad_input(
+                where,
+                fmt::format("found a first row {} with {} \"{}\", expected three numbers, or a header that names x, y "
+                            "and z once each; correct the row",
+                            fields.empty() ? "\"\"" : shown({fields.front().data(), fields.back().end()}),
+                            found == fields.end() ? "no" : "more than one", name));
         columns.at(axis) = static_cast<std::size_t>(found - fields.begin());
     }
     return columns;
@@ -73,9 +76,10 @@ public:
     void add(const Fields& fields, std::size_t line) {
         if (width_ == 0) width_ = std::max<std::size_t>(fields.size(), 3);
         if (fields.size() != width_)
-            throw bad_input(at_line(file_, line), fmt::format("found {} columns, expected {} as in the rows before (at least x, y, z); "
-                                                              "the row is damaged or the file was cut short",
-                                                              fields.size(), width_));
+            throw bad_input(at_line(file_, line),
+                            fmt::format("found {} columns, expected {} as in the rows before (at least x, y, z); "
+                                        "the row is damaged or the file was cut short",
+                                        fields.size(), width_));
         std::array<double, 3> point{};
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const std::string_view field = fields[columns_.at(axis)];
@@ -87,7 +91,8 @@ public:
     }
 
     Cloud finish() {
-        if (cloud_.points.empty()) throw bad_input(file_, "found no points, expected one row with x, y, z per point; export the shape again");
+        if (cloud_.points.empty())
+            throw bad_input(file_, "found no points, expected one row with x, y, z per point; export the shape again");
         return std::move(cloud_);
     }
 

@@ -16,7 +16,9 @@ struct Candidate {
     std::size_t index = 0;
 };
 
-bool is_farther(const Candidate& a, const Candidate& b) { return a.gap2 > b.gap2 || (a.gap2 == b.gap2 && a.index < b.index); }
+bool is_farther(const Candidate& a, const Candidate& b) {
+    return a.gap2 > b.gap2 || (a.gap2 == b.gap2 && a.index < b.index);
+}
 
 /// Neighbouring candidates, with the box around them. A chosen point too far from the box to come nearer to any of
 /// them costs one comparison instead of one for each.
@@ -37,7 +39,8 @@ double box_gap2(const Group& group, Vec3 p) {
 
 void choose(Vec3 p, Group& group) {
     for (Candidate& candidate : group.members)
-        candidate.gap2 = std::min(candidate.gap2, square(candidate.at.x - p.x) + square(candidate.at.y - p.y) + square(candidate.at.z - p.z));
+        candidate.gap2 = std::min(
+            candidate.gap2, square(candidate.at.x - p.x) + square(candidate.at.y - p.y) + square(candidate.at.z - p.z));
     group.farthest = *std::min_element(group.members.begin(), group.members.end(), is_farther);
 }
 

@@ -4,7 +4,8 @@
 #include <fmt/core.h>
 
 #include <string>
-#include <type_traits>
+#include <system_error>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/file.hpp"
@@ -27,17 +28,23 @@ Piece read_piece(std::string content, const std::string& format, const std::stri
 Shape load_shape(const std::filesystem::path& path, double metres_per_unit) {
     const std::string file = path.string();
     const std::string extension = lower_case(path.extension().string());
-    if (std::filesystem::is_directory(path)) throw bad_input(file, "is a directory; name a shape file in it");
+    std::error_code ignored;  // what else is wrong with the path, read_file says
+    if (std::filesystem::is_directory(path, ignored)) throw bad_input(file, "is a directory; name a shape file in it");
     bool known = false;
     for (const char* const name : {".csv", ".obj", ".ply", ".stl", ".xyz"}) known = known || extension == name;
     if (!known)
-        throw bad_input(file, fmt::format("found the extension {}, expected .csv, .obj, .ply, .stl or .xyz; export the shape in one of these "
-                                          "formats and name the file so",
-                                          shown(extension)));
+        throw bad_input(
+            file,
+            fmt::format(
+                "found the extension {}, expected .csv, .obj, .ply, .stl or .xyz; export the shape in one of these "
+                "formats and name the file so",
+                shown(extension)));
     std::string content = read_file(path);
-    if (content.empty()) throw bad_input(file, fmt::format("is empty, expected a shape in {} format; export it again", extension));
+    if (content.empty())
+        throw bad_input(file, fmt::format("is empty, expected a shape in {} format; export it again", extension));
     Piece piece = read_piece(std::move(content), extension.substr(1), file);
-    std::vector<Vec3>& points = std::holds_alternative<Mesh>(piece) ? std::get<Mesh>(piece).vertices : std::get<Cloud>(piece).points;
+    std::vector<Vec3>& points =
+        std::holds_alternative<Mesh>(piece) ? std::get<Mesh>(piece).vertices : std::get<Cloud>(piece).points;
     for (Vec3& point : points) point = point * metres_per_unit;
     return {{std::move(piece)}};
 }

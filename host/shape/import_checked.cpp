@@ -12,7 +12,9 @@
 namespace haptogram {
 namespace {
 
-Vec3 from_assimp(const aiVector3D& v) { return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)}; }
+Vec3 from_assimp(const aiVector3D& v) {
+    return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
+}
 
 std::span<aiMesh* const> meshes(const aiScene& scene) { return {scene.mMeshes, scene.mNumMeshes}; }
 std::span<const aiFace> faces(const aiMesh& mesh) { return {mesh.mFaces, mesh.mNumFaces}; }
@@ -33,7 +35,8 @@ Totals totals(const aiScene& scene) {
         for (const aiFace& face : faces(*mesh)) {
             const auto corner = [&](unsigned k) { return from_assimp(mesh->mVertices[face.mIndices[k]]); };
             Vec3 twice{};
-            for (unsigned k = 2; k < face.mNumIndices; ++k) twice = twice + cross(corner(k - 1) - corner(0), corner(k) - corner(0));
+            for (unsigned k = 2; k < face.mNumIndices; ++k)
+                twice = twice + cross(corner(k - 1) - corner(0), corner(k) - corner(0));
             sum.area += 0.5 * norm(twice);
         }
     }
@@ -61,24 +64,32 @@ Mesh as_mesh(const aiScene& scene) {
 }  // namespace
 
 Piece import_checked(const Checked& checked, const std::string& format, const std::string& file) {
-    if (checked.points == 0)
-        throw bad_input(file, "found no points, expected at least one; export the shape again");
+    if (checked.points == 0) throw bad_input(file, "found no points, expected at least one; export the shape again");
     Assimp::Importer importer;
-    const aiScene* scene = importer.ReadFileFromMemory(checked.content.data(), checked.content.size(), 0, format.c_str());
-    if (scene == nullptr) throw bad_input(file, fmt::format("cannot be read: {}; export the shape again", importer.GetErrorString()));
+    const aiScene* scene =
+        importer.ReadFileFromMemory(checked.content.data(), checked.content.size(), 0, format.c_str());
+    if (scene == nullptr)
+        throw bad_input(file, fmt::format("cannot be read: {}; export the shape again", importer.GetErrorString()));
     const Totals found = totals(*scene);
     if (found.faces != checked.faces || (checked.faces == 0 && found.points != checked.points))
-        throw bad_input(file, fmt::format("the importer library found {} points and {} faces, expected {} and {}; export the shape in "
-                                          "another format",
-                                          found.points, found.faces, checked.points, checked.faces));
+        throw bad_input(
+            file,
+            fmt::format("the importer library found {} points and {} faces, expected {} and {}; export the shape in "
+                        "another format",
+                        found.points, found.faces, checked.points, checked.faces));
     if (checked.faces == 0) return as_cloud(*scene);
     if (found.area == 0.0)
-        throw bad_input(file, fmt::format("all {} faces together have zero area, expected a surface; export the shape as points or with faces "
-                                          "that are not flat to a line",
-                                          found.faces));
+        throw bad_input(
+            file,
+            fmt::format(
+                "all {} faces together have zero area, expected a surface; export the shape as points or with faces "
+                "that are not flat to a line",
+                found.faces));
     scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
     if (scene == nullptr || totals(*scene).area < (1.0 - 1e-6) * found.area)
-        throw bad_input(file, "holds polygons that cannot be cut into triangles, because they cross themselves; export the shape as triangles");
+        throw bad_input(file,
+                        "holds polygons that cannot be cut into triangles, because they cross themselves; export the "
+                        "shape as triangles");
     return as_mesh(*scene);
 }
 

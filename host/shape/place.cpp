@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <utility>
 
 #include "base/error.hpp"
 
@@ -36,8 +35,12 @@ Shape moved(Shape shape, const Motion& motion) {
             curve.at = [at = curve.at, motion = motion](double s) { return motion(at(s / motion.scale)); };
             curve.length *= motion.scale;
         }
-        void operator()(Mesh& mesh) const { std::transform(mesh.vertices.begin(), mesh.vertices.end(), mesh.vertices.begin(), motion); }
-        void operator()(Cloud& cloud) const { std::transform(cloud.points.begin(), cloud.points.end(), cloud.points.begin(), motion); }
+        void operator()(Mesh& mesh) const {
+            std::transform(mesh.vertices.begin(), mesh.vertices.end(), mesh.vertices.begin(), motion);
+        }
+        void operator()(Cloud& cloud) const {
+            std::transform(cloud.points.begin(), cloud.points.end(), cloud.points.begin(), motion);
+        }
     };
     for (Piece& piece : shape.pieces) std::visit(Mover{motion}, piece);
     return shape;
@@ -102,15 +105,19 @@ Box bounding_box(const Shape& shape) {
             box.high.*axis = std::max(box.high.*axis, high);
         };
         for (const Piece& piece : shape.pieces) {
-            if (const auto* const curve = std::get_if<Curve>(&piece)) add(-furthest(*curve, axis, -1.0), furthest(*curve, axis, 1.0));
+            if (const auto* const curve = std::get_if<Curve>(&piece))
+                add(-furthest(*curve, axis, -1.0), furthest(*curve, axis, 1.0));
             if (const auto* const cloud = std::get_if<Cloud>(&piece))
                 for (const Vec3& point : cloud->points) add(point.*axis, point.*axis);
-            if (const auto* const mesh = std::get_if<Mesh>(&piece))  // corners only: a file may hold vertices of no triangle
+            if (const auto* const mesh =
+                    std::get_if<Mesh>(&piece))  // corners only: a file may hold vertices of no triangle
                 for (const auto& triangle : mesh->triangles)
-                    for (const std::uint32_t corner : triangle) add(mesh->vertices[corner].*axis, mesh->vertices[corner].*axis);
+                    for (const std::uint32_t corner : triangle)
+                        add(mesh->vertices[corner].*axis, mesh->vertices[corner].*axis);
         }
     }
-    if (box.low.x > box.high.x) throw Error(ErrorCode::usage, "shape", "found nothing, expected a curve, a surface or points; name a shape");
+    if (box.low.x > box.high.x)
+        throw Error(ErrorCode::usage, "shape", "found nothing, expected a curve, a surface or points; name a shape");
     return box;
 }
 
@@ -122,21 +129,22 @@ Shape place(const Shape& shape, const Placement& placement) {
     if (placement.size_m) check_positive("size", *placement.size_m);
     for (const double angle : placement.rotate_deg)
         if (!std::isfinite(angle)) throw bad_option("rotate", angle, "three angles in degrees");
-    if (placement.center && !is_finite(*placement.center)) throw Error(ErrorCode::usage, "center", "expected three finite numbers; correct the option");
+    if (placement.center && !is_finite(*placement.center))
+        throw Error(ErrorCode::usage, "center", "expected three finite numbers; correct the option");
 
     Shape placed = moved(shape, {.scale = placement.scale});
     if (placement.size_m) {
         const Box box = bounding_box(placed);
         const double largest = std::max({box.extent().x, box.extent().y, box.extent().z});
-        if (largest == 0.0) throw Error(ErrorCode::usage, "size", "found a single point, which has no size; leave the option out");
-        placed = moved(std::move(placed), about(box.center(), {.scale = *placement.size_m / largest}));
+        if (largest == 0.0)
+            throw Error(ErrorCode::usage, "size", "found a single point, which has no size; leave the option out");
+        placed = moved(placed, about(box.center(), {.scale = *placement.size_m / largest}));
     }
-    if (placement.rotate_deg != std::array<double, 3>{}) {
-        const auto& angles = placement.rotate_deg;
+    if (const auto& angles = placement.rotate_deg; angles != std::array<double, 3>{}) {
         const Motion turn{.turn = {rotated({1, 0, 0}, angles), rotated({0, 1, 0}, angles), rotated({0, 0, 1}, angles)}};
-        placed = moved(std::move(placed), about(bounding_box(placed).center(), turn));
+        placed = moved(placed, about(bounding_box(placed).center(), turn));
     }
-    if (placement.center) placed = moved(std::move(placed), {.shift = *placement.center - bounding_box(placed).center()});
+    if (placement.center) placed = moved(placed, {.shift = *placement.center - bounding_box(placed).center()});
     return placed;
 }
 

@@ -16,10 +16,11 @@ struct Box {
 
 /// How a shape is put into the array frame; the steps in the order of the members.
 struct Placement {
-    double scale = 1.0;                      ///< about the origin
-    std::optional<double> size_m{};         ///< the largest extent of the bounding box, which keeps its centre
-    std::array<double, 3> rotate_deg{};      ///< about the bounding box' centre: about the x, then y, then z axis, right-handed
-    std::optional<Vec3> center{};           ///< where the bounding box' centre goes, metres
+    double scale = 1.0;              ///< about the origin
+    std::optional<double> size_m{};  ///< the largest extent of the bounding box, which keeps its centre
+    std::array<double, 3>
+        rotate_deg{};              ///< about the bounding box' centre: about the x, then y, then z axis, right-handed
+    std::optional<Vec3> center{};  ///< where the bounding box' centre goes, metres
 };
 
 /// The smallest box along the axes that holds the shape, metres; curves to 1e-9 of their length.

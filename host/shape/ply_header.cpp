@@ -87,25 +87,34 @@ PlyHeader parse_ply_header(std::string_view content, const std::string& file) {
     PlyHeader header;
     Lines lines(content);
     if (!lines.next() || lines.line() != "ply")
-        throw bad_input(at_line(file, 1), fmt::format("found {}, expected \"ply\"; this is no PLY file", shown(lines.line())));
+        throw bad_input(at_line(file, 1),
+                        fmt::format("found {}, expected \"ply\"; this is no PLY file", shown(lines.line())));
     bool has_format = false;
     bool ended = false;
     while (!ended && lines.next()) {
         ended = lines.line() == "end_header";
         if (!ended && !take_line(lines.line(), has_format, header))
-            throw bad_input(at_line(file, lines.number()), fmt::format("found {}, expected a line of a PLY header; export the shape again",
-                                                                       shown(lines.line())));
+            throw bad_input(
+                at_line(file, lines.number()),
+                fmt::format("found {}, expected a line of a PLY header; export the shape again", shown(lines.line())));
     }
     if (!ended || !has_format)
-        throw bad_input(at_line(file, lines.number()), fmt::format("the PLY header has no {}; the file is cut short or damaged",
-                                                                   ended ? "format line" : "end_header line"));
+        throw bad_input(at_line(file, lines.number()),
+                        fmt::format("the PLY header has no {}; the file is cut short or damaged",
+                                    ended ? "format line" : "end_header line"));
     for (const PlyElement& element : header.elements) {
         if (element.name == "tristrips")
             throw bad_input(file, "found triangle strips, expected faces; export the shape with faces");
         for (const std::string_view axis : {"x", "y", "z"}) {
-            const auto is_axis = [&](const PlyProperty& property) { return property.name == axis && !property.count_type; };
-            if (element.name == "vertex" && std::count_if(element.properties.begin(), element.properties.end(), is_axis) != 1)
-                throw bad_input(file, fmt::format("the PLY header gives its vertices not exactly one property {}; export the shape again", axis));
+            const auto is_axis = [&](const PlyProperty& property) {
+                return property.name == axis && !property.count_type;
+            };
+            if (element.name == "vertex" &&
+                std::count_if(element.properties.begin(), element.properties.end(), is_axis) != 1)
+                throw bad_input(
+                    file,
+                    fmt::format("the PLY header gives its vertices not exactly one property {}; export the shape again",
+                                axis));
         }
     }
     header.lines = lines.number();

@@ -22,7 +22,8 @@ constexpr unsigned segments = 360;  ///< of a turn, in surfaces
 Curve polyline(std::vector<Vec3> corners, bool closed) {
     if (closed) corners.push_back(corners.front());
     std::vector<double> until{0.0};  // arc length up to each corner
-    for (std::size_t i = 1; i < corners.size(); ++i) until.push_back(until.back() + distance(corners[i - 1], corners[i]));
+    for (std::size_t i = 1; i < corners.size(); ++i)
+        until.push_back(until.back() + distance(corners[i - 1], corners[i]));
     const double length = until.back();
     const auto at = [corners = std::move(corners), until = std::move(until)](double s) {
         const auto after = std::upper_bound(until.begin() + 1, until.end() - 1, s);
@@ -37,7 +38,8 @@ Vec3 on_circle(double radius, double angle) { return {radius * std::cos(angle), 
 /// Regular, one side below and parallel to x.
 Curve regular_polygon(double diameter, unsigned sides) {
     std::vector<Vec3> corners;
-    for (unsigned i = 0; i < sides; ++i) corners.push_back(on_circle(0.5 * diameter, 2.0 * pi * (i + 0.5) / sides - 0.5 * pi));
+    for (unsigned i = 0; i < sides; ++i)
+        corners.push_back(on_circle(0.5 * diameter, 2.0 * pi * (i + 0.5) / sides - 0.5 * pi));
     return polyline(std::move(corners), true);
 }
 
@@ -49,7 +51,8 @@ struct Ring {
 Mesh revolve(const std::vector<Ring>& profile) {
     Mesh mesh;
     for (const Ring& ring : profile)
-        for (unsigned i = 0; i < segments; ++i) mesh.vertices.push_back(on_circle(ring.radius, 2.0 * pi * i / segments) + Vec3{0, 0, ring.z});
+        for (unsigned i = 0; i < segments; ++i)
+            mesh.vertices.push_back(on_circle(ring.radius, 2.0 * pi * i / segments) + Vec3{0, 0, ring.z});
     for (std::uint32_t k = 0; k + 1 < profile.size(); ++k) {
         for (std::uint32_t i = 0; i < segments; ++i) {
             const std::uint32_t here = k * segments + i;
@@ -75,7 +78,8 @@ Mesh dome(double radius, double angle) {
 Mesh box_mesh(double edge) {
     Mesh mesh;
     for (unsigned i = 0; i < 8; ++i)
-        mesh.vertices.push_back(edge * Vec3{(i & 1U) != 0 ? 0.5 : -0.5, (i & 2U) != 0 ? 0.5 : -0.5, (i & 4U) != 0 ? 0.5 : -0.5});
+        mesh.vertices.push_back(
+            edge * Vec3{(i & 1U) != 0 ? 0.5 : -0.5, (i & 2U) != 0 ? 0.5 : -0.5, (i & 4U) != 0 ? 0.5 : -0.5});
     mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                       {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
     return mesh;
@@ -89,7 +93,10 @@ Curve circle(double diameter) {
 Curve helix(double diameter, double height, double turns) {
     const double radius = 0.5 * diameter;
     const double length = std::hypot(pi * diameter * turns, height);
-    return {[=](double s) { return on_circle(radius, 2.0 * pi * turns * s / length) + Vec3{0, 0, height * (s / length)}; }, length, false};
+    return {[=](double s) {
+                return on_circle(radius, 2.0 * pi * turns * s / length) + Vec3{0, 0, height * (s / length)};
+            },
+            length, false};
 }
 
 /// A kind of shape: the options it takes are those that have a default.
@@ -103,23 +110,33 @@ std::vector<Kind> kinds() {
     using Spec = const PrimitiveSpec&;
     return {
         {{.kind = "point"}, [](Spec) { return Shape{{Cloud{{Vec3{}}}}}; }},
-        {{.kind = "line", .size = wide}, [](Spec s) { return Shape{{polyline({{0, 0, 0}, {*s.size, 0, 0}}, false)}}; }},
+        {{.kind = "line", .size = wide},
+         [](Spec s) {
+             return Shape{{polyline({{0, 0, 0}, {*s.size, 0, 0}}, false)}};
+         }},
         {{.kind = "circle", .diameter = 0.07}, [](Spec s) { return Shape{{circle(*s.diameter)}}; }},
-        {{.kind = "triangle", .size = wide}, [](Spec s) { return Shape{{regular_polygon(*s.size * 2.0 / std::sqrt(3.0), 3)}}; }},
-        {{.kind = "square", .size = wide}, [](Spec s) { return Shape{{regular_polygon(*s.size * std::sqrt(2.0), 4)}}; }},
+        {{.kind = "triangle", .size = wide},
+         [](Spec s) { return Shape{{regular_polygon(*s.size * 2.0 / std::sqrt(3.0), 3)}}; }},
+        {{.kind = "square", .size = wide},
+         [](Spec s) { return Shape{{regular_polygon(*s.size * std::sqrt(2.0), 4)}}; }},
         {{.kind = "plus", .size = wide},
          [](Spec s) {
              const double arm = 0.5 * *s.size;
              return Shape{{polyline({{-arm, 0, 0}, {arm, 0, 0}}, false), polyline({{0, -arm, 0}, {0, arm, 0}}, false)}};
          }},
-        {{.kind = "polygon", .diameter = wide, .sides = 6}, [](Spec s) { return Shape{{regular_polygon(*s.diameter, *s.sides)}}; }},
+        {{.kind = "polygon", .diameter = wide, .sides = 6},
+         [](Spec s) { return Shape{{regular_polygon(*s.diameter, *s.sides)}}; }},
         {{.kind = "sphere", .diameter = wide}, [](Spec s) { return Shape{{dome(0.5 * *s.diameter, pi)}}; }},
         {{.kind = "hemisphere", .diameter = wide}, [](Spec s) { return Shape{{dome(0.5 * *s.diameter, 0.5 * pi)}}; }},
         {{.kind = "cube", .size = wide}, [](Spec s) { return Shape{{box_mesh(*s.size)}}; }},
         {{.kind = "cone", .diameter = wide, .height = wide},
-         [](Spec s) { return Shape{{revolve({{0, *s.height}, {0.5 * *s.diameter, 0}, {0, 0}})}}; }},
+         [](Spec s) {
+             return Shape{{revolve({{0, *s.height}, {0.5 * *s.diameter, 0}, {0, 0}})}};
+         }},
         {{.kind = "cylinder", .diameter = wide, .height = wide},
-         [](Spec s) { return Shape{{revolve({{0, *s.height}, {0.5 * *s.diameter, *s.height}, {0.5 * *s.diameter, 0}, {0, 0}})}}; }},
+         [](Spec s) {
+             return Shape{{revolve({{0, *s.height}, {0.5 * *s.diameter, *s.height}, {0.5 * *s.diameter, 0}, {0, 0}})}};
+         }},
         {{.kind = "helix", .diameter = 0.07, .height = wide, .turns = 3.0},
          [](Spec s) { return Shape{{helix(*s.diameter, *s.height, *s.turns)}}; }},
     };
@@ -148,12 +165,18 @@ PrimitiveSpec completed(PrimitiveSpec given, const PrimitiveSpec& defaults) {
     const std::string where = "shape " + given.kind;
     if (!strange.empty())
         throw Error(ErrorCode::usage, where,
-                    fmt::format("found the option {}, expected {}; leave it out", listed(strange), takes.empty() ? "none" : listed(takes)));
-    for (const auto& [name, value] : {std::pair{"diameter", given.diameter}, {"size", given.size}, {"height", given.height}, {"turns", given.turns}})
+                    fmt::format("found the option {}, expected {}; leave it out", listed(strange),
+                                takes.empty() ? "none" : listed(takes)));
+    for (const auto& [name, value] : {std::pair{"diameter", given.diameter},
+                                      {"size", given.size},
+                                      {"height", given.height},
+                                      {"turns", given.turns}})
         if (value && (!(*value > 0.0) || !std::isfinite(*value)))
-            throw Error(ErrorCode::usage, where, fmt::format("found {} {}, expected a positive number; correct the option", name, *value));
+            throw Error(ErrorCode::usage, where,
+                        fmt::format("found {} {}, expected a positive number; correct the option", name, *value));
     if (given.sides && (*given.sides < 3 || *given.sides > 1000))
-        throw Error(ErrorCode::usage, where, fmt::format("found sides {}, expected 3 to 1000; correct the option", *given.sides));
+        throw Error(ErrorCode::usage, where,
+                    fmt::format("found sides {}, expected 3 to 1000; correct the option", *given.sides));
     return given;
 }
 
@@ -167,8 +190,10 @@ std::vector<std::string> primitive_kinds() {
 
 Shape make_primitive(const PrimitiveSpec& spec) {
     for (const Kind& kind : kinds())
-        if (kind.defaults.kind == spec.kind) return place(kind.make(completed(spec, kind.defaults)), {.center = Vec3{}});
-    throw Error(ErrorCode::usage, "shape " + spec.kind, fmt::format("is not known, expected one of {}; choose one", listed(primitive_kinds())));
+        if (kind.defaults.kind == spec.kind)
+            return place(kind.make(completed(spec, kind.defaults)), {.center = Vec3{}});
+    throw Error(ErrorCode::usage, "shape " + spec.kind,
+                fmt::format("is not known, expected one of {}; choose one", listed(primitive_kinds())));
 }
 
 }  // namespace haptogram

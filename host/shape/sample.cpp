@@ -37,7 +37,8 @@ std::vector<std::size_t> share(std::size_t count, const std::vector<double>& wei
     }
     std::vector<std::size_t> order(weights.size());
     std::iota(order.begin(), order.end(), 0U);
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return remainders[a] > remainders[b]; });
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return remainders[a] > remainders[b]; });
     for (std::size_t k = 0; given < count; ++k, ++given) ++shares[order[k % order.size()]];
     return shares;
 }
@@ -48,7 +49,8 @@ void along(const Curve& curve, std::size_t count, std::vector<Vec3>& out) {
         return;
     }
     const auto steps = static_cast<double>(curve.closed ? count : count - 1);
-    for (std::size_t i = 0; i < count; ++i) out.push_back(curve.at(std::min(curve.length, curve.length * (static_cast<double>(i) / steps))));
+    for (std::size_t i = 0; i < count; ++i)
+        out.push_back(curve.at(std::min(curve.length, curve.length * (static_cast<double>(i) / steps))));
 }
 
 void along(const std::vector<const Curve*>& curves, std::size_t count, std::vector<Vec3>& out) {
@@ -93,7 +95,9 @@ void over(const std::vector<const Mesh*>& meshes, std::size_t count, std::mt1993
 }  // namespace
 
 Sampled sample(const Shape& shape, std::size_t count, std::uint64_t seed) {
-    if (count == 0) throw Error(ErrorCode::usage, "points", "found 0, expected at least 1; ask for as many points as the hand shall feel");
+    if (count == 0)
+        throw Error(ErrorCode::usage, "points",
+                    "found 0, expected at least 1; ask for as many points as the hand shall feel");
     const auto curves = pieces_of<Curve>(shape);
     const auto meshes = pieces_of<Mesh>(shape);
     const auto clouds = pieces_of<Cloud>(shape);
@@ -107,7 +111,8 @@ Sampled sample(const Shape& shape, std::size_t count, std::uint64_t seed) {
     along(curves, only_curves ? count : dense, candidates);
     over(meshes, dense, random, candidates);
     for (const Cloud* cloud : clouds) candidates.insert(candidates.end(), cloud->points.begin(), cloud->points.end());
-    if (candidates.empty()) throw Error(ErrorCode::usage, "shape", "found nothing, expected a curve, a surface or points; name a shape");
+    if (candidates.empty())
+        throw Error(ErrorCode::usage, "shape", "found nothing, expected a curve, a surface or points; name a shape");
 
     const auto first = static_cast<std::size_t>(uniform(random) * static_cast<double>(candidates.size()));
     std::vector<std::size_t> chosen = farthest_points(candidates, count, first);

@@ -29,8 +29,8 @@ bool Lines::next() {
 
 std::string_view take_word(std::string_view& rest) {
     const auto is_blank = [](char c) { return blanks.find(c) != std::string_view::npos; };
-    const auto begin = std::find_if_not(rest.begin(), rest.end(), is_blank);
-    const auto end = std::find_if(begin, rest.end(), is_blank);
+    const auto* const begin = std::find_if_not(rest.begin(), rest.end(), is_blank);
+    const auto* const end = std::find_if(begin, rest.end(), is_blank);
     const std::string_view word(begin, end);
     rest = std::string_view(end, rest.end());
     return word;
@@ -63,9 +63,10 @@ std::string shown(std::string_view text) {
 std::string at_line(const std::string& file, std::size_t line) { return fmt::format("{}, line {}", file, line); }
 
 Error bad_coordinate(std::string where, std::string_view found) {
-    return bad_input(std::move(where), fmt::format("found {}, expected a finite coordinate with a decimal point, at most {:.0e}; "
-                                                   "correct or remove it",
-                                                   found.empty() ? "nothing" : shown(found), largest_coordinate));
+    return bad_input(std::move(where),
+                     fmt::format("found {}, expected a finite coordinate with a decimal point, at most {:.0e}; "
+                                 "correct or remove it",
+                                 found.empty() ? "nothing" : shown(found), largest_coordinate));
 }
 
 }  // namespace haptogram

@@ -26,7 +26,8 @@ struct PointsView {
     }
 };
 
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, PointsView>, PointsView, 3, std::size_t>;
+using Tree =
+    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, PointsView>, PointsView, 3, std::size_t>;
 
 /// Nanoflann result set: the nearest point not yet visited, the lowest index among equals.
 class NearestUnvisited {
@@ -83,7 +84,8 @@ std::vector<std::vector<std::size_t>> neighbour_lists(const std::vector<Vec3>& p
 /// A closed tour that can be shortened.
 class Tour {
 public:
-    Tour(const std::vector<Vec3>& points, std::vector<std::size_t> order) : points_(points), order_(std::move(order)), position_(order_.size()) {
+    Tour(const std::vector<Vec3>& points, std::vector<std::size_t> order)
+        : points_(points), order_(std::move(order)), position_(order_.size()) {
         for (std::size_t i = 0; i < order_.size(); ++i) position_[order_[i]] = i;
     }
 
@@ -134,18 +136,19 @@ private:
             const double freed = length(before, a) + length(last, after) - length(before, after);
             for (const std::size_t c : neighbours) {
                 if (length(a, c) >= freed) break;
-                const std::size_t steps_to_c = (forward ? position_[c] + n - position_[a] : position_[a] + n - position_[c]) % n;
+                const std::size_t steps_to_c =
+                    (forward ? position_[c] + n - position_[a] : position_[a] + n - position_[c]) % n;
                 if (steps_to_c < size) continue;  // c is one of those that would move
                 for (const bool beyond : {true, false}) {
                     const std::size_t d = next(c, beyond == forward);
                     if ((c == before && d == a) || (c == after && d == last)) continue;
                     if (!is_gain(freed + length(c, d), length(a, c) + length(last, d))) continue;
-                    if (beyond) {                          // before [a…last] [after…c] d
-                        exchange(before, a, c);         // before [c…after] [last…a] d
+                    if (beyond) {                    // before [a…last] [after…c] d
+                        exchange(before, a, c);      // before [c…after] [last…a] d
                         exchange(before, c, after);  // before [after…c] [last…a] d
-                        exchange(c, last, a);           // before [after…c] [a…last] d
-                    } else {                               // before [a…last] [after…d] c
-                        exchange(before, a, d);         // before [d…after] [last…a] c
+                        exchange(c, last, a);        // before [after…c] [a…last] d
+                    } else {                         // before [a…last] [after…d] c
+                        exchange(before, a, d);      // before [d…after] [last…a] c
                         exchange(before, d, after);  // before [after…d] [last…a] c
                     }
                     return {before, after, a, last, c, d};
@@ -155,7 +158,8 @@ private:
         return {};
     }
 
-    /// The edge a–b, and that from c to a d in the same direction, become a–c and b–d: the path from b to c turns round.
+    /// The edge a–b, and that from c to a d in the same direction, become a–c and b–d: the path from b to c turns
+    /// round.
     void exchange(std::size_t a, std::size_t b, std::size_t c) {
         if (next(a) == b)
             reverse(b, c);
@@ -217,7 +221,8 @@ std::vector<std::size_t> closed_tour(const std::vector<Vec3>& points) {
 
 double tour_length(const std::vector<Vec3>& points, const std::vector<std::size_t>& order) {
     double length = 0.0;
-    for (std::size_t i = 0; i < order.size(); ++i) length += distance(points.at(order[i]), points.at(order[(i + 1) % order.size()]));
+    for (std::size_t i = 0; i < order.size(); ++i)
+        length += distance(points.at(order[i]), points.at(order[(i + 1) % order.size()]));
     return length;
 }
 

@@ -48,8 +48,9 @@ double area(const Mesh& mesh) {
 
 TEST_CASE("meshes of other programs load with every face", "[shape][import]") {
     const std::string name =
-        GENERATE("trimesh_ascii.ply", "trimesh_little.ply", "plyfile_ascii.ply", "plyfile_little.ply", "plyfile_big.ply", "meshio_little.ply",
-                 "trimesh.obj", "meshio.obj", "trimesh_binary.stl", "trimesh_ascii.stl", "meshio_binary.stl", "meshio_ascii.stl");
+        GENERATE("trimesh_ascii.ply", "trimesh_little.ply", "plyfile_ascii.ply", "plyfile_little.ply",
+                 "plyfile_big.ply", "meshio_little.ply", "trimesh.obj", "meshio.obj", "trimesh_binary.stl",
+                 "trimesh_ascii.stl", "meshio_binary.stl", "meshio_ascii.stl");
     CAPTURE(name);
     const Mesh mesh = load_mesh(name);
     std::multiset<std::set<std::size_t>> faces;
@@ -62,9 +63,10 @@ TEST_CASE("meshes of other programs load with every face", "[shape][import]") {
 }
 
 TEST_CASE("clouds of other programs and hands load point by point", "[shape][import]") {
-    const std::string name = GENERATE("trimesh_cloud.ply", "plyfile_cloud_ascii.ply", "plyfile_cloud_little.ply", "plyfile_cloud_big.ply",
-                                      "trimesh_cloud.xyz", "numpy_colours.xyz", "numpy_header.csv", "numpy_semicolon.csv", "by_hand/points.obj",
-                                      "by_hand/quoted.csv", "by_hand/tabs.csv");
+    const std::string name =
+        GENERATE("trimesh_cloud.ply", "plyfile_cloud_ascii.ply", "plyfile_cloud_little.ply", "plyfile_cloud_big.ply",
+                 "trimesh_cloud.xyz", "numpy_colours.xyz", "numpy_header.csv", "numpy_semicolon.csv",
+                 "by_hand/points.obj", "by_hand/quoted.csv", "by_hand/tabs.csv");
     CAPTURE(name);
     const Cloud cloud = load_cloud(data / name);
     REQUIRE(cloud.points.size() == corners.size());
@@ -104,9 +106,11 @@ TEST_CASE("binary PLY data may begin with any byte", "[shape][import]") {
 
 TEST_CASE("numbers mean the same in a locale with a decimal comma", "[shape][import]") {
     const std::string before = std::setlocale(LC_NUMERIC, nullptr);
-    const bool found = std::setlocale(LC_NUMERIC, "de_DE.UTF-8") != nullptr || std::setlocale(LC_NUMERIC, "fr_FR.UTF-8") != nullptr;
+    const bool found =
+        std::setlocale(LC_NUMERIC, "de_DE.UTF-8") != nullptr || std::setlocale(LC_NUMERIC, "fr_FR.UTF-8") != nullptr;
     if (!found) WARN("not tested: no locale with a decimal comma is installed here");
-    for (const char* const name : {"plyfile_cloud_ascii.ply", "trimesh_cloud.xyz", "numpy_semicolon.csv", "by_hand/points.obj"})
+    for (const char* const name :
+         {"plyfile_cloud_ascii.ply", "trimesh_cloud.xyz", "numpy_semicolon.csv", "by_hand/points.obj"})
         CHECK(load_cloud(data / name).points.back().z == Approx(0.0405).epsilon(1e-7));
     CHECK(area(load_mesh("trimesh_ascii.stl")) == Approx(area(load_mesh("trimesh_binary.stl"))).epsilon(1e-6));
     std::setlocale(LC_NUMERIC, before.c_str());

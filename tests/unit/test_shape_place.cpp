@@ -38,18 +38,24 @@ TEST_CASE("each step of a placement", "[shape][place]") {
 
 TEST_CASE("x is turned before y before z, right-handed", "[shape][place]") {
     const Shape corners{{Cloud{{{-1, -1, -1}, {1, 1, 1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}}};
-    check_same(points(place(corners, {.rotate_deg = {90, 0, 0}})), {{-1, 1, -1}, {1, -1, 1}, {1, 0, 0}, {0, 0, 1}, {0, -1, 0}});
-    check_same(points(place(corners, {.rotate_deg = {90, 90, 0}})), {{-1, 1, 1}, {1, -1, -1}, {0, 0, -1}, {1, 0, 0}, {0, -1, 0}});
-    check_same(points(place(corners, {.rotate_deg = {90, 90, 90}})), {{-1, -1, 1}, {1, 1, -1}, {0, 0, -1}, {0, 1, 0}, {1, 0, 0}});
+    check_same(points(place(corners, {.rotate_deg = {90, 0, 0}})),
+               {{-1, 1, -1}, {1, -1, 1}, {1, 0, 0}, {0, 0, 1}, {0, -1, 0}});
+    check_same(points(place(corners, {.rotate_deg = {90, 90, 0}})),
+               {{-1, 1, 1}, {1, -1, -1}, {0, 0, -1}, {1, 0, 0}, {0, -1, 0}});
+    check_same(points(place(corners, {.rotate_deg = {90, 90, 90}})),
+               {{-1, -1, 1}, {1, 1, -1}, {0, 0, -1}, {0, 1, 0}, {1, 0, 0}});
 }
 
 TEST_CASE("the steps come in their order", "[shape][place]") {
-    check_same(points(place(two_points, {.scale = 10, .size_m = 1, .rotate_deg = {0, 0, 180}, .center = Vec3{0, 0, 5}})), {{0.5, 0, 5}, {-0.5, 0, 5}});
+    check_same(
+        points(place(two_points, {.scale = 10, .size_m = 1, .rotate_deg = {0, 0, 180}, .center = Vec3{0, 0, 5}})),
+        {{0.5, 0, 5}, {-0.5, 0, 5}});
 }
 
 TEST_CASE("the centre that is moved is that of the turned shape", "[shape][place]") {
     // The box of a turned triangle is not the turned box.
-    const Box box = bounding_box(place(make_primitive({.kind = "triangle"}), {.rotate_deg = {0, 0, 20}, .center = Vec3{1, 2, 3}}));
+    const Box box =
+        bounding_box(place(make_primitive({.kind = "triangle"}), {.rotate_deg = {0, 0, 20}, .center = Vec3{1, 2, 3}}));
     CHECK(distance(box.center(), {1, 2, 3}) < 1e-9);
 }
 
@@ -71,9 +77,11 @@ TEST_CASE("curves and meshes are placed like clouds", "[shape][place]") {
 TEST_CASE("the box of a curve is exact at its corners and crests", "[shape][place]") {
     const double angle = GENERATE(0.0, 7.0, 29.0, 45.0, 123.0);
     const double r = angle * 0.017453292519943295;
-    const Box square = bounding_box(place(make_primitive({.kind = "square", .size = 0.1}), {.rotate_deg = {0, 0, angle}}));
+    const Box square =
+        bounding_box(place(make_primitive({.kind = "square", .size = 0.1}), {.rotate_deg = {0, 0, angle}}));
     CHECK(square.extent().x == Approx(0.1 * (std::abs(std::cos(r)) + std::abs(std::sin(r)))).epsilon(1e-8));
-    const Box circle = bounding_box(place(make_primitive({.kind = "circle", .diameter = 0.1}), {.rotate_deg = {angle, 0, angle}}));
+    const Box circle =
+        bounding_box(place(make_primitive({.kind = "circle", .diameter = 0.1}), {.rotate_deg = {angle, 0, angle}}));
     CHECK(circle.extent().z == Approx(0.1 * std::abs(std::sin(r))).epsilon(1e-8));
     const Box line = bounding_box(place(make_primitive({.kind = "line", .size = 0.1}), {.rotate_deg = {0, 0, angle}}));
     CHECK(line.extent().y == Approx(0.1 * std::abs(std::sin(r))).epsilon(1e-8));

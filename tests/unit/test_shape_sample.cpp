@@ -43,7 +43,8 @@ double largest_hole(const std::vector<Vec3>& surface, const std::vector<Vec3>& p
 }
 
 /// Farthest-point sampling as its definition says.
-std::vector<std::size_t> farthest_by_definition(const std::vector<Vec3>& candidates, std::size_t count, std::size_t first) {
+std::vector<std::size_t> farthest_by_definition(const std::vector<Vec3>& candidates, std::size_t count,
+                                                std::size_t first) {
     std::vector<std::size_t> chosen{first};
     std::vector<double> gap2(candidates.size(), std::numeric_limits<double>::infinity());
     while (chosen.size() < count) {
@@ -63,12 +64,14 @@ TEST_CASE("curves are divided into equal arc lengths", "[shape][sample]") {
         const auto points = sample(make_primitive({.kind = "circle", .diameter = 0.07}), 200, 1).points;
         REQUIRE(points.size() == 200);
         const double chord = 0.07 * std::sin(std::numbers::pi / 200);
-        for (std::size_t i = 0; i < 200; ++i) CHECK(distance(points[i], points[(i + 1) % 200]) == Approx(chord).epsilon(1e-9));
+        for (std::size_t i = 0; i < 200; ++i)
+            CHECK(distance(points[i], points[(i + 1) % 200]) == Approx(chord).epsilon(1e-9));
     }
     SECTION("open, with both ends") {
         const auto points = sample(make_primitive({.kind = "line", .size = 0.1}), 101, 1).points;
         REQUIRE(points.size() == 101);
-        for (std::size_t i = 0; i < 101; ++i) CHECK(points[i].x == Approx(-0.05 + 0.001 * static_cast<double>(i)).margin(1e-15));
+        for (std::size_t i = 0; i < 101; ++i)
+            CHECK(points[i].x == Approx(-0.05 + 0.001 * static_cast<double>(i)).margin(1e-15));
     }
     SECTION("one point of a line is its middle") {
         CHECK(norm(sample(make_primitive({.kind = "line"}), 1, 1).points.at(0)) < 1e-12);
@@ -77,8 +80,10 @@ TEST_CASE("curves are divided into equal arc lengths", "[shape][sample]") {
         Shape shape = make_primitive({.kind = "line", .size = 0.1});
         shape.pieces.push_back(make_primitive({.kind = "circle", .diameter = 0.3 / std::numbers::pi}).pieces.front());
         const auto points = sample(shape, 41, 1).points;  // 10.25 and 30.75 points: the larger remainder gets the last
-        CHECK(std::count_if(points.begin(), points.end(), [](Vec3 p) { return std::abs(p.y) < 1e-12 && std::abs(p.x) < 0.0477; }) == 8);
-        CHECK(std::count_if(points.begin(), points.end(), [](Vec3 p) { return std::abs(norm(p) - 0.15 / std::numbers::pi) < 1e-9; }) == 31);
+        CHECK(std::count_if(points.begin(), points.end(),
+                            [](Vec3 p) { return std::abs(p.y) < 1e-12 && std::abs(p.x) < 0.0477; }) == 8);
+        CHECK(std::count_if(points.begin(), points.end(),
+                            [](Vec3 p) { return std::abs(norm(p) - 0.15 / std::numbers::pi) < 1e-9; }) == 31);
     }
     SECTION("the crossing of a plus is felt once") {
         const Sampled sampled = sample(make_primitive({.kind = "plus"}), 202, 1);
@@ -106,11 +111,12 @@ TEST_CASE("the fast farthest-point sampling is the one of the definition", "[sha
 }
 
 TEST_CASE("surfaces are covered evenly", "[shape][sample]") {
-    const auto [kind, area] = GENERATE(table<std::string, double>({{"sphere", std::numbers::pi * 0.01},
-                                                                   {"hemisphere", std::numbers::pi * 0.005},
-                                                                   {"cube", 0.06},
-                                                                   {"cylinder", std::numbers::pi * 0.015},
-                                                                   {"cone", std::numbers::pi * 0.0025 * (1.0 + std::sqrt(5.0))}}));
+    const auto [kind, area] =
+        GENERATE(table<std::string, double>({{"sphere", std::numbers::pi * 0.01},
+                                             {"hemisphere", std::numbers::pi * 0.005},
+                                             {"cube", 0.06},
+                                             {"cylinder", std::numbers::pi * 0.015},
+                                             {"cone", std::numbers::pi * 0.0025 * (1.0 + std::sqrt(5.0))}}));
     CAPTURE(kind);
     const std::size_t count = GENERATE(50U, 200U, 400U);
     const Shape shape = make_primitive({.kind = kind});
@@ -128,7 +134,8 @@ TEST_CASE("a dense cloud is covered evenly", "[shape][sample]") {
     REQUIRE(points.size() == 200);
     CHECK(least_distance(points) > 0.75 * std::cbrt(1.0 / 200));  // random points come to 0.1
     CHECK(largest_hole(cloud.points, points) <= least_distance(points));
-    for (const Vec3& point : points) CHECK(std::find(cloud.points.begin(), cloud.points.end(), point) != cloud.points.end());
+    for (const Vec3& point : points)
+        CHECK(std::find(cloud.points.begin(), cloud.points.end(), point) != cloud.points.end());
 }
 
 TEST_CASE("pieces of different kinds are covered together", "[shape][sample]") {
@@ -139,7 +146,9 @@ TEST_CASE("pieces of different kinds are covered together", "[shape][sample]") {
     REQUIRE(points.size() == 100);
     CHECK(std::count(points.begin(), points.end(), Vec3{0, 0, 1}) == 1);
     CHECK(std::count_if(points.begin(), points.end(), [](Vec3 p) { return std::abs(norm(p) - 0.2) < 1e-9; }) > 10);
-    CHECK(std::count_if(points.begin(), points.end(), [](Vec3 p) { return std::abs(std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) - 0.05) < 1e-9; }) > 10);
+    CHECK(std::count_if(points.begin(), points.end(), [](Vec3 p) {
+              return std::abs(std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) - 0.05) < 1e-9;
+          }) > 10);
 }
 
 TEST_CASE("a seed is a choice of points", "[shape][sample]") {
