@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "acoustics/drive.hpp"
+#include "acoustics/field.hpp"
+#include "acoustics/focus_check.hpp"
+#include "acoustics/measure.hpp"
+#include "acoustics/plane.hpp"
+#include "base/error.hpp"
+
+using namespace haptogram;
+using Catch::Contains;
+
+namespace {
+
+/// Full width at half maximum of |p|² through the focus along x.
+double width(const Array& array, Vec3 focus) {
+    const auto drives = ideal_drives(array, focus);
+    const double half = std::norm(pressure(array, drives, focus)) / 2.0;
+    double x = 0.0;
+    while (std::norm(pressure(array, drives, focus + Vec3{x, 0, 0})) > half) x += 1e-6;
+    return 2.0 * x;
+}
+
+/// (1/π)∫ cos(τ − x sin τ) dτ: the Bessel function's integral, independent of any library's series.
+double bessel_j1(double x) {
+    constexpr int steps = 2000;
+    double sum = 0.0;
+    for (int i = 0; i < steps; ++i) {
+        const double t = std::numbers::pi * (i + 0.5) / steps;
+        sum += std::cos(t - x * std::sin(t));
+    }
+    return sum / steps;
+}
+
+}  // namespace
+
+TEST_CASE("field: one source against the numbers of another program", "[acoustics]") {
+    // levitate's tests: 40 kHz, c = 343, 6 Pa·m, convention e^{+ikR}; ours is its conjugate.
+    const double k = 2.0 * std::numbers::pi * 40e3 / 343.0;
+    const Vec3 source{0.01, 0.12, -0.025};
+    const Vec3 normal = Vec3{2, 3, 4} * (1.0 / std::sqrt(29.0));
+    const auto check = [&](Vec3 point, double radius, std::complex<double> expected) {
+        const auto p = std::conj(6.0 * propagation(source, normal, point, k, radius));
+        REQUIRE(p.real() == Approx(expected.real()).epsilon(1e-8));
+        REQUIRE(p.imag() == Approx(expected.imag()).epsilon(1e-8));
+    };
+    check({0.1, 0.2, 0.3}, 0.0, {-15.10269228, 8.46147216});
+    check({0.1, 0.2, 0.3}, 3e-3, {-13.76846639, 7.71395542});
+    check({-0.15, 1.27, 0.001}, 0.0, {-4.76079297, 2.00641887});
+    check({-0.15, 1.27, 0.001}, 3e-3, {-2.94292484, 1.24028496});
+}
+
+TEST_CASE("field: the piston's directivity against the Bessel integral", "[acoustics]") {
+    for (double x = 0.01; x < 12.0; x += 0.37) REQUIRE(piston_directivity(x) == Approx(2.0 * bessel_j1(x) / x).margin(1e-9));
+    REQUIRE(piston_directivity(0.0) == 1.0);
+    REQUIRE(piston_directivity(1e-5) == Approx(1.0));
+    REQUIRE(std::abs(piston_directivity(3.8317059702)) < 1e-9);  // the first zero
+}
+
+TEST_CASE("field: focal width of the paper's tile", "[acoustics]") {
+    Array array = find_array("tile-10x10");
+    const Vec3 focus = from_mm(0, 0, 130);
+    REQUIRE(width(array, focus) == Approx(10.8e-3).margin(0.06e-3));
+    array.transducer.radius_m = 0.0;
+    REQUIRE(width(array, focus) == Approx(10.6e-3).margin(0.06e-3));
+}
+
+TEST_CASE("field: a point on an element is an error", "[acoustics]") {
+    const Array array = find_array("tile-10x10");
+    REQUIRE_THROWS_WITH(pressure(array, ideal_drives(array, from_mm(0, 0, 100)), array.elements[3]), Contains("coincides"));
+}
+
+TEST_CASE("field: reciprocity, and the matrix agrees with the sum", "[acoustics]") {
+    const Array array = find_array("tile-10x10");
+    const double k = 2.0 * std::numbers::pi / array.wavelength_m();
+    REQUIRE(propagation({0.01, 0, 0}, {0.03, 0.02, 0.1}, k, 0.0) == propagation({0.03, 0.02, 0.1}, {0.01, 0, 0}, k, 0.0));
+    const std::vector<Vec3> points = {from_mm(3, 4, 90), from_mm(-30, 14, 150)};
+    const auto drives = ideal_drives(array, points[0]);
+    const auto matrix = propagation_matrix(array, points);
+    for (std::size_t i = 0; i < 2; ++i) {
+        std::complex<double> sum = 0.0;
+        for (std::size_t m = 0; m < 100; ++m) sum += matrix[i * 100 + m] * drives[m];
+        REQUIRE(std::abs(sum - pressure(array, drives, points[i])) < 1e-9 * std::abs(sum));
+    }
+}
+
+TEST_CASE("drive: amplitude follows sin(π·duty), phase the middle of the pulse", "[acoustics]") {
+    const double period = 25e-6;
+    for (const double duty : {0.004, 0.1, 0.25, 0.5, 0.75}) {
+        std::vector<DrivePulse> train;
+        for (int i = 0; i < 7; ++i) train.push_back({i * period + 3e-6, i * period + 3e-6 + duty * period});
+        const auto a = carrier_component(train, 1.0 / period, 7 * period);
+        REQUIRE(std::abs(a) == Approx(std::sin(std::numbers::pi * duty)).epsilon(1e-9));
+        const double middle = 3e-6 + duty * period / 2.0;
+        REQUIRE(std::abs(std::remainder(std::arg(a) + 2.0 * std::numbers::pi * middle / period, 2.0 * std::numbers::pi)) < 1e-9);
+    }
+    REQUIRE(std::abs(carrier_component({}, 40e3, 1.0)) == 0.0);
+}
+
+TEST_CASE("focus check: quantised phases keep what theory says", "[acoustics]") {
+    const Array array = find_array("hoshi-18x18");
+    const int bits = GENERATE(8, 5, 4, 3);
+    const double step = 2.0 * std::numbers::pi / (1 << bits);
+    const double kept = std::sin(step / 2.0) / (step / 2.0);  // errors spread evenly over a step: sinc(1/2^bits)
+    double mean = 0.0;
+    int count = 0;
+    for (double x = -50; x <= 50; x += 9.7)
+        for (double y = -50; y <= 50; y += 13.3) {
+            const Vec3 focus = from_mm(x, y, 150.0 + x / 3.0);
+            auto drives = ideal_drives(array, focus);
+            for (auto& d : drives) d = std::polar(std::abs(d), std::round(std::arg(d) / step) * step);
+            mean += check_focus(array, drives, focus).pressure_kept;
+            ++count;
+        }
+    REQUIRE(mean / count == Approx(kept).margin((1.0 - kept) * 0.05 + 1e-6));
+}
+
+TEST_CASE("focus check: a focus that is elsewhere is found to be elsewhere", "[acoustics]") {
+    const Array array = find_array("tile-10x10");
+    const auto drives = ideal_drives(array, from_mm(1.0, 0, 130));
+    const FocusCheck check = check_focus(array, drives, from_mm(0, 0, 130));
+    REQUIRE(check.peak_offset_m == Approx(1e-3).margin(0.05e-3));
+    REQUIRE(check.pressure_kept < 0.995);
+    const FocusCheck exact = check_focus(array, ideal_drives(array, from_mm(0, 0, 130)), from_mm(0, 0, 130));
+    REQUIRE(exact.pressure_kept == Approx(1.0).epsilon(1e-12));
+    REQUIRE(exact.peak_offset_m < 1e-6);
+}
+
+TEST_CASE("measure: a record's drives from its pulses, edges of a stretch left out", "[acoustics]") {
+    Manifest manifest;
+    manifest.array = find_array("tile-10x10");
+    manifest.array.elements.resize(2);
+    manifest.foci = {from_mm(0, 0, 100), from_mm(0, 0, 110)};
+    manifest.dwell_cycles = {5, 1};
+    std::vector<Pulse> pulses;
+    for (std::uint64_t i = 0; i < 5; ++i) {
+        pulses.push_back({1250 * i, 1250 * i + 625, 0, 1});
+        pulses.push_back({1250 * i + 625, 1250 * i + 1250, 1, 1});
+    }
+    pulses[0].fall += 300;  // merged with another record's
+    const auto records = measure(manifest, pulses, "p");
+    REQUIRE(records[0].cycles == 3);
+    REQUIRE(std::abs(records[0].drives[0]) == Approx(manifest.array.transducer.source_pa_m));
+    REQUIRE(std::abs(records[0].drives[0] + records[0].drives[1]) < 1e-9);  // half a period apart
+    REQUIRE(records[1].cycles == 0);
+    pulses.push_back({0, 1, 2, 1});
+    REQUIRE_THROWS_WITH(measure(manifest, pulses, "p"), Contains("another array"));
+    pulses.back() = {0, 1, 0, 3};
+    REQUIRE_THROWS_WITH(measure(manifest, pulses, "p"), Contains("another image"));
+}
+
+TEST_CASE("plane: texts that name one, and texts that do not", "[acoustics]") {
+    const Plane plane = parse_plane("xz@y=-5.5", 0.02, 0.01);
+    REQUIRE(plane.u.size() == 5);
+    REQUIRE(plane.v.size() == 4);
+    REQUIRE(plane.point(0, 3).x == Approx(-0.02));
+    REQUIRE(plane.point(0, 3).y == Approx(-0.0055));
+    REQUIRE(plane.point(0, 3).z == Approx(0.04));
+    for (const char* text : {"", "xy", "xy@z=", "xy@x=1", "zx@y=1", "xy@z=1mm", "xy@z=nan", "xy@z=-1", "xy@z=0"})
+        REQUIRE_THROWS_AS(parse_plane(text, 0.02, 0.01), Error);
+    REQUIRE_THROWS_AS(parse_plane("xy@z=100", 0.02, 0.0), Error);
+    REQUIRE_THROWS_WITH(parse_plane("xy@z=100", 1.0, 1e-6), Contains("too many"));
+}
+
+TEST_CASE("radiation pressure: Hoshi's single transducer and hundred in phase", "[acoustics]") {
+    // 24 Pa rms each; a hundred in phase give 83 Pa with α = 2, ρ = 1.2, c = 340.
+    Manifest manifest;
+    manifest.array = find_array("hoshi-18x18");
+    manifest.array.elements.assign(1, {0, 0, 0});
+    manifest.foci = {from_mm(0, 0, 300)};
+    std::vector<MeasuredRecord> records(1);
+    records[0].cycles = 1;
+    records[0].drives = {100.0 * manifest.array.transducer.source_pa_m};
+    const Plane plane = parse_plane("xz@y=0", 0.15, 0.15);
+    const auto mean = mean_radiation_pressure(manifest, records, plane);
+    REQUIRE(mean.at(1 * 3 + 1) == Approx(83.0).margin(0.3));  // on the axis at 300 mm
+}

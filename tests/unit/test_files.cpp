@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <sys/resource.h>
+
+#include <catch2/catch.hpp>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+
+#include "base/error.hpp"
+#include "base/file.hpp"
+#include "geometry/array.hpp"
+#include "image/manifest.hpp"
+#include "image/pulses.hpp"
+
+using namespace haptogram;
+using Catch::Contains;
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Folder {
+    fs::path path;
+    Folder() {
+        std::string name = (fs::temp_directory_path() / "haptogram-XXXXXX").string();
+        REQUIRE(::mkdtemp(name.data()) != nullptr);
+        path = name;
+    }
+    Folder(const Folder&) = delete;
+    Folder& operator=(const Folder&) = delete;
+    ~Folder() { fs::remove_all(path); }
+    [[nodiscard]] std::size_t files() const {
+        return static_cast<std::size_t>(std::distance(fs::directory_iterator(path), fs::directory_iterator()));
+    }
+};
+
+std::string array_text(const std::string& body) { return "[array]\nrows = 2\ncolumns = 2\npitch_mm = 10.0\n" + body; }
+
+}  // namespace
+
+TEST_CASE("files: sha256 against the standard's test vectors", "[files]") {
+    REQUIRE(sha256("") == "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+    REQUIRE(sha256("abc") == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+TEST_CASE("files: a failed write leaves what was there and nothing beside it", "[files]") {
+    Folder folder;
+    const fs::path a = folder.path / "a";
+    const fs::path b = folder.path / "b";
+    write_file(a, "old");
+    REQUIRE_THROWS_WITH(write_files({{a, "new"}, {folder.path / "no/such/folder", "x"}}), Contains("cannot be written"));
+    REQUIRE(read_file(a) == "old");
+    // A full disk, as the kernel tells of it.
+    const rlimit limited = {1000, RLIM_INFINITY};
+    rlimit before{};
+    REQUIRE(::getrlimit(RLIMIT_FSIZE, &before) == 0);
+    std::signal(SIGXFSZ, SIG_IGN);
+    REQUIRE(::setrlimit(RLIMIT_FSIZE, &limited) == 0);
+    std::string message;
+    try {
+        write_files({{b, "small"}, {a, std::string(5000, 'x')}});
+    } catch (const Error& error) {
+        message = error.what();
+    }
+    ::setrlimit(RLIMIT_FSIZE, &before);
+    REQUIRE_THAT(message, Contains("cannot be written"));
+    REQUIRE(read_file(a) == "old");
+    REQUIRE_FALSE(fs::exists(b));
+    REQUIRE(folder.files() == 1);
+}
+
+TEST_CASE("files: permissions and symbolic links survive a rewrite", "[files]") {
+    Folder folder;
+    const fs::path file = folder.path / "file";
+    const fs::path link = folder.path / "link";
+    write_file(file, "1");
+    fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write);
+    fs::create_symlink(file, link);
+    write_file(link, "2");
+    REQUIRE(fs::is_symlink(link));
+    REQUIRE(read_file(file) == "2");
+    REQUIRE(fs::status(file).permissions() == (fs::perms::owner_read | fs::perms::owner_write));
+    REQUIRE_THROWS_WITH(read_file(folder.path / "none"), Contains("none") && Contains("cannot be opened"));
+    REQUIRE_THROWS_WITH(read_file(folder.path), Contains("cannot be read"));
+    REQUIRE_THROWS_WITH(write_file(folder.path, "x"), Contains("cannot be written"));
+}
+
+TEST_CASE("array files: the shipped ones", "[array]") {
+    const Array tile = find_array("tile-10x10");
+    REQUIRE(tile.elements.size() == 100);
+    REQUIRE(tile.elements[0].x == Approx(-0.045));
+    REQUIRE(tile.elements[0].y == Approx(-0.045));
+    REQUIRE(tile.elements[1].x == Approx(-0.035));  // channel = row · columns + column
+    REQUIRE(tile.elements[10].y == Approx(-0.035));
+    REQUIRE(tile.medium.speed_m_s == Approx(343.2).margin(0.05));
+    REQUIRE(find_array("hoshi-18x18").elements.size() == 324);
+    REQUIRE_THROWS_WITH(find_array("nonesuch"), Contains("tile-10x10"));
+}
+
+TEST_CASE("array files: speed of sound", "[array]") {
+    REQUIRE(speed_of_sound(15) == Approx(340.3).margin(0.06));
+    REQUIRE(speed_of_sound(20) == Approx(343.2).margin(0.06));
+    REQUIRE(speed_of_sound(30) == Approx(349.0).margin(0.1));
+}
+
+TEST_CASE("array files: explicit elements, and every mistake named with its line", "[array]") {
+    Folder folder;
+    const fs::path file = folder.path / "a.toml";
+    write_file(file, "[array]\nelements_mm = [[0, 0], [1.5, -2]]\n");
+    const Array array = load_array(file);
+    REQUIRE(array.elements.size() == 2);
+    REQUIRE(array.elements[1] == from_mm(1.5, -2, 0));
+    REQUIRE(array.nearest_m == Approx(10.0 * 81e-6 / (4.0 * array.wavelength_m())));
+    const auto [text, message] = GENERATE(table<std::string, std::string>({
+        {"", "must have rows, columns and pitch_mm"},
+        {"[array\n", ":1: not valid TOML"},
+        {"[array]\nrows = 2\n", "must have rows"},
+        {array_text("elements_mm = [[1,2]]\n"), "not both"},
+        {array_text("colour = 3\n"), ":5: unknown key array.colour; known are rows"},
+        {array_text("carrier_hz = \"fast\"\n"), ":5: array.carrier_hz must be a number"},
+        {array_text("carrier_hz = nan\n"), "array.carrier_hz must be a number"},
+        {array_text("duty = 0.7\n"), "array.duty must be a number from 0.001 to 0.5"},
+        {array_text("[medium]\nspeed_m_s = 340\ntemperature_c = 20\n"), "not both"},
+        {array_text("[board]\nchannels = 3\n"), "4 elements but the board has 3 channels"},
+        {array_text("[board]\nclock_hz = 50.5\n"), "board.clock_hz must be a whole number"},
+        {array_text("[boards]\n"), "unknown key 'boards'"},
+        {"array = 3\n", "'array' must be a table"},
+        {"[array]\nelements_mm = [[0, 0], [1]]\n", ":2: elements_mm must be a list of [x, y] pairs"},
+        {"[array]\nelements_mm = []\n", "elements_mm must be a list"},
+    }));
+    CAPTURE(text);
+    write_file(file, text);
+    REQUIRE_THROWS_WITH(load_array(file), Contains("a.toml") && Contains(message));
+}
+
+TEST_CASE("array: reach", "[array]") {
+    const Array array = find_array("tile-10x10");
+    REQUIRE(array.unreachable(from_mm(0, 0, 130)).empty());
+    REQUIRE_THAT(array.unreachable(from_mm(0, 0, 0)), Contains("on or behind"));
+    REQUIRE_THAT(array.unreachable(from_mm(0, 0, -10)), Contains("on or behind"));
+    REQUIRE_THAT(array.unreachable(from_mm(5, 5, 20)), Contains("nearer"));
+    REQUIRE_THAT(array.unreachable(from_mm(200, 0, 100)), Contains("off the axis"));
+}
+
+TEST_CASE("manifest: what is written is read back; what is missing is named", "[manifest]") {
+    Manifest m;
+    m.array = find_array("hoshi-18x18");
+    m.timer = {50e6, 5, 250, 125};
+    m.foci = {from_mm(1, 2, 130), from_mm(-1.25, 0, 140)};
+    m.dwell_cycles = {20, 21};
+    m.rate_hz = 10;
+    m.formation = {1e-4, 4, 1.1e-4, 3.6e-4};
+    m.input_sha256 = "aa";
+    m.image_sha256 = "bb";
+    const std::string text = to_json(m).dump(1);
+    const Manifest back = manifest_from_json(text, "m");
+    REQUIRE(to_json(back).dump(1) == text);
+    REQUIRE(back.foci == m.foci);
+    REQUIRE_THROWS_WITH(manifest_from_json("{", "m.json"), Contains("m.json"));
+    REQUIRE_THROWS_WITH(manifest_from_json("[]", "m"), Contains("not a manifest"));
+    for (const char* key : {"format", "timer", "array", "records", "image_sha256", "board"}) {
+        auto json = to_json(m);
+        json.erase(key);
+        REQUIRE_THROWS_WITH(manifest_from_json(json.dump(), "m"), Contains(key));
+    }
+    auto json = to_json(m);
+    json["records"][0]["focus_mm"] = {1, 2};
+    REQUIRE_THROWS_AS(manifest_from_json(json.dump(), "m"), Error);
+}
+
+TEST_CASE("pulse files: round trip, and damage named with its line", "[pulses]") {
+    const std::vector<Pulse> pulses = {{10, 20, 3, 1}, {123456789012, 123456789013, 99, 65535}};
+    const std::string text = to_csv(pulses);
+    REQUIRE(text == "channel,rise_clk,fall_clk,index\n3,10,20,1\n99,123456789012,123456789013,65535\n");
+    REQUIRE(pulses_from_csv(text, "p") == pulses);
+    const std::string header = "channel,rise_clk,fall_clk,index\n";
+    for (const char* line : {"1,2,3\n", "1,2,3,4,5\n", "1,5,5,1\n", "a,1,2,3\n", "1,2,3,70000\n", "1, 2,3,4\n", "-1,2,3,4\n", "\n"})
+        REQUIRE_THROWS_WITH(pulses_from_csv(header + "0,1,2,1\n" + line, "p"), Contains("p:3"));
+    REQUIRE_THROWS_WITH(pulses_from_csv(header + "0,1,2,1", "p"), Contains("cut short"));
+    REQUIRE_THROWS_WITH(pulses_from_csv("x\n", "p"), Contains("p:1: expected the header"));
+}

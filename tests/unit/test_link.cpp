@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <boost/crc.hpp>
+#include <catch2/catch.hpp>
+#include <deque>
+#include <fstream>
+#include <random>
+#include <sstream>
+
+#include "base/error.hpp"
+#include "link/client.hpp"
+#include "link/frame.hpp"
+
+using namespace haptogram;
+using namespace haptogram::link;
+using Catch::Contains;
+using interface::Command;
+using interface::Status;
+
+namespace {
+
+Bytes random_bytes(std::mt19937& g, std::size_t length, unsigned values) {
+    Bytes bytes(length);
+    for (auto& byte : bytes) byte = static_cast<std::uint8_t>(g() % values);
+    return bytes;
+}
+
+Bytes from_hex(const std::string& text) {
+    Bytes bytes;
+    for (std::size_t i = 0; i + 1 < text.size(); i += 2) bytes.push_back(static_cast<std::uint8_t>(std::stoul(text.substr(i, 2), nullptr, 16)));
+    return bytes;
+}
+
+Bytes reply_frame(const Reply& r) {
+    Bytes frame = {r.sequence, static_cast<std::uint8_t>(static_cast<unsigned>(r.command) | 0x80U), static_cast<std::uint8_t>(r.status), r.expected,
+                   static_cast<std::uint8_t>(r.live_level), static_cast<std::uint8_t>(r.live_level >> 8)};
+    frame.insert(frame.end(), r.data.begin(), r.data.end());
+    const std::uint16_t crc = crc16(frame);
+    frame.push_back(static_cast<std::uint8_t>(crc >> 8));
+    frame.push_back(static_cast<std::uint8_t>(crc));
+    Bytes code = cobs_encode(frame);
+    code.push_back(0);
+    return code;
+}
+
+/// A board in ten lines that keeps what it was sent, over a line that loses frames.
+class LossyBoard final : public Transport {
+public:
+    explicit LossyBoard(unsigned lose_one_in) : lose_one_in_(lose_one_in) {}
+    void write(std::span<const std::uint8_t> bytes) override {
+        if (bytes.size() < 4 || lost()) return;
+        const auto frame = cobs_decode(bytes.first(bytes.size() - 1));
+        REQUIRE(frame);
+        REQUIRE(crc16(*frame) == 0);
+        Reply reply{(*frame)[0], static_cast<Command>((*frame)[1]), Status::ok, 0, 0, {}};
+        const auto ahead = static_cast<std::uint8_t>(reply.sequence - expected_);
+        if (ahead == 0) {
+            applied.push_back(Bytes(frame->begin() + 2, frame->end() - 2));
+            ++expected_;
+        } else {
+            reply.status = ahead >= 128 ? Status::repeated : Status::out_of_order;
+        }
+        reply.expected = expected_;
+        if (!lost()) {
+            const Bytes code = reply_frame(reply);
+            waiting_.insert(waiting_.end(), code.begin(), code.end());
+        }
+    }
+    std::vector<std::uint8_t> read(std::chrono::microseconds) override {
+        const std::size_t count = std::min<std::size_t>(waiting_.size(), 7);  // replies come in pieces
+        Bytes bytes(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(count));
+        waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(count));
+        return bytes;
+    }
+    std::vector<Bytes> applied;
+
+private:
+    bool lost() { return lose_one_in_ != 0 && g_() % lose_one_in_ == 0; }
+    unsigned lose_one_in_;
+    std::mt19937 g_{Catch::rngSeed()};
+    std::deque<std::uint8_t> waiting_;
+    std::uint8_t expected_ = 0;
+};
+
+}  // namespace
+
+TEST_CASE("crc: against Boost.CRC and the catalogue's check value", "[link]") {
+    const std::string check = "123456789";
+    REQUIRE(crc16(Bytes(check.begin(), check.end())) == 0x29B1);
+    std::mt19937 g(Catch::rngSeed());
+    for (int i = 0; i < 500; ++i) {
+        const Bytes bytes = random_bytes(g, g() % 300, 256);
+        boost::crc_optimal<16, 0x1021, 0xFFFF, 0, false, false> crc;
+        crc.process_bytes(bytes.data(), bytes.size());
+        REQUIRE(crc16(bytes) == crc.checksum());
+    }
+}
+
+TEST_CASE("cobs: against the vectors that Python's cobs package made", "[link]") {
+    std::ifstream file(HAPTOGRAM_COBS_VECTORS);
+    REQUIRE(file);
+    std::size_t count = 0;
+    for (std::string line; std::getline(file, line); ++count) {
+        const std::size_t colon = line.find(':');
+        const Bytes data = from_hex(line.substr(0, colon));
+        const Bytes code = from_hex(line.substr(colon + 1));
+        REQUIRE(cobs_encode(data) == code);
+        REQUIRE(cobs_decode(code) == data);
+    }
+    REQUIRE(count >= 300);
+}
+
+TEST_CASE("cobs: what is no code is said to be none", "[link]") {
+    for (const Bytes& bad : {Bytes{0}, Bytes{3, 1}, Bytes{2, 0}, Bytes{2, 1, 0}, Bytes{255, 1, 2}}) REQUIRE_FALSE(cobs_decode(bad));
+    std::mt19937 g(Catch::rngSeed());
+    for (int i = 0; i < 2000; ++i) static_cast<void>(cobs_decode(random_bytes(g, g() % 40, 8)));
+}
+
+TEST_CASE("replies: whole ones are understood, damaged ones counted and dropped", "[link]") {
+    const Reply reply{7, Command::status, Status::ok, 8, 300, {1, 0, 2}};
+    const Bytes good = reply_frame(reply);
+    for (std::size_t bit = 0; bit < 8 * (good.size() - 1); ++bit) {
+        Bytes bytes = good;
+        bytes[bit / 8] ^= static_cast<std::uint8_t>(1U << (bit % 8));
+        bytes.insert(bytes.end(), good.begin(), good.end());
+        ReplyDecoder decoder;
+        std::vector<Reply> replies;
+        for (const std::uint8_t byte : bytes) decoder.feed({&byte, 1}, replies);
+        REQUIRE(replies.size() == 1);
+        REQUIRE(decoder.damaged() >= 1);
+        REQUIRE(replies[0].live_level == 300);
+        REQUIRE(replies[0].data == reply.data);
+    }
+}
+
+TEST_CASE("client: everything arrives once and in order over a line that loses frames", "[link]") {
+    const unsigned lose = GENERATE(0U, 20U, 5U);
+    LossyBoard board(lose);
+    Client client(board);
+    std::vector<Request> requests;
+    for (std::uint8_t i = 0; i < 200; ++i) requests.push_back({Command::write, {i, 0, 0, 0, i, i}});
+    std::size_t told = 0;
+    const auto replies = client.pipeline(requests, [&](double) { ++told; });
+    REQUIRE(replies.size() == 200);
+    REQUIRE(told == 200);
+    REQUIRE(board.applied.size() == 200);
+    for (std::uint8_t i = 0; i < 200; ++i) REQUIRE(board.applied[i] == requests[i].payload);
+    REQUIRE((client.retransmissions() > 0) == (lose > 0));
+}
+
+TEST_CASE("client: a line on which nothing answers is a device error that says what to check", "[link]") {
+    LossyBoard deaf(1);
+    Client client(deaf);
+    REQUIRE_THROWS_WITH(client.identify(), Contains("no answer to identify") && Contains("cable"));
+    try {
+        client.enable();
+        FAIL("no error");
+    } catch (const Error& error) {
+        REQUIRE(error.code() == ErrorCode::device);
+    }
+}
+
+TEST_CASE("client: an image is checked against the board before anything is written", "[link]") {
+    Identity board{"Haptogram", 1, 0, 100, 400, 1024, 256, 16, 8, 50'000'000, 15, 214};
+    Image image;
+    image.channels = 100;
+    image.clock_hz = 50'000'000;
+    image.records.resize(400);
+    image.sequence.resize(1023);
+    REQUIRE_NOTHROW(require_fits(image, board, "i"));
+    const auto fails = [&](auto change, const char* message) {
+        Image other = image;
+        change(other);
+        REQUIRE_THROWS_WITH(require_fits(other, board, "i"), Contains(message));
+    };
+    fails([](Image& i) { i.channels = 324; }, "324 channels");
+    fails([](Image& i) { i.clock_hz = 48'000'000; }, "48000000 Hz");
+    fails([](Image& i) { i.records.resize(401); }, "401 records");
+    fails([](Image& i) { i.sequence.resize(1024); }, "1024 sequence entries");
+    board.timing_bits = 12;
+    fails([](Image&) {}, "16 timing bits");
+}
