@@ -124,5 +124,8 @@ module memory_controller #(
         end
     end
 
+`ifdef FORMAL
+    `include "../tests/formal/memory_controller_properties.vh"
+`endif
 endmodule
 `default_nettype wire

@@ -38,6 +38,30 @@ module pulse_generators #(
     always @(posedge clk) if (i_commit) timings_q <= shadow_q;
     always @(posedge clk) if (i_shift) shadow_q <= {i_timing, shadow_q[CHANNELS*TIMING_BITS-1:TIMING_BITS]};
 
+`ifdef FORMAL
+    localparam F_TICKS = (1 << PULSE_BITS) - 1;  // the longest pulse
+    localparam [15:0] F_CHANNELS = CHANNELS[15:0];
+    wire f_off = rst || !i_allow;
+    reg  f_reset_seen_q;
+    initial f_reset_seen_q = 1'b0;
+    always @(posedge clk) f_reset_seen_q <= f_reset_seen_q || rst;
+
+    // Any one word on its way through the chain: f_word_q was shifted in f_age_q shifts ago (0: none is watched).
+`ifdef FORMAL_PULSE_GENERATORS
+    (* anyseq *) wire f_watch;
+`else
+    wire f_watch = f_age_q == 16'd0;
+`endif
+    reg [TIMING_BITS-1:0] f_word_q;
+    reg [15:0]            f_age_q;
+    always @(posedge clk) begin
+        if (rst) f_age_q <= 16'd0;
+        else if (i_shift && f_watch) {f_word_q, f_age_q} <= {i_timing, 16'd1};
+        else if (i_shift && f_age_q != 16'd0) f_age_q <= f_age_q == F_CHANNELS ? 16'd0 : f_age_q + 1'b1;
+        if (f_reset_seen_q) assert (f_age_q <= F_CHANNELS);
+    end
+`endif
+
     genvar k;
     generate
         for (k = 0; k < CHANNELS; k = k + 1) begin : channel
@@ -56,6 +80,28 @@ module pulse_generators #(
                             : i_can_match && i_count == timing && i_pulse_length >= left_q ? i_pulse_length
                             : left_q != NONE ? left_q - 1'b1 : NONE;
             end
+
+`ifdef FORMAL
+            // Bit j: high in the j-th tick from here. So the union of pulses is an or, and there is nothing to compare.
+            reg [F_TICKS-1:0]  f_future_q;
+            wire [F_TICKS-1:0] f_pulse  = ~({F_TICKS{1'b1}} << i_pulse_length);
+            wire               f_starts = i_tick && i_can_match && i_count == timing;
+            always @(posedge clk) begin
+                if (f_off) f_future_q <= {F_TICKS{1'b0}};
+                else if (i_tick) f_future_q <= (f_future_q >> 1) | (f_starts ? f_pulse : {F_TICKS{1'b0}});
+                if (f_reset_seen_q) begin
+                    assert (f_future_q == ~({F_TICKS{1'b1}} << left_q));
+                    assert (o_pins[k] == (!$past(f_off) && ($past(tick_q) ? $past(f_future_q[0]) : $past(o_pins[k]))));
+                    if (f_age_q == F_CHANNELS - k) assert (shadow_q[k*TIMING_BITS +: TIMING_BITS] == f_word_q);
+                    if ($past(i_commit) && $past(f_age_q) == F_CHANNELS - k) assert (timing == $past(f_word_q));
+                    if (!$past(i_commit)) assert (timing == $past(timing));
+                    cover (f_starts && !f_off && f_future_q[1] && !f_future_q[2] && f_pulse[2]);  // merges
+                    cover (f_starts && !f_off && f_future_q[2] && !f_pulse[1]);  // within another
+                    cover (!o_pins[k] && $past(o_pins[k]) && !$past(f_off));
+                    cover ($past(i_commit) && $past(f_age_q) == F_CHANNELS - k);
+                end
+            end
+`endif
         end
     endgenerate
 endmodule

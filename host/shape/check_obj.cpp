@@ -54,8 +54,8 @@ void append_face(std::string_view rest, std::size_t vertices, const std::string&
 }  // namespace
 
 Checked check_obj(const std::string& content, const std::string& file) {
-    // Assimp 5.2 takes neither ".5" nor tabs nor an object without faces nor a file of 15 bytes, so it is given the
-    // same vertices and faces in the plainest spelling.
+    // Assimp 5.2 takes neither ".5" nor a tab after "v" nor an object without faces nor a file of 15 bytes, so it is
+    // given the same vertices and faces in the plainest spelling.
     Checked checked{"# vertices and faces\n", 0, 0};
     checked.content.reserve(content.size());
     for (Lines lines(content); lines.next();) {

@@ -56,6 +56,7 @@ void along(const Curve& curve, std::size_t count, std::vector<Vec3>& out) {
 void along(const std::vector<const Curve*>& curves, std::size_t count, std::vector<Vec3>& out) {
     if (curves.empty()) return;
     std::vector<double> lengths;
+    lengths.reserve(curves.size());
     for (const Curve* curve : curves) lengths.push_back(curve->length);
     const std::vector<std::size_t> shares = share(count, lengths);
     for (std::size_t i = 0; i < curves.size(); ++i)

@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Shape files that cannot be used: one message that names the place, exit code 3, nothing written."""
+import struct
+
+import pytest
+from support import BAD_INPUT, refuse, run, succeed
+
+CORNERS = [(0.0, 0.0, 100.0), (20.0, 0.0, 100.0), (0.0, 20.0, 100.0), (0.0, 0.0, 120.0)]
+FACES = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
+
+
+def ply_text(corners=CORNERS, faces=FACES):
+    head = f"ply\nformat ascii 1.0\nelement vertex {len(corners)}\nproperty float x\nproperty float y\nproperty float z\n"
+    head += f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
+    body = "".join(f"{x} {y} {z}\n" for x, y, z in corners) + "".join(f"3 {a} {b} {c}\n" for a, b, c in faces)
+    return (head + body).encode()
+
+
+def ply_binary(order, corners=CORNERS, faces=FACES):
+    name = {"<": "little", ">": "big"}[order]
+    head = ply_text(corners, faces).split(b"end_header\n")[0].replace(b"ascii", f"binary_{name}_endian".encode())
+    body = b"".join(struct.pack(order + "3f", *c) for c in corners) + b"".join(struct.pack(order + "B3i", 3, *f) for f in faces)
+    return head + b"end_header\n" + body
+
+
+def obj(corners=CORNERS, faces=FACES):
+    rows = [f"v {x} {y} {z}" for x, y, z in corners] + ["f " + " ".join(str(i + 1) for i in face) for face in faces]
+    return ("\n".join(rows) + "\n").encode()
+
+
+def stl_text(corners=CORNERS, faces=FACES):
+    rows = ["solid shape"]
+    for face in faces:
+        rows += ["facet normal 0 0 1", "outer loop", *(f"vertex {x} {y} {z}" for x, y, z in (corners[i] for i in face)), "endloop", "endfacet"]
+    return ("\n".join(rows) + "\nendsolid shape\n").encode()
+
+
+def stl_binary(corners=CORNERS, faces=FACES):
+    body = b"".join(struct.pack("<12fH", 0, 0, 1, *corners[f[0]], *corners[f[1]], *corners[f[2]], 0) for f in faces)
+    return b"made by a test".ljust(80) + struct.pack("<I", len(faces)) + body
+
+
+def xyz(corners=CORNERS):
+    return "".join(f"{x} {y} {z}\n" for x, y, z in corners).encode()
+
+
+def csv(corners=CORNERS):
+    return ("x,y,z\n" + "".join(f"{x},{y},{z}\n" for x, y, z in corners)).encode()
+
+
+GOOD = {
+    "text.ply": ply_text(),
+    "little.ply": ply_binary("<"),
+    "big.ply": ply_binary(">"),
+    "shape.obj": obj(),
+    "text.stl": stl_text(),
+    "binary.stl": stl_binary(),
+    "shape.xyz": xyz(),
+    "shape.csv": csv(),
+}
+
+
+def refuse_file(folder, name, content, *needles):
+    (folder / name).write_bytes(content)
+    refuse(folder, ["compile", name, "--points", "4", "-o", "image.hex"], BAD_INPUT, name.replace(".", r"\."), *needles)
+
+
+@pytest.mark.parametrize("name", GOOD)
+def test_the_undamaged_file_compiles(name, tmp_path):
+    (tmp_path / name).write_bytes(GOOD[name])
+    succeed(["compile", name, "--points", 4, "-o", "image.hex"], cwd=tmp_path)
+    assert (tmp_path / "image.hex").stat().st_size > 0
+
+
+@pytest.mark.parametrize("name", GOOD)
+def test_an_empty_file(name, tmp_path):
+    refuse_file(tmp_path, name, b"", "is empty", "expected", "export")
+
+
+CUT = {  # where it is cut, and what place the message must name
+    "text.ply": (b"0.0 20.0 10", "vertex 3 of 4.*line 12"),
+    "little.ply": (ply_binary("<")[-20:-18], "face 3 of 4"),
+    "big.ply": (ply_binary(">")[-50:-46], "face 1 of 4"),
+    "shape.obj": (b"f 1 4 3", "line 7"),
+    "text.stl": (b"vertex 0.0 0.0 120.0", "line"),
+    "binary.stl": (stl_binary()[-60:-57], "triangle 3"),
+    "shape.xyz": (b"0.0 20.0 100.0", "line 3"),
+    "shape.csv": (b"0.0,20.0,100.0", "line 4"),
+}
+
+
+@pytest.mark.parametrize("name", GOOD)
+def test_a_file_that_is_cut_short(name, tmp_path):
+    content = GOOD[name]
+    if name in ("text.ply", "text.stl"):
+        at = content.index(CUT[name][0]) + 8
+    elif name in ("little.ply", "big.ply", "binary.stl"):
+        at = {"little.ply": len(content) - 20, "big.ply": len(content) - 50, "binary.stl": len(content) - 60}[name]
+    else:
+        at = content.index(CUT[name][0]) + 4
+    refuse_file(tmp_path, name, content[:at], CUT[name][1])
+
+
+@pytest.mark.parametrize("name", ["text.ply", "little.ply", "big.ply", "text.stl", "binary.stl"])
+@pytest.mark.parametrize("share", [0.02, 0.2, 0.5, 0.7, 0.97])
+def test_no_cut_passes_in_a_format_that_knows_its_length(name, share, tmp_path):
+    refuse_file(tmp_path, name, GOOD[name][: int(len(GOOD[name]) * share)])
+
+
+@pytest.mark.parametrize("name", GOOD)
+def test_garbage(name, tmp_path):
+    garbage = bytes((97 * i * i + 31 * i + 7) % 256 for i in range(1000))
+    refuse_file(tmp_path, name, garbage)
+
+
+GARBLED = {
+    "text.ply": (b"20.0 0.0 100.0", b"20.0 0,0 100.0", "line 11", "0,0", "number"),
+    "shape.obj": (b"v 20.0 0.0", b"v 20.0 O.0", "line 2", "O\\.0"),
+    "text.stl": (b"vertex 20.0 0.0 100.0", b"vertex 20.0 0.0 1o0.0", "line", "1o0"),
+    "shape.xyz": (b"20.0 0.0 100.0", b"20.0 zero 100.0", "line 2", "zero"),
+    "shape.csv": (b"20.0,0.0,100.0", b"20.0,,100.0", "line 3", "nothing"),
+}
+
+
+@pytest.mark.parametrize("name", GARBLED)
+def test_one_garbled_number(name, tmp_path):
+    old, new, *needles = GARBLED[name]
+    assert old in GOOD[name]
+    refuse_file(tmp_path, name, GOOD[name].replace(old, new, 1), *needles)
+
+
+@pytest.mark.parametrize("name", GOOD)
+@pytest.mark.parametrize("value", ["nan", "inf", "-inf"])
+def test_a_coordinate_that_is_not_finite(name, value, tmp_path):
+    corners = [CORNERS[0], (20.0, float(value), 100.0), *CORNERS[2:]]
+    make = {
+        "text.ply": ply_text,
+        "little.ply": lambda c: ply_binary("<", c),
+        "big.ply": lambda c: ply_binary(">", c),
+        "shape.obj": obj,
+        "text.stl": stl_text,
+        "binary.stl": stl_binary,
+        "shape.xyz": xyz,
+        "shape.csv": csv,
+    }[name]
+    place = {"text.ply": "vertex 2 of 4", "little.ply": "vertex 2 of 4", "big.ply": "vertex 2 of 4", "shape.obj": "line 2", "text.stl": "line",
+             "binary.stl": "triangle 1", "shape.xyz": "line 2", "shape.csv": "line 3"}[name]
+    refuse_file(tmp_path, name, make(corners), place, value, "finite")
+
+
+@pytest.mark.parametrize("number", ["1e400", "1e39", "0x10", "1,5", "--1", "1e"])
+def test_a_number_that_no_double_or_no_shape_can_hold(number, tmp_path):
+    refuse_file(tmp_path, "shape.xyz", f"0 0 100\n{number} 0 100\n0 9 100\n".encode(), "line 2")
+
+
+ZERO_POINTS = {
+    "text.ply": ply_text([], []),
+    "little.ply": ply_binary("<", [], []),
+    "shape.obj": b"# a comment\n",
+    "text.stl": b"solid nothing\nendsolid nothing\n",
+    "binary.stl": stl_binary([], []),
+    "shape.xyz": b"# nothing\n\n",
+    "shape.csv": b"x,y,z\n",
+}
+
+
+@pytest.mark.parametrize("name", ZERO_POINTS)
+def test_zero_points(name, tmp_path):
+    refuse_file(tmp_path, name, ZERO_POINTS[name], "no points", "expected")
+
+
+def test_a_face_that_names_no_vertex(tmp_path):
+    refuse_file(tmp_path, "text.ply", ply_text(faces=[(0, 1, 4)]), "face 1 of 1", "line 14", "4")
+    refuse_file(tmp_path, "shape.obj", obj(faces=[(0, 1, 4)]), "line 5", "5")
+
+
+def test_more_data_than_the_header_promises(tmp_path):
+    refuse_file(tmp_path, "little.ply", GOOD["little.ply"] + b"\0", "more data")
+    refuse_file(tmp_path, "binary.stl", GOOD["binary.stl"] + b"\0", "expected")
+
+
+def test_a_second_file_that_is_bad_spoils_the_first(tmp_path):
+    (tmp_path / "good.xyz").write_bytes(xyz())
+    (tmp_path / "bad.xyz").write_bytes(b"0 0 100\n0 0\n")
+    refuse(tmp_path, ["compile", "good.xyz", "bad.xyz"], BAD_INPUT, r"bad\.xyz, line 2")
+
+
+def test_a_missing_file(tmp_path):
+    refuse(tmp_path, ["compile", "nowhere.ply"], BAD_INPUT, r"nowhere\.ply", "No such file", "check the path")
+
+
+def test_a_name_that_is_empty(tmp_path):
+    refuse(tmp_path, ["compile", ""], BAD_INPUT, r"''|\"\"|empty")
+
+
+def test_a_directory_as_input(tmp_path):
+    (tmp_path / "folder.ply").mkdir()
+    refuse(tmp_path, ["compile", "folder.ply"], BAD_INPUT, r"folder\.ply", "directory")
+
+
+def test_an_unknown_extension(tmp_path):
+    (tmp_path / "shape.step").write_bytes(xyz())
+    refuse(tmp_path, ["compile", "shape.step"], BAD_INPUT, r"shape\.step", r"\.ply", r"\.csv")
+
+
+def test_the_wrong_type_under_a_right_name(tmp_path):
+    refuse_file(tmp_path, "shape.ply", GOOD["binary.stl"], "line 1", "ply")
+    refuse_file(tmp_path, "shape.stl", GOOD["text.ply"], "STL")
+    refuse_file(tmp_path, "shape.obj", GOOD["text.ply"], "line 1")
+
+
+def test_an_unreadable_file(tmp_path):
+    (tmp_path / "loop.ply").symlink_to("loop.ply")  # nobody, not even root, can open it
+    result = run(["compile", "loop.ply"], cwd=tmp_path)
+    assert result.returncode == BAD_INPUT and b"loop.ply" in result.stderr
+    assert [p.name for p in tmp_path.iterdir()] == ["loop.ply"]

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// What memory_controller promises, told from the clock that took the entry and from the addresses that were read, not from
+// its state machine. Included by it under FORMAL (it has no room for this within its 150 lines).
+localparam [15:0] F_CHANNELS = CHANNELS[15:0];
+localparam [15:0] F_HEADER = `HG_RECORD_HEADER_WORDS;
+localparam [15:0] F_LOADED = F_CHANNELS + 16'd6;  // clocks from taking an entry to ready
+reg        f_reset_seen_q, f_taken_q, f_reading_q, f_ready_q;
+reg [15:0] f_since_q;   // clocks since the entry was taken
+reg [15:0] f_shifts_q;  // since then
+reg [15:0] f_index_q, f_dwell_q;
+reg [26:0] f_base_q, f_address_q;
+reg [15:0] f_header_0_q, f_header_1_q, f_header_2_q, f_header_3_q;
+initial f_reset_seen_q = 1'b0;
+
+wire        f_loads     = f_index_q != 16'd0 && f_index_q <= TOP_INDEX;
+wire        f_loading   = f_taken_q && f_loads && f_since_q < F_LOADED;
+wire [26:0] f_number    = f_address_q - f_base_q;  // of the word in i_word
+wire [23:0] f_cycle     = {f_header_1_q[7:0], f_header_0_q};
+wire [23:0] f_prescaler = {f_header_3_q[7:0], f_header_2_q};
+wire [7:0]  f_pulse     = f_header_1_q[15:8];
+wire        f_playable  = f_prescaler != 0 && {16'd0, f_pulse} < f_cycle && f_pulse >> PULSE_BITS == 0 && f_header_3_q[15:8] == 0;
+wire [15:0] f_narrowed  = i_word >> (TIMING_BITS - 1) > 1 ? 16'hffff : i_word;
+
+always @(posedge clk) begin
+    f_reset_seen_q <= f_reset_seen_q || rst;
+    f_reading_q    <= o_reading;
+    f_address_q    <= o_address;
+    f_ready_q      <= o_ready;
+    if (f_since_q != 16'hffff) f_since_q <= f_since_q + 16'd1;
+    if (o_shift) f_shifts_q <= f_shifts_q + 16'd1;
+    if (f_reading_q && f_number == 0) f_header_0_q <= i_word;
+    if (f_reading_q && f_number == 1) f_header_1_q <= i_word;
+    if (f_reading_q && f_number == 2) f_header_2_q <= i_word;
+    if (f_reading_q && f_number == 3) f_header_3_q <= i_word;
+    if (o_take) begin
+        {f_index_q, f_dwell_q, f_since_q, f_shifts_q} <= {i_index, i_dwell, 16'd1, 16'd0};
+        f_base_q <= STRIDE * ({11'd0, i_index} - 27'd1) & 27'h7ffffff;
+    end
+    if (rst || i_preempt) f_taken_q <= 1'b0;
+    else if (o_take) f_taken_q <= 1'b1;
+    else if (o_ready && i_commit) f_taken_q <= 1'b0;
+
+    if (f_reset_seen_q) begin
+        assert (o_take == (i_entry && !i_preempt && !f_taken_q));
+        assert (o_ready == (f_taken_q && f_since_q >= (f_loads ? F_LOADED : 16'd1)));
+        assert (o_reading == f_loading);
+        assert (!f_taken_q || f_since_q >= 16'd1);
+        if (f_loading) begin
+            assert (arrives_q == (f_since_q >= 16'd2) && f_reading_q == arrives_q);
+            assert ({6'd0, asked_q} == (f_since_q > F_LOADED - 16'd2 ? F_LOADED - 16'd3 : f_since_q - 16'd1));
+            assert (o_address == f_base_q + {17'd0, asked_q});
+            assert (!arrives_q || ({6'd0, arrived_q} == f_since_q - 16'd2 && f_number == {17'd0, arrived_q}));
+            assert (f_shifts_q == (f_since_q < 16'd6 ? 16'd0 : f_since_q - 16'd6));
+            assert (f_since_q < 16'd3 || o_cycle_length[15:0] == f_header_0_q);
+            assert (f_since_q < 16'd4 || {pulse_field_q, o_cycle_length[23:16]} == f_header_1_q);
+            assert (f_since_q < 16'd5 || o_prescaler[15:0] == f_header_2_q);
+            assert (f_since_q < 16'd6 || {reserved_q, o_prescaler[23:16]} == {f_header_3_q[15:8] != 0, f_header_3_q[7:0]});
+            assert (f_since_q < 16'd7 || unplayable_q == !f_playable);
+        end
+        // The right words, in order, and all of them.
+        if (o_shift) begin
+            assert (f_loading && f_reading_q && f_shifts_q < F_CHANNELS);
+            assert (f_address_q == f_base_q + {11'd0, F_HEADER + f_shifts_q} && o_timing == f_narrowed[TIMING_BITS-1:0]);
+        end
+        if (o_ready && f_loads) begin
+            assert (f_shifts_q == F_CHANNELS && o_silent == !f_playable);
+            assert (o_cycle_length == f_cycle && o_prescaler == f_prescaler && {pulse_field_q} == f_pulse);
+        end
+        if (o_ready && !f_loads) assert (o_silent);
+        if (f_taken_q) assert (o_index == f_index_q && o_dwell == f_dwell_q);
+        assert (o_refused == (f_taken_q && o_ready && !f_ready_q && o_silent && f_index_q != 16'd0) || $past(rst || i_preempt));
+        if ($past(rst || i_preempt)) assert (!o_ready && !o_shift && !o_reading && !o_refused);
+        cover (o_ready && f_loads && !o_silent && i_commit && f_since_q == F_LOADED);
+        cover (o_refused && f_loads);
+        cover (o_refused && !f_loads);
+        cover (o_shift && i_preempt);
+    end
+end

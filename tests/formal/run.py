@@ -1,0 +1,155 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Runs the proofs of proofs.toml with yosys and z3: bounded check, induction, cover, and every planted bug, which must fail.
+
+Exit code 0 when every proof holds and every planted bug is caught, 1 otherwise, 2 on a wrong table or command line.
+"""
+import argparse
+import re
+import shutil
+import subprocess
+import sys
+import threading
+import time
+import tomllib
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+
+
+class Wrong(Exception):
+    """The table, a source or a tool is not as expected."""
+
+
+def mutate(proof, bug, folder):
+    """Copies the proof's one mutated file into `folder`; the text to replace must occur exactly once."""
+    text = (ROOT / bug["file"]).read_text()
+    if text.count(bug["old"]) != 1 or "\n" in bug["old"]:
+        raise Wrong(f"{proof['name']}: '{bug['old']}' occurs {text.count(bug['old'])} times in {bug['file']}, expected once in one line")
+    changed = folder / Path(bug["file"]).name
+    changed.write_text(text.replace(bug["old"], bug["new"]))
+    return changed
+
+
+def model(proof, folder, bug=None):
+    """The SMT2 model of a proof, with a planted bug if one is given."""
+    folder.mkdir(parents=True, exist_ok=True)
+    changed = mutate(proof, bug, folder) if bug else None
+    sources = [changed if bug and s == bug["file"] else ROOT / s for s in proof["sources"]]
+    defines = " ".join(f"-D{d}" for d in ["FORMAL", *proof.get("defines", [])])
+    parameters = " ".join(f"-chparam {k} {v}" for k, v in proof.get("parameters", {}).items())
+    # A changed include file is found first; the others by the folder of rtl/.
+    script = f"""
+        read_verilog -formal -defer {defines} -I{folder} -I{ROOT}/rtl {' '.join(str(s) for s in sources)}
+        hierarchy -check -top {proof['top']} {parameters}
+        prep -flatten -nordff
+        memory_nordff
+        memory_map
+        async2sync
+        dffunmap
+        opt_clean
+        check -assert
+        write_smt2 -wires model.smt2
+    """
+    (folder / "model.ys").write_text("\n".join(line.strip() for line in script.strip().splitlines()) + "\n")
+    done = subprocess.run(["yosys", "-q", "-l", "yosys.log", "model.ys"], cwd=folder, capture_output=True, text=True)
+    if done.returncode != 0:
+        raise Wrong(f"{proof['name']}: yosys failed{' with the bug ' + bug['new'] if bug else ''}\n{done.stdout}{done.stderr}")
+    return folder / "model.smt2"
+
+
+def solve(smt2, kind, depth, *options):
+    """True when yosys-smtbmc says PASSED, False when FAILED; anything else is an error. Traces are left beside the model."""
+    trace = [] if kind == "cover" else ["--dump-vcd", f"{kind}.vcd"]
+    command = ["yosys-smtbmc", "-s", "z3", "--noprogress", "-t", str(depth), *options, *trace, smt2.name]
+    done = subprocess.run(command, cwd=smt2.parent, capture_output=True, text=True)
+    (smt2.parent / f"{kind}.log").write_text(done.stdout + done.stderr)
+    verdict = re.search(r"Status: (\w+)", done.stdout)
+    if not verdict or verdict[1] not in ("PASSED", "FAILED", "passed", "failed"):
+        raise Wrong(f"no verdict, see {smt2.parent / kind}.log\n{done.stdout[-1000:]}{done.stderr[-1000:]}")
+    return verdict[1].lower() == "passed"
+
+
+class Proof:
+    """One row of the table: its steps, and what they found."""
+
+    def __init__(self, row, build):
+        self.row, self.folder = row, build / row["name"]
+        self.steps = 1 + len(row.get("bugs", []))
+        self.seconds, self.problems, self.notes = 0.0, [], {}
+        self.lock = threading.Lock()
+
+    def run(self, step):
+        start = time.monotonic()
+        try:
+            self.prove() if step == 0 else self.catch(step)
+        except Wrong as error:
+            self.problem(str(error))
+        with self.lock:
+            self.seconds += time.monotonic() - start
+            self.steps -= 1
+            return self.steps == 0
+
+    def problem(self, text):
+        with self.lock:
+            self.problems.append(text)
+
+    def prove(self):
+        row, smt2 = self.row, model(self.row, self.folder)
+        if not solve(smt2, "bounded", row["depth"] + 1):
+            self.problem(f"an assertion fails within {row['depth']} clocks, see {self.folder}/bounded.log and bounded.vcd")
+        if "induction" in row and not solve(smt2, "induction", row["induction"], "-i"):
+            self.problem(f"induction over {row['induction']} clocks fails, see {self.folder}/induction.log and induction.vcd")
+        if not solve(smt2, "cover", row.get("cover", row["depth"]) + 1, "-c"):
+            self.problem(f"a cover point is never reached, see {self.folder}/cover.log")
+        reached = set(re.findall(r"Reached cover statement at (\S+)", (self.folder / "cover.log").read_text()))
+        self.notes["covers"] = len(reached)
+        if not reached:
+            self.problem("no cover point at all: nothing shows that the assertions are ever looked at")
+
+    def catch(self, step):
+        bug = self.row["bugs"][step - 1]
+        if solve(model(self.row, self.folder / f"bug_{step}", bug), "bounded", self.row["depth"] + 1):
+            self.problem(f"the planted bug {step} is not found ({bug['why']}: '{bug['old']}' -> '{bug['new']}' in {bug['file']})")
+
+    def line(self):
+        row, bugs = self.row, len(self.row.get("bugs", []))
+        how = f"induction {row['induction']}" if "induction" in row else "bounded only"
+        return (f"{row['name']:<18} {'FAILED' if self.problems else 'proved':<7} {self.seconds:6.1f} s   contract {row['contract']}, "
+                f"bounded {row['depth']}, {how}, covers {self.notes.get('covers', 0)}, planted bugs {bugs}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--only", metavar="NAME", action="append", help="this proof (may be repeated)")
+    parser.add_argument("--jobs", metavar="N", type=int, default=2, help="solvers at a time (2)")
+    parser.add_argument("--build", metavar="DIR", type=Path, default=ROOT / "build" / "formal", help="working folder")
+    options = parser.parse_args()
+
+    rows = tomllib.loads((HERE / "proofs.toml").read_text())["proof"]
+    unknown = set(options.only or []) - {row["name"] for row in rows}
+    if unknown:
+        parser.error(f"no such proof: {', '.join(sorted(unknown))}; there are {', '.join(row['name'] for row in rows)}")
+    missing = [tool for tool in ("yosys", "yosys-smtbmc", "z3") if not shutil.which(tool)]
+    if missing:
+        parser.error(f"not installed: {', '.join(missing)} (tools/setup installs them)")
+
+    proofs = [Proof(row, options.build.resolve()) for row in rows if not options.only or row["name"] in options.only]
+    start = time.monotonic()
+
+    def run(proof, step):
+        if proof.run(step):
+            print("\n    ".join([proof.line(), *proof.problems]), flush=True)
+
+    with ThreadPoolExecutor(max_workers=max(1, options.jobs)) as pool:
+        for task in [pool.submit(run, proof, step) for proof in proofs for step in range(proof.steps)]:
+            task.result()
+    failed = [proof for proof in proofs if proof.problems]
+    print(f"{len(proofs) - len(failed)} of {len(proofs)} proofs hold, {time.monotonic() - start:.0f} s")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,124 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The project's numbers beside their targets: measured now, on this machine, printed as a table and written as JSON."""
+
+import argparse
+import json
+import pathlib
+import platform
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+
+import numpy as np
+
+
+def run(*arguments):
+    result = subprocess.run([str(a) for a in arguments], stdout=subprocess.PIPE, text=True)
+    if result.returncode != 0:
+        sys.exit(f"bench: {' '.join(map(str, arguments))} ended with exit code {result.returncode}")
+    return result.stdout
+
+
+def numpy_focal_law_ms():
+    """The same law in float64 with numpy's whole-array operations, as a user would write it."""
+    rng = np.random.default_rng(1)
+    foci = rng.uniform(-0.05, 0.05, (100_000, 3)) + np.array([0.0, 0.0, 0.13])
+    grid = (np.arange(10) - 4.5) * 0.01
+    elements = np.array([(x, y, 0.0) for y in grid for x in grid])
+    times = []
+    for _ in range(3):
+        begun = time.perf_counter()
+        flight = np.sqrt(((foci[:, None, :] - elements[None, :, :]) ** 2).sum(axis=2)) / 343.2
+        delay = flight.max(axis=1, keepdims=True) - flight
+        ticks = np.rint(np.mod(delay, 25e-6) / 100e-9).astype(np.uint16)
+        ticks[ticks == 250] = 0
+        times.append(1e3 * (time.perf_counter() - begun))
+    return statistics.median(times)
+
+
+def compile_million_s(program, folder):
+    """A cloud of 10^6 points (binary PLY) to 200 points: whole program, median of three."""
+    rng = np.random.default_rng(3)
+    direction = rng.normal(size=(1_000_000, 3))
+    cloud = (40.0 * direction / np.linalg.norm(direction, axis=1, keepdims=True) + [0.0, 0.0, 150.0]).astype("<f4")
+    header = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(cloud)}\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
+    path = folder / "million.ply"
+    path.write_bytes(header.encode("ascii") + cloud.tobytes())
+    times = []
+    for _ in range(3):
+        begun = time.perf_counter()
+        run(program, "compile", path, "--points", 200, "-o", folder / "million.hex")
+        times.append(time.perf_counter() - begun)
+    return statistics.median(times)
+
+
+def simulate(program, folder, rate):
+    image = folder / "circle.hex"
+    run(program, "compile", "--shape", "circle", "--diameter", 70, "--points", 200, "--rate", rate, "-o", image)
+    report = json.loads(run(program, "simulate", image, "--pulses", folder / "pulses.csv", "--json"))
+    return report
+
+
+def processor():
+    for line in pathlib.Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
+        if line.startswith("model name"):
+            return line.split(":", 1)[1].strip()
+    return platform.processor()
+
+
+def measure(build):
+    program = build / "host/cli/haptogram"
+    say = lambda what: print(f"bench: {what}", file=sys.stderr)  # noqa: E731
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        say("focal law and load time")
+        own = json.loads(run(build / "tools/bench/haptogram_measure"))
+        say("focal law in numpy")
+        numpy_ms = numpy_focal_law_ms()
+        say("200 points at 10 Hz, three times")
+        slow = [simulate(program, folder, 10) for _ in range(3)]
+        say("a new focus in every cycle")
+        fast = simulate(program, folder, 200)
+        say("compile of a million points")
+        million_s = compile_million_s(program, folder)
+    speed = statistics.median(r["playing_mclk_per_s"] for r in slow)
+    every_cycle = fast["contract_violations"] == 0 and fast["board"]["underruns"] == 0
+    ms = own["focal_law_ms"]
+    rows = [
+        ("index known → record loaded, 100 channels", "≤ 108 clocks", own["shortest_cycle_clocks"] <= 108,
+         f"{own['shortest_cycle_clocks']} clocks: the shortest cycle in which every record is in time"),
+        ("focus changes from memory", "40,000 /s, zero dead time", every_cycle,
+         "40,000 /s: a new record in each of 200 successive cycles of 1,250 clocks" if every_cycle else "; ".join(fast["violations"])),
+        ("pulses of 200 points × 100 channels equal to the image", "all", all(r["contract_violations"] == 0 for r in slow),
+         f"{slow[0]['pulses_equal_to_image']} of {slow[0]['pulses']} measured, {slow[0]['contract_violations']} violations"),
+        ("pressure at the asked point over ideal", "≥ 99.9 %", slow[0]["least_pressure_kept"] >= 0.999,
+         f"{100 * slow[0]['least_pressure_kept']:.4f} % for the worst point"),
+        ("lateral peak from the ideal one", "≤ 0.2 mm", slow[0]["worst_focus_error_mm"] <= 0.2,
+         f"{slow[0]['worst_focus_error_mm']:.4f} mm for the worst point"),
+        ("focal law, 100 elements × 100,000 points, one thread", "≤ 12 ms", ms <= 12.0,
+         f"{ms:.2f} ms ({own['focal_law_target']}); numpy float64 {numpy_ms:.0f} ms, ratio {numpy_ms / ms:.1f}"),
+        ("co-simulation, 100 channels, pulses recorded, one thread", "≥ 5 Mclk/s", speed >= 5.0,
+         f"{speed:.2f} Mclk/s, {speed / 50.0:.3f} of real time (three runs: " + ", ".join(f"{r['playing_mclk_per_s']:.2f}" for r in slow) + ")"),
+        ("compile of 10^6 points to 200", "≤ 2 s", million_s <= 2.0, f"{million_s:.2f} s"),
+    ]
+    return {"processor": processor(), "rows": [dict(zip(("what", "target", "reached", "measured"), row)) for row in rows]}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--build", type=pathlib.Path, required=True)
+    parser.add_argument("--output", type=pathlib.Path, required=True)
+    arguments = parser.parse_args()
+    result = measure(arguments.build)
+    arguments.output.write_text(json.dumps(result, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    print(f"on {result['processor']}")
+    for row in result["rows"]:
+        print(f"{'reached' if row['reached'] else 'MISSED ':8} {row['what']:58} {row['target']:26} {row['measured']}")
+    print(f"written to {arguments.output}")
+
+
+if __name__ == "__main__":
+    main()
