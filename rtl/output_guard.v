@@ -87,7 +87,7 @@ module output_guard #(
                 if (f_reset_seen_q) begin
                     assert (f_high <= F_BOUND);
                     assert (f_high <= window_q + 1'b1 + (o_trip || stayed_high_q[f_k] ? F_WINDOW : {WINDOW_BITS{1'b0}})
-                            + (o_trip ? F_WINDOW - 1'b1 : {WINDOW_BITS{1'b0}}));
+                            + (o_trip ? F_WINDOW : {WINDOW_BITS{1'b0}}));
                     cover (f_high == F_BOUND - 1'b1);
                 end
             end

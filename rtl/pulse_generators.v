@@ -93,7 +93,7 @@ module pulse_generators #(
                     assert (f_future_q == ~({F_TICKS{1'b1}} << left_q));
                     assert (o_pins[k] == (!$past(f_off) && ($past(tick_q) ? $past(f_future_q[0]) : $past(o_pins[k]))));
                     if (f_age_q == F_CHANNELS - k) assert (shadow_q[k*TIMING_BITS +: TIMING_BITS] == f_word_q);
-                    if ($past(i_commit) && $past(f_age_q) == F_CHANNELS - k) assert (timing == $past(f_word_q));
+                    if ($past(f_reset_seen_q && i_commit) && $past(f_age_q) == F_CHANNELS - k) assert (timing == $past(f_word_q));
                     if (!$past(i_commit)) assert (timing == $past(timing));
                     cover (f_starts && !f_off && f_future_q[1] && !f_future_q[2] && f_pulse[2]);  // merges
                     cover (f_starts && !f_off && f_future_q[2] && !f_pulse[1]);  // within another

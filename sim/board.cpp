@@ -9,7 +9,9 @@
 namespace haptogram::sim {
 namespace {
 
-double clocks_per_bit(const ModelParameters& p) { return static_cast<double>(p.clock_hz) / static_cast<double>(p.baud); }
+double clocks_per_bit(const ModelParameters& p) {
+    return static_cast<double>(p.clock_hz) / static_cast<double>(p.baud);
+}
 
 }  // namespace
 

@@ -48,7 +48,9 @@ public:
     [[nodiscard]] std::uint64_t now() const { return now_; }
     [[nodiscard]] const ModelParameters& parameters() const { return model_->parameters(); }
     [[nodiscard]] const Model::Outputs& outputs() const { return outputs_; }
-    [[nodiscard]] bool pin(std::uint32_t channel) const { return ((outputs_.pins[channel / 32] >> (channel % 32)) & 1U) != 0; }
+    [[nodiscard]] bool pin(std::uint32_t channel) const {
+        return ((outputs_.pins[channel / 32] >> (channel % 32)) & 1U) != 0;
+    }
     [[nodiscard]] bool any_pin() const;
 
     /// Queues bytes for the board's receiver.

@@ -10,7 +10,8 @@ namespace haptogram::sim {
 
 /// The parameters that a Verilated core was built with (rtl/haptogram_core.v).
 struct ModelParameters {
-    std::uint32_t channels, records, sequence_depth, live_depth, timing_bits, pulse_bits, clock_hz, baud, watchdog_ms, max_high_clocks;
+    std::uint32_t channels, records, sequence_depth, live_depth, timing_bits, pulse_bits, clock_hz, baud, watchdog_ms,
+        max_high_clocks;
 };
 
 /// One Verilated core, without Verilator's types.

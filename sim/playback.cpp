@@ -16,7 +16,9 @@ namespace {
 
 class Stopwatch {
 public:
-    [[nodiscard]] double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun_).count(); }
+    [[nodiscard]] double seconds() const {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun_).count();
+    }
 
 private:
     std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
@@ -28,11 +30,13 @@ std::size_t model_for(const Image& image, const std::string& where) {
     if (model) return *model;
     std::string known;
     for (const ModelParameters& p : available_models())
-        known += fmt::format("\n  {} channels, {} records, {} sequence entries, {} timing bits, {} Hz", p.channels, p.records, p.sequence_depth - 1,
-                             p.timing_bits, p.clock_hz);
-    throw bad_input(where, fmt::format("no simulated board has {} channels, {} records, {} sequence entries, {} timing bits at {} Hz; there are:{}\n"
+        known += fmt::format("\n  {} channels, {} records, {} sequence entries, {} timing bits, {} Hz", p.channels,
+                             p.records, p.sequence_depth - 1, p.timing_bits, p.clock_hz);
+    throw bad_input(where, fmt::format("no simulated board has {} channels, {} records, {} sequence entries, {} timing "
+                                       "bits at {} Hz; there are:{}\n"
                                        "compile for one of these, or add yours to sim/models.cmake",
-                                       image.channels, image.records.size(), image.sequence.size(), image.timing_bits, image.clock_hz, known));
+                                       image.channels, image.records.size(), image.sequence.size(), image.timing_bits,
+                                       image.clock_hz, known));
 }
 
 void load_directly(Board& board, const Image& image) {
@@ -46,13 +50,16 @@ std::uint64_t clocks_per_pass(const Image& image) {
     std::uint64_t clocks = 0;
     std::uint64_t cycle = 0;
     for (const SequenceEntry& entry : image.sequence) {
-        if (entry.index > 0) cycle = std::uint64_t{image.records[entry.index - 1U].cycle_length} * image.records[entry.index - 1U].prescaler;
+        if (entry.index > 0)
+            cycle =
+                std::uint64_t{image.records[entry.index - 1U].cycle_length} * image.records[entry.index - 1U].prescaler;
         clocks += cycle * entry.dwell;
     }
     return clocks;
 }
 
-/// Contracts 2 and 6: the sequence's entries in order, each for its dwell. Neighbouring entries of one index look like one.
+/// Contracts 2 and 6: the sequence's entries in order, each for its dwell. Neighbouring entries of one index look like
+/// one.
 void check_dwells(const Image& image, const std::vector<Dwell>& dwells, std::uint32_t passes, Playback& playback) {
     std::vector<SequenceEntry> expected;
     std::vector<std::uint64_t> cycles;
@@ -70,12 +77,15 @@ void check_dwells(const Image& image, const std::vector<Dwell>& dwells, std::uin
     if (!image.sequence.empty() && image.sequence.front().index != 0)
         while (!seen.empty() && seen.front().index == 0) seen.erase(seen.begin());
     for (std::size_t i = 0; i < expected.size(); ++i) {
-        if (expected[i].index == 0 && (i == 0 || i + 1 == expected.size())) continue;  // cannot be told from not playing
+        if (expected[i].index == 0 && (i == 0 || i + 1 == expected.size()))
+            continue;  // cannot be told from not playing
         if (i < seen.size() && seen[i].index == expected[i].index && seen[i].cycles == cycles[i]) continue;
         ++playback.violation_count;
-        playback.violations.push_back(i < seen.size() ? fmt::format("step {} of the sequence: expected record {} for {} cycles, measured record {} for {}", i + 1,
-                                                                    expected[i].index, cycles[i], seen[i].index, seen[i].cycles)
-                                                      : fmt::format("step {} of the sequence: record {} was not played", i + 1, expected[i].index));
+        playback.violations.push_back(
+            i < seen.size()
+                ? fmt::format("step {} of the sequence: expected record {} for {} cycles, measured record {} for {}",
+                              i + 1, expected[i].index, cycles[i], seen[i].index, seen[i].cycles)
+                : fmt::format("step {} of the sequence: record {} was not played", i + 1, expected[i].index));
         return;  // what follows is shifted and would only repeat it
     }
 }
@@ -93,7 +103,8 @@ void check_status(const link::BoardStatus& status, Playback& playback) {
     expect_none(status.guard_trips, "output guard trips: a pin was high for too long");
 }
 
-/// The span in which pulses can be compared: from the second cycle that began with outputs enabled, to the last cycle start.
+/// The span in which pulses can be compared: from the second cycle that began with outputs enabled, to the last cycle
+/// start.
 std::pair<std::uint64_t, std::uint64_t> comparable(const std::vector<CycleStart>& cycles) {
     for (std::size_t i = 1; i < cycles.size(); ++i)
         if (cycles[i - 1].enabled && cycles[i].enabled) return {cycles[i].clock, cycles.back().clock};
@@ -120,14 +131,18 @@ Playback play(const Image& image, const PlaybackOptions& options, const std::str
     const double clock_hz = identity.clock_hz;
     const auto entries = static_cast<std::uint16_t>(image.sequence.size());
     const std::uint64_t pass = clocks_per_pass(image);
-    const auto wanted = options.duration_s ? static_cast<std::uint64_t>(*options.duration_s * clock_hz) : pass * options.passes;
+    const auto wanted =
+        options.duration_s ? static_cast<std::uint64_t>(*options.duration_s * clock_hz) : pass * options.passes;
     client.enable();
-    board.run(2 * image.records.front().cycle_length * std::uint64_t{image.records.front().prescaler});
+    const std::uint64_t cycle = std::uint64_t{image.records.front().cycle_length} * image.records.front().prescaler;
+    board.run(2 * cycle);
     const std::uint64_t begun = board.now();
     const Stopwatch playing;
     client.start(1, entries, options.duration_s ? std::uint16_t{0} : static_cast<std::uint16_t>(options.passes));
     // A host that is alive says so: the watchdog stays on as it would on a desk.
-    const auto slice = static_cast<std::uint64_t>(clock_hz * std::min(0.1, 0.25e-3 * board.parameters().watchdog_ms));
+    const double watchdog_s = 1e-3 * board.parameters().watchdog_ms;
+    const auto slice =
+        static_cast<std::uint64_t>(clock_hz * (watchdog_s > 0.0 ? std::min(0.1, watchdog_s / 4.0) : 0.1));
     while (board.now() - begun < wanted) {
         board.run(std::min(slice, wanted - (board.now() - begun)));
         options.progress("play", static_cast<double>(board.now() - begun) / static_cast<double>(wanted));
@@ -136,8 +151,9 @@ Playback play(const Image& image, const PlaybackOptions& options, const std::str
     if (options.duration_s) client.stop();
     // The last cycle, and one of silence after it.
     const std::uint64_t limit = 2 * pass + static_cast<std::uint64_t>(0.1 * clock_hz);
-    const bool ended = board.run_until([&] { return board.outputs().index == 0 && recorder.cycles().back().index == 0; }, limit);
-    board.run(4 * image.records.front().cycle_length * std::uint64_t{image.records.front().prescaler});
+    const bool ended =
+        board.run_until([&] { return board.outputs().index == 0 && recorder.cycles().back().index == 0; }, limit);
+    board.run(4 * cycle);
     playback.playing_clocks = board.now() - begun;
     playback.playing_seconds = playing.seconds();
     playback.status = client.status();
@@ -157,7 +173,8 @@ Playback play(const Image& image, const PlaybackOptions& options, const std::str
     const auto [from, to] = comparable(recorder.cycles());
     playback.pulse_report = check_pulses(image, recorder.cycles(), playback.pulses, from, to, image.channels);
     playback.violation_count += playback.pulse_report.violations;
-    playback.violations.insert(playback.violations.end(), playback.pulse_report.first.begin(), playback.pulse_report.first.end());
+    playback.violations.insert(playback.violations.end(), playback.pulse_report.first.begin(),
+                               playback.pulse_report.first.end());
     playback.clocks = board.now();
     playback.seconds = whole.seconds();
     return playback;

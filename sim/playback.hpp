@@ -15,8 +15,8 @@
 namespace haptogram::sim {
 
 struct PlaybackOptions {
-    bool load_by_uart = true;  ///< otherwise straight into the memories
-    std::uint32_t passes = 1;  ///< over the sequence
+    bool load_by_uart = true;          ///< otherwise straight into the memories
+    std::uint32_t passes = 1;          ///< over the sequence
     std::optional<double> duration_s;  ///< instead of passes: play for this long, repeating the sequence
     std::filesystem::path trace;       ///< FST file when not empty
     std::function<void(const char* stage, double fraction)> progress = [](const char*, double) {};
@@ -30,15 +30,15 @@ struct Playback {
     link::BoardStatus status;
     std::vector<std::string> violations;  ///< broken contracts in words; empty when all is well
     std::uint64_t violation_count = 0;
-    std::uint64_t clocks = 0;           ///< simulated, loading included
+    std::uint64_t clocks = 0;  ///< simulated, loading included
     std::uint64_t playing_clocks = 0;
-    double seconds = 0.0;               ///< of wall time, for `clocks`
+    double seconds = 0.0;  ///< of wall time, for `clocks`
     double playing_seconds = 0.0;
 };
 
-/// Loads an image into a simulated board, enables the outputs, plays the sequence, stops, and checks at the pins what the
-/// contracts promise: every pulse equal to the image, every record for its dwell and in order, nothing refused, late,
-/// damaged or tripped, silence at the end.
+/// Loads an image into a simulated board, enables the outputs, plays the sequence, stops, and checks at the pins what
+/// the contracts promise: every pulse equal to the image, every record for its dwell and in order, nothing refused,
+/// late, damaged or tripped, silence at the end.
 /// @param where  names the image in messages
 /// @throws Error{bad_input} when no Verilated core can play the image, Error{device} when the board does not answer
 [[nodiscard]] Playback play(const Image& image, const PlaybackOptions& options, const std::string& where);

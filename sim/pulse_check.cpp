@@ -18,7 +18,8 @@ struct Interval {
 
 /// What one channel should do over these cycles: intervals in order, overlapping or touching ones merged. A pulse is
 /// counted in ticks, so one that reaches into a record with another prescaler is stretched or shrunk from there.
-std::vector<Interval> expected_intervals(const Image& image, const std::vector<CycleStart>& cycles, std::uint32_t channel) {
+std::vector<Interval> expected_intervals(const Image& image, const std::vector<CycleStart>& cycles,
+                                         std::uint32_t channel) {
     std::vector<Interval> result;
     std::uint64_t prescaler = 1;
     for (const CycleStart& cycle : cycles) {
@@ -29,9 +30,11 @@ std::vector<Interval> expected_intervals(const Image& image, const std::vector<C
             result.back().fall = cycle.clock + ticks_left * record.prescaler;
         }
         prescaler = record.prescaler;
-        const std::uint32_t timing = channel < record.timings.size() ? record.timings[channel] : interface::silent_timing;
+        const std::uint32_t timing =
+            channel < record.timings.size() ? record.timings[channel] : interface::silent_timing;
         if (timing >= record.cycle_length || timing == interface::silent_timing || record.pulse_length == 0) continue;
-        const Interval pulse{cycle.clock + timing * prescaler, cycle.clock + (timing + record.pulse_length) * prescaler};
+        const Interval pulse{cycle.clock + timing * prescaler,
+                             cycle.clock + (timing + record.pulse_length) * prescaler};
         if (!result.empty() && result.back().fall >= pulse.rise)
             result.back().fall = std::max(result.back().fall, pulse.fall);
         else
@@ -42,7 +45,8 @@ std::vector<Interval> expected_intervals(const Image& image, const std::vector<C
 
 }  // namespace
 
-PulseRecorder::PulseRecorder(Board& board) : rise_(board.parameters().channels), rise_index_(board.parameters().channels) {
+PulseRecorder::PulseRecorder(Board& board)
+    : rise_(board.parameters().channels), rise_index_(board.parameters().channels) {
     board.on_edge([this](const Edge& edge) {
         if (edge.rises) {
             rise_[edge.channel] = edge.clock;
@@ -80,7 +84,8 @@ PulseReport check_pulses(const Image& image, const std::vector<CycleStart>& cycl
     const auto complain = [&](std::uint32_t channel, const char* what, const Interval& interval) {
         ++report.violations;
         if (report.first.size() < most_messages)
-            report.first.push_back(fmt::format("channel {}: {} pulse from clock {} to {}", channel, what, interval.rise, interval.fall));
+            report.first.push_back(
+                fmt::format("channel {}: {} pulse from clock {} to {}", channel, what, interval.rise, interval.fall));
     };
     for (std::uint32_t channel = 0; channel < channels; ++channel) {
         // A pulse that is still high at the end has no measured fall yet.

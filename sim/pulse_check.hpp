@@ -37,15 +37,17 @@ private:
 };
 
 struct PulseReport {
-    std::uint64_t checked = 0;     ///< pulses compared
-    std::uint64_t violations = 0;  ///< pulses missing, unexpected, or at another clock
+    std::uint64_t checked = 0;       ///< pulses compared
+    std::uint64_t violations = 0;    ///< pulses missing, unexpected, or at another clock
     std::vector<std::string> first;  ///< the first few, in words
 };
 
-/// Compares measured pulses with what the image says, exact to the clock (contracts 1 and 2): in every cycle from `begin`
-/// to `end`, each channel whose timing lies within the cycle starts one pulse at its tick, of exactly the record's length;
-/// pulses that overlap merge. The expectation is built from the image's numbers and the measured cycle starts alone.
-[[nodiscard]] PulseReport check_pulses(const Image& image, const std::vector<CycleStart>& cycles, const std::vector<Pulse>& pulses,
-                                       std::uint64_t begin, std::uint64_t end, std::uint32_t channels);
+/// Compares measured pulses with what the image says, exact to the clock (contracts 1 and 2): in every cycle from
+/// `begin` to `end`, each channel whose timing lies within the cycle starts one pulse at its tick, of exactly the
+/// record's length; pulses that overlap merge. The expectation is built from the image's numbers and the measured cycle
+/// starts alone.
+[[nodiscard]] PulseReport check_pulses(const Image& image, const std::vector<CycleStart>& cycles,
+                                       const std::vector<Pulse>& pulses, std::uint64_t begin, std::uint64_t end,
+                                       std::uint32_t channels);
 
 }  // namespace haptogram::sim

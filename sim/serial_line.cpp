@@ -12,8 +12,9 @@ bool SerialSender::level(std::uint64_t clock) {
         frame_ = (1U << 9) | (static_cast<unsigned>(waiting_.front()) << 1);
         waiting_.pop_front();
         // Back to back bytes keep the exact rate; after a pause a byte starts on this clock.
-        started_ = static_cast<double>(clock) - started_ < 10.0 * clocks_per_bit_ + 1.0 ? started_ + 10.0 * clocks_per_bit_
-                                                                                        : static_cast<double>(clock);
+        started_ = static_cast<double>(clock) - started_ < 10.0 * clocks_per_bit_ + 1.0
+                       ? started_ + 10.0 * clocks_per_bit_
+                       : static_cast<double>(clock);
         bit_ = 0;
     }
     level_ = ((frame_ >> bit_) & 1U) != 0;

@@ -24,8 +24,8 @@ private:
     static constexpr int idle_bit = 10;
     double clocks_per_bit_;
     std::deque<std::uint8_t> waiting_;
-    int bit_ = idle_bit;  // 0 start, 1…8 data, 9 stop
-    unsigned frame_ = 0;  // the ten bits under way, first bit lowest
+    int bit_ = idle_bit;      // 0 start, 1…8 data, 9 stop
+    unsigned frame_ = 0;      // the ten bits under way, first bit lowest
     double started_ = -1e18;  // clock of the present byte's start bit; long ago
     std::uint64_t next_change_ = 0;
     bool level_ = true;

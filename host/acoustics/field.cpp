@@ -24,7 +24,8 @@ double piston_directivity(double ka_sin) {
 std::complex<double> propagation(Vec3 element, Vec3 normal, Vec3 point, double k, double radius_m) {
     const Vec3 ray = point - element;
     const double range = norm(ray);
-    if (range == 0.0) throw bad_input("field", "a point coincides with an element, where the pressure is infinite; move it");
+    if (range == 0.0)
+        throw bad_input("field", "a point coincides with an element, where the pressure is infinite; move it");
     const double sine = norm(cross(ray, normal)) / (range * norm(normal));
     return std::polar(piston_directivity(k * radius_m * sine) / range, -k * range);
 }
@@ -38,7 +39,8 @@ std::vector<std::complex<double>> propagation_matrix(const Array& array, std::sp
     std::vector<std::complex<double>> matrix;
     matrix.reserve(points.size() * array.elements.size());
     for (const Vec3& point : points)
-        for (const Vec3& element : array.elements) matrix.push_back(propagation(element, point, k, array.transducer.radius_m));
+        for (const Vec3& element : array.elements)
+            matrix.push_back(propagation(element, point, k, array.transducer.radius_m));
     return matrix;
 }
 
@@ -46,7 +48,8 @@ std::vector<std::complex<double>> ideal_drives(const Array& array, Vec3 focus) {
     const double k = wave_number(array);
     std::vector<std::complex<double>> drives;
     drives.reserve(array.elements.size());
-    for (const Vec3& element : array.elements) drives.push_back(std::polar(array.transducer.source_pa_m, k * distance(element, focus)));
+    for (const Vec3& element : array.elements)
+        drives.push_back(std::polar(array.transducer.source_pa_m, k * distance(element, focus)));
     return drives;
 }
 

@@ -8,12 +8,13 @@
 
 namespace haptogram {
 
-/// Amplitude of the circular piston's far field against angle, 2·J1(ka·sin θ)/(ka·sin θ), 1 on the axis (Haptogram eq. 9).
+/// Amplitude of the circular piston's far field against angle, 2·J1(ka·sin θ)/(ka·sin θ), 1 on the axis (Haptogram eq.
+/// 9).
 /// @param ka_sin  k·a·sin θ
 [[nodiscard]] double piston_directivity(double ka_sin);
 
-/// How a wave goes from one element, facing +z, to a point: pressure at `point` in Pa for a source of 1 Pa·m and phase 0,
-/// in the convention e^{jωt}: D(θ)/R · e^{−jkR} (Haptogram eq. 6 and 9). A radius of 0 is a point source.
+/// How a wave goes from one element, facing +z, to a point: pressure at `point` in Pa for a source of 1 Pa·m and phase
+/// 0, in the convention e^{jωt}: D(θ)/R · e^{−jkR} (Haptogram eq. 6 and 9). A radius of 0 is a point source.
 /// @param k         wave number, rad/m
 /// @param radius_m  piston radius
 /// @throws Error{bad_input} when the point coincides with the element
@@ -30,6 +31,7 @@ namespace haptogram {
 
 /// Complex pressure at a point, Pa.
 /// @param drives  one an element, Pa·m
-[[nodiscard]] std::complex<double> pressure(const Array& array, std::span<const std::complex<double>> drives, Vec3 point);
+[[nodiscard]] std::complex<double> pressure(const Array& array, std::span<const std::complex<double>> drives,
+                                            Vec3 point);
 
 }  // namespace haptogram

@@ -15,7 +15,8 @@ Vec3 lateral_peak(const Array& array, std::span<const std::complex<double>> driv
     Vec3 best = start;
     double highest = std::abs(pressure(array, drives, best));
     for (double step = first_step; step > last_step;) {
-        const std::array<Vec3, 4> around = {best + Vec3{step, 0, 0}, best - Vec3{step, 0, 0}, best + Vec3{0, step, 0}, best - Vec3{0, step, 0}};
+        const std::array<Vec3, 4> around = {best + Vec3{step, 0, 0}, best - Vec3{step, 0, 0}, best + Vec3{0, step, 0},
+                                            best - Vec3{0, step, 0}};
         bool climbed = false;
         for (const Vec3& candidate : around) {
             const double here = std::abs(pressure(array, drives, candidate));

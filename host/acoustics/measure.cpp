@@ -27,14 +27,20 @@ void for_each_stretch(const std::vector<Pulse>& pulses, Visit visit) {
 
 }  // namespace
 
-std::vector<MeasuredRecord> measure(const Manifest& manifest, const std::vector<Pulse>& pulses, const std::string& where) {
+std::vector<MeasuredRecord> measure(const Manifest& manifest, const std::vector<Pulse>& pulses,
+                                    const std::string& where) {
     const std::size_t elements = manifest.array.elements.size();
     std::vector<std::vector<Pulse>> by_channel(elements);
     for (const Pulse& pulse : pulses) {
         if (pulse.channel >= elements)
-            throw bad_input(where, fmt::format("a pulse on channel {}, but the array has {} elements; these pulses are another array's", pulse.channel, elements));
+            throw bad_input(
+                where,
+                fmt::format("a pulse on channel {}, but the array has {} elements; these pulses are another array's",
+                            pulse.channel, elements));
         if (pulse.index == 0 || pulse.index > manifest.foci.size())
-            throw bad_input(where, fmt::format("a pulse of record {}, but the manifest has {}; these pulses are another image's", pulse.index, manifest.foci.size()));
+            throw bad_input(
+                where, fmt::format("a pulse of record {}, but the manifest has {}; these pulses are another image's",
+                                   pulse.index, manifest.foci.size()));
         by_channel[pulse.channel].push_back(pulse);
     }
     const double clock_s = 1.0 / manifest.timer.clock_hz;
@@ -45,14 +51,16 @@ std::vector<MeasuredRecord> measure(const Manifest& manifest, const std::vector<
         std::vector<std::uint64_t> cycles(records.size());
         for_each_stretch(by_channel[channel], [&](std::span<const Pulse> stretch) {
             std::vector<DrivePulse> train;
-            for (const Pulse& p : stretch) train.push_back({static_cast<double>(p.rise) * clock_s, static_cast<double>(p.fall) * clock_s});
+            for (const Pulse& p : stretch)
+                train.push_back({static_cast<double>(p.rise) * clock_s, static_cast<double>(p.fall) * clock_s});
             const std::size_t r = stretch.front().index - 1U;
             // Weighted by its length: a record may play in several stretches.
             records[r].drives[channel] += carrier_component(train, manifest.timer.carrier_hz(), period_s);
             cycles[r] += stretch.size();
         });
         for (std::size_t r = 0; r < records.size(); ++r) {
-            if (cycles[r] > 0) records[r].drives[channel] *= manifest.array.transducer.source_pa_m / static_cast<double>(cycles[r]);
+            if (cycles[r] > 0)
+                records[r].drives[channel] *= manifest.array.transducer.source_pa_m / static_cast<double>(cycles[r]);
             records[r].cycles = std::max(records[r].cycles, cycles[r]);
         }
     }

@@ -15,9 +15,11 @@ struct MeasuredRecord {
 };
 
 /// Turns measured pulses into each record's drives. Where a record played for at least three periods in a row, each
-/// channel's first and last pulse of that stretch are left out: pulses of neighbouring records may have merged with them.
+/// channel's first and last pulse of that stretch are left out: pulses of neighbouring records may have merged with
+/// them.
 /// @return one entry a record; `cycles` is 0 when it did not play
 /// @throws Error{bad_input} when a pulse's channel or index is none of the manifest's
-[[nodiscard]] std::vector<MeasuredRecord> measure(const Manifest& manifest, const std::vector<Pulse>& pulses, const std::string& where);
+[[nodiscard]] std::vector<MeasuredRecord> measure(const Manifest& manifest, const std::vector<Pulse>& pulses,
+                                                  const std::string& where);
 
 }  // namespace haptogram

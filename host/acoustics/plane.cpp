@@ -36,7 +36,8 @@ Vec3 Plane::point(std::size_t column, std::size_t row) const {
 
 Plane parse_plane(const std::string& text, double extent_m, double step_m) {
     const auto fail = [&] {
-        return Error(ErrorCode::usage, "--plane", fmt::format("expected xy@z=NUMBER, xz@y=NUMBER or yz@x=NUMBER (mm), found '{}'", text));
+        return Error(ErrorCode::usage, "--plane",
+                     fmt::format("expected xy@z=NUMBER, xz@y=NUMBER or yz@x=NUMBER (mm), found '{}'", text));
     };
     if (text.size() < 6 || text[2] != '@' || text[4] != '=') throw fail();
     const std::string axes = text.substr(0, 2) + text[3];
@@ -44,20 +45,24 @@ Plane parse_plane(const std::string& text, double extent_m, double step_m) {
     double value = 0.0;
     const auto [end, error] = std::from_chars(text.data() + 5, text.data() + text.size(), value);
     if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) throw fail();
-    if (axes == "xyz" && value <= 0.0) throw Error(ErrorCode::usage, "--plane", "the plane lies on or behind the array; z must be positive");
-    if (!(step_m > 0.0) || !(extent_m >= step_m)) throw Error(ErrorCode::usage, "--step", "must be positive and no more than --extent");
+    if (axes == "xyz" && value <= 0.0)
+        throw Error(ErrorCode::usage, "--plane", "the plane lies on or behind the array; z must be positive");
+    if (!(step_m > 0.0) || !(extent_m >= step_m))
+        throw Error(ErrorCode::usage, "--step", "must be positive and no more than --extent");
     Plane plane;
     plane.u_axis = axes.substr(0, 1);
     plane.v_axis = axes.substr(1, 1);
     plane.u = steps(axes[0], extent_m, step_m);
     plane.v = steps(axes[1], extent_m, step_m);
     if (static_cast<double>(plane.u.size()) * static_cast<double>(plane.v.size()) > 4e6)
-        throw Error(ErrorCode::usage, "--step", fmt::format("{} × {} points are too many; take a larger step", plane.u.size(), plane.v.size()));
+        throw Error(ErrorCode::usage, "--step",
+                    fmt::format("{} × {} points are too many; take a larger step", plane.u.size(), plane.v.size()));
     coordinate(plane.origin, axes[2]) = value * millimetre;
     return plane;
 }
 
-std::vector<double> mean_radiation_pressure(const Manifest& manifest, const std::vector<MeasuredRecord>& records, const Plane& plane) {
+std::vector<double> mean_radiation_pressure(const Manifest& manifest, const std::vector<MeasuredRecord>& records,
+                                            const Plane& plane) {
     constexpr double alpha = 2.0;
     const Array& array = manifest.array;
     const std::size_t elements = array.elements.size();
@@ -74,7 +79,8 @@ std::vector<double> mean_radiation_pressure(const Manifest& manifest, const std:
             for (const MeasuredRecord& record : records) {
                 double real = 0.0;
                 double imaginary = 0.0;
-                for (std::size_t m = 0; m < elements; ++m) {  // written out: std::complex's product checks for infinities
+                for (std::size_t m = 0; m < elements;
+                     ++m) {  // written out: std::complex's product checks for infinities
                     const std::complex<double> g = matrix[i * elements + m];
                     const std::complex<double> a = record.drives[m];
                     real += g.real() * a.real() - g.imag() * a.imag();

@@ -8,10 +8,10 @@ namespace haptogram {
 
 /// What went wrong, as the exit code that a command ends with.
 enum class ErrorCode : int {
-    run_failed = 1,   ///< a contract was broken or a focus was off
-    usage = 2,        ///< the command line makes no sense
-    bad_input = 3,    ///< a file or a value in it cannot be used, or an output cannot be written
-    device = 4,       ///< the board or the link to it
+    run_failed = 1,  ///< a contract was broken or a focus was off
+    usage = 2,       ///< the command line makes no sense
+    bad_input = 3,   ///< a file or a value in it cannot be used, or an output cannot be written
+    device = 4,      ///< the board or the link to it
 };
 
 /// The one exception type of the project. `where` names the file, line or record; `message` says what was found, what

@@ -49,7 +49,9 @@ bool write_all(int descriptor, std::string_view content) {
 }
 
 Error cannot_write(const std::filesystem::path& path) {
-    return bad_input(path.string(), fmt::format("cannot be written: {}; choose another place or make room, nothing was left behind", reason()));
+    return bad_input(
+        path.string(),
+        fmt::format("cannot be written: {}; choose another place or make room, nothing was left behind", reason()));
 }
 
 /// A file that is written beside its place and renamed into it at the end; removed when it never comes to that.
@@ -59,7 +61,8 @@ public:
         struct stat status = {};
         const bool exists = ::stat(path_.c_str(), &status) == 0;
         if (path_ == "-" || (exists && !S_ISREG(status.st_mode))) {
-            file_ = std::make_unique<Descriptor>(path_ == "-" ? STDOUT_FILENO : ::open(path_.c_str(), O_WRONLY | O_CLOEXEC));
+            file_ = std::make_unique<Descriptor>(path_ == "-" ? STDOUT_FILENO
+                                                              : ::open(path_.c_str(), O_WRONLY | O_CLOEXEC));
             if (file_->get() < 0) throw cannot_write(path_);
             return;
         }
@@ -111,7 +114,8 @@ std::string read_file(const std::filesystem::path& path) {
     if (file.get() < 0) throw bad_input(path.string(), fmt::format("cannot be opened: {}; check the path", reason()));
     std::string content;
     struct stat status = {};
-    if (::fstat(file.get(), &status) == 0 && S_ISREG(status.st_mode)) content.reserve(static_cast<std::size_t>(status.st_size));
+    if (::fstat(file.get(), &status) == 0 && S_ISREG(status.st_mode))
+        content.reserve(static_cast<std::size_t>(status.st_size));
     std::array<char, 1 << 16> buffer{};
     for (;;) {
         const ssize_t count = ::read(file.get(), buffer.data(), buffer.size());

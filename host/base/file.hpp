@@ -12,14 +12,14 @@ namespace haptogram {
 /// @throws Error{bad_input} naming the path and the system's reason
 [[nodiscard]] std::string read_file(const std::filesystem::path& path);
 
-/// Writes `content` beside `path` and renames it into place once all of it is on the disk, so that a reader sees the old
-/// file or the new one and a failure leaves nothing half-written. "-" is standard output; a device or a pipe, which
+/// Writes `content` beside `path` and renames it into place once all of it is on the disk, so that a reader sees the
+/// old file or the new one and a failure leaves nothing half-written. "-" is standard output; a device or a pipe, which
 /// cannot be renamed onto, is written directly.
 /// @throws Error{bad_input} naming the path and the system's reason (no such folder, no permission, disk full)
 void write_file(const std::filesystem::path& path, std::string_view content);
 
-/// Several files at once: all are written beside their places before the first is renamed, so that a failure to write any
-/// leaves all of them as they were.
+/// Several files at once: all are written beside their places before the first is renamed, so that a failure to write
+/// any leaves all of them as they were.
 void write_files(const std::vector<std::pair<std::filesystem::path, std::string>>& files);
 
 /// Lower-case hexadecimal SHA-256.

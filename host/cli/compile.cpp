@@ -54,7 +54,9 @@ Vec3 vector_mm(const std::vector<double>& v) { return from_mm(v[0], v[1], v[2]);
 
 Shape gather(const CompileOptions& options, std::string& hashed) {
     Shape shape;
-    const auto add = [&shape](Shape part) { std::move(part.pieces.begin(), part.pieces.end(), std::back_inserter(shape.pieces)); };
+    const auto add = [&shape](Shape part) {
+        std::move(part.pieces.begin(), part.pieces.end(), std::back_inserter(shape.pieces));
+    };
     for (const std::string& input : options.inputs) {
         add(load_shape(input, metres_per_unit(options.unit)));
         hashed += sha256(read_file(input));
@@ -67,7 +69,9 @@ Shape gather(const CompileOptions& options, std::string& hashed) {
         add(make_primitive(spec));
     }
     if (shape.pieces.empty())
-        throw Error(ErrorCode::usage, "compile", fmt::format("nothing to compile: give a file, or --shape with one of {}", fmt::join(primitive_kinds(), ", ")));
+        throw Error(ErrorCode::usage, "compile",
+                    fmt::format("nothing to compile: give a file, or --shape with one of {}",
+                                fmt::join(primitive_kinds(), ", ")));
     return shape;
 }
 
@@ -96,14 +100,18 @@ void require_reachable(std::vector<Vec3>& points, const Array& array, bool clip,
             continue;
         }
         if (++count <= most_listed)
-            listed += fmt::format("\n  ({:.2f}, {:.2f}, {:.2f}) mm: {}", p.x / millimetre, p.y / millimetre, p.z / millimetre, reason);
+            listed += fmt::format("\n  ({:.2f}, {:.2f}, {:.2f}) mm: {}", p.x / millimetre, p.y / millimetre,
+                                  p.z / millimetre, reason);
     }
     if (count == 0) return;
     if (count > most_listed) listed += fmt::format("\n  and {} more", count - most_listed);
     if (!clip)
-        throw bad_input(array.name, fmt::format("{} of {} points are out of reach:{}\nmove or scale the shape (--center, --size), or leave them out with --clip",
+        throw bad_input(array.name, fmt::format("{} of {} points are out of reach:{}\nmove or scale the shape "
+                                                "(--center, --size), or leave them out with --clip",
                                                 count, points.size(), listed));
-    if (reachable.empty()) throw bad_input(array.name, fmt::format("--clip leaves no point: all {} are out of reach:{}", points.size(), listed));
+    if (reachable.empty())
+        throw bad_input(array.name,
+                        fmt::format("--clip leaves no point: all {} are out of reach:{}", points.size(), listed));
     numbers.clipped = count;
     points = std::move(reachable);
 }
@@ -113,12 +121,17 @@ std::vector<std::uint32_t> dwells(const Timer& timer, double rate_hz, std::size_
     const double total = timer.carrier_hz() / rate_hz;
     const double each = total / static_cast<double>(count);
     if (each < 1.0)
-        throw bad_input("--rate", fmt::format("{} points at {} Hz leave {:.2f} carrier cycles a point, and a focus lasts at least one; "
-                                              "at most {:.4g} Hz, or {} points, can be reached",
-                                              count, rate_hz, each, timer.carrier_hz() / static_cast<double>(count), static_cast<std::size_t>(total)));
+        throw bad_input(
+            "--rate",
+            fmt::format("{} points at {} Hz leave {:.2f} carrier cycles a point, and a focus lasts at least one; "
+                        "at most {:.4g} Hz, or {} points, can be reached",
+                        count, rate_hz, each, timer.carrier_hz() / static_cast<double>(count),
+                        static_cast<std::size_t>(total)));
     if (each > 65535.0)
-        throw bad_input("--rate", fmt::format("{} points at {} Hz leave {:.0f} carrier cycles a point, and a sequence entry holds 65535; at least {:.4g} Hz",
-                                              count, rate_hz, each, timer.carrier_hz() / static_cast<double>(count) / 65535.0));
+        throw bad_input("--rate",
+                        fmt::format("{} points at {} Hz leave {:.0f} carrier cycles a point, and a sequence entry "
+                                    "holds 65535; at least {:.4g} Hz",
+                                    count, rate_hz, each, timer.carrier_hz() / static_cast<double>(count) / 65535.0));
     std::vector<std::uint32_t> result;
     std::uint64_t given = 0;
     for (std::size_t i = 0; i < count; ++i) {
@@ -140,35 +153,49 @@ Image make_image(const Manifest& manifest, std::uint16_t loops) {
     const std::size_t elements = array.elements.size();
     const std::vector<std::uint16_t> ticks = focal_law(array, manifest.timer, manifest.foci);
     for (std::size_t i = 0; i < manifest.foci.size(); ++i) {
-        Record record{manifest.timer.cycle_ticks, manifest.timer.prescaler, static_cast<std::uint8_t>(manifest.timer.pulse_ticks), {}};
-        record.timings.assign(ticks.begin() + static_cast<std::ptrdiff_t>(i * elements), ticks.begin() + static_cast<std::ptrdiff_t>((i + 1) * elements));
+        Record record{manifest.timer.cycle_ticks,
+                      manifest.timer.prescaler,
+                      static_cast<std::uint8_t>(manifest.timer.pulse_ticks),
+                      {}};
+        record.timings.assign(ticks.begin() + static_cast<std::ptrdiff_t>(i * elements),
+                              ticks.begin() + static_cast<std::ptrdiff_t>((i + 1) * elements));
         record.timings.resize(image.channels, interface::silent_timing);
         image.records.push_back(std::move(record));
-        image.sequence.push_back({static_cast<std::uint16_t>(i + 1), static_cast<std::uint16_t>(manifest.dwell_cycles[i])});
+        image.sequence.push_back(
+            {static_cast<std::uint16_t>(i + 1), static_cast<std::uint16_t>(manifest.dwell_cycles[i])});
     }
     return image;
 }
 
 /// The least time that any point is shown.
-double shortest_dwell_s(const Manifest& m) { return *std::min_element(m.dwell_cycles.begin(), m.dwell_cycles.end()) * m.timer.period_s(); }
+double shortest_dwell_s(const Manifest& m) {
+    return *std::min_element(m.dwell_cycles.begin(), m.dwell_cycles.end()) * m.timer.period_s();
+}
 
 void print_report(const Manifest& m, const Numbers& numbers, std::size_t hex_bytes, const CompileOptions& options) {
     const Formation& f = m.formation;
-    fmt::print("array             {}, {} elements on {} channels\n", m.array.name, m.array.elements.size(), m.array.board.channels);
+    fmt::print("array             {}, {} elements on {} channels\n", m.array.name, m.array.elements.size(),
+               m.array.board.channels);
     fmt::print("points            {}", m.foci.size());
     if (numbers.clipped > 0) fmt::print(", {} out of reach left out", numbers.clipped);
     if (numbers.duplicates > 0) fmt::print(", {} duplicates left out", numbers.duplicates);
-    fmt::print("\ntour              {:.1f} mm, {:.1f} mm as given\n", numbers.tour_after_m / millimetre, numbers.tour_before_m / millimetre);
-    fmt::print("timer             prescaler {}, {} ticks of {:.0f} ns a cycle, pulse {} ticks ({:.1f} %), carrier {:.1f} Hz\n", m.timer.prescaler,
-               m.timer.cycle_ticks, m.timer.tick_s() * 1e9, m.timer.pulse_ticks, 100.0 * m.timer.duty(), m.timer.carrier_hz());
+    fmt::print("\ntour              {:.1f} mm, {:.1f} mm as given\n", numbers.tour_after_m / millimetre,
+               numbers.tour_before_m / millimetre);
+    fmt::print(
+        "timer             prescaler {}, {} ticks of {:.0f} ns a cycle, pulse {} ticks ({:.1f} %), carrier {:.1f} Hz\n",
+        m.timer.prescaler, m.timer.cycle_ticks, m.timer.tick_s() * 1e9, m.timer.pulse_ticks, 100.0 * m.timer.duty(),
+        m.timer.carrier_hz());
     fmt::print("rendering rate    {:.4g} Hz, {:.1f} µs a point\n", m.rate_hz, shortest_dwell_s(m) * 1e6);
     fmt::print("flight spread ΔT  {:.1f} µs, β = {} periods\n", f.flight_spread_s * 1e6, f.periods);
-    fmt::print("focus forms in    T_f = {:.1f} µs, {:.1f} µs with the transducers' ring-up\n", f.formation_s * 1e6, f.with_ring_up_s() * 1e6);
-    fmt::print("full pressure for at most {} points at this rate, {} with ring-up\n", most_points(m.rate_hz, f.formation_s), most_points(m.rate_hz, f.with_ring_up_s()));
+    fmt::print("focus forms in    T_f = {:.1f} µs, {:.1f} µs with the transducers' ring-up\n", f.formation_s * 1e6,
+               f.with_ring_up_s() * 1e6);
+    fmt::print("full pressure for at most {} points at this rate, {} with ring-up\n",
+               most_points(m.rate_hz, f.formation_s), most_points(m.rate_hz, f.with_ring_up_s()));
     fmt::print("image             {} ({} bytes), manifest {}\n", options.output, hex_bytes, options.manifest);
 }
 
-nlohmann::ordered_json report_json(const Manifest& m, const Numbers& numbers, std::size_t hex_bytes, const CompileOptions& options) {
+nlohmann::ordered_json report_json(const Manifest& m, const Numbers& numbers, std::size_t hex_bytes,
+                                   const CompileOptions& options) {
     return {{"array", m.array.name},
             {"points", m.foci.size()},
             {"clipped", numbers.clipped},
@@ -196,28 +223,42 @@ void warn_short_dwell(const Manifest& m) {
     const double dwell = shortest_dwell_s(m);
     if (dwell >= m.formation.with_ring_up_s()) return;
     fmt::print(stderr,
-               "haptogram: warning: a point lasts {:.1f} µs, shorter than the {:.1f} µs in which a focus forms ({:.1f} µs with ring-up); "
+               "haptogram: warning: a point lasts {:.1f} µs, shorter than the {:.1f} µs in which a focus forms ({:.1f} "
+               "µs with ring-up); "
                "it will not reach its full pressure\n",
                dwell * 1e6, m.formation.formation_s * 1e6, m.formation.with_ring_up_s() * 1e6);
 }
 
 void check_options(CompileOptions& options) {
-    if (!std::isfinite(options.rate_hz) || options.rate_hz <= 0.0) throw Error(ErrorCode::usage, "--rate", "must be a positive number of Hz");
-    if (options.points < 1 || options.points > 65535) throw Error(ErrorCode::usage, "--points", "must be from 1 to 65535");
+    if (!std::isfinite(options.rate_hz) || options.rate_hz <= 0.0)
+        throw Error(ErrorCode::usage, "--rate", "must be a positive number of Hz");
+    if (options.points < 1 || options.points > 65535)
+        throw Error(ErrorCode::usage, "--points", "must be from 1 to 65535");
     if (options.manifest.empty()) {
-        if (options.output == "-") throw Error(ErrorCode::usage, "-o -", "needs --manifest FILE: an image is of little use without its manifest");
+        if (options.output == "-")
+            throw Error(ErrorCode::usage, "-o -",
+                        "needs --manifest FILE: an image is of little use without its manifest");
         options.manifest = manifest_path(options.output);
     }
     if (options.manifest == options.output && options.output != "-")
-        throw Error(ErrorCode::usage, "-o", fmt::format("image and manifest would both be {}; name the image .hex", options.output));
+        throw Error(ErrorCode::usage, "-o",
+                    fmt::format("image and manifest would both be {}; name the image .hex", options.output));
 }
 
 std::string everything_that_shapes_the_image(const CompileOptions& o, const Manifest& m) {
     const PrimitiveSpec& p = o.primitive;
-    return fmt::format("{} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} ", version(), fmt::join(o.shapes, ","), p.diameter.value_or(0.0),
-                       p.size.value_or(0.0), p.height.value_or(0.0), p.sides.value_or(0), p.turns.value_or(0.0), o.unit, o.points, o.seed, o.rate_hz,
-                       o.loops, fmt::join(o.center_mm, ","), fmt::join(o.rotate_deg, ","), o.size_mm, o.scale, o.clip) +
-           to_json(Manifest{.array = m.array, .timer = m.timer, .foci = {}, .dwell_cycles = {}, .formation = {}, .input_sha256 = {}, .image_sha256 = {}}).dump();
+    return fmt::format("{} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} ", version(), fmt::join(o.shapes, ","),
+                       p.diameter.value_or(0.0), p.size.value_or(0.0), p.height.value_or(0.0), p.sides.value_or(0),
+                       p.turns.value_or(0.0), o.unit, o.points, o.seed, o.rate_hz, o.loops, fmt::join(o.center_mm, ","),
+                       fmt::join(o.rotate_deg, ","), o.size_mm, o.scale, o.clip) +
+           to_json(Manifest{.array = m.array,
+                            .timer = m.timer,
+                            .foci = {},
+                            .dwell_cycles = {},
+                            .formation = {},
+                            .input_sha256 = {},
+                            .image_sha256 = {}})
+               .dump();
 }
 
 int compile(CompileOptions options) {
@@ -234,7 +275,10 @@ int compile(CompileOptions options) {
     require_reachable(points, manifest.array, options.clip, numbers);
     const std::size_t most = std::min(manifest.array.board.records, manifest.array.board.sequence_depth - 1);
     if (points.size() > most)
-        throw bad_input(manifest.array.board.name, fmt::format("{} points, but the board holds {}; take fewer (--points) or another board (--array)", points.size(), most));
+        throw bad_input(
+            manifest.array.board.name,
+            fmt::format("{} points, but the board holds {}; take fewer (--points) or another board (--array)",
+                        points.size(), most));
 
     const std::vector<std::size_t> order = closed_tour(points);
     std::vector<std::size_t> as_given(points.size());
@@ -253,14 +297,16 @@ int compile(CompileOptions options) {
     const Image image = make_image(manifest, options.loops);
     const std::string hex = to_intel_hex(image);
     manifest.image_sha256 = sha256(hex);
-    std::vector<std::pair<std::filesystem::path, std::string>> files = {{options.output, hex}, {options.manifest, to_json(manifest).dump(1) + "\n"}};
+    std::vector<std::pair<std::filesystem::path, std::string>> files = {
+        {options.output, hex}, {options.manifest, to_json(manifest).dump(1) + "\n"}};
     if (!options.readmemh.empty()) {
         files.emplace_back(options.readmemh + ".primary.mem", primary_readmemh(image));
         files.emplace_back(options.readmemh + ".sequence.mem", sequence_readmemh(image));
     }
     write_files(files);
     if (options.json)
-        fmt::print(options.output == "-" ? stderr : stdout, "{}\n", report_json(manifest, numbers, hex.size(), options).dump(1));
+        fmt::print(options.output == "-" ? stderr : stdout, "{}\n",
+                   report_json(manifest, numbers, hex.size(), options).dump(1));
     else if (options.output != "-")
         print_report(manifest, numbers, hex.size(), options);
     warn_short_dwell(manifest);
@@ -271,28 +317,45 @@ int compile(CompileOptions options) {
 
 void add_compile(CLI::App& app, Action& action) {
     auto options = std::make_shared<CompileOptions>();
-    CLI::App* sub = app.add_subcommand("compile", "Turn shapes into an Intel HEX image of focal timings, and its manifest");
+    CLI::App* sub =
+        app.add_subcommand("compile", "Turn shapes into an Intel HEX image of focal timings, and its manifest");
     sub->add_option("inputs", options->inputs, "PLY, OBJ, STL, XYZ or CSV files; several become one shape");
-    sub->add_option("--shape", options->shapes, fmt::format("Built-in shape, may be repeated: {}", fmt::join(primitive_kinds(), ", ")));
+    sub->add_option("--shape", options->shapes,
+                    fmt::format("Built-in shape, may be repeated: {}", fmt::join(primitive_kinds(), ", ")));
     sub->add_option("--diameter", options->primitive.diameter, "Of a built-in round shape, mm");
-    sub->add_option("--length", options->primitive.size, "Of a built-in line or plus, or the edge of a built-in straight-edged shape, mm");
+    sub->add_option("--length", options->primitive.size,
+                    "Of a built-in line or plus, or the edge of a built-in straight-edged shape, mm");
     sub->add_option("--height", options->primitive.height, "Of a built-in cone, cylinder or helix, mm");
     sub->add_option("--sides", options->primitive.sides, "Of a built-in polygon");
     sub->add_option("--turns", options->primitive.turns, "Of a built-in helix");
-    sub->add_option("--array", options->array, "Array file (TOML) or shipped array: tile-10x10, hoshi-18x18")->capture_default_str();
-    sub->add_option("--unit", options->unit, "Unit of the coordinates in the files")->check(CLI::IsMember({"mm", "cm", "m"}))->capture_default_str();
-    sub->add_option("--points", options->points, "Focal points to take from a surface, a curve or a larger cloud")->capture_default_str();
+    sub->add_option("--array", options->array, "Array file (TOML) or shipped array: tile-10x10, hoshi-18x18")
+        ->capture_default_str();
+    sub->add_option("--unit", options->unit, "Unit of the coordinates in the files")
+        ->check(CLI::IsMember({"mm", "cm", "m"}))
+        ->capture_default_str();
+    sub->add_option("--points", options->points, "Focal points to take from a surface, a curve or a larger cloud")
+        ->capture_default_str();
     sub->add_option("--seed", options->seed, "Of the sampling")->capture_default_str();
     sub->add_option("--rate", options->rate_hz, "Passes over the shape a second, Hz")->capture_default_str();
-    sub->add_option("--loops", options->loops, "Passes when the image is played by itself; 0 is for ever")->capture_default_str();
-    sub->add_option("--center", options->center_mm, "Move the bounding box's centre to x,y,z mm (built-in shapes: 0,0,130)")->delimiter(',')->expected(3);
-    sub->add_option("--size", options->size_mm, "Scale so that the largest extent is this many mm")->check(CLI::PositiveNumber);
-    sub->add_option("--rotate", options->rotate_deg, "Turn about the centre, degrees about x, then y, then z")->delimiter(',')->expected(3);
-    sub->add_option("--scale", options->scale, "Multiply every coordinate")->check(CLI::PositiveNumber)->capture_default_str();
+    sub->add_option("--loops", options->loops, "Passes when the image is played by itself; 0 is for ever")
+        ->capture_default_str();
+    sub->add_option("--center", options->center_mm,
+                    "Move the bounding box's centre to x,y,z mm (built-in shapes: 0,0,130)")
+        ->delimiter(',')
+        ->expected(3);
+    sub->add_option("--size", options->size_mm, "Scale so that the largest extent is this many mm")
+        ->check(CLI::PositiveNumber);
+    sub->add_option("--rotate", options->rotate_deg, "Turn about the centre, degrees about x, then y, then z")
+        ->delimiter(',')
+        ->expected(3);
+    sub->add_option("--scale", options->scale, "Multiply every coordinate")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
     sub->add_flag("--clip", options->clip, "Leave out points that the array cannot reach");
     sub->add_option("-o,--output", options->output, "Image; - is standard output")->capture_default_str();
     sub->add_option("--manifest", options->manifest, "Manifest (default: the image's name with .json)");
-    sub->add_option("--readmemh", options->readmemh, "Also write PREFIX.primary.mem and PREFIX.sequence.mem for $readmemh");
+    sub->add_option("--readmemh", options->readmemh,
+                    "Also write PREFIX.primary.mem and PREFIX.sequence.mem for $readmemh");
     sub->add_flag("--json", options->json, "Report as JSON");
     sub->callback([options, &action] { action = [options] { return compile(*options); }; });
 }

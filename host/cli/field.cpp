@@ -29,8 +29,8 @@ int field(const FieldOptions& options) {
     fmt::format_to(std::back_inserter(text), "{}_mm,{}_mm,radiation_pressure_pa\n", plane.u_axis, plane.v_axis);
     for (std::size_t row = 0; row < plane.v.size(); ++row)
         for (std::size_t column = 0; column < plane.u.size(); ++column)
-            fmt::format_to(std::back_inserter(text), "{:.4f},{:.4f},{:.6g}\n", plane.u[column] / millimetre, plane.v[row] / millimetre,
-                           mean[row * plane.u.size() + column]);
+            fmt::format_to(std::back_inserter(text), "{:.4f},{:.4f},{:.6g}\n", plane.u[column] / millimetre,
+                           plane.v[row] / millimetre, mean[row * plane.u.size() + column]);
     write_file(options.output, fmt::to_string(text));
     return 0;
 }
@@ -39,11 +39,14 @@ int field(const FieldOptions& options) {
 
 void add_field(CLI::App& app, Action& action) {
     auto options = std::make_shared<FieldOptions>();
-    CLI::App* sub = app.add_subcommand("field", "Time-averaged radiation pressure that measured pulses make in a plane, as CSV");
+    CLI::App* sub =
+        app.add_subcommand("field", "Time-averaged radiation pressure that measured pulses make in a plane, as CSV");
     sub->add_option("--pulses", options->pulses, "Pulse file from simulate")->required();
     sub->add_option("--manifest", options->manifest, "Manifest of the image that was played")->required();
     sub->add_option("--plane", options->plane, "xy@z=MM, xz@y=MM or yz@x=MM")->capture_default_str();
-    sub->add_option("--extent", options->extent_mm, "Half-width of the square, mm; along z twice this from the array on")->capture_default_str();
+    sub->add_option("--extent", options->extent_mm,
+                    "Half-width of the square, mm; along z twice this from the array on")
+        ->capture_default_str();
     sub->add_option("--step", options->step_mm, "Between points, mm")->capture_default_str();
     sub->add_option("-o,--output", options->output, "CSV file; - is standard output")->capture_default_str();
     sub->callback([options, &action] { action = [options] { return field(*options); }; });

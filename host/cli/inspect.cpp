@@ -34,8 +34,11 @@ Range timing_range(const Record& record) {
 }
 
 nlohmann::ordered_json to_json(const Image& image, const std::vector<std::string>& found) {
-    nlohmann::ordered_json json = {{"channels", image.channels},       {"clock_hz", image.clock_hz}, {"timing_bits", image.timing_bits},
-                                   {"pulse_bits", image.pulse_bits}, {"loops", image.loops}};
+    nlohmann::ordered_json json = {{"channels", image.channels},
+                                   {"clock_hz", image.clock_hz},
+                                   {"timing_bits", image.timing_bits},
+                                   {"pulse_bits", image.pulse_bits},
+                                   {"loops", image.loops}};
     json["records"] = nlohmann::ordered_json::array();
     for (std::size_t i = 0; i < image.records.size(); ++i) {
         const Record& r = image.records[i];
@@ -46,13 +49,15 @@ nlohmann::ordered_json to_json(const Image& image, const std::vector<std::string
                                    {"timings", r.timings}});
     }
     json["sequence"] = nlohmann::ordered_json::array();
-    for (const SequenceEntry& entry : image.sequence) json["sequence"].push_back({{"index", entry.index}, {"dwell_cycles", entry.dwell}});
+    for (const SequenceEntry& entry : image.sequence)
+        json["sequence"].push_back({{"index", entry.index}, {"dwell_cycles", entry.dwell}});
     json["problems"] = found;
     return json;
 }
 
 void print(const Image& image, const std::vector<std::string>& found) {
-    fmt::print("{} channels, {} Hz clock, {} timing bits, {} pulse bits\n", image.channels, image.clock_hz, image.timing_bits, image.pulse_bits);
+    fmt::print("{} channels, {} Hz clock, {} timing bits, {} pulse bits\n", image.channels, image.clock_hz,
+               image.timing_bits, image.pulse_bits);
     fmt::print("\n{} records\n index  cycle  prescaler  pulse  channels firing  timings\n", image.records.size());
     for (std::size_t i = 0; i < image.records.size(); ++i) {
         const Record& r = image.records[i];
@@ -65,8 +70,10 @@ void print(const Image& image, const std::vector<std::string>& found) {
     }
     fmt::print("\n{} sequence entries, {}\n entry  index  dwell\n", image.sequence.size(),
                image.loops == 0 ? std::string("repeated for ever") : fmt::format("played {} times", image.loops));
-    for (std::size_t i = 0; i < image.sequence.size(); ++i) fmt::print("{:6} {:6} {:6}\n", i + 1, image.sequence[i].index, image.sequence[i].dwell);
-    fmt::print("\nchecks: {}\n", found.empty() ? "checksums, regions, records and sequence are in order" : fmt::format("{} problems", found.size()));
+    for (std::size_t i = 0; i < image.sequence.size(); ++i)
+        fmt::print("{:6} {:6} {:6}\n", i + 1, image.sequence[i].index, image.sequence[i].dwell);
+    fmt::print("\nchecks: {}\n", found.empty() ? "checksums, regions, records and sequence are in order"
+                                               : fmt::format("{} problems", found.size()));
     for (const std::string& problem : found) fmt::print("  {}\n", problem);
 }
 
@@ -84,7 +91,8 @@ int inspect(const InspectOptions& options) {
 
 void add_inspect(CLI::App& app, Action& action) {
     auto options = std::make_shared<InspectOptions>();
-    CLI::App* sub = app.add_subcommand("inspect", "Print an image's records, sequence and checks; exit code 1 when something would not play");
+    CLI::App* sub = app.add_subcommand(
+        "inspect", "Print an image's records, sequence and checks; exit code 1 when something would not play");
     sub->add_option("image", options->image, "Intel HEX image")->required();
     sub->add_flag("--json", options->json, "As JSON, with every timing");
     sub->callback([options, &action] { action = [options] { return inspect(*options); }; });

@@ -19,7 +19,9 @@ std::string manifest_path(const std::string& image) {
 namespace {
 
 int run(int argc, char** argv) {
-    CLI::App app("Mid-air tactile shapes by focused ultrasound: compile shapes to images, simulate the FPGA that plays them.", "haptogram");
+    CLI::App app(
+        "Mid-air tactile shapes by focused ultrasound: compile shapes to images, simulate the FPGA that plays them.",
+        "haptogram");
     app.set_version_flag("--version", "haptogram " + version());
     app.require_subcommand(1);
     app.footer("Exit codes: 0 ok, 1 run failed, 2 usage, 3 bad input, 4 device or link.");

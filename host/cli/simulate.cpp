@@ -44,24 +44,32 @@ constexpr double most_peak_offset_m = 0.2e-3;
 Manifest matching_manifest(const SimulateOptions& options, const std::string& hex, const Image& image) {
     Manifest manifest = manifest_from_json(read_file(options.manifest), options.manifest);
     if (manifest.image_sha256 != sha256(hex))
-        throw bad_input(options.manifest, fmt::format("it belongs to another image than {} (hash {}…, expected {}…); compile the two together", options.image,
-                                                      sha256(hex).substr(0, 12), manifest.image_sha256.substr(0, 12)));
+        throw bad_input(
+            options.manifest,
+            fmt::format("it belongs to another image than {} (hash {}…, expected {}…); compile the two together",
+                        options.image, sha256(hex).substr(0, 12), manifest.image_sha256.substr(0, 12)));
     if (manifest.foci.size() != image.records.size() || manifest.array.board.channels != image.channels)
-        throw bad_input(options.manifest, fmt::format("{} records on {} channels, but the image has {} on {}; compile the two together", manifest.foci.size(),
-                                                      manifest.array.board.channels, image.records.size(), image.channels));
+        throw bad_input(
+            options.manifest,
+            fmt::format("{} records on {} channels, but the image has {} on {}; compile the two together",
+                        manifest.foci.size(), manifest.array.board.channels, image.records.size(), image.channels));
     if (!options.array.empty()) {
         const Array array = find_array(options.array);
         if (array.elements.size() != manifest.array.elements.size() || array.board.channels != image.channels ||
             std::abs(array.board.clock_hz - image.clock_hz) > 0.5)
-            throw bad_input(options.image, fmt::format("it was compiled for {} ({} elements, {} channels, {} Hz), not for {} ({} elements, {} channels, {} Hz); "
-                                                       "compile it with --array {}",
-                                                       manifest.array.name, manifest.array.elements.size(), image.channels, image.clock_hz, array.name,
-                                                       array.elements.size(), array.board.channels, array.board.clock_hz, options.array));
+            throw bad_input(options.image,
+                            fmt::format("it was compiled for {} ({} elements, {} channels, {} Hz), not for {} ({} "
+                                        "elements, {} channels, {} Hz); "
+                                        "compile it with --array {}",
+                                        manifest.array.name, manifest.array.elements.size(), image.channels,
+                                        image.clock_hz, array.name, array.elements.size(), array.board.channels,
+                                        array.board.clock_hz, options.array));
     }
     return manifest;
 }
 
-std::vector<PointResult> check_points(const Manifest& manifest, const std::vector<Pulse>& pulses, const std::string& where) {
+std::vector<PointResult> check_points(const Manifest& manifest, const std::vector<Pulse>& pulses,
+                                      const std::string& where) {
     const auto measured = measure(manifest, pulses, where);
     std::vector<PointResult> results;
     Progress progress("focus check");
@@ -104,16 +112,21 @@ Summary summarise(const std::vector<PointResult>& points) {
     return s;
 }
 
-nlohmann::ordered_json to_json(const Manifest& manifest, const sim::Playback& p, const std::vector<PointResult>& points, const Summary& s, std::size_t hex_bytes) {
+nlohmann::ordered_json to_json(const Manifest& manifest, const sim::Playback& p, const std::vector<PointResult>& points,
+                               const Summary& s, std::size_t hex_bytes) {
     nlohmann::ordered_json json = {
         {"points", points.size()},
         {"image_bytes", hex_bytes},
-        {"timer", {{"prescaler", manifest.timer.prescaler}, {"cycle_ticks", manifest.timer.cycle_ticks}, {"pulse_ticks", manifest.timer.pulse_ticks}}},
+        {"timer",
+         {{"prescaler", manifest.timer.prescaler},
+          {"cycle_ticks", manifest.timer.cycle_ticks},
+          {"pulse_ticks", manifest.timer.pulse_ticks}}},
         {"clocks", p.clocks},
         {"simulated_s", static_cast<double>(p.clocks) / manifest.timer.clock_hz},
         {"mclk_per_s", static_cast<double>(p.clocks) / p.seconds / 1e6},
         {"playing_mclk_per_s", static_cast<double>(p.playing_clocks) / p.playing_seconds / 1e6},
-        {"playing_real_time_ratio", static_cast<double>(p.playing_clocks) / p.playing_seconds / manifest.timer.clock_hz},
+        {"playing_real_time_ratio",
+         static_cast<double>(p.playing_clocks) / p.playing_seconds / manifest.timer.clock_hz},
         {"pulses", p.pulses.size()},
         {"pulses_equal_to_image", p.pulse_report.checked},
         {"contract_violations", p.violation_count},
@@ -124,8 +137,13 @@ nlohmann::ordered_json to_json(const Manifest& manifest, const sim::Playback& p,
         {"least_pressure_kept", s.least_kept},
         {"mean_pressure_kept", s.mean_kept},
         {"worst_focus_error_mm", s.worst_offset_m / millimetre},
-        {"board", {{"underruns", p.status.underruns}, {"refused_records", p.status.refused_records}, {"frames_damaged", p.status.frames_damaged},
-                   {"frames_repeated", p.status.frames_repeated}, {"watchdog_trips", p.status.watchdog_trips}, {"guard_trips", p.status.guard_trips}}}};
+        {"board",
+         {{"underruns", p.status.underruns},
+          {"refused_records", p.status.refused_records},
+          {"frames_damaged", p.status.frames_damaged},
+          {"frames_repeated", p.status.frames_repeated},
+          {"watchdog_trips", p.status.watchdog_trips},
+          {"guard_trips", p.status.guard_trips}}}};
     json["records"] = nlohmann::ordered_json::array();
     for (std::size_t i = 0; i < points.size(); ++i)
         json["records"].push_back({{"index", i + 1},
@@ -136,21 +154,29 @@ nlohmann::ordered_json to_json(const Manifest& manifest, const sim::Playback& p,
     return json;
 }
 
-void print(const Manifest& manifest, const sim::Playback& p, const Summary& s, std::size_t points, std::size_t hex_bytes) {
+void print(const Manifest& manifest, const sim::Playback& p, const Summary& s, std::size_t points,
+           std::size_t hex_bytes) {
     const Timer& t = manifest.timer;
     fmt::print("points               {}\n", points);
     fmt::print("image size           {} bytes\n", hex_bytes);
-    fmt::print("timer                prescaler {}, cycle {} ticks, pulse {} ticks\n", t.prescaler, t.cycle_ticks, t.pulse_ticks);
+    fmt::print("timer                prescaler {}, cycle {} ticks, pulse {} ticks\n", t.prescaler, t.cycle_ticks,
+               t.pulse_ticks);
     fmt::print("clocks simulated     {} ({:.1f} ms)\n", p.clocks, static_cast<double>(p.clocks) / t.clock_hz * 1e3);
-    fmt::print("speed                {:.2f} Mclk/s, {:.2f} while playing ({:.3f} of real time)\n", static_cast<double>(p.clocks) / p.seconds / 1e6,
-               static_cast<double>(p.playing_clocks) / p.playing_seconds / 1e6, static_cast<double>(p.playing_clocks) / p.playing_seconds / t.clock_hz);
-    fmt::print("pulses measured      {}, {} compared and equal to the image\n", p.pulses.size(), p.pulse_report.checked);
+    fmt::print("speed                {:.2f} Mclk/s, {:.2f} while playing ({:.3f} of real time)\n",
+               static_cast<double>(p.clocks) / p.seconds / 1e6,
+               static_cast<double>(p.playing_clocks) / p.playing_seconds / 1e6,
+               static_cast<double>(p.playing_clocks) / p.playing_seconds / t.clock_hz);
+    fmt::print("pulses measured      {}, {} compared and equal to the image\n", p.pulses.size(),
+               p.pulse_report.checked);
     fmt::print("focus error          {:.4f} mm at most, over {} points\n", s.worst_offset_m / millimetre, s.checked);
-    fmt::print("pressure kept        {:.4f} % at least, {:.4f} % on average\n", 100.0 * s.least_kept, 100.0 * s.mean_kept);
+    fmt::print("pressure kept        {:.4f} % at least, {:.4f} % on average\n", 100.0 * s.least_kept,
+               100.0 * s.mean_kept);
     if (s.unsteady > 0) fmt::print("too short to check   {} points play for fewer than 3 cycles\n", s.unsteady);
     fmt::print("contract violations  {}\n", p.violation_count);
     for (const std::string& violation : p.violations) fmt::print("  {}\n", violation);
-    if (s.off > 0) fmt::print("{} points are off: less than {} of the pressure, or more than {} mm away\n", s.off, least_pressure_kept, most_peak_offset_m / millimetre);
+    if (s.off > 0)
+        fmt::print("{} points are off: less than {} of the pressure, or more than {} mm away\n", s.off,
+                   least_pressure_kept, most_peak_offset_m / millimetre);
 }
 
 int simulate(SimulateOptions options) {
@@ -158,7 +184,11 @@ int simulate(SimulateOptions options) {
     const std::string hex = read_file(options.image);
     const Image image = from_intel_hex(hex, options.image);
     const std::vector<std::string> found = problems(image);
-    if (!found.empty()) throw bad_input(options.image, fmt::format("{}{}", found.front(), found.size() > 1 ? fmt::format(" (and {} more; see inspect)", found.size() - 1) : ""));
+    if (!found.empty())
+        throw bad_input(
+            options.image,
+            fmt::format("{}{}", found.front(),
+                        found.size() > 1 ? fmt::format(" (and {} more; see inspect)", found.size() - 1) : ""));
     const Manifest manifest = matching_manifest(options, hex, image);
 
     sim::PlaybackOptions how;
@@ -189,12 +219,18 @@ int simulate(SimulateOptions options) {
 
 void add_simulate(CLI::App& app, Action& action) {
     auto options = std::make_shared<SimulateOptions>();
-    CLI::App* sub = app.add_subcommand("simulate", "Play an image on the Verilated FPGA, measure its pins, check contracts and foci; exit code 1 when one is off");
+    CLI::App* sub = app.add_subcommand(
+        "simulate",
+        "Play an image on the Verilated FPGA, measure its pins, check contracts and foci; exit code 1 when one is off");
     sub->add_option("image", options->image, "Intel HEX image")->required();
     sub->add_option("--manifest", options->manifest, "Manifest (default: the image's name with .json)");
     sub->add_option("--array", options->array, "Insist that the image was compiled for this array");
-    auto* passes = sub->add_option("--passes", options->passes, "Passes over the sequence")->check(CLI::Range(1, 65535))->capture_default_str();
-    sub->add_option("--duration", options->duration_ms, "Play for this many ms instead")->check(CLI::PositiveNumber)->excludes(passes);
+    auto* passes = sub->add_option("--passes", options->passes, "Passes over the sequence")
+                       ->check(CLI::Range(1, 65535))
+                       ->capture_default_str();
+    sub->add_option("--duration", options->duration_ms, "Play for this many ms instead")
+        ->check(CLI::PositiveNumber)
+        ->excludes(passes);
     sub->add_option("--load", options->load, "Through the simulated serial line, or straight into the memories")
         ->check(CLI::IsMember({"uart", "direct"}))
         ->capture_default_str();

@@ -2,10 +2,10 @@
 // Compiled once for each instruction set by Highway, chosen at run time.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "focus/focal_law.cpp"
+#include "focus/focal_law.hpp"
+
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
-
-#include "focus/focal_law.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace haptogram::HWY_NAMESPACE {
@@ -43,8 +43,9 @@ void ticks_of_foci(const float* x, const float* y, const float* z, std::size_t e
             const auto whole = hn::Floor(hn::Mul(delay, per_cycle));
             const auto rest = hn::Round(hn::Sub(delay, hn::Mul(whole, cycle_v)));
             // `whole` may be one too small or too large when the delay is a hair from a multiple of the cycle.
-            const auto wrapped = hn::IfThenElse(hn::Ge(rest, cycle_v), hn::Sub(rest, cycle_v),
-                                                hn::IfThenElse(hn::Lt(rest, hn::Zero(d)), hn::Add(rest, cycle_v), rest));
+            const auto wrapped =
+                hn::IfThenElse(hn::Ge(rest, cycle_v), hn::Sub(rest, cycle_v),
+                               hn::IfThenElse(hn::Lt(rest, hn::Zero(d)), hn::Add(rest, cycle_v), rest));
             const auto tick = hn::DemoteTo(du16, hn::ConvertTo(di, wrapped));
             if (m + lanes <= elements) {
                 hn::StoreU(tick, du16, row + m);
@@ -74,7 +75,8 @@ HWY_EXPORT(target_name);
 
 std::vector<std::uint16_t> focal_law(const Array& array, const Timer& timer, std::span<const Vec3> foci) {
     for (const Vec3& focus : foci)
-        if (!is_finite(focus)) throw bad_input("focal law", "a focal point is not finite; every coordinate must be a number");
+        if (!is_finite(focus))
+            throw bad_input("focal law", "a focal point is not finite; every coordinate must be a number");
     const std::size_t elements = array.elements.size();
     std::vector<std::uint16_t> ticks(foci.size() * elements);
     if (ticks.empty()) return ticks;
@@ -93,7 +95,8 @@ std::vector<std::uint16_t> focal_law(const Array& array, const Timer& timer, std
     }
     const auto ticks_per_m = static_cast<float>(1.0 / (array.medium.speed_m_s * timer.tick_s()));
     HWY_DYNAMIC_DISPATCH(ticks_of_foci)
-    (x, y, z, elements, ticks_per_m, static_cast<float>(timer.cycle_ticks), foci.data(), foci.size(), scratch, ticks.data());
+    (x, y, z, elements, ticks_per_m, static_cast<float>(timer.cycle_ticks), foci.data(), foci.size(), scratch,
+     ticks.data());
     return ticks;
 }
 

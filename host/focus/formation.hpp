@@ -10,10 +10,10 @@ namespace haptogram {
 /// How long a focal point takes to form (Haptogram III-G), the geometry's part and the transducers' part apart: the
 /// paper's formula only has the first, its measured 640 µs are mostly the second.
 struct Formation {
-    double flight_spread_s = 0.0;    ///< ΔT, eq. 4
-    std::uint32_t periods = 0;       ///< β = ⌈f_U·ΔT⌉, eq. 11
-    double formation_s = 0.0;        ///< T_f = β/f_U + C/f_P, eq. 12
-    double ring_up_s = 0.0;          ///< to 90 % of the amplitude: 2.3·τ with τ = 1/(π·bandwidth)
+    double flight_spread_s = 0.0;  ///< ΔT, eq. 4
+    std::uint32_t periods = 0;     ///< β = ⌈f_U·ΔT⌉, eq. 11
+    double formation_s = 0.0;      ///< T_f = β/f_U + C/f_P, eq. 12
+    double ring_up_s = 0.0;        ///< to 90 % of the amplitude: 2.3·τ with τ = 1/(π·bandwidth)
     [[nodiscard]] double with_ring_up_s() const { return formation_s + ring_up_s; }
 };
 

@@ -18,11 +18,14 @@ Timer choose_timer(const Array& array) {
         const double ticks = clocks / prescaler;
         const double cycle = std::round(ticks);
         const double pulse = std::round(array.duty * cycle);
-        if (std::abs(cycle / ticks - 1.0) > carrier_tolerance || cycle > longest_cycle || pulse > longest_pulse || pulse < 1.0) continue;
+        if (std::abs(cycle / ticks - 1.0) > carrier_tolerance || cycle > longest_cycle || pulse > longest_pulse ||
+            pulse < 1.0)
+            continue;
         return {array.board.clock_hz, prescaler, static_cast<std::uint32_t>(cycle), static_cast<std::uint32_t>(pulse)};
     }
     throw bad_input(array.name,
-                    fmt::format("no timer of at least 8 ticks makes a {} Hz carrier with {:.1f} % duty from a {} Hz clock with {} pulse bits; "
+                    fmt::format("no timer of at least 8 ticks makes a {} Hz carrier with {:.1f} % duty from a {} Hz "
+                                "clock with {} pulse bits; "
                                 "choose a clock that is a multiple of the carrier, or a smaller duty",
                                 array.carrier_hz, 100.0 * array.duty, array.board.clock_hz, array.board.pulse_bits));
 }

@@ -20,7 +20,9 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180.0;
 
-std::string place(const std::string& file, const toml::node& node) { return fmt::format("{}:{}", file, node.source().begin.line); }
+std::string place(const std::string& file, const toml::node& node) {
+    return fmt::format("{}:{}", file, node.source().begin.line);
+}
 
 /// One table of the file: typed, range-checked, and it knows which keys nobody asked for.
 class Section {
@@ -29,33 +31,39 @@ public:
         const toml::node* node = root.get(name);
         if (node == nullptr) return;
         table_ = node->as_table();
-        if (table_ == nullptr) throw bad_input(place(file, *node), fmt::format("'{}' must be a table, [{}]", name, name));
+        if (table_ == nullptr)
+            throw bad_input(place(file, *node), fmt::format("'{}' must be a table, [{}]", name, name));
     }
 
-    [[nodiscard]] const toml::node* find(std::string_view key) const { return table_ == nullptr ? nullptr : table_->get(key); }
+    [[nodiscard]] const toml::node* find(std::string_view key) const {
+        return table_ == nullptr ? nullptr : table_->get(key);
+    }
 
     [[nodiscard]] std::optional<double> number(std::string_view key, double low, double high) const {
         const toml::node* node = find(key);
         if (node == nullptr) return {};
         const std::optional<double> value = node->value<double>();
         if (!value || !std::isfinite(*value) || *value < low || *value > high)
-            throw bad_input(place(file_, *node), fmt::format("{}.{} must be a number from {} to {}", name_, key, low, high));
+            throw bad_input(place(file_, *node),
+                            fmt::format("{}.{} must be a number from {} to {}", name_, key, low, high));
         return value;
     }
 
-    [[nodiscard]] std::optional<std::uint32_t> whole(std::string_view key, std::uint32_t low, std::uint32_t high) const {
+    [[nodiscard]] std::optional<std::uint32_t> whole(std::string_view key, std::uint32_t low,
+                                                     std::uint32_t high) const {
         const toml::node* node = find(key);
         if (node == nullptr) return {};
         const auto value = node->as_integer() == nullptr ? std::optional<std::int64_t>{} : node->value<std::int64_t>();
         if (!value || *value < low || *value > high)
-            throw bad_input(place(file_, *node), fmt::format("{}.{} must be a whole number from {} to {}", name_, key, low, high));
+            throw bad_input(place(file_, *node),
+                            fmt::format("{}.{} must be a whole number from {} to {}", name_, key, low, high));
         return static_cast<std::uint32_t>(*value);
     }
 
     [[nodiscard]] std::optional<std::string> text(std::string_view key) const {
         const toml::node* node = find(key);
         if (node == nullptr) return {};
-        const auto value = node->value<std::string>();
+        auto value = node->value<std::string>();
         if (!value) throw bad_input(place(file_, *node), fmt::format("{}.{} must be a text in quotes", name_, key));
         return value;
     }
@@ -64,7 +72,8 @@ public:
         if (table_ == nullptr) return;
         for (const auto& [key, node] : *table_)
             if (std::find(keys.begin(), keys.end(), key.str()) == keys.end())
-                throw bad_input(place(file_, node), fmt::format("unknown key {}.{}; known are {}", name_, key.str(), fmt::join(keys, ", ")));
+                throw bad_input(place(file_, node), fmt::format("unknown key {}.{}; known are {}", name_, key.str(),
+                                                                fmt::join(keys, ", ")));
     }
 
 private:
@@ -85,7 +94,8 @@ void assign(T& target, const std::optional<U>& value, double factor = 1.0) {
 std::vector<Vec3> grid(std::uint32_t rows, std::uint32_t columns, double pitch_m) {
     std::vector<Vec3> elements;
     for (std::uint32_t r = 0; r < rows; ++r)
-        for (std::uint32_t q = 0; q < columns; ++q) elements.push_back({(q - (columns - 1) / 2.0) * pitch_m, (r - (rows - 1) / 2.0) * pitch_m, 0.0});
+        for (std::uint32_t q = 0; q < columns; ++q)
+            elements.push_back({(q - (columns - 1) / 2.0) * pitch_m, (r - (rows - 1) / 2.0) * pitch_m, 0.0});
     return elements;
 }
 
@@ -114,10 +124,12 @@ void read_geometry(Array& array, const std::string& file, const toml::table& roo
     const auto columns = section.whole("columns", 1, 1000);
     const auto pitch = section.number("pitch_mm", 0.1, 1000.0);
     if (const toml::node* list = section.find("elements_mm")) {
-        if (rows || columns || pitch) throw bad_input(place(file, *list), "give either elements_mm or rows, columns and pitch_mm, not both");
+        if (rows || columns || pitch)
+            throw bad_input(place(file, *list), "give either elements_mm or rows, columns and pitch_mm, not both");
         array.elements = listed_elements(file, *list);
     } else {
-        if (!rows || !columns || !pitch) throw bad_input(file, "[array] must have rows, columns and pitch_mm, or elements_mm");
+        if (!rows || !columns || !pitch)
+            throw bad_input(file, "[array] must have rows, columns and pitch_mm, or elements_mm");
         array.elements = grid(*rows, *columns, *pitch * millimetre);
     }
     assign(array.carrier_hz, section.number("carrier_hz", 1e3, 1e6));
@@ -170,10 +182,12 @@ std::string Array::unreachable(Vec3 focus) const {
     for (std::size_t m = 0; m < elements.size(); ++m) {
         const double range = distance(focus, elements[m]);
         if (range < nearest_m)
-            return fmt::format("{:.2f} mm from element {}, nearer than {:.2f} mm", range / millimetre, m, nearest_m / millimetre);
+            return fmt::format("{:.2f} mm from element {}, nearer than {:.2f} mm", range / millimetre, m,
+                               nearest_m / millimetre);
     }
     const double angle = std::atan2(std::hypot(focus.x, focus.y), focus.z);
-    if (angle > reach_angle_rad) return fmt::format("{:.1f}° off the axis, beyond {:.1f}°", angle / degree, reach_angle_rad / degree);
+    if (angle > reach_angle_rad)
+        return fmt::format("{:.1f}° off the axis, beyond {:.1f}°", angle / degree, reach_angle_rad / degree);
     return {};
 }
 
@@ -184,11 +198,14 @@ Array load_array(const std::filesystem::path& path) {
     try {
         root = toml::parse(text);
     } catch (const toml::parse_error& error) {
-        throw bad_input(fmt::format("{}:{}", file, error.source().begin.line), fmt::format("not valid TOML: {}", error.description()));
+        throw bad_input(fmt::format("{}:{}", file, error.source().begin.line),
+                        fmt::format("not valid TOML: {}", error.description()));
     }
     for (const auto& [key, node] : root)
         if (key != "name" && key != "array" && key != "medium" && key != "transducer" && key != "board")
-            throw bad_input(place(file, node), fmt::format("unknown key '{}'; known are name, array, medium, transducer, board", key.str()));
+            throw bad_input(
+                place(file, node),
+                fmt::format("unknown key '{}'; known are name, array, medium, transducer, board", key.str()));
     Array array;
     array.name = root["name"].value_or(path.stem().string());
     read_medium(array.medium, file, root);
@@ -196,8 +213,9 @@ Array load_array(const std::filesystem::path& path) {
     read_board(array.board, file, root);
     read_geometry(array, file, root);
     if (array.elements.size() > array.board.channels)
-        throw bad_input(file, fmt::format("{} elements but the board has {} channels; use a larger board or fewer elements", array.elements.size(),
-                                          array.board.channels));
+        throw bad_input(file,
+                        fmt::format("{} elements but the board has {} channels; use a larger board or fewer elements",
+                                    array.elements.size(), array.board.channels));
     return array;
 }
 
@@ -207,7 +225,8 @@ Array find_array(const std::string& name) {
         const auto path = std::filesystem::path(folder) / (name + ".toml");
         if (std::filesystem::exists(path)) return load_array(path);
     }
-    throw bad_input(name, "no shipped array has this name (shipped are tile-10x10 and hoshi-18x18); give the path of a .toml file");
+    throw bad_input(
+        name, "no shipped array has this name (shipped are tile-10x10 and hoshi-18x18); give the path of a .toml file");
 }
 
 }  // namespace haptogram

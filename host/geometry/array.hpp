@@ -42,9 +42,9 @@ struct Array {
     std::string name = "tile-10x10";
     std::vector<Vec3> elements;  ///< metres, z = 0, channel order (row · columns + column)
     double carrier_hz = 40e3;
-    double duty = 0.5;              ///< of the carrier period, (0, 0.5]
-    double reach_angle_rad = 1.0;   ///< a focal point lies within this angle of the axis, seen from the array's centre
-    double nearest_m = 0.0;         ///< and no nearer to any element: the far field, by default 10·d²/4λ (Haptogram eq. 10)
+    double duty = 0.5;             ///< of the carrier period, (0, 0.5]
+    double reach_angle_rad = 1.0;  ///< a focal point lies within this angle of the axis, seen from the array's centre
+    double nearest_m = 0.0;  ///< and no nearer to any element: the far field, by default 10·d²/4λ (Haptogram eq. 10)
     Medium medium;
     Transducer transducer;
     BoardSpec board;

@@ -23,6 +23,8 @@ struct Vec3 {
 [[nodiscard]] inline bool is_finite(Vec3 a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
 
 inline constexpr double millimetre = 1e-3;  ///< metres
-[[nodiscard]] constexpr Vec3 from_mm(double x, double y, double z) { return {x * millimetre, y * millimetre, z * millimetre}; }
+[[nodiscard]] constexpr Vec3 from_mm(double x, double y, double z) {
+    return {x * millimetre, y * millimetre, z * millimetre};
+}
 
 }  // namespace haptogram

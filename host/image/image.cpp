@@ -30,13 +30,16 @@ template <class Word>
 std::vector<Word> from_little_endian(const std::vector<std::uint8_t>& bytes) {
     std::vector<Word> words(bytes.size() / sizeof(Word));
     for (std::size_t i = 0; i < words.size() * sizeof(Word); ++i)
-        words[i / sizeof(Word)] = static_cast<Word>(words[i / sizeof(Word)] | static_cast<Word>(bytes[i]) << (8U * (i % sizeof(Word))));
+        words[i / sizeof(Word)] =
+            static_cast<Word>(words[i / sizeof(Word)] | static_cast<Word>(bytes[i]) << (8U * (i % sizeof(Word))));
     return words;
 }
 
 std::vector<std::uint16_t> description_words(const Image& image) {
     std::vector<std::uint16_t> words(interface::description_words);
-    const auto put = [&](DescriptionWord word, std::uint32_t value) { words[static_cast<std::size_t>(word)] = static_cast<std::uint16_t>(value); };
+    const auto put = [&](DescriptionWord word, std::uint32_t value) {
+        words[static_cast<std::size_t>(word)] = static_cast<std::uint16_t>(value);
+    };
     put(DescriptionWord::magic, magic);
     put(DescriptionWord::format, format_version);
     put(DescriptionWord::channels, image.channels);
@@ -49,14 +52,19 @@ std::vector<std::uint16_t> description_words(const Image& image) {
 }
 
 /// The bytes of one region, which must start at `base` and be `expected` long.
-const std::vector<std::uint8_t>& region(const std::vector<intel_hex::Segment>& segments, std::uint32_t base, std::size_t expected,
-                                        const char* name, const std::string& where) {
+const std::vector<std::uint8_t>& region(const std::vector<intel_hex::Segment>& segments, std::uint32_t base,
+                                        std::size_t expected, const char* name, const std::string& where) {
     const auto found = std::find_if(segments.begin(), segments.end(), [&](const auto& s) { return s.address == base; });
     if (found == segments.end())
-        throw bad_input(where, fmt::format("no data at {:08X}, where {} begins; the image is cut short or was not made by haptogram", base, name));
+        throw bad_input(
+            where,
+            fmt::format("no data at {:08X}, where {} begins; the image is cut short or was not made by haptogram", base,
+                        name));
     if (found->bytes.size() != expected)
-        throw bad_input(where, fmt::format("{} holds {} bytes from {:08X} on, its description says {}; the image is cut short or garbled", name,
-                                           found->bytes.size(), base, expected));
+        throw bad_input(
+            where,
+            fmt::format("{} holds {} bytes from {:08X} on, its description says {}; the image is cut short or garbled",
+                        name, found->bytes.size(), base, expected));
     return found->bytes;
 }
 
@@ -67,7 +75,8 @@ std::vector<std::uint16_t> primary_words(const Image& image) {
     words.reserve(image.records.size() * record_words(image.channels));
     for (const Record& record : image.records) {
         words.push_back(static_cast<std::uint16_t>(record.cycle_length));
-        words.push_back(static_cast<std::uint16_t>((record.cycle_length >> 16 & 0xffU) | static_cast<unsigned>(record.pulse_length) << 8));
+        words.push_back(static_cast<std::uint16_t>((record.cycle_length >> 16 & 0xffU) |
+                                                   static_cast<unsigned>(record.pulse_length) << 8));
         words.push_back(static_cast<std::uint16_t>(record.prescaler));
         words.push_back(static_cast<std::uint16_t>(record.prescaler >> 16 & 0xffU));
         words.insert(words.end(), record.timings.begin(), record.timings.end());
@@ -77,8 +86,10 @@ std::vector<std::uint16_t> primary_words(const Image& image) {
 }
 
 std::vector<std::uint32_t> sequence_words(const Image& image) {
-    std::vector<std::uint32_t> words = {static_cast<std::uint32_t>(image.sequence.size()) | static_cast<std::uint32_t>(image.loops) << 16};
-    for (const SequenceEntry& entry : image.sequence) words.push_back(entry.index | static_cast<std::uint32_t>(entry.dwell) << 16);
+    std::vector<std::uint32_t> words = {static_cast<std::uint32_t>(image.sequence.size()) |
+                                        static_cast<std::uint32_t>(image.loops) << 16};
+    for (const SequenceEntry& entry : image.sequence)
+        words.push_back(entry.index | static_cast<std::uint32_t>(entry.dwell) << 16);
     return words;
 }
 
@@ -93,15 +104,19 @@ Image from_intel_hex(std::string_view text, const std::string& where) {
     for (const auto& segment : segments) {
         constexpr std::array known = {interface::primary_base, interface::sequence_base, interface::description_base};
         if (std::find(known.begin(), known.end(), segment.address) == known.end())
-            throw bad_input(where, fmt::format("{} bytes at {:08X} belong to no region, or the bytes before them are missing; the image is garbled",
+            throw bad_input(where, fmt::format("{} bytes at {:08X} belong to no region, or the bytes before them are "
+                                               "missing; the image is garbled",
                                                segment.bytes.size(), segment.address));
     }
-    const auto described = from_little_endian<std::uint16_t>(
-        region(segments, interface::description_base, 2 * interface::description_words, "the description", where));
+    const auto described = from_little_endian<std::uint16_t>(region(segments, interface::description_base,
+                                                                    std::size_t{2} * interface::description_words,
+                                                                    "the description", where));
     const auto get = [&](DescriptionWord word) { return std::uint32_t{described[static_cast<std::size_t>(word)]}; };
     if (get(DescriptionWord::magic) != magic || get(DescriptionWord::format) != format_version)
-        throw bad_input(where, fmt::format("the description says magic {:04X}, format {}; expected {:04X}, format {}; compile it with this version",
-                                           get(DescriptionWord::magic), get(DescriptionWord::format), magic, format_version));
+        throw bad_input(where,
+                        fmt::format("the description says magic {:04X}, format {}; expected {:04X}, format {}; compile "
+                                    "it with this version",
+                                    get(DescriptionWord::magic), get(DescriptionWord::format), magic, format_version));
     Image image;
     image.channels = get(DescriptionWord::channels);
     image.clock_hz = get(DescriptionWord::clock_hz_low) | get(DescriptionWord::clock_hz_high) << 16;
@@ -110,22 +125,33 @@ Image from_intel_hex(std::string_view text, const std::string& where) {
     const std::uint32_t records = get(DescriptionWord::records);
     const std::uint32_t words = get(DescriptionWord::sequence_words);
     if (image.channels == 0 || records == 0 || words == 0)
-        throw bad_input(where, fmt::format("the description says {} channels, {} records and {} sequence words; none may be zero", image.channels, records, words));
+        throw bad_input(
+            where, fmt::format("the description says {} channels, {} records and {} sequence words; none may be zero",
+                               image.channels, records, words));
     const std::size_t stride = record_words(image.channels);
-    const auto primary = from_little_endian<std::uint16_t>(region(segments, interface::primary_base, 2 * stride * records, "primary memory", where));
-    const auto sequence = from_little_endian<std::uint32_t>(region(segments, interface::sequence_base, 4UL * words, "sequence memory", where));
+    const auto primary = from_little_endian<std::uint16_t>(
+        region(segments, interface::primary_base, 2 * stride * records, "primary memory", where));
+    const auto sequence = from_little_endian<std::uint32_t>(
+        region(segments, interface::sequence_base, 4UL * words, "sequence memory", where));
     for (std::size_t r = 0; r < records; ++r) {
         const std::uint16_t* word = primary.data() + r * stride;
-        if (word[3] >> 8 != 0) throw bad_input(where, fmt::format("record {}: reserved bits are set in its header; the image is garbled", r + 1));
-        image.records.push_back({word[0] | (word[1] & 0xffU) << 16, word[2] | (word[3] & 0xffU) << 16, static_cast<std::uint8_t>(word[1] >> 8),
+        if (word[3] >> 8 != 0)
+            throw bad_input(where,
+                            fmt::format("record {}: reserved bits are set in its header; the image is garbled", r + 1));
+        image.records.push_back({word[0] | (word[1] & 0xffU) << 16,
+                                 word[2] | (word[3] & 0xffU) << 16,
+                                 static_cast<std::uint8_t>(word[1] >> 8),
                                  {word + interface::record_header_words, word + stride}});
     }
     const std::uint32_t header = sequence.front();
     if ((header & 0xffffU) != words - 1)
-        throw bad_input(where, fmt::format("the sequence header says {} entries, the description {}; the image is garbled", header & 0xffffU, words - 1));
+        throw bad_input(where,
+                        fmt::format("the sequence header says {} entries, the description {}; the image is garbled",
+                                    header & 0xffffU, words - 1));
     image.loops = static_cast<std::uint16_t>(header >> 16);
     for (std::size_t i = 1; i < sequence.size(); ++i)
-        image.sequence.push_back({static_cast<std::uint16_t>(sequence[i]), static_cast<std::uint16_t>(sequence[i] >> 16)});
+        image.sequence.push_back(
+            {static_cast<std::uint16_t>(sequence[i]), static_cast<std::uint16_t>(sequence[i] >> 16)});
     return image;
 }
 
@@ -133,17 +159,22 @@ std::vector<std::string> problems(const Image& image) {
     std::vector<std::string> found;
     for (std::size_t r = 0; r < image.records.size(); ++r) {
         const Record& record = image.records[r];
-        if (record.prescaler == 0) found.push_back(fmt::format("record {}: prescaler 0; the board will refuse it", r + 1));
+        if (record.prescaler == 0)
+            found.push_back(fmt::format("record {}: prescaler 0; the board will refuse it", r + 1));
         if (record.pulse_length >= record.cycle_length)
-            found.push_back(fmt::format("record {}: a pulse of {} ticks is not shorter than its cycle of {}; the board will refuse it", r + 1,
-                                        record.pulse_length, record.cycle_length));
+            found.push_back(fmt::format(
+                "record {}: a pulse of {} ticks is not shorter than its cycle of {}; the board will refuse it", r + 1,
+                record.pulse_length, record.cycle_length));
     }
     if (image.sequence.empty()) found.emplace_back("the sequence is empty; nothing would be played");
     for (std::size_t i = 0; i < image.sequence.size(); ++i) {
         const SequenceEntry& entry = image.sequence[i];
         if (entry.index > image.records.size())
-            found.push_back(fmt::format("sequence entry {}: index {} of {} records; the board will refuse it", i + 1, entry.index, image.records.size()));
-        if (entry.dwell == 0) found.push_back(fmt::format("sequence entry {}: dwell 0 lasts only until the next record is loaded", i + 1));
+            found.push_back(fmt::format("sequence entry {}: index {} of {} records; the board will refuse it", i + 1,
+                                        entry.index, image.records.size()));
+        if (entry.dwell == 0)
+            found.push_back(
+                fmt::format("sequence entry {}: dwell 0 lasts only until the next record is loaded", i + 1));
     }
     return found;
 }

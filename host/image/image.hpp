@@ -11,9 +11,9 @@ namespace haptogram {
 
 /// One focal point as the FPGA stores it (rtl/INTERFACE.md).
 struct Record {
-    std::uint32_t cycle_length = 0;   ///< ticks, 24 bits
-    std::uint32_t prescaler = 1;      ///< clocks per tick, 24 bits
-    std::uint8_t pulse_length = 0;    ///< ticks
+    std::uint32_t cycle_length = 0;      ///< ticks, 24 bits
+    std::uint32_t prescaler = 1;         ///< clocks per tick, 24 bits
+    std::uint8_t pulse_length = 0;       ///< ticks
     std::vector<std::uint16_t> timings;  ///< one a channel; interface::silent_timing never fires
     friend bool operator==(const Record&, const Record&) = default;
 };
@@ -37,7 +37,9 @@ struct Image {
     friend bool operator==(const Image&, const Image&) = default;
 };
 
-[[nodiscard]] constexpr std::uint32_t record_words(std::uint32_t channels) { return channels + interface::record_header_words; }
+[[nodiscard]] constexpr std::uint32_t record_words(std::uint32_t channels) {
+    return channels + interface::record_header_words;
+}
 
 /// Primary memory's contents, records one after the other.
 [[nodiscard]] std::vector<std::uint16_t> primary_words(const Image& image);

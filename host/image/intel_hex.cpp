@@ -14,7 +14,14 @@ namespace haptogram::intel_hex {
 namespace {
 
 constexpr std::size_t bytes_per_record = 16;
-enum class Type : std::uint8_t { data = 0, end = 1, extended_segment = 2, start_segment = 3, extended_linear = 4, start_linear = 5 };
+enum class Type : std::uint8_t {
+    data = 0,
+    end = 1,
+    extended_segment = 2,
+    start_segment = 3,
+    extended_linear = 4,
+    start_linear = 5
+};
 
 void append_record(std::string& text, Type type, std::uint16_t offset, std::span<const std::uint8_t> bytes) {
     constexpr std::string_view digits = "0123456789ABCDEF";
@@ -44,23 +51,28 @@ int digit_value(char c) {
 /// One line's bytes, from the length to the checksum, with all checks that need no other line.
 std::vector<std::uint8_t> record_bytes(std::string_view line, const std::string& where) {
     if (line.front() != ':')
-        throw bad_input(where, fmt::format("a record begins with ':', found {:?}; is this an Intel HEX file?", line.substr(0, 1)));
+        throw bad_input(
+            where, fmt::format("a record begins with ':', found {:?}; is this an Intel HEX file?", line.substr(0, 1)));
     const std::string_view digits = line.substr(1);
     const auto odd = std::find_if(digits.begin(), digits.end(), [](char c) { return digit_value(c) < 0; });
     if (odd != digits.end())
-        throw bad_input(where, fmt::format("column {}: expected a hexadecimal digit, found {:?}", odd - digits.begin() + 2, std::string_view(&*odd, 1)));
+        throw bad_input(where, fmt::format("column {}: expected a hexadecimal digit, found {:?}",
+                                           odd - digits.begin() + 2, std::string_view(&*odd, 1)));
     if (digits.size() % 2 != 0 || digits.size() < 10)
         throw bad_input(where, fmt::format("{} digits make no whole record; the line is cut short", digits.size()));
     std::vector<std::uint8_t> bytes(digits.size() / 2);
     for (std::size_t i = 0; i < bytes.size(); ++i)
         bytes[i] = static_cast<std::uint8_t>(digit_value(digits[2 * i]) * 16 + digit_value(digits[2 * i + 1]));
     if (bytes.size() != bytes[0] + 5U)
-        throw bad_input(where, fmt::format("the record says {} data bytes and holds {}; the line is cut short or garbled", bytes[0],
-                                           static_cast<int>(bytes.size()) - 5));
+        throw bad_input(
+            where, fmt::format("the record says {} data bytes and holds {}; the line is cut short or garbled", bytes[0],
+                               static_cast<int>(bytes.size()) - 5));
     const unsigned sum = std::accumulate(bytes.begin(), bytes.end() - 1, 0U);
     const unsigned expected = (0x100U - (sum & 0xffU)) & 0xffU;
     if (bytes.back() != expected)
-        throw bad_input(where, fmt::format("bad checksum: expected {:02X}, found {:02X}; the file is damaged, compile it again", expected, bytes.back()));
+        throw bad_input(
+            where, fmt::format("bad checksum: expected {:02X}, found {:02X}; the file is damaged, compile it again",
+                               expected, bytes.back()));
     return bytes;
 }
 
@@ -87,8 +99,9 @@ void insert(std::map<std::uint32_t, Segment>& pieces, Segment piece, const std::
         if (before.address + before.bytes.size() > piece.address) twice = piece.address;
     }
     if (twice != end || end > 0x1'0000'0000)
-        throw bad_input(where, end > 0x1'0000'0000 ? "the record runs over the end of the address space"
-                                                   : fmt::format("address {:08X} is written twice; records must not overlap", twice));
+        throw bad_input(where, end > 0x1'0000'0000
+                                   ? "the record runs over the end of the address space"
+                                   : fmt::format("address {:08X} is written twice; records must not overlap", twice));
     pieces.emplace(piece.address, std::move(piece));
 }
 
@@ -102,12 +115,14 @@ std::string write(const std::vector<Segment>& segments) {
             const std::uint32_t address = segment.address + static_cast<std::uint32_t>(done);
             if (address >> 16 != upper) {
                 upper = address >> 16;
-                const std::array<std::uint8_t, 2> high = {static_cast<std::uint8_t>(upper >> 8), static_cast<std::uint8_t>(upper)};
+                const std::array<std::uint8_t, 2> high = {static_cast<std::uint8_t>(upper >> 8),
+                                                          static_cast<std::uint8_t>(upper)};
                 append_record(text, Type::extended_linear, 0, high);
             }
             const std::size_t to_boundary = 0x10000 - (address & 0xffffU);
             const std::size_t count = std::min({bytes_per_record, segment.bytes.size() - done, to_boundary});
-            append_record(text, Type::data, static_cast<std::uint16_t>(address), std::span(segment.bytes).subspan(done, count));
+            append_record(text, Type::data, static_cast<std::uint16_t>(address),
+                          std::span(segment.bytes).subspan(done, count));
             done += count;
         }
     }
@@ -134,7 +149,9 @@ std::vector<Segment> read(std::string_view text, const std::string& where) {
         const auto offset = static_cast<std::uint32_t>(bytes[1] << 8 | bytes[2]);
         const auto value = length == 2 ? static_cast<std::uint32_t>(bytes[4] << 8 | bytes[5]) : 0U;
         const auto expect_length = [&](std::size_t expected) {
-            if (length != expected) throw bad_input(here, fmt::format("a record of type {:02X} has {} data bytes, found {}", bytes[3], expected, length));
+            if (length != expected)
+                throw bad_input(here, fmt::format("a record of type {:02X} has {} data bytes, found {}", bytes[3],
+                                                  expected, length));
         };
         switch (static_cast<Type>(bytes[3])) {
             case Type::data: insert(pieces, {base + offset, {bytes.begin() + 4, bytes.end() - 1}}, here); break;
@@ -152,12 +169,15 @@ std::vector<Segment> read(std::string_view text, const std::string& where) {
                 break;
             case Type::start_segment:
             case Type::start_linear:
-                throw bad_input(here, "a start address has no meaning for an image; was this file made for a processor?");
-            default: throw bad_input(here, fmt::format("unknown record type {:02X}; known are 00, 01, 02 and 04", bytes[3]));
+                throw bad_input(here,
+                                "a start address has no meaning for an image; was this file made for a processor?");
+            default:
+                throw bad_input(here, fmt::format("unknown record type {:02X}; known are 00, 01, 02 and 04", bytes[3]));
         }
     }
     if (!ended)
-        throw bad_input(where, number == 0 ? "the file is empty; expected Intel HEX records" : "no end record (:00000001FF) found; the file is cut short");
+        throw bad_input(where, number == 0 ? "the file is empty; expected Intel HEX records"
+                                           : "no end record (:00000001FF) found; the file is cut short");
     return join(pieces);
 }
 

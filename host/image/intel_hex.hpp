@@ -14,8 +14,8 @@ struct Segment {
     std::vector<std::uint8_t> bytes;
 };
 
-/// Writes segments in the given order, 16 bytes a record, an extended linear address record (type 04) wherever the upper
-/// half of the address changes, and the end record. Lines end in "\n"; digits are upper case.
+/// Writes segments in the given order, 16 bytes a record, an extended linear address record (type 04) wherever the
+/// upper half of the address changes, and the end record. Lines end in "\n"; digits are upper case.
 [[nodiscard]] std::string write(const std::vector<Segment>& segments);
 
 /// Reads a file into contiguous segments in ascending order. Data (00), end (01), extended segment (02) and extended

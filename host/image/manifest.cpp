@@ -59,7 +59,8 @@ ordered_json to_json(const Manifest& m) {
                          {"ring_up_s", m.formation.ring_up_s}};
     json["records"] = ordered_json::array();
     for (std::size_t i = 0; i < m.foci.size(); ++i)
-        json["records"].push_back({{"index", i + 1}, {"focus_mm", to_mm(m.foci[i])}, {"dwell_cycles", m.dwell_cycles[i]}});
+        json["records"].push_back(
+            {{"index", i + 1}, {"focus_mm", to_mm(m.foci[i])}, {"dwell_cycles", m.dwell_cycles[i]}});
     return json;
 }
 
@@ -67,17 +68,22 @@ Manifest manifest_from_json(std::string_view text, const std::string& where) {
     try {
         const ordered_json json = ordered_json::parse(text);
         if (json.at("format") != "haptogram-manifest-1")
-            throw bad_input(where, fmt::format("format is {}, expected haptogram-manifest-1; compile the image with this version", json.at("format").dump()));
+            throw bad_input(
+                where, fmt::format("format is {}, expected haptogram-manifest-1; compile the image with this version",
+                                   json.at("format").dump()));
         Manifest m;
         m.input_sha256 = json.at("inputs_sha256").get<std::string>();
         m.image_sha256 = json.at("image_sha256").get<std::string>();
         m.array.name = json.at("array").at("name").get<std::string>();
         m.array.carrier_hz = json.at("array").at("carrier_hz").get<double>();
         m.array.duty = json.at("array").at("duty").get<double>();
-        for (const auto& element : json.at("array").at("elements_mm")) m.array.elements.push_back(from_mm_json(element));
-        m.array.medium = {json.at("medium").at("speed_m_s").get<double>(), json.at("medium").at("density_kg_m3").get<double>()};
+        for (const auto& element : json.at("array").at("elements_mm"))
+            m.array.elements.push_back(from_mm_json(element));
+        m.array.medium = {json.at("medium").at("speed_m_s").get<double>(),
+                          json.at("medium").at("density_kg_m3").get<double>()};
         const auto& transducer = json.at("transducer");
-        m.array.transducer = {transducer.at("name").get<std::string>(), transducer.at("radius_mm").get<double>() * millimetre,
+        m.array.transducer = {transducer.at("name").get<std::string>(),
+                              transducer.at("radius_mm").get<double>() * millimetre,
                               transducer.at("source_pa_m").get<double>(), transducer.at("bandwidth_hz").get<double>()};
         const auto& board = json.at("board");
         m.array.board = {board.at("name").get<std::string>(),          board.at("clock_hz").get<double>(),
@@ -85,8 +91,8 @@ Manifest manifest_from_json(std::string_view text, const std::string& where) {
                          board.at("records").get<std::uint32_t>(),     board.at("sequence_depth").get<std::uint32_t>(),
                          board.at("timing_bits").get<std::uint32_t>(), board.at("pulse_bits").get<std::uint32_t>()};
         const auto& timer = json.at("timer");
-        m.timer = {m.array.board.clock_hz, timer.at("prescaler").get<std::uint32_t>(), timer.at("cycle_ticks").get<std::uint32_t>(),
-                   timer.at("pulse_ticks").get<std::uint32_t>()};
+        m.timer = {m.array.board.clock_hz, timer.at("prescaler").get<std::uint32_t>(),
+                   timer.at("cycle_ticks").get<std::uint32_t>(), timer.at("pulse_ticks").get<std::uint32_t>()};
         const auto& rendering = json.at("rendering");
         m.rate_hz = rendering.at("rate_hz").get<double>();
         m.formation = {rendering.at("flight_spread_s").get<double>(), rendering.at("beta_periods").get<std::uint32_t>(),
@@ -96,10 +102,12 @@ Manifest manifest_from_json(std::string_view text, const std::string& where) {
             m.dwell_cycles.push_back(record.at("dwell_cycles").get<std::uint32_t>());
         }
         if (m.array.elements.empty() || m.array.elements.size() > m.array.board.channels)
-            throw bad_input(where, fmt::format("{} elements for {} channels; compile the image again", m.array.elements.size(), m.array.board.channels));
+            throw bad_input(where, fmt::format("{} elements for {} channels; compile the image again",
+                                               m.array.elements.size(), m.array.board.channels));
         return m;
     } catch (const nlohmann::json::exception& error) {
-        throw bad_input(where, fmt::format("not a manifest that this version understands: {}; compile the image again", error.what()));
+        throw bad_input(where, fmt::format("not a manifest that this version understands: {}; compile the image again",
+                                           error.what()));
     }
 }
 

@@ -11,17 +11,17 @@
 
 namespace haptogram {
 
-/// What an image means in the world, kept beside it as JSON: the array it was compiled for, the timer, and each record's
-/// focal point. Lengths are millimetres in the file.
+/// What an image means in the world, kept beside it as JSON: the array it was compiled for, the timer, and each
+/// record's focal point. Lengths are millimetres in the file.
 struct Manifest {
     Array array;  ///< name, elements, carrier, duty, medium, transducer, board
     Timer timer;
-    std::vector<Vec3> foci;                     ///< metres; record i is foci[i − 1]
-    std::vector<std::uint32_t> dwell_cycles;    ///< one a record: carrier cycles in one pass
-    double rate_hz = 0.0;                       ///< passes a second, as it came out
+    std::vector<Vec3> foci;                   ///< metres; record i is foci[i − 1]
+    std::vector<std::uint32_t> dwell_cycles;  ///< one a record: carrier cycles in one pass
+    double rate_hz = 0.0;                     ///< passes a second, as it came out
     Formation formation;
-    std::string input_sha256;                   ///< of every input and option that shaped the image
-    std::string image_sha256;                   ///< of the HEX file's bytes
+    std::string input_sha256;  ///< of every input and option that shaped the image
+    std::string image_sha256;  ///< of the HEX file's bytes
 };
 
 [[nodiscard]] std::string version();

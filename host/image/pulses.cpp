@@ -30,7 +30,8 @@ bool take(std::string_view& line, T& value, bool last) {
 std::string to_csv(const std::vector<Pulse>& pulses) {
     fmt::memory_buffer text;
     fmt::format_to(std::back_inserter(text), "{}\n", header);
-    for (const Pulse& p : pulses) fmt::format_to(std::back_inserter(text), "{},{},{},{}\n", p.channel, p.rise, p.fall, p.index);
+    for (const Pulse& p : pulses)
+        fmt::format_to(std::back_inserter(text), "{},{},{},{}\n", p.channel, p.rise, p.fall, p.index);
     return fmt::to_string(text);
 }
 
@@ -38,16 +39,22 @@ std::vector<Pulse> pulses_from_csv(std::string_view text, const std::string& whe
     std::vector<Pulse> pulses;
     for (std::size_t number = 1; !text.empty(); ++number) {
         const std::size_t newline = text.find('\n');
-        if (newline == std::string_view::npos) throw bad_input(fmt::format("{}:{}", where, number), "the last line has no end; the file is cut short");
+        if (newline == std::string_view::npos)
+            throw bad_input(fmt::format("{}:{}", where, number), "the last line has no end; the file is cut short");
         std::string_view line = text.substr(0, newline);
         text.remove_prefix(newline + 1);
         if (number == 1) {
-            if (line != header) throw bad_input(fmt::format("{}:1", where), fmt::format("expected the header '{}'; is this a pulse file?", header));
+            if (line != header)
+                throw bad_input(fmt::format("{}:1", where),
+                                fmt::format("expected the header '{}'; is this a pulse file?", header));
             continue;
         }
         Pulse p{};
-        if (!take(line, p.channel, false) || !take(line, p.rise, false) || !take(line, p.fall, false) || !take(line, p.index, true) || p.fall <= p.rise)
-            throw bad_input(fmt::format("{}:{}", where, number), "expected four whole numbers 'channel,rise_clk,fall_clk,index' with the fall after the rise");
+        if (!take(line, p.channel, false) || !take(line, p.rise, false) || !take(line, p.fall, false) ||
+            !take(line, p.index, true) || p.fall <= p.rise)
+            throw bad_input(
+                fmt::format("{}:{}", where, number),
+                "expected four whole numbers 'channel,rise_clk,fall_clk,index' with the fall after the rise");
         pulses.push_back(p);
     }
     return pulses;

@@ -13,8 +13,8 @@ namespace {
 using interface::Command;
 using interface::Status;
 
-constexpr std::size_t window = 8;      // frames under way
-constexpr unsigned most_tries = 8;     // without any progress
+constexpr std::size_t window = 8;   // frames under way
+constexpr unsigned most_tries = 8;  // without any progress
 
 Error device_error(const std::string& where, const std::string& message) { return {ErrorCode::device, where, message}; }
 
@@ -33,7 +33,8 @@ Bytes at_address(std::uint32_t address) { return little_endian(address & 0xffffU
 template <class Word>
 std::uint16_t word_of(const Bytes& data, Word word) {
     const std::size_t at = 2 * static_cast<std::size_t>(word);
-    if (at + 1 >= data.size()) throw device_error("board", "its reply is too short; it speaks another version of the protocol");
+    if (at + 1 >= data.size())
+        throw device_error("board", "its reply is too short; it speaks another version of the protocol");
     return static_cast<std::uint16_t>(data[at] | data[at + 1] << 8);
 }
 
@@ -70,15 +71,19 @@ std::vector<Reply> Client::pipeline(const std::vector<Request>& requests, const 
                 if (progress) progress(static_cast<double>(acknowledged) / static_cast<double>(requests.size()));
             } else if (mine && reply.status != Status::out_of_order) {
                 next_ = sequence_of(i);
-                throw device_error(fmt::format("command {}", to_string(requests[i].command)), fmt::format("the board refused it: {}", to_string(reply.status)));
+                throw device_error(fmt::format("command {}", to_string(requests[i].command)),
+                                   fmt::format("the board refused it: {}", to_string(reply.status)));
             } else if (reply.status == Status::out_of_order) {
                 again = true;  // a frame before it was lost
             }
         }
         if (!again) continue;
         if (++tries > most_tries)
-            throw device_error("board", fmt::format("no answer to {} after {} tries; check the cable, the baud rate and that the board runs Haptogram",
-                                                    to_string(requests[acknowledged].command), most_tries));
+            throw device_error(
+                "board",
+                fmt::format(
+                    "no answer to {} after {} tries; check the cable, the baud rate and that the board runs Haptogram",
+                    to_string(requests[acknowledged].command), most_tries));
         sent = acknowledged;
         while (!transport_.read(std::chrono::microseconds(0)).empty()) {
         }
@@ -100,15 +105,17 @@ Identity Client::identify() {
     identity.version_major = version >> 8U;
     identity.version_minor = version & 0xffU;
     if (identity.name != interface::name || identity.version_major != interface::version_major)
-        throw device_error("board", fmt::format("it says it is '{}' {}.{}, expected '{}' {}.x", identity.name, identity.version_major,
-                                                identity.version_minor, interface::name, interface::version_major));
+        throw device_error(
+            "board", fmt::format("it says it is '{}' {}.{}, expected '{}' {}.x", identity.name, identity.version_major,
+                                 identity.version_minor, interface::name, interface::version_major));
     identity.channels = word_of(data, IdentityWord::channels);
     identity.records = word_of(data, IdentityWord::records);
     identity.sequence_depth = word_of(data, IdentityWord::sequence_depth);
     identity.live_depth = word_of(data, IdentityWord::live_depth);
     identity.timing_bits = word_of(data, IdentityWord::bits) & 0xffU;
     identity.pulse_bits = word_of(data, IdentityWord::bits) >> 8U;
-    identity.clock_hz = word_of(data, IdentityWord::clock_hz_low) | static_cast<std::uint32_t>(word_of(data, IdentityWord::clock_hz_high)) << 16;
+    identity.clock_hz = word_of(data, IdentityWord::clock_hz_low) |
+                        static_cast<std::uint32_t>(word_of(data, IdentityWord::clock_hz_high)) << 16;
     identity.features = word_of(data, IdentityWord::features);
     identity.frame_bytes = word_of(data, IdentityWord::frame_bytes);
     return identity;
@@ -133,7 +140,9 @@ BoardStatus Client::status() {
             .watchdog_ms = word_of(data, StatusWord::watchdog_ms)};
 }
 
-void Client::select(std::uint16_t index, std::uint16_t dwell) { request({Command::select, little_endian(index, dwell)}); }
+void Client::select(std::uint16_t index, std::uint16_t dwell) {
+    request({Command::select, little_endian(index, dwell)});
+}
 
 void Client::push(const std::vector<std::uint16_t>& indices, std::uint16_t dwell) {
     Bytes payload = little_endian(dwell);
@@ -144,7 +153,9 @@ void Client::push(const std::vector<std::uint16_t>& indices, std::uint16_t dwell
     request({Command::push, std::move(payload)});
 }
 
-void Client::start(std::uint16_t first, std::uint16_t length, std::uint16_t loops) { request({Command::start, little_endian(first, length, loops)}); }
+void Client::start(std::uint16_t first, std::uint16_t length, std::uint16_t loops) {
+    request({Command::start, little_endian(first, length, loops)});
+}
 
 void Client::set_watchdog(std::uint16_t milliseconds) { request({Command::watchdog, little_endian(milliseconds)}); }
 
@@ -182,7 +193,8 @@ void Client::upload(const Image& image, const std::function<void(double)>& progr
     for (std::size_t at = 0; at < sequence.size(); at += stride / 2) {
         Bytes bytes;
         for (std::size_t i = at; i < std::min(at + stride / 2, sequence.size()); ++i)
-            for (unsigned shift = 0; shift < 32; shift += 8) bytes.push_back(static_cast<std::uint8_t>(sequence[i] >> shift));
+            for (unsigned shift = 0; shift < 32; shift += 8)
+                bytes.push_back(static_cast<std::uint8_t>(sequence[i] >> shift));
         add(interface::sequence_base + static_cast<std::uint32_t>(4 * at), bytes);
     }
     pipeline(requests, progress);
@@ -190,16 +202,22 @@ void Client::upload(const Image& image, const std::function<void(double)>& progr
 
 void require_fits(const Image& image, const Identity& board, const std::string& where) {
     const auto require = [&](bool fits, const std::string& what) {
-        if (!fits) throw bad_input(where, what + "; compile it for this board (--array), or use the board it was made for");
+        if (!fits)
+            throw bad_input(where, what + "; compile it for this board (--array), or use the board it was made for");
     };
-    require(image.channels == board.channels, fmt::format("the image is for {} channels, the board has {}", image.channels, board.channels));
-    require(image.clock_hz == board.clock_hz, fmt::format("the image is for a {} Hz clock, the board has {} Hz", image.clock_hz, board.clock_hz));
+    require(image.channels == board.channels,
+            fmt::format("the image is for {} channels, the board has {}", image.channels, board.channels));
+    require(image.clock_hz == board.clock_hz,
+            fmt::format("the image is for a {} Hz clock, the board has {} Hz", image.clock_hz, board.clock_hz));
     require(image.timing_bits <= board.timing_bits,
             fmt::format("the image needs {} timing bits, the board has {}", image.timing_bits, board.timing_bits));
-    require(image.pulse_bits <= board.pulse_bits, fmt::format("the image needs {} pulse bits, the board has {}", image.pulse_bits, board.pulse_bits));
-    require(image.records.size() <= board.records, fmt::format("the image has {} records, the board holds {}", image.records.size(), board.records));
+    require(image.pulse_bits <= board.pulse_bits,
+            fmt::format("the image needs {} pulse bits, the board has {}", image.pulse_bits, board.pulse_bits));
+    require(image.records.size() <= board.records,
+            fmt::format("the image has {} records, the board holds {}", image.records.size(), board.records));
     require(image.sequence.size() < board.sequence_depth,
-            fmt::format("the image has {} sequence entries, the board holds {}", image.sequence.size(), board.sequence_depth - 1));
+            fmt::format("the image has {} sequence entries, the board holds {}", image.sequence.size(),
+                        board.sequence_depth - 1));
 }
 
 }  // namespace haptogram::link

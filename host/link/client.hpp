@@ -24,8 +24,9 @@ struct Identity {
 struct BoardStatus {
     bool enabled = false;
     unsigned mode = 0;
-    std::uint16_t present_index = 0, underruns = 0, refused_records = 0, frames_good = 0, frames_damaged = 0, frames_repeated = 0,
-                  frames_refused = 0, watchdog_trips = 0, guard_trips = 0, live_level = 0, watchdog_ms = 0;
+    std::uint16_t present_index = 0, underruns = 0, refused_records = 0, frames_good = 0, frames_damaged = 0,
+                  frames_repeated = 0, frames_refused = 0, watchdog_trips = 0, guard_trips = 0, live_level = 0,
+                  watchdog_ms = 0;
 };
 
 /// One request: a command and its payload.

@@ -12,12 +12,8 @@ std::optional<Reply> decode_reply(std::span<const std::uint8_t> code) {
     const auto bytes = cobs_decode(code);
     if (!bytes || bytes->size() < reply_header + 2 || crc16(*bytes) != 0 || ((*bytes)[1] & 0x80U) == 0) return {};
     const Bytes& b = *bytes;
-    return Reply{b[0],
-                 static_cast<interface::Command>(b[1] & 0x7fU),
-                 static_cast<interface::Status>(b[2]),
-                 b[3],
-                 static_cast<std::uint16_t>(b[4] | b[5] << 8),
-                 Bytes(b.begin() + reply_header, b.end() - 2)};
+    return Reply{b[0], static_cast<interface::Command>(b[1] & 0x7fU), static_cast<interface::Status>(b[2]),
+                 b[3], static_cast<std::uint16_t>(b[4] | b[5] << 8),  Bytes(b.begin() + reply_header, b.end() - 2)};
 }
 
 }  // namespace

@@ -11,8 +11,8 @@ namespace haptogram::link {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// CRC-16/IBM-3740: polynomial 0x1021, start 0xFFFF, most significant bit first. Over data followed by its CRC, high byte
-/// first, it is 0.
+/// CRC-16/IBM-3740: polynomial 0x1021, start 0xFFFF, most significant bit first. Over data followed by its CRC, high
+/// byte first, it is 0.
 [[nodiscard]] std::uint16_t crc16(std::span<const std::uint8_t> data);
 
 /// Consistent-overhead byte stuffing without the delimiter: no zero in the result.
@@ -21,13 +21,14 @@ using Bytes = std::vector<std::uint8_t>;
 [[nodiscard]] std::optional<Bytes> cobs_decode(std::span<const std::uint8_t> code);
 
 /// A request as it goes on the line, delimiter included (rtl/INTERFACE.md).
-[[nodiscard]] Bytes encode_request(std::uint8_t sequence, interface::Command command, std::span<const std::uint8_t> payload);
+[[nodiscard]] Bytes encode_request(std::uint8_t sequence, interface::Command command,
+                                   std::span<const std::uint8_t> payload);
 
 /// A reply, decoded and checked.
 struct Reply {
     std::uint8_t sequence = 0;
-    interface::Command command{};
-    interface::Status status{};
+    interface::Command command {};
+    interface::Status status {};
     std::uint8_t expected = 0;     ///< the next sequence number that the board would apply
     std::uint16_t live_level = 0;  ///< entries in the live FIFO
     Bytes data;

@@ -53,22 +53,14 @@ public:
     [[nodiscard]] bool begin_element() const { return !bytes_.empty(); }
     std::optional<double> read(PlyType type) {
         switch (type) {
-            case PlyType::int8:
-                return take<std::int8_t>();
-            case PlyType::uint8:
-                return take<std::uint8_t>();
-            case PlyType::int16:
-                return take<std::int16_t>();
-            case PlyType::uint16:
-                return take<std::uint16_t>();
-            case PlyType::int32:
-                return take<std::int32_t>();
-            case PlyType::uint32:
-                return take<std::uint32_t>();
-            case PlyType::float32:
-                return take<float>();
-            case PlyType::float64:
-                return take<double>();
+            case PlyType::int8: return take<std::int8_t>();
+            case PlyType::uint8: return take<std::uint8_t>();
+            case PlyType::int16: return take<std::int16_t>();
+            case PlyType::uint16: return take<std::uint16_t>();
+            case PlyType::int32: return take<std::int32_t>();
+            case PlyType::uint32: return take<std::uint32_t>();
+            case PlyType::float32: return take<float>();
+            case PlyType::float64: return take<double>();
         }
         return std::nullopt;
     }

@@ -71,10 +71,7 @@ Vec3 rotated(Vec3 p, const std::array<double, 3>& degrees) {
 double furthest(const Curve& curve, double Vec3::*axis, double sign) {
     constexpr int steps = 256;
     const double step = curve.length / steps;
-    const auto value = [&](double s) {
-        if (curve.closed) s = s < 0.0 ? s + curve.length : s > curve.length ? s - curve.length : s;
-        return sign * (curve.at(std::clamp(s, 0.0, curve.length)).*axis);
-    };
+    const auto value = [&](double s) { return sign * (curve.at(std::clamp(s, 0.0, curve.length)).*axis); };
     std::array<double, steps + 1> values{};
     for (int i = 0; i <= steps; ++i) values.at(static_cast<std::size_t>(i)) = value(i * step);
     double largest = *std::max_element(values.begin(), values.end());

@@ -54,7 +54,8 @@ struct Bench {
         const auto& cycles = recorder.cycles();
         for (std::size_t i = 1; i < cycles.size(); ++i)
             if (cycles[i - 1].enabled && cycles[i].enabled)
-                return sim::check_pulses(image, cycles, recorder.pulses(), cycles[i].clock, cycles.back().clock, channels());
+                return sim::check_pulses(image, cycles, recorder.pulses(), cycles[i].clock, cycles.back().clock,
+                                         channels());
         return {};
     }
 
@@ -73,22 +74,28 @@ inline Image image_of(std::uint32_t channels, std::vector<Record> records) {
     image.channels = channels;
     image.clock_hz = 50'000'000;
     image.records = std::move(records);
-    for (std::size_t i = 1; i <= image.records.size(); ++i) image.sequence.push_back({static_cast<std::uint16_t>(i), 1});
+    for (std::size_t i = 1; i <= image.records.size(); ++i)
+        image.sequence.push_back({static_cast<std::uint16_t>(i), 1});
     return image;
 }
 
-inline Record record(std::uint32_t channels, std::uint32_t cycle, std::uint32_t prescaler, std::uint8_t pulse, std::uint16_t timing) {
+inline Record record(std::uint32_t channels, std::uint32_t cycle, std::uint32_t prescaler, std::uint8_t pulse,
+                     std::uint16_t timing) {
     return {cycle, prescaler, pulse, std::vector<std::uint16_t>(channels, timing)};
 }
 
 /// Seeded by Catch's --rng-seed, which a failing run prints.
 inline std::mt19937 generator() { return std::mt19937(Catch::rngSeed()); }
 
-inline std::uint32_t random(std::mt19937& generator, std::uint32_t low, std::uint32_t high) { return low + static_cast<std::uint32_t>(generator()) % (high - low + 1); }
+inline std::uint32_t random(std::mt19937& generator, std::uint32_t low, std::uint32_t high) {
+    return low + static_cast<std::uint32_t>(generator()) % (high - low + 1);
+}
 
-inline Record random_record(std::mt19937& g, std::uint32_t channels, std::uint32_t cycle, std::uint32_t prescaler, std::uint8_t pulse) {
+inline Record random_record(std::mt19937& g, std::uint32_t channels, std::uint32_t cycle, std::uint32_t prescaler,
+                            std::uint8_t pulse) {
     Record r{cycle, prescaler, pulse, {}};
-    for (std::uint32_t k = 0; k < channels; ++k) r.timings.push_back(static_cast<std::uint16_t>(random(g, 0, cycle - 1)));
+    for (std::uint32_t k = 0; k < channels; ++k)
+        r.timings.push_back(static_cast<std::uint16_t>(random(g, 0, cycle - 1)));
     return r;
 }
 

@@ -15,7 +15,8 @@ std::vector<std::vector<Pulse>> steady_pulses(Bench& bench, std::size_t cycles) 
     const std::size_t begin = starts.size() + 2;
     REQUIRE(bench.board.run_until([&] { return starts.size() > begin + cycles + 2; }, 5'000'000));
     std::vector<std::vector<Pulse>> result;
-    for (std::uint32_t k = 0; k < bench.channels(); ++k) result.push_back(bench.pulses(k, starts[begin].clock, starts[begin + cycles].clock));
+    for (std::uint32_t k = 0; k < bench.channels(); ++k)
+        result.push_back(bench.pulses(k, starts[begin].clock, starts[begin + cycles].clock));
     return result;
 }
 
@@ -34,8 +35,8 @@ TEST_CASE("contract 1: one pulse a cycle, at its tick, of exactly its length", "
     auto g = generator();
     Bench bench;
     Image image = image_of(16, {random_record(g, 16, cycle, prescaler, pulse)});
-    image.records[0].timings[0] = 0;                                             // first tick, first channel
-    image.records[0].timings[15] = static_cast<std::uint16_t>(cycle - 1);        // last tick, last channel: wraps around
+    image.records[0].timings[0] = 0;                                       // first tick, first channel
+    image.records[0].timings[15] = static_cast<std::uint16_t>(cycle - 1);  // last tick, last channel: wraps around
     bench.load(image);
     const auto pulses = steady_pulses(bench, 10);
     for (std::uint32_t k = 0; k < 16; ++k) {
@@ -83,7 +84,8 @@ TEST_CASE("contract 1: no pulse is cut, lost or doubled when the focus changes e
     std::vector<Record> records;
     for (int i = 0; i < 40; ++i) {
         const std::uint32_t cycle = random(g, 60, 300);
-        records.push_back(random_record(g, 16, cycle, random(g, 1, 4), static_cast<std::uint8_t>(random(g, 0, std::min(cycle / 2, 255U)))));
+        records.push_back(random_record(g, 16, cycle, random(g, 1, 4),
+                                        static_cast<std::uint8_t>(random(g, 0, std::min(cycle / 2, 255U)))));
     }
     const Image image = image_of(16, records);
     bench.load(image);
@@ -128,6 +130,7 @@ TEST_CASE("contract 1: the first pulses after enabling are whole", "[contract1]"
         bench.client.enable();
         bench.board.run(2000);
         REQUIRE(bench.recorder.pulses().size() > before + 16);
-        for (std::size_t p = before; p < before + 16; ++p) REQUIRE(bench.recorder.pulses()[p].fall - bench.recorder.pulses()[p].rise == 125);
+        for (std::size_t p = before; p < before + 16; ++p)
+            REQUIRE(bench.recorder.pulses()[p].fall - bench.recorder.pulses()[p].rise == 125);
     }
 }

@@ -18,7 +18,8 @@ Alternation alternate(std::uint32_t cycle_clocks, std::uint16_t loops) {
     auto g = generator();
     Bench bench(tile100);
     const auto pulse = static_cast<std::uint8_t>(cycle_clocks / 5);
-    const Image image = image_of(100, {random_record(g, 100, cycle_clocks, 1, pulse), random_record(g, 100, cycle_clocks, 1, pulse)});
+    const Image image =
+        image_of(100, {random_record(g, 100, cycle_clocks, 1, pulse), random_record(g, 100, cycle_clocks, 1, pulse)});
     bench.load(image);
     bench.open();
     bench.client.start(1, 2, loops);
@@ -46,13 +47,15 @@ TEST_CASE("contract 2: the focus changes every carrier period with zero dead tim
 }
 
 TEST_CASE("contract 2: a record of 100 channels is loaded within the paper's 108 clocks", "[contract2]") {
-    // Nothing inside is looked at: with a cycle of N clocks a new record every cycle is only possible when a record loads in N.
+    // Nothing inside is looked at: with a cycle of N clocks a new record every cycle is only possible when a record
+    // loads in N.
     REQUIRE(alternate(108, 50).underruns == 0);
     REQUIRE(alternate(load_clocks(100) + 1, 50).underruns == 0);
     REQUIRE(alternate(load_clocks(100) - 6, 50).underruns > 0);
 }
 
-TEST_CASE("contract 2: a record that is not ready leaves the present one playing and counts an underrun", "[contract2]") {
+TEST_CASE("contract 2: a record that is not ready leaves the present one playing and counts an underrun",
+          "[contract2]") {
     const Alternation result = alternate(60, 30);
     REQUIRE(result.underruns >= 50);
     std::size_t late = 0;

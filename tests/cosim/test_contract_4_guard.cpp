@@ -31,7 +31,8 @@ void play_dense(Bench& bench) {
 
 }  // namespace
 
-TEST_CASE("contract 4: outputs are low from power-up until enabled, whatever the registers hold", "[contract4][power-up]") {
+TEST_CASE("contract 4: outputs are low from power-up until enabled, whatever the registers hold",
+          "[contract4][power-up]") {
     const std::uint32_t seed = GENERATE(1U, 7U, 0x1234567U, 0xdeadbeefU, 0xfffffff1U);
     CAPTURE(seed);
     Bench bench(small16, {.power_up_seed = seed, .reset_clocks = 4});
@@ -55,7 +56,8 @@ TEST_CASE("contract 4: outputs are low from power-up until enabled, whatever the
     const auto& cycles = recorder.cycles();
     std::size_t first = 1;
     while (!cycles[first - 1].enabled || !cycles[first].enabled) ++first;
-    require_equal(sim::check_pulses(image, cycles, recorder.pulses(), cycles[first].clock, cycles.back().clock, 16), 16 * 15);
+    require_equal(sim::check_pulses(image, cycles, recorder.pulses(), cycles[first].clock, cycles.back().clock, 16),
+                  16 * 15);
 }
 
 TEST_CASE("contract 4: low within 2 clocks of disable", "[contract4]") {
@@ -133,9 +135,11 @@ TEST_CASE("contract 4: no pin is high for longer than the bound, whatever is in 
         image = image_of(16, {record(16, 255, 0xffffff, 254, 0)});
     }
     SECTION("records whose pulses merge over many cycles") {
-        // Each begins on the tick on which the last one ends. (For ever is impossible: a pulse is shorter than its cycle.)
+        // Each begins on the tick on which the last one ends. (For ever is impossible: a pulse is shorter than its
+        // cycle.)
         std::vector<Record> records;
-        for (std::uint16_t i = 0; i < 40; ++i) records.push_back(record(16, 250, 1, 249, static_cast<std::uint16_t>(249 - i)));
+        for (std::uint16_t i = 0; i < 40; ++i)
+            records.push_back(record(16, 250, 1, 249, static_cast<std::uint16_t>(249 - i)));
         image = image_of(16, records);
     }
     SECTION("one long pulse") { image = image_of(16, {record(16, 200, 30, 190, 0)}); }
@@ -162,8 +166,10 @@ TEST_CASE("contract 4: the longest ordinary pulses do not trip the guard", "[con
     require_equal(bench.check(image), 16 * 100);
 }
 
-TEST_CASE("contract 4: a record whose pulse is not shorter than its cycle is refused and reported, not played", "[contract4]") {
-    const Record bad = GENERATE(Record{100, 1, 100, {}}, Record{100, 1, 255, {}}, Record{0, 1, 0, {}}, Record{100, 0, 10, {}});
+TEST_CASE("contract 4: a record whose pulse is not shorter than its cycle is refused and reported, not played",
+          "[contract4]") {
+    const Record bad =
+        GENERATE(Record{100, 1, 100, {}}, Record{100, 1, 255, {}}, Record{0, 1, 0, {}}, Record{100, 0, 10, {}});
     CAPTURE(bad.cycle_length, bad.prescaler, static_cast<int>(bad.pulse_length));
     Bench bench;
     Record r = bad;

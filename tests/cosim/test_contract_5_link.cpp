@@ -40,12 +40,14 @@ link::Reply one(Bench& bench, std::uint8_t sequence, Command command, const Byte
 
 std::uint16_t status_word(Bench& bench, std::uint8_t sequence, interface::StatusWord word) {
     const Bytes data = one(bench, sequence, Command::status, {}).data;
-    return static_cast<std::uint16_t>(data.at(2 * static_cast<std::size_t>(word)) | data.at(2 * static_cast<std::size_t>(word) + 1) << 8);
+    return static_cast<std::uint16_t>(data.at(2 * static_cast<std::size_t>(word)) |
+                                      data.at(2 * static_cast<std::size_t>(word) + 1) << 8);
 }
 
 }  // namespace
 
-TEST_CASE("contract 5: a frame damaged in any single bit changes nothing, and the next good one is understood", "[contract5]") {
+TEST_CASE("contract 5: a frame damaged in any single bit changes nothing, and the next good one is understood",
+          "[contract5]") {
     Bench bench;
     one(bench, 0, Command::identify, {});
     bench.board.primary_word(0) = 0x1111;
@@ -58,7 +60,8 @@ TEST_CASE("contract 5: a frame damaged in any single bit changes nothing, and th
         REQUIRE(talk(bench, bad).empty());
         REQUIRE(bench.board.primary_word(0) == 0x1111);
         ++damaged;
-        if (bad[bit / 8] == 0) damaged = static_cast<std::uint16_t>(damaged + (bit / 8 > 0 && bit / 8 + 2 < good.size() ? 1 : 0));
+        if (bad[bit / 8] == 0)
+            damaged = static_cast<std::uint16_t>(damaged + (bit / 8 > 0 && bit / 8 + 2 < good.size() ? 1 : 0));
     }
     const auto counted = status_word(bench, 1, interface::StatusWord::frames_damaged);
     REQUIRE(counted >= 8 * (good.size() - 1));
@@ -105,7 +108,8 @@ TEST_CASE("contract 5: what is refused says why and changes nothing", "[contract
         {static_cast<int>(Command::read), words({0, 0, 0}), Status::bad_length},
         {static_cast<int>(Command::read), words({0, 0, 42}), Status::bad_length},  // more than a record
         {static_cast<int>(Command::write), words({primary_end, 0, 7}), Status::bad_address},
-        {static_cast<int>(Command::write), words({static_cast<std::uint16_t>(primary_end - 2), 0, 7, 7}), Status::bad_address},
+        {static_cast<int>(Command::write), words({static_cast<std::uint16_t>(primary_end - 2), 0, 7, 7}),
+         Status::bad_address},
         {static_cast<int>(Command::write), words({0, 0x0fff, 7}), Status::bad_address},
         {static_cast<int>(Command::write), words({256, 0x1000, 7, 7}), Status::bad_address},
         {static_cast<int>(Command::write), words({0, 0x2000, 7}), Status::bad_address},  // identity cannot be written
@@ -122,7 +126,8 @@ TEST_CASE("contract 5: what is refused says why and changes nothing", "[contract
         {static_cast<int>(Command::start), words({1, 64, 1}), Status::bad_range},
         {static_cast<int>(Command::start), words({63, 2, 1}), Status::bad_range},
         {static_cast<int>(Command::start), words({0xffff, 0xffff, 1}), Status::bad_range},
-        {static_cast<int>(Command::push), words({1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1}), Status::fifo_full},
+        {static_cast<int>(Command::push), words({1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1}),
+         Status::fifo_full},
     }));
     CAPTURE(command, payload, to_string(status));
     const auto reply = one(bench, 1, static_cast<Command>(command), payload);
@@ -185,7 +190,8 @@ TEST_CASE("contract 5: written memory reads back, also while it plays", "[contra
     bench.client.write(interface::sequence_base + 4, {1, 0, 1, 0, 2, 0, 1, 0});
     bench.client.start(1, 2, 0);
     bench.wait_for_index(2);
-    for (std::uint32_t r = 0; r < 40; ++r) REQUIRE(bench.client.read(interface::primary_base + r * 40, 40) == contents[r]);
+    for (std::uint32_t r = 0; r < 40; ++r)
+        REQUIRE(bench.client.read(interface::primary_base + r * 40, 40) == contents[r]);
     REQUIRE(bench.client.read(interface::sequence_base + 4, 8) == Bytes{1, 0, 1, 0, 2, 0, 1, 0});
     REQUIRE(bench.client.status().underruns == 0);
 }

@@ -15,7 +15,8 @@ Image twelve_records() {
 /// (index, cycles) as measured at the pins, silence before and after left out.
 std::vector<std::pair<int, int>> played(const Bench& bench) {
     std::vector<std::pair<int, int>> result;
-    for (const sim::Dwell& dwell : bench.recorder.dwells()) result.emplace_back(dwell.index, static_cast<int>(dwell.cycles));
+    for (const sim::Dwell& dwell : bench.recorder.dwells())
+        result.emplace_back(dwell.index, static_cast<int>(dwell.cycles));
     while (!result.empty() && result.front().first == 0) result.erase(result.begin());
     while (!result.empty() && result.back().first == 0) result.pop_back();
     return result;
@@ -39,7 +40,9 @@ TEST_CASE("contract 6: a sequence plays its entries for their dwells, as often a
     SECTION("three times") {
         bench.client.start(1, 4, 3);
         bench.board.run(10'000);
-        REQUIRE(played(bench) == Steps{{3, 2}, {12, 1}, {0, 3}, {1, 5}, {3, 2}, {12, 1}, {0, 3}, {1, 5}, {3, 2}, {12, 1}, {0, 3}, {1, 5}});
+        REQUIRE(
+            played(bench) ==
+            Steps{{3, 2}, {12, 1}, {0, 3}, {1, 5}, {3, 2}, {12, 1}, {0, 3}, {1, 5}, {3, 2}, {12, 1}, {0, 3}, {1, 5}});
     }
     SECTION("a part of it") {
         bench.client.start(2, 2, 2);

@@ -39,12 +39,13 @@ TEST_CASE("contract 7: the longest dwell is counted in full", "[contract7]") {
 
 TEST_CASE("contract 7: counter and prescaler are 24 bits wide", "[contract7]") {
     const auto [cycle, prescaler] = GENERATE(table<std::uint32_t, std::uint32_t>({
-        {0x12345, 1},    // more than 16 bits of cycle
-        {3, 0x10007},    // more than 16 bits of prescaler
+        {0x12345, 1},  // more than 16 bits of cycle
+        {3, 0x10007},  // more than 16 bits of prescaler
         {0x101, 0x301},
     }));
     CAPTURE(cycle, prescaler);
-    // Pulses of one tick; with a large prescaler the guard would end them, so those are silent and timed by the cycle starts.
+    // Pulses of one tick; with a large prescaler the guard would end them, so those are silent and timed by the cycle
+    // starts.
     const std::uint8_t pulse = prescaler > 0x1000 ? 0 : 1;
     Bench bench;
     const Image image = image_of(16, {record(16, cycle, prescaler, pulse, 2)});
@@ -55,7 +56,8 @@ TEST_CASE("contract 7: counter and prescaler are 24 bits wide", "[contract7]") {
     const std::size_t begin = bench.recorder.cycles().size();
     REQUIRE(bench.board.run_until([&] { return bench.recorder.cycles().size() >= begin + 3; }, 2'000'000));
     const auto& cycles = bench.recorder.cycles();
-    for (std::size_t i = begin; i + 1 < cycles.size(); ++i) REQUIRE(cycles[i + 1].clock - cycles[i].clock == std::uint64_t{cycle} * prescaler);
+    for (std::size_t i = begin; i + 1 < cycles.size(); ++i)
+        REQUIRE(cycles[i + 1].clock - cycles[i].clock == std::uint64_t{cycle} * prescaler);
 }
 
 TEST_CASE("contract 7: all 24 bits of the cycle length count", "[contract7][long]") {

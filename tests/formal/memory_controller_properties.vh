@@ -2,6 +2,7 @@
 // What memory_controller promises, told from the clock that took the entry and from the addresses that were read, not from
 // its state machine. Included by it under FORMAL (it has no room for this within its 150 lines).
 localparam [15:0] F_CHANNELS = CHANNELS[15:0];
+localparam [26:0] F_CHANNELS_27 = CHANNELS[26:0];
 localparam [15:0] F_HEADER = `HG_RECORD_HEADER_WORDS;
 localparam [15:0] F_LOADED = F_CHANNELS + 16'd6;  // clocks from taking an entry to ready
 reg        f_reset_seen_q, f_taken_q, f_reading_q, f_ready_q;
@@ -34,7 +35,7 @@ always @(posedge clk) begin
     if (f_reading_q && f_number == 3) f_header_3_q <= i_word;
     if (o_take) begin
         {f_index_q, f_dwell_q, f_since_q, f_shifts_q} <= {i_index, i_dwell, 16'd1, 16'd0};
-        f_base_q <= STRIDE * ({11'd0, i_index} - 27'd1) & 27'h7ffffff;
+        f_base_q <= {11'd0, i_index - 16'd1} * (F_CHANNELS_27 + 27'd4);
     end
     if (rst || i_preempt) f_taken_q <= 1'b0;
     else if (o_take) f_taken_q <= 1'b1;
@@ -44,7 +45,7 @@ always @(posedge clk) begin
         assert (o_take == (i_entry && !i_preempt && !f_taken_q));
         assert (o_ready == (f_taken_q && f_since_q >= (f_loads ? F_LOADED : 16'd1)));
         assert (o_reading == f_loading);
-        assert (!f_taken_q || f_since_q >= 16'd1);
+        assert ((state_q == IDLE) == !f_taken_q && (!f_taken_q || f_since_q >= 16'd1));
         if (f_loading) begin
             assert (arrives_q == (f_since_q >= 16'd2) && f_reading_q == arrives_q);
             assert ({6'd0, asked_q} == (f_since_q > F_LOADED - 16'd2 ? F_LOADED - 16'd3 : f_since_q - 16'd1));

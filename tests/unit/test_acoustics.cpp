@@ -54,7 +54,8 @@ TEST_CASE("field: one source against the numbers of another program", "[acoustic
 }
 
 TEST_CASE("field: the piston's directivity against the Bessel integral", "[acoustics]") {
-    for (double x = 0.01; x < 12.0; x += 0.37) REQUIRE(piston_directivity(x) == Approx(2.0 * bessel_j1(x) / x).margin(1e-9));
+    for (double x = 0.01; x < 12.0; x += 0.37)
+        REQUIRE(piston_directivity(x) == Approx(2.0 * bessel_j1(x) / x).margin(1e-9));
     REQUIRE(piston_directivity(0.0) == 1.0);
     REQUIRE(piston_directivity(1e-5) == Approx(1.0));
     REQUIRE(std::abs(piston_directivity(3.8317059702)) < 1e-9);  // the first zero
@@ -70,13 +71,15 @@ TEST_CASE("field: focal width of the paper's tile", "[acoustics]") {
 
 TEST_CASE("field: a point on an element is an error", "[acoustics]") {
     const Array array = find_array("tile-10x10");
-    REQUIRE_THROWS_WITH(pressure(array, ideal_drives(array, from_mm(0, 0, 100)), array.elements[3]), Contains("coincides"));
+    REQUIRE_THROWS_WITH(pressure(array, ideal_drives(array, from_mm(0, 0, 100)), array.elements[3]),
+                        Contains("coincides"));
 }
 
 TEST_CASE("field: reciprocity, and the matrix agrees with the sum", "[acoustics]") {
     const Array array = find_array("tile-10x10");
     const double k = 2.0 * std::numbers::pi / array.wavelength_m();
-    REQUIRE(propagation({0.01, 0, 0}, {0.03, 0.02, 0.1}, k, 0.0) == propagation({0.03, 0.02, 0.1}, {0.01, 0, 0}, k, 0.0));
+    REQUIRE(propagation({0.01, 0, 0}, {0.03, 0.02, 0.1}, k, 0.0) ==
+            propagation({0.03, 0.02, 0.1}, {0.01, 0, 0}, k, 0.0));
     const std::vector<Vec3> points = {from_mm(3, 4, 90), from_mm(-30, 14, 150)};
     const auto drives = ideal_drives(array, points[0]);
     const auto matrix = propagation_matrix(array, points);
@@ -95,7 +98,8 @@ TEST_CASE("drive: amplitude follows sin(π·duty), phase the middle of the pulse
         const auto a = carrier_component(train, 1.0 / period, 7 * period);
         REQUIRE(std::abs(a) == Approx(std::sin(std::numbers::pi * duty)).epsilon(1e-9));
         const double middle = 3e-6 + duty * period / 2.0;
-        REQUIRE(std::abs(std::remainder(std::arg(a) + 2.0 * std::numbers::pi * middle / period, 2.0 * std::numbers::pi)) < 1e-9);
+        REQUIRE(std::abs(std::remainder(std::arg(a) + 2.0 * std::numbers::pi * middle / period,
+                                        2.0 * std::numbers::pi)) < 1e-9);
     }
     REQUIRE(std::abs(carrier_component({}, 40e3, 1.0)) == 0.0);
 }

@@ -47,7 +47,8 @@ TEST_CASE("files: a failed write leaves what was there and nothing beside it", "
     const fs::path a = folder.path / "a";
     const fs::path b = folder.path / "b";
     write_file(a, "old");
-    REQUIRE_THROWS_WITH(write_files({{a, "new"}, {folder.path / "no/such/folder", "x"}}), Contains("cannot be written"));
+    REQUIRE_THROWS_WITH(write_files({{a, "new"}, {folder.path / "no/such/folder", "x"}}),
+                        Contains("cannot be written"));
     REQUIRE(read_file(a) == "old");
     // A full disk, as the kernel tells of it.
     const rlimit limited = {1000, RLIM_INFINITY};
@@ -173,7 +174,8 @@ TEST_CASE("pulse files: round trip, and damage named with its line", "[pulses]")
     REQUIRE(text == "channel,rise_clk,fall_clk,index\n3,10,20,1\n99,123456789012,123456789013,65535\n");
     REQUIRE(pulses_from_csv(text, "p") == pulses);
     const std::string header = "channel,rise_clk,fall_clk,index\n";
-    for (const char* line : {"1,2,3\n", "1,2,3,4,5\n", "1,5,5,1\n", "a,1,2,3\n", "1,2,3,70000\n", "1, 2,3,4\n", "-1,2,3,4\n", "\n"})
+    for (const char* line :
+         {"1,2,3\n", "1,2,3,4,5\n", "1,5,5,1\n", "a,1,2,3\n", "1,2,3,70000\n", "1, 2,3,4\n", "-1,2,3,4\n", "\n"})
         REQUIRE_THROWS_WITH(pulses_from_csv(header + "0,1,2,1\n" + line, "p"), Contains("p:3"));
     REQUIRE_THROWS_WITH(pulses_from_csv(header + "0,1,2,1", "p"), Contains("cut short"));
     REQUIRE_THROWS_WITH(pulses_from_csv("x\n", "p"), Contains("p:1: expected the header"));

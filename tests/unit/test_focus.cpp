@@ -25,11 +25,13 @@ TEST_CASE("focal law: waves arrive together, by flight time and emission tick", 
     double worst = 0.0;
     for (std::size_t f = 0; f < foci.size(); ++f) {
         double arrival = 0.0;
-        for (const Vec3& e : array.elements) arrival = std::max(arrival, distance(foci[f], e) / array.medium.speed_m_s / timer.tick_s());
+        for (const Vec3& e : array.elements)
+            arrival = std::max(arrival, distance(foci[f], e) / array.medium.speed_m_s / timer.tick_s());
         for (std::size_t m = 0; m < elements; ++m) {
             const std::uint16_t tick = ticks[f * elements + m];
             REQUIRE(tick < timer.cycle_ticks);
-            const double late = tick + distance(foci[f], array.elements[m]) / array.medium.speed_m_s / timer.tick_s() - arrival;
+            const double late =
+                tick + distance(foci[f], array.elements[m]) / array.medium.speed_m_s / timer.tick_s() - arrival;
             worst = std::max(worst, std::abs(std::remainder(late, timer.cycle_ticks)));
         }
     }
@@ -47,7 +49,8 @@ TEST_CASE("focal law: symmetric foci give mirrored ticks, and the axis gives one
             REQUIRE(ticks[r * 10 + q] == ticks[100 + r * 10 + 9 - q]);
             REQUIRE(ticks[200 + r * 10 + q] == ticks[200 + q * 10 + r]);
         }
-    for (const std::size_t corner : {0U, 9U, 90U, 99U}) REQUIRE(ticks[200 + corner] == 0);  // the farthest elements go first
+    for (const std::size_t corner : {0U, 9U, 90U, 99U})
+        REQUIRE(ticks[200 + corner] == 0);  // the farthest elements go first
 }
 
 TEST_CASE("focal law: any number of elements and foci, also fewer than a vector", "[focus]") {

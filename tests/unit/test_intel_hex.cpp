@@ -68,7 +68,6 @@ Image small_image() {
     return image;
 }
 
-
 }  // namespace
 
 TEST_CASE("image: what is written is read back", "[image]") {
@@ -80,8 +79,10 @@ TEST_CASE("image: what is written is read back", "[image]") {
 
 TEST_CASE("image: words lie where the address map says", "[image]") {
     const auto primary = primary_words(small_image());
-    REQUIRE(primary == std::vector<std::uint16_t>{250, 125 << 8, 5, 0, 0, 249, 0xffff, 0x3456, 7 << 8 | 0x12, 0x5678, 0x34, 1, 2, 3});
-    REQUIRE(sequence_words(small_image()) == std::vector<std::uint32_t>{3 | 9 << 16, 1 | 20 << 16, 2 | 65535U << 16, 1 << 16});
+    REQUIRE(primary == std::vector<std::uint16_t>{250, 125 << 8, 5, 0, 0, 249, 0xffff, 0x3456, 7 << 8 | 0x12, 0x5678,
+                                                  0x34, 1, 2, 3});
+    REQUIRE(sequence_words(small_image()) ==
+            std::vector<std::uint32_t>{3 | 9 << 16, 1 | 20 << 16, 2 | 65535U << 16, 1 << 16});
 }
 
 TEST_CASE("image: readmemh text has a word a line", "[image]") {
@@ -99,7 +100,8 @@ TEST_CASE("image: regions that are missing, short, long or unknown are errors", 
         REQUIRE_THROWS_WITH(from_intel_hex(intel_hex::write(segments), "f"), Contains("no data at"));
         segments = whole;
         segments[left_out].bytes.pop_back();
-        REQUIRE_THROWS_WITH(from_intel_hex(intel_hex::write(segments), "f"), Contains("description") && Contains("bytes"));
+        REQUIRE_THROWS_WITH(from_intel_hex(intel_hex::write(segments), "f"),
+                            Contains("description") && Contains("bytes"));
         segments[left_out].bytes.resize(segments[left_out].bytes.size() + 3);
         REQUIRE_THROWS_WITH(from_intel_hex(intel_hex::write(segments), "f"), Contains("bytes"));
     }
@@ -111,7 +113,8 @@ TEST_CASE("image: regions that are missing, short, long or unknown are errors", 
     REQUIRE_THROWS_WITH(from_intel_hex(intel_hex::write(other), "f"), Contains("magic"));
     auto header = whole;
     header[1].bytes[0] = 2;
-    REQUIRE_THROWS_WITH(from_intel_hex(intel_hex::write(header), "f"), Contains("sequence header says 2 entries, the description 3"));
+    REQUIRE_THROWS_WITH(from_intel_hex(intel_hex::write(header), "f"),
+                        Contains("sequence header says 2 entries, the description 3"));
     auto reserved = whole;
     reserved[0].bytes[7] = 1;
     REQUIRE_THROWS_WITH(from_intel_hex(intel_hex::write(reserved), "f"), Contains("record 1: reserved bits"));

@@ -26,13 +26,18 @@ Bytes random_bytes(std::mt19937& g, std::size_t length, unsigned values) {
 
 Bytes from_hex(const std::string& text) {
     Bytes bytes;
-    for (std::size_t i = 0; i + 1 < text.size(); i += 2) bytes.push_back(static_cast<std::uint8_t>(std::stoul(text.substr(i, 2), nullptr, 16)));
+    for (std::size_t i = 0; i + 1 < text.size(); i += 2)
+        bytes.push_back(static_cast<std::uint8_t>(std::stoul(text.substr(i, 2), nullptr, 16)));
     return bytes;
 }
 
 Bytes reply_frame(const Reply& r) {
-    Bytes frame = {r.sequence, static_cast<std::uint8_t>(static_cast<unsigned>(r.command) | 0x80U), static_cast<std::uint8_t>(r.status), r.expected,
-                   static_cast<std::uint8_t>(r.live_level), static_cast<std::uint8_t>(r.live_level >> 8)};
+    Bytes frame = {r.sequence,
+                   static_cast<std::uint8_t>(static_cast<unsigned>(r.command) | 0x80U),
+                   static_cast<std::uint8_t>(r.status),
+                   r.expected,
+                   static_cast<std::uint8_t>(r.live_level),
+                   static_cast<std::uint8_t>(r.live_level >> 8)};
     frame.insert(frame.end(), r.data.begin(), r.data.end());
     const std::uint16_t crc = crc16(frame);
     frame.push_back(static_cast<std::uint8_t>(crc >> 8));
@@ -110,7 +115,8 @@ TEST_CASE("cobs: against the vectors that Python's cobs package made", "[link]")
 }
 
 TEST_CASE("cobs: what is no code is said to be none", "[link]") {
-    for (const Bytes& bad : {Bytes{0}, Bytes{3, 1}, Bytes{2, 0}, Bytes{2, 1, 0}, Bytes{255, 1, 2}}) REQUIRE_FALSE(cobs_decode(bad));
+    for (const Bytes& bad : {Bytes{0}, Bytes{3, 1}, Bytes{2, 0}, Bytes{2, 1, 0}, Bytes{255, 1, 2}})
+        REQUIRE_FALSE(cobs_decode(bad));
     std::mt19937 g(Catch::rngSeed());
     for (int i = 0; i < 2000; ++i) static_cast<void>(cobs_decode(random_bytes(g, g() % 40, 8)));
 }

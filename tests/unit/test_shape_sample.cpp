@@ -102,7 +102,7 @@ TEST_CASE("a small cloud is taken whole, in order, each place once", "[shape][sa
 }
 
 TEST_CASE("the fast farthest-point sampling is the one of the definition", "[shape][sample]") {
-    std::vector<Vec3> candidates = random_cube(3000, 7).points;
+    std::vector<Vec3> candidates = random_cube(20'000, 7).points;
     SECTION("in general position") {}
     SECTION("on a grid, where many are equally far") {
         for (Vec3& p : candidates) p = {std::floor(10 * p.x), std::floor(10 * p.y), std::floor(10 * p.z)};

@@ -67,9 +67,13 @@ std::uint32_t shortest_cycle() {
 
 }  // namespace
 
-int main() {
-    const nlohmann::ordered_json json = {
-        {"focal_law_ms", focal_law_ms()}, {"focal_law_target", focal_law_target()}, {"shortest_cycle_clocks", shortest_cycle()}};
+int main() try {
+    const nlohmann::ordered_json json = {{"focal_law_ms", focal_law_ms()},
+                                         {"focal_law_target", focal_law_target()},
+                                         {"shortest_cycle_clocks", shortest_cycle()}};
     fmt::print("{}\n", json.dump());
     return 0;
+} catch (const std::exception& error) {
+    fmt::print(stderr, "measure: {}\n", error.what());
+    return 1;
 }

@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Command lines that make no sense: exit code 2, one message that names the option, what was found and what was expected."""
+import json
+import re
+
+import pytest
+from support import BAD_INPUT, OK, USAGE, assert_one_message, read_json, refuse, run, snapshot, succeed, text
+
+CIRCLE = ["compile", "--shape", "circle", "-o", "image.hex"]
+
+
+def test_version_and_help_are_data():
+    result = succeed(["--version"])
+    assert re.fullmatch(r"haptogram \d+\.\d+\.\d+\n", text(result.stdout)) and result.stderr == b""
+    for command in ([], ["compile"], ["inspect"], ["simulate"], ["field"]):
+        result = succeed([*command, "--help"])
+        assert b"Exit codes: 0 ok, 1 run failed, 2 usage, 3 bad input, 4 device or link." in result.stdout and result.stderr == b""
+
+
+def test_no_subcommand(tmp_path):
+    refuse(tmp_path, [], USAGE, "subcommand")
+
+
+def test_an_unknown_subcommand(tmp_path):
+    refuse(tmp_path, ["compil"], USAGE, "compil")
+
+
+def test_an_unknown_option(tmp_path):
+    refuse(tmp_path, [*CIRCLE, "--pionts", "3"], USAGE, "--pionts")
+
+
+def test_nothing_to_compile(tmp_path):
+    refuse(tmp_path, ["compile"], USAGE, "--shape", "circle")
+
+
+@pytest.mark.parametrize("command", ["inspect", "simulate", "field"])
+def test_a_subcommand_without_its_file(command, tmp_path):
+    refuse(tmp_path, [command], USAGE, "required")
+
+
+NUMBERS = {
+    "no rate": (["--rate", "0"], "--rate", r"\b0\b"),
+    "negative rate": (["--rate", "-1"], "--rate", "-1"),
+    "NaN rate": (["--rate", "nan"], "--rate", "nan"),
+    "infinite rate": (["--rate", "inf"], "--rate", "inf"),
+    "minus infinite rate": (["--rate=-inf"], "--rate", "inf"),
+    "word for a rate": (["--rate", "fast"], "--rate", "fast"),
+    "no points": (["--points", "0"], "--points", r"\b0\b"),
+    "negative points": (["--points", "-1"], "--points", "-1"),
+    "huge points": (["--points", "99999999999999999999"], "--points", "65535"),
+    "65,536 points": (["--points", "65536"], "--points", "65536"),
+    "one and a half points": (["--points", "1.5"], "--points", r"1\.5"),
+    "word for points": (["--points", "many"], "--points", "many"),
+    "negative seed": (["--seed", "-1"], "--seed", "-1"),
+    "seed of 65 bits": (["--seed", "18446744073709551616"], "--seed", "18446744073709551616"),
+    "loops that 16 bits do not hold": (["--loops", "65536"], "--loops", "65536"),
+    "negative loops": (["--loops", "-1"], "--loops", "-1"),
+    "no size": (["--size", "0"], "size", r"\b0\b"),
+    "negative size": (["--size", "-5"], "size", "-5"),
+    "NaN size": (["--size", "nan"], "size", "nan"),
+    "infinite size": (["--size", "inf"], "size", "inf"),
+    "word for a size": (["--size", "large"], "size", "large"),
+    "no scale": (["--scale", "0"], "scale", r"\b0\b"),
+    "NaN scale": (["--scale", "nan"], "scale", "nan"),
+    "infinite scale": (["--scale", "inf"], "scale", "inf"),
+    "negative diameter": (["--diameter", "-7"], "diameter", r"-7\b"),
+    "NaN diameter": (["--diameter", "nan"], "diameter", "nan"),
+    "two numbers for a centre": (["--center", "0,0"], "--center", "3"),
+    "four numbers for a centre": (["--center", "0,0,100,0"], "--center", "3"),
+    "NaN centre": (["--center", "0,0,nan"], "center", "finite"),
+    "infinite turn": (["--rotate", "0,0,inf"], "rotate", "inf"),
+    "unknown unit": (["--unit", "inch"], "--unit", "inch", "mm", "cm"),
+}
+
+
+@pytest.mark.parametrize("case", NUMBERS)
+def test_a_value_out_of_range(case, tmp_path):
+    arguments, *needles = NUMBERS[case]
+    refuse(tmp_path, [*CIRCLE, *arguments], USAGE, *needles)
+
+
+MEANINGLESS = {
+    "unknown shape": (["compile", "--shape", "blob"], "blob", "circle"),
+    "height of a circle": ([*CIRCLE, "--height", "5"], "height"),
+    "sides of a circle": ([*CIRCLE, "--sides", "5"], "sides"),
+    "polygon of two sides": (["compile", "--shape", "polygon", "--sides", "2"], "sides", "2", "3"),
+    "size of a point": (["compile", "--shape", "point", "--size", "5"], "size", "point"),
+    "measure of a shape without a shape": (["compile", "cloud.xyz", "--diameter", "70"], "--?diameter", "--?shape"),
+    "image on stdout without a manifest": (["compile", "--shape", "circle", "-o", "-"], "--manifest"),
+    "image and manifest in one place": (["compile", "--shape", "circle", "-o", "image.json"], r"image\.json"),
+    "image and manifest in one named place": ([*CIRCLE, "--manifest", "image.hex"], r"image\.hex"),
+    "image and manifest in one place, spelled twice": ([*CIRCLE, "--manifest", "./image.hex"], r"image\.hex"),
+    "image and manifest both on stdout": (["compile", "--shape", "circle", "-o", "-", "--manifest", "-"], "manifest"),
+    "manifest and words in one place": ([*CIRCLE, "--manifest", "a.primary.mem", "--readmemh", "a"], r"a\.primary\.mem"),
+    "output over the input": (["compile", "cloud.xyz", "-o", "cloud.xyz"], r"cloud\.xyz"),
+}
+
+
+@pytest.mark.parametrize("case", MEANINGLESS)
+def test_options_that_make_no_sense_together(case, tmp_path):
+    (tmp_path / "cloud.xyz").write_bytes(b"0 0 100\n9 0 100\n0 9 100\n")
+    arguments, *needles = MEANINGLESS[case]
+    refuse(tmp_path, arguments, USAGE, *needles)
+
+
+def test_no_name_for_the_image(tmp_path):
+    result = run(["compile", "--shape", "circle", "-o", ""], cwd=tmp_path)
+    assert_one_message(result, result.returncode, "-o|--output|''|\"\"|empty")
+    assert result.returncode in (USAGE, BAD_INPUT) and snapshot(tmp_path) == {}
+
+
+def test_manifest_on_stdout_is_only_the_manifest(tmp_path):
+    result = succeed([*CIRCLE, "--points", 4, "--manifest", "-"], cwd=tmp_path)
+    assert json.loads(result.stdout)["format"].startswith("haptogram-manifest")
+
+
+SIMULATE = {
+    "passes and duration": (["--passes", "2", "--duration", "3"], "--passes", "--duration"),
+    "no passes": (["--passes", "0"], "--passes", r"\b0\b", r"\b1\b", "65535"),
+    "negative passes": (["--passes", "-1"], "--passes", "-1"),
+    "negative duration": (["--duration", "-1"], "--duration", "-1"),
+    "no duration": (["--duration", "0"], "--duration", r"\b0\b"),
+    "NaN duration": (["--duration", "nan"], "--duration", "nan"),
+    "infinite duration": (["--duration", "inf"], "--duration", "inf"),
+    "unknown way to load": (["--load", "usb"], "--load", "usb", "uart", "direct"),
+    "pulses and report in one place": (["--pulses", "x", "--report", "x"], "pulses", "report"),
+    "pulses and report both on stdout": (["--pulses", "-", "--report", "-"], "pulses", "report"),
+    "pulses and JSON both on stdout": (["--pulses", "-", "--json"], "pulses", "json"),
+    "pulses over the image": (["--pulses", "image.hex"], r"image\.hex"),
+    "report over the manifest": (["--report", "image.json"], r"image\.json"),
+    "trace on stdout": (["--trace", "-"], "trace"),
+}
+
+
+@pytest.mark.parametrize("case", SIMULATE)
+def test_simulate_options_that_make_no_sense(case, small):
+    arguments, *needles = SIMULATE[case]
+    refuse(small.folder, ["simulate", "image.hex", "--load", "direct", *arguments], USAGE, *needles, outputs=())
+
+
+def test_a_rate_too_high(tmp_path):
+    refuse(tmp_path, [*CIRCLE, "--points", "200", "--rate", "201"], BAD_INPUT, "--rate", "200 points", "201", r"at most 200 Hz", "199 points?|198 points")
+    refuse(tmp_path, [*CIRCLE, "--points", "1", "--rate", "40001"], BAD_INPUT, "--rate", "at most 4(0000|e\\+04) Hz")
+
+
+def test_a_rate_that_no_number_of_points_can_reach(tmp_path):
+    arguments = [*CIRCLE, "--rate", "1e9"]
+    refuse(tmp_path, arguments, BAD_INPUT, "--rate")
+    assert b"or 0 points" not in run(arguments, cwd=tmp_path).stderr, "it advises to take no points"
+
+
+@pytest.mark.parametrize("rate", ["0.001", "1e-300"])
+def test_a_rate_too_low(rate, tmp_path):
+    refuse(tmp_path, [*CIRCLE, "--points", "1", "--rate", rate], BAD_INPUT, "--rate", "65535", r"at least 0\.6104")
+
+
+def test_the_lowest_and_the_highest_rate_can_be_reached(tmp_path):
+    succeed([*CIRCLE, "--points", 200, "--rate", 200], cwd=tmp_path)
+    assert {r["dwell_cycles"] for r in read_json(tmp_path / "image.json")["records"]} == {1}
+    succeed([*CIRCLE, "--points", 1, "--rate", 0.6104], cwd=tmp_path)
+    assert 65000 < read_json(tmp_path / "image.json")["records"][0]["dwell_cycles"] <= 65535
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 400])
+def test_odd_numbers_of_points(count, tmp_path):
+    for shape in ("line", "circle", "sphere", "plus"):
+        succeed(["compile", "--shape", shape, "--points", count, "--size", 40, "-o", "image.hex"], cwd=tmp_path)
+        assert len(read_json(tmp_path / "image.json")["records"]) == count
+        assert run(["inspect", "image.hex"], cwd=tmp_path).returncode == OK
+
+
+def test_one_point_more_than_the_board_holds(tmp_path):
+    refuse(tmp_path, [*CIRCLE, "--points", "401"], BAD_INPUT, "401 points", "400", "--points")
+    refuse(tmp_path, [*CIRCLE, "--points", "65535"], BAD_INPUT, "65535 points", "400")
+
+
+def test_a_cloud_with_more_points_than_the_board_is_thinned(tmp_path):
+    (tmp_path / "cloud.xyz").write_text("".join(f"{i % 30} {i // 30} 120\n" for i in range(900)))
+    refuse(tmp_path, ["compile", "cloud.xyz", "--points", "500"], BAD_INPUT, "500 points", "400")
+    succeed(["compile", "cloud.xyz", "--points", 400, "-o", "image.hex"], cwd=tmp_path)
+    assert len(read_json(tmp_path / "image.json")["records"]) == 400
