@@ -27,9 +27,7 @@ module link #(
     // Twice (length word, sequence number and command, address, record); a reply with a record, its CRC and COBS bytes.
     localparam RECEIVE_WORDS = 1 << $clog2(2 * (RECORD_WORDS + 4));
     localparam REPLY_BYTES = 1 << $clog2(6 + 2 * RECORD_WORDS + 2 + RECORD_WORDS / 127 + 3);
-    localparam [31:0] CLOCK_32 = CLOCK_HZ;
-    localparam [31:0] BAUD_32 = BAUD;
-    localparam [63:0] STEP_64 = (({32'd0, BAUD_32} << 20) + {33'd0, CLOCK_32[31:1]}) / {32'd0, CLOCK_32};
+    localparam [63:0] STEP_64 = (({32'd0, BAUD[31:0]} << 20) + {33'd0, CLOCK_HZ[31:1]}) / {32'd0, CLOCK_HZ[31:0]};
 
     generate
         if (BAUD < 1 || CLOCK_HZ / BAUD < 8) baud_out_of_range error();
