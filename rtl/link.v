@@ -27,7 +27,11 @@ module link #(
     // Twice (length word, sequence number and command, address, record); a reply with a record, its CRC and COBS bytes.
     localparam RECEIVE_WORDS = 1 << $clog2(2 * (RECORD_WORDS + 4));
     localparam REPLY_BYTES = 1 << $clog2(6 + 2 * RECORD_WORDS + 2 + RECORD_WORDS / 127 + 3);
-    localparam [63:0] STEP_64 = (({32'd0, BAUD[31:0]} << 20) + {33'd0, CLOCK_HZ[31:1]}) / {32'd0, CLOCK_HZ[31:0]};
+    // Parameters are unsized or 32 bits wide, as they were given; an argument is always the latter.
+    function [63:0] phase_step(input [31:0] clock_hz, input [31:0] baud);
+        phase_step = (({32'd0, baud} << 20) + {33'd0, clock_hz[31:1]}) / {32'd0, clock_hz};
+    endfunction
+    localparam [63:0] STEP_64 = phase_step(CLOCK_HZ, BAUD);
 
     generate
         if (BAUD < 1 || CLOCK_HZ / BAUD < 8) baud_out_of_range error();
