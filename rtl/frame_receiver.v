@@ -112,6 +112,7 @@ module frame_receiver #(
             assert (f_readable <= WORDS[BITS:0] && used <= WORDS[BITS:0] + ONE && place_q - start_q <= used);
             assert (full_q || (f_crc_q == crc_q && f_bytes_q == count_q && place_q == start_q + ONE + f_pairs[BITS:0]));
             assert (f_bytes_q >= count_q && (f_bytes_q == 16'd0 || f_pairs <= {{(15-BITS){1'b0}}, used} || full_q));
+            assert ((used <= WORDS[BITS:0] || place_q == start_q + ONE) && (!full_q || count_q != 16'd0));
             // Whole or not at all.
             assert (!o_good || (i_end && i_intact && f_crc_q == 16'd0 && f_bytes_q >= 16'd4));
             assert (!o_good || place_q == start_q + ONE + f_pairs[BITS:0]);

@@ -13,6 +13,8 @@
 namespace haptogram {
 namespace {
 
+constexpr double most_plane_points = 4e6;
+
 double& coordinate(Vec3& v, char axis) { return axis == 'x' ? v.x : axis == 'y' ? v.y : v.z; }
 
 std::vector<double> steps(char axis, double extent_m, double step_m) {
@@ -48,15 +50,19 @@ Plane parse_plane(const std::string& text, double extent_m, double step_m) {
     if (axes == "xyz" && value <= 0.0)
         throw Error(ErrorCode::usage, "--plane", "the plane lies on or behind the array; z must be positive");
     if (!(step_m > 0.0) || !(extent_m >= step_m))
-        throw Error(ErrorCode::usage, "--step", "must be positive and no more than --extent");
+        throw Error(ErrorCode::usage, "--step",
+                    fmt::format("must be positive and no more than --extent, found {} mm and {} mm",
+                                step_m / millimetre, extent_m / millimetre));
+    const double per_side = 2.0 * extent_m / step_m + 1.0;
+    if (!(per_side * per_side < most_plane_points))
+        throw Error(ErrorCode::usage, "--step",
+                    fmt::format("{:.4g} points are too many, at most {:.4g}; take a larger step or a smaller --extent",
+                                per_side * per_side, most_plane_points));
     Plane plane;
     plane.u_axis = axes.substr(0, 1);
     plane.v_axis = axes.substr(1, 1);
     plane.u = steps(axes[0], extent_m, step_m);
     plane.v = steps(axes[1], extent_m, step_m);
-    if (static_cast<double>(plane.u.size()) * static_cast<double>(plane.v.size()) > 4e6)
-        throw Error(ErrorCode::usage, "--step",
-                    fmt::format("{} × {} points are too many; take a larger step", plane.u.size(), plane.v.size()));
     coordinate(plane.origin, axes[2]) = value * millimetre;
     return plane;
 }

@@ -12,6 +12,7 @@
 #include <memory>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "base/error.hpp"
 
@@ -54,59 +55,42 @@ Error cannot_write(const std::filesystem::path& path) {
         fmt::format("cannot be written: {}; choose another place or make room, nothing was left behind", reason()));
 }
 
-/// A file that is written beside its place and renamed into it at the end; removed when it never comes to that.
-class StagedFile {
-public:
-    explicit StagedFile(std::filesystem::path path) : path_(std::move(path)) {
-        struct stat status = {};
-        const bool exists = ::stat(path_.c_str(), &status) == 0;
-        if (path_ == "-" || (exists && !S_ISREG(status.st_mode))) {
-            file_ = std::make_unique<Descriptor>(path_ == "-" ? STDOUT_FILENO
-                                                              : ::open(path_.c_str(), O_WRONLY | O_CLOEXEC));
-            if (file_->get() < 0) throw cannot_write(path_);
-            return;
-        }
-        target_ = exists ? std::filesystem::canonical(path_) : path_;  // keep a symbolic link
-        beside_ = target_.string() + ".XXXXXX";
-        file_ = std::make_unique<Descriptor>(::mkstemp(beside_.data()));
-        if (file_->get() < 0) {
-            const Error error = cannot_write(path_);
-            beside_.clear();
-            throw error;
-        }
-        const mode_t mask = ::umask(0);
-        ::umask(mask);
-        if (::fchmod(file_->get(), exists ? status.st_mode & 07777 : 0666 & ~mask) != 0) fail();
-    }
-    StagedFile(const StagedFile&) = delete;
-    StagedFile& operator=(const StagedFile&) = delete;
-    ~StagedFile() {
-        if (!beside_.empty()) ::unlink(beside_.c_str());
-    }
-
-    void fill(std::string_view content) {
-        if (!write_all(file_->get(), content) || (!beside_.empty() && ::fsync(file_->get()) != 0)) fail();
-    }
-    void commit() {
-        if (beside_.empty()) return;
-        if (::rename(beside_.c_str(), target_.c_str()) != 0) fail();
-        beside_.clear();
-    }
-
-private:
-    [[noreturn]] void fail() {
-        const Error error = cannot_write(path_);  // before anything else changes errno
-        if (!beside_.empty()) ::unlink(std::exchange(beside_, {}).c_str());
-        throw error;
-    }
-
-    std::filesystem::path path_;
-    std::filesystem::path target_;
-    std::string beside_;  // empty when the place is written directly, and after commit
-    std::unique_ptr<Descriptor> file_;
-};
-
 }  // namespace
+
+StagedFile::StagedFile(std::filesystem::path path) : path_(std::move(path)) {
+    struct stat status = {};
+    const bool exists = ::stat(path_.c_str(), &status) == 0;
+    if (path_ == "-" || (exists && !S_ISREG(status.st_mode))) {
+        descriptor_ = path_ == "-" ? STDOUT_FILENO : ::open(path_.c_str(), O_WRONLY | O_CLOEXEC);
+        if (descriptor_ < 0) throw cannot_write(path_);
+        return;
+    }
+    target_ = exists ? std::filesystem::canonical(path_) : path_;  // keep a symbolic link
+    std::string beside = target_.string() + ".XXXXXX";
+    descriptor_ = ::mkstemp(beside.data());
+    if (descriptor_ < 0) throw cannot_write(path_);
+    beside_ = beside;
+    const mode_t mask = ::umask(0);
+    ::umask(mask);
+    if (::fchmod(descriptor_, exists ? status.st_mode & 07777 : 0666 & ~mask) != 0) fail();
+}
+
+StagedFile::~StagedFile() {
+    if (descriptor_ > STDERR_FILENO) ::close(descriptor_);
+    if (!beside_.empty()) ::unlink(beside_.c_str());
+}
+
+void StagedFile::fill(std::string_view content) {
+    if (!write_all(descriptor_, content) || (!beside_.empty() && ::fsync(descriptor_) != 0)) fail();
+}
+
+void StagedFile::commit() {
+    if (beside_.empty()) return;
+    if (::rename(beside_.c_str(), target_.c_str()) != 0) fail();
+    beside_.clear();
+}
+
+void StagedFile::fail() const { throw cannot_write(path_); }
 
 std::string read_file(const std::filesystem::path& path) {
     const bool standard = path == "-";

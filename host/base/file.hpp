@@ -12,6 +12,30 @@ namespace haptogram {
 /// @throws Error{bad_input} naming the path and the system's reason
 [[nodiscard]] std::string read_file(const std::filesystem::path& path);
 
+/// A file that is written beside its place and renamed into it at the end; removed when it never comes to that.
+/// Standard output ("-"), devices and pipes, which cannot be renamed onto, are written directly.
+class StagedFile {
+public:
+    /// @throws Error{bad_input} when nothing can be written there
+    explicit StagedFile(std::filesystem::path path);
+    StagedFile(const StagedFile&) = delete;
+    StagedFile& operator=(const StagedFile&) = delete;
+    ~StagedFile();
+
+    void fill(std::string_view content);
+    void commit();
+    /// Where it is until it is committed, for a library that writes files by name; empty for what is written directly.
+    [[nodiscard]] const std::filesystem::path& beside() const { return beside_; }
+
+private:
+    [[noreturn]] void fail() const;
+
+    std::filesystem::path path_;
+    std::filesystem::path target_;
+    std::filesystem::path beside_;
+    int descriptor_ = -1;
+};
+
 /// Writes `content` beside `path` and renames it into place once all of it is on the disk, so that a reader sees the
 /// old file or the new one and a failure leaves nothing half-written. "-" is standard output; a device or a pipe, which
 /// cannot be renamed onto, is written directly.

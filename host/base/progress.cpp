@@ -12,7 +12,7 @@ namespace haptogram {
 Progress::Progress(std::string title) : title_(std::move(title)), on_terminal_(::isatty(STDERR_FILENO) == 1) {}
 
 Progress::~Progress() {
-    if (drawn_) fmt::print(stderr, "\r\033[K");
+    if (drawn_) std::fputs("\r\033[K", stderr);
 }
 
 void Progress::update(double fraction, const std::string& note) {
@@ -21,7 +21,7 @@ void Progress::update(double fraction, const std::string& note) {
     if (drawn_ && now - last_ < std::chrono::milliseconds(100)) return;
     last_ = now;
     drawn_ = true;
-    fmt::print(stderr, "\r{} {:3.0f} % {}\033[K", title_, 100.0 * fraction, note);
+    std::fputs(fmt::format("\r{} {:3.0f} % {}\033[K", title_, 100.0 * fraction, note).c_str(), stderr);
     std::fflush(stderr);
 }
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace haptogram::cli {
 
@@ -14,6 +16,22 @@ void add_compile(CLI::App& app, Action& action);
 void add_inspect(CLI::App& app, Action& action);
 void add_simulate(CLI::App& app, Action& action);
 void add_field(CLI::App& app, Action& action);
+
+/// A line on stderr, with the program's name in front; never throws for want of a stderr.
+void complain(const std::string& message);
+
+/// A file that an option names.
+struct NamedPath {
+    std::string option;
+    std::string path;
+};
+
+/// @throws Error{usage} when an output would overwrite an input or another output, or two go to standard output
+void require_distinct(const std::vector<NamedPath>& inputs, const std::vector<NamedPath>& outputs);
+
+/// Checks of option values that say what was found.
+[[nodiscard]] CLI::Validator positive();
+[[nodiscard]] CLI::Validator whole(std::uint64_t low, std::uint64_t high);
 
 /// The manifest's place beside an image: the same name with ".json".
 [[nodiscard]] std::string manifest_path(const std::string& image);

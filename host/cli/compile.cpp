@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -106,11 +107,11 @@ void require_reachable(std::vector<Vec3>& points, const Array& array, bool clip,
     if (count == 0) return;
     if (count > most_listed) listed += fmt::format("\n  and {} more", count - most_listed);
     if (!clip)
-        throw bad_input(array.name, fmt::format("{} of {} points are out of reach:{}\nmove or scale the shape "
+        throw bad_input(array.file, fmt::format("{} of {} points are out of reach:{}\nmove or scale the shape "
                                                 "(--center, --size), or leave them out with --clip",
                                                 count, points.size(), listed));
     if (reachable.empty())
-        throw bad_input(array.name,
+        throw bad_input(array.file,
                         fmt::format("--clip leaves no point: all {} are out of reach:{}", points.size(), listed));
     numbers.clipped = count;
     points = std::move(reachable);
@@ -124,12 +125,11 @@ std::vector<std::uint32_t> dwells(const Timer& timer, double rate_hz, std::size_
         throw bad_input(
             "--rate",
             fmt::format("{} points at {} Hz leave {:.2f} carrier cycles a point, and a focus lasts at least one; "
-                        "at most {:.4g} Hz, or {} points, can be reached",
-                        count, rate_hz, each, timer.carrier_hz() / static_cast<double>(count),
-                        static_cast<std::size_t>(total)));
+                        "at most {:.4g} Hz can be reached with these points",
+                        count, rate_hz, each, timer.carrier_hz() / static_cast<double>(count)));
     if (each > 65535.0)
         throw bad_input("--rate",
-                        fmt::format("{} points at {} Hz leave {:.0f} carrier cycles a point, and a sequence entry "
+                        fmt::format("{} points at {} Hz leave {:.4g} carrier cycles a point, and a sequence entry "
                                     "holds 65535; at least {:.4g} Hz",
                                     count, rate_hz, each, timer.carrier_hz() / static_cast<double>(count) / 65535.0));
     std::vector<std::uint32_t> result;
@@ -222,27 +222,34 @@ nlohmann::ordered_json report_json(const Manifest& m, const Numbers& numbers, st
 void warn_short_dwell(const Manifest& m) {
     const double dwell = shortest_dwell_s(m);
     if (dwell >= m.formation.with_ring_up_s()) return;
-    fmt::print(stderr,
-               "haptogram: warning: a point lasts {:.1f} µs, shorter than the {:.1f} µs in which a focus forms ({:.1f} "
-               "µs with ring-up); "
-               "it will not reach its full pressure\n",
-               dwell * 1e6, m.formation.formation_s * 1e6, m.formation.with_ring_up_s() * 1e6);
+    const bool geometry = dwell < m.formation.formation_s;
+    complain(fmt::format(
+        "warning: a point lasts {:.1f} µs, shorter than the {:.1f} µs {}; it will not reach its full pressure",
+        dwell * 1e6, (geometry ? m.formation.formation_s : m.formation.with_ring_up_s()) * 1e6,
+        geometry ? "in which all waves arrive at a focus" : "that the transducers' ring-up takes as well"));
 }
 
 void check_options(CompileOptions& options) {
-    if (!std::isfinite(options.rate_hz) || options.rate_hz <= 0.0)
-        throw Error(ErrorCode::usage, "--rate", "must be a positive number of Hz");
-    if (options.points < 1 || options.points > 65535)
-        throw Error(ErrorCode::usage, "--points", "must be from 1 to 65535");
+    const PrimitiveSpec& measures = options.primitive;
+    if (options.shapes.empty() &&
+        (measures.diameter || measures.size || measures.height || measures.sides || measures.turns))
+        throw Error(ErrorCode::usage, "--diameter, --length, --height, --sides, --turns",
+                    "measure a built-in shape, and there is none; add --shape, or scale files with --size");
     if (options.manifest.empty()) {
         if (options.output == "-")
             throw Error(ErrorCode::usage, "-o -",
                         "needs --manifest FILE: an image is of little use without its manifest");
         options.manifest = manifest_path(options.output);
     }
-    if (options.manifest == options.output && options.output != "-")
-        throw Error(ErrorCode::usage, "-o",
-                    fmt::format("image and manifest would both be {}; name the image .hex", options.output));
+    std::vector<NamedPath> inputs;
+    for (const std::string& input : options.inputs) inputs.push_back({"an input", input});
+    if (options.array.ends_with(".toml")) inputs.push_back({"--array", options.array});
+    std::vector<NamedPath> outputs = {{"--output", options.output}, {"--manifest", options.manifest}};
+    if (!options.readmemh.empty()) {
+        outputs.push_back({"--readmemh", options.readmemh + ".primary.mem"});
+        outputs.push_back({"--readmemh", options.readmemh + ".sequence.mem"});
+    }
+    require_distinct(inputs, outputs);
 }
 
 std::string everything_that_shapes_the_image(const CompileOptions& o, const Manifest& m) {
@@ -304,10 +311,10 @@ int compile(CompileOptions options) {
         files.emplace_back(options.readmemh + ".sequence.mem", sequence_readmemh(image));
     }
     write_files(files);
-    if (options.json)
-        fmt::print(options.output == "-" ? stderr : stdout, "{}\n",
-                   report_json(manifest, numbers, hex.size(), options).dump(1));
-    else if (options.output != "-")
+    const bool stdout_taken = options.output == "-" || options.manifest == "-";
+    if (options.json && !stdout_taken)
+        fmt::print("{}\n", report_json(manifest, numbers, hex.size(), options).dump(1));
+    else if (!stdout_taken)
         print_report(manifest, numbers, hex.size(), options);
     warn_short_dwell(manifest);
     return 0;
@@ -322,35 +329,40 @@ void add_compile(CLI::App& app, Action& action) {
     sub->add_option("inputs", options->inputs, "PLY, OBJ, STL, XYZ or CSV files; several become one shape");
     sub->add_option("--shape", options->shapes,
                     fmt::format("Built-in shape, may be repeated: {}", fmt::join(primitive_kinds(), ", ")));
-    sub->add_option("--diameter", options->primitive.diameter, "Of a built-in round shape, mm");
+    sub->add_option("--diameter", options->primitive.diameter, "Of a built-in round shape, mm")->check(positive());
     sub->add_option("--length", options->primitive.size,
-                    "Of a built-in line or plus, or the edge of a built-in straight-edged shape, mm");
-    sub->add_option("--height", options->primitive.height, "Of a built-in cone, cylinder or helix, mm");
-    sub->add_option("--sides", options->primitive.sides, "Of a built-in polygon");
-    sub->add_option("--turns", options->primitive.turns, "Of a built-in helix");
+                    "Of a built-in line or plus, or the edge of a built-in straight-edged shape, mm")
+        ->check(positive());
+    sub->add_option("--height", options->primitive.height, "Of a built-in cone, cylinder or helix, mm")
+        ->check(positive());
+    sub->add_option("--sides", options->primitive.sides, "Of a built-in polygon")->check(whole(3, 1000));
+    sub->add_option("--turns", options->primitive.turns, "Of a built-in helix")->check(positive());
     sub->add_option("--array", options->array, "Array file (TOML) or shipped array: tile-10x10, hoshi-18x18")
         ->capture_default_str();
     sub->add_option("--unit", options->unit, "Unit of the coordinates in the files")
         ->check(CLI::IsMember({"mm", "cm", "m"}))
         ->capture_default_str();
     sub->add_option("--points", options->points, "Focal points to take from a surface, a curve or a larger cloud")
+        ->check(whole(1, 65535))
         ->capture_default_str();
-    sub->add_option("--seed", options->seed, "Of the sampling")->capture_default_str();
-    sub->add_option("--rate", options->rate_hz, "Passes over the shape a second, Hz")->capture_default_str();
+    sub->add_option("--seed", options->seed, "Of the sampling")
+        ->check(whole(0, std::numeric_limits<std::uint64_t>::max()))
+        ->capture_default_str();
+    sub->add_option("--rate", options->rate_hz, "Passes over the shape a second, Hz")
+        ->check(positive())
+        ->capture_default_str();
     sub->add_option("--loops", options->loops, "Passes when the image is played by itself; 0 is for ever")
+        ->check(whole(0, 65535))
         ->capture_default_str();
     sub->add_option("--center", options->center_mm,
                     "Move the bounding box's centre to x,y,z mm (built-in shapes: 0,0,130)")
         ->delimiter(',')
         ->expected(3);
-    sub->add_option("--size", options->size_mm, "Scale so that the largest extent is this many mm")
-        ->check(CLI::PositiveNumber);
+    sub->add_option("--size", options->size_mm, "Scale so that the largest extent is this many mm")->check(positive());
     sub->add_option("--rotate", options->rotate_deg, "Turn about the centre, degrees about x, then y, then z")
         ->delimiter(',')
         ->expected(3);
-    sub->add_option("--scale", options->scale, "Multiply every coordinate")
-        ->check(CLI::PositiveNumber)
-        ->capture_default_str();
+    sub->add_option("--scale", options->scale, "Multiply every coordinate")->check(positive())->capture_default_str();
     sub->add_flag("--clip", options->clip, "Leave out points that the array cannot reach");
     sub->add_option("-o,--output", options->output, "Image; - is standard output")->capture_default_str();
     sub->add_option("--manifest", options->manifest, "Manifest (default: the image's name with .json)");

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "acoustics/plane.hpp"
+#include "base/error.hpp"
 #include "base/file.hpp"
 #include "command.hpp"
 
@@ -22,8 +23,11 @@ struct FieldOptions {
 
 int field(const FieldOptions& options) {
     const Plane plane = parse_plane(options.plane, options.extent_mm * millimetre, options.step_mm * millimetre);
+    require_distinct({{"--pulses", options.pulses}, {"--manifest", options.manifest}}, {{"--output", options.output}});
     const Manifest manifest = manifest_from_json(read_file(options.manifest), options.manifest);
-    const auto records = measure(manifest, pulses_from_csv(read_file(options.pulses), options.pulses), options.pulses);
+    const std::vector<Pulse> pulses = pulses_from_csv(read_file(options.pulses), options.pulses);
+    if (pulses.empty()) throw bad_input(options.pulses, "no pulses in it; expected what simulate --pulses wrote");
+    const auto records = measure(manifest, pulses, options.pulses);
     const std::vector<double> mean = mean_radiation_pressure(manifest, records, plane);
     fmt::memory_buffer text;
     fmt::format_to(std::back_inserter(text), "{}_mm,{}_mm,radiation_pressure_pa\n", plane.u_axis, plane.v_axis);
@@ -46,8 +50,9 @@ void add_field(CLI::App& app, Action& action) {
     sub->add_option("--plane", options->plane, "xy@z=MM, xz@y=MM or yz@x=MM")->capture_default_str();
     sub->add_option("--extent", options->extent_mm,
                     "Half-width of the square, mm; along z twice this from the array on")
+        ->check(positive())
         ->capture_default_str();
-    sub->add_option("--step", options->step_mm, "Between points, mm")->capture_default_str();
+    sub->add_option("--step", options->step_mm, "Between points, mm")->check(positive())->capture_default_str();
     sub->add_option("-o,--output", options->output, "CSV file; - is standard output")->capture_default_str();
     sub->callback([options, &action] { action = [options] { return field(*options); }; });
 }

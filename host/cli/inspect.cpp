@@ -72,8 +72,9 @@ void print(const Image& image, const std::vector<std::string>& found) {
                image.loops == 0 ? std::string("repeated for ever") : fmt::format("played {} times", image.loops));
     for (std::size_t i = 0; i < image.sequence.size(); ++i)
         fmt::print("{:6} {:6} {:6}\n", i + 1, image.sequence[i].index, image.sequence[i].dwell);
-    fmt::print("\nchecks: {}\n", found.empty() ? "checksums, regions, records and sequence are in order"
-                                               : fmt::format("{} problems", found.size()));
+    fmt::print("\nchecks: {}\n", found.empty()
+                                     ? "checksums, regions, records and sequence are in order"
+                                     : fmt::format("{} problem{}", found.size(), found.size() > 1 ? "s" : ""));
     for (const std::string& problem : found) fmt::print("  {}\n", problem);
 }
 

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
+#include <charconv>
+#include <cmath>
 #include <csignal>
+#include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <iostream>
+#include <system_error>
 
 #include "base/error.hpp"
 #include "command.hpp"
@@ -16,6 +21,50 @@ std::string manifest_path(const std::string& image) {
     return path.replace_extension(".json").string();
 }
 
+void complain(const std::string& message) {
+    // Not fmt::print, which throws when stderr is closed.
+    std::fputs(fmt::format("haptogram: {}\n", message).c_str(), stderr);
+}
+
+void require_distinct(const std::vector<NamedPath>& inputs, const std::vector<NamedPath>& outputs) {
+    const auto same = [](const std::string& a, const std::string& b) {
+        std::error_code error;  // of files that do not exist yet
+        return a == b || std::filesystem::weakly_canonical(a, error) == std::filesystem::weakly_canonical(b, error) ||
+               std::filesystem::equivalent(a, b, error);
+    };
+    const auto clash = [](const NamedPath& a, const NamedPath& b) {
+        return Error(ErrorCode::usage, b.option,
+                     fmt::format("{} is already {}; give each its own file", b.path == "-" ? "standard output" : b.path,
+                                 a.option));
+    };
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
+        for (const NamedPath& input : inputs)
+            if (outputs[i].path != "-" && same(input.path, outputs[i].path)) throw clash(input, outputs[i]);
+        for (std::size_t j = 0; j < i; ++j)
+            if (same(outputs[j].path, outputs[i].path)) throw clash(outputs[j], outputs[i]);
+    }
+}
+
+CLI::Validator positive() {
+    return {[](std::string& text) {
+                double value = 0.0;
+                if (CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0.0) return std::string();
+                return fmt::format("must be a positive number, found '{}'", text);
+            },
+            "POSITIVE"};
+}
+
+CLI::Validator whole(std::uint64_t low, std::uint64_t high) {
+    return {[low, high](std::string& text) {
+                std::uint64_t value = 0;
+                const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+                if (error == std::errc() && end == text.data() + text.size() && value >= low && value <= high)
+                    return std::string();
+                return fmt::format("must be a whole number from {} to {}, found '{}'", low, high, text);
+            },
+            "WHOLE"};
+}
+
 namespace {
 
 int run(int argc, char** argv) {
@@ -23,7 +72,6 @@ int run(int argc, char** argv) {
         "Mid-air tactile shapes by focused ultrasound: compile shapes to images, simulate the FPGA that plays them.",
         "haptogram");
     app.set_version_flag("--version", "haptogram " + version());
-    app.require_subcommand(1);
     app.footer("Exit codes: 0 ok, 1 run failed, 2 usage, 3 bad input, 4 device or link.");
     Action action;
     add_compile(app, action);
@@ -32,9 +80,15 @@ int run(int argc, char** argv) {
     add_field(app, action);
     try {
         app.parse(argc, argv);
+    } catch (const CLI::ExtrasError& error) {
+        // CLI11 would only say that a subcommand is missing.
+        throw Error(ErrorCode::usage, "haptogram", fmt::format("{}; see haptogram --help", error.what()));
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : static_cast<int>(ErrorCode::usage);
     }
+    if (!action)
+        throw Error(ErrorCode::usage, "haptogram",
+                    "expected a subcommand: compile, inspect, simulate or field; see haptogram --help");
     return action();
 }
 
@@ -42,17 +96,28 @@ int run(int argc, char** argv) {
 }  // namespace haptogram::cli
 
 int main(int argc, char** argv) {
-    std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is an error message, not a silent death
+    using haptogram::ErrorCode;
+    // A closed pipe and a file that may not grow are errors to be told of, not silent deaths.
+    std::signal(SIGPIPE, SIG_IGN);
+    std::signal(SIGXFSZ, SIG_IGN);
+    const auto fail = [](const std::string& message, ErrorCode code) {
+        haptogram::cli::complain(message);
+        return static_cast<int>(code);
+    };
     try {
-        return haptogram::cli::run(argc, argv);
+        const int code = haptogram::cli::run(argc, argv);
+        std::cout.flush();
+        if (!std::cout || std::fflush(stdout) != 0)
+            return fail("standard output: cannot be written; what was printed is incomplete", ErrorCode::bad_input);
+        return code;
     } catch (const haptogram::Error& error) {
-        fmt::print(stderr, "haptogram: {}\n", error.what());
-        return static_cast<int>(error.code());
+        return fail(error.what(), error.code());
     } catch (const std::bad_alloc&) {
-        fmt::print(stderr, "haptogram: out of memory; take fewer points or a coarser step\n");
-        return static_cast<int>(haptogram::ErrorCode::run_failed);
+        return fail("out of memory; take fewer points or a coarser step", ErrorCode::run_failed);
+    } catch (const std::system_error& error) {  // from {fmt}, when printing fails
+        return fail(fmt::format("standard output: {}; what was printed is incomplete", error.what()),
+                    ErrorCode::bad_input);
     } catch (const std::exception& error) {
-        fmt::print(stderr, "haptogram: {}\n", error.what());
-        return static_cast<int>(haptogram::ErrorCode::run_failed);
+        return fail(error.what(), ErrorCode::run_failed);
     }
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "acoustics/focus_check.hpp"
 #include "acoustics/measure.hpp"
@@ -41,6 +42,46 @@ struct PointResult {
 constexpr double least_pressure_kept = 0.999;
 constexpr double most_peak_offset_m = 0.2e-3;
 
+/// Channels, clock, carrier and every element's place, to a micrometre.
+bool same_array(const Array& a, const Array& b) {
+    return a.board.channels == b.board.channels && a.board.clock_hz == b.board.clock_hz &&
+           a.carrier_hz == b.carrier_hz &&
+           std::equal(a.elements.begin(), a.elements.end(), b.elements.begin(), b.elements.end(),
+                      [](Vec3 p, Vec3 q) { return distance(p, q) < 1e-6; });
+}
+
+/// The manifest must speak of these records, or every number that follows would be about something else.
+void require_consistent(const Manifest& manifest, const Image& image, const std::string& where) {
+    const auto require = [&](bool agrees, const std::string& what) {
+        if (!agrees) throw bad_input(where, what + "; compile the two together");
+    };
+    require(manifest.foci.size() == image.records.size(),
+            fmt::format("{} records, but the image has {}", manifest.foci.size(), image.records.size()));
+    require(manifest.array.board.channels == image.channels,
+            fmt::format("{} channels, but the image has {}", manifest.array.board.channels, image.channels));
+    require(manifest.array.board.clock_hz == image.clock_hz,
+            fmt::format("a clock of {} Hz, but the image is for {} Hz", manifest.array.board.clock_hz, image.clock_hz));
+    std::vector<std::uint32_t> cycles(image.records.size());
+    for (const SequenceEntry& entry : image.sequence)
+        if (entry.index > 0) cycles[entry.index - 1U] += entry.dwell;
+    const Timer& t = manifest.timer;
+    for (std::size_t i = 0; i < image.records.size(); ++i) {
+        const Record& r = image.records[i];
+        if (r.cycle_length != t.cycle_ticks || r.prescaler != t.prescaler || r.pulse_length != t.pulse_ticks)
+            require(false,
+                    fmt::format("timer {} × {} ticks, pulse {}, but record {} of the image has {} × {}, pulse {}",
+                                t.prescaler, t.cycle_ticks, t.pulse_ticks, i + 1, r.prescaler, r.cycle_length,
+                                r.pulse_length));
+        if (manifest.dwell_cycles[i] != cycles[i])
+            require(false, fmt::format("record {} is to last {} cycles, but the image's sequence gives it {}", i + 1,
+                                       manifest.dwell_cycles[i], cycles[i]));
+        for (std::size_t k = manifest.array.elements.size(); k < r.timings.size(); ++k)
+            if (r.timings[k] < r.cycle_length)
+                require(false, fmt::format("{} elements, but record {} of the image fires channel {}",
+                                           manifest.array.elements.size(), i + 1, k));
+    }
+}
+
 Manifest matching_manifest(const SimulateOptions& options, const std::string& hex, const Image& image) {
     Manifest manifest = manifest_from_json(read_file(options.manifest), options.manifest);
     if (manifest.image_sha256 != sha256(hex))
@@ -48,15 +89,10 @@ Manifest matching_manifest(const SimulateOptions& options, const std::string& he
             options.manifest,
             fmt::format("it belongs to another image than {} (hash {}…, expected {}…); compile the two together",
                         options.image, sha256(hex).substr(0, 12), manifest.image_sha256.substr(0, 12)));
-    if (manifest.foci.size() != image.records.size() || manifest.array.board.channels != image.channels)
-        throw bad_input(
-            options.manifest,
-            fmt::format("{} records on {} channels, but the image has {} on {}; compile the two together",
-                        manifest.foci.size(), manifest.array.board.channels, image.records.size(), image.channels));
+    require_consistent(manifest, image, options.manifest);
     if (!options.array.empty()) {
         const Array array = find_array(options.array);
-        if (array.elements.size() != manifest.array.elements.size() || array.board.channels != image.channels ||
-            std::abs(array.board.clock_hz - image.clock_hz) > 0.5)
+        if (!same_array(array, manifest.array))
             throw bad_input(options.image,
                             fmt::format("it was compiled for {} ({} elements, {} channels, {} Hz), not for {} ({} "
                                         "elements, {} channels, {} Hz); "
@@ -90,13 +126,15 @@ std::vector<PointResult> check_points(const Manifest& manifest, const std::vecto
 }
 
 struct Summary {
-    std::size_t checked = 0, unsteady = 0, off = 0;
+    std::size_t checked = 0, unsteady = 0;
+    std::vector<std::size_t> off;  ///< records
     double least_kept = 1.0, mean_kept = 0.0, worst_offset_m = 0.0;
 };
 
 Summary summarise(const std::vector<PointResult>& points) {
     Summary s;
-    for (const PointResult& p : points) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const PointResult& p = points[i];
         if (p.cycles == 0) continue;
         if (!p.steady) {
             ++s.unsteady;
@@ -106,7 +144,8 @@ Summary summarise(const std::vector<PointResult>& points) {
         s.least_kept = std::min(s.least_kept, p.check.pressure_kept);
         s.mean_kept += p.check.pressure_kept;
         s.worst_offset_m = std::max(s.worst_offset_m, p.check.peak_offset_m);
-        if (p.check.pressure_kept < least_pressure_kept || p.check.peak_offset_m > most_peak_offset_m) ++s.off;
+        if (p.check.pressure_kept < least_pressure_kept || p.check.peak_offset_m > most_peak_offset_m)
+            s.off.push_back(i + 1);
     }
     if (s.checked > 0) s.mean_kept /= static_cast<double>(s.checked);
     return s;
@@ -174,13 +213,23 @@ void print(const Manifest& manifest, const sim::Playback& p, const Summary& s, s
     if (s.unsteady > 0) fmt::print("too short to check   {} points play for fewer than 3 cycles\n", s.unsteady);
     fmt::print("contract violations  {}\n", p.violation_count);
     for (const std::string& violation : p.violations) fmt::print("  {}\n", violation);
-    if (s.off > 0)
-        fmt::print("{} points are off: less than {} of the pressure, or more than {} mm away\n", s.off,
-                   least_pressure_kept, most_peak_offset_m / millimetre);
+    if (s.off.empty()) return;
+    constexpr std::size_t most_listed = 10;
+    const auto shown = static_cast<std::ptrdiff_t>(std::min(s.off.size(), most_listed));
+    fmt::print("off: record{} {}{}: less than {} of the pressure, or more than {} mm away\n",
+               s.off.size() > 1 ? "s" : "", fmt::join(s.off.begin(), s.off.begin() + shown, ", "),
+               s.off.size() > most_listed ? fmt::format(" and {} more", s.off.size() - most_listed) : "",
+               least_pressure_kept, most_peak_offset_m / millimetre);
 }
 
 int simulate(SimulateOptions options) {
     if (options.manifest.empty()) options.manifest = manifest_path(options.image);
+    std::vector<NamedPath> outputs;
+    if (!options.pulses.empty()) outputs.push_back({"--pulses", options.pulses});
+    if (!options.report.empty()) outputs.push_back({"--report", options.report});
+    if (options.json) outputs.push_back({"--json", "-"});
+    if (!options.trace.empty()) outputs.push_back({"--trace", options.trace});
+    require_distinct({{"the image", options.image}, {"the manifest", options.manifest}}, outputs);
     const std::string hex = read_file(options.image);
     const Image image = from_intel_hex(hex, options.image);
     const std::vector<std::string> found = problems(image);
@@ -195,10 +244,15 @@ int simulate(SimulateOptions options) {
     how.load_by_uart = options.load == "uart";
     how.passes = options.passes;
     if (options.duration_ms > 0.0) how.duration_s = options.duration_ms * 1e-3;
-    how.trace = options.trace;
+    std::optional<StagedFile> trace;
+    if (!options.trace.empty()) {
+        trace.emplace(options.trace);
+        how.trace = trace->beside();
+        if (how.trace.empty())
+            throw bad_input(options.trace, "a trace needs a file of its own; name one that is no device or pipe");
+    }
     Progress progress("simulate");
     how.progress = [&progress](const char* stage, double fraction) { progress.update(fraction, stage); };
-    if (!options.trace.empty()) write_file(options.trace, "");  // say now, not after minutes, that it cannot be written
     const sim::Playback playback = sim::play(image, how, options.image);
     const std::vector<PointResult> points = check_points(manifest, playback.pulses, options.image);
     const Summary summary = summarise(points);
@@ -208,11 +262,12 @@ int simulate(SimulateOptions options) {
     if (!options.pulses.empty()) files.emplace_back(options.pulses, to_csv(playback.pulses));
     if (!options.report.empty()) files.emplace_back(options.report, json.dump(1) + "\n");
     write_files(files);
+    if (trace) trace->commit();
     if (options.json)
         fmt::print("{}\n", json.dump(1));
     else if (options.pulses != "-" && options.report != "-")
         print(manifest, playback, summary, points.size(), hex.size());
-    return playback.violation_count == 0 && summary.off == 0 ? 0 : 1;
+    return playback.violation_count == 0 && summary.off.empty() ? 0 : 1;
 }
 
 }  // namespace
@@ -226,10 +281,10 @@ void add_simulate(CLI::App& app, Action& action) {
     sub->add_option("--manifest", options->manifest, "Manifest (default: the image's name with .json)");
     sub->add_option("--array", options->array, "Insist that the image was compiled for this array");
     auto* passes = sub->add_option("--passes", options->passes, "Passes over the sequence")
-                       ->check(CLI::Range(1, 65535))
+                       ->check(whole(1, 65535))
                        ->capture_default_str();
     sub->add_option("--duration", options->duration_ms, "Play for this many ms instead")
-        ->check(CLI::PositiveNumber)
+        ->check(positive())
         ->excludes(passes);
     sub->add_option("--load", options->load, "Through the simulated serial line, or straight into the memories")
         ->check(CLI::IsMember({"uart", "direct"}))

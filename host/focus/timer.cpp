@@ -23,7 +23,7 @@ Timer choose_timer(const Array& array) {
             continue;
         return {array.board.clock_hz, prescaler, static_cast<std::uint32_t>(cycle), static_cast<std::uint32_t>(pulse)};
     }
-    throw bad_input(array.name,
+    throw bad_input(array.file,
                     fmt::format("no timer of at least 8 ticks makes a {} Hz carrier with {:.1f} % duty from a {} Hz "
                                 "clock with {} pulse bits; "
                                 "choose a clock that is a multiple of the carrier, or a smaller duty",

@@ -10,6 +10,7 @@
 #include <initializer_list>
 #include <numbers>
 #include <optional>
+#include <sstream>
 #include <string_view>
 
 #include "base/error.hpp"
@@ -22,6 +23,13 @@ constexpr double degree = std::numbers::pi / 180.0;
 
 std::string place(const std::string& file, const toml::node& node) {
     return fmt::format("{}:{}", file, node.source().begin.line);
+}
+
+/// The value as the file has it.
+std::string found(const toml::node& node) {
+    std::ostringstream text;
+    node.visit([&text](const auto& value) { text << value; });
+    return text.str();
 }
 
 /// One table of the file: typed, range-checked, and it knows which keys nobody asked for.
@@ -45,7 +53,7 @@ public:
         const std::optional<double> value = node->value<double>();
         if (!value || !std::isfinite(*value) || *value < low || *value > high)
             throw bad_input(place(file_, *node),
-                            fmt::format("{}.{} must be a number from {} to {}", name_, key, low, high));
+                            fmt::format("{}.{} must be a number from {} to {}, found {}", name_, key, low, high, found(*node)));
         return value;
     }
 
@@ -56,7 +64,7 @@ public:
         const auto value = node->as_integer() == nullptr ? std::optional<std::int64_t>{} : node->value<std::int64_t>();
         if (!value || *value < low || *value > high)
             throw bad_input(place(file_, *node),
-                            fmt::format("{}.{} must be a whole number from {} to {}", name_, key, low, high));
+                            fmt::format("{}.{} must be a whole number from {} to {}, found {}", name_, key, low, high, found(*node)));
         return static_cast<std::uint32_t>(*value);
     }
 
@@ -64,7 +72,7 @@ public:
         const toml::node* node = find(key);
         if (node == nullptr) return {};
         auto value = node->value<std::string>();
-        if (!value) throw bad_input(place(file_, *node), fmt::format("{}.{} must be a text in quotes", name_, key));
+        if (!value) throw bad_input(place(file_, *node), fmt::format("{}.{} must be a text in quotes, found {}", name_, key, found(*node)));
         return value;
     }
 
@@ -101,7 +109,7 @@ std::vector<Vec3> grid(std::uint32_t rows, std::uint32_t columns, double pitch_m
 
 std::vector<Vec3> listed_elements(const std::string& file, const toml::node& node) {
     const auto fail = [&](const toml::node& at) {
-        return bad_input(place(file, at), "elements_mm must be a list of [x, y] pairs of numbers, in channel order");
+        return bad_input(place(file, at), "elements_mm must be a list of [x, y] pairs of numbers, in channel order, found " + found(at));
     };
     const toml::array* list = node.as_array();
     if (list == nullptr || list->empty()) throw fail(node);
@@ -207,7 +215,12 @@ Array load_array(const std::filesystem::path& path) {
                 place(file, node),
                 fmt::format("unknown key '{}'; known are name, array, medium, transducer, board", key.str()));
     Array array;
-    array.name = root["name"].value_or(path.stem().string());
+    array.file = file;
+    array.name = path.stem().string();
+    if (const toml::node* name = root.get("name")) {
+        if (!name->is_string()) throw bad_input(place(file, *name), "name must be a text in quotes, found " + found(*name));
+        array.name = name->value_or(array.name);
+    }
     read_medium(array.medium, file, root);
     read_transducer(array.transducer, file, root);
     read_board(array.board, file, root);
@@ -216,6 +229,11 @@ Array load_array(const std::filesystem::path& path) {
         throw bad_input(file,
                         fmt::format("{} elements but the board has {} channels; use a larger board or fewer elements",
                                     array.elements.size(), array.board.channels));
+    for (std::size_t a = 0; a < array.elements.size(); ++a)
+        for (std::size_t b = 0; b < a; ++b)
+            if (array.elements[a] == array.elements[b])
+                throw bad_input(file, fmt::format("elements {} and {} are at the same place, ({}, {}) mm; each needs its own", b, a,
+                                                  array.elements[a].x / millimetre, array.elements[a].y / millimetre));
     return array;
 }
 

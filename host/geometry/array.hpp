@@ -40,6 +40,7 @@ struct BoardSpec {
 /// Elements may be fewer than the board's channels; the rest stay silent.
 struct Array {
     std::string name = "tile-10x10";
+    std::string file;            ///< where it was read from, for messages
     std::vector<Vec3> elements;  ///< metres, z = 0, channel order (row · columns + column)
     double carrier_hz = 40e3;
     double duty = 0.5;             ///< of the carrier period, (0, 0.5]

@@ -3,6 +3,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.hpp"
@@ -21,6 +22,35 @@ ordered_json to_mm(Vec3 v) {
 Vec3 from_mm_json(const ordered_json& json) {
     if (json.size() != 3) throw ordered_json::other_error::create(599, "a position has three coordinates", &json);
     return from_mm(json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>());
+}
+
+Error bad_member(const std::string& where, const char* key, const char* expected, const ordered_json& found) {
+    return bad_input(where, fmt::format("{} must be {}, found {}; compile the image again", key, expected, found.dump()));
+}
+
+double positive(const ordered_json& json, const char* key, const std::string& where) {
+    const ordered_json& member = json.at(key);
+    if (!member.is_number() || !(member.get<double>() > 0.0)) throw bad_member(where, key, "a positive number", member);
+    return member.get<double>();
+}
+
+double not_negative(const ordered_json& json, const char* key, const std::string& where) {
+    const ordered_json& member = json.at(key);
+    if (!member.is_number() || !(member.get<double>() >= 0.0)) throw bad_member(where, key, "a number, not negative", member);
+    return member.get<double>();
+}
+
+std::uint32_t count(const ordered_json& json, const char* key, std::uint32_t low, const std::string& where) {
+    const ordered_json& member = json.at(key);
+    if (!member.is_number_unsigned() || member.get<std::uint64_t>() > 0xffffffffU || member.get<std::uint32_t>() < low)
+        throw bad_member(where, key, low > 0 ? "a positive whole number" : "a whole number", member);
+    return member.get<std::uint32_t>();
+}
+
+/// The JSON library quotes what it could not read, which may be any bytes.
+std::string printable(std::string text) {
+    std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c > 0x7e; }, '?');
+    return text;
 }
 
 }  // namespace
@@ -75,31 +105,31 @@ Manifest manifest_from_json(std::string_view text, const std::string& where) {
         m.input_sha256 = json.at("inputs_sha256").get<std::string>();
         m.image_sha256 = json.at("image_sha256").get<std::string>();
         m.array.name = json.at("array").at("name").get<std::string>();
-        m.array.carrier_hz = json.at("array").at("carrier_hz").get<double>();
-        m.array.duty = json.at("array").at("duty").get<double>();
+        m.array.carrier_hz = positive(json.at("array"), "carrier_hz", where);
+        m.array.duty = positive(json.at("array"), "duty", where);
         for (const auto& element : json.at("array").at("elements_mm"))
             m.array.elements.push_back(from_mm_json(element));
-        m.array.medium = {json.at("medium").at("speed_m_s").get<double>(),
-                          json.at("medium").at("density_kg_m3").get<double>()};
+        const auto& medium = json.at("medium");
+        m.array.medium = {positive(medium, "speed_m_s", where), positive(medium, "density_kg_m3", where)};
         const auto& transducer = json.at("transducer");
         m.array.transducer = {transducer.at("name").get<std::string>(),
-                              transducer.at("radius_mm").get<double>() * millimetre,
-                              transducer.at("source_pa_m").get<double>(), transducer.at("bandwidth_hz").get<double>()};
+                              not_negative(transducer, "radius_mm", where) * millimetre,
+                              positive(transducer, "source_pa_m", where), positive(transducer, "bandwidth_hz", where)};
         const auto& board = json.at("board");
-        m.array.board = {board.at("name").get<std::string>(),          board.at("clock_hz").get<double>(),
-                         board.at("baud").get<std::uint32_t>(),        board.at("channels").get<std::uint32_t>(),
-                         board.at("records").get<std::uint32_t>(),     board.at("sequence_depth").get<std::uint32_t>(),
-                         board.at("timing_bits").get<std::uint32_t>(), board.at("pulse_bits").get<std::uint32_t>()};
+        m.array.board = {board.at("name").get<std::string>(),        positive(board, "clock_hz", where),
+                         count(board, "baud", 1, where),             count(board, "channels", 1, where),
+                         count(board, "records", 1, where),          count(board, "sequence_depth", 2, where),
+                         count(board, "timing_bits", 1, where),      count(board, "pulse_bits", 1, where)};
         const auto& timer = json.at("timer");
-        m.timer = {m.array.board.clock_hz, timer.at("prescaler").get<std::uint32_t>(),
-                   timer.at("cycle_ticks").get<std::uint32_t>(), timer.at("pulse_ticks").get<std::uint32_t>()};
+        m.timer = {m.array.board.clock_hz, count(timer, "prescaler", 1, where), count(timer, "cycle_ticks", 2, where),
+                   count(timer, "pulse_ticks", 1, where)};
         const auto& rendering = json.at("rendering");
-        m.rate_hz = rendering.at("rate_hz").get<double>();
-        m.formation = {rendering.at("flight_spread_s").get<double>(), rendering.at("beta_periods").get<std::uint32_t>(),
-                       rendering.at("formation_s").get<double>(), rendering.at("ring_up_s").get<double>()};
+        m.rate_hz = positive(rendering, "rate_hz", where);
+        m.formation = {not_negative(rendering, "flight_spread_s", where), count(rendering, "beta_periods", 0, where),
+                       not_negative(rendering, "formation_s", where), not_negative(rendering, "ring_up_s", where)};
         for (const auto& record : json.at("records")) {
             m.foci.push_back(from_mm_json(record.at("focus_mm")));
-            m.dwell_cycles.push_back(record.at("dwell_cycles").get<std::uint32_t>());
+            m.dwell_cycles.push_back(count(record, "dwell_cycles", 0, where));
         }
         if (m.array.elements.empty() || m.array.elements.size() > m.array.board.channels)
             throw bad_input(where, fmt::format("{} elements for {} channels; compile the image again",
@@ -107,7 +137,7 @@ Manifest manifest_from_json(std::string_view text, const std::string& where) {
         return m;
     } catch (const nlohmann::json::exception& error) {
         throw bad_input(where, fmt::format("not a manifest that this version understands: {}; compile the image again",
-                                           error.what()));
+                                           printable(error.what())));
     }
 }
 

@@ -44,6 +44,8 @@ def model(proof, folder, bug=None):
     script = f"""
         read_verilog -formal -defer {defines} -I{folder} -I{ROOT}/rtl {' '.join(str(s) for s in sources)}
         hierarchy -check -top {proof['top']} {parameters}
+        proc
+        {'chformal -cover -remove * A:top %d' if proof.get('own_covers') else ''}
         prep -flatten -nordff
         memory_nordff
         memory_map
@@ -60,10 +62,10 @@ def model(proof, folder, bug=None):
     return folder / "model.smt2"
 
 
-def solve(smt2, kind, depth, *options):
+def solve(smt2, kind, depth, *options, step=1):
     """True when yosys-smtbmc says PASSED, False when FAILED; anything else is an error. Traces are left beside the model."""
     trace = [] if kind == "cover" else ["--dump-vcd", f"{kind}.vcd"]
-    command = ["yosys-smtbmc", "-s", "z3", "--noprogress", "-t", str(depth), *options, *trace, smt2.name]
+    command = ["yosys-smtbmc", "-s", "z3", "--unroll", "--noprogress", "-t", f"0:{step}:{depth}", *options, *trace, smt2.name]
     done = subprocess.run(command, cwd=smt2.parent, capture_output=True, text=True)
     (smt2.parent / f"{kind}.log").write_text(done.stdout + done.stderr)
     verdict = re.search(r"Status: (\w+)", done.stdout)
@@ -98,11 +100,11 @@ class Proof:
 
     def prove(self):
         row, smt2 = self.row, model(self.row, self.folder)
-        if not solve(smt2, "bounded", row["depth"] + 1):
+        if not solve(smt2, "bounded", row["depth"] + 1, step=row.get("step", 1)):
             self.problem(f"an assertion fails within {row['depth']} clocks, see {self.folder}/bounded.log and bounded.vcd")
         if "induction" in row and not solve(smt2, "induction", row["induction"], "-i"):
             self.problem(f"induction over {row['induction']} clocks fails, see {self.folder}/induction.log and induction.vcd")
-        if not solve(smt2, "cover", row.get("cover", row["depth"]) + 1, "-c"):
+        if not solve(smt2, "cover", row.get("reach", row["depth"]) + 1, "-c"):
             self.problem(f"a cover point is never reached, see {self.folder}/cover.log")
         reached = set(re.findall(r"Reached cover statement at (\S+)", (self.folder / "cover.log").read_text()))
         self.notes["covers"] = len(reached)
@@ -111,7 +113,7 @@ class Proof:
 
     def catch(self, step):
         bug = self.row["bugs"][step - 1]
-        if solve(model(self.row, self.folder / f"bug_{step}", bug), "bounded", self.row["depth"] + 1):
+        if solve(model(self.row, self.folder / f"bug_{step}", bug), "bounded", self.row.get("reach", self.row["depth"]) + 1, step=self.row.get("step", 1)):
             self.problem(f"the planted bug {step} is not found ({bug['why']}: '{bug['old']}' -> '{bug['new']}' in {bug['file']})")
 
     def line(self):
