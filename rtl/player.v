@@ -65,5 +65,12 @@ module player #(
         else {beside_0_q, beside_1_q} <= {{cycle_start, present}, beside_0_q};
     end
     assign {o_cycle_start, o_index} = beside_1_q;
+
+`ifdef FORMAL
+    // Everything its parts assert about each other is to hold here, whatever is in memory.
+    always @(posedge clk) begin
+        cover (!rst && commit && !silent && index != present);
+    end
+`endif
 endmodule
 `default_nettype wire

@@ -124,9 +124,11 @@ std::vector<std::uint32_t> dwells(const Timer& timer, double rate_hz, std::size_
     if (each < 1.0)
         throw bad_input(
             "--rate",
-            fmt::format("{} points at {} Hz leave {:.2f} carrier cycles a point, and a focus lasts at least one; "
-                        "at most {:.4g} Hz can be reached with these points",
-                        count, rate_hz, each, timer.carrier_hz() / static_cast<double>(count)));
+            fmt::format(
+                "{} points at {} Hz leave {:.2f} carrier cycles a point, and a focus lasts at least one; "
+                "at most {:.4g} Hz can be reached with these points{}",
+                count, rate_hz, each, timer.carrier_hz() / static_cast<double>(count),
+                total >= 1.0 ? fmt::format(", or {} points at this rate", static_cast<std::size_t>(total)) : ""));
     if (each > 65535.0)
         throw bad_input("--rate",
                         fmt::format("{} points at {} Hz leave {:.4g} carrier cycles a point, and a sequence entry "
@@ -235,6 +237,7 @@ void check_options(CompileOptions& options) {
         (measures.diameter || measures.size || measures.height || measures.sides || measures.turns))
         throw Error(ErrorCode::usage, "--diameter, --length, --height, --sides, --turns",
                     "measure a built-in shape, and there is none; add --shape, or scale files with --size");
+    if (options.output.empty()) throw Error(ErrorCode::usage, "--output", "the name is empty; name the image");
     if (options.manifest.empty()) {
         if (options.output == "-")
             throw Error(ErrorCode::usage, "-o -",

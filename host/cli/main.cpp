@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
+#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <csignal>
@@ -29,8 +30,10 @@ void complain(const std::string& message) {
 void require_distinct(const std::vector<NamedPath>& inputs, const std::vector<NamedPath>& outputs) {
     const auto same = [](const std::string& a, const std::string& b) {
         std::error_code error;  // of files that do not exist yet
-        return a == b || std::filesystem::weakly_canonical(a, error) == std::filesystem::weakly_canonical(b, error) ||
-               std::filesystem::equivalent(a, b, error);
+        const auto place = [&error](const std::string& path) {
+            return std::filesystem::weakly_canonical(std::filesystem::absolute(path, error), error);
+        };
+        return a == b || place(a) == place(b) || std::filesystem::equivalent(a, b, error);
     };
     const auto clash = [](const NamedPath& a, const NamedPath& b) {
         return Error(ErrorCode::usage, b.option,
@@ -108,7 +111,9 @@ int main(int argc, char** argv) {
         const int code = haptogram::cli::run(argc, argv);
         std::cout.flush();
         if (!std::cout || std::fflush(stdout) != 0)
-            return fail("standard output: cannot be written; what was printed is incomplete", ErrorCode::bad_input);
+            return fail(fmt::format("standard output: {}; what was printed is incomplete",
+                                    std::generic_category().message(errno)),
+                        ErrorCode::bad_input);
         return code;
     } catch (const haptogram::Error& error) {
         return fail(error.what(), error.code());

@@ -172,7 +172,8 @@ nlohmann::ordered_json to_json(const Manifest& manifest, const sim::Playback& p,
         {"violations", p.violations},
         {"points_checked", s.checked},
         {"points_too_short_to_check", s.unsteady},
-        {"points_off", s.off},
+        {"points_off", s.off.size()},
+        {"records_off", s.off},
         {"least_pressure_kept", s.least_kept},
         {"mean_pressure_kept", s.mean_kept},
         {"worst_focus_error_mm", s.worst_offset_m / millimetre},
@@ -216,10 +217,26 @@ void print(const Manifest& manifest, const sim::Playback& p, const Summary& s, s
     if (s.off.empty()) return;
     constexpr std::size_t most_listed = 10;
     const auto shown = static_cast<std::ptrdiff_t>(std::min(s.off.size(), most_listed));
-    fmt::print("off: record{} {}{}: less than {} of the pressure, or more than {} mm away\n",
-               s.off.size() > 1 ? "s" : "", fmt::join(s.off.begin(), s.off.begin() + shown, ", "),
+    fmt::print("{} point{} off: record{} {}{}: less than {} of the pressure, or more than {} mm away\n", s.off.size(),
+               s.off.size() > 1 ? "s are" : " is", s.off.size() > 1 ? "s" : "",
+               fmt::join(s.off.begin(), s.off.begin() + shown, ", "),
                s.off.size() > most_listed ? fmt::format(" and {} more", s.off.size() - most_listed) : "",
                least_pressure_kept, most_peak_offset_m / millimetre);
+}
+
+/// Verilator's trace writer does not say when the disk is full. An FST file is a chain of blocks, each a type and its
+/// length; the chain must end where the file does.
+void require_whole_trace(const std::filesystem::path& file, const std::string& name) {
+    const std::string content = read_file(file);
+    std::uint64_t at = 0;
+    while (at + 9 <= content.size()) {
+        std::uint64_t length = 0;
+        for (std::size_t i = 1; i <= 8; ++i) length = length << 8 | static_cast<unsigned char>(content[at + i]);
+        if (length < 8 || length > content.size()) break;
+        at += 1 + length;
+    }
+    if (content.empty() || at != content.size())
+        throw bad_input(name, "cannot be written whole; make room, nothing was left behind");
 }
 
 int simulate(SimulateOptions options) {
@@ -249,7 +266,8 @@ int simulate(SimulateOptions options) {
         trace.emplace(options.trace);
         how.trace = trace->beside();
         if (how.trace.empty())
-            throw bad_input(options.trace, "a trace needs a file of its own; name one that is no device or pipe");
+            throw Error(options.trace == "-" ? ErrorCode::usage : ErrorCode::bad_input, options.trace,
+                        "a trace needs a file of its own; name one that is no device or pipe");
     }
     Progress progress("simulate");
     how.progress = [&progress](const char* stage, double fraction) { progress.update(fraction, stage); };
@@ -262,7 +280,10 @@ int simulate(SimulateOptions options) {
     if (!options.pulses.empty()) files.emplace_back(options.pulses, to_csv(playback.pulses));
     if (!options.report.empty()) files.emplace_back(options.report, json.dump(1) + "\n");
     write_files(files);
-    if (trace) trace->commit();
+    if (trace) {
+        require_whole_trace(trace->beside(), options.trace);
+        trace->commit();
+    }
     if (options.json)
         fmt::print("{}\n", json.dump(1));
     else if (options.pulses != "-" && options.report != "-")

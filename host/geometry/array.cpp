@@ -52,8 +52,8 @@ public:
         if (node == nullptr) return {};
         const std::optional<double> value = node->value<double>();
         if (!value || !std::isfinite(*value) || *value < low || *value > high)
-            throw bad_input(place(file_, *node),
-                            fmt::format("{}.{} must be a number from {} to {}, found {}", name_, key, low, high, found(*node)));
+            throw bad_input(place(file_, *node), fmt::format("{}.{} must be a number from {} to {}, found {}", name_,
+                                                             key, low, high, found(*node)));
         return value;
     }
 
@@ -63,8 +63,8 @@ public:
         if (node == nullptr) return {};
         const auto value = node->as_integer() == nullptr ? std::optional<std::int64_t>{} : node->value<std::int64_t>();
         if (!value || *value < low || *value > high)
-            throw bad_input(place(file_, *node),
-                            fmt::format("{}.{} must be a whole number from {} to {}, found {}", name_, key, low, high, found(*node)));
+            throw bad_input(place(file_, *node), fmt::format("{}.{} must be a whole number from {} to {}, found {}",
+                                                             name_, key, low, high, found(*node)));
         return static_cast<std::uint32_t>(*value);
     }
 
@@ -72,7 +72,9 @@ public:
         const toml::node* node = find(key);
         if (node == nullptr) return {};
         auto value = node->value<std::string>();
-        if (!value) throw bad_input(place(file_, *node), fmt::format("{}.{} must be a text in quotes, found {}", name_, key, found(*node)));
+        if (!value)
+            throw bad_input(place(file_, *node),
+                            fmt::format("{}.{} must be a text in quotes, found {}", name_, key, found(*node)));
         return value;
     }
 
@@ -109,7 +111,8 @@ std::vector<Vec3> grid(std::uint32_t rows, std::uint32_t columns, double pitch_m
 
 std::vector<Vec3> listed_elements(const std::string& file, const toml::node& node) {
     const auto fail = [&](const toml::node& at) {
-        return bad_input(place(file, at), "elements_mm must be a list of [x, y] pairs of numbers, in channel order, found " + found(at));
+        return bad_input(place(file, at),
+                         "elements_mm must be a list of [x, y] pairs of numbers, in channel order, found " + found(at));
     };
     const toml::array* list = node.as_array();
     if (list == nullptr || list->empty()) throw fail(node);
@@ -218,7 +221,8 @@ Array load_array(const std::filesystem::path& path) {
     array.file = file;
     array.name = path.stem().string();
     if (const toml::node* name = root.get("name")) {
-        if (!name->is_string()) throw bad_input(place(file, *name), "name must be a text in quotes, found " + found(*name));
+        if (!name->is_string())
+            throw bad_input(place(file, *name), "name must be a text in quotes, found " + found(*name));
         array.name = name->value_or(array.name);
     }
     read_medium(array.medium, file, root);
@@ -232,8 +236,10 @@ Array load_array(const std::filesystem::path& path) {
     for (std::size_t a = 0; a < array.elements.size(); ++a)
         for (std::size_t b = 0; b < a; ++b)
             if (array.elements[a] == array.elements[b])
-                throw bad_input(file, fmt::format("elements {} and {} are at the same place, ({}, {}) mm; each needs its own", b, a,
-                                                  array.elements[a].x / millimetre, array.elements[a].y / millimetre));
+                throw bad_input(
+                    file, fmt::format(
+                              "elements_mm: elements {} and {} are at the same place, ({}, {}) mm; each needs its own",
+                              b, a, array.elements[a].x / millimetre, array.elements[a].y / millimetre));
     return array;
 }
 

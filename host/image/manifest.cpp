@@ -25,7 +25,8 @@ Vec3 from_mm_json(const ordered_json& json) {
 }
 
 Error bad_member(const std::string& where, const char* key, const char* expected, const ordered_json& found) {
-    return bad_input(where, fmt::format("{} must be {}, found {}; compile the image again", key, expected, found.dump()));
+    return bad_input(where,
+                     fmt::format("{} must be {}, found {}; compile the image again", key, expected, found.dump()));
 }
 
 double positive(const ordered_json& json, const char* key, const std::string& where) {
@@ -36,7 +37,8 @@ double positive(const ordered_json& json, const char* key, const std::string& wh
 
 double not_negative(const ordered_json& json, const char* key, const std::string& where) {
     const ordered_json& member = json.at(key);
-    if (!member.is_number() || !(member.get<double>() >= 0.0)) throw bad_member(where, key, "a number, not negative", member);
+    if (!member.is_number() || !(member.get<double>() >= 0.0))
+        throw bad_member(where, key, "a number, not negative", member);
     return member.get<double>();
 }
 
@@ -49,7 +51,8 @@ std::uint32_t count(const ordered_json& json, const char* key, std::uint32_t low
 
 /// The JSON library quotes what it could not read, which may be any bytes.
 std::string printable(std::string text) {
-    std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c > 0x7e; }, '?');
+    std::replace_if(
+        text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c > 0x7e; }, '?');
     return text;
 }
 
@@ -116,10 +119,10 @@ Manifest manifest_from_json(std::string_view text, const std::string& where) {
                               not_negative(transducer, "radius_mm", where) * millimetre,
                               positive(transducer, "source_pa_m", where), positive(transducer, "bandwidth_hz", where)};
         const auto& board = json.at("board");
-        m.array.board = {board.at("name").get<std::string>(),        positive(board, "clock_hz", where),
-                         count(board, "baud", 1, where),             count(board, "channels", 1, where),
-                         count(board, "records", 1, where),          count(board, "sequence_depth", 2, where),
-                         count(board, "timing_bits", 1, where),      count(board, "pulse_bits", 1, where)};
+        m.array.board = {board.at("name").get<std::string>(),   positive(board, "clock_hz", where),
+                         count(board, "baud", 1, where),        count(board, "channels", 1, where),
+                         count(board, "records", 1, where),     count(board, "sequence_depth", 2, where),
+                         count(board, "timing_bits", 1, where), count(board, "pulse_bits", 1, where)};
         const auto& timer = json.at("timer");
         m.timer = {m.array.board.clock_hz, count(timer, "prescaler", 1, where), count(timer, "cycle_ticks", 2, where),
                    count(timer, "pulse_ticks", 1, where)};

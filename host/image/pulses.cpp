@@ -36,6 +36,7 @@ std::string to_csv(const std::vector<Pulse>& pulses) {
 }
 
 std::vector<Pulse> pulses_from_csv(std::string_view text, const std::string& where) {
+    if (text.empty()) throw bad_input(where, fmt::format("the file is empty; expected the header '{}'", header));
     std::vector<Pulse> pulses;
     for (std::size_t number = 1; !text.empty(); ++number) {
         const std::size_t newline = text.find('\n');

@@ -23,7 +23,7 @@ BAD = {
     "unknown key": (GRID + "colums = 3\n", ["toml:5", r"array\.colums", "known are", "columns"]),
     "unknown table": (GRID + "[bord]\nrecords = 2\n", ["toml:5", "bord", "board"]),
     "a table that is none": ("array = 3\n", ["toml:1", "array", "table"]),
-    "text for a number": ('[array]\nrows = "2"\ncolumns = 2\npitch_mm = 10\n', ["toml:2", r"array\.rows", "whole number", '"2"']),
+    "text for a number": ('[array]\nrows = "2"\ncolumns = 2\npitch_mm = 10\n', ["toml:2", r"array\.rows", "whole number", r"['\"]2['\"]"]),
     "fraction for a whole number": (GRID + "[board]\nbaud = 1.5\n", ["toml:6", r"board\.baud", "whole number", r"1\.5"]),
     "number for a text": (GRID + "[board]\nname = 7\n", ["toml:6", r"board\.name", "text"]),
     "number for the name": ("name = 3\n" + GRID, ["toml:1", "name", "text"]),
