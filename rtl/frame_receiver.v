@@ -92,7 +92,7 @@ module frame_receiver #(
     wire [BITS:0]   f_number = ONE;
 `endif
     reg          f_reset_seen_q;
-    reg [15:0]   f_crc_q, f_bytes_q, f_pair_q, f_kept_q;
+    reg [15:0]   f_crc_q, f_bytes_q, f_pair_q, f_kept_q, f_word_q;
     reg [BITS:0] f_kept_place_q;
     initial f_reset_seen_q = 1'b0;
     wire [15:0]   f_pairs   = f_bytes_q >> 1;
@@ -104,6 +104,7 @@ module frame_receiver #(
     wire [BITS:0] f_place   = start_q + f_number;
     always @(posedge clk) begin
         f_reset_seen_q <= f_reset_seen_q || rst;
+        f_word_q       <= f_word;
         if (rst || i_end) {f_crc_q, f_bytes_q} <= {16'hffff, 16'd0};
         else if (i_valid && f_bytes_q != 16'hffff) {f_crc_q, f_bytes_q} <= {crc16_bitwise(f_crc_q, i_byte), f_bytes_q + 16'd1};
         if (i_valid && f_bytes_q[0] && f_pairs + 16'd1 == f_wanted) f_pair_q <= {i_byte, low_q};
@@ -118,7 +119,7 @@ module frame_receiver #(
             assert (!o_good || place_q == start_q + ONE + f_pairs[BITS:0]);
             assert (!i_end || o_good || o_damaged || (i_intact && f_bytes_q == 16'd0));
             assert ($past(rst) ? start_q == 0 && !o_valid : $past(o_good) || start_q == $past(start_q));
-            if (f_visible && $past(f_visible) && !$past(rst)) assert (f_word == $past(f_word));
+            if (f_visible && $past(f_visible) && !$past(rst)) assert (f_word == f_word_q);
             if (o_valid) assert (f_readable != 0 && o_word == ring[read_q[BITS-1:0]]);
             if (!full_q && f_number != 0 && f_pairs >= f_wanted) assert (ring[f_place[BITS-1:0]] == f_pair_q);
             if ($past(o_good && f_wanted <= (length + 16'd1) >> 1) && !$past(rst)) assert (ring[f_kept_place_q[BITS-1:0]] == f_kept_q);

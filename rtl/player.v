@@ -68,8 +68,11 @@ module player #(
 
 `ifdef FORMAL
     // Everything its parts assert about each other is to hold here, whatever is in memory.
+    reg f_reset_seen_q;
+    initial f_reset_seen_q = 1'b0;
     always @(posedge clk) begin
-        cover (!rst && commit && !silent && index != present);
+        f_reset_seen_q <= f_reset_seen_q || rst;
+        cover (f_reset_seen_q && !rst && commit && !silent && index != present);
     end
 `endif
 endmodule

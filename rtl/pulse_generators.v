@@ -42,9 +42,9 @@ module pulse_generators #(
     localparam F_TICKS = (1 << PULSE_BITS) - 1;  // the longest pulse
     localparam [15:0] F_CHANNELS = CHANNELS[15:0];
     wire f_off = rst || !i_allow;
-    reg  f_reset_seen_q;
+    reg  f_reset_seen_q, f_off_q;
     initial f_reset_seen_q = 1'b0;
-    always @(posedge clk) f_reset_seen_q <= f_reset_seen_q || rst;
+    always @(posedge clk) {f_reset_seen_q, f_off_q} <= {f_reset_seen_q || rst, f_off};
 
     // Any one word on its way through the chain: f_word_q was shifted in f_age_q shifts ago (0: none is watched).
 `ifdef FORMAL_PULSE_GENERATORS
@@ -84,20 +84,23 @@ module pulse_generators #(
 `ifdef FORMAL
             // Bit j: high in the j-th tick from here. So the union of pulses is an or, and there is nothing to compare.
             reg [F_TICKS-1:0]  f_future_q;
+            reg                f_high_q, f_pin_q;  // one clock ago; Verilator cannot build $past of a wide vector's part
+            reg [TIMING_BITS-1:0] f_timing_q;
             wire [F_TICKS-1:0] f_pulse  = ~({F_TICKS{1'b1}} << i_pulse_length);
             wire               f_starts = i_tick && i_can_match && i_count == timing;
             always @(posedge clk) begin
+                {f_high_q, f_pin_q, f_timing_q} <= {f_future_q[0], o_pins[k], timing};
                 if (f_off) f_future_q <= {F_TICKS{1'b0}};
                 else if (i_tick) f_future_q <= (f_future_q >> 1) | (f_starts ? f_pulse : {F_TICKS{1'b0}});
                 if (f_reset_seen_q) begin
                     assert (f_future_q == ~({F_TICKS{1'b1}} << left_q));
-                    assert (o_pins[k] == (!$past(f_off) && ($past(tick_q) ? $past(f_future_q[0]) : $past(o_pins[k]))));
+                    assert (o_pins[k] == (!f_off_q && ($past(tick_q) ? f_high_q : f_pin_q)));
                     if (f_age_q == F_CHANNELS - k) assert (shadow_q[k*TIMING_BITS +: TIMING_BITS] == f_word_q);
                     if ($past(f_reset_seen_q && i_commit) && $past(f_age_q) == F_CHANNELS - k) assert (timing == $past(f_word_q));
-                    if (!$past(i_commit)) assert (timing == $past(timing));
+                    if (!$past(i_commit)) assert (timing == f_timing_q);
                     cover (f_starts && !f_off && f_future_q[1] && !f_future_q[2] && f_pulse[2]);  // merges
                     cover (f_starts && !f_off && f_future_q[2] && !f_pulse[1]);  // within another
-                    cover (!o_pins[k] && $past(o_pins[k]) && !$past(f_off));
+                    cover (!o_pins[k] && f_pin_q && !f_off_q);
                     cover ($past(i_commit) && $past(f_age_q) == F_CHANNELS - k);
                 end
             end
