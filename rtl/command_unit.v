@@ -4,7 +4,7 @@
 // applies it, and has reply_unit answer. Nothing is changed before the whole frame has been found good, but for PUSH,
 // whose indices are provisional until the last one has been seen.
 //
-// A frame with the expected sequence number is applied; an earlier one was applied before and is only answered (reads are
+// After reset only IDENTIFY is taken. A frame with the expected sequence number is applied; an earlier one was applied before and is only answered (reads are
 // read again); a later one is refused. A refused frame does not count: the sequence number stays expected.
 // Writes go out one word a clock without pause, which memory_controller.v relies on.
 `default_nettype none
@@ -51,6 +51,7 @@ module command_unit #(
     reg [15:0] argument_q [0:2];
     reg [1:0]  count_q;           // arguments taken
     reg        bad_index_q;
+    reg        session_q;         // since reset a host has said where its numbers begin
 
     wire       known, tail;
     wire [1:0] args, reply;
@@ -60,8 +61,8 @@ module command_unit #(
     wire [15:0] args_16 = {14'd0, args};
     wire bad_length = length_q[0] || (tail ? payload_words <= args_16 : payload_words != args_16);
     wire [7:0] ahead = o_sequence - o_expected;
-    wire in_order = ahead == 8'd0 || command_q == `HG_COMMAND_IDENTIFY;
-    wire repeated = !in_order && ahead[7];
+    wire in_order = (ahead == 8'd0 && session_q) || command_q == `HG_COMMAND_IDENTIFY;
+    wire repeated = !in_order && ahead[7] && session_q;
     wire done = words_q == 16'd0;
     wire reads = reply != 2'd0 && o_status <= `HG_REPLY_REPEATED;
 
@@ -81,6 +82,7 @@ module command_unit #(
     assign o_read_words  = !reads ? 16'd0 : reply == 2'd1 ? `HG_IDENTITY_WORDS : reply == 2'd2 ? `HG_STATUS_WORDS
                          : {1'b0, argument_q[2][15:1]};
 
+    initial {o_execute, session_q} = 2'b00;
     always @(posedge clk) begin
         o_execute  <= 1'b0;
         o_repeated <= 1'b0;
@@ -126,15 +128,15 @@ module command_unit #(
                 o_execute  <= o_status == `HG_REPLY_OK;
                 o_repeated <= o_status == `HG_REPLY_REPEATED;
                 o_refused  <= o_status > `HG_REPLY_REPEATED;
-                if (o_status == `HG_REPLY_OK) o_expected <= o_sequence + 1'b1;
+                if (o_status == `HG_REPLY_OK) {session_q, o_expected} <= {1'b1, o_sequence + 8'd1};
                 o_answer <= 1'b1;
                 state_q  <= ANSWER;
             end
             default: if (i_answered) state_q <= LENGTH;
         endcase
         if (rst) begin
-            state_q    <= LENGTH;
-            o_expected <= 8'd0;
+            state_q <= LENGTH;
+            {session_q, o_execute, o_repeated, o_refused, o_answer} <= 5'd0;
         end
     end
 

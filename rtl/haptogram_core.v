@@ -10,7 +10,7 @@
 module haptogram_core #(
     parameter CHANNELS        = 100,       // 2…1000
     parameter RECORDS         = 400,       // 1…65535
-    parameter SEQUENCE_DEPTH  = 1024,      // 2…65536, a power of two
+    parameter SEQUENCE_DEPTH  = 1024,      // 2…32768
     parameter LIVE_DEPTH      = 256,       // 4…32768, a power of two
     parameter TIMING_BITS     = 16,        // 4…16
     parameter PULSE_BITS      = 8,         // 1…8
@@ -134,8 +134,9 @@ module haptogram_core #(
 
     reg fault_q;
     always @(posedge clk) begin
-        if (rst || does_enable) fault_q <= 1'b0;
+        if (rst) fault_q <= 1'b0;
         else if (expired || guard_trip) fault_q <= 1'b1;
+        else if (does_enable) fault_q <= 1'b0;
     end
     assign o_fault   = fault_q;
     assign o_playing = o_enabled && o_index != 16'd0;

@@ -24,9 +24,10 @@ module link #(
     input  wire        i_reply_last
 );
     localparam RECORD_WORDS = CHANNELS + `HG_RECORD_HEADER_WORDS;
-    // Twice (length word, sequence number and command, address, record); a reply with a record, its CRC and COBS bytes.
+    // Twice (length word, sequence number and command, address, record); a reply with a record or the identity, its CRC and COBS bytes.
     localparam RECEIVE_WORDS = 1 << $clog2(2 * (RECORD_WORDS + 4));
-    localparam REPLY_BYTES = 1 << $clog2(6 + 2 * RECORD_WORDS + 2 + RECORD_WORDS / 127 + 3);
+    localparam REPLY_WORDS = RECORD_WORDS > `HG_IDENTITY_WORDS ? RECORD_WORDS : `HG_IDENTITY_WORDS;
+    localparam REPLY_BYTES = 1 << $clog2(6 + 2 * REPLY_WORDS + 2 + REPLY_WORDS / 127 + 3);
     // Parameters are unsized or 32 bits wide, as they were given; an argument is always the latter.
     function [63:0] phase_step(input [31:0] clock_hz, input [31:0] baud);
         phase_step = (({32'd0, baud} << 20) + {33'd0, clock_hz[31:1]}) / {32'd0, clock_hz};
@@ -34,7 +35,7 @@ module link #(
     localparam [63:0] STEP_64 = phase_step(CLOCK_HZ, BAUD);
 
     generate
-        if (BAUD < 1 || CLOCK_HZ / BAUD < 8) baud_out_of_range error();
+        if (BAUD < CLOCK_HZ / 20000 || CLOCK_HZ / BAUD < 8) baud_out_of_range error();  // off by 1 % at the most
     endgenerate
 
     wire       line, rx_valid, data_valid, data_end, data_intact;

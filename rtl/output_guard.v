@@ -4,7 +4,7 @@
 // expiry or reset, and no longer than MAX_HIGH_CLOCKS at a time, whatever is in memory. o_allow holds the last
 // registers before the pins low one clock later.
 //
-// The bound: time is cut into windows of MAX_HIGH_CLOCKS / 2; a channel that was high through a whole window trips the
+// The bound: time is cut into windows of MAX_HIGH_CLOCKS / 2 − 1 clocks; a channel that was high through a whole window trips the
 // guard, which disables every output until the host enables them again. One bit per channel does it.
 `default_nettype none
 module output_guard #(

@@ -33,6 +33,11 @@ module player #(
     output wire                o_underrun,
     output wire                o_guard_trip
 );
+    generate
+        if (TIMING_BITS < 4 || TIMING_BITS > 16) timing_bits_out_of_range error();
+        if (PULSE_BITS < 1 || PULSE_BITS > 8) pulse_bits_out_of_range error();
+    endgenerate
+
     wire                   shift, ready, silent, commit, tick, can_match, cycle_start, allow;
     wire [TIMING_BITS-1:0] timing, count;
     wire [15:0]            index, dwell, present;

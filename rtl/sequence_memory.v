@@ -22,7 +22,7 @@ module sequence_memory #(
         if (INIT_FILE != "") begin : initialised
             initial $readmemh(INIT_FILE, words);
         end
-        if (WORDS < 2 || WORDS > 65536) words_out_of_range error();
+        if (WORDS < 2 || WORDS > 32768) words_out_of_range error();
     endgenerate
 
     always @(posedge clk) begin

@@ -3,7 +3,7 @@
 // Receives 8N1 bytes. o_valid strobes in the middle of a good stop bit; a byte whose stop bit is low is dropped.
 //
 // The bit clock is a 20-bit phase accumulator, so the baud rate need not divide the clock: it is off by less than one
-// 2^21-th of the clock rate. A bit is at least 8 clocks.
+// 2^21-th of the clock rate, 24 Hz at 50 MHz. A bit is at least 8 clocks.
 `default_nettype none
 module uart_rx #(
     parameter [19:0] STEP = 20'd20972  // 2^20 · baud / clock, rounded

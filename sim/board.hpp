@@ -86,7 +86,7 @@ private:
     bool in_reset_ = true;
 };
 
-/// The first model that has this clock and enough channels, records, sequence entries and timing bits.
+/// The first model that has this clock and these channels, and enough records, sequence words and timing bits.
 [[nodiscard]] std::optional<std::size_t> find_model(double clock_hz, std::uint32_t channels, std::uint32_t records,
                                                     std::uint32_t sequence_words, std::uint32_t timing_bits);
 

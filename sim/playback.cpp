@@ -88,6 +88,12 @@ void check_dwells(const Image& image, const std::vector<Dwell>& dwells, std::uin
                 : fmt::format("step {} of the sequence: record {} was not played", i + 1, expected[i].index));
         return;  // what follows is shifted and would only repeat it
     }
+    for (std::size_t i = expected.size(); i < seen.size(); ++i) {
+        if (seen[i].index == 0) continue;
+        ++playback.violation_count;
+        playback.violations.push_back(fmt::format("record {} was played after the sequence's end", seen[i].index));
+        return;
+    }
 }
 
 void check_status(const link::BoardStatus& status, Playback& playback) {
@@ -172,6 +178,13 @@ Playback play(const Image& image, const PlaybackOptions& options, const std::str
     if (!options.duration_s) check_dwells(image, playback.dwells, options.passes, playback);
     const auto [from, to] = comparable(recorder.cycles());
     playback.pulse_report = check_pulses(image, recorder.cycles(), playback.pulses, from, to, image.channels);
+    const bool fires =
+        std::any_of(image.records.begin(), image.records.end(), [](const Record& r) { return r.pulse_length > 0; });
+    if (fires && playback.pulse_report.checked == 0) {
+        ++playback.violation_count;
+        playback.violations.emplace_back(
+            "no pulse could be compared with the image: none was measured, or playing was too short");
+    }
     playback.violation_count += playback.pulse_report.violations;
     playback.violations.insert(playback.violations.end(), playback.pulse_report.first.begin(),
                                playback.pulse_report.first.end());

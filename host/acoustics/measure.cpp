@@ -18,9 +18,8 @@ void for_each_stretch(const std::vector<Pulse>& pulses, Visit visit) {
     for (std::size_t begin = 0; begin < pulses.size();) {
         std::size_t end = begin;
         while (end < pulses.size() && pulses[end].index == pulses[begin].index) ++end;
-        std::span<const Pulse> stretch(pulses.data() + begin, end - begin);
-        if (stretch.size() >= 3) stretch = stretch.subspan(1, stretch.size() - 2);
-        visit(stretch);
+        const std::span<const Pulse> stretch(pulses.data() + begin, end - begin);
+        visit(stretch, stretch.size() >= 3 ? stretch.subspan(1, stretch.size() - 2) : stretch);
         begin = end;
     }
 }
@@ -47,20 +46,23 @@ std::vector<MeasuredRecord> measure(const Manifest& manifest, const std::vector<
     const double period_s = manifest.timer.period_s();
     std::vector<MeasuredRecord> records(manifest.foci.size());
     for (auto& record : records) record.drives.resize(elements);
+    // How long a record played is counted whole; its drives are the mean of what was not left out.
     for (std::size_t channel = 0; channel < elements; ++channel) {
         std::vector<std::uint64_t> cycles(records.size());
-        for_each_stretch(by_channel[channel], [&](std::span<const Pulse> stretch) {
+        std::vector<std::uint64_t> measured(records.size());
+        for_each_stretch(by_channel[channel], [&](std::span<const Pulse> stretch, std::span<const Pulse> inner) {
             std::vector<DrivePulse> train;
-            for (const Pulse& p : stretch)
+            for (const Pulse& p : inner)
                 train.push_back({static_cast<double>(p.rise) * clock_s, static_cast<double>(p.fall) * clock_s});
             const std::size_t r = stretch.front().index - 1U;
             // Weighted by its length: a record may play in several stretches.
             records[r].drives[channel] += carrier_component(train, manifest.timer.carrier_hz(), period_s);
             cycles[r] += stretch.size();
+            measured[r] += inner.size();
         });
         for (std::size_t r = 0; r < records.size(); ++r) {
-            if (cycles[r] > 0)
-                records[r].drives[channel] *= manifest.array.transducer.source_pa_m / static_cast<double>(cycles[r]);
+            if (measured[r] > 0)
+                records[r].drives[channel] *= manifest.array.transducer.source_pa_m / static_cast<double>(measured[r]);
             records[r].cycles = std::max(records[r].cycles, cycles[r]);
         }
     }

@@ -10,7 +10,7 @@ namespace haptogram {
 
 /// What the transducers were driven with while one record played.
 struct MeasuredRecord {
-    std::uint64_t cycles = 0;                  ///< carrier periods measured
+    std::uint64_t cycles = 0;                  ///< carrier periods that it played
     std::vector<std::complex<double>> drives;  ///< one an element, Pa·m; the 40 kHz component of its pulses
 };
 

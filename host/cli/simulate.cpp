@@ -42,10 +42,12 @@ struct PointResult {
 constexpr double least_pressure_kept = 0.999;
 constexpr double most_peak_offset_m = 0.2e-3;
 
-/// Channels, clock, carrier and every element's place, to a micrometre.
+/// Channels, clock, carrier, duty, medium, transducer, and every element's place to a micrometre.
 bool same_array(const Array& a, const Array& b) {
-    return a.board.channels == b.board.channels && a.board.clock_hz == b.board.clock_hz &&
-           a.carrier_hz == b.carrier_hz &&
+    const auto near = [](double p, double q) { return std::abs(p - q) <= 1e-6 * std::abs(q); };
+    return near(a.medium.speed_m_s, b.medium.speed_m_s) && near(a.duty, b.duty) &&
+           near(a.transducer.radius_m, b.transducer.radius_m) && a.board.channels == b.board.channels &&
+           a.board.clock_hz == b.board.clock_hz && a.carrier_hz == b.carrier_hz &&
            std::equal(a.elements.begin(), a.elements.end(), b.elements.begin(), b.elements.end(),
                       [](Vec3 p, Vec3 q) { return distance(p, q) < 1e-6; });
 }
@@ -246,7 +248,8 @@ int simulate(SimulateOptions options) {
     if (!options.report.empty()) outputs.push_back({"--report", options.report});
     if (options.json) outputs.push_back({"--json", "-"});
     if (!options.trace.empty()) outputs.push_back({"--trace", options.trace});
-    require_distinct({{"the image", options.image}, {"the manifest", options.manifest}}, outputs);
+    require_distinct({{"the image", options.image}, {"the manifest", options.manifest}, {"--array", options.array}},
+                     outputs);
     const std::string hex = read_file(options.image);
     const Image image = from_intel_hex(hex, options.image);
     const std::vector<std::string> found = problems(image);

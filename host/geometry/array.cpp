@@ -179,7 +179,7 @@ void read_board(BoardSpec& board, const std::string& file, const toml::table& ro
     assign(board.baud, section.whole("baud", 1200, 20'000'000));
     assign(board.channels, section.whole("channels", 2, 1000));
     assign(board.records, section.whole("records", 1, 65535));
-    assign(board.sequence_depth, section.whole("sequence_depth", 2, 65536));
+    assign(board.sequence_depth, section.whole("sequence_depth", 2, 32768));
     assign(board.timing_bits, section.whole("timing_bits", 4, 16));
     assign(board.pulse_bits, section.whole("pulse_bits", 1, 8));
 }
@@ -245,8 +245,10 @@ Array load_array(const std::filesystem::path& path) {
 
 Array find_array(const std::string& name) {
     if (name.find('/') != std::string::npos || name.ends_with(".toml")) return load_array(name);
-    for (const char* folder : {HAPTOGRAM_SOURCE_ARRAYS, HAPTOGRAM_INSTALLED_ARRAYS}) {
-        const auto path = std::filesystem::path(folder) / (name + ".toml");
+    std::error_code error;
+    const auto program = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
+    for (const auto& folder : {program / HAPTOGRAM_INSTALLED_ARRAYS, std::filesystem::path(HAPTOGRAM_SOURCE_ARRAYS)}) {
+        const auto path = folder / (name + ".toml");
         if (std::filesystem::exists(path)) return load_array(path);
     }
     throw bad_input(

@@ -16,6 +16,7 @@ using interface::DescriptionWord;
 
 constexpr std::uint16_t magic = 0x4748;
 constexpr std::uint16_t format_version = 1;
+constexpr double longest_cycle_s = 1.0;
 
 template <class Word>
 std::vector<std::uint8_t> little_endian(const std::vector<Word>& words) {
@@ -161,6 +162,13 @@ std::vector<std::string> problems(const Image& image) {
         const Record& record = image.records[r];
         if (record.prescaler == 0)
             found.push_back(fmt::format("record {}: prescaler 0; the board will refuse it", r + 1));
+        const double cycle_s =
+            static_cast<double>(record.cycle_length) * record.prescaler / std::max(image.clock_hz, 1U);
+        if (cycle_s > longest_cycle_s)
+            found.push_back(
+                fmt::format("record {}: a cycle lasts {:.3g} s, and until it ends the board changes to nothing "
+                            "else, not even to silence; at most {} s",
+                            r + 1, cycle_s, longest_cycle_s));
         if (record.pulse_length >= record.cycle_length)
             found.push_back(fmt::format(
                 "record {}: a pulse of {} ticks is not shorter than its cycle of {}; the board will refuse it", r + 1,

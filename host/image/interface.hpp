@@ -124,7 +124,7 @@ constexpr std::string_view to_string(Status status) {
         case Status::repeated: return "repeated: this sequence number was applied before; nothing was done again";
         case Status::unknown_command: return "unknown_command: no such command";
         case Status::bad_length: return "bad_length: the frame is longer or shorter than its command says";
-        case Status::out_of_order: return "out_of_order: a frame before this one is missing; send again from the expected sequence number";
+        case Status::out_of_order: return "out_of_order: a frame before this one is missing, or no session was started since reset; send again from the expected sequence number, or identify";
         case Status::bad_address: return "bad_address: outside the memory, or not writable";
         case Status::bad_alignment: return "bad_alignment: address or length is no multiple of the region's word";
         case Status::bad_index: return "bad_index: index above RECORDS";

@@ -15,6 +15,7 @@ using interface::Status;
 
 constexpr std::size_t window = 8;   // frames under way
 constexpr unsigned most_tries = 8;  // without any progress
+constexpr unsigned most_strange = 4;
 
 Error device_error(const std::string& where, const std::string& message) { return {ErrorCode::device, where, message}; }
 
@@ -50,6 +51,7 @@ std::vector<Reply> Client::pipeline(const std::vector<Request>& requests, const 
     std::size_t sent = 0;
     std::size_t farthest = 0;
     unsigned tries = 0;
+    unsigned strange = 0;
     while (acknowledged < requests.size()) {
         for (; sent < requests.size() && sent < acknowledged + window; ++sent) {
             transport_.write(encode_request(sequence_of(sent), requests[sent].command, requests[sent].payload));
@@ -68,13 +70,18 @@ std::vector<Reply> Client::pipeline(const std::vector<Request>& requests, const 
                 replies[i] = std::move(reply);
                 ++acknowledged;
                 tries = 0;
+                strange = 0;
                 if (progress) progress(static_cast<double>(acknowledged) / static_cast<double>(requests.size()));
             } else if (mine && reply.status != Status::out_of_order) {
                 next_ = sequence_of(i);
                 throw device_error(fmt::format("command {}", to_string(requests[i].command)),
                                    fmt::format("the board refused it: {}", to_string(reply.status)));
             } else if (reply.status == Status::out_of_order) {
-                again = true;  // a frame before it was lost
+                // A frame before it was lost. But before the first that is not acknowledged there is none: one such
+                // answer may be left over from an earlier round, several mean that the board knows nothing of us.
+                if (mine && ++strange > most_strange)
+                    throw device_error("board", "it has lost the session, as after a reset; identify it again");
+                again = true;
             }
         }
         if (!again) continue;

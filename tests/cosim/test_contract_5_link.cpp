@@ -161,6 +161,21 @@ TEST_CASE("contract 5: a frame sent again is acknowledged and not applied again"
     REQUIRE(status_word(bench, 1, interface::StatusWord::frames_repeated) == 3);
 }
 
+TEST_CASE("contract 5: after a reset nothing is acknowledged before the host identifies", "[contract5]") {
+    const std::uint8_t number = GENERATE(std::uint8_t{5}, std::uint8_t{0}, std::uint8_t{200});
+    Bench bench;
+    one(bench, static_cast<std::uint8_t>(number - 1), Command::identify, {});
+    REQUIRE(one(bench, number, Command::stop, {}).status == Status::ok);
+    bench.board.reset();
+    for (const Command command : {Command::stop, Command::disable, Command::enable, Command::status})
+        REQUIRE(one(bench, static_cast<std::uint8_t>(number + 1), command, {}).status == Status::out_of_order);
+    link::Client client(bench.line);
+    client.identify();
+    REQUIRE_NOTHROW(client.disable());
+    bench.board.reset();
+    REQUIRE_THROWS_WITH(client.disable(), Catch::Contains("lost the session"));
+}
+
 TEST_CASE("contract 5: a frame ahead of a lost one is refused and says what is expected", "[contract5]") {
     Bench bench;
     one(bench, 10, Command::identify, {});

@@ -52,7 +52,6 @@ TEST_CASE("contract 6: a sequence plays its entries for their dwells, as often a
     SECTION("for ever, until stopped") {
         bench.client.start(1, 4, 0);
         bench.board.run(200'000);
-        REQUIRE(bench.board.outputs().index + 1 > 0);
         REQUIRE(played(bench).size() > 600);
         bench.client.stop();
         bench.board.run(500);
@@ -173,11 +172,12 @@ TEST_CASE("modes: each command takes over from any other at the next cycle bound
     auto g = generator();
     for (int i = 0; i < 60; ++i) {
         bench.board.run(random(g, 0, 300));
+        const bool forever = random(g, 0, 1) == 0;
         switch (random(g, 0, 3)) {
             case 0:
-                bench.client.select(7, static_cast<std::uint16_t>(random(g, 0, 1) * 1000));
+                bench.client.select(7, static_cast<std::uint16_t>(forever ? 0 : 1000));
                 REQUIRE((bench.board.run(250), bench.board.outputs().index) == 7);
-                REQUIRE(bench.client.status().mode == (bench.client.status().mode == 0 ? 0 : 1));
+                REQUIRE(bench.client.status().mode == (forever ? 1 : 0));  // the silence after it is already waiting
                 break;
             case 1:
                 bench.client.start(1, 2, 0);

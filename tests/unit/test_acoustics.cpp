@@ -146,7 +146,7 @@ TEST_CASE("measure: a record's drives from its pulses, edges of a stretch left o
     }
     pulses[0].fall += 300;  // merged with another record's
     const auto records = measure(manifest, pulses, "p");
-    REQUIRE(records[0].cycles == 3);
+    REQUIRE(records[0].cycles == 5);
     REQUIRE(std::abs(records[0].drives[0]) == Approx(manifest.array.transducer.source_pa_m));
     REQUIRE(std::abs(records[0].drives[0] + records[0].drives[1]) < 1e-9);  // half a period apart
     REQUIRE(records[1].cycles == 0);

@@ -62,7 +62,7 @@ Image small_image() {
     Image image;
     image.channels = 3;
     image.clock_hz = 50'000'000;
-    image.records = {{250, 5, 125, {0, 249, 0xffff}}, {0x123456, 0x345678, 7, {1, 2, 3}}};
+    image.records = {{250, 5, 125, {0, 249, 0xffff}}, {0x023456, 0x040102, 7, {1, 2, 3}}};
     image.sequence = {{1, 20}, {2, 65535}, {0, 1}};
     image.loops = 9;
     return image;
@@ -79,8 +79,8 @@ TEST_CASE("image: what is written is read back", "[image]") {
 
 TEST_CASE("image: words lie where the address map says", "[image]") {
     const auto primary = primary_words(small_image());
-    REQUIRE(primary == std::vector<std::uint16_t>{250, 125 << 8, 5, 0, 0, 249, 0xffff, 0x3456, 7 << 8 | 0x12, 0x5678,
-                                                  0x34, 1, 2, 3});
+    REQUIRE(primary == std::vector<std::uint16_t>{250, 125 << 8, 5, 0, 0, 249, 0xffff, 0x3456, 7 << 8 | 0x02, 0x0102,
+                                                  0x04, 1, 2, 3});
     REQUIRE(sequence_words(small_image()) ==
             std::vector<std::uint32_t>{3 | 9 << 16, 1 | 20 << 16, 2 | 65535U << 16, 1 << 16});
 }
@@ -122,6 +122,9 @@ TEST_CASE("image: regions that are missing, short, long or unknown are errors", 
 
 TEST_CASE("image: problems name the record or the entry", "[image]") {
     Image image = small_image();
+    REQUIRE(problems(image).size() == 1);
+    REQUIRE_THAT(problems(image)[0], Contains("record 2: a cycle lasts 758"));
+    image.records[1].prescaler = 1;
     REQUIRE(problems(image).empty());
     image.records[0].pulse_length = 250 - 1;
     REQUIRE(problems(image).empty());
