@@ -59,8 +59,9 @@ Shape gather(const CompileOptions& options, std::string& hashed) {
         std::move(part.pieces.begin(), part.pieces.end(), std::back_inserter(shape.pieces));
     };
     for (const std::string& input : options.inputs) {
-        add(load_shape(input, metres_per_unit(options.unit)));
-        hashed += sha256(read_file(input));
+        std::string hash;
+        add(load_shape(input, metres_per_unit(options.unit), &hash));
+        hashed += hash;
     }
     for (const std::string& kind : options.shapes) {
         PrimitiveSpec spec = options.primitive;

@@ -25,7 +25,7 @@ Piece read_piece(std::string content, const std::string& format, const std::stri
 
 }  // namespace
 
-Shape load_shape(const std::filesystem::path& path, double metres_per_unit) {
+Shape load_shape(const std::filesystem::path& path, double metres_per_unit, std::string* content_sha256) {
     const std::string file = path.string();
     const std::string extension = lower_case(path.extension().string());
     std::error_code ignored;  // what else is wrong with the path, read_file says
@@ -40,6 +40,7 @@ Shape load_shape(const std::filesystem::path& path, double metres_per_unit) {
                 "formats and name the file so",
                 shown(extension)));
     std::string content = read_file(path);
+    if (content_sha256 != nullptr) *content_sha256 = sha256(content);
     if (content.empty())
         throw bad_input(file, fmt::format("is empty, expected a shape in {} format; export it again", extension));
     Piece piece = read_piece(std::move(content), extension.substr(1), file);

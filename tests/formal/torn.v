@@ -47,7 +47,7 @@ module torn #(
         .o_reading(reading), .o_address(address), .i_word(word), .o_shift(shift), .o_timing(), .i_commit(i_commit),
         .o_ready(ready), .o_silent(silent), .o_index(), .o_dwell(), .o_cycle_length(), .o_prescaler(), .o_pulse_length(),
         .o_refused(refused));
-    primary_memory #(.WORDS(WORDS)) memory (
+    primary_memory #(.WORDS(1 << $clog2(WORDS))) memory (
         .clk(clk), .i_write(rst || write), .i_write_address({22'd0, rst ? f_fill_q : f_at_q}),
         .i_write_word({i_word[15:1], !rst}), .i_read_address(reading ? address : i_address), .o_word(word));
 
