@@ -36,7 +36,7 @@ module torn #(
     reg        f_begun_q;
     reg [4:0]  f_at_q;  // next word to write
     wire       write = !rst && (f_begun_q ? f_at_q != f_to : i_begin);
-    wire       ended = f_begun_q && f_at_q == f_to;
+    wire       ended = (f_begun_q && f_at_q == f_to) || (write && f_at_q + 5'd1 == f_to);  // with this clock at the latest
     initial f_begun_q = 1'b0;
 
     wire        take, reading, shift, ready, silent, refused;
