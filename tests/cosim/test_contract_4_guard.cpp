@@ -74,7 +74,8 @@ TEST_CASE("contract 4: low within 2 clocks of disable", "[contract4]") {
             was_high = was_high || bench.board.any_pin();
         }
         REQUIRE(was_high);
-        // The frame's stop bit, 17 clocks, has just begun. To read, judge and obey the frame takes less than as long again.
+        // The frame's stop bit, 17 clocks, has just begun. To read, judge and obey the frame takes less than as long
+        // again.
         bench.board.run(34);
         REQUIRE_FALSE(bench.board.outputs().enabled);
         REQUIRE_FALSE(bench.board.any_pin());

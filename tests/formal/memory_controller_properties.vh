@@ -20,7 +20,7 @@ wire [23:0] f_cycle     = {f_header_1_q[7:0], f_header_0_q};
 wire [23:0] f_prescaler = {f_header_3_q[7:0], f_header_2_q};
 wire [7:0]  f_pulse     = f_header_1_q[15:8];
 wire        f_playable  = f_prescaler != 0 && {16'd0, f_pulse} < f_cycle && f_pulse >> PULSE_BITS == 0 && f_header_3_q[15:8] == 0;
-wire [15:0] f_narrowed  = i_word >> (TIMING_BITS - 1) > 1 ? 16'hffff : i_word;
+wire [TIMING_BITS-1:0] f_narrowed = i_word >> (TIMING_BITS - 1) > 1 ? {TIMING_BITS{1'b1}} : i_word[TIMING_BITS-1:0];
 
 always @(posedge clk) begin
     f_reset_seen_q <= f_reset_seen_q || rst;
@@ -61,7 +61,7 @@ always @(posedge clk) begin
         // The right words, in order, and all of them.
         if (o_shift) begin
             assert (f_loading && f_reading_q && f_shifts_q < F_CHANNELS);
-            assert (f_address_q == f_base_q + {11'd0, F_HEADER + f_shifts_q} && o_timing == f_narrowed[TIMING_BITS-1:0]);
+            assert (f_address_q == f_base_q + {11'd0, F_HEADER + f_shifts_q} && o_timing == f_narrowed);
         end
         if (o_ready && f_loads) begin
             assert (f_shifts_q == F_CHANNELS && o_silent == !f_playable);

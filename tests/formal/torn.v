@@ -2,8 +2,9 @@
 //
 // Contract 3: memory_controller reads a record from primary_memory while one frame, from any word to any other, is written
 // as command_unit does it: one word a clock, ascending, without pause. Bit 0 of every word says whether it is old (0) or
-// from the frame (1). Of the frame's words in a record, a load sees the old ones or the new ones, never some of each.
-// Loads come one after the other and may be preempted. One frame is enough: what is promised, is promised of each frame.
+// from the frame (1); a load takes its clocks whatever the words say, so the other bits are 0. Of the frame's words in a
+// record a load sees the old ones or the new ones, never some of each. Loads follow each other and may be preempted.
+// One frame is enough: what is promised, is promised of each frame.
 `default_nettype none
 // Without their own assertions, which would find the planted bugs first.
 `undef FORMAL
@@ -11,19 +12,16 @@
 `include "primary_memory.v"
 `default_nettype none
 module torn #(
-    parameter CHANNELS = 2,
-    parameter RECORDS  = 2
+    parameter CHANNELS = 2
 ) (
     input wire        clk,
     input wire        i_entry,
-    input wire [15:0] i_index,
+    input wire        i_second,  // of the two records
     input wire        i_preempt,
     input wire        i_commit,
-    input wire        i_begin,   // of the frame; the first one counts
-    input wire [15:0] i_word,    // written
-    input wire [26:0] i_address  // read when the loader does not
+    input wire        i_begin  // of the frame; the first one counts
 );
-    localparam STRIDE = CHANNELS + 4, WORDS = RECORDS * STRIDE;
+    localparam STRIDE = CHANNELS + 4, WORDS = 2 * STRIDE;
 
     (* anyconst *) wire [4:0] f_from, f_to;  // the frame's first word, and the one after its last
 
@@ -42,27 +40,27 @@ module torn #(
     wire        take, reading, shift, ready, silent, refused;
     wire [26:0] address;
     wire [15:0] word;
-    memory_controller #(.CHANNELS(CHANNELS), .RECORDS(RECORDS), .TIMING_BITS(4), .PULSE_BITS(3)) loader (
-        .clk(clk), .rst(rst), .i_preempt(i_preempt), .i_entry(i_entry), .o_take(take), .i_index(i_index), .i_dwell(16'd1),
+    memory_controller #(.CHANNELS(CHANNELS), .RECORDS(2), .TIMING_BITS(4), .PULSE_BITS(3)) loader (
+        .clk(clk), .rst(rst), .i_preempt(i_preempt), .i_entry(i_entry), .o_take(take), .i_index({14'd0, i_second, !i_second}), .i_dwell(16'd1),
         .o_reading(reading), .o_address(address), .i_word(word), .o_shift(shift), .o_timing(), .i_commit(i_commit),
         .o_ready(ready), .o_silent(silent), .o_index(), .o_dwell(), .o_cycle_length(), .o_prescaler(), .o_pulse_length(),
         .o_refused(refused));
     primary_memory #(.WORDS(1 << $clog2(WORDS))) memory (
         .clk(clk), .i_write(rst || write), .i_write_address({22'd0, rst ? f_fill_q : f_at_q}),
-        .i_write_word({i_word[15:1], !rst}), .i_read_address(reading ? address : i_address), .o_word(word));
+        .i_write_word({15'd0, !rst}), .i_read_address(address), .o_word(word));
 
     // What the present load has seen, by the addresses it read
     reg              f_loads_q, f_reading_q, f_old_q, f_new_q, f_met_q, f_ended_q, f_was_old_q;
-    reg [26:0]       f_base_q, f_address_q;
+    reg [4:0]        f_base_q, f_address_q;
     reg [STRIDE-1:0] f_seen_q;
     initial {f_loads_q, f_reading_q, f_was_old_q} = 3'b000;
 
     wire        arrives = reading && f_reading_q;
-    wire        covered = f_address_q >= {22'd0, f_from} && f_address_q < {22'd0, f_to};
-    wire [26:0] number  = f_address_q - f_base_q;
+    wire        covered = f_address_q >= f_from && f_address_q < f_to;
+    wire [4:0]  number  = f_address_q - f_base_q;
     wire        done    = ready && f_loads_q;
-    wire        within  = {22'd0, f_from} < f_base_q + STRIDE && {22'd0, f_to} > f_base_q;
-    wire        whole   = {22'd0, f_from} <= f_base_q && {22'd0, f_to} >= f_base_q + STRIDE;
+    wire        within  = f_from < f_base_q + STRIDE && f_to > f_base_q;
+    wire        whole   = f_from <= f_base_q && f_to >= f_base_q + STRIDE;
 
     always @(posedge clk) begin
         assume (f_from < f_to && f_to <= WORDS);
@@ -71,7 +69,7 @@ module torn #(
         if (write) {f_begun_q, f_at_q} <= {1'b1, f_at_q + 1'b1};
 
         f_reading_q <= reading;
-        f_address_q <= address;
+        f_address_q <= address[4:0];
         if (reading && write) f_met_q <= 1'b1;
         if (arrives) begin
             if (covered && word[0]) f_new_q <= 1'b1;
@@ -80,8 +78,8 @@ module torn #(
         end
         if (rst || i_preempt || done) f_loads_q <= 1'b0;
         if (take) begin
-            f_loads_q <= i_index != 16'd0 && i_index <= RECORDS;
-            f_base_q  <= ({11'd0, i_index} - 27'd1) * STRIDE;
+            f_loads_q <= 1'b1;
+            f_base_q  <= i_second ? STRIDE : 5'd0;
             f_ended_q <= ended;
             {f_old_q, f_new_q, f_met_q} <= 3'b000;
             f_seen_q <= {STRIDE{1'b0}};
@@ -90,6 +88,7 @@ module torn #(
 
         if (!rst) begin
             assert (!done || !(f_old_q && f_new_q));
+            assert (!reading || address < WORDS);
             assert (!done || &f_seen_q);                        // every word of the record
             assert (!arrives || (number < STRIDE && (covered || !word[0])));
             assert (!done || f_ended_q || !f_new_q || f_met_q);  // nothing new before it was written
@@ -98,11 +97,11 @@ module torn #(
             cover (done && f_met_q && whole && f_old_q && !ended);
             cover (done && f_met_q && whole && f_new_q && !f_ended_q);
             cover (done && f_met_q && f_old_q && !whole && f_from > f_base_q);
-            cover (done && f_met_q && f_new_q && !whole && {22'd0, f_to} < f_base_q + STRIDE);
+            cover (done && f_met_q && f_new_q && !whole && f_to < f_base_q + STRIDE);
             cover (done && f_was_old_q && f_new_q);             // the second load has it
         end
     end
 
-    wire f_unused = &{1'b0, shift, silent, refused, i_word[0]};
+    wire f_unused = &{1'b0, shift, silent, refused};
 endmodule
 `default_nettype wire
