@@ -18,7 +18,6 @@ module torn #(
     input wire        i_entry,
     input wire        i_second,  // of the two records
     input wire        i_preempt,
-    input wire        i_commit,
     input wire        i_begin  // of the frame; the first one counts
 );
     localparam STRIDE = CHANNELS + 4, WORDS = 2 * STRIDE;
@@ -42,7 +41,7 @@ module torn #(
     wire [15:0] word;
     memory_controller #(.CHANNELS(CHANNELS), .RECORDS(2), .TIMING_BITS(4), .PULSE_BITS(3)) loader (
         .clk(clk), .rst(rst), .i_preempt(i_preempt), .i_entry(i_entry), .o_take(take), .i_index({14'd0, i_second, !i_second}), .i_dwell(16'd1),
-        .o_reading(reading), .o_address(address), .i_word(word), .o_shift(shift), .o_timing(), .i_commit(i_commit),
+        .o_reading(reading), .o_address(address), .i_word(word), .o_shift(shift), .o_timing(), .i_commit(1'b1),
         .o_ready(ready), .o_silent(silent), .o_index(), .o_dwell(), .o_cycle_length(), .o_prescaler(), .o_pulse_length(),
         .o_refused(refused));
     primary_memory #(.WORDS(1 << $clog2(WORDS))) memory (
@@ -87,7 +86,7 @@ module torn #(
         if (done && f_met_q && f_old_q) f_was_old_q <= 1'b1;
 
         if (!rst) begin
-            assert (!done || !(f_old_q && f_new_q));
+            assert (!(f_old_q && f_new_q) || !f_loads_q);
             assert (!reading || address < WORDS);
             assert (!done || &f_seen_q);                        // every word of the record
             assert (!arrives || (number < STRIDE && (covered || !word[0])));
