@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Contract 3: memory_controller reads a record from primary_memory while one frame, from any word to any other, is written
-// as command_unit does it: one word a clock, ascending, without pause. Bit 0 of every word says whether it is old (0) or
-// from the frame (1); a load takes its clocks whatever the words say, so the other bits are 0. Of the frame's words in a
-// record a load sees the old ones or the new ones, never some of each. Loads follow each other and may be preempted.
+// Contract 3: memory_controller reads a record while one frame, from any word to any other, is written as command_unit does
+// it: one word a clock, ascending, without pause. Of the memory only this is modelled: bit 0 of a word says whether the
+// frame had written it (1) in a clock before the one in which its address was out (0, old, in that same clock, as
+// primary_memory promises); a load takes its clocks whatever the words say, so the other bits are 0. Of the frame's words
+// in a record a load sees the old ones or the new ones, never some of each. Loads follow each other and may be preempted.
 // One frame is enough: what is promised, is promised of each frame.
 `default_nettype none
 // Without their own assertions, which would find the planted bugs first.
 `undef FORMAL
 `include "memory_controller.v"
-`include "primary_memory.v"
 `default_nettype none
 module torn #(
     parameter CHANNELS = 2
@@ -24,30 +24,26 @@ module torn #(
 
     (* anyconst *) wire [4:0] f_from, f_to;  // the frame's first word, and the one after its last
 
-    // Old words first, during reset
-    reg [4:0] f_fill_q;
-    wire      rst = f_fill_q != WORDS;
-    initial f_fill_q = 5'd0;
+    reg  rst_done_q;
+    wire rst = !rst_done_q;
+    initial rst_done_q = 1'b0;
 
     // The writer
     reg        f_begun_q;
     reg [4:0]  f_at_q;  // next word to write
+    reg        f_written_q;
     wire       write = !rst && (f_begun_q ? f_at_q != f_to : i_begin);
     wire       ended = (f_begun_q && f_at_q == f_to) || (write && f_at_q + 5'd1 == f_to);  // with this clock at the latest
     initial f_begun_q = 1'b0;
 
     wire        take, reading, shift, ready, silent, refused;
     wire [26:0] address;
-    wire [15:0] word;
+    wire [15:0] word = {15'd0, f_written_q};
     memory_controller #(.CHANNELS(CHANNELS), .RECORDS(2), .TIMING_BITS(4), .PULSE_BITS(3)) loader (
         .clk(clk), .rst(rst), .i_preempt(i_preempt), .i_entry(i_entry), .o_take(take), .i_index({14'd0, i_second, !i_second}), .i_dwell(16'd1),
         .o_reading(reading), .o_address(address), .i_word(word), .o_shift(shift), .o_timing(), .i_commit(1'b1),
         .o_ready(ready), .o_silent(silent), .o_index(), .o_dwell(), .o_cycle_length(), .o_prescaler(), .o_pulse_length(),
         .o_refused(refused));
-    primary_memory #(.WORDS(1 << $clog2(WORDS))) memory (
-        .clk(clk), .i_write(rst || write), .i_write_address({22'd0, rst ? f_fill_q : f_at_q}),
-        .i_write_word({15'd0, !rst}), .i_read_address(address), .o_word(word));
-
     // What the present load has seen, by the addresses it read
     reg              f_loads_q, f_reading_q, f_old_q, f_new_q, f_met_q, f_ended_q, f_was_old_q;
     reg [4:0]        f_base_q, f_address_q;
@@ -63,12 +59,13 @@ module torn #(
 
     always @(posedge clk) begin
         assume (f_from < f_to && f_to <= WORDS);
-        if (rst) f_fill_q <= f_fill_q + 1'b1;
+        rst_done_q <= 1'b1;
         if (rst) f_at_q <= f_from;
         if (write) {f_begun_q, f_at_q} <= {1'b1, f_at_q + 1'b1};
 
         f_reading_q <= reading;
         f_address_q <= address[4:0];
+        f_written_q <= !rst && address >= f_from && address < f_at_q;
         if (reading && write) f_met_q <= 1'b1;
         if (arrives) begin
             if (covered && word[0]) f_new_q <= 1'b1;
@@ -89,7 +86,7 @@ module torn #(
             assert (!(f_old_q && f_new_q) || !f_loads_q);
             assert (!reading || address < WORDS);
             assert (!done || &f_seen_q);                        // every word of the record
-            assert (!arrives || (number < STRIDE && (covered || !word[0])));
+            assert (!arrives || number < STRIDE);
             assert (!done || f_ended_q || !f_new_q || f_met_q);  // nothing new before it was written
             assert (!done || !f_ended_q || !f_old_q);           // once written, it is seen
             assert (!done || (f_old_q || f_new_q) == within);
