@@ -66,8 +66,9 @@ public:
     void on_edge(std::function<void(const Edge&)> callback) { on_edge_ = std::move(callback); }
     void on_cycle_start(std::function<void(const CycleStart&)> callback) { on_cycle_start_ = std::move(callback); }
 
-    [[nodiscard]] std::uint16_t& primary_word(std::size_t word) { return model_->primary_word(word); }
-    [[nodiscard]] std::uint32_t& sequence_word(std::size_t word) { return model_->sequence_word(word); }
+    /// Empty where the memories can only be reached over the link.
+    [[nodiscard]] std::span<std::uint16_t> primary_memory() { return model_->primary_memory(); }
+    [[nodiscard]] std::span<std::uint32_t> sequence_memory() { return model_->sequence_memory(); }
     void trace(const std::filesystem::path& file) { model_->trace(file); }
 
 private:

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace haptogram::sim {
@@ -32,8 +33,9 @@ public:
     /// One rising clock edge with these inputs; `outputs` is what follows it.
     virtual void clock(bool reset, bool rx, Outputs& outputs) = 0;
     [[nodiscard]] virtual const ModelParameters& parameters() const = 0;
-    [[nodiscard]] virtual std::uint16_t& primary_word(std::size_t word) = 0;
-    [[nodiscard]] virtual std::uint32_t& sequence_word(std::size_t word) = 0;
+    /// The memories' words, to read and to write beside the link; empty where they cannot be reached, as in a netlist.
+    [[nodiscard]] virtual std::span<std::uint16_t> primary_memory() = 0;
+    [[nodiscard]] virtual std::span<std::uint32_t> sequence_memory() = 0;
     /// Writes every signal of every further clock to an FST file.
     virtual void trace(const std::filesystem::path& file) = 0;
 };

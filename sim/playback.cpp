@@ -40,10 +40,8 @@ std::size_t model_for(const Image& image, const std::string& where) {
 }
 
 void load_directly(Board& board, const Image& image) {
-    const auto primary = primary_words(image);
-    for (std::size_t i = 0; i < primary.size(); ++i) board.primary_word(i) = primary[i];
-    const auto sequence = sequence_words(image);
-    for (std::size_t i = 0; i < sequence.size(); ++i) board.sequence_word(i) = sequence[i];
+    std::ranges::copy(primary_words(image), board.primary_memory().begin());
+    std::ranges::copy(sequence_words(image), board.sequence_memory().begin());
 }
 
 std::uint64_t clocks_per_pass(const Image& image) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A simulated board with a client on its line and a recorder at its pins, for the co-simulation tests.
 #pragma once
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdint>
 #include <optional>
@@ -14,6 +15,8 @@
 #include "pulse_check.hpp"
 
 namespace haptogram::test {
+
+using link::Bytes;
 
 inline constexpr std::size_t tile100 = 0;  // 100 channels, 16 timing bits, 1 Mbaud
 inline constexpr std::size_t small16 = 1;  // 16 channels, 12 timing bits, 3 Mbaud, watchdog 5 ms
@@ -29,12 +32,52 @@ struct Bench {
 
     [[nodiscard]] std::uint32_t channels() const { return board.parameters().channels; }
 
-    /// Puts records 1… and the sequence into the memories without the link.
+    /// Puts records 1… and the sequence into the memories: beside the link where they can be reached, over it and with
+    /// a reset behind it in a netlist.
     void load(const Image& image) {
-        const auto primary = primary_words(image);
-        for (std::size_t i = 0; i < primary.size(); ++i) board.primary_word(i) = primary[i];
-        const auto sequence = sequence_words(image);
-        for (std::size_t i = 0; i < sequence.size(); ++i) board.sequence_word(i) = sequence[i];
+        if (board.primary_memory().empty()) {
+            client.identify();
+            client.upload(image);
+            board.reset();
+            return;
+        }
+        std::ranges::copy(primary_words(image), board.primary_memory().begin());
+        std::ranges::copy(sequence_words(image), board.sequence_memory().begin());
+    }
+
+    /// Sends raw bytes and returns every reply that comes within a millisecond.
+    std::vector<link::Reply> talk(const Bytes& bytes) {
+        board.send(bytes);
+        REQUIRE(board.run_until([&] { return board.line_idle(); }, 10'000'000));
+        board.run(50'000);
+        std::vector<link::Reply> replies;
+        link::ReplyDecoder decoder;
+        decoder.feed(board.receive(), replies);
+        REQUIRE(decoder.damaged() == 0);
+        if (!replies.empty()) expected_ = replies.back().expected;
+        return replies;
+    }
+
+    /// What the memories hold. Where they cannot be reached, a repeated frame asks, which changes only
+    /// the counts of frames; talk() must have had a reply.
+    [[nodiscard]] Bytes memory(std::uint32_t address, std::size_t bytes) {
+        Bytes found;
+        const bool primary = address < interface::sequence_base;
+        for (std::uint32_t at = address; found.size() < bytes; at += 2) {
+            if (board.primary_memory().empty()) {
+                const auto part = std::min<std::size_t>(bytes - found.size(), 32);
+                const Bytes read = ask(static_cast<std::uint32_t>(address + found.size()), part);
+                found.insert(found.end(), read.begin(), read.end());
+                continue;
+            }
+            const std::uint32_t half = (at - (primary ? interface::primary_base : interface::sequence_base)) / 2;
+            const std::uint16_t word =
+                primary ? board.primary_memory()[half]
+                        : static_cast<std::uint16_t>(board.sequence_memory()[half / 2] >> half % 2 * 16);
+            found.push_back(static_cast<std::uint8_t>(word));
+            found.push_back(static_cast<std::uint8_t>(word >> 8));
+        }
+        return found;
     }
 
     /// Starts a session that no watchdog ends, with outputs enabled.
@@ -66,7 +109,30 @@ struct Bench {
             if (p.channel == channel && p.rise >= from && p.rise < to) found.push_back(p);
         return found;
     }
+
+private:
+    Bytes ask(std::uint32_t address, std::size_t bytes) {
+        const auto low = [&](unsigned shift) { return static_cast<std::uint8_t>(address >> shift); };
+        const Bytes request = {low(0), low(8), low(16), low(24), static_cast<std::uint8_t>(bytes), 0};
+        const auto replies = talk(
+            link::encode_request(static_cast<std::uint8_t>(expected_.value() - 1), interface::Command::read, request));
+        REQUIRE(replies.size() == 1);
+        REQUIRE(replies[0].status == interface::Status::repeated);
+        return replies[0].data;
+    }
+
+    std::optional<std::uint8_t> expected_;  // the board's, as the last reply had it
 };
+
+/// Words as they go over the link, low byte first.
+inline Bytes words(std::initializer_list<std::uint16_t> values) {
+    Bytes bytes;
+    for (const std::uint16_t value : values) {
+        bytes.push_back(static_cast<std::uint8_t>(value));
+        bytes.push_back(static_cast<std::uint8_t>(value >> 8));
+    }
+    return bytes;
+}
 
 /// An image for a bench, with the given records and each of them for one cycle in the sequence.
 inline Image image_of(std::uint32_t channels, std::vector<Record> records) {

@@ -5,33 +5,11 @@ using namespace haptogram;
 using namespace haptogram::test;
 using interface::Command;
 using interface::Status;
-using link::Bytes;
 
 namespace {
 
-Bytes words(std::initializer_list<std::uint16_t> values) {
-    Bytes bytes;
-    for (const std::uint16_t value : values) {
-        bytes.push_back(static_cast<std::uint8_t>(value));
-        bytes.push_back(static_cast<std::uint8_t>(value >> 8));
-    }
-    return bytes;
-}
-
-/// Sends raw bytes and returns every reply that comes within a millisecond.
-std::vector<link::Reply> talk(Bench& bench, const Bytes& bytes) {
-    bench.board.send(bytes);
-    REQUIRE(bench.board.run_until([&] { return bench.board.line_idle(); }, 10'000'000));
-    bench.board.run(50'000);
-    std::vector<link::Reply> replies;
-    link::ReplyDecoder decoder;
-    decoder.feed(bench.board.receive(), replies);
-    REQUIRE(decoder.damaged() == 0);
-    return replies;
-}
-
 link::Reply one(Bench& bench, std::uint8_t sequence, Command command, const Bytes& payload) {
-    const auto replies = talk(bench, link::encode_request(sequence, command, payload));
+    const auto replies = bench.talk(link::encode_request(sequence, command, payload));
     REQUIRE(replies.size() == 1);
     REQUIRE(replies[0].sequence == sequence);
     REQUIRE(replies[0].command == command);
@@ -50,24 +28,24 @@ TEST_CASE("contract 5: a frame damaged in any single bit changes nothing, and th
           "[contract5]") {
     Bench bench;
     one(bench, 0, Command::identify, {});
-    bench.board.primary_word(0) = 0x1111;
-    const Bytes good = link::encode_request(1, Command::write, words({0, 0, 0xabcd}));
+    one(bench, 1, Command::write, words({0, 0, 0x1111}));
+    const Bytes good = link::encode_request(2, Command::write, words({0, 0, 0xabcd}));
     std::uint16_t damaged = 0;
     for (std::size_t bit = 0; bit < 8 * (good.size() - 1); ++bit) {  // the delimiter is the case after this one
         Bytes bad = good;
         bad[bit / 8] ^= static_cast<std::uint8_t>(1U << (bit % 8));
         CAPTURE(bit);
-        REQUIRE(talk(bench, bad).empty());
-        REQUIRE(bench.board.primary_word(0) == 0x1111);
+        REQUIRE(bench.talk(bad).empty());
+        REQUIRE(bench.memory(interface::primary_base, 2) == words({0x1111}));
         ++damaged;
         if (bad[bit / 8] == 0)
             damaged = static_cast<std::uint16_t>(damaged + (bit / 8 > 0 && bit / 8 + 2 < good.size() ? 1 : 0));
     }
-    const auto counted = status_word(bench, 1, interface::StatusWord::frames_damaged);
+    const auto counted = status_word(bench, 2, interface::StatusWord::frames_damaged);
     REQUIRE(counted >= 8 * (good.size() - 1));
     REQUIRE(counted <= damaged);
-    REQUIRE(one(bench, 2, Command::write, words({0, 0, 0xabcd})).status == Status::ok);
-    REQUIRE(bench.board.primary_word(0) == 0xabcd);
+    REQUIRE(one(bench, 3, Command::write, words({0, 0, 0xabcd})).status == Status::ok);
+    REQUIRE(bench.memory(interface::primary_base, 2) == words({0xabcd}));
 }
 
 TEST_CASE("contract 5: frames cut short, run together, or preceded by noise", "[contract5]") {
@@ -77,19 +55,19 @@ TEST_CASE("contract 5: frames cut short, run together, or preceded by noise", "[
     for (std::size_t length = 1; length + 1 < good.size(); ++length) {
         Bytes cut(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(length));
         cut.push_back(0);
-        REQUIRE(talk(bench, cut).empty());
+        REQUIRE(bench.talk(cut).empty());
     }
     Bytes joined(good.begin(), good.end() - 1);  // its delimiter was lost
     const Bytes again = link::encode_request(1, Command::stop, {});
     joined.insert(joined.end(), again.begin(), again.end());
-    REQUIRE(talk(bench, joined).empty());
-    REQUIRE(bench.board.primary_word(0) == 0);
+    REQUIRE(bench.talk(joined).empty());
+    REQUIRE(bench.memory(interface::primary_base, 2) == words({0}));
     Bytes noisy = {0x55, 0xaa, 0x00, 0x00};
     noisy.insert(noisy.end(), good.begin(), good.end());
-    const auto replies = talk(bench, noisy);
+    const auto replies = bench.talk(noisy);
     REQUIRE(replies.size() == 1);
     REQUIRE(replies[0].status == Status::ok);
-    REQUIRE(bench.board.primary_word(0) == 0xabcd);
+    REQUIRE(bench.memory(interface::primary_base, 2) == words({0xabcd}));
 }
 
 TEST_CASE("contract 5: what is refused says why and changes nothing", "[contract5]") {
@@ -138,8 +116,8 @@ TEST_CASE("contract 5: what is refused says why and changes nothing", "[contract
     bench.board.run(20'000);
     REQUIRE(bench.board.outputs().index == 0);
     REQUIRE_FALSE(bench.board.outputs().enabled);
-    for (std::size_t i = 0; i < 800; ++i) REQUIRE(bench.board.primary_word(i) == 0);
-    for (std::size_t i = 0; i < 64; ++i) REQUIRE(bench.board.sequence_word(i) == 0);
+    REQUIRE(bench.memory(interface::primary_base, 1600) == Bytes(1600, 0));
+    REQUIRE(bench.memory(interface::sequence_base, 256) == Bytes(256, 0));
     REQUIRE(one(bench, 1, Command::stop, {}).status == Status::ok);
 }
 
@@ -151,7 +129,7 @@ TEST_CASE("contract 5: a frame sent again is acknowledged and not applied again"
     const auto level = one(bench, 253, Command::status, {}).live_level;
     REQUIRE(one(bench, 252, Command::push, words({100, 1, 2, 3})).status == Status::repeated);
     REQUIRE(one(bench, 251, Command::write, words({0, 0, 9})).status == Status::repeated);
-    REQUIRE(bench.board.primary_word(0) == 1);
+    REQUIRE(bench.memory(interface::primary_base, 2) == words({1}));
     REQUIRE(one(bench, 254, Command::stop, {}).status == Status::ok);
     REQUIRE(one(bench, 255, Command::push, words({100, 1, 2, 3})).status == Status::ok);
     REQUIRE(one(bench, 0, Command::status, {}).live_level == level);  // the number wraps around
@@ -182,7 +160,7 @@ TEST_CASE("contract 5: a frame ahead of a lost one is refused and says what is e
     const auto reply = one(bench, 13, Command::write, words({0, 0, 5}));
     REQUIRE(reply.status == Status::out_of_order);
     REQUIRE(reply.expected == 11);
-    REQUIRE(bench.board.primary_word(0) == 0);
+    REQUIRE(bench.memory(interface::primary_base, 2) == words({0}));
     REQUIRE(one(bench, 11, Command::write, words({0, 0, 5})).status == Status::ok);
     REQUIRE(status_word(bench, 12, interface::StatusWord::frames_refused) == 1);
 }
