@@ -22,7 +22,7 @@ module cobs_encoder #(
     localparam [BITS-1:0] ONE = {{(BITS-1){1'b0}}, 1'b1};
     localparam [1:0] COLLECT = 2'd0, CLOSE_RUN = 2'd1, DELIMIT = 2'd2, SEND = 2'd3;
 
-    reg [7:0]      frame [0:BYTES-1];
+    (* no_rw_check *) reg [7:0] frame [0:BYTES-1];  // nothing is written while it is sent
     reg [1:0]      state_q;
     reg            last_q;   // the frame is complete
     reg [BITS-1:0] code_q;   // place kept for the present run's code byte

@@ -4,9 +4,9 @@
 // applies it, and has reply_unit answer. Nothing is changed before the whole frame has been found good, but for PUSH,
 // whose indices are provisional until the last one has been seen.
 //
-// After reset only IDENTIFY is taken. A frame with the expected sequence number is applied; an earlier one was applied before and is only answered (reads are
-// read again); a later one is refused. A refused frame does not count: the sequence number stays expected.
-// Writes go out one word a clock without pause, which memory_controller.v relies on.
+// After reset only IDENTIFY is taken. A frame with the expected sequence number is applied; an earlier one was applied before
+// and is only answered (reads are read again); a later one is refused and does not count: its number stays expected.
+// Writes go out one word a clock, with no pause but for i_hold; memory_controller.v relies on it.
 `default_nettype none
 `include "interface.vh"
 module command_unit #(
@@ -28,6 +28,7 @@ module command_unit #(
     output reg         o_repeated,     // strobe
     output reg         o_refused,      // strobe
     output wire        o_write,        // a word for o_address
+    input  wire        i_hold,         // which is being read in this clock: not now
     output wire        o_push,         // an index for the live FIFO
     output wire        o_keep,
     output wire        o_take_back,
@@ -64,18 +65,17 @@ module command_unit #(
     wire in_order = (ahead == 8'd0 && session_q) || command_q == `HG_COMMAND_IDENTIFY;
     wire repeated = !in_order && ahead[7] && session_q;
     wire done = words_q == 16'd0;
+    wire hold = i_hold && command_q == `HG_COMMAND_WRITE;
     wire reads = reply != 2'd0 && o_status <= `HG_REPLY_REPEATED;
 
     assign o_command     = command_q;
-    assign o_argument_0  = argument_q[0];
-    assign o_argument_1  = argument_q[1];
-    assign o_argument_2  = argument_q[2];
+    assign {o_argument_2, o_argument_1, o_argument_0} = {argument_q[2], argument_q[1], argument_q[0]};
     assign o_settle      = state_q == SETTLE;
     assign o_tail_words  = payload_words - args_16;
     assign o_take        = i_valid && (state_q == LENGTH || state_q == HEADER
-                                       || (!done && (state_q == TAIL || state_q == DRAIN
+                                       || (!done && ((state_q == TAIL && !hold) || state_q == DRAIN
                                                      || (state_q == ARGUMENTS && !bad_length && count_q != args))));
-    assign o_write       = state_q == TAIL && !done && command_q == `HG_COMMAND_WRITE;
+    assign o_write       = state_q == TAIL && !done && !hold && command_q == `HG_COMMAND_WRITE;
     assign o_push        = state_q == TAIL && !done && command_q == `HG_COMMAND_PUSH;
     assign o_keep        = state_q == CLOSE && command_q == `HG_COMMAND_PUSH && o_status == `HG_REPLY_OK;
     assign o_take_back   = state_q == CLOSE && command_q == `HG_COMMAND_PUSH && o_status != `HG_REPLY_OK;

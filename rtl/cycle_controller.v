@@ -6,7 +6,8 @@
 // A cycle is i_cycle_length ticks of i_prescaler clocks. o_tick is high in the first clock of each tick. o_commit is
 // high in a cycle's last clock, and the next clock is tick 0 of the new record: there is no dead time.
 // A record plays for i_dwell cycles; 0 repeats it until the next is ready. i_preempt asks for a change at the next
-// boundary, whatever is left of the dwell. A change that is due but not ready is an underrun, counted once.
+// boundary, whatever is left of the dwell. A change that is due but not ready is an underrun, counted once; so is one that
+// would come while a pulse from before the last change is under way, which takes a cycle shorter than that pulse.
 `default_nettype none
 module cycle_controller #(
     parameter PULSE_BITS   = 8,
@@ -16,6 +17,7 @@ module cycle_controller #(
     input  wire                   clk,
     input  wire                   rst,
     input  wire                   i_preempt,  // strobe
+    input  wire                   i_settled,  // no pulse from before the last commit is under way
     input  wire                   i_ready,    // the fields below and the channels' shadow registers are complete
     input  wire [15:0]            i_index,
     input  wire [15:0]            i_dwell,
@@ -45,9 +47,10 @@ module cycle_controller #(
     wire tick_ends = phase_q == prescaler_q - 1'b1;
     wire boundary  = tick_ends && count_q == cycle_length_q - 1'b1;
     wire due       = dwell_q == 16'd1;
+    wire ready     = i_ready && i_settled;
 
-    assign o_commit      = boundary && i_ready && (due || dwell_q == 16'd0 || preempt_q);
-    assign o_underrun    = boundary && due && !i_ready && !preempt_q && !late_q;
+    assign o_commit      = boundary && ready && (due || dwell_q == 16'd0 || preempt_q);
+    assign o_underrun    = boundary && due && !ready && !preempt_q && !late_q;
     assign o_tick        = phase_q == 24'd0;
     assign o_cycle_start = o_tick && count_q == 24'd0;
     assign o_count       = count_q[TIMING_BITS-1:0];
@@ -123,8 +126,8 @@ module cycle_controller #(
             // No dead time, and a cycle ends where its length says.
             assert (o_cycle_start == ($past(boundary) || $past(rst)));
             assert (!boundary || f_left_q == 8'd1);
-            assert (o_commit == (boundary && i_ready && f_change));
-            assert (o_underrun == (boundary && !i_ready && !f_asked_q && f_due && f_played_q == f_dwell_q - 1'b1));
+            assert (o_commit == (boundary && i_ready && i_settled && f_change));
+            assert (o_underrun == (boundary && !(i_ready && i_settled) && !f_asked_q && f_due && f_played_q == f_dwell_q - 1'b1));
             if ($past(o_commit) && !$past(rst)) begin
                 assert (o_index == $past(i_index) && o_pulse_length == ($past(i_silent) ? 0 : $past(i_pulse_length)));
                 assert ({cycle_length_q, prescaler_q} == ($past(i_silent) ? $past({cycle_length_q, prescaler_q})

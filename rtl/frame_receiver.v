@@ -25,7 +25,7 @@ module frame_receiver #(
     localparam [BITS:0] ONE = {{BITS{1'b0}}, 1'b1};
     localparam [15:0] SHORTEST = 16'd4;  // sequence number, command, CRC
 
-    reg [15:0]   ring [0:WORDS-1];
+    (* no_rw_check *) reg [15:0] ring [0:WORDS-1];  // what is written can be read a clock later at the earliest
     reg [BITS:0] start_q;  // of the frame being received: its length goes there
     reg [BITS:0] place_q;  // where the next pair of bytes goes
     reg [BITS:0] read_q;

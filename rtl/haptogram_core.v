@@ -56,7 +56,7 @@ module haptogram_core #(
     command_unit #(.RECORDS(RECORDS)) commands (
         .clk(clk), .rst(rst), .i_valid(frame_valid), .o_take(frame_take), .i_word(frame_word), .o_command(command),
         .o_argument_0(argument_0), .o_argument_1(argument_1), .o_argument_2(argument_2), .o_tail_words(tail_words), .o_settle(settle),
-        .i_status(verdict), .o_execute(execute), .o_repeated(repeated), .o_refused(refused), .o_write(write), .o_push(push),
+        .i_status(verdict), .o_execute(execute), .o_repeated(repeated), .o_refused(refused), .o_write(write), .i_hold(hold), .o_push(push),
         .o_keep(keep), .o_take_back(take_back), .o_address(command_address), .o_region(region), .o_answer(answer),
         .o_status(status), .o_sequence(sequence_number), .o_expected(expected), .o_read_words(read_words),
         .i_answered(answered));
@@ -68,14 +68,15 @@ module haptogram_core #(
     wire does_watchdog = execute && command == `HG_COMMAND_WATCHDOG;
 
     // The address space: what plays has the memories first, a reply waits for them.
+    wire        in_primary  = region == `HG_REGION_PRIMARY;
+    wire        in_sequence = region == `HG_REGION_SEQUENCE;
     wire        read, granted, loading, fetching;
+    wire        hold = in_primary ? loading && load_address == command_address[27:1] : in_sequence && fetching;
     wire [26:0] reply_address, load_address;
     wire [15:0] sequence_address, primary_word, register_word;
     wire [31:0] sequence_word;
     reg         high_half_q;
     always @(posedge clk) high_half_q <= reply_address[0];
-    wire in_primary  = region == `HG_REGION_PRIMARY;
-    wire in_sequence = region == `HG_REGION_SEQUENCE;
     assign granted = in_primary ? !loading : in_sequence ? !fetching : 1'b1;
     wire [15:0] sequence_half = high_half_q ? sequence_word[31:16] : sequence_word[15:0];
     reply_unit replies (

@@ -27,7 +27,7 @@ module live_fifo #(
         if (DEPTH < 4 || DEPTH > 32768 || DEPTH != (1 << BITS)) depth_out_of_range error();
     endgenerate
 
-    reg [31:0] entries [0:DEPTH-1];
+    (* no_rw_check *) reg [31:0] entries [0:DEPTH-1];  // what is written can be read a clock later at the earliest
     // One bit more than the address tells full from empty.
     reg [BITS:0] kept_q;   // end of what may be read
     reg [BITS:0] write_q;  // end of what has been pushed

@@ -35,10 +35,10 @@ module player #(
 );
     generate
         if (TIMING_BITS < 4 || TIMING_BITS > 16) timing_bits_out_of_range error();
-        if (PULSE_BITS < 1 || PULSE_BITS > 8) pulse_bits_out_of_range error();
+        if (PULSE_BITS < 1 || PULSE_BITS > 8 || PULSE_BITS > TIMING_BITS) pulse_bits_out_of_range error();
     endgenerate
 
-    wire                   shift, ready, silent, commit, tick, can_match, cycle_start, allow;
+    wire                   shift, ready, silent, commit, tick, can_match, cycle_start, settled, allow;
     wire [TIMING_BITS-1:0] timing, count;
     wire [15:0]            index, dwell, present;
     wire [23:0]            cycle_length, prescaler;
@@ -52,13 +52,14 @@ module player #(
         .o_ready(ready), .o_silent(silent), .o_index(index), .o_dwell(dwell), .o_cycle_length(cycle_length),
         .o_prescaler(prescaler), .o_pulse_length(next_pulse_length), .o_refused(o_refused));
     cycle_controller #(.PULSE_BITS(PULSE_BITS), .TIMING_BITS(TIMING_BITS), .IDLE_CLOCKS(IDLE_CLOCKS)) cycle (
-        .clk(clk), .rst(rst), .i_preempt(i_preempt), .i_ready(ready), .i_index(index), .i_dwell(dwell), .i_silent(silent),
-        .i_cycle_length(cycle_length), .i_prescaler(prescaler), .i_pulse_length(next_pulse_length), .o_commit(commit),
+        .clk(clk), .rst(rst), .i_preempt(i_preempt), .i_settled(settled), .i_ready(ready), .i_index(index), .i_dwell(dwell),
+        .i_silent(silent), .i_cycle_length(cycle_length), .i_prescaler(prescaler), .i_pulse_length(next_pulse_length), .o_commit(commit),
         .o_tick(tick), .o_count(count), .o_can_match(can_match), .o_pulse_length(pulse_length), .o_index(present),
         .o_cycle_start(cycle_start), .o_underrun(o_underrun));
     pulse_generators #(.CHANNELS(CHANNELS), .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS)) generators (
         .clk(clk), .rst(rst), .i_allow(allow), .i_shift(shift), .i_timing(timing), .i_commit(commit), .i_tick(tick),
-        .i_can_match(can_match), .i_count(count), .i_pulse_length(pulse_length), .o_pins(o_pins));
+        .i_cycle_start(cycle_start), .i_can_match(can_match), .i_count(count), .i_pulse_length(pulse_length), .o_settled(settled),
+        .o_pins(o_pins));
     output_guard #(.CHANNELS(CHANNELS), .MAX_HIGH_CLOCKS(MAX_HIGH_CLOCKS)) guard (
         .clk(clk), .rst(rst), .i_enable(i_enable), .i_disable(i_disable), .i_expired(i_expired), .i_pins(o_pins), .o_allow(allow),
         .o_enabled(o_enabled), .o_trip(o_guard_trip));

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Every record of every focal point, in 16-bit words: one write port, one read port, data one clock after the address.
-// A read of the word being written gives the old word. INIT_FILE, when not empty, is a $readmemh file.
+// A word must not be read in the clock in which it is written: the core makes the writer wait, which costs far less than
+// what synthesis would add to a memory that promises an answer (no_rw_check). INIT_FILE, when not empty, is a $readmemh file.
 `default_nettype none
 module primary_memory #(
     parameter WORDS     = 41600,
@@ -15,7 +16,7 @@ module primary_memory #(
     output reg  [15:0] o_word
 );
     localparam BITS = $clog2(WORDS);
-    reg [15:0] words [0:WORDS-1];
+    (* no_rw_check *) reg [15:0] words [0:WORDS-1];
 
     generate
         if (INIT_FILE != "") begin : initialised

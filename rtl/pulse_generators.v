@@ -3,12 +3,13 @@
 // One pulse generator per transducer and the register before its pin: high for i_pulse_length ticks, once per cycle, from
 // the tick that equals the channel's timing.
 //
-// A pulse that has started always completes, whatever is loaded meanwhile, so a change of focus can neither cut a pulse
-// short nor lose one; a pulse that starts inside another one extends it (they merge). While i_allow is low the pins are
-// low, from the next clock on, and nothing starts, so the first pulse after enabling is whole. Latency: a pin follows the
-// matching tick by two clocks. Timings arrive through shadow registers in one chain, fed at the last channel's end: after
-// CHANNELS shifts the first is at channel 0; i_commit copies all of them into the compared registers on one clock edge.
-// TIMING_BITS 4…16, PULSE_BITS 1…8.
+// No channel counts: fall_q, the count one pulse length late, says for all of them which timing's pulse ends, so a channel
+// that is low looks for the count, and one that is high for fall_q, with the same comparator. At a commit a pulse under way
+// moves to the channel's old half, which has only its own end left to find: it completes whatever is loaded, and a new pulse
+// within it merges. o_settled says that none of these is left; the next commit has to wait for it. While i_allow is low
+// the pins are low, from the next clock on, and nothing starts, so the first pulse after enabling is whole. A pin follows
+// its tick by two clocks. Timings arrive in one chain, fed at the last channel's end; i_commit copies all of them into the
+// compared registers on one clock edge. TIMING_BITS 4…16, PULSE_BITS 1…8, no more than TIMING_BITS.
 `default_nettype none
 module pulse_generators #(
     parameter CHANNELS    = 100,
@@ -20,92 +21,78 @@ module pulse_generators #(
     input  wire                   i_allow,         // from output_guard
     input  wire                   i_shift,
     input  wire [TIMING_BITS-1:0] i_timing,
-    input  wire                   i_commit,
+    input  wire                   i_commit,        // in a cycle's last clock, while o_settled
     input  wire                   i_tick,          // one clock, at the start of each tick
+    input  wire                   i_cycle_start,   // with the first tick of a cycle
     input  wire                   i_can_match,     // pulses are wanted and the count fits TIMING_BITS
     input  wire [TIMING_BITS-1:0] i_count,
-    input  wire [PULSE_BITS-1:0]  i_pulse_length,  // ticks, > 0 while i_can_match
+    input  wire [PULSE_BITS-1:0]  i_pulse_length,  // ticks, less than a cycle; changes with commits
+    output wire                   o_settled,
     output reg  [CHANNELS-1:0]    o_pins
 );
-    localparam [PULSE_BITS-1:0] NONE = {PULSE_BITS{1'b0}};
-
-    // Pins change only in the clock after a tick; saying so spares a simulator most of its work.
-    reg tick_q;
-    always @(posedge clk) tick_q <= i_tick;
+    localparam [PULSE_BITS-1:0] NONE = 0, ONE = 1;
+    localparam [TIMING_BITS-1:0] NEVER = {TIMING_BITS{1'b1}};  // no channel that starts has this timing
 
     reg [CHANNELS*TIMING_BITS-1:0] shadow_q;
     reg [CHANNELS*TIMING_BITS-1:0] timings_q;
     always @(posedge clk) if (i_commit) timings_q <= shadow_q;
     always @(posedge clk) if (i_shift) shadow_q <= {i_timing, shadow_q[CHANNELS*TIMING_BITS-1:TIMING_BITS]};
 
-`ifdef FORMAL
-    localparam F_TICKS = (1 << PULSE_BITS) - 1;  // the longest pulse
-    localparam [15:0] F_CHANNELS = CHANNELS[15:0];
-    wire f_off = rst || !i_allow;
-    reg  f_reset_seen_q, f_off_q;
-    initial f_reset_seen_q = 1'b0;
-    always @(posedge clk) {f_reset_seen_q, f_off_q} <= {f_reset_seen_q || rst, f_off};
+    // Of the next tick that is looked at, in this clock or later:
+    reg [TIMING_BITS-1:0] fall_q;      // the timing whose pulse ends there
+    reg [PULSE_BITS-1:0]  old_fall_q;  // the same for pulses from before the commit; they end within 2^PULSE_BITS ticks
+    reg [PULSE_BITS-1:0]  old_left_q;  // how many more ticks that can be
+    reg [PULSE_BITS-1:0]  lead_q;      // ticks until the first pulse of this cycle can end
+    wire [PULSE_BITS-1:0]  lead   = i_cycle_start ? i_pulse_length : lead_q;
+    wire [TIMING_BITS-1:0] fall_d = !i_tick ? fall_q : lead == ONE ? {TIMING_BITS{1'b0}} : fall_q == NEVER ? NEVER : fall_q + 1'b1;
+    assign o_settled = old_left_q == NONE || (i_tick && old_left_q == ONE);
 
-    // Any one word on its way through the chain: f_word_q was shifted in f_age_q shifts ago (0: none is watched).
-`ifdef FORMAL_PULSE_GENERATORS
-    (* anyseq *) wire f_watch;
-`else
-    wire f_watch = f_age_q == 16'd0;
-`endif
-    reg [TIMING_BITS-1:0] f_word_q;
-    reg [15:0]            f_age_q;
     always @(posedge clk) begin
-        if (rst) f_age_q <= 16'd0;
-        else if (i_shift && f_watch) {f_word_q, f_age_q} <= {i_timing, 16'd1};
-        else if (i_shift && f_age_q != 16'd0) f_age_q <= f_age_q == F_CHANNELS ? 16'd0 : f_age_q + 1'b1;
-        if (f_reset_seen_q) assert (f_age_q <= F_CHANNELS);
+        if (rst) {lead_q, old_left_q} <= {NONE, NONE};
+        else begin
+            if (i_tick) lead_q <= lead == NONE ? NONE : lead - ONE;
+            if (i_commit) old_left_q <= i_pulse_length;
+            else if (i_tick) old_left_q <= old_left_q == NONE ? NONE : old_left_q - ONE;
+        end
+        fall_q <= rst || i_commit ? NEVER : fall_d;
+        if (i_commit) old_fall_q <= fall_d[PULSE_BITS-1:0];
+        else if (i_tick) old_fall_q <= old_fall_q + ONE;
     end
-`endif
+
+    // Between ticks and commits nothing changes; saying so spares a simulator most of its work.
+    wire off   = rst || !i_allow;
+    wire moves = i_tick || i_commit;
+    wire start = i_tick && i_can_match;
+    wire [TIMING_BITS-1:0] fall = i_tick ? fall_q : NEVER;
+    reg  moves_q;
+    always @(posedge clk) moves_q <= moves;
 
     genvar k;
     generate
         for (k = 0; k < CHANNELS; k = k + 1) begin : channel
             wire [TIMING_BITS-1:0] timing = timings_q[k*TIMING_BITS +: TIMING_BITS];
-            reg [PULSE_BITS-1:0]   left_q;  // ticks still to be high
+            reg                    new_q;  // within a pulse of the present record
+            reg                    old_q;  // within one from before the last commit
+            reg [PULSE_BITS-1:0]   old_timing_q;
+            wire                   match = timing == (new_q ? fall : i_count);
+            wire                   new_d = new_q ? !match : match && start;
 
-            initial o_pins[k] = 1'b0;
-            initial left_q = NONE;
+            initial {o_pins[k], new_q, old_q} = 3'b000;
             always @(posedge clk) begin
-                if (rst || !i_allow) o_pins[k] <= 1'b0;
-                else if (tick_q) o_pins[k] <= left_q != NONE;
-
-                if (rst || !i_allow || i_tick)
-                    left_q <= rst || !i_allow ? NONE
-                            // The longer of the old pulse's rest and the new pulse: their union in time.
-                            : i_can_match && i_count == timing && i_pulse_length >= left_q ? i_pulse_length
-                            : left_q != NONE ? left_q - 1'b1 : NONE;
-            end
-
-`ifdef FORMAL
-            // Bit j: high in the j-th tick from here. So the union of pulses is an or, and there is nothing to compare.
-            reg [F_TICKS-1:0]  f_future_q;
-            reg                f_high_q, f_pin_q;  // one clock ago; Verilator cannot build $past of a wide vector's part
-            reg [TIMING_BITS-1:0] f_timing_q;
-            wire [F_TICKS-1:0] f_pulse  = ~({F_TICKS{1'b1}} << i_pulse_length);
-            wire               f_starts = i_tick && i_can_match && i_count == timing;
-            always @(posedge clk) begin
-                {f_high_q, f_pin_q, f_timing_q} <= {f_future_q[0], o_pins[k], timing};
-                if (f_off) f_future_q <= {F_TICKS{1'b0}};
-                else if (i_tick) f_future_q <= (f_future_q >> 1) | (f_starts ? f_pulse : {F_TICKS{1'b0}});
-                if (f_reset_seen_q) begin
-                    assert (f_future_q == ~({F_TICKS{1'b1}} << left_q));
-                    assert (o_pins[k] == (!f_off_q && ($past(tick_q) ? f_high_q : f_pin_q)));
-                    if (f_age_q == F_CHANNELS - k) assert (shadow_q[k*TIMING_BITS +: TIMING_BITS] == f_word_q);
-                    if ($past(f_reset_seen_q && i_commit) && $past(f_age_q) == F_CHANNELS - k) assert (timing == $past(f_word_q));
-                    if (!$past(i_commit)) assert (timing == f_timing_q);
-                    cover (f_starts && !f_off && f_future_q[1] && !f_future_q[2] && f_pulse[2]);  // merges
-                    cover (f_starts && !f_off && f_future_q[2] && !f_pulse[1]);  // within another
-                    cover (!o_pins[k] && f_pin_q && !f_off_q);
-                    cover ($past(i_commit) && $past(f_age_q) == F_CHANNELS - k);
+                if (off) {new_q, old_q} <= 2'b00;
+                else if (moves) begin
+                    new_q <= !i_commit && new_d;
+                    old_q <= i_commit ? new_d : old_q && old_timing_q != old_fall_q;
                 end
+                if (i_commit) old_timing_q <= timing[PULSE_BITS-1:0];
+                if (off) o_pins[k] <= 1'b0;
+                else if (moves_q) o_pins[k] <= new_q || old_q;
             end
-`endif
         end
     endgenerate
+
+`ifdef FORMAL
+    `include "../tests/formal/pulse_generators_properties.vh"
+`endif
 endmodule
 `default_nettype wire

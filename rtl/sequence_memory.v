@@ -2,6 +2,7 @@
 //
 // The order of play, in 32-bit words: word 0 is {loops, length}, the others are {dwell, index}. Written in halves, low
 // half first; the word changes when its high half arrives. Data one clock after the address.
+// A word must not be read in the clock in which it changes: the core makes the writer wait.
 `default_nettype none
 module sequence_memory #(
     parameter WORDS     = 1024,
@@ -15,7 +16,7 @@ module sequence_memory #(
     output reg  [31:0] o_word
 );
     localparam BITS = $clog2(WORDS);
-    reg [31:0] words [0:WORDS-1];
+    (* no_rw_check *) reg [31:0] words [0:WORDS-1];
     reg [15:0] low_q;
 
     generate

@@ -17,6 +17,7 @@ module guarded_pulses #(
     input wire [TIMING_BITS-1:0] i_timing,
     input wire                   i_commit,
     input wire                   i_tick,
+    input wire                   i_cycle_start,
     input wire                   i_can_match,
     input wire [TIMING_BITS-1:0] i_count,
     input wire [PULSE_BITS-1:0]  i_pulse_length
@@ -25,7 +26,8 @@ module guarded_pulses #(
     wire [CHANNELS-1:0] pins;
     pulse_generators #(.CHANNELS(CHANNELS), .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS)) generators (
         .clk(clk), .rst(rst), .i_allow(allow), .i_shift(i_shift), .i_timing(i_timing), .i_commit(i_commit), .i_tick(i_tick),
-        .i_can_match(i_can_match), .i_count(i_count), .i_pulse_length(i_pulse_length), .o_pins(pins));
+        .i_cycle_start(i_cycle_start), .i_can_match(i_can_match), .i_count(i_count), .i_pulse_length(i_pulse_length),
+        .o_settled(), .o_pins(pins));
     output_guard #(.CHANNELS(CHANNELS), .MAX_HIGH_CLOCKS(MAX_HIGH_CLOCKS)) guard (
         .clk(clk), .rst(rst), .i_enable(i_enable), .i_disable(i_disable), .i_expired(i_expired), .i_pins(pins),
         .o_allow(allow), .o_enabled(enabled), .o_trip(trip));

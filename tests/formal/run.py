@@ -37,11 +37,12 @@ def model(proof, folder, bug=None):
     """The SMT2 model of a proof, with a planted bug if one is given."""
     folder.mkdir(parents=True, exist_ok=True)
     changed = mutate(proof, bug, folder) if bug else None
-    sources = [changed if bug and s == bug["file"] else ROOT / s for s in proof["sources"]]
+    sources, plain = ([changed if bug and s == bug["file"] else ROOT / s for s in proof.get(key, [])] for key in ("sources", "plain"))
     defines = " ".join(f"-D{d}" for d in ["FORMAL", *proof.get("defines", [])])
     parameters = " ".join(f"-chparam {k} {v}" for k, v in proof.get("parameters", {}).items())
     # A changed include file is found first; the others by the folder of rtl/.
     script = f"""
+        {f"read_verilog -defer -I{folder} -I{ROOT}/rtl {' '.join(str(s) for s in plain)}" if plain else ''}
         read_verilog -formal -defer {defines} -I{folder} -I{ROOT}/rtl {' '.join(str(s) for s in sources)}
         hierarchy -check -top {proof['top']} {parameters}
         proc

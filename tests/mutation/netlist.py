@@ -1,0 +1,208 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Writes mutants.v, the modules of mutation.toml with every chosen mutant in them, and mutants.json, which says what each is.
+
+mutants.v stands in for those files of rtl/; all others are used as they are. Mutant 0 is none; the number of the active
+one comes from the function haptogram_mutant, which the simulation provides (select.cpp).
+Exit code 0, or 2 when the table, a source or yosys is not as expected.
+"""
+import argparse
+import collections
+import functools
+import hashlib
+import itertools
+import json
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+
+
+class Wrong(Exception):
+    """The table, a source or a tool is not as expected."""
+
+
+def table():
+    return tomllib.loads((HERE / "mutation.toml").read_text())
+
+
+def found(pattern, file):
+    match = re.search(pattern, file.read_text(), re.DOTALL)
+    if not match:
+        raise Wrong(f"{file}: nothing matches {pattern}")
+    return match[1]
+
+
+def parameters(model):
+    """haptogram_core's, from the model's row in sim/models.cmake."""
+    fields = found(r"set\(FIELDS MODEL ([^)]*?)\s+OPTIONS\)", ROOT / "sim" / "CMakeLists.txt").split()
+    values = found(rf'"{model}:([^"]*):[^":]*"', ROOT / "sim" / "models.cmake").split(":")
+    if len(fields) != len(values):
+        raise Wrong(f"sim/models.cmake: {model} has {len(values)} parameters, sim/CMakeLists.txt names {len(fields)}")
+    return dict(zip(fields, values))
+
+
+def yosys(script, folder, name):
+    (folder / f"{name}.ys").write_text("\n".join(script) + "\n")
+    done = subprocess.run(["yosys", "-q", "-l", f"{name}.log", f"{name}.ys"], cwd=folder, capture_output=True, text=True)
+    if done.returncode != 0:
+        raise Wrong(f"yosys failed, see {folder / name}.log\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
+
+
+def elaborate(modules, model, folder):
+    """Leaves the core's netlist in all.il. Returns what yosys calls each module, and the module."""
+    chparam = " ".join(f"-chparam {k} {v}" for k, v in parameters(model).items())
+    yosys([f"read_verilog -defer -I{ROOT}/rtl {' '.join(str(f) for f in sorted((ROOT / 'rtl').glob('*.v')))}",
+           f"hierarchy -check -top haptogram_core {chparam}",
+           "prep",
+           "write_json all.json",
+           "write_rtlil all.il"], folder, "elaborate")
+    everything = json.loads((folder / "all.json").read_text())["modules"]
+    named = {}
+    for module in modules:
+        # Yosys names a module with parameters anew, and remembers.
+        same = [n for n, m in everything.items() if m["attributes"].get("hdlname") == "\\" + module]
+        if len(same) != 1:
+            raise Wrong(f"{module}: {len(same)} sets of parameters are instantiated, expected one")
+        named[module] = same[0], everything[same[0]]
+    return named
+
+
+class Module:
+    """A module's netlist, to tell a cell's place in the source without line numbers or generated names."""
+
+    def __init__(self, name, netlist):
+        self.name, self.cells = name, netlist["cells"]
+        self.wires, self.loads, self.drives = {}, collections.defaultdict(list), {}
+        for wire, net in sorted(netlist["netnames"].items()):
+            for index, bit in enumerate(net["bits"] if not net["hide_name"] else []):
+                self.wires.setdefault(bit, (wire, index if len(net["bits"]) > 1 else None))
+        for name, cell in self.cells.items():
+            bits = lambda way: [b for p, connected in cell["connections"].items() if cell["port_directions"][p] == way for b in connected]
+            self.drives[name] = bits("output")
+            for bit in dict.fromkeys(bits("input")):
+                self.loads[bit].append(name)
+
+    @functools.cache
+    def target(self, cell):
+        """The nearest wire with a name of its own that the cell drives."""
+        front = seen = {cell: None}
+        while front:
+            driven = [bit for name in front for bit in self.drives[name]]
+            named = {self.wires[bit] for bit in driven if bit in self.wires}
+            if named:
+                wire, index = min(named)
+                return f"{wire}[{index}]" if len(driven) == 1 and index is not None else wire
+            front = {name: None for bit in driven for name in self.loads[bit] if name not in seen}
+            seen = seen | front
+        return "nothing"
+
+    @functools.cache
+    def text(self, cell):
+        """What the cell was made from, as it stands in the source, in one line."""
+        for place in self.cells[cell]["attributes"].get("src", "").split("|"):
+            match = re.fullmatch(r"(.*):(\d+)\.(\d+)-(\d+)\.(\d+)", place)
+            line, column, last, end = (int(n) for n in match.groups()[1:]) if match else (0, 0, 0, 0)
+            if line:
+                lines = Path(match[1]).read_text().splitlines()[line - 1:last]
+                lines[-1] = lines[-1][:end - 1]
+                lines[0] = lines[0][column - 1:]
+                text = " ".join(" ".join(l.split("//")[0] for l in lines).split())
+                return text if len(text) <= 70 else text[:67] + "..."
+        return "?"
+
+
+def candidates(module, lines, never):
+    """Every mutant that `mutate` knows in a module, as what it is and its command, by the expression it is in."""
+    places, twins = collections.defaultdict(list), collections.Counter()
+    for line in lines:
+        what = dict(re.findall(r"-(mode|cell|port|portbit|ctrlbit) (\S+)", line))
+        if what["port"] in never:
+            continue
+        cell = module.cells[what["cell"]]
+        kind = cell["type"].lstrip("$").removesuffix("_v2")
+        target = cell["parameters"]["MEMID"].lstrip("\\") if kind == "mem" else module.target(what["cell"])
+        # A register and a memory have names, and the text of their always block says nothing.
+        text = "" if kind in ("dff", "mem") else f" | {module.text(what['cell'])}"
+        bit = lambda number: f"[{number}]" if len(cell["connections"][what["port"]]) > 1 else ""
+        mode = what["mode"] + (f" by {bit(what['ctrlbit'])}" if "ctrlbit" in what else "")
+        name = f"{module.name}.{target}{text} | {kind} {what['port']}{bit(what['portbit'])} {mode}"
+        twins[name] += 1
+        name += f" #{twins[name]}" if twins[name] > 1 else ""
+        place = f"{module.name} {text or re.sub('[0-9]+', '', target)} {kind}"
+        places[place].append((name, re.sub(r" -(src|wire|wirebit) \S+", "", line)))
+    return places
+
+
+def choose(places, number, seed):
+    """One of each expression, then a second one of each, and so on. Ranked by what they are called, so that a change
+    to the RTL changes only the choice where the RTL has changed."""
+    rank = lambda text: hashlib.sha256(f"{seed} {text}".encode()).digest()
+    columns = [sorted(places[place], key=lambda c: rank(c[0])) for place in sorted(places, key=rank)]
+    rounds = itertools.chain.from_iterable(itertools.zip_longest(*columns))
+    chosen = list(itertools.islice((c for c in rounds if c), number))
+    if len(chosen) < number:
+        raise Wrong(f"only {len(chosen)} mutants exist, {number} are wanted")
+    return chosen
+
+
+def stand_in(module, width):
+    """The module with its own header, and the mutants' netlist within."""
+    header = found(rf"(\bmodule\s+{module}\b.*?\);)", ROOT / "rtl" / f"{module}.v")
+    return f"{header}\n    bit [{width - 1}:0] mutant = {width}'(mutation::haptogram_mutant());\n    {module}_mutants mutants (.*);\nendmodule\n"
+
+
+def write(folder):
+    t = table()
+    modules = [m for g in t["group"] for m in g["modules"]]
+    named = elaborate(modules, t["model"], folder)
+    script = ["read_rtlil all.il"]
+    for module, (name, _) in named.items():
+        script.append(f"rename {name} {module}")
+    script += [f"mutate -list 1000000 -o {m}.list -module {m}" for m in modules]
+    yosys(script, folder, "list")
+
+    width = sum(g["mutants"] for g in t["group"]).bit_length()
+    mutants, commands = [], []
+    for group in t["group"]:
+        places = {}
+        for m in group["modules"]:
+            places.update(candidates(Module(m, named[m][1]), (folder / f"{m}.list").read_text().splitlines(), t["never"]))
+        for name, command in choose(places, group["mutants"], t["seed"]):
+            mutants.append({"number": len(mutants) + 1, "group": group["name"], "name": name})
+            commands.append(f"{command} -ctrl mutant {width} {len(mutants)}")
+    script = ["read_rtlil all.il"]
+    for module, (name, _) in named.items():
+        script.append(f"rename {name} {module}")
+    script += commands
+    script += [f"rename {m} {m}_mutants" for m in modules]
+    script += [f"select {' '.join(m + '_mutants' for m in modules)}", "splitnets -driver", "write_verilog -noattr -selected netlist.v"]
+    yosys(script, folder, "mutate")
+
+    text = ["// SPDX-License-Identifier: Apache-2.0", "// Written by tests/mutation/netlist.py.", 
+            '`include "interface.vh"', 'package mutation; import "DPI-C" function int haptogram_mutant(); endpackage',
+            *[stand_in(m, width) for m in modules], (folder / "netlist.v").read_text()]
+    (folder / "mutants.v").write_text("\n".join(text))
+    (folder / "mutants.json").write_text(json.dumps(mutants, indent=1) + "\n")
+    return mutants
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--build", metavar="DIR", type=Path, default=ROOT / "build" / "mutation", help="where to write")
+    folder = parser.parse_args().build.resolve()
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        write(folder)
+    except (Wrong, OSError, KeyError) as error:
+        print(f"netlist.py: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
