@@ -6,7 +6,8 @@
 module command_check #(
     parameter CHANNELS       = 100,
     parameter RECORDS        = 400,
-    parameter SEQUENCE_DEPTH = 1024
+    parameter SEQUENCE_DEPTH = 1024,
+    parameter WORD_BITS      = 16  // of a word's address within a region
 ) (
     input  wire        clk,
     input  wire        i_settle,  // strobe: the arguments are complete
@@ -21,6 +22,7 @@ module command_check #(
     localparam RECORD_WORDS = CHANNELS + `HG_RECORD_HEADER_WORDS;
     localparam PRIMARY_WORDS = RECORDS * RECORD_WORDS;
     localparam SEQUENCE_HALVES = SEQUENCE_DEPTH * 2;
+    localparam [WORD_BITS:0] NO_WORDS = 0;
     localparam [15:0] TOP_INDEX = RECORDS[15:0];
     localparam [16:0] TOP_ENTRY = SEQUENCE_DEPTH[16:0] - 17'd1;
     localparam [15:0] MOST_WORDS = RECORD_WORDS[15:0];
@@ -29,33 +31,36 @@ module command_check #(
     wire [3:0]  region = i_argument_1[15:12];
     wire [27:0] first  = {i_argument_1[11:0], i_argument_0};  // byte address within the region
     wire [15:0] words  = writes ? i_tail_words : {1'b0, i_argument_2[15:1]};
+    wire [27:0] words_28 = {12'd0, words};
     wire        odd    = first[0] || (!writes && i_argument_2[0]);
-    reg  [27:0] beyond_q;  // word address after the last word
+    reg  [WORD_BITS:0] beyond_q;  // word address after the last word
+    reg                far_q;     // the first word is beyond all of them
     reg  [16:0] last_entry_q;
     reg         misaligned_q, zero_words_q, too_many_q;
 
     always @(posedge clk) if (i_settle) begin
-        beyond_q     <= {1'b0, first[27:1]} + {12'd0, words};
+        beyond_q     <= {1'b0, first[WORD_BITS:1]} + words_28[WORD_BITS:0];
+        far_q        <= first[27:WORD_BITS+1] != {(27-WORD_BITS){1'b0}} || words_28[27:WORD_BITS] != {(28-WORD_BITS){1'b0}};
         last_entry_q <= {1'b0, i_argument_0} + {1'b0, i_argument_1} - 17'd1;
         misaligned_q <= odd || (region == `HG_REGION_SEQUENCE && (first[1] || words[0]));
         zero_words_q <= words == 16'd0;
         too_many_q   <= !writes && words > MOST_WORDS;
     end
 
-    reg [27:0] region_words;
+    reg [WORD_BITS:0] region_words;
     always @* begin
         case (region)
-            `HG_REGION_PRIMARY:  region_words = PRIMARY_WORDS[27:0];
-            `HG_REGION_SEQUENCE: region_words = SEQUENCE_HALVES[27:0];
-            `HG_REGION_IDENTITY: region_words = writes ? 28'd0 : `HG_IDENTITY_WORDS;
-            `HG_REGION_STATUS:   region_words = writes ? 28'd0 : `HG_STATUS_WORDS;
-            default:             region_words = 28'd0;
+            `HG_REGION_PRIMARY:  region_words = PRIMARY_WORDS[WORD_BITS:0];
+            `HG_REGION_SEQUENCE: region_words = SEQUENCE_HALVES[WORD_BITS:0];
+            `HG_REGION_IDENTITY: region_words = writes ? NO_WORDS : `HG_IDENTITY_WORDS;
+            `HG_REGION_STATUS:   region_words = writes ? NO_WORDS : `HG_STATUS_WORDS;
+            default:             region_words = NO_WORDS;
         endcase
         o_status = `HG_REPLY_OK;
         case (i_command)
             `HG_COMMAND_WRITE, `HG_COMMAND_READ:
                 if (zero_words_q || too_many_q) o_status = `HG_REPLY_BAD_LENGTH;
-                else if (beyond_q > region_words) o_status = `HG_REPLY_BAD_ADDRESS;
+                else if (far_q || beyond_q > region_words) o_status = `HG_REPLY_BAD_ADDRESS;
                 else if (misaligned_q) o_status = `HG_REPLY_BAD_ALIGNMENT;
             `HG_COMMAND_SELECT:
                 if (i_argument_0 > TOP_INDEX) o_status = `HG_REPLY_BAD_INDEX;

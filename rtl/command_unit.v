@@ -3,14 +3,15 @@
 // Carries out one frame at a time: reads its words, puts it in order by its sequence number, has its arguments judged,
 // applies it, and has reply_unit answer. Nothing is changed before the whole frame has been found good, but for PUSH,
 // whose indices are provisional until the last one has been seen.
-//
 // After reset only IDENTIFY is taken. A frame with the expected sequence number is applied; an earlier one was applied before
-// and is only answered (reads are read again); a later one is refused and does not count: its number stays expected.
-// Writes go out one word a clock, with no pause but for i_hold; memory_controller.v relies on it.
+// and is only answered (reads are read again); a later one is refused and does not count: its number stays expected. Writes
+// go out one word a clock, with no pause but for i_hold; memory_controller.v relies on it.
 `default_nettype none
 `include "interface.vh"
 module command_unit #(
-    parameter RECORDS = 400
+    parameter RECORDS     = 400,
+    parameter WORD_BITS   = 16,  // of a word's address within a region
+    parameter LENGTH_BITS = 10   // of a frame's length in bytes
 ) (
     input  wire        clk,
     input  wire        rst,
@@ -32,7 +33,7 @@ module command_unit #(
     output wire        o_push,         // an index for the live FIFO
     output wire        o_keep,
     output wire        o_take_back,
-    output reg  [27:0] o_address,      // byte address within o_region
+    output reg  [WORD_BITS-1:0] o_address,  // word address within o_region
     output reg  [3:0]  o_region,
     output reg         o_answer,       // strobe; what follows is stable until i_answered
     output reg  [7:0]  o_status,
@@ -46,32 +47,32 @@ module command_unit #(
     localparam [15:0] TOP_INDEX = RECORDS[15:0];
 
     reg [3:0]  state_q;
-    reg [15:0] length_q;          // bytes
-    reg [15:0] words_q;           // still to be taken from the frame
+    reg [LENGTH_BITS-1:0] length_q;  // bytes
+    reg [LENGTH_BITS-1:0] words_q;   // still to be taken from the frame
     reg [7:0]  command_q;
     reg [15:0] argument_q [0:2];
     reg [1:0]  count_q;           // arguments taken
-    reg        bad_index_q;
-    reg        session_q;         // since reset a host has said where its numbers begin
+    reg        bad_index_q, session_q;         // since reset a host has said where its numbers begin
 
     wire       known, tail;
     wire [1:0] args, reply;
     command_table shapes (.i_command(command_q), .o_known(known), .o_args(args), .o_tail(tail), .o_reply(reply));
 
-    wire [15:0] payload_words = {1'b0, length_q[15:1]} - 16'd1;
-    wire [15:0] args_16 = {14'd0, args};
-    wire bad_length = length_q[0] || (tail ? payload_words <= args_16 : payload_words != args_16);
+    wire [LENGTH_BITS-1:0] payload_words = {1'b0, length_q[LENGTH_BITS-1:1]} - 1'b1;
+    wire [LENGTH_BITS-1:0] arg_words = {{(LENGTH_BITS-2){1'b0}}, args};
+    wire bad_length = length_q[0] || (tail ? payload_words <= arg_words : payload_words != arg_words);
     wire [7:0] ahead = o_sequence - o_expected;
     wire in_order = (ahead == 8'd0 && session_q) || command_q == `HG_COMMAND_IDENTIFY;
     wire repeated = !in_order && ahead[7] && session_q;
-    wire done = words_q == 16'd0;
+    wire [26:0] argument_address = {argument_q[1][11:0], argument_q[0][15:1]};  // of a word; the check sees to the rest
+    wire unused = &{1'b0, argument_address};
+    wire done = words_q == {LENGTH_BITS{1'b0}};
     wire hold = i_hold && command_q == `HG_COMMAND_WRITE;
     wire reads = reply != 2'd0 && o_status <= `HG_REPLY_REPEATED;
 
-    assign o_command     = command_q;
-    assign {o_argument_2, o_argument_1, o_argument_0} = {argument_q[2], argument_q[1], argument_q[0]};
+    assign {o_command, o_argument_2, o_argument_1, o_argument_0} = {command_q, argument_q[2], argument_q[1], argument_q[0]};
     assign o_settle      = state_q == SETTLE;
-    assign o_tail_words  = payload_words - args_16;
+    assign o_tail_words  = {{(16-LENGTH_BITS){1'b0}}, payload_words - arg_words};
     assign o_take        = i_valid && (state_q == LENGTH || state_q == HEADER
                                        || (!done && ((state_q == TAIL && !hold) || state_q == DRAIN
                                                      || (state_q == ARGUMENTS && !bad_length && count_q != args))));
@@ -89,15 +90,15 @@ module command_unit #(
         o_refused  <= 1'b0;
         o_answer   <= 1'b0;
         if (o_take && state_q != LENGTH && state_q != HEADER) words_q <= words_q - 1'b1;
-        if (o_write) o_address <= o_address + 28'd2;
+        if (o_write) o_address <= o_address + 1'b1;
         case (state_q)
             LENGTH: if (i_valid) begin
-                length_q <= i_word;
+                length_q <= i_word[LENGTH_BITS-1:0];
                 state_q  <= HEADER;
             end
             HEADER: begin
                 {command_q, o_sequence} <= i_word;
-                words_q <= ({1'b0, length_q[15:1]} + {15'd0, length_q[0]}) - 16'd1;
+                words_q <= payload_words + {{(LENGTH_BITS-1){1'b0}}, length_q[0]};
                 count_q <= 2'd0;
                 state_q <= ARGUMENTS;
             end
@@ -108,9 +109,8 @@ module command_unit #(
                     count_q             <= count_q + 1'b1;
                 end else state_q <= SETTLE;
             SETTLE: begin
-                {o_region, o_address} <= {argument_q[1], argument_q[0]};
-                if (reply == 2'd1) {o_region, o_address} <= {`HG_REGION_IDENTITY, 28'd0};
-                if (reply == 2'd2) {o_region, o_address} <= {`HG_REGION_STATUS, 28'd0};
+                o_region  <= reply == 2'd1 ? `HG_REGION_IDENTITY : reply == 2'd2 ? `HG_REGION_STATUS : argument_q[1][15:12];
+                o_address <= reply == 2'd1 || reply == 2'd2 ? {WORD_BITS{1'b0}} : argument_address[WORD_BITS-1:0];
                 bad_index_q <= 1'b0;
                 state_q     <= JUDGE;
             end

@@ -26,12 +26,12 @@ module cycle_controller #(
     input  wire [23:0]            i_prescaler,
     input  wire [PULSE_BITS-1:0]  i_pulse_length,
     output wire                   o_commit,
-    output wire                   o_tick,
+    output reg                    o_tick,
     output wire [TIMING_BITS-1:0] o_count,
     output wire                   o_can_match,
     output reg  [PULSE_BITS-1:0]  o_pulse_length,
     output reg  [15:0]            o_index,
-    output wire                   o_cycle_start,
+    output reg                    o_cycle_start,
     output wire                   o_underrun  // strobe
 );
     localparam [23:0] IDLE_CYCLE = IDLE_CLOCKS[23:0];
@@ -44,15 +44,15 @@ module cycle_controller #(
     reg        preempt_q;
     reg        late_q;       // this underrun has been counted
 
-    wire tick_ends = phase_q == prescaler_q - 1'b1;
-    wire boundary  = tick_ends && count_q == cycle_length_q - 1'b1;
+    wire [23:0] phase_next = phase_q + 1'b1;
+    wire [23:0] count_next = count_q + 1'b1;
+    wire tick_ends = phase_next == prescaler_q;
+    wire boundary  = tick_ends && count_next == cycle_length_q;
     wire due       = dwell_q == 16'd1;
     wire ready     = i_ready && i_settled;
 
     assign o_commit      = boundary && ready && (due || dwell_q == 16'd0 || preempt_q);
     assign o_underrun    = boundary && due && !ready && !preempt_q && !late_q;
-    assign o_tick        = phase_q == 24'd0;
-    assign o_cycle_start = o_tick && count_q == 24'd0;
     assign o_count       = count_q[TIMING_BITS-1:0];
     // A timing of all ones never matches, whatever the cycle length: it silences its channel.
     assign o_can_match   = o_pulse_length != {PULSE_BITS{1'b0}} && count_q < {{(24-TIMING_BITS){1'b0}}, {TIMING_BITS{1'b1}}};
@@ -63,8 +63,9 @@ module cycle_controller #(
             phase_q <= 24'd0;
         end else if (tick_ends) begin
             phase_q <= 24'd0;
-            count_q <= boundary ? 24'd0 : count_q + 1'b1;
-        end else phase_q <= phase_q + 1'b1;
+            count_q <= boundary ? 24'd0 : count_next;
+        end else phase_q <= phase_next;
+        {o_tick, o_cycle_start} <= {rst || tick_ends, rst || boundary};
     end
 
     always @(posedge clk) begin
@@ -120,6 +121,7 @@ module cycle_controller #(
         if (f_reset_seen_q && i_ready && !i_silent) assert (i_cycle_length != 0 && i_prescaler != 0);
 `endif
         if (f_reset_seen_q) begin
+            assert (o_tick == (phase_q == 24'd0) && o_cycle_start == (o_tick && count_q == 24'd0));
             assert (count_q < cycle_length_q && phase_q < prescaler_q && f_left_q == f_ticks * prescaler_q[7:0] - phase_q[7:0]);
             assert (preempt_q == f_asked_q && dwell_q == (f_dwell_q == 0 ? 16'd0 : f_due ? 16'd1 : f_dwell_q - f_played_q));
             assert (f_asked_q || late_q == (f_dwell_q != 0 && f_played_q >= f_dwell_q));

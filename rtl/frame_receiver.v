@@ -23,13 +23,13 @@ module frame_receiver #(
 );
     localparam BITS = $clog2(WORDS);
     localparam [BITS:0] ONE = {{BITS{1'b0}}, 1'b1};
-    localparam [15:0] SHORTEST = 16'd4;  // sequence number, command, CRC
+    localparam [BITS+1:0] TWO = 2, SHORTEST = 4;  // sequence number, command, CRC
 
     (* no_rw_check *) reg [15:0] ring [0:WORDS-1];  // what is written can be read a clock later at the earliest
     reg [BITS:0] start_q;  // of the frame being received: its length goes there
     reg [BITS:0] place_q;  // where the next pair of bytes goes
     reg [BITS:0] read_q;
-    reg [15:0]   count_q;  // bytes of this frame so far
+    reg [BITS+1:0] count_q;  // bytes of this frame so far; the ring is full before it is
     reg [7:0]    low_q;
     reg          full_q;   // a pair found no room
     reg [15:0]   crc_q;
@@ -40,15 +40,15 @@ module frame_receiver #(
     wire [BITS:0] used    = place_q - read_q;
     wire          fits    = !used[BITS];
     wire          whole   = i_intact && !full_q && crc_q == 16'd0 && count_q >= SHORTEST;
-    wire          empty   = i_intact && count_q == 16'd0;
-    wire [15:0]   length  = count_q - 16'd2;
+    wire          empty   = i_intact && count_q == {(BITS+2){1'b0}};
+    wire [BITS+1:0] length = count_q - TWO;
     assign o_good    = i_end && whole;
     assign o_damaged = i_end && !whole && !empty;
 
     wire          write         = o_good || (is_pair && fits);
     wire [BITS-1:0] write_address = o_good ? start_q[BITS-1:0] : place_q[BITS-1:0];
-    wire [15:0]   write_word    = o_good ? length : {i_byte, low_q};
-    wire [BITS:0] length_words  = {length[BITS:0] + ONE} >> 1;
+    wire [15:0]   write_word    = o_good ? {{(14-BITS){1'b0}}, length} : {i_byte, low_q};
+    wire [BITS:0] length_words  = length[BITS+1:1] + {{BITS{1'b0}}, length[0]};
     wire [BITS:0] start_d       = o_good ? start_q + ONE + length_words : start_q;
     wire [BITS:0] read_d        = read_q + {{BITS{1'b0}}, o_valid && i_take};
 
@@ -70,7 +70,7 @@ module frame_receiver #(
         end
         if (rst || i_end) begin
             place_q <= rst ? ONE : start_d + ONE;
-            count_q <= 16'd0;
+            count_q <= {(BITS+2){1'b0}};
             full_q  <= 1'b0;
             crc_q   <= 16'hffff;
         end else if (i_valid && !full_q) begin
@@ -95,6 +95,7 @@ module frame_receiver #(
     reg [15:0]   f_crc_q, f_bytes_q, f_pair_q, f_kept_q, f_word_q;
     reg [BITS:0] f_kept_place_q;
     initial f_reset_seen_q = 1'b0;
+    wire [15:0]   f_count   = {{(14-BITS){1'b0}}, count_q};
     wire [15:0]   f_pairs   = f_bytes_q >> 1;
     wire [15:0]   f_wanted  = {{(15-BITS){1'b0}}, f_number};
     wire [BITS:0] f_readable = start_q - read_q;
@@ -111,9 +112,9 @@ module frame_receiver #(
         if (o_good) {f_kept_place_q, f_kept_q} <= {f_place, f_number == 0 ? f_bytes_q - 16'd2 : f_pair_q};
         if (f_reset_seen_q) begin
             assert (f_readable <= WORDS[BITS:0] && used <= WORDS[BITS:0] + ONE && place_q - start_q <= used);
-            assert (full_q || (f_crc_q == crc_q && f_bytes_q == count_q && place_q == start_q + ONE + f_pairs[BITS:0]));
-            assert (f_bytes_q >= count_q && (f_bytes_q == 16'd0 || f_pairs <= {{(15-BITS){1'b0}}, used} || full_q));
-            assert ((used <= WORDS[BITS:0] || place_q == start_q + ONE) && (!full_q || count_q != 16'd0));
+            assert (full_q || (f_crc_q == crc_q && f_bytes_q == f_count && place_q == start_q + ONE + f_pairs[BITS:0]));
+            assert (f_bytes_q >= f_count && (f_bytes_q == 16'd0 || f_pairs <= {{(15-BITS){1'b0}}, used} || full_q));
+            assert ((used <= WORDS[BITS:0] || place_q == start_q + ONE) && (!full_q || f_count != 16'd0));
             // Whole or not at all.
             assert (!o_good || (i_end && i_intact && f_crc_q == 16'd0 && f_bytes_q >= 16'd4));
             assert (!o_good || place_q == start_q + ONE + f_pairs[BITS:0]);
@@ -122,7 +123,7 @@ module frame_receiver #(
             if (f_visible && $past(f_visible) && !$past(rst)) assert (f_word == f_word_q);
             if (o_valid) assert (f_readable != 0 && o_word == ring[read_q[BITS-1:0]]);
             if (!full_q && f_number != 0 && f_pairs >= f_wanted) assert (ring[f_place[BITS-1:0]] == f_pair_q);
-            if ($past(o_good && f_wanted <= (length + 16'd1) >> 1) && !$past(rst)) assert (ring[f_kept_place_q[BITS-1:0]] == f_kept_q);
+            if ($past(o_good && f_wanted <= (f_count - 16'd1) >> 1) && !$past(rst)) assert (ring[f_kept_place_q[BITS-1:0]] == f_kept_q);
             cover (o_good && f_bytes_q == 16'd5);
             cover (o_damaged && f_bytes_q == 16'd4 && i_intact);
             cover (o_damaged && full_q && f_crc_q == 16'd0);

@@ -33,64 +33,67 @@ module haptogram_core #(
     output wire [15:0]         o_index,
     output wire                o_cycle_start
 );
-    localparam PRIMARY_WORDS = RECORDS * (CHANNELS + `HG_RECORD_HEADER_WORDS);
+    localparam RECORD_WORDS = CHANNELS + `HG_RECORD_HEADER_WORDS;
+    localparam PRIMARY_WORDS = RECORDS * RECORD_WORDS;
+    localparam PRIMARY_BITS = $clog2(PRIMARY_WORDS), SEQUENCE_BITS = $clog2(SEQUENCE_DEPTH);
+    // A word's address in any region: primary memory, sequence memory in halves, the 32 words of a block.
+    localparam HALVES_OR_BLOCK_BITS = SEQUENCE_BITS < 4 ? 5 : SEQUENCE_BITS + 1;
+    localparam WORD_BITS = PRIMARY_BITS > HALVES_OR_BLOCK_BITS ? PRIMARY_BITS : HALVES_OR_BLOCK_BITS;
+    // Twice the longest frame: length word, sequence number and command, address, record.
+    localparam RING_BITS = $clog2(2 * (RECORD_WORDS + 4));
     localparam IDLE_CLOCKS = CLOCK_HZ / CARRIER_HZ;
 
     // Link and commands
     wire        frame_valid, frame_take, frame_good, frame_damaged;
     wire        reply_valid, reply_ready, reply_last;
     wire [15:0] frame_word, reply_word;
-    link #(.CHANNELS(CHANNELS), .CLOCK_HZ(CLOCK_HZ), .BAUD(BAUD)) serial (
+    link #(.CHANNELS(CHANNELS), .RING_BITS(RING_BITS), .CLOCK_HZ(CLOCK_HZ), .BAUD(BAUD)) serial (
         .clk(clk), .rst(rst), .i_rx(i_rx), .o_tx(o_tx), .o_valid(frame_valid), .o_word(frame_word), .i_take(frame_take),
         .o_good(frame_good), .o_damaged(frame_damaged), .i_reply_valid(reply_valid), .o_reply_ready(reply_ready),
         .i_reply_word(reply_word), .i_reply_last(reply_last));
 
-    wire        settle, execute, repeated, refused, write, push, keep, take_back, answer, answered;
+    wire        autostart, settle, execute, repeated, refused, write, hold, push, keep, take_back, answer, answered;
     wire [7:0]  command, verdict, status, sequence_number, expected;
     wire [15:0] argument_0, argument_1, argument_2, tail_words, read_words, live_free, live_level;
-    wire [27:0] command_address;
+    wire [WORD_BITS-1:0] command_address;
     wire [3:0]  region;
-    command_check #(.CHANNELS(CHANNELS), .RECORDS(RECORDS), .SEQUENCE_DEPTH(SEQUENCE_DEPTH)) check (
+    command_check #(.CHANNELS(CHANNELS), .RECORDS(RECORDS), .SEQUENCE_DEPTH(SEQUENCE_DEPTH), .WORD_BITS(WORD_BITS)) check (
         .clk(clk), .i_settle(settle), .i_command(command), .i_argument_0(argument_0), .i_argument_1(argument_1), .i_argument_2(argument_2),
         .i_tail_words(tail_words), .i_live_free(live_free), .o_status(verdict));
-    command_unit #(.RECORDS(RECORDS)) commands (
+    command_unit #(.RECORDS(RECORDS), .WORD_BITS(WORD_BITS), .LENGTH_BITS(RING_BITS + 2)) commands (
         .clk(clk), .rst(rst), .i_valid(frame_valid), .o_take(frame_take), .i_word(frame_word), .o_command(command),
         .o_argument_0(argument_0), .o_argument_1(argument_1), .o_argument_2(argument_2), .o_tail_words(tail_words), .o_settle(settle),
         .i_status(verdict), .o_execute(execute), .o_repeated(repeated), .o_refused(refused), .o_write(write), .i_hold(hold), .o_push(push),
         .o_keep(keep), .o_take_back(take_back), .o_address(command_address), .o_region(region), .o_answer(answer),
         .o_status(status), .o_sequence(sequence_number), .o_expected(expected), .o_read_words(read_words),
         .i_answered(answered));
-    wire does_enable   = execute && command == `HG_COMMAND_ENABLE;
+    wire does_enable   = autostart || (execute && command == `HG_COMMAND_ENABLE);
     wire does_disable  = execute && command == `HG_COMMAND_DISABLE;
     wire does_select   = execute && command == `HG_COMMAND_SELECT;
     wire does_start    = execute && command == `HG_COMMAND_START;
     wire does_stop     = execute && command == `HG_COMMAND_STOP;
-    wire does_watchdog = execute && command == `HG_COMMAND_WATCHDOG;
+    wire does_watchdog = autostart || (execute && command == `HG_COMMAND_WATCHDOG);
 
-    // The address space: what plays has the memories first, a reply waits for them.
-    wire        in_primary  = region == `HG_REGION_PRIMARY;
-    wire        in_sequence = region == `HG_REGION_SEQUENCE;
-    wire        read, granted, loading, fetching;
-    wire        hold = in_primary ? loading && load_address == command_address[27:1] : in_sequence && fetching;
-    wire [26:0] reply_address, load_address;
-    wire [15:0] sequence_address, primary_word, register_word;
+    // The address space, and what answers a frame from it
+    wire [WORD_BITS-1:0]     reply_address;
+    wire [PRIMARY_BITS-1:0]  load_address;
+    wire [SEQUENCE_BITS-1:0] sequence_address;
+    wire [15:0] primary_word, register_word, answer_word;
     wire [31:0] sequence_word;
-    reg         high_half_q;
-    always @(posedge clk) high_half_q <= reply_address[0];
-    assign granted = in_primary ? !loading : in_sequence ? !fetching : 1'b1;
-    wire [15:0] sequence_half = high_half_q ? sequence_word[31:16] : sequence_word[15:0];
-    reply_unit replies (
+    wire        read, granted, loading, fetching;
+    address_space #(
+        .PRIMARY_WORDS(PRIMARY_WORDS), .SEQUENCE_DEPTH(SEQUENCE_DEPTH), .WORD_BITS(WORD_BITS), .PRIMARY_FILE(PRIMARY_FILE),
+        .SEQUENCE_FILE(SEQUENCE_FILE)
+    ) memories (
+        .clk(clk), .i_region(region), .i_write(write), .i_write_address(command_address), .i_write_word(frame_word), .o_hold(hold),
+        .i_read_address(reply_address), .i_register_word(register_word), .o_granted(granted), .o_read_word(answer_word),
+        .i_loading(loading), .i_load_address(load_address), .o_primary_word(primary_word), .i_fetching(fetching),
+        .i_sequence_address(sequence_address), .o_sequence_word(sequence_word));
+    reply_unit #(.WORD_BITS(WORD_BITS)) replies (
         .clk(clk), .rst(rst), .i_answer(answer), .i_sequence(sequence_number), .i_command(command), .i_status(status),
-        .i_expected(expected), .i_live_level(live_level), .i_address(command_address[27:1]), .i_words(read_words),
-        .o_read(read), .o_address(reply_address), .i_granted(granted),
-        .i_read_word(in_primary ? primary_word : in_sequence ? sequence_half : register_word), .o_valid(reply_valid),
+        .i_expected(expected), .i_live_level(live_level), .i_address(command_address), .i_words(read_words),
+        .o_read(read), .o_address(reply_address), .i_granted(granted), .i_read_word(answer_word), .o_valid(reply_valid),
         .i_ready(reply_ready), .o_word(reply_word), .o_last(reply_last), .o_answered(answered));
-    primary_memory #(.WORDS(PRIMARY_WORDS), .INIT_FILE(PRIMARY_FILE)) primary (
-        .clk(clk), .i_write(write && in_primary), .i_write_address(command_address[27:1]), .i_write_word(frame_word),
-        .i_read_address(loading ? load_address : reply_address), .o_word(primary_word));
-    sequence_memory #(.WORDS(SEQUENCE_DEPTH), .INIT_FILE(SEQUENCE_FILE)) sequence_words (
-        .clk(clk), .i_write(write && in_sequence), .i_write_address(command_address[27:1]), .i_write_half(frame_word),
-        .i_read_address(fetching ? sequence_address : reply_address[16:1]), .o_word(sequence_word));
 
     // What to play next
     wire        live_valid, live_take, live_clear, preempt, entry, take;
@@ -107,7 +110,8 @@ module haptogram_core #(
         .i_argument_0(argument_0), .i_argument_1(argument_1), .i_argument_2(argument_2), .o_fetching(fetching),
         .o_sequence_address(sequence_address), .i_sequence_word(sequence_word), .i_live_valid(live_valid),
         .i_live_entry(live_entry), .o_live_take(live_take), .o_live_clear(live_clear), .o_preempt(preempt),
-        .o_entry(entry), .i_take(take), .o_index(next_index), .o_dwell(next_dwell), .o_mode(mode));
+        .o_entry(entry), .i_take(take), .o_index(next_index), .o_dwell(next_dwell), .o_mode(mode),
+        .o_autostart(autostart));
 
     player #(
         .CHANNELS(CHANNELS), .RECORDS(RECORDS), .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS), .IDLE_CLOCKS(IDLE_CLOCKS),
@@ -122,7 +126,7 @@ module haptogram_core #(
     wire [15:0] watchdog_ms;
     watchdog #(.CLOCK_HZ(CLOCK_HZ), .DEFAULT_MS(WATCHDOG_MS)) dog (
         .clk(clk), .rst(rst), .i_running(o_enabled), .i_kick(execute || repeated), .i_set(does_watchdog),
-        .i_milliseconds(argument_0), .o_milliseconds(watchdog_ms), .o_expired(expired));
+        .i_milliseconds(autostart ? 16'd0 : argument_0), .o_milliseconds(watchdog_ms), .o_expired(expired));
     register_file #(
         .CHANNELS(CHANNELS), .RECORDS(RECORDS), .SEQUENCE_DEPTH(SEQUENCE_DEPTH), .LIVE_DEPTH(LIVE_DEPTH),
         .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS), .CLOCK_HZ(CLOCK_HZ)
@@ -141,7 +145,5 @@ module haptogram_core #(
     end
     assign o_fault   = fault_q;
     assign o_playing = o_enabled && o_index != 16'd0;
-
-    wire unused = &{1'b0, command_address[0]};
 endmodule
 `default_nettype wire

@@ -5,7 +5,8 @@
 `default_nettype none
 `include "interface.vh"
 module link #(
-    parameter CHANNELS = 100,
+    parameter CHANNELS  = 100,
+    parameter RING_BITS = 8,  // of what is received: 2^RING_BITS words, at least twice the longest frame
     parameter CLOCK_HZ = 50000000,
     parameter BAUD     = 1000000
 ) (
@@ -24,8 +25,7 @@ module link #(
     input  wire        i_reply_last
 );
     localparam RECORD_WORDS = CHANNELS + `HG_RECORD_HEADER_WORDS;
-    // Twice (length word, sequence number and command, address, record); a reply with a record or the identity, its CRC and COBS bytes.
-    localparam RECEIVE_WORDS = 1 << $clog2(2 * (RECORD_WORDS + 4));
+    // A reply with a record or the identity, its CRC and COBS bytes.
     localparam REPLY_WORDS = RECORD_WORDS > `HG_IDENTITY_WORDS ? RECORD_WORDS : `HG_IDENTITY_WORDS;
     localparam REPLY_BYTES = 1 << $clog2(6 + 2 * REPLY_WORDS + 2 + REPLY_WORDS / 127 + 3);
     // Parameters are unsized or 32 bits wide, as they were given; an argument is always the latter.
@@ -46,7 +46,7 @@ module link #(
     cobs_decoder decoder (
         .clk(clk), .rst(rst), .i_valid(rx_valid), .i_byte(rx_byte),
         .o_valid(data_valid), .o_byte(data_byte), .o_end(data_end), .o_intact(data_intact));
-    frame_receiver #(.WORDS(RECEIVE_WORDS)) frames (
+    frame_receiver #(.WORDS(1 << RING_BITS)) frames (
         .clk(clk), .rst(rst), .i_valid(data_valid), .i_byte(data_byte), .i_end(data_end), .i_intact(data_intact),
         .o_valid(o_valid), .o_word(o_word), .i_take(i_take), .o_good(o_good), .o_damaged(o_damaged));
 

@@ -14,7 +14,8 @@ module memory_controller #(
     parameter CHANNELS     = 100,
     parameter RECORDS      = 400,
     parameter TIMING_BITS  = 16,
-    parameter PULSE_BITS   = 8
+    parameter PULSE_BITS   = 8,
+    parameter ADDRESS_BITS = $clog2(RECORDS * (CHANNELS + 4))  // follows from the others
 ) (
     input  wire                    clk,
     input  wire                    rst,
@@ -24,7 +25,7 @@ module memory_controller #(
     input  wire [15:0]             i_index,
     input  wire [15:0]             i_dwell,
     output wire                    o_reading,  // o_address is in use
-    output reg  [26:0]             o_address,  // word
+    output reg  [ADDRESS_BITS-1:0] o_address,  // word
     input  wire [15:0]             i_word,     // one clock after o_address
     output wire                    o_shift,
     output wire [TIMING_BITS-1:0]  o_timing,
@@ -58,7 +59,7 @@ module memory_controller #(
     reg                  reserved_q;  // a bit is set that this version gives no meaning
     reg                  unplayable_q;
 
-    wire [15:0] wanted = i_index - 1'b1;
+    wire [26:0] first_word = {11'd0, i_index - 16'd1} * STRIDE;  // of an index in range, so the upper bits are 0
     wire refuse_index = i_index > TOP_INDEX;
     // All header fields are in place when the first timing arrives.
     wire [24:0] pulse_limit = 25'd1 << PULSE_BITS;
@@ -108,7 +109,7 @@ module memory_controller #(
         if (o_take) begin
             o_index   <= i_index;
             o_dwell   <= i_dwell;
-            o_address <= {11'd0, wanted} * STRIDE;
+            o_address <= first_word[ADDRESS_BITS-1:0];
             asked_q   <= {WORD_BITS{1'b0}};
         end else if (asked_q != LAST) begin
             o_address <= o_address + 1'b1;
@@ -123,6 +124,8 @@ module memory_controller #(
             if (arrived_q == 4) unplayable_q <= unplayable;
         end
     end
+
+    wire unused = &{1'b0, first_word};
 
 `ifdef FORMAL
     `include "../tests/formal/memory_controller_properties.vh"

@@ -22,11 +22,11 @@ module output_guard #(
     output reg                 o_trip      // strobe: some channel was high too long
 );
     localparam WINDOW      = MAX_HIGH_CLOCKS / 2 - 1;
-    localparam WINDOW_BITS = 24;
+    localparam WINDOW_BITS = $clog2(MAX_HIGH_CLOCKS + 1);
     localparam [WINDOW_BITS-1:0] WINDOW_LAST = WINDOW[WINDOW_BITS-1:0] - 1'b1;
 
     generate
-        if (MAX_HIGH_CLOCKS < 8 || MAX_HIGH_CLOCKS >= (1 << WINDOW_BITS)) max_high_clocks_out_of_range error();
+        if (MAX_HIGH_CLOCKS < 8 || MAX_HIGH_CLOCKS >= (1 << 24)) max_high_clocks_out_of_range error();
     endgenerate
 
     reg [WINDOW_BITS-1:0] window_q;

@@ -10,7 +10,8 @@ module player #(
     parameter TIMING_BITS     = 16,
     parameter PULSE_BITS      = 8,
     parameter IDLE_CLOCKS     = 1250,
-    parameter MAX_HIGH_CLOCKS = 10000
+    parameter MAX_HIGH_CLOCKS = 10000,
+    parameter ADDRESS_BITS    = $clog2(RECORDS * (CHANNELS + 4))  // follows from the others
 ) (
     input  wire                clk,
     input  wire                rst,
@@ -20,7 +21,7 @@ module player #(
     input  wire [15:0]         i_index,
     input  wire [15:0]         i_dwell,
     output wire                o_reading,
-    output wire [26:0]         o_address,
+    output wire [ADDRESS_BITS-1:0] o_address,
     input  wire [15:0]         i_word,
     input  wire                i_enable,
     input  wire                i_disable,

@@ -6,16 +6,16 @@
 `default_nettype none
 module primary_memory #(
     parameter WORDS     = 41600,
-    parameter INIT_FILE = ""
+    parameter INIT_FILE = "",
+    parameter BITS      = $clog2(WORDS)  // follows from WORDS
 ) (
     input  wire        clk,
     input  wire        i_write,
-    input  wire [26:0] i_write_address,
+    input  wire [BITS-1:0] i_write_address,
     input  wire [15:0] i_write_word,
-    input  wire [26:0] i_read_address,
+    input  wire [BITS-1:0] i_read_address,
     output reg  [15:0] o_word
 );
-    localparam BITS = $clog2(WORDS);
     (* no_rw_check *) reg [15:0] words [0:WORDS-1];
 
     generate
@@ -25,10 +25,8 @@ module primary_memory #(
     endgenerate
 
     always @(posedge clk) begin
-        if (i_write) words[i_write_address[BITS-1:0]] <= i_write_word;
-        o_word <= words[i_read_address[BITS-1:0]];
+        if (i_write) words[i_write_address] <= i_write_word;
+        o_word <= words[i_read_address];
     end
-
-    wire unused = &{1'b0, i_write_address[26:BITS], i_read_address[26:BITS]};
 endmodule
 `default_nettype wire

@@ -33,40 +33,39 @@ module pulse_generators #(
     localparam [PULSE_BITS-1:0] NONE = 0, ONE = 1;
     localparam [TIMING_BITS-1:0] NEVER = {TIMING_BITS{1'b1}};  // no channel that starts has this timing
 
-    reg [CHANNELS*TIMING_BITS-1:0] shadow_q;
-    reg [CHANNELS*TIMING_BITS-1:0] timings_q;
-    always @(posedge clk) if (i_commit) timings_q <= shadow_q;
-    always @(posedge clk) if (i_shift) shadow_q <= {i_timing, shadow_q[CHANNELS*TIMING_BITS-1:TIMING_BITS]};
-
-    // Of the next tick that is looked at, in this clock or later:
-    reg [TIMING_BITS-1:0] fall_q;      // the timing whose pulse ends there
-    reg [PULSE_BITS-1:0]  old_fall_q;  // the same for pulses from before the commit; they end within 2^PULSE_BITS ticks
+    // What all channels look at, one clock after the tick. fall_q is the count one pulse length late: nothing until the first
+    // pulse of a record can end, then it runs on over the cycle's end. old_fall_q goes on where fall_q was at the commit.
+    reg                   start_q, commit_q, moves_q;
+    reg [TIMING_BITS-1:0] count_q, fall_q;
+    reg [PULSE_BITS-1:0]  old_fall_q;  // pulses from before a commit end within 2^PULSE_BITS ticks
     reg [PULSE_BITS-1:0]  old_left_q;  // how many more ticks that can be
     reg [PULSE_BITS-1:0]  lead_q;      // ticks until the first pulse of this cycle can end
-    wire [PULSE_BITS-1:0]  lead   = i_cycle_start ? i_pulse_length : lead_q;
-    wire [TIMING_BITS-1:0] fall_d = !i_tick ? fall_q : lead == ONE ? {TIMING_BITS{1'b0}} : fall_q == NEVER ? NEVER : fall_q + 1'b1;
+    wire [TIMING_BITS-1:0] fall_next = fall_q + 1'b1;
     assign o_settled = old_left_q == NONE || (i_tick && old_left_q == ONE);
 
     always @(posedge clk) begin
-        if (rst) {lead_q, old_left_q} <= {NONE, NONE};
-        else begin
-            if (i_tick) lead_q <= lead == NONE ? NONE : lead - ONE;
-            if (i_commit) old_left_q <= i_pulse_length;
-            else if (i_tick) old_left_q <= old_left_q == NONE ? NONE : old_left_q - ONE;
+        commit_q <= i_commit && !rst;
+        moves_q  <= i_tick || i_commit;  // saying that nothing changes between ticks spares a simulator most of its work
+        start_q  <= i_tick && i_can_match && !rst;
+        if (rst) old_left_q <= NONE;
+        else if (i_commit) old_left_q <= i_pulse_length;
+        else if (i_tick && old_left_q != NONE) old_left_q <= old_left_q - ONE;
+        if (i_tick) begin  // the first tick of a record comes with commit_q
+            count_q    <= i_count;
+            lead_q     <= i_cycle_start ? i_pulse_length : lead_q == NONE ? NONE : lead_q - ONE;
+            old_fall_q <= commit_q ? fall_next[PULSE_BITS-1:0] : old_fall_q + ONE;
+            if (commit_q) fall_q <= NEVER;
+            else if (lead_q == ONE && !i_cycle_start) fall_q <= {TIMING_BITS{1'b0}};
+            else if (fall_q != NEVER) fall_q <= fall_next;
         end
-        fall_q <= rst || i_commit ? NEVER : fall_d;
-        if (i_commit) old_fall_q <= fall_d[PULSE_BITS-1:0];
-        else if (i_tick) old_fall_q <= old_fall_q + ONE;
     end
 
-    // Between ticks and commits nothing changes; saying so spares a simulator most of its work.
-    wire off   = rst || !i_allow;
-    wire moves = i_tick || i_commit;
-    wire start = i_tick && i_can_match;
-    wire [TIMING_BITS-1:0] fall = i_tick ? fall_q : NEVER;
-    reg  moves_q;
-    always @(posedge clk) moves_q <= moves;
+    reg [CHANNELS*TIMING_BITS-1:0] shadow_q;
+    reg [CHANNELS*TIMING_BITS-1:0] timings_q;
+    always @(posedge clk) if (commit_q) timings_q <= shadow_q;
+    always @(posedge clk) if (i_shift) shadow_q <= {i_timing, shadow_q[CHANNELS*TIMING_BITS-1:TIMING_BITS]};
 
+    wire   off = rst || !i_allow;
     genvar k;
     generate
         for (k = 0; k < CHANNELS; k = k + 1) begin : channel
@@ -74,19 +73,23 @@ module pulse_generators #(
             reg                    new_q;  // within a pulse of the present record
             reg                    old_q;  // within one from before the last commit
             reg [PULSE_BITS-1:0]   old_timing_q;
-            wire                   match = timing == (new_q ? fall : i_count);
-            wire                   new_d = new_q ? !match : match && start;
+            // Kept apart, else synthesis mixes the three comparisons and needs a fifth more cells.
+            (* keep *) wire begins, ends, old_ends;
+            assign begins   = timing == count_q;
+            assign ends     = timing == fall_q;
+            assign old_ends = old_timing_q == old_fall_q;
+            wire   new_d    = new_q ? !ends : begins && start_q;
 
             initial {o_pins[k], new_q, old_q} = 3'b000;
             always @(posedge clk) begin
-                if (off) {new_q, old_q} <= 2'b00;
-                else if (moves) begin
-                    new_q <= !i_commit && new_d;
-                    old_q <= i_commit ? new_d : old_q && old_timing_q != old_fall_q;
+                if (off || commit_q) new_q <= 1'b0;
+                else if (moves_q) new_q <= new_d;
+                if (off) {o_pins[k], old_q} <= 2'b00;
+                else if (moves_q) begin
+                    old_q     <= commit_q ? new_d : old_q && !old_ends;
+                    o_pins[k] <= new_d || (old_q && !old_ends);
                 end
-                if (i_commit) old_timing_q <= timing[PULSE_BITS-1:0];
-                if (off) o_pins[k] <= 1'b0;
-                else if (moves_q) o_pins[k] <= new_q || old_q;
+                if (commit_q) old_timing_q <= timing[PULSE_BITS-1:0];
             end
         end
     endgenerate

@@ -3,7 +3,9 @@
 // Answers one frame: three header words, then i_words words read from the address space, as a valid/ready stream with a
 // last mark. o_read is held until i_granted; i_read_word follows one clock later. o_answered strobes at the end.
 `default_nettype none
-module reply_unit (
+module reply_unit #(
+    parameter WORD_BITS = 16  // of a word's address
+) (
     input  wire        clk,
     input  wire        rst,
     input  wire        i_answer,      // strobe; the fields below are stable until o_answered
@@ -12,10 +14,10 @@ module reply_unit (
     input  wire [7:0]  i_status,
     input  wire [7:0]  i_expected,
     input  wire [15:0] i_live_level,
-    input  wire [26:0] i_address,     // word
+    input  wire [WORD_BITS-1:0] i_address,
     input  wire [15:0] i_words,
     output wire        o_read,
-    output reg  [26:0] o_address,
+    output reg  [WORD_BITS-1:0] o_address,
     input  wire        i_granted,
     input  wire [15:0] i_read_word,
     output wire        o_valid,

@@ -6,22 +6,25 @@
 `default_nettype none
 module sequence_memory #(
     parameter WORDS     = 1024,
-    parameter INIT_FILE = ""
+    parameter INIT_FILE = "",
+    parameter BITS      = $clog2(WORDS)  // follows from WORDS
 ) (
     input  wire        clk,
     input  wire        i_write,
-    input  wire [26:0] i_write_address,  // of 16-bit halves
+    input  wire [BITS:0]   i_write_address,  // of 16-bit halves
     input  wire [15:0] i_write_half,
-    input  wire [15:0] i_read_address,   // of 32-bit words
+    input  wire [BITS-1:0] i_read_address,   // of 32-bit words
     output reg  [31:0] o_word
 );
-    localparam BITS = $clog2(WORDS);
     (* no_rw_check *) reg [31:0] words [0:WORDS-1];
     reg [15:0] low_q;
 
     generate
         if (INIT_FILE != "") begin : initialised
             initial $readmemh(INIT_FILE, words);
+        end else begin : empty  // a bitstream without an image must not look like one that starts by itself
+            integer i;
+            initial for (i = 0; i < WORDS; i = i + 1) words[i] = 32'd0;
         end
         if (WORDS < 2 || WORDS > 32768) words_out_of_range error();
     endgenerate
@@ -29,9 +32,7 @@ module sequence_memory #(
     always @(posedge clk) begin
         if (i_write && !i_write_address[0]) low_q <= i_write_half;
         if (i_write && i_write_address[0]) words[i_write_address[BITS:1]] <= {i_write_half, low_q};
-        o_word <= words[i_read_address[BITS-1:0]];
+        o_word <= words[i_read_address];
     end
-
-    wire unused = &{1'b0, i_write_address, i_read_address};
 endmodule
 `default_nettype wire

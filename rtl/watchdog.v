@@ -17,14 +17,15 @@ module watchdog #(
     output reg         o_expired
 );
     localparam CLOCKS_PER_MS = CLOCK_HZ / 1000;
-    localparam [19:0] LAST_CLOCK = CLOCKS_PER_MS[19:0] - 1'b1;
+    localparam CLOCK_BITS = $clog2(CLOCKS_PER_MS);
+    localparam [CLOCK_BITS-1:0] LAST_CLOCK = CLOCKS_PER_MS[CLOCK_BITS-1:0] - 1'b1;
     localparam [15:0] DEFAULT = DEFAULT_MS[15:0];
 
     generate
         if (CLOCKS_PER_MS < 2 || CLOCKS_PER_MS > 1000000) clock_hz_out_of_range error();
     endgenerate
 
-    reg [19:0] clock_q;
+    reg [CLOCK_BITS-1:0] clock_q;
     reg [15:0] left_q;
     wire millisecond_ends = clock_q == LAST_CLOCK;
 
@@ -33,13 +34,13 @@ module watchdog #(
         if (rst) begin
             o_milliseconds <= DEFAULT;
             left_q         <= DEFAULT;
-            clock_q        <= 20'd0;
+            clock_q        <= {CLOCK_BITS{1'b0}};
         end else if (i_set || i_kick || !i_running || o_milliseconds == 16'd0) begin
             if (i_set) o_milliseconds <= i_milliseconds;
             left_q  <= i_set ? i_milliseconds : o_milliseconds;
-            clock_q <= 20'd0;
+            clock_q <= {CLOCK_BITS{1'b0}};
         end else if (millisecond_ends) begin
-            clock_q   <= 20'd0;
+            clock_q   <= {CLOCK_BITS{1'b0}};
             left_q    <= left_q - 1'b1;
             o_expired <= left_q == 16'd1;
         end else clock_q <= clock_q + 1'b1;
@@ -66,7 +67,7 @@ module watchdog #(
         if (f_reset_seen_q) begin
             assert (o_expired == (f_quiet_q != 36'd0 && f_quiet_q == f_limit));
             assert (f_quiet_q <= f_limit + {35'd0, f_expired_q} && clock_q <= LAST_CLOCK);
-            assert (f_quiet_q == {20'd0, o_milliseconds - left_q} * F_CLOCKS_PER_MS + {16'd0, clock_q});
+            assert (f_quiet_q == {20'd0, o_milliseconds - left_q} * F_CLOCKS_PER_MS + {{(36-CLOCK_BITS){1'b0}}, clock_q});
             assert (left_q <= o_milliseconds && (left_q != 16'd0 || o_expired || f_expired_q || o_milliseconds == 16'd0));
             cover (o_expired && o_milliseconds == 16'd3);
             cover (i_kick && f_quiet_q == f_limit - 1'b1 && f_limit > 36'd2);

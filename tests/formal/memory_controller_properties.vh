@@ -10,6 +10,7 @@ reg [15:0] f_since_q;   // clocks since the entry was taken
 reg [15:0] f_shifts_q;  // since then
 reg [15:0] f_index_q, f_dwell_q;
 reg [26:0] f_base_q, f_address_q;
+wire [26:0] f_address = {{(27-ADDRESS_BITS){1'b0}}, o_address};
 reg [15:0] f_header_0_q, f_header_1_q, f_header_2_q, f_header_3_q;
 initial f_reset_seen_q = 1'b0;
 
@@ -25,7 +26,7 @@ wire [TIMING_BITS-1:0] f_narrowed = i_word >> (TIMING_BITS - 1) > 1 ? {TIMING_BI
 always @(posedge clk) begin
     f_reset_seen_q <= f_reset_seen_q || rst;
     f_reading_q    <= o_reading;
-    f_address_q    <= o_address;
+    f_address_q    <= f_address;
     f_ready_q      <= o_ready;
     if (f_since_q != 16'hffff) f_since_q <= f_since_q + 16'd1;
     if (o_shift) f_shifts_q <= f_shifts_q + 16'd1;
@@ -49,7 +50,7 @@ always @(posedge clk) begin
         if (f_loading) begin
             assert (arrives_q == (f_since_q >= 16'd2) && f_reading_q == arrives_q);
             assert ({6'd0, asked_q} == (f_since_q > F_LOADED - 16'd2 ? F_LOADED - 16'd3 : f_since_q - 16'd1));
-            assert (o_address == f_base_q + {17'd0, asked_q});
+            assert (f_address == f_base_q + {17'd0, asked_q});
             assert (!arrives_q || ({6'd0, arrived_q} == f_since_q - 16'd2 && f_number == {17'd0, arrived_q}));
             assert (f_shifts_q == (f_since_q < 16'd6 ? 16'd0 : f_since_q - 16'd6));
             assert (f_since_q < 16'd3 || o_cycle_length[15:0] == f_header_0_q);

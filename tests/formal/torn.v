@@ -2,8 +2,8 @@
 //
 // Contract 3: memory_controller reads a record while one frame, from any word to any other, is written as command_unit does
 // it: one word a clock, ascending, without pause. Of the memory only this is modelled: bit 0 of a word says whether the
-// frame had written it (1) in a clock before the one in which its address was out (0, old, in that same clock, as
-// primary_memory promises); a load takes its clocks whatever the words say, so the other bits are 0. Of the frame's words
+// frame had written it (1) in a clock before the one in which its address was out (0, old; in that same clock nothing is
+// written); a load takes its clocks whatever the words say, so the other bits are 0. Of the frame's words
 // in a record a load sees the old ones or the new ones, never some of each. Loads follow each other and may be preempted.
 // One frame is enough: what is promised, is promised of each frame.
 `default_nettype none
@@ -20,7 +20,7 @@ module torn #(
     input wire        i_preempt,
     input wire        i_begin  // of the frame; the first one counts
 );
-    localparam STRIDE = CHANNELS + 4, WORDS = 2 * STRIDE;
+    localparam STRIDE = CHANNELS + 4, WORDS = 2 * STRIDE, ADDRESS_BITS = $clog2(WORDS);
 
     (* anyconst *) wire [4:0] f_from, f_to;  // the frame's first word, and the one after its last
 
@@ -28,16 +28,17 @@ module torn #(
     wire rst = !rst_done_q;
     initial rst_done_q = 1'b0;
 
+    wire        take, reading, shift, ready, silent, refused;
+    wire [ADDRESS_BITS-1:0] address;
     // The writer
     reg        f_begun_q;
     reg [4:0]  f_at_q;  // next word to write
     reg        f_written_q;
-    wire       write = !rst && (f_begun_q ? f_at_q != f_to : i_begin);
+    // A word that is being read waits: the core holds the writer for that clock.
+    wire       hold  = reading && address == f_at_q[ADDRESS_BITS-1:0];
+    wire       write = !rst && !hold && (f_begun_q ? f_at_q != f_to : i_begin);
     wire       ended = (f_begun_q && f_at_q == f_to) || (write && f_at_q + 5'd1 == f_to);  // with this clock at the latest
     initial f_begun_q = 1'b0;
-
-    wire        take, reading, shift, ready, silent, refused;
-    wire [26:0] address;
     wire [15:0] word = {15'd0, f_written_q};
     memory_controller #(.CHANNELS(CHANNELS), .RECORDS(2), .TIMING_BITS(4), .PULSE_BITS(3)) loader (
         .clk(clk), .rst(rst), .i_preempt(i_preempt), .i_entry(i_entry), .o_take(take), .i_index({14'd0, i_second, !i_second}), .i_dwell(16'd1),
@@ -64,7 +65,7 @@ module torn #(
         if (write) {f_begun_q, f_at_q} <= {1'b1, f_at_q + 1'b1};
 
         f_reading_q <= reading;
-        f_address_q <= address[4:0];
+        f_address_q <= {1'b0, address};
         f_written_q <= !rst && address >= f_from && address < f_at_q;
         if (reading && write) f_met_q <= 1'b1;
         if (arrives) begin

@@ -58,7 +58,7 @@ def elaborate(modules, model, folder):
     chparam = " ".join(f"-chparam {k} {v}" for k, v in parameters(model).items())
     yosys([f"read_verilog -defer -I{ROOT}/rtl {' '.join(str(f) for f in sorted((ROOT / 'rtl').glob('*.v')))}",
            f"hierarchy -check -top haptogram_core {chparam}",
-           "prep",
+           "prep", "opt_dff", "opt_clean",
            "write_json all.json",
            "write_rtlil all.il"], folder, "elaborate")
     everything = json.loads((folder / "all.json").read_text())["modules"]
@@ -116,21 +116,22 @@ class Module:
         return "?"
 
 
-def candidates(module, lines, never):
+def candidates(module, lines, modes, never):
     """Every mutant that `mutate` knows in a module, as what it is and its command, by the expression it is in."""
     places, twins = collections.defaultdict(list), collections.Counter()
     for line in lines:
-        what = dict(re.findall(r"-(mode|cell|port|portbit|ctrlbit) (\S+)", line))
-        if what["port"] in never:
-            continue
+        what = dict(re.findall(r"-(mode|cell|port|portbit) (\S+)", line))
         cell = module.cells[what["cell"]]
+        bits = cell["connections"][what["port"]]
+        bit = bits[int(what["portbit"])]
+        if what["mode"] not in modes or what["port"] in never or bit == "x" or what["mode"] == f"const{bit}":
+            continue
         kind = cell["type"].lstrip("$").removesuffix("_v2")
         target = cell["parameters"]["MEMID"].lstrip("\\") if kind == "mem" else module.target(what["cell"])
         # A register and a memory have names, and the text of their always block says nothing.
-        text = "" if kind in ("dff", "mem") else f" | {module.text(what['cell'])}"
-        bit = lambda number: f"[{number}]" if len(cell["connections"][what["port"]]) > 1 else ""
-        mode = what["mode"] + (f" by {bit(what['ctrlbit'])}" if "ctrlbit" in what else "")
-        name = f"{module.name}.{target}{text} | {kind} {what['port']}{bit(what['portbit'])} {mode}"
+        text = "" if kind == "mem" or "dff" in kind else f" | {module.text(what['cell'])}"
+        port = what["port"] + (f"[{what['portbit']}]" if len(bits) > 1 else "")
+        name = f"{module.name}.{target}{text} | {kind} {port} {what['mode']}"
         twins[name] += 1
         name += f" #{twins[name]}" if twins[name] > 1 else ""
         place = f"{module.name} {text or re.sub('[0-9]+', '', target)} {kind}"
@@ -171,7 +172,8 @@ def write(folder):
     for group in t["group"]:
         places = {}
         for m in group["modules"]:
-            places.update(candidates(Module(m, named[m][1]), (folder / f"{m}.list").read_text().splitlines(), t["never"]))
+            lines = (folder / f"{m}.list").read_text().splitlines()
+            places.update(candidates(Module(m, named[m][1]), lines, t["modes"], t["never"]))
         for name, command in choose(places, group["mutants"], t["seed"]):
             mutants.append({"number": len(mutants) + 1, "group": group["name"], "name": name})
             commands.append(f"{command} -ctrl mutant {width} {len(mutants)}")
