@@ -24,7 +24,8 @@ module command_check #(
     localparam SEQUENCE_HALVES = SEQUENCE_DEPTH * 2;
     localparam [WORD_BITS:0] NO_WORDS = 0;
     localparam [15:0] TOP_INDEX = RECORDS[15:0];
-    localparam [16:0] TOP_ENTRY = SEQUENCE_DEPTH[16:0] - 17'd1;
+    localparam ENTRY_BITS = $clog2(SEQUENCE_DEPTH + 1);
+    localparam [ENTRY_BITS:0] ENTRIES = SEQUENCE_DEPTH[ENTRY_BITS:0];
     localparam [15:0] MOST_WORDS = RECORD_WORDS[15:0];
 
     wire        writes = i_command == `HG_COMMAND_WRITE;
@@ -33,21 +34,26 @@ module command_check #(
     wire [15:0] words  = writes ? i_tail_words : {1'b0, i_argument_2[15:1]};
     wire [27:0] words_28 = {12'd0, words};
     wire        odd    = first[0] || (!writes && i_argument_2[0]);
+    reg  [WORD_BITS:0] region_words, region_words_q;
     reg  [WORD_BITS:0] beyond_q;  // word address after the last word
     reg                far_q;     // the first word is beyond all of them
-    reg  [16:0] last_entry_q;
+    reg  [ENTRY_BITS:0] beyond_entry_q;  // number of the entry after the last one
+    reg                far_entry_q;
     reg         misaligned_q, zero_words_q, too_many_q;
+    reg  [15:0] live_free_q;  // a clock ago; meanwhile there can only be more
+    always @(posedge clk) live_free_q <= i_live_free;
 
     always @(posedge clk) if (i_settle) begin
+        region_words_q <= region_words;
         beyond_q     <= {1'b0, first[WORD_BITS:1]} + words_28[WORD_BITS:0];
         far_q        <= first[27:WORD_BITS+1] != {(27-WORD_BITS){1'b0}} || words_28[27:WORD_BITS] != {(28-WORD_BITS){1'b0}};
-        last_entry_q <= {1'b0, i_argument_0} + {1'b0, i_argument_1} - 17'd1;
+        beyond_entry_q <= {1'b0, i_argument_0[ENTRY_BITS-1:0]} + {1'b0, i_argument_1[ENTRY_BITS-1:0]};
+        far_entry_q  <= (i_argument_0 | i_argument_1) >> ENTRY_BITS != 16'd0;
         misaligned_q <= odd || (region == `HG_REGION_SEQUENCE && (first[1] || words[0]));
         zero_words_q <= words == 16'd0;
         too_many_q   <= !writes && words > MOST_WORDS;
     end
 
-    reg [WORD_BITS:0] region_words;
     always @* begin
         case (region)
             `HG_REGION_PRIMARY:  region_words = PRIMARY_WORDS[WORD_BITS:0];
@@ -60,14 +66,14 @@ module command_check #(
         case (i_command)
             `HG_COMMAND_WRITE, `HG_COMMAND_READ:
                 if (zero_words_q || too_many_q) o_status = `HG_REPLY_BAD_LENGTH;
-                else if (far_q || beyond_q > region_words) o_status = `HG_REPLY_BAD_ADDRESS;
+                else if (far_q || beyond_q > region_words_q) o_status = `HG_REPLY_BAD_ADDRESS;
                 else if (misaligned_q) o_status = `HG_REPLY_BAD_ALIGNMENT;
             `HG_COMMAND_SELECT:
                 if (i_argument_0 > TOP_INDEX) o_status = `HG_REPLY_BAD_INDEX;
             `HG_COMMAND_PUSH:
-                if (i_tail_words > i_live_free) o_status = `HG_REPLY_FIFO_FULL;
+                if (i_tail_words > live_free_q) o_status = `HG_REPLY_FIFO_FULL;
             `HG_COMMAND_START:
-                if (i_argument_1 != 16'd0 && (i_argument_0 == 16'd0 || last_entry_q > TOP_ENTRY))
+                if (i_argument_1 != 16'd0 && (i_argument_0 == 16'd0 || far_entry_q || beyond_entry_q > ENTRIES))
                     o_status = `HG_REPLY_BAD_RANGE;
             default: ;
         endcase

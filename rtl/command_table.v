@@ -6,28 +6,23 @@
 `default_nettype none
 module command_table (
     input  wire [7:0] i_command,
-    output wire       o_known,
-    output wire [1:0] o_args,
-    output wire       o_tail,
-    output wire [1:0] o_reply
+    output reg  [5:0] o_shape  // {known, arguments, tail, reply}
 );
-    reg [5:0] shape;
     always @* begin
         case (i_command)
-            8'h01: shape = {1'b1, 2'd0, 1'b0, 2'd1};  // identify
-            8'h02: shape = {1'b1, 2'd2, 1'b1, 2'd0};  // write
-            8'h03: shape = {1'b1, 2'd3, 1'b0, 2'd3};  // read
-            8'h04: shape = {1'b1, 2'd0, 1'b0, 2'd0};  // enable
-            8'h05: shape = {1'b1, 2'd0, 1'b0, 2'd0};  // disable
-            8'h06: shape = {1'b1, 2'd2, 1'b0, 2'd0};  // select
-            8'h07: shape = {1'b1, 2'd1, 1'b1, 2'd0};  // push
-            8'h08: shape = {1'b1, 2'd3, 1'b0, 2'd0};  // start
-            8'h09: shape = {1'b1, 2'd0, 1'b0, 2'd0};  // stop
-            8'h0a: shape = {1'b1, 2'd1, 1'b0, 2'd0};  // watchdog
-            8'h0b: shape = {1'b1, 2'd0, 1'b0, 2'd2};  // status
-            default: shape = 6'd0;
+            8'h01: o_shape = {1'b1, 2'd0, 1'b0, 2'd1};  // identify
+            8'h02: o_shape = {1'b1, 2'd2, 1'b1, 2'd0};  // write
+            8'h03: o_shape = {1'b1, 2'd3, 1'b0, 2'd3};  // read
+            8'h04: o_shape = {1'b1, 2'd0, 1'b0, 2'd0};  // enable
+            8'h05: o_shape = {1'b1, 2'd0, 1'b0, 2'd0};  // disable
+            8'h06: o_shape = {1'b1, 2'd2, 1'b0, 2'd0};  // select
+            8'h07: o_shape = {1'b1, 2'd1, 1'b1, 2'd0};  // push
+            8'h08: o_shape = {1'b1, 2'd3, 1'b0, 2'd0};  // start
+            8'h09: o_shape = {1'b1, 2'd0, 1'b0, 2'd0};  // stop
+            8'h0a: o_shape = {1'b1, 2'd1, 1'b0, 2'd0};  // watchdog
+            8'h0b: o_shape = {1'b1, 2'd0, 1'b0, 2'd2};  // status
+            default: o_shape = 6'd0;
         endcase
     end
-    assign {o_known, o_args, o_tail, o_reply} = shape;
 endmodule
 `default_nettype wire

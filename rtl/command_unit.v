@@ -47,20 +47,21 @@ module command_unit #(
     localparam [15:0] TOP_INDEX = RECORDS[15:0];
 
     reg [3:0]  state_q;
-    reg [LENGTH_BITS-1:0] length_q;  // bytes
-    reg [LENGTH_BITS-1:0] words_q;   // still to be taken from the frame
+    reg [LENGTH_BITS-1:0] length_q, words_q;  // of the frame: bytes; words still to be taken
+    reg [LENGTH_BITS-1:0] tail_words_q;  // that follow the arguments; right from o_settle on
     reg [7:0]  command_q;
     reg [15:0] argument_q [0:2];
     reg [1:0]  count_q;           // arguments taken
-    reg        bad_index_q, session_q;         // since reset a host has said where its numbers begin
+    reg        bad_index_q, session_q;  // session: since reset a host has said where its numbers begin
 
-    wire       known, tail;
-    wire [1:0] args, reply;
-    command_table shapes (.i_command(command_q), .o_known(known), .o_args(args), .o_tail(tail), .o_reply(reply));
-
-    wire [LENGTH_BITS-1:0] payload_words = {1'b0, length_q[LENGTH_BITS-1:1]} - 1'b1;
-    wire [LENGTH_BITS-1:0] arg_words = {{(LENGTH_BITS-2){1'b0}}, args};
-    wire bad_length = length_q[0] || (tail ? payload_words <= arg_words : payload_words != arg_words);
+    wire [5:0] shape_d;
+    command_table shapes (.i_command(i_word[15:8]), .o_shape(shape_d));
+    reg        known_q, tail_q;
+    reg  [1:0] args_q, reply_q;
+    reg  [LENGTH_BITS-1:0] payload_words_q;
+    wire [LENGTH_BITS-1:0] payload_d = {1'b0, length_q[LENGTH_BITS-1:1]} - 1'b1;
+    wire [LENGTH_BITS-1:0] arg_words = {{(LENGTH_BITS-2){1'b0}}, args_q};
+    wire bad_length = length_q[0] || (tail_q ? payload_words_q <= arg_words : payload_words_q != arg_words);
     wire [7:0] ahead = o_sequence - o_expected;
     wire in_order = (ahead == 8'd0 && session_q) || command_q == `HG_COMMAND_IDENTIFY;
     wire repeated = !in_order && ahead[7] && session_q;
@@ -68,27 +69,25 @@ module command_unit #(
     wire unused = &{1'b0, argument_address};
     wire done = words_q == {LENGTH_BITS{1'b0}};
     wire hold = i_hold && command_q == `HG_COMMAND_WRITE;
-    wire reads = reply != 2'd0 && o_status <= `HG_REPLY_REPEATED;
+    wire reads = reply_q != 2'd0 && o_status <= `HG_REPLY_REPEATED;
 
     assign {o_command, o_argument_2, o_argument_1, o_argument_0} = {command_q, argument_q[2], argument_q[1], argument_q[0]};
     assign o_settle      = state_q == SETTLE;
-    assign o_tail_words  = {{(16-LENGTH_BITS){1'b0}}, payload_words - arg_words};
+    assign o_tail_words  = {{(16-LENGTH_BITS){1'b0}}, tail_words_q};
     assign o_take        = i_valid && (state_q == LENGTH || state_q == HEADER
                                        || (!done && ((state_q == TAIL && !hold) || state_q == DRAIN
-                                                     || (state_q == ARGUMENTS && !bad_length && count_q != args))));
+                                                     || (state_q == ARGUMENTS && !bad_length && count_q != args_q))));
     assign o_write       = state_q == TAIL && !done && !hold && command_q == `HG_COMMAND_WRITE;
     assign o_push        = state_q == TAIL && !done && command_q == `HG_COMMAND_PUSH;
     assign o_keep        = state_q == CLOSE && command_q == `HG_COMMAND_PUSH && o_status == `HG_REPLY_OK;
     assign o_take_back   = state_q == CLOSE && command_q == `HG_COMMAND_PUSH && o_status != `HG_REPLY_OK;
-    assign o_read_words  = !reads ? 16'd0 : reply == 2'd1 ? `HG_IDENTITY_WORDS : reply == 2'd2 ? `HG_STATUS_WORDS
+    assign o_read_words  = !reads ? 16'd0 : reply_q == 2'd1 ? `HG_IDENTITY_WORDS : reply_q == 2'd2 ? `HG_STATUS_WORDS
                          : {1'b0, argument_q[2][15:1]};
 
     initial {o_execute, session_q} = 2'b00;
     always @(posedge clk) begin
-        o_execute  <= 1'b0;
-        o_repeated <= 1'b0;
-        o_refused  <= 1'b0;
-        o_answer   <= 1'b0;
+        {o_execute, o_repeated, o_refused, o_answer} <= 4'd0;
+        tail_words_q <= payload_words_q - arg_words;
         if (o_take && state_q != LENGTH && state_q != HEADER) words_q <= words_q - 1'b1;
         if (o_write) o_address <= o_address + 1'b1;
         case (state_q)
@@ -98,26 +97,27 @@ module command_unit #(
             end
             HEADER: begin
                 {command_q, o_sequence} <= i_word;
-                words_q <= payload_words + {{(LENGTH_BITS-1){1'b0}}, length_q[0]};
+                {known_q, args_q, tail_q, reply_q, payload_words_q} <= {shape_d, payload_d};
+                words_q <= payload_d + {{(LENGTH_BITS-1){1'b0}}, length_q[0]};
                 count_q <= 2'd0;
                 state_q <= ARGUMENTS;
             end
-            ARGUMENTS: if (!known) finish(`HG_REPLY_UNKNOWN_COMMAND);
+            ARGUMENTS: if (!known_q) finish(`HG_REPLY_UNKNOWN_COMMAND);
                 else if (bad_length) finish(`HG_REPLY_BAD_LENGTH);
-                else if (count_q != args) begin
+                else if (count_q != args_q) begin
                     argument_q[count_q] <= i_word;
                     count_q             <= count_q + 1'b1;
                 end else state_q <= SETTLE;
             SETTLE: begin
-                o_region  <= reply == 2'd1 ? `HG_REGION_IDENTITY : reply == 2'd2 ? `HG_REGION_STATUS : argument_q[1][15:12];
-                o_address <= reply == 2'd1 || reply == 2'd2 ? {WORD_BITS{1'b0}} : argument_address[WORD_BITS-1:0];
+                o_region  <= reply_q == 2'd1 ? `HG_REGION_IDENTITY : reply_q == 2'd2 ? `HG_REGION_STATUS : argument_q[1][15:12];
+                o_address <= reply_q == 2'd1 || reply_q == 2'd2 ? {WORD_BITS{1'b0}} : argument_address[WORD_BITS-1:0];
                 bad_index_q <= 1'b0;
                 state_q     <= JUDGE;
             end
             JUDGE: if (!in_order && !repeated) finish(`HG_REPLY_OUT_OF_ORDER);
-                else if (repeated && reply == 2'd0) finish(`HG_REPLY_REPEATED);
+                else if (repeated && reply_q == 2'd0) finish(`HG_REPLY_REPEATED);
                 else if (i_status != `HG_REPLY_OK) finish(i_status);
-                else if (tail) state_q <= TAIL;
+                else if (tail_q) state_q <= TAIL;
                 else finish(repeated ? `HG_REPLY_REPEATED : `HG_REPLY_OK);
             TAIL: begin
                 if (o_push && i_word > TOP_INDEX) bad_index_q <= 1'b1;

@@ -36,18 +36,16 @@ module cycle_controller #(
 );
     localparam [23:0] IDLE_CYCLE = IDLE_CLOCKS[23:0];
 
-    reg [23:0] cycle_length_q;
-    reg [23:0] prescaler_q;
+    reg [23:0] last_count_q;  // cycle length and prescaler, less one
+    reg [23:0] last_phase_q;
     reg [23:0] count_q;
     reg [23:0] phase_q;      // clocks into the present tick
     reg [15:0] dwell_q;      // cycles left; 0 repeats
     reg        preempt_q;
     reg        late_q;       // this underrun has been counted
 
-    wire [23:0] phase_next = phase_q + 1'b1;
-    wire [23:0] count_next = count_q + 1'b1;
-    wire tick_ends = phase_next == prescaler_q;
-    wire boundary  = tick_ends && count_next == cycle_length_q;
+    wire tick_ends = phase_q == last_phase_q;
+    wire boundary  = tick_ends && count_q == last_count_q;
     wire due       = dwell_q == 16'd1;
     wire ready     = i_ready && i_settled;
 
@@ -63,22 +61,22 @@ module cycle_controller #(
             phase_q <= 24'd0;
         end else if (tick_ends) begin
             phase_q <= 24'd0;
-            count_q <= boundary ? 24'd0 : count_next;
-        end else phase_q <= phase_next;
+            count_q <= boundary ? 24'd0 : count_q + 1'b1;
+        end else phase_q <= phase_q + 1'b1;
         {o_tick, o_cycle_start} <= {rst || tick_ends, rst || boundary};
     end
 
     always @(posedge clk) begin
         if (rst) begin
-            cycle_length_q <= IDLE_CYCLE;
-            prescaler_q    <= 24'd1;
+            last_count_q   <= IDLE_CYCLE - 1'b1;
+            last_phase_q   <= 24'd0;
             o_pulse_length <= {PULSE_BITS{1'b0}};
             o_index        <= 16'd0;
             dwell_q        <= 16'd0;
         end else if (o_commit) begin
             if (!i_silent) begin
-                cycle_length_q <= i_cycle_length;
-                prescaler_q    <= i_prescaler;
+                last_count_q <= i_cycle_length - 1'b1;
+                last_phase_q <= i_prescaler - 1'b1;
             end
             o_pulse_length <= i_silent ? {PULSE_BITS{1'b0}} : i_pulse_length;
             o_index        <= i_index;
@@ -103,6 +101,8 @@ module cycle_controller #(
     reg [15:0] f_played_q;  // whole cycles since the last commit
     reg        f_asked_q;
     initial f_reset_seen_q = 1'b0;
+    wire [23:0] cycle_length_q = last_count_q + 1'b1;
+    wire [23:0] prescaler_q = last_phase_q + 1'b1;
     wire [7:0] f_ticks  = cycle_length_q[7:0] - count_q[7:0];
     wire       f_due    = f_dwell_q != 16'd0 && f_played_q >= f_dwell_q - 1'b1;
     wire       f_change = f_due || f_asked_q || f_dwell_q == 16'd0;

@@ -37,7 +37,7 @@ module live_fifo #(
     wire [BITS:0] level  = kept_q - read_q;
     wire [BITS:0] used   = write_q - read_q;
     assign o_level = {{(15-BITS){1'b0}}, level};
-    assign o_free  = PLACES - {{(15-BITS){1'b0}}, used};
+    assign o_free  = {{(15-BITS){1'b0}}, PLACES[BITS:0] - used};
 
     always @(posedge clk) begin
         if (i_push) entries[write_q[BITS-1:0]] <= i_entry;

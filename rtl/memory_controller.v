@@ -3,7 +3,7 @@
 // Takes the next (index, dwell), reads that record out of primary memory, one word a clock, into the cycle controller's
 // fields and the channels' shadow registers, and holds it ready until it is committed.
 //
-// i_entry/o_take is a valid/ready stream. From the clock that takes an entry to the one in which o_ready is first high
+// i_entry/o_take is a valid/ready stream, taken when the last record's pulses have left the shadow registers. From the clock that takes an entry to the one in which o_ready is first high
 // are CHANNELS + 6 clocks; index 0 (silence) is ready at once. A record that cannot be played (index above RECORDS,
 // prescaler 0, a pulse not shorter than its cycle) is refused: o_refused strobes and silence takes its place and dwell.
 // The memory is read without pause in ascending order; writers do the same, so whoever starts first stays first and a
@@ -21,6 +21,7 @@ module memory_controller #(
     input  wire                    rst,
     input  wire                    i_preempt,
     input  wire                    i_entry,
+    input  wire                    i_settled,  // the shadow registers are free
     output wire                    o_take,
     input  wire [15:0]             i_index,
     input  wire [15:0]             i_dwell,
@@ -63,10 +64,10 @@ module memory_controller #(
     wire refuse_index = i_index > TOP_INDEX;
     // All header fields are in place when the first timing arrives.
     wire [24:0] pulse_limit = 25'd1 << PULSE_BITS;
-    wire unplayable = o_prescaler == 24'd0 || {16'd0, pulse_field_q} >= o_cycle_length
+    wire unplayable = o_prescaler == 24'd0 || (o_cycle_length[23:8] == 16'd0 && pulse_field_q >= o_cycle_length[7:0])
                       || {17'd0, pulse_field_q} >= pulse_limit || reserved_q;
 
-    assign o_take    = state_q == IDLE && i_entry && !i_preempt;
+    assign o_take    = state_q == IDLE && i_entry && i_settled && !i_preempt;
     wire   arrives   = state_q == LOAD && arrives_q;  // the last word is still out when the state has changed
     assign o_reading = state_q == LOAD;
     assign o_ready   = state_q == READY;
@@ -90,7 +91,7 @@ module memory_controller #(
             state_q   <= IDLE;
             arrives_q <= 1'b0;
         end else case (state_q)
-            IDLE: if (i_entry) begin
+            IDLE: if (i_entry && i_settled) begin
                 state_q   <= (i_index == 16'd0 || refuse_index) ? READY : LOAD;
                 o_refused <= refuse_index;
                 o_silent  <= i_index == 16'd0 || refuse_index;

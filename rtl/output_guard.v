@@ -46,7 +46,7 @@ module output_guard #(
     end
 
     initial o_trip = 1'b0;
-    always @(posedge clk) o_trip <= !rst && window_ends && (stayed_high_q & i_pins) != {CHANNELS{1'b0}};
+    always @(posedge clk) o_trip <= !rst && window_ends && stayed_high_q != {CHANNELS{1'b0}};
 
     initial o_enabled = 1'b0;
     always @(posedge clk) begin

@@ -48,9 +48,9 @@ module player #(
     memory_controller #(
         .CHANNELS(CHANNELS), .RECORDS(RECORDS), .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS)
     ) memory (
-        .clk(clk), .rst(rst), .i_preempt(i_preempt), .i_entry(i_entry), .o_take(o_take), .i_index(i_index), .i_dwell(i_dwell),
-        .o_reading(o_reading), .o_address(o_address), .i_word(i_word), .o_shift(shift), .o_timing(timing), .i_commit(commit),
-        .o_ready(ready), .o_silent(silent), .o_index(index), .o_dwell(dwell), .o_cycle_length(cycle_length),
+        .clk(clk), .rst(rst), .i_preempt(i_preempt), .i_entry(i_entry), .i_settled(settled), .o_take(o_take), .i_index(i_index),
+        .i_dwell(i_dwell), .o_reading(o_reading), .o_address(o_address), .i_word(i_word), .o_shift(shift), .o_timing(timing),
+        .i_commit(commit), .o_ready(ready), .o_silent(silent), .o_index(index), .o_dwell(dwell), .o_cycle_length(cycle_length),
         .o_prescaler(prescaler), .o_pulse_length(next_pulse_length), .o_refused(o_refused));
     cycle_controller #(.PULSE_BITS(PULSE_BITS), .TIMING_BITS(TIMING_BITS), .IDLE_CLOCKS(IDLE_CLOCKS)) cycle (
         .clk(clk), .rst(rst), .i_preempt(i_preempt), .i_settled(settled), .i_ready(ready), .i_index(index), .i_dwell(dwell),

@@ -4,12 +4,11 @@
 // the tick that equals the channel's timing.
 //
 // No channel counts: fall_q, the count one pulse length late, says for all of them which timing's pulse ends, so a channel
-// that is low looks for the count, and one that is high for fall_q, with the same comparator. At a commit a pulse under way
-// moves to the channel's old half, which has only its own end left to find: it completes whatever is loaded, and a new pulse
-// within it merges. o_settled says that none of these is left; the next commit has to wait for it. While i_allow is low
-// the pins are low, from the next clock on, and nothing starts, so the first pulse after enabling is whole. A pin follows
-// its tick by two clocks. Timings arrive in one chain, fed at the last channel's end; i_commit copies all of them into the
-// compared registers on one clock edge. TIMING_BITS 4…16, PULSE_BITS 1…8, no more than TIMING_BITS.
+// that is low looks for the count, and one that is high for fall_q. Timings arrive in one chain of shadow registers, fed at the
+// last channel's end. A commit swaps all of them with the compared ones on one clock edge, so a pulse under way finds its
+// end by its old timing: it completes, and a new one within it merges. Until o_settled the shadow registers must stay.
+// While i_allow is low the pins are low, from the next clock on, and nothing starts, so the first pulse after enabling is
+// whole. A pin follows its tick by two clocks. TIMING_BITS 4…16, PULSE_BITS 1…8, no more than TIMING_BITS.
 `default_nettype none
 module pulse_generators #(
     parameter CHANNELS    = 100,
@@ -19,7 +18,7 @@ module pulse_generators #(
     input  wire                   clk,
     input  wire                   rst,
     input  wire                   i_allow,         // from output_guard
-    input  wire                   i_shift,
+    input  wire                   i_shift,         // not before o_settled
     input  wire [TIMING_BITS-1:0] i_timing,
     input  wire                   i_commit,        // in a cycle's last clock, while o_settled
     input  wire                   i_tick,          // one clock, at the start of each tick
@@ -62,8 +61,10 @@ module pulse_generators #(
 
     reg [CHANNELS*TIMING_BITS-1:0] shadow_q;
     reg [CHANNELS*TIMING_BITS-1:0] timings_q;
-    always @(posedge clk) if (commit_q) timings_q <= shadow_q;
-    always @(posedge clk) if (i_shift) shadow_q <= {i_timing, shadow_q[CHANNELS*TIMING_BITS-1:TIMING_BITS]};
+    always @(posedge clk) begin
+        if (commit_q) {timings_q, shadow_q} <= {shadow_q, timings_q};
+        else if (i_shift) shadow_q <= {i_timing, shadow_q[CHANNELS*TIMING_BITS-1:TIMING_BITS]};
+    end
 
     wire   off = rst || !i_allow;
     genvar k;
@@ -71,13 +72,12 @@ module pulse_generators #(
         for (k = 0; k < CHANNELS; k = k + 1) begin : channel
             wire [TIMING_BITS-1:0] timing = timings_q[k*TIMING_BITS +: TIMING_BITS];
             reg                    new_q;  // within a pulse of the present record
-            reg                    old_q;  // within one from before the last commit
-            reg [PULSE_BITS-1:0]   old_timing_q;
+            reg                    old_q;  // within one from before the last commit, whose timing is in the shadow register
             // Kept apart, else synthesis mixes the three comparisons and needs a fifth more cells.
             (* keep *) wire begins, ends, old_ends;
             assign begins   = timing == count_q;
             assign ends     = timing == fall_q;
-            assign old_ends = old_timing_q == old_fall_q;
+            assign old_ends = shadow_q[k*TIMING_BITS +: PULSE_BITS] == old_fall_q;
             wire   new_d    = new_q ? !ends : begins && start_q;
 
             initial {o_pins[k], new_q, old_q} = 3'b000;
@@ -89,7 +89,6 @@ module pulse_generators #(
                     old_q     <= commit_q ? new_d : old_q && !old_ends;
                     o_pins[k] <= new_d || (old_q && !old_ends);
                 end
-                if (commit_q) old_timing_q <= timing[PULSE_BITS-1:0];
             end
         end
     endgenerate

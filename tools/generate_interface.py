@@ -63,7 +63,7 @@ def verilog_commands(table):
     for command in table["command"]:
         reply = {"identity": "2'd1", "status": "2'd2", "memory": "2'd3"}.get(command.get("reply", ""), "2'd0")
         rows.append(
-            f"            8'h{command['code']:02x}: shape = {{1'b1, 2'd{len(command['args'])}, "
+            f"            8'h{command['code']:02x}: o_shape = {{1'b1, 2'd{len(command['args'])}, "
             f"1'b{int(command.get('tail', False))}, {reply}}};  // {command['name']}"
         )
     body = "\n".join(rows)
@@ -75,19 +75,14 @@ def verilog_commands(table):
 `default_nettype none
 module command_table (
     input  wire [7:0] i_command,
-    output wire       o_known,
-    output wire [1:0] o_args,
-    output wire       o_tail,
-    output wire [1:0] o_reply
+    output reg  [5:0] o_shape  // {{known, arguments, tail, reply}}
 );
-    reg [5:0] shape;
     always @* begin
         case (i_command)
 {body}
-            default: shape = 6'd0;
+            default: o_shape = 6'd0;
         endcase
     end
-    assign {{o_known, o_args, o_tail, o_reply}} = shape;
 endmodule
 `default_nettype wire
 """

@@ -11,6 +11,7 @@
 
 #include "base/error.hpp"
 #include "base/file.hpp"
+#include "board/board.hpp"
 #include "command.hpp"
 #include "focus/focal_law.hpp"
 #include "image/manifest.hpp"
@@ -27,7 +28,8 @@ struct CompileOptions {
     std::vector<std::string> inputs;
     std::vector<std::string> shapes;
     PrimitiveSpec primitive;  ///< but for its kind: the measures of every --shape, in mm
-    std::string array = "tile-10x10";
+    std::optional<std::string> board;
+    std::optional<std::string> array;
     std::string unit = "mm";
     std::size_t points = 200;
     std::uint64_t seed = 1;
@@ -247,7 +249,8 @@ void check_options(CompileOptions& options) {
     }
     std::vector<NamedPath> inputs;
     for (const std::string& input : options.inputs) inputs.push_back({"an input", input});
-    if (options.array.ends_with(".toml")) inputs.push_back({"--array", options.array});
+    if (options.array && options.array->ends_with(".toml")) inputs.push_back({"--array", *options.array});
+    if (options.board && options.board->ends_with(".toml")) inputs.push_back({"--board", *options.board});
     std::vector<NamedPath> outputs = {{"--output", options.output}, {"--manifest", options.manifest}};
     if (!options.readmemh.empty()) {
         outputs.push_back({"--readmemh", options.readmemh + ".primary.mem"});
@@ -272,10 +275,17 @@ std::string everything_that_shapes_the_image(const CompileOptions& o, const Mani
                .dump();
 }
 
+/// The array, on the board that --board names or on the one that its own file describes.
+Array chosen_array(const CompileOptions& options) {
+    if (!options.board) return find_array(options.array.value_or("tile-10x10"));
+    const Board board = load_board(*options.board);
+    return find_array(options.array.value_or(board.array), board.spec());
+}
+
 int compile(CompileOptions options) {
     check_options(options);
     Manifest manifest;
-    manifest.array = find_array(options.array);
+    manifest.array = chosen_array(options);
     manifest.timer = choose_timer(manifest.array);
     std::string hashed = everything_that_shapes_the_image(options, manifest);
     const Shape shape = place(gather(options, hashed), placement(options));
@@ -284,12 +294,12 @@ int compile(CompileOptions options) {
     Numbers numbers;
     numbers.duplicates = sampled.duplicates_removed;
     require_reachable(points, manifest.array, options.clip, numbers);
-    const std::size_t most = std::min(manifest.array.board.records, manifest.array.board.sequence_depth - 1);
+    const BoardSpec& board = manifest.array.board;
+    const std::size_t most = std::min(board.records, board.sequence_depth - 1);
     if (points.size() > most)
-        throw bad_input(
-            manifest.array.board.name,
-            fmt::format("{} points, but the board holds {}; take fewer (--points) or another board (--array)",
-                        points.size(), most));
+        throw bad_input(board.name, fmt::format("{} points, but the board holds {} ({} records, {} sequence entries); "
+                                                "take fewer (--points {}) or another board (--board, --array)",
+                                                points.size(), most, board.records, board.sequence_depth - 1, most));
 
     const std::vector<std::size_t> order = closed_tour(points);
     std::vector<std::size_t> as_given(points.size());
@@ -341,8 +351,11 @@ void add_compile(CLI::App& app, Action& action) {
         ->check(positive());
     sub->add_option("--sides", options->primitive.sides, "Of a built-in polygon")->check(whole(3, 1000));
     sub->add_option("--turns", options->primitive.turns, "Of a built-in helix")->check(positive());
-    sub->add_option("--array", options->array, "Array file (TOML) or shipped array: tile-10x10, hoshi-18x18")
-        ->capture_default_str();
+    sub->add_option("--board", options->board,
+                    "Board file (TOML) or shipped board, see haptogram board list (default: the array file's [board])");
+    sub->add_option("--array", options->array,
+                    "Array file (TOML) or shipped array: tile-10x10, tile-7x8, hoshi-18x18 (default: the board's, or "
+                    "tile-10x10)");
     sub->add_option("--unit", options->unit, "Unit of the coordinates in the files")
         ->check(CLI::IsMember({"mm", "cm", "m"}))
         ->capture_default_str();

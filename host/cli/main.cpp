@@ -81,6 +81,7 @@ int run(int argc, char** argv) {
     add_inspect(app, action);
     add_simulate(app, action);
     add_field(app, action);
+    add_board(app, action);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ExtrasError& error) {
@@ -91,7 +92,7 @@ int run(int argc, char** argv) {
     }
     if (!action)
         throw Error(ErrorCode::usage, "haptogram",
-                    "expected a subcommand: compile, inspect, simulate or field; see haptogram --help");
+                    "expected a subcommand: compile, inspect, simulate, field or board; see haptogram --help");
     return action();
 }
 

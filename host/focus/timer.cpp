@@ -13,7 +13,8 @@ Timer choose_timer(const Array& array) {
     constexpr double carrier_tolerance = 100e-6;
     const double clocks = array.board.clock_hz / array.carrier_hz;
     const std::uint32_t longest_pulse = (1U << array.board.pulse_bits) - 1U;
-    const std::uint32_t longest_cycle = (1U << array.board.timing_bits) - 1U;  // all ones means silence
+    // The last tick of a cycle that a channel may start in is one less than this, so never all ones, which is silence.
+    const std::uint32_t longest_cycle = (1U << array.board.timing_bits) - 1U;
     for (std::uint32_t prescaler = 1; prescaler * 8.0 <= clocks; ++prescaler) {
         const double ticks = clocks / prescaler;
         const double cycle = std::round(ticks);
@@ -25,9 +26,10 @@ Timer choose_timer(const Array& array) {
     }
     throw bad_input(array.file,
                     fmt::format("no timer of at least 8 ticks makes a {} Hz carrier with {:.1f} % duty from a {} Hz "
-                                "clock with {} pulse bits; "
+                                "clock with {} timing bits (at most {} ticks a cycle) and {} pulse bits; "
                                 "choose a clock that is a multiple of the carrier, or a smaller duty",
-                                array.carrier_hz, 100.0 * array.duty, array.board.clock_hz, array.board.pulse_bits));
+                                array.carrier_hz, 100.0 * array.duty, array.board.clock_hz, array.board.timing_bits,
+                                longest_cycle, array.board.pulse_bits));
 }
 
 }  // namespace haptogram

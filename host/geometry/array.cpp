@@ -142,6 +142,7 @@ void read_geometry(Array& array, const std::string& file, const toml::table& roo
         if (!rows || !columns || !pitch)
             throw bad_input(file, "[array] must have rows, columns and pitch_mm, or elements_mm");
         array.elements = grid(*rows, *columns, *pitch * millimetre);
+        array.columns = *columns;
     }
     assign(array.carrier_hz, section.number("carrier_hz", 1e3, 1e6));
     assign(array.duty, section.number("duty", 1e-3, 0.5));
@@ -202,7 +203,7 @@ std::string Array::unreachable(Vec3 focus) const {
     return {};
 }
 
-Array load_array(const std::filesystem::path& path) {
+Array load_array(const std::filesystem::path& path, const std::optional<BoardSpec>& board) {
     const std::string file = path.string();
     const std::string text = read_file(path);
     toml::table root;
@@ -228,11 +229,12 @@ Array load_array(const std::filesystem::path& path) {
     read_medium(array.medium, file, root);
     read_transducer(array.transducer, file, root);
     read_board(array.board, file, root);
+    if (board) array.board = *board;
     read_geometry(array, file, root);
     if (array.elements.size() > array.board.channels)
         throw bad_input(file,
-                        fmt::format("{} elements but the board has {} channels; use a larger board or fewer elements",
-                                    array.elements.size(), array.board.channels));
+                        fmt::format("{} elements but the board, {}, has {} channels; use a larger board or fewer elements",
+                                    array.elements.size(), array.board.name, array.board.channels));
     for (std::size_t a = 0; a < array.elements.size(); ++a)
         for (std::size_t b = 0; b < a; ++b)
             if (array.elements[a] == array.elements[b])
@@ -243,16 +245,17 @@ Array load_array(const std::filesystem::path& path) {
     return array;
 }
 
-Array find_array(const std::string& name) {
-    if (name.find('/') != std::string::npos || name.ends_with(".toml")) return load_array(name);
+Array find_array(const std::string& name, const std::optional<BoardSpec>& board) {
+    if (name.find('/') != std::string::npos || name.ends_with(".toml")) return load_array(name, board);
     std::error_code error;
     const auto program = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
     for (const auto& folder : {program / HAPTOGRAM_INSTALLED_ARRAYS, std::filesystem::path(HAPTOGRAM_SOURCE_ARRAYS)}) {
         const auto path = folder / (name + ".toml");
-        if (std::filesystem::exists(path)) return load_array(path);
+        if (std::filesystem::exists(path)) return load_array(path, board);
     }
     throw bad_input(
-        name, "no shipped array has this name (shipped are tile-10x10 and hoshi-18x18); give the path of a .toml file");
+        name,
+        "no shipped array has this name (shipped are tile-10x10, tile-7x8 and hoshi-18x18); give the path of a .toml file");
 }
 
 }  // namespace haptogram

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,7 @@ struct Array {
     std::string name = "tile-10x10";
     std::string file;            ///< where it was read from, for messages
     std::vector<Vec3> elements;  ///< metres, z = 0, channel order (row · columns + column)
+    std::uint32_t columns = 0;   ///< of a grid; 0 when the file lists the elements
     double carrier_hz = 40e3;
     double duty = 0.5;             ///< of the carrier period, (0, 0.5]
     double reach_angle_rad = 1.0;  ///< a focal point lies within this angle of the axis, seen from the array's centre
@@ -56,11 +58,12 @@ struct Array {
 };
 
 /// Reads an array file (TOML); see host/arrays/README.md for its keys.
+/// @param board  takes the place of the file's [board]
 /// @throws Error{bad_input} naming the file, the line and the key, also for unknown keys
-[[nodiscard]] Array load_array(const std::filesystem::path& path);
+[[nodiscard]] Array load_array(const std::filesystem::path& path, const std::optional<BoardSpec>& board = {});
 
-/// Finds `name` as a path, or among the shipped arrays ("tile-10x10", "hoshi-18x18").
-[[nodiscard]] Array find_array(const std::string& name);
+/// Finds `name` as a path, or among the shipped arrays ("tile-10x10", "tile-7x8", "hoshi-18x18").
+[[nodiscard]] Array find_array(const std::string& name, const std::optional<BoardSpec>& board = {});
 
 /// Speed of sound in dry air at a temperature, metres per second: 331.3·√(1 + T/273.15).
 [[nodiscard]] double speed_of_sound(double temperature_c);

@@ -37,6 +37,42 @@ void require_low_when_disabled(Bench& bench, std::uint64_t clocks) {
 
 }  // namespace
 
+TEST_CASE("contract 1: what was cut by disabling does not go on after enabling, nor across a change of record",
+          "[contract1]") {
+    auto g = generator();
+    Bench bench;
+    // 1,750 clocks high, from tick 200 to tick 194 of the next cycle, which is the other record's.
+    const Image image = image_of(16, {record(16, 256, 7, 250, 200), record(16, 256, 7, 250, 200)});
+    bench.load(image);
+    bench.open();
+    bench.client.start(1, 2, 0);
+    bench.wait_for_index(2);
+    std::vector<std::uint64_t> cuts;
+    const auto run = [&](std::uint64_t clocks) {
+        for (std::uint64_t i = 0; i < clocks; ++i) {
+            const bool enabled = bench.board.outputs().enabled;
+            bench.board.run(1);
+            if (enabled && !bench.board.outputs().enabled) cuts.push_back(bench.board.now() - 1);
+        }
+    };
+    std::uint8_t number = 4;  // after identify, watchdog, enable, start
+    for (int i = 0; i < 30; ++i) {
+        run(random(g, 0, 1792));
+        bench.board.send(link::encode_request(number++, interface::Command::disable, {}));
+        bench.board.send(link::encode_request(number++, interface::Command::enable, {}));
+        run(6000);
+        REQUIRE(bench.board.outputs().enabled);
+    }
+    REQUIRE(cuts.size() == 30);
+    std::size_t cut = 0;
+    for (const Pulse& p : bench.recorder.pulses()) {
+        if (p.fall - p.rise == 1750) continue;
+        REQUIRE(std::ranges::find(cuts, p.fall) != cuts.end());
+        ++cut;
+    }
+    REQUIRE(cut > 16 * 20);
+}
+
 TEST_CASE("contract 4: one channel alone that is high for too long ends every output", "[contract4]") {
     for (std::uint32_t k = 0; k < 16; ++k) {
         CAPTURE(k);
@@ -79,6 +115,16 @@ TEST_CASE("contract 4: no pin is high in a clock in which outputs are disabled",
         REQUIRE_FALSE(bench.board.outputs().enabled);
         REQUIRE_FALSE(bench.board.any_pin());
     }
+}
+
+TEST_CASE("contract 4: a pin may be high for almost half the bound, whenever that begins", "[contract4]") {
+    Bench bench;
+    // 1,998 clocks high of 2,016, so that each pulse begins elsewhere in the guard's windows of 1,999.
+    const Image image = image_of(16, {record(16, 224, 9, 222, 0)});
+    play(bench, image);
+    bench.board.run(400ULL * 2016);
+    REQUIRE(bench.client.status().guard_trips == 0);
+    require_equal(bench.check(image), 16ULL * 390);
 }
 
 TEST_CASE("contract 4: nothing is left of a guard trip that a reset comes together with", "[contract4]") {
@@ -157,17 +203,38 @@ TEST_CASE("contract 5: a frame too short for a command is damaged though its CRC
     REQUIRE(bench.client.status().frames_damaged == 2);
 }
 
+TEST_CASE("contract 5: one byte more than a command takes is a wrong length", "[contract5]") {
+    Bench bench;
+    REQUIRE(bench.talk(link::encode_request(0, interface::Command::identify, {})).size() == 1);
+    const std::vector<std::pair<interface::Command, Bytes>> whole = {
+        {interface::Command::stop, {}},
+        {interface::Command::select, words({0, 0})},
+        {interface::Command::push, words({1, 1})},
+        {interface::Command::write, words({0, 0, 7})},
+    };
+    for (const auto& [command, payload] : whole) {
+        Bytes odd = payload;
+        odd.push_back(0);
+        const auto replies = bench.talk(link::encode_request(1, command, odd));
+        REQUIRE(replies.size() == 1);
+        REQUIRE(replies[0].status == interface::Status::bad_length);
+        REQUIRE(replies[0].expected == 1);
+    }
+    REQUIRE(bench.memory(interface::primary_base, 2) == Bytes{0, 0});
+}
+
 TEST_CASE("contract 6: no bit of an index above RECORDS is overlooked", "[contract6]") {
     Bench bench;
-    Image image = image_of(16, {record(16, 100, 1, 20, 5)});
+    // Every word of memory is 1, so that wherever a wrong index leads to, there is a record that can be played.
+    Image image = image_of(16, std::vector<Record>(40, record(16, 0x10001, 0x10001, 0, 1)));
     image.sequence.clear();
-    for (std::uint32_t bit = 6; bit < 16; ++bit) image.sequence.push_back({static_cast<std::uint16_t>(1U << bit | 1U), 1});
+    for (std::uint32_t bit = 6; bit < 16; ++bit)
+        image.sequence.push_back({static_cast<std::uint16_t>(1U << bit | 1U), 1});
     bench.load(image);
     bench.open();
     bench.client.start(1, 10, 1);
     bench.board.run(20'000);
     REQUIRE(bench.client.status().refused_records == 10);
-    REQUIRE(bench.recorder.pulses().empty());
 }
 
 TEST_CASE("contract 7: every power of two is a cycle length and a prescaler", "[contract7]") {
@@ -187,9 +254,21 @@ TEST_CASE("contract 7: every power of two is a cycle length and a prescaler", "[
     }
 }
 
+TEST_CASE("contract 7: no bit of the counter or the prescaler is overlooked", "[contract7][long]") {
+    const auto [cycle, prescaler] = GENERATE(table<std::uint32_t, std::uint32_t>({{0x800000, 1}, {1, 0x800000}}));
+    CAPTURE(cycle, prescaler);
+    Bench bench;
+    play(bench, image_of(16, {record(16, cycle, prescaler, 0, 2)}));
+    bench.wait_for_index(1);
+    const auto& cycles = bench.recorder.cycles();
+    const std::size_t begin = cycles.size();
+    REQUIRE(bench.board.run_until([&] { return cycles.size() > begin; }, 9'000'000));
+    REQUIRE(cycles[begin].clock - cycles[begin - 1].clock == 0x800000);
+}
+
 TEST_CASE("contract 7: a dwell is exact whatever the parity of the cycle", "[contract7]") {
-    const std::uint16_t dwell = GENERATE(std::uint16_t{1}, std::uint16_t{2}, std::uint16_t{3}, std::uint16_t{0x5555},
-                                         std::uint16_t{0xaaaa});
+    const std::uint16_t dwell =
+        GENERATE(std::uint16_t{1}, std::uint16_t{2}, std::uint16_t{3}, std::uint16_t{0x5555}, std::uint16_t{0xaaaa});
     Bench bench;
     const Image image = image_of(16, {record(16, 23, 1, 2, 3)});
     bench.load(image);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Adds up the coverage of every board of a test run. Verilator counts by model and forgets with it, so each model hands its
-// counts over before it goes; at the end of the process their sums are written in Verilator's own format.
+// Adds up the coverage of every board of a test run. Verilator counts by model and forgets with it, so each model hands
+// its counts over before it goes; at the end of the process their sums are written in Verilator's own format.
 #include <verilated_cov.h>
 
 #include <cstdint>

@@ -43,10 +43,11 @@ always @(posedge clk) begin
     else if (o_ready && i_commit) f_taken_q <= 1'b0;
 
     if (f_reset_seen_q) begin
-        assert (o_take == (i_entry && !i_preempt && !f_taken_q));
+        assert (o_take == (i_entry && i_settled && !i_preempt && !f_taken_q));
         assert (o_ready == (f_taken_q && f_since_q >= (f_loads ? F_LOADED : 16'd1)));
         assert (o_reading == f_loading);
         assert ((state_q == IDLE) == !f_taken_q && (!f_taken_q || f_since_q >= 16'd1));
+        assert (!f_taken_q || f_base_q == {11'd0, f_index_q - 16'd1} * (F_CHANNELS_27 + 27'd4));
         if (f_loading) begin
             assert (arrives_q == (f_since_q >= 16'd2) && f_reading_q == arrives_q);
             assert ({6'd0, asked_q} == (f_since_q > F_LOADED - 16'd2 ? F_LOADED - 16'd3 : f_since_q - 16'd1));

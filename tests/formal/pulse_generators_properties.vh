@@ -6,7 +6,7 @@ localparam [15:0] F_CHANNELS = CHANNELS[15:0];
 `ifdef FORMAL_PULSE_GENERATORS
 localparam F_BITS = 6;  // of a tick's number
 `else
-localparam F_BITS = 24;
+localparam F_BITS = 26;
 `endif
 localparam [F_BITS-1:0] F_NEVER = {{(F_BITS-TIMING_BITS){1'b0}}, NEVER};
 reg f_reset_seen_q, f_off_q;
@@ -49,6 +49,7 @@ always @(posedge clk) begin
         if (i_commit) begin `F_EXPECT ({{(F_BITS-PULSE_BITS){1'b0}}, i_pulse_length} < f_next + {{(F_BITS-1){1'b0}}, i_tick}); end
         else if (i_cycle_start && !f_first_q) begin `F_EXPECT ({{(F_BITS-PULSE_BITS){1'b0}}, i_pulse_length} < f_next_q); end
         if (f_repeats_q && !f_first_q && i_tick) begin `F_EXPECT (i_cycle_start ? f_next_q == f_length_q : f_next_q < f_length_q); end
+        `F_EXPECT (!i_shift || (old_left_q == NONE && !commit_q && !i_commit));
         if (i_tick) begin
             `F_EXPECT (i_count == f_next[TIMING_BITS-1:0]);
             `F_EXPECT (i_can_match == (i_pulse_length != NONE && f_next < F_NEVER));
@@ -61,12 +62,12 @@ end
 wire [F_BITS-1:0] f_pulse_length = {{(F_BITS-PULSE_BITS){1'b0}}, f_pulse_length_q};
 wire              f_leads = f_count_q < f_pulse_length;
 wire [F_BITS-1:0] f_fall  = !f_leads ? f_count_q - f_pulse_length : f_repeats_q ? f_length_q + f_count_q - f_pulse_length : F_NEVER;
-always @(posedge clk) assert (f_reset_seen_q ? f_known_q || f_first_q : !f_known_q);
+always @(posedge clk) assert (f_reset_seen_q ? f_known_q || (f_first_q && i_pulse_length == NONE) : !f_known_q);
 always @(posedge clk) if (f_known_q) begin
     assert (f_pulse_length_q == NONE || fall_q == (f_fall > F_NEVER ? NEVER : f_fall[TIMING_BITS-1:0]));
     assert (lead_q == (f_leads ? f_pulse_length_q - f_count_q[PULSE_BITS-1:0] : NONE) && count_q == f_count_q[TIMING_BITS-1:0]);
     assert (!start_q || (f_tick_q && f_pulse_length_q != NONE && f_count_q < F_NEVER));
-    assert (moves_q == (f_tick_q || commit_q) && (!f_first_q || commit_q));
+    assert (moves_q == (f_tick_q || commit_q) && (!f_first_q || commit_q) && !f_count_q[F_BITS-1]);
     assert (f_pulse_length_q == NONE || !f_repeats_q || (f_length_q > f_pulse_length && f_count_q < f_length_q));
     assert (f_first_q || (f_next_q == f_count_q + 1'b1 && f_pulse_length_q == i_pulse_length));
     cover (f_repeats_q && f_count_q == {F_BITS{1'b0}} && f_pulse_length_q == ONE + ONE && !f_off_q);
@@ -83,6 +84,7 @@ reg [15:0]            f_age_q;
 always @(posedge clk) begin
     if (rst) f_age_q <= 16'd0;
     else if (i_shift && f_watch) {f_word_q, f_age_q} <= {i_timing, 16'd1};
+    else if (commit_q) f_age_q <= 16'd0;
     else if (i_shift && f_age_q != 16'd0) f_age_q <= f_age_q == F_CHANNELS ? 16'd0 : f_age_q + 1'b1;
     if (f_reset_seen_q) assert (f_age_q <= F_CHANNELS);
 end
@@ -102,7 +104,7 @@ generate
         wire                  f_ahead  = f_leads && (fall_q == NEVER || f_timing < fall_q);
         wire [F_BITS-1:0]     f_new    = (f_ahead ? {{(F_BITS-PULSE_BITS){1'b0}}, lead_q} + f_start
                                                   : f_start - {{(F_BITS-TIMING_BITS){1'b0}}, fall_q}) + {{(F_BITS-1){1'b0}}, f_tick_q};
-        wire [PULSE_BITS-1:0] f_old    = channel[f_k].old_timing_q - old_fall_q;
+        wire [PULSE_BITS-1:0] f_old    = shadow_q[f_k*TIMING_BITS +: PULSE_BITS] - old_fall_q;
         wire [PULSE_BITS:0]   f_old_left = {1'b0, f_old} + {{PULSE_BITS{1'b0}}, f_tick_q};
         wire [F_TICKS-1:0]    f_left   = (channel[f_k].new_q ? ~({F_TICKS{1'b1}} << f_new) : {F_TICKS{1'b0}})
                                        | (channel[f_k].old_q ? ~({F_TICKS{1'b1}} << f_old_left) : {F_TICKS{1'b0}});

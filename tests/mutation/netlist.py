@@ -58,7 +58,9 @@ def elaborate(modules, model, folder):
     chparam = " ".join(f"-chparam {k} {v}" for k, v in parameters(model).items())
     yosys([f"read_verilog -defer -I{ROOT}/rtl {' '.join(str(f) for f in sorted((ROOT / 'rtl').glob('*.v')))}",
            f"hierarchy -check -top haptogram_core {chparam}",
-           "prep", "opt_dff", "opt_clean",
+           "prep",
+           # Registers with enable and reset as the source has them, and nothing that no mutant could change anything in.
+           "opt_dff", "opt_expr -fine t:$lt t:$le t:$gt t:$ge", "opt_clean -purge", "wreduce", "opt_clean -purge",
            "write_json all.json",
            "write_rtlil all.il"], folder, "elaborate")
     everything = json.loads((folder / "all.json").read_text())["modules"]
@@ -78,6 +80,7 @@ class Module:
     def __init__(self, name, netlist):
         self.name, self.cells = name, netlist["cells"]
         self.wires, self.loads, self.drives = {}, collections.defaultdict(list), {}
+        self.ports = {bit for port in netlist["ports"].values() for bit in port["bits"]}
         for wire, net in sorted(netlist["netnames"].items()):
             for index, bit in enumerate(net["bits"] if not net["hide_name"] else []):
                 self.wires.setdefault(bit, (wire, index if len(net["bits"]) > 1 else None))
@@ -100,6 +103,11 @@ class Module:
             front = {name: None for bit in driven for name in self.loads[bit] if name not in seen}
             seen = seen | front
         return "nothing"
+
+    def matters(self, cell, port, bit, mode):
+        """False for what Yosys made by itself, for outputs that nothing reads, and for constants that stay what they are."""
+        unread = cell["port_directions"][port] == "output" and not self.loads[bit] and bit not in self.ports
+        return "src" in cell["attributes"] and not unread and bit != "x" and mode != f"const{bit}"
 
     @functools.cache
     def text(self, cell):
@@ -124,12 +132,12 @@ def candidates(module, lines, modes, never):
         cell = module.cells[what["cell"]]
         bits = cell["connections"][what["port"]]
         bit = bits[int(what["portbit"])]
-        if what["mode"] not in modes or what["port"] in never or bit == "x" or what["mode"] == f"const{bit}":
+        if what["mode"] not in modes or what["port"] in never or not module.matters(cell, what["port"], bit, what["mode"]):
             continue
-        kind = cell["type"].lstrip("$").removesuffix("_v2")
+        kind = re.sub(r"^\$(s?dff).*|^\$(.*?)(_v2)?$", lambda m: "dff" if m[1] else m[2], cell["type"])
         target = cell["parameters"]["MEMID"].lstrip("\\") if kind == "mem" else module.target(what["cell"])
         # A register and a memory have names, and the text of their always block says nothing.
-        text = "" if kind == "mem" or "dff" in kind else f" | {module.text(what['cell'])}"
+        text = "" if kind in ("dff", "mem") else f" | {module.text(what['cell'])}"
         port = what["port"] + (f"[{what['portbit']}]" if len(bits) > 1 else "")
         name = f"{module.name}.{target}{text} | {kind} {port} {what['mode']}"
         twins[name] += 1

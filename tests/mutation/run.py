@@ -45,8 +45,10 @@ class Tests:
         self.limits[tests] = int(10 + 3 * (time.monotonic() - start))
 
     def killer(self, steps, number):
-        """The test that notices the mutant, if any does. One that never ends is noticed, too."""
-        return next((killed for killed in (self.run(step, number, self.limits[step]) for step in steps) if killed), None)
+        """The test that notices the mutant, if any does, and after how many seconds. One that never ends is noticed, too."""
+        start = time.monotonic()
+        killed = next((killed for killed in (self.run(step, number, self.limits[step]) for step in steps) if killed), None)
+        return killed, time.monotonic() - start
 
 
 class Progress:
@@ -100,7 +102,7 @@ def run(options):
         for group in steps:
             members = [m for m in chosen if m["group"] == group]
             for mutant in members:
-                mutant["killer"] = mutant.pop("task").result()
+                mutant["killer"], mutant["seconds"] = mutant.pop("task").result()
             found = list(judge(group, members, survivors, t["killed"])) if members else []
             killed = sum(1 for m in members if m["killer"])
             if members:

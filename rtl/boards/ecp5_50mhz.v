@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// 50 MHz from a board's 25 MHz on an ECP5: the oscillator at 600 MHz, divided by 12.
+`default_nettype none
+module ecp5_50mhz (
+    input  wire i_clk,
+    output wire clk,
+    output wire o_locked
+);
+    (* FREQUENCY_PIN_CLKI = "25", FREQUENCY_PIN_CLKOP = "50", ICP_CURRENT = "12", LPF_RESISTOR = "8" *)
+    EHXPLLL #(
+        .CLKI_DIV(1), .CLKFB_DIV(2), .CLKOP_DIV(12), .CLKOP_CPHASE(11), .CLKOP_FPHASE(0), .CLKOP_ENABLE("ENABLED"),
+        .FEEDBK_PATH("CLKOP"), .PLLRST_ENA("DISABLED"), .INTFB_WAKE("DISABLED"), .STDBY_ENABLE("DISABLED"),
+        .DPHASE_SOURCE("DISABLED"), .OUTDIVIDER_MUXA("DIVA"), .OUTDIVIDER_MUXB("DIVB"), .OUTDIVIDER_MUXC("DIVC"),
+        .OUTDIVIDER_MUXD("DIVD")
+    ) pll (
+        .CLKI(i_clk), .CLKFB(clk), .CLKOP(clk), .LOCK(o_locked), .RST(1'b0), .STDBY(1'b0), .PHASESEL0(1'b0), .PHASESEL1(1'b0),
+        .PHASEDIR(1'b0), .PHASESTEP(1'b0), .PHASELOADREG(1'b0), .PLLWAKESYNC(1'b0), .ENCLKOP(1'b1));
+endmodule
+`default_nettype wire

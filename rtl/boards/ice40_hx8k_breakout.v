@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Lattice iCE40HX8K-B-EVN: 12 MHz in, 48 MHz from the PLL, LED and pins active high. The parameters come from
+// constraints/ice40-hx8k-breakout.toml through tools/bitstream.py.
+`default_nettype none
+module ice40_hx8k_breakout #(
+    parameter CHANNELS        = 100,
+    parameter RECORDS         = 64,
+    parameter SEQUENCE_DEPTH  = 256,
+    parameter LIVE_DEPTH      = 256,
+    parameter TIMING_BITS     = 8,
+    parameter PULSE_BITS      = 8,
+    parameter CLOCK_HZ        = 48000000,
+    parameter BAUD            = 3000000,
+    parameter WATCHDOG_MS     = 500,
+    parameter MAX_HIGH_CLOCKS = 10000,
+    parameter PRIMARY_FILE    = "",
+    parameter SEQUENCE_FILE   = ""
+) (
+    input  wire                i_clk,
+    input  wire                i_rx,
+    output wire                o_tx,
+    output wire                o_led,
+    output wire [CHANNELS-1:0] o_pins
+);
+    wire clk, locked, rst, playing, fault, cycle_start;
+    // 12 MHz · (63 + 1) / 2^4 = 48 MHz; the oscillator at 768 MHz
+    SB_PLL40_CORE #(
+        .FEEDBACK_PATH("SIMPLE"), .DIVR(4'd0), .DIVF(7'd63), .DIVQ(3'd4), .FILTER_RANGE(3'd1)
+    ) pll (
+        .REFERENCECLK(i_clk), .RESETB(1'b1), .BYPASS(1'b0), .PLLOUTGLOBAL(clk), .LOCK(locked));
+    power_on start (.clk(clk), .i_locked(locked), .rst(rst));
+
+    haptogram_core #(
+        .CHANNELS(CHANNELS), .RECORDS(RECORDS), .SEQUENCE_DEPTH(SEQUENCE_DEPTH), .LIVE_DEPTH(LIVE_DEPTH), .TIMING_BITS(TIMING_BITS),
+        .PULSE_BITS(PULSE_BITS), .CLOCK_HZ(CLOCK_HZ), .BAUD(BAUD), .WATCHDOG_MS(WATCHDOG_MS), .MAX_HIGH_CLOCKS(MAX_HIGH_CLOCKS),
+        .PRIMARY_FILE(PRIMARY_FILE), .SEQUENCE_FILE(SEQUENCE_FILE)
+    ) core (
+        .clk(clk), .rst(rst), .i_rx(i_rx), .o_tx(o_tx), .o_pins(o_pins), .o_enabled(), .o_playing(playing), .o_fault(fault),
+        .o_index(), .o_cycle_start(cycle_start));
+    status_led status (
+        .clk(clk), .rst(rst), .i_cycle_start(cycle_start), .i_playing(playing), .i_fault(fault), .o_led(o_led));
+endmodule
+`default_nettype wire
