@@ -7,6 +7,7 @@
 // had its time, one last entry, silence for ever, is offered. Sequence entries are fetched ahead: 2 clocks each.
 // Once, at power-up, the sequence header is looked at without a command: its bit 15 starts the sequence (o_autostart).
 `default_nettype none
+`include "interface.vh"
 module index_source #(
     parameter SEQUENCE_DEPTH = 1024,
     parameter BITS           = $clog2(SEQUENCE_DEPTH)  // follows from it
@@ -70,7 +71,7 @@ module index_source #(
     assign {o_dwell, o_index} = mode_q == LIVE ? i_live_entry : entry_q;
     assign o_live_take        = mode_q == LIVE && i_take;
     assign o_live_clear       = commanded;
-    assign o_autostart        = power_up_q && header && i_sequence_word[15] && !rst;
+    assign o_autostart        = power_up_q && header && i_sequence_word[`HG_AUTOSTART_BIT] && !rst;
 
     initial power_up_q = 1'b1;
     always @(posedge clk) begin

@@ -4,7 +4,7 @@
 // fields and the channels' shadow registers, and holds it ready until it is committed.
 //
 // i_entry/o_take is a valid/ready stream, taken when the last record's pulses have left the shadow registers. From the clock that takes an entry to the one in which o_ready is first high
-// are CHANNELS + 6 clocks; index 0 (silence) is ready at once. A record that cannot be played (index above RECORDS,
+// are CHANNELS + 7 clocks; index 0 (silence) is ready at once. A record that cannot be played (index above RECORDS,
 // prescaler 0, a pulse not shorter than its cycle) is refused: o_refused strobes and silence takes its place and dwell.
 // The memory is read without pause in ascending order; writers do the same, so whoever starts first stays first and a
 // record written meanwhile is seen whole or not at all. i_preempt drops whatever is loading or loaded.
@@ -56,20 +56,21 @@ module memory_controller #(
     reg [WORD_BITS-1:0]  asked_q;    // number of the word whose address is out
     reg [WORD_BITS-1:0]  arrived_q;  // number of the word in i_word
     reg                  arrives_q;  // i_word belongs to the record being loaded
+    reg                  places_q;   // the record's place is being worked out
     reg [7:0]            pulse_field_q;
-    reg                  reserved_q;  // a bit is set that this version gives no meaning
+    reg [7:0]            reserved_q;  // bits that this version gives no meaning
     reg                  unplayable_q;
 
-    wire [26:0] first_word = {11'd0, i_index - 16'd1} * STRIDE;  // of an index in range, so the upper bits are 0
+    wire [26:0] first_word = {11'd0, o_index - 16'd1} * STRIDE;  // of an index in range, so the upper bits are 0
     wire refuse_index = i_index > TOP_INDEX;
     // All header fields are in place when the first timing arrives.
     wire [24:0] pulse_limit = 25'd1 << PULSE_BITS;
     wire unplayable = o_prescaler == 24'd0 || (o_cycle_length[23:8] == 16'd0 && pulse_field_q >= o_cycle_length[7:0])
-                      || {17'd0, pulse_field_q} >= pulse_limit || reserved_q;
+                      || {17'd0, pulse_field_q} >= pulse_limit || reserved_q != 8'd0;
 
     assign o_take    = state_q == IDLE && i_entry && i_settled && !i_preempt;
     wire   arrives   = state_q == LOAD && arrives_q;  // the last word is still out when the state has changed
-    assign o_reading = state_q == LOAD;
+    assign o_reading = state_q == LOAD && !places_q;
     assign o_ready   = state_q == READY;
     // A timing too wide for the channel becomes all ones, which never matches.
     wire too_wide;
@@ -86,7 +87,7 @@ module memory_controller #(
 
     always @(posedge clk) begin
         o_refused <= 1'b0;
-        arrives_q <= state_q == LOAD && !i_preempt;
+        arrives_q <= o_reading && !i_preempt;
         if (rst || i_preempt) begin
             state_q   <= IDLE;
             arrives_q <= 1'b0;
@@ -107,12 +108,13 @@ module memory_controller #(
 
     // The data path needs no reset: nothing looks at it before the state machine says so.
     always @(posedge clk) begin
+        places_q <= o_take;
         if (o_take) begin
             o_index   <= i_index;
             o_dwell   <= i_dwell;
-            o_address <= first_word[ADDRESS_BITS-1:0];
             asked_q   <= {WORD_BITS{1'b0}};
-        end else if (asked_q != LAST) begin
+        end else if (places_q) o_address <= first_word[ADDRESS_BITS-1:0];
+        else if (asked_q != LAST) begin
             o_address <= o_address + 1'b1;
             asked_q   <= asked_q + 1'b1;
         end
@@ -121,7 +123,7 @@ module memory_controller #(
             if (arrived_q == 0) o_cycle_length[15:0] <= i_word;
             if (arrived_q == 1) {pulse_field_q, o_cycle_length[23:16]} <= i_word;
             if (arrived_q == 2) o_prescaler[15:0] <= i_word;
-            if (arrived_q == 3) {reserved_q, o_prescaler[23:16]} <= {i_word[15:8] != 8'd0, i_word[7:0]};
+            if (arrived_q == 3) {reserved_q, o_prescaler[23:16]} <= i_word;
             if (arrived_q == 4) unplayable_q <= unplayable;
         end
     end

@@ -5,7 +5,7 @@
 //
 // No channel counts: fall_q, the count one pulse length late, says for all of them which timing's pulse ends, so a channel
 // that is low looks for the count, and one that is high for fall_q. Timings arrive in one chain of shadow registers, fed at the
-// last channel's end. A commit swaps all of them with the compared ones on one clock edge, so a pulse under way finds its
+// last channel's end. A commit swaps them with the compared ones, all on one clock edge, so a pulse under way finds its
 // end by its old timing: it completes, and a new one within it merges. Until o_settled the shadow registers must stay.
 // While i_allow is low the pins are low, from the next clock on, and nothing starts, so the first pulse after enabling is
 // whole. A pin follows its tick by two clocks. TIMING_BITS 4…16, PULSE_BITS 1…8, no more than TIMING_BITS.
@@ -61,8 +61,11 @@ module pulse_generators #(
 
     reg [CHANNELS*TIMING_BITS-1:0] shadow_q;
     reg [CHANNELS*TIMING_BITS-1:0] timings_q;
+    // The bits by which a pulse under way finds its end; the others need not change places.
+    localparam [TIMING_BITS-1:0] LOW_BITS = {TIMING_BITS{1'b1}} >> (TIMING_BITS - PULSE_BITS);
+    localparam [CHANNELS*TIMING_BITS-1:0] LOW = {CHANNELS{LOW_BITS}};
     always @(posedge clk) begin
-        if (commit_q) {timings_q, shadow_q} <= {shadow_q, timings_q};
+        if (commit_q) {timings_q, shadow_q} <= {shadow_q, (shadow_q & ~LOW) | (timings_q & LOW)};
         else if (i_shift) shadow_q <= {i_timing, shadow_q[CHANNELS*TIMING_BITS-1:TIMING_BITS]};
     end
 

@@ -9,6 +9,7 @@ logs, and report.json. Exit code 0, 1 when a tool fails or a budget of constrain
 import argparse
 import json
 import os
+import random
 import shutil
 import subprocess
 import sys
@@ -19,7 +20,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 BOARDS = ROOT / "constraints"
 VENV = ROOT / "build" / "venv" / "bin"
-RECORD_HEADER_WORDS = 4  # as in tools/interface.toml
+RECORD_HEADER_WORDS = tomllib.loads((ROOT / "tools" / "interface.toml").read_text())["record"]["header_words"]
+BLOCK_WORDS = 512  # of icebram and ecpbram together
 
 
 class Failed(Exception):
@@ -68,11 +70,14 @@ def memories(board):
 def fingerprint(folder, board):
     """Random contents, by which the block RAMs of a placed design are found again; and empty ones for the bitstream."""
     for seed, (name, (width, depth)) in enumerate(memories(board).items(), 1):
-        # Neither patcher looks at more than whole blocks, so the file has them all.
-        run(folder, f"{name}.log", tool("icebram"), "-g", "-s", seed, width, -(-depth // 2048) * 2048, stdout=f"{name}.hex")
-        lines = (folder / f"{name}.hex").read_text().split()[:depth]
-        (folder / f"{name}.hex").write_text("\n".join(lines) + "\n")
-        (folder / f"{name}_empty.hex").write_text(("0" * (width // 4) + "\n") * depth)
+        words = random.Random(seed)
+        lines = [f"{words.getrandbits(width):0{width // 4}x}\n" for _ in range(depth)]
+        # The patchers take whole blocks; where a memory ends within one, its rest is zero.
+        zero = "0" * (width // 4) + "\n"
+        padding = [zero] * (-depth % BLOCK_WORDS)
+        (folder / f"{name}_init.hex").write_text("".join(lines))
+        (folder / f"{name}.hex").write_text("".join(lines + padding))
+        (folder / f"{name}_empty.hex").write_text(zero * (depth + len(padding)))
 
 
 def synthesise(folder, board):
@@ -86,7 +91,7 @@ def synthesise(folder, board):
     if family == "ecp5" and pins.get("led_active_low"):
         parameters["LED_ACTIVE_LOW"] = 1
     sets = " ".join(f"-set {k} {v}" for k, v in parameters.items())
-    files = " ".join(f'-set {n.upper()}_FILE "{n}.hex"' for n in memories(board))
+    files = " ".join(f'-set {n.upper()}_FILE "{n}_init.hex"' for n in memories(board))
     synth = "synth_ice40" if family == "ice40" else "synth_ecp5"
     # The core stays a module of its own, so that what is tested is what is placed.
     (folder / "synth.ys").write_text(f"""read_verilog {' '.join(defines)} -I{ROOT}/rtl {' '.join(map(str, sources))}
@@ -98,6 +103,7 @@ tee -q -o stat.txt stat
 delete {top}
 hierarchy -auto-top
 rename -top haptogram_core
+splitnets
 write_verilog -noattr core.v
 """)
     return run(folder, "yosys.log", tool("yosys"), "-q", "synth.ys")

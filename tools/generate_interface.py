@@ -42,6 +42,7 @@ def verilog(table):
             continue
         define(f"REGION_{region['name']}", f"4'h{region['base'] >> 28:x}")
     define("RECORD_HEADER_WORDS", table["record"]["header_words"])
+    define("AUTOSTART_BIT", table["sequence_header"]["autostart_bit"])
     for name, words in blocks(table).items():
         if name == "description":  # the board never sees it
             continue
@@ -99,6 +100,7 @@ def cpp(table):
         out.append(f"inline constexpr std::uint32_t {region['name']}_base = 0x{region['base']:08x};  // {region['word_bits']}-bit words")
     out.append(f"inline constexpr unsigned record_header_words = {table['record']['header_words']};")
     out.append(f"inline constexpr std::uint16_t silent_timing = 0x{table['record']['silent_timing']:04x};")
+    out.append(f"inline constexpr std::uint32_t autostart_bit = 1U << {table['sequence_header']['autostart_bit']};  // of the sequence header")
     for name, words in blocks(table).items():
         out += ["", f"enum class {name.capitalize()}Word : unsigned {{"]
         out += [f"    {word} = {position}," for position, word in enumerate(words)]
@@ -123,6 +125,7 @@ def python(table):
         out.append(f"{region['name'].upper()}_BASE = 0x{region['base']:08x}")
     out.append(f"RECORD_HEADER_WORDS = {table['record']['header_words']}")
     out.append(f"SILENT_TIMING = 0x{table['record']['silent_timing']:04x}")
+    out.append(f"AUTOSTART_BIT = 1 << {table['sequence_header']['autostart_bit']}  # of the sequence header")
     for name, words in blocks(table).items():
         out.append(f"{name.upper()}_WORDS = {words!r}".replace("'", '"'))
     for title, rows in (("Command", table["command"]), ("Status", table["status"])):
@@ -140,7 +143,9 @@ def page(table):
     out += ["", "## Record", "", "| word | field | what |", "|---|---|---|"]
     out += [f"| {f['word']} | {f['name']} | {f['about']} |" for f in table["record"]["fields"]]
     out.append(f"| {table['record']['header_words']}… | timing[CHANNELS] | tick at which channel 0, 1, … starts its pulse; 0x{table['record']['silent_timing']:04X} never |")
-    out += ["", "A sequence header is `length + (loops << 16)`; a sequence entry is `index + (dwell << 16)`, dwell in carrier cycles.", ""]
+    out += ["", "A sequence header is `length + (loops << 16)`; a sequence entry is `index + (dwell << 16)`, dwell in carrier cycles.",
+            f"Bit {table['sequence_header']['autostart_bit']} of the header, in a bitstream, makes the board enable its outputs and play the sequence at power-up, once,",
+            "with no host and no watchdog; a header that is written over the link cannot.", ""]
     for block in table["block"]:
         out += [f"## The {block['region']} block", "", "| word | field | what |", "|---|---|---|"]
         out += [f"| {i} | {w} | {block['about'].get(w, '')} |" for i, w in enumerate(block["words"])]

@@ -11,6 +11,7 @@ STATUS_BASE = 0x30000000
 DESCRIPTION_BASE = 0x40000000
 RECORD_HEADER_WORDS = 4
 SILENT_TIMING = 0xffff
+AUTOSTART_BIT = 1 << 15  # of the sequence header
 IDENTITY_WORDS = ["name_0", "name_1", "name_2", "name_3", "name_4", "name_5", "name_6", "name_7", "version", "channels", "records", "sequence_depth", "live_depth", "bits", "clock_hz_low", "clock_hz_high", "features", "frame_bytes"]
 STATUS_WORDS = ["flags", "present_index", "underruns", "refused_records", "frames_good", "frames_damaged", "frames_repeated", "watchdog_trips", "guard_trips", "live_level", "watchdog_ms", "frames_refused"]
 DESCRIPTION_WORDS = ["magic", "format", "channels", "records", "sequence_words", "bits", "clock_hz_low", "clock_hz_high"]

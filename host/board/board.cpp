@@ -31,15 +31,14 @@ std::string found(const toml::node& node) {
 }
 
 bool is_line(const std::string& text) {
-    return !text.empty() && std::none_of(text.begin(), text.end(),
-                                         [](unsigned char c) { return c < 0x20 || c == 0x7f; });
+    return !text.empty() &&
+           std::none_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
 }
 
 /// Fit for a cell of a table, of CSV and of a pin file.
 bool is_word(const std::string& text) {
-    return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
-        return c > 0x20 && c < 0x7f && c != ',' && c != '"';
-    });
+    return !text.empty() && std::all_of(text.begin(), text.end(),
+                                        [](unsigned char c) { return c > 0x20 && c < 0x7f && c != ',' && c != '"'; });
 }
 
 /// One table of the file. What is asked for must be there, and `only` refuses what nobody asks for.
@@ -115,8 +114,8 @@ public:
     void only(std::initializer_list<std::string_view> keys) const {
         for (const auto& [key, node] : table_)
             if (std::find(keys.begin(), keys.end(), key.str()) == keys.end())
-                throw bad_input(place(file_, node), fmt::format("unknown key {}; known are {}", full(key.str()),
-                                                                fmt::join(keys, ", ")));
+                throw bad_input(place(file_, node),
+                                fmt::format("unknown key {}; known are {}", full(key.str()), fmt::join(keys, ", ")));
     }
 
 private:
@@ -195,8 +194,7 @@ std::vector<Board::Output> read_outputs(const Section& root, const std::string& 
     const auto use = [&](const std::string& at, const std::string& ball, const std::string& what) {
         const auto [entry, fresh] = used.emplace(ball, what);
         if (!fresh)
-            throw bad_input(
-                at, fmt::format("ball {} is {} and {}; give each its own ball", ball, entry->second, what));
+            throw bad_input(at, fmt::format("ball {} is {} and {}; give each its own ball", ball, entry->second, what));
     };
     std::vector<Board::Output> outputs;
     for (const toml::node& row : *rows) {
@@ -293,7 +291,8 @@ Board load_board(const std::string& name) {
 std::vector<std::string> shipped_boards() {
     std::set<std::string> names;
     for (const auto& entry : std::filesystem::directory_iterator(boards_folder()))
-        if (entry.path().extension() == ".toml") names.insert(entry.path().stem().string());
+        if (entry.path().extension() == ".toml" && entry.path().stem() != "budgets")  // what builds may use; no board
+            names.insert(entry.path().stem().string());
     return {names.begin(), names.end()};
 }
 

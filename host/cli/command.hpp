@@ -17,6 +17,7 @@ void add_inspect(CLI::App& app, Action& action);
 void add_simulate(CLI::App& app, Action& action);
 void add_field(CLI::App& app, Action& action);
 void add_board(CLI::App& app, Action& action);
+void add_bitstream(CLI::App& app, Action& action);
 
 /// A line on stderr, with the program's name in front; never throws for want of a stderr.
 void complain(const std::string& message);

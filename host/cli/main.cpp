@@ -82,6 +82,7 @@ int run(int argc, char** argv) {
     add_simulate(app, action);
     add_field(app, action);
     add_board(app, action);
+    add_bitstream(app, action);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ExtrasError& error) {

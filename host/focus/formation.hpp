@@ -18,7 +18,7 @@ struct Formation {
 };
 
 /// Clocks that pass from an index to its record being loaded: the paper's C (rtl/memory_controller.v).
-[[nodiscard]] constexpr std::uint32_t load_clocks(std::uint32_t channels) { return channels + 6; }
+[[nodiscard]] constexpr std::uint32_t load_clocks(std::uint32_t channels) { return channels + 7; }
 
 /// @param focus  metres, array frame
 [[nodiscard]] Formation formation(const Array& array, Vec3 focus);

@@ -20,8 +20,9 @@ struct Timer {
     [[nodiscard]] std::uint32_t cycle_clocks() const { return cycle_ticks * prescaler; }
 };
 
-/// The finest timer, that is, the smallest prescaler, whose carrier is within 100 ppm of the array's, whose pulse counter
-/// can hold the wanted duty to half a tick, and whose every tick is a timing that the board's timing bits can hold.
+/// The finest timer, that is, the smallest prescaler, whose carrier is within 100 ppm of the array's, whose pulse
+/// counter can hold the wanted duty to half a tick, and whose every tick is a timing that the board's timing bits can
+/// hold.
 /// @throws Error{bad_input} when no prescaler does
 [[nodiscard]] Timer choose_timer(const Array& array);
 

@@ -232,9 +232,9 @@ Array load_array(const std::filesystem::path& path, const std::optional<BoardSpe
     if (board) array.board = *board;
     read_geometry(array, file, root);
     if (array.elements.size() > array.board.channels)
-        throw bad_input(file,
-                        fmt::format("{} elements but the board, {}, has {} channels; use a larger board or fewer elements",
-                                    array.elements.size(), array.board.name, array.board.channels));
+        throw bad_input(
+            file, fmt::format("{} elements but the board has {} channels ({}); use a larger board or fewer elements",
+                              array.elements.size(), array.board.channels, array.board.name));
     for (std::size_t a = 0; a < array.elements.size(); ++a)
         for (std::size_t b = 0; b < a; ++b)
             if (array.elements[a] == array.elements[b])
@@ -253,9 +253,9 @@ Array find_array(const std::string& name, const std::optional<BoardSpec>& board)
         const auto path = folder / (name + ".toml");
         if (std::filesystem::exists(path)) return load_array(path, board);
     }
-    throw bad_input(
-        name,
-        "no shipped array has this name (shipped are tile-10x10, tile-7x8 and hoshi-18x18); give the path of a .toml file");
+    throw bad_input(name,
+                    "no shipped array has this name (shipped are tile-10x10, tile-7x8 and hoshi-18x18); give the path "
+                    "of a .toml file");
 }
 
 }  // namespace haptogram

@@ -16,6 +16,7 @@ inline constexpr std::uint32_t status_base = 0x30000000;  // 16-bit words
 inline constexpr std::uint32_t description_base = 0x40000000;  // 16-bit words
 inline constexpr unsigned record_header_words = 4;
 inline constexpr std::uint16_t silent_timing = 0xffff;
+inline constexpr std::uint32_t autostart_bit = 1U << 15;  // of the sequence header
 
 enum class IdentityWord : unsigned {
     name_0 = 0,

@@ -4,9 +4,9 @@
 localparam [15:0] F_CHANNELS = CHANNELS[15:0];
 localparam [26:0] F_CHANNELS_27 = CHANNELS[26:0];
 localparam [15:0] F_HEADER = `HG_RECORD_HEADER_WORDS;
-localparam [15:0] F_LOADED = F_CHANNELS + 16'd6;  // clocks from taking an entry to ready
+localparam [15:0] F_LOADED = F_CHANNELS + 16'd6;  // clocks from the one after taking an entry to ready
 reg        f_reset_seen_q, f_taken_q, f_reading_q, f_ready_q;
-reg [15:0] f_since_q;   // clocks since the entry was taken
+reg [15:0] f_since_q;   // clocks since the one after the entry was taken
 reg [15:0] f_shifts_q;  // since then
 reg [15:0] f_index_q, f_dwell_q;
 reg [26:0] f_base_q, f_address_q;
@@ -35,7 +35,7 @@ always @(posedge clk) begin
     if (f_reading_q && f_number == 2) f_header_2_q <= i_word;
     if (f_reading_q && f_number == 3) f_header_3_q <= i_word;
     if (o_take) begin
-        {f_index_q, f_dwell_q, f_since_q, f_shifts_q} <= {i_index, i_dwell, 16'd1, 16'd0};
+        {f_index_q, f_dwell_q, f_since_q, f_shifts_q} <= {i_index, i_dwell, 16'd0, 16'd0};
         f_base_q <= {11'd0, i_index - 16'd1} * (F_CHANNELS_27 + 27'd4);
     end
     if (rst || i_preempt) f_taken_q <= 1'b0;
@@ -44,20 +44,20 @@ always @(posedge clk) begin
 
     if (f_reset_seen_q) begin
         assert (o_take == (i_entry && i_settled && !i_preempt && !f_taken_q));
-        assert (o_ready == (f_taken_q && f_since_q >= (f_loads ? F_LOADED : 16'd1)));
-        assert (o_reading == f_loading);
-        assert ((state_q == IDLE) == !f_taken_q && (!f_taken_q || f_since_q >= 16'd1));
+        assert (o_ready == (f_taken_q && (!f_loads || f_since_q >= F_LOADED)));
+        assert (o_reading == (f_loading && f_since_q != 16'd0) && (!f_taken_q || places_q == (f_since_q == 16'd0)));
+        assert ((state_q == IDLE) == !f_taken_q);
         assert (!f_taken_q || f_base_q == {11'd0, f_index_q - 16'd1} * (F_CHANNELS_27 + 27'd4));
         if (f_loading) begin
             assert (arrives_q == (f_since_q >= 16'd2) && f_reading_q == arrives_q);
-            assert ({6'd0, asked_q} == (f_since_q > F_LOADED - 16'd2 ? F_LOADED - 16'd3 : f_since_q - 16'd1));
-            assert (f_address == f_base_q + {17'd0, asked_q});
+            assert ({6'd0, asked_q} == (f_since_q > F_LOADED - 16'd2 ? F_LOADED - 16'd3 : f_since_q == 16'd0 ? 16'd0 : f_since_q - 16'd1));
+            assert (places_q || f_address == f_base_q + {17'd0, asked_q});
             assert (!arrives_q || ({6'd0, arrived_q} == f_since_q - 16'd2 && f_number == {17'd0, arrived_q}));
             assert (f_shifts_q == (f_since_q < 16'd6 ? 16'd0 : f_since_q - 16'd6));
             assert (f_since_q < 16'd3 || o_cycle_length[15:0] == f_header_0_q);
             assert (f_since_q < 16'd4 || {pulse_field_q, o_cycle_length[23:16]} == f_header_1_q);
             assert (f_since_q < 16'd5 || o_prescaler[15:0] == f_header_2_q);
-            assert (f_since_q < 16'd6 || {reserved_q, o_prescaler[23:16]} == {f_header_3_q[15:8] != 0, f_header_3_q[7:0]});
+            assert (f_since_q < 16'd6 || {reserved_q, o_prescaler[23:16]} == f_header_3_q);
             assert (f_since_q < 16'd7 || unplayable_q == !f_playable);
         end
         // The right words, in order, and all of them.

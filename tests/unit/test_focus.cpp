@@ -101,6 +101,37 @@ TEST_CASE("timer: a clock that cannot make the carrier is an error", "[focus]") 
     REQUIRE(choose_timer(array).prescaler == 5);  // 240 ticks: the finest that 8 bits can hold
 }
 
+TEST_CASE("timer: every tick of the cycle is a timing that the board can hold", "[focus]") {
+    Array array;
+    array.elements = {{0, 0, 0}};
+    array.duty = 0.2;  // so that the pulse counter does not bound it first
+    const auto [clock, bits, prescaler, cycle] = GENERATE(table<double, unsigned, unsigned, unsigned>({
+        {48e6, 16, 1, 1200},
+        {48e6, 11, 1, 1200},
+        {48e6, 10, 2, 600},
+        {48e6, 9, 3, 400},
+        {48e6, 8, 5, 240},
+        {40e3 * 511, 9, 1, 511},  // the last tick is 510; 511 is all ones, which is silence
+        {40e3 * 512, 9, 2, 256},
+    }));
+    array.board.clock_hz = clock;
+    array.board.timing_bits = bits;
+    const Timer timer = choose_timer(array);
+    REQUIRE(timer.prescaler == prescaler);
+    REQUIRE(timer.cycle_ticks == cycle);
+    REQUIRE(timer.cycle_ticks - 1U < (1U << bits) - 1U);
+}
+
+TEST_CASE("timer: too few timing bits is an error that says so", "[focus]") {
+    Array array;
+    array.elements = {{0, 0, 0}};
+    array.board.clock_hz = 40e3 * 17 * 19;  // 17 and 19 ticks are what a whole prescaler leaves, and 323
+    array.board.timing_bits = 4;
+    REQUIRE_THROWS_WITH(choose_timer(array), Contains("4 timing bits (at most 15 ticks a cycle)"));
+    array.board.timing_bits = 5;
+    REQUIRE(choose_timer(array).cycle_ticks == 19);
+}
+
 TEST_CASE("formation: the paper's geometry, as recomputed", "[focus]") {
     Array array = find_array("tile-10x10");
     array.medium.speed_m_s = 340.0;
@@ -108,7 +139,7 @@ TEST_CASE("formation: the paper's geometry, as recomputed", "[focus]") {
     const Formation above = formation(array, from_mm(0, 0, 100));
     REQUIRE(above.flight_spread_s == Approx(53.8e-6).margin(0.1e-6));
     REQUIRE(above.periods == 3);
-    REQUIRE(above.formation_s == Approx(3.0 / 40e3 + 106.0 / 50e6));
+    REQUIRE(above.formation_s == Approx(3.0 / 40e3 + 107.0 / 50e6));
     REQUIRE(above.ring_up_s == Approx(366e-6).margin(1e-6));
     REQUIRE(formation(array, from_mm(200, 200, 100)).flight_spread_s == Approx(352e-6).margin(3e-6));
     // The paper's eq. 13 with its own numbers: 26 periods, 30 Hz.

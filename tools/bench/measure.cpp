@@ -40,7 +40,7 @@ double focal_law_ms() {
     return sink == 0 ? 0.0 : ms;
 }
 
-/// Underruns when two records of 100 channels alternate every `cycle_clocks`.
+/// Underruns when two records of 100 channels with pulses of one tick alternate every `cycle_clocks`.
 unsigned underruns(std::uint32_t cycle_clocks) {
     sim::Board board(0);
     sim::BoardTransport line(board);
@@ -49,7 +49,7 @@ unsigned underruns(std::uint32_t cycle_clocks) {
     Image image;
     image.channels = board.parameters().channels;
     for (std::uint16_t i = 0; i < 2; ++i) {
-        image.records.push_back({cycle_clocks, 1, 10, std::vector<std::uint16_t>(image.channels, i)});
+        image.records.push_back({cycle_clocks, 1, 1, std::vector<std::uint16_t>(image.channels, i)});
         image.sequence.push_back({static_cast<std::uint16_t>(i + 1), 1});
     }
     client.upload(image);

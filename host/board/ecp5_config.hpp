@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace haptogram {
+
+/// Puts other contents into a memory of a placed ECP5 design, in place of ecpbram, which does not find memories that
+/// Yosys has cut into block RAMs of other widths than it expects.
+///
+/// A block RAM is 2048 rows of 9 bits. In 9-bit mode word i is row i, in 18-bit mode word j is rows 2j (bits 0 to 8)
+/// and 2j + 1 (bits 9 to 17), in 36-bit mode a word is four rows. So one bit of 2048, 1024 or 512 consecutive words of
+/// the memory, a slice, is every, every second or every fourth row of one column, wherever it was placed: what `from`
+/// has there tells which. Modes narrower than 9 bits, which have several words in a row, are not understood.
+///
+/// @param config  text configuration of Project Trellis, as nextpnr-ecp5 writes it: every initialised block RAM is a
+///                section ".bram_init N" of 256 lines with eight words of three hex digits
+/// @param from    what the memory was built with: random words, so that no two slices are alike
+/// @param to      as many words
+/// @param width   bits of a word, at most 32; those above are ignored
+/// @param where   names the configuration in messages
+/// @return the configuration with the memory's bits changed, and every other byte as it was
+/// @throws Error{run_failed} unless every slice of `from` that is not all zeros is found exactly once, all of them in
+/// the same mode, and `to` has nothing but zeros in those that are; Error{bad_input} for a section of another form;
+/// std::invalid_argument for a width or lengths that make no sense
+[[nodiscard]] std::string replace_block_ram(std::string_view config, const std::vector<std::uint32_t>& from,
+                                            const std::vector<std::uint32_t>& to, unsigned width,
+                                            const std::string& where);
+
+}  // namespace haptogram

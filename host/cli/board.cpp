@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "board/board.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "base/error.hpp"
+#include "base/file.hpp"
+#include "command.hpp"
+
+namespace haptogram::cli {
+namespace {
+
+using nlohmann::ordered_json;
+using Row = std::vector<std::string>;
+
+struct PinoutOptions {
+    std::string board;
+    std::optional<std::string> array;
+    std::string output = "-";
+    bool json = false;
+    bool csv = false;
+};
+
+/// Columns as wide as their widest cell, two spaces apart, from `first_right` on aligned to the right.
+std::string aligned(const std::vector<Row>& rows, std::size_t first_right) {
+    std::vector<std::size_t> widths(rows.front().size());
+    for (const Row& row : rows)
+        for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+    std::string text;
+    for (const Row& row : rows) {
+        std::string line;
+        for (std::size_t i = 0; i < row.size(); ++i)
+            line += i < first_right ? fmt::format("{:<{}}  ", row[i], widths[i])
+                                    : fmt::format("{:>{}}  ", row[i], widths[i]);
+        text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+    }
+    return text;
+}
+
+std::string fpga_name(const Board::Fpga& fpga) {
+    return fmt::format("{} {} {}{}", fpga.family, fpga.device, fpga.package,
+                       fpga.speed ? fmt::format(", speed grade {}", *fpga.speed) : "");
+}
+
+/// As the manifest rounds it.
+double to_mm(double metres) { return std::round(metres * 1e7) / 1e4 + 0.0; }
+
+/// Array and board must fit element by element, or the cable that is drawn from the table would be another's.
+Array array_on(const Board& board, const std::optional<std::string>& name) {
+    Array array = find_array(name.value_or(board.array), board.spec());
+    const std::uint32_t channels = board.parameter("CHANNELS");
+    if (array.elements.size() != channels)
+        throw bad_input(array.file, fmt::format("{} elements but the board has {} channels ({}); name an array of as "
+                                                "many elements (--array)",
+                                                array.elements.size(), channels, board.name));
+    return array;
+}
+
+ordered_json to_json(const Board& board, const Array& array) {
+    ordered_json json = {
+        {"board", board.name},
+        {"description", board.description},
+        {"sources", board.sources},
+        {"fpga",
+         {{"family", board.fpga.family},
+          {"device", board.fpga.device},
+          {"package", board.fpga.package},
+          {"speed", nullptr},
+          {"top", board.fpga.top}}},
+        {"parameters", board.parameters},
+        {"flash", {{"load", board.flash.load}, {"write", board.flash.write}, {"note", board.flash.note}}},
+        {"pins",
+         {{"clk", board.pins.clk},
+          {"rx", board.pins.rx},
+          {"tx", board.pins.tx},
+          {"led", nullptr},
+          {"led_active_low", board.pins.led_active_low},
+          {"high", board.pins.high},
+          {"low", board.pins.low}}},
+        {"array", array.name},
+        {"outputs", ordered_json::array()}};
+    if (board.fpga.speed) json["fpga"]["speed"] = *board.fpga.speed;
+    if (board.pins.led) json["pins"]["led"] = *board.pins.led;
+    for (std::size_t k = 0; k < array.elements.size(); ++k) {
+        const Board::Output& o = board.outputs[k];
+        ordered_json row = {{"connector", o.connector}, {"pin", o.pin}, {"net", o.net},
+                            {"ball", o.ball},           {"channel", k}, {"row", nullptr},
+                            {"column", nullptr}};
+        if (array.columns > 0) {
+            row["row"] = k / array.columns;
+            row["column"] = k % array.columns;
+        }
+        row["x_mm"] = to_mm(array.elements[k].x);
+        row["y_mm"] = to_mm(array.elements[k].y);
+        json["outputs"].push_back(row);
+    }
+    return json;
+}
+
+/// The header and a row a channel; row and column hold `none` for an array that is no grid.
+std::vector<Row> rows_of(const Board& board, const Array& array, const char* none) {
+    std::vector<Row> rows = {{"connector", "pin", "net", "ball", "channel", "row", "column", "x_mm", "y_mm"}};
+    for (std::size_t k = 0; k < array.elements.size(); ++k) {
+        const Board::Output& o = board.outputs[k];
+        const bool grid = array.columns > 0;
+        rows.push_back(
+            {o.connector, o.pin, o.net, o.ball, fmt::to_string(k), grid ? fmt::to_string(k / array.columns) : none,
+             grid ? fmt::to_string(k % array.columns) : none, fmt::format("{:.2f}", to_mm(array.elements[k].x)),
+             fmt::format("{:.2f}", to_mm(array.elements[k].y))});
+    }
+    return rows;
+}
+
+std::string to_csv(const Board& board, const Array& array) {
+    std::string text;
+    for (const Row& row : rows_of(board, array, "")) text += fmt::format("{}\n", fmt::join(row, ","));
+    return text;
+}
+
+std::string to_text(const Board& board, const Array& array) {
+    const Board::Pins& pins = board.pins;
+    std::string text = fmt::format("board  {}, {}\nFPGA   {}\n", board.name, board.description, fpga_name(board.fpga));
+    text += fmt::format("clock  ball {}; the instrument runs at {} MHz\n", pins.clk, board.parameter("CLOCK_HZ") / 1e6);
+    text += fmt::format("UART   rx ball {}, tx ball {}, {} baud\n", pins.rx, pins.tx, board.parameter("BAUD"));
+    if (pins.led) text += fmt::format("LED    ball {}, lit by {}\n", *pins.led, pins.led_active_low ? 0 : 1);
+    if (!pins.high.empty()) text += fmt::format("high   ball {}\n", fmt::join(pins.high, ", "));
+    if (!pins.low.empty()) text += fmt::format("low    ball {}\n", fmt::join(pins.low, ", "));
+    text += fmt::format("array  {}, {} elements; x to the right, y up, seen from the side of the hand\n", array.name,
+                        array.elements.size());
+    text += fmt::format("flash  {}\n\n", board.flash.note);
+    return text + aligned(rows_of(board, array, "-"), 4);
+}
+
+int pinout(const PinoutOptions& options) {
+    std::vector<NamedPath> inputs = {{"the board", options.board}};
+    if (options.array) inputs.push_back({"--array", *options.array});
+    require_distinct(inputs, {{"--output", options.output}});
+    const Board board = load_board(options.board);
+    const Array array = array_on(board, options.array);
+    write_file(options.output, options.json  ? to_json(board, array).dump(1) + "\n"
+                               : options.csv ? to_csv(board, array)
+                                             : to_text(board, array));
+    return 0;
+}
+
+int list(bool as_json) {
+    std::vector<Row> rows = {{"board", "channels", "MHz", "array", "FPGA", "description"}};
+    ordered_json json = ordered_json::array();
+    for (const std::string& name : shipped_boards()) {
+        const Board board = load_board(name);
+        rows.push_back({board.name, fmt::to_string(board.parameter("CHANNELS")),
+                        fmt::format("{}", board.parameter("CLOCK_HZ") / 1e6), board.array,
+                        fmt::format("{} {}", board.fpga.family, board.fpga.device), board.description});
+        json.push_back({{"board", board.name},
+                        {"description", board.description},
+                        {"channels", board.parameter("CHANNELS")},
+                        {"clock_hz", board.parameter("CLOCK_HZ")},
+                        {"array", board.array},
+                        {"family", board.fpga.family},
+                        {"device", board.fpga.device}});
+    }
+    fmt::print("{}", as_json ? json.dump(1) + "\n" : aligned(rows, rows.front().size()));
+    return 0;
+}
+
+}  // namespace
+
+void add_board(CLI::App& app, Action& action) {
+    CLI::App* sub = app.add_subcommand("board", "The FPGA boards, and which of their pins drives which element");
+    // When the line has been read, so that a word that is no subcommand is named first.
+    sub->callback([sub, &action] {
+        if (sub->get_subcommands().empty())
+            action = []() -> int {
+                throw Error(ErrorCode::usage, "board",
+                            "expected a subcommand: list or pinout; see haptogram board --help");
+            };
+    });
+
+    auto as_json = std::make_shared<bool>(false);
+    CLI::App* names = sub->add_subcommand("list", "Print the shipped boards");
+    names->add_flag("--json", *as_json, "As JSON");
+    names->callback([as_json, &action] { action = [as_json] { return list(*as_json); }; });
+
+    auto options = std::make_shared<PinoutOptions>();
+    CLI::App* pins = sub->add_subcommand(
+        "pinout",
+        "Print the connector, pin and ball of every channel, and where its element sits: to draw a cable from");
+    pins->add_option("board", options->board, "Board file (TOML) or shipped board")->required();
+    pins->add_option("--array", options->array, "Array file (TOML) or shipped array (default: the board's)");
+    auto* json = pins->add_flag("--json", options->json, "As JSON, with all that the board file says");
+    pins->add_flag("--csv", options->csv, "As CSV, the rows alone")->excludes(json);
+    pins->add_option("-o,--output", options->output, "File; - is standard output")->capture_default_str();
+    pins->callback([options, &action] { action = [options] { return pinout(*options); }; });
+}
+
+}  // namespace haptogram::cli

@@ -1,0 +1,412 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Boards: the shipped files against the arrays they drive, files that cannot be used, and images compiled for a board."""
+import csv
+import io
+import json
+import re
+import tomllib
+
+import pytest
+from support import BAD_INPUT, ROOT, USAGE, Image, read_json, refuse, run, succeed, text
+
+BOARDS = sorted(p.stem for p in (ROOT / "constraints").glob("*.toml") if p.stem != "budgets")
+LARGE, SMALL = "colorlight-5a-75e-v6.0", "ulx3s-85f"
+
+
+def board_file(name):
+    return tomllib.loads((ROOT / f"constraints/{name}.toml").read_text(encoding="utf-8"))
+
+
+def array_file(name):
+    return tomllib.loads((ROOT / f"host/arrays/{name}.toml").read_text(encoding="utf-8"))
+
+
+def pinout(board, *arguments, **more):
+    return json.loads(succeed(["board", "pinout", board, "--json", *arguments], **more).stdout)
+
+
+# A board small enough to be read here, to be damaged below. The 4th output is spare, and the LED's.
+GOOD = """description = "A board"
+sources = ["https://example.org/board"]
+array = "pair.toml"
+outputs = [
+  ["J1", "1", "R0", "A1"],
+  ["J1", "2", "G0", "A2"],
+  ["J1", "3", "B0", "A3"],
+  ["J1", "4", "OE", "A4"],
+]
+[fpga]
+family = "ecp5"
+device = "25k"
+package = "CABGA256"
+speed = 6
+top = "colorlight"
+[parameters]
+CHANNELS = 3
+RECORDS = 5
+SEQUENCE_DEPTH = 8
+LIVE_DEPTH = 16
+TIMING_BITS = 9
+PULSE_BITS = 8
+CLOCK_HZ = 48000000
+BAUD = 3000000
+WATCHDOG_MS = 500
+MAX_HIGH_CLOCKS = 10000
+[flash]
+load = ["-b", "it"]
+write = ["-b", "it", "-f"]
+note = "A cable."
+[pins]
+clk = "P1"
+rx = "P2"
+tx = "P3"
+led = "A4"
+led_active_low = true
+high = ["P4"]
+low = []
+"""
+# Nothing of its own [board] may be used, and 3 elements listed in an order of their own.
+ARRAY = "[array]\nelements_mm = [[10, 0], [-10, 0], [0, 12.5]]\n[board]\nclock_hz = 50000000\nchannels = 16\n"
+
+
+def line_of(needle):
+    """Of the line of GOOD that begins so."""
+    return next(i for i, line in enumerate(GOOD.splitlines(), 1) if line.startswith(needle))
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "board.toml").write_text(GOOD)
+    (tmp_path / "pair.toml").write_text(ARRAY)
+    return tmp_path
+
+
+# The shipped boards
+
+
+def test_the_list_names_every_board():
+    listed = json.loads(succeed(["board", "list", "--json"]).stdout)
+    assert [b["board"] for b in listed] == BOARDS and len(BOARDS) >= 5
+    for entry in listed:
+        file = board_file(entry["board"])
+        assert entry["channels"] == file["parameters"]["CHANNELS"] and entry["clock_hz"] == file["parameters"]["CLOCK_HZ"]
+        assert entry["description"] == file["description"] and entry["array"] == file["array"]
+    lines = text(succeed(["board", "list"]).stdout).splitlines()
+    assert [line.split()[0] for line in lines] == ["board", *BOARDS]
+
+
+@pytest.mark.parametrize("board", BOARDS)
+def test_a_shipped_board_drives_its_array(board):
+    file, shown = board_file(board), pinout(board)
+    array = array_file(file["array"])["array"]
+    rows, columns, pitch = array["rows"], array["columns"], array["pitch_mm"]
+    outputs = shown["outputs"]
+    assert len(outputs) == file["parameters"]["CHANNELS"] == rows * columns
+    for k, output in enumerate(outputs):
+        assert [output[key] for key in ("connector", "pin", "net", "ball")] == file["outputs"][k]
+        row, column = divmod(k, columns)
+        assert (output["channel"], output["row"], output["column"]) == (k, row, column)
+        assert output["x_mm"] == pytest.approx((column - (columns - 1) / 2) * pitch)
+        assert output["y_mm"] == pytest.approx((row - (rows - 1) / 2) * pitch)
+    pins = file["pins"]
+    balls = [o["ball"] for o in outputs] + [pins["clk"], pins["rx"], pins["tx"], *pins["high"], *pins["low"]]
+    balls += [pins["led"]] if "led" in pins else []
+    assert len(set(balls)) == len(balls)
+    assert len({(o["connector"], o["pin"]) for o in outputs}) == len(outputs)
+
+
+@pytest.mark.parametrize("board", BOARDS)
+def test_the_pinout_says_what_the_file_says(board):
+    file, shown = board_file(board), pinout(board)
+    for key in ("description", "sources", "array", "flash", "parameters"):
+        assert shown[key] == file[key], key
+    assert shown["board"] == board
+    assert shown["fpga"] == {"speed": None, **file["fpga"]}
+    assert shown["pins"] == {"led": None, "led_active_low": False, **file["pins"]}
+
+
+@pytest.mark.parametrize("board", BOARDS)
+def test_a_shipped_board_makes_its_carrier(board, tmp_path):
+    """With timings that its bits hold, all ones left for silence, and a pulse that its counter holds."""
+    p = board_file(board)["parameters"]
+    succeed(["compile", "--shape", "circle", "--points", "8", "--board", board, "-o", "image.hex"], cwd=tmp_path)
+    image = Image(tmp_path / "image.hex")
+    for record in image.records():
+        assert record["cycle_length"] * record["prescaler"] * 40_000 == p["CLOCK_HZ"]
+        assert record["pulse_length"] * 2 == record["cycle_length"] and record["pulse_length"] < 2 ** p["PULSE_BITS"]
+        assert len(record["timings"]) == p["CHANNELS"] == image.channels
+        assert max(record["timings"]) < record["cycle_length"] < 2 ** p["TIMING_BITS"]
+        assert record["pulse_length"] * record["prescaler"] < p["MAX_HIGH_CLOCKS"]
+    succeed(["inspect", "image.hex"], cwd=tmp_path)
+    manifest = read_json(tmp_path / "image.json")
+    assert manifest["board"] == {"name": board, **{key.lower(): p[key] for key in p if key not in ("LIVE_DEPTH", "WATCHDOG_MS", "MAX_HIGH_CLOCKS")}}
+    assert manifest["array"]["name"] == board_file(board)["array"]
+
+
+# The table
+
+
+def test_the_table_is_aligned_and_says_what_to_connect():
+    file = board_file(LARGE)
+    header, table = text(succeed(["board", "pinout", LARGE]).stdout).split("\n\n")
+    for needle in (LARGE, file["description"], "ecp5 25k CABGA256", "speed grade 6", "ball P6", "50 MHz", "rx ball R7", "tx ball T6", "115200 baud",
+                   "ball M4, lit by 1", "ball R6", file["flash"]["note"]):
+        assert needle in header, needle
+    lines = table.splitlines()
+    assert lines[0].split() == ["connector", "pin", "net", "ball", "channel", "row", "column", "x_mm", "y_mm"]
+    assert lines[1].split() == ["J1", "1", "R0", "C4", "0", "0", "0", "-45.00", "-45.00"]
+    assert lines[-1].split() == ["J1-J16", "12", "D", "P4", "99", "9", "9", "45.00", "45.00"]
+    assert len(lines) == 101 and len({len(line) for line in lines}) == 1
+    ball = lines[0].index("ball")
+    assert all(line[ball - 1] == " " != line[ball] for line in lines)
+
+
+@pytest.mark.parametrize("board", [LARGE, SMALL])
+def test_the_csv_is_the_json(board):
+    rows = list(csv.DictReader(io.StringIO(text(succeed(["board", "pinout", board, "--csv"]).stdout))))
+    for row, output in zip(rows, pinout(board)["outputs"], strict=True):
+        assert list(row) == list(output)
+        for key, value in output.items():
+            assert row[key] == value if isinstance(value, str) else float(row[key]) == value
+
+
+@pytest.mark.parametrize("form", [[], ["--csv"], ["--json"]])
+def test_the_pinout_in_a_file(form, tmp_path):
+    shown = succeed(["board", "pinout", SMALL, *form, "-o", "-"]).stdout
+    assert succeed(["board", "pinout", SMALL, *form, "-o", "pins"], cwd=tmp_path).stdout == b""
+    assert (tmp_path / "pins").read_bytes() == shown == succeed(["board", "pinout", SMALL, *form]).stdout
+
+
+def test_an_array_that_is_no_grid_has_no_rows(folder):
+    shown = pinout("board.toml", cwd=folder)
+    assert all(o["row"] is None and o["column"] is None for o in shown["outputs"])
+    assert [(o["x_mm"], o["y_mm"]) for o in shown["outputs"]] == [(10, 0), (-10, 0), (0, 12.5)]
+    assert [o["ball"] for o in shown["outputs"]] == ["A1", "A2", "A3"]
+    assert b"J1,3,B0,A3,2,,,0.00,12.50\n" in succeed(["board", "pinout", "board.toml", "--csv"], cwd=folder).stdout
+    table = text(succeed(["board", "pinout", "board.toml"], cwd=folder).stdout)
+    assert table.splitlines()[-1].split() == ["J1", "3", "B0", "A3", "2", "-", "-", "0.00", "12.50"] and "ball A4, lit by 0" in table
+
+
+def test_a_board_file_names_its_array_from_where_it_is(folder):
+    (folder / "elsewhere").mkdir()
+    assert pinout("../board.toml", cwd=folder / "elsewhere")["array"] == "pair"
+
+
+# What cannot be used
+
+
+def test_an_array_of_another_size(tmp_path):
+    refuse(tmp_path, ["board", "pinout", SMALL, "--array", "tile-10x10"], BAD_INPUT, "tile-10x10", "100 elements", SMALL, "56 channels")
+    refuse(tmp_path, ["board", "pinout", LARGE, "--array", "tile-7x8"], BAD_INPUT, "tile-7x8", "56 elements", LARGE, "100 channels", "--array")
+    assert pinout(SMALL, "--array", "tile-7x8") == pinout(SMALL)
+
+
+def test_command_lines_that_make_no_sense(folder):
+    refuse(folder, ["board"], USAGE, "list", "pinout")
+    refuse(folder, ["board", "pinuot"], USAGE, "pinuot")
+    refuse(folder, ["board", "pinout"], USAGE, "required")
+    refuse(folder, ["board", "pinout", SMALL, "--csv", "--json"], USAGE, "--csv", "--json")
+    refuse(folder, ["board", "pinout", "board.toml", "-o", "./board.toml"], USAGE, r"board\.toml")
+    refuse(folder, ["board", "pinout", "board.toml", "--array", "pair.toml", "-o", "pair.toml"], USAGE, r"pair\.toml")
+    refuse(folder, ["compile", "--shape", "point", "--board", "board.toml", "-o", "board.toml"], USAGE, r"board\.toml")
+
+
+@pytest.mark.parametrize("name", ["ulx3s", "", "budgets"])
+def test_a_name_that_no_board_has(name, tmp_path):
+    refuse(tmp_path, ["board", "pinout", name], BAD_INPUT, "no shipped board", *BOARDS, r"\.toml")
+    refuse(tmp_path, ["compile", "--shape", "point", "--board", name, "-o", "image.hex"], BAD_INPUT, "no shipped board")
+
+
+def test_files_that_are_not_there(folder):
+    refuse(folder, ["board", "pinout", "nowhere.toml"], BAD_INPUT, r"nowhere\.toml", "No such file")
+    refuse(folder, ["board", "pinout", "./"], BAD_INPUT, "directory")
+    refuse(folder, ["board", "pinout", SMALL, "-o", "missing/pins"], BAD_INPUT, "missing/pins", "cannot be written")
+    (folder / "pair.toml").unlink()
+    refuse(folder, ["board", "pinout", "board.toml"], BAD_INPUT, r"pair\.toml", "No such file")
+
+
+REQUIRED = ["description", "sources", "array", *(f"fpga.{k}" for k in ("family", "device", "package", "speed", "top")),
+            *(f"parameters.{k}" for k in board_file(LARGE)["parameters"]), *(f"flash.{k}" for k in ("load", "write", "note")),
+            *(f"pins.{k}" for k in ("clk", "rx", "tx", "high", "low"))]  # fmt: skip
+
+
+@pytest.mark.parametrize("key", REQUIRED)
+def test_a_missing_key(key, folder):
+    last = key.split(".")[-1]
+    (folder / "board.toml").write_text("".join(line for line in GOOD.splitlines(True) if not line.startswith(f"{last} =")))
+    refuse(folder, ["board", "pinout", "board.toml"], BAD_INPUT, r"board\.toml", rf"\b{key.replace('.', '[.]')} is missing", "must be")
+
+
+@pytest.mark.parametrize("table", ["fpga", "parameters", "flash", "pins"])
+def test_a_missing_table(table, folder):
+    begin, end = GOOD.index(f"[{table}]"), GOOD.find("\n[", GOOD.index(f"[{table}]"))
+    (folder / "board.toml").write_text(GOOD[:begin] + (GOOD[end + 1 :] if end > 0 else ""))
+    refuse(folder, ["board", "pinout", "board.toml"], BAD_INPUT, r"board\.toml", f"{table} is missing", "table")
+
+
+def test_a_table_that_is_none(folder):
+    begin, end = GOOD.index("[flash]"), GOOD.index("[pins]")
+    (folder / "board.toml").write_text("flash = 3\n" + GOOD[:begin] + GOOD[end:])
+    refuse(folder, ["board", "pinout", "board.toml"], BAD_INPUT, r"board\.toml:1\b", "flash must be a table, found 3")
+
+
+# what stands there, what is put instead, and what the message must hold beside the line
+BAD = {
+    "syntax": ("[fpga]", "[fpga", ["not valid TOML"]),
+    "unknown key": ("array =", 'colour = "red"\narray =', ["colour", "known are", "sources"]),
+    "unknown table": ("[flash]", "[flashes]", ["flashes", "known are", "flash"]),
+    "unknown FPGA key": ("speed = 6", "speeed = 6", [r"fpga\.speeed", "speed"]),
+    "unknown parameter": ("RECORDS", "RECORD", [r"parameters\.RECORD\b", "RECORDS"]),
+    "unknown flash key": ("note =", "notes =", [r"flash\.notes", "note"]),
+    "unknown pin": ("rx =", "rxd =", [r"pins\.rxd", "rx"]),
+    "number for a description": ('description = "A board"', "description = 3", ["description", "text", "found 3"]),
+    "empty description": ('description = "A board"', 'description = ""', ["description", "text"]),
+    "description of two lines": ('description = "A board"', 'description = "A\\nboard"', ["description", "line"]),
+    "text for a list": ('sources = ["https://example.org/board"]', 'sources = "https://example.org"', ["sources", "list", "example"]),
+    "number in a list": ('sources = ["https://example.org/board"]', "sources = [7]", ["sources", "found 7"]),
+    "unknown family": ('family = "ecp5"', 'family = "ecp6"', [r"fpga\.family", "ecp5", "ice40", "ecp6"]),
+    "text for a speed": ("speed = 6", 'speed = "6"', [r"fpga\.speed", "whole number", r"['\"]6['\"]"]),
+    "text for a parameter": ("RECORDS = 5", 'RECORDS = "5"', [r"parameters\.RECORDS", "whole number"]),
+    "fraction for a parameter": ("RECORDS = 5", "RECORDS = 5.5", [r"parameters\.RECORDS", "whole number", r"5\.5"]),
+    "list for a parameter": ("RECORDS = 5", "RECORDS = [5]", [r"parameters\.RECORDS", "whole number", "a list of 1"]),
+    "too many channels": ("CHANNELS = 3", "CHANNELS = 1001", [r"parameters\.CHANNELS", "from 2 to 1000", "1001"]),
+    "negative records": ("RECORDS = 5", "RECORDS = -5", [r"parameters\.RECORDS", "from 1 to 65535", "-5"]),
+    "no sequence": ("SEQUENCE_DEPTH = 8", "SEQUENCE_DEPTH = 1", [r"parameters\.SEQUENCE_DEPTH", "from 2 to 32768"]),
+    "live depth no power of two": ("LIVE_DEPTH = 16", "LIVE_DEPTH = 24", [r"parameters\.LIVE_DEPTH", "power of two", "24"]),
+    "timing bits": ("TIMING_BITS = 9", "TIMING_BITS = 17", [r"parameters\.TIMING_BITS", "from 4 to 16", "17"]),
+    "pulse bits": ("PULSE_BITS = 8", "PULSE_BITS = 9", [r"parameters\.PULSE_BITS", "from 1 to 8", "9"]),
+    "more pulse bits than timing bits": ("TIMING_BITS = 9", "TIMING_BITS = 6", [r"parameters\.PULSE_BITS", "from 1 to 6", "8"]),
+    "baud that the clock cannot make": ("BAUD = 3000000", "BAUD = 9000000", [r"parameters\.BAUD", "to 6000000", "9000000"]),
+    "baud too slow for the divider": ("BAUD = 3000000", "BAUD = 1200", [r"parameters\.BAUD", "from 2400", "1200"]),
+    "guard's bound": ("MAX_HIGH_CLOCKS = 10000", "MAX_HIGH_CLOCKS = 16777216", [r"parameters\.MAX_HIGH_CLOCKS", "16777215"]),
+    "text for load": ('load = ["-b", "it"]', 'load = "-b it"', [r"flash\.load", "list"]),
+    "table for a ball": ('clk = "P1"', "clk = { ball = 1 }", [r"pins\.clk", "ball", "a table"]),
+    "two words for a ball": ('clk = "P1"', 'clk = "P1 P2"', [r"pins\.clk", "ball", "P1 P2"]),
+    "number for a flag": ("led_active_low = true", "led_active_low = 1", [r"pins\.led_active_low", "true or false"]),
+    "text for high": ('high = ["P4"]', 'high = "P4"', [r"pins\.high", "list"]),
+    "output of three": ('  ["J1", "2", "G0", "A2"],', '  ["J1", "2", "A2"],', [r"outputs\[1\]", "connector, pin, net, ball", "a list of 3"]),
+    "output with a number": ('  ["J1", "2", "G0", "A2"],', '  ["J1", 2, "G0", "A2"],', [r"outputs\[1\]", "quotes", "found 2"]),
+    "output that is none": ('  ["J1", "2", "G0", "A2"],', '  "A2",', [r"outputs\[1\]", "connector, pin, net, ball", "A2"]),
+    "output with a comma": ('  ["J1", "2", "G0", "A2"],', '  ["J1", "2", "G,0", "A2"],', [r"outputs\[1\]", "commas", "G,0"]),
+    "one ball for two outputs": ('  ["J1", "3", "B0", "A3"],', '  ["J1", "3", "B0", "A1"],', ["ball A1", "J1 pin 1", "J1 pin 3"]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_a_bad_board_file(case, folder):
+    there, instead, needles = BAD[case]
+    assert there in GOOD
+    (folder / "board.toml").write_text(GOOD.replace(there, instead, 1))
+    line = line_of("PULSE_BITS") if case == "more pulse bits than timing bits" else line_of(there)
+    refuse(folder, ["board", "pinout", "board.toml"], BAD_INPUT, rf"board\.toml:{line}\b", *needles)
+    refuse(folder, ["compile", "--shape", "point", "--board", "board.toml", "-o", "image.hex"], BAD_INPUT, rf"board\.toml:{line}\b")
+
+
+SHARED = {
+    "clock on an output": ('clk = "P1"', 'clk = "A2"', "J1 pin 2", r"pins\.clk"),
+    "receive and transmit": ('tx = "P3"', 'tx = "P2"', r"pins\.rx", r"pins\.tx"),
+    "LED on a channel": ('led = "A4"', 'led = "A1"', "J1 pin 1", r"pins\.led"),
+    "high and low": ("low = []", 'low = ["P4"]', r"pins\.high", r"pins\.low"),
+    "clock held": ('high = ["P4"]', 'high = ["P1"]', r"pins\.clk", r"pins\.high"),
+}
+
+
+@pytest.mark.parametrize("case", SHARED)
+def test_a_ball_with_two_uses(case, folder):
+    there, instead, *needles = SHARED[case]
+    (folder / "board.toml").write_text(GOOD.replace(there, instead))
+    refuse(folder, ["board", "pinout", "board.toml"], BAD_INPUT, r"board\.toml", "ball", *needles)
+
+
+def test_fewer_outputs_than_channels(folder):
+    (folder / "board.toml").write_text(GOOD.replace("CHANNELS = 3", "CHANNELS = 5"))
+    refuse(folder, ["board", "pinout", "board.toml"], BAD_INPUT, rf"board\.toml:{line_of('outputs')}\b", "outputs holds 4", "CHANNELS is 5")
+
+
+def test_the_speed_of_an_ice40_may_be_left_out(folder):
+    (folder / "board.toml").write_text(GOOD.replace('"ecp5"', '"ice40"').replace("speed = 6\n", ""))
+    assert pinout("board.toml", cwd=folder)["fpga"]["speed"] is None
+
+
+# Images for a board
+
+
+def compiled(folder, *arguments):
+    succeed(["compile", "--shape", "circle", "--diameter", "20", "--center", "0,0,80", "-o", "image.hex", *arguments], cwd=folder)
+    return read_json(folder / "image.json"), Image(folder / "image.hex")
+
+
+@pytest.mark.parametrize("bits, timer", [(16, (3, 400, 200)), (9, (3, 400, 200)), (8, (5, 240, 120)), (7, (10, 120, 60))])
+def test_the_timer_is_the_finest_that_the_timing_bits_hold(bits, timer, tmp_path):
+    """On the iCE40 board, whatever it is built with."""
+    board = (ROOT / "constraints/ice40-hx8k-breakout.toml").read_text(encoding="utf-8")
+    board = re.sub(r"(?m)^(TIMING_BITS = )\d+", rf"\g<1>{bits}", re.sub(r"(?m)^(PULSE_BITS = )\d+", rf"\g<1>{min(bits, 8)}", board))
+    (tmp_path / "board.toml").write_text(board, encoding="utf-8")
+    manifest, image = compiled(tmp_path, "--points", "20", "--board", "board.toml", "--array", "tile-10x10")
+    assert tuple(manifest["timer"][key] for key in ("prescaler", "cycle_ticks", "pulse_ticks")) == timer
+    shown = json.loads(succeed(["inspect", "image.hex", "--json"], cwd=tmp_path).stdout)
+    assert shown["clock_hz"] == 48_000_000 and shown["timing_bits"] == bits and shown["problems"] == []
+    timings = [t for record in image.records() for t in record["timings"]]
+    assert len(timings) == 2000 and 0.95 * timer[1] < max(timings) < timer[1]
+
+
+def test_the_largest_image_of_the_ice40_board(tmp_path):
+    most = str(board_file("ice40-hx8k-breakout")["parameters"]["RECORDS"])
+    assert compiled(tmp_path, "--points", most, "--board", "ice40-hx8k-breakout")[1].count == int(most)
+    assert json.loads(succeed(["inspect", "image.hex", "--json"], cwd=tmp_path).stdout)["problems"] == []
+
+
+def test_the_board_file_takes_the_place_of_the_arrays_board(folder):
+    manifest, image = compiled(folder, "--points", "3", "--board", "board.toml")
+    assert manifest["array"]["name"] == "pair" and image.channels == 3
+    assert manifest["board"] == {"name": "board", "clock_hz": 48e6, "baud": 3_000_000, "channels": 3, "records": 5, "sequence_depth": 8,
+                                 "timing_bits": 9, "pulse_bits": 8}  # fmt: skip
+
+
+def test_another_array_on_the_board(folder):
+    (folder / "one.toml").write_text("[array]\nelements_mm = [[0, 0]]\n")
+    manifest, image = compiled(folder, "--points", "2", "--board", "board.toml", "--array", "one.toml")
+    assert manifest["array"]["name"] == "one" and image.channels == 3
+    assert all(record["timings"][1:] == [0xFFFF, 0xFFFF] for record in image.records())
+    refuse(folder, ["compile", "--shape", "point", "--board", "board.toml", "--array", "tile-7x8", "-o", "image.hex"], BAD_INPUT,
+           "56 elements", "board", "3 channels", outputs=())  # fmt: skip
+
+
+def test_an_array_larger_than_its_own_board_on_a_board_that_is_large_enough(folder):
+    (folder / "pair.toml").write_text(ARRAY.replace("16", "2"))
+    refuse(folder, ["compile", "--shape", "point", "--array", "pair.toml", "-o", "image.hex"], BAD_INPUT, "3 elements", "2 channels")
+    assert compiled(folder, "--points", "3", "--board", "board.toml")[1].channels == 3
+
+
+def test_more_points_than_the_board_has_records(folder):
+    circle = ["compile", "--shape", "circle", "--diameter", "20", "--center", "0,0,80", "--board", "board.toml", "-o", "image.hex"]
+    refuse(folder, [*circle, "--points", "6"], BAD_INPUT, "board: 6 points", "holds 5", "5 records", "7 sequence entries", "--points 5", "--board")
+    assert compiled(folder, "--points", "5", "--board", "board.toml")[1].count == 5
+
+
+def test_more_points_than_the_boards_sequence_holds(folder):
+    (folder / "board.toml").write_text(GOOD.replace("RECORDS = 5", "RECORDS = 50"))
+    circle = ["compile", "--shape", "circle", "--diameter", "20", "--center", "0,0,80", "--board", "board.toml", "-o", "image.hex"]
+    refuse(folder, [*circle, "--points", "8"], BAD_INPUT, "8 points", "holds 7", "50 records", "7 sequence entries", "--points 7")
+    assert compiled(folder, "--points", "7", "--board", "board.toml")[1].count == 7
+
+
+def test_a_board_whose_timings_are_too_narrow(folder):
+    (folder / "board.toml").write_text(GOOD.replace("TIMING_BITS = 9", "TIMING_BITS = 4").replace("PULSE_BITS = 8", "PULSE_BITS = 2"))
+    refuse(folder, ["compile", "--shape", "point", "--board", "board.toml", "-o", "image.hex"], BAD_INPUT, r"pair\.toml", "4 timing bits", "15 ticks",
+           "2 pulse bits", "48000000")  # fmt: skip
+
+
+def test_the_input_hash_follows_the_board(folder):
+    first = compiled(folder, "--points", "3", "--array", "pair.toml")[0]["inputs_sha256"]
+    second = compiled(folder, "--points", "3", "--board", "board.toml")[0]["inputs_sha256"]
+    (folder / "board.toml").write_text(GOOD.replace("BAUD = 3000000", "BAUD = 1000000"))
+    third = compiled(folder, "--points", "3", "--board", "board.toml")[0]["inputs_sha256"]
+    assert len({first, second, third}) == 3
+
+
+def test_without_a_board_nothing_changes(tmp_path):
+    result = run(["compile", "--shape", "circle", "--points", "8", "-o", "image.hex"], cwd=tmp_path)
+    assert result.returncode == 0
+    manifest = read_json(tmp_path / "image.json")
+    assert manifest["array"]["name"] == "tile-10x10" and manifest["board"]["name"] == "generic-100" and manifest["board"]["clock_hz"] == 50e6
