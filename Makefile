@@ -5,7 +5,7 @@ BUILD := build/$(PRESET)
 PYTHON := build/venv/bin/python3
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build demo test formal bench lint format install clean
+.PHONY: help setup build demo test bitstream bitstreams flash formal bench lint format install clean
 
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -14,14 +14,31 @@ setup: ## install what is missing (Debian packages, build/venv); nothing when al
 	@tools/setup
 
 build: setup ## configure and build everything
-	@cmake --preset $(PRESET) >build/configure.log 2>&1 || { cat build/configure.log; exit 1; }
+	@cmake --preset $(PRESET) $(DEEP) >build/configure.log 2>&1 || { cat build/configure.log; exit 1; }
 	@cmake --build --preset $(PRESET)
 
 demo: build ## shape → image → simulated FPGA → focus in the air: table and pictures in build/demo
 	@$(PYTHON) tools/demo.py --program $(BUILD)/host/cli/haptogram --output build/demo
 
-test: build ## every test: units, co-simulation, command line, proofs, RTL lint
+test: DEEP := -DHAPTOGRAM_DEEP_TESTS=ON
+test: build/boards/ice40-hx8k-breakout/report.json build ## every test: units, co-simulation on RTL and netlists, command line, proofs, budgets, lint
 	@ctest --preset $(PRESET) -j 2
+
+BITSTREAM_INPUTS := $(wildcard rtl/*.v rtl/*.vh rtl/boards/*.v constraints/*.toml) tools/bitstream.py
+build/boards/%/report.json: $(BITSTREAM_INPUTS) | setup
+	@$(PYTHON) tools/bitstream.py $*
+
+BOARD ?= ice40-hx8k-breakout
+bitstream: build ## synthesise, place and route BOARD=… into build/boards, SEEDS=1; fails beyond the budget
+	@$(PYTHON) tools/bitstream.py $(BOARD) --seeds $(or $(SEEDS),1) --program $(BUILD)/host/cli/haptogram
+
+bitstreams: build ## the same for every board
+	@$(PYTHON) tools/bitstream.py --seeds $(or $(SEEDS),1) --program $(BUILD)/host/cli/haptogram
+
+# With IMAGE, the image is in the bitstream and plays at power-up with AUTOSTART=1; FLASH=write keeps it when power is cut.
+flash: ## load BOARD=… through openFPGALoader, with IMAGE=… in it if given; DRY_RUN=1 only says how
+	@$(PYTHON) tools/flash.py $(BOARD) --program $(BUILD)/host/cli/haptogram $(if $(IMAGE),--image $(IMAGE)) $(if $(AUTOSTART),--autostart) \
+	  $(if $(filter write,$(FLASH)),--write) $(if $(DRY_RUN),--dry-run)
 
 formal: build ## the proofs alone, with a line each
 	@$(PYTHON) tests/formal/run.py --build build/formal

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Synthesises, places and routes boards of constraints/*.toml, with nothing but open tools.
 
-Leaves in OUTPUT/BOARD/: BOARD.bin or .bit (memories empty), what `haptogram bitstream` needs to put an image into it (placed.asc
-or placed.config, primary.hex, sequence.hex), core.v (the netlist of haptogram_core that was placed, for tests/netlist), the tools'
+Leaves in OUTPUT/BOARD/: BOARD.bin or .bit with empty memories, what `haptogram bitstream` needs to put an image into it
+(placed.asc or placed.config, primary.hex, sequence.hex), core.v (the netlist of haptogram_core that was placed, for tests/netlist), the tools'
 logs, and report.json. Exit code 0, 1 when a tool fails or a budget of constraints/budgets.toml is exceeded, 2 on wrong usage.
 """
 import argparse
@@ -21,7 +21,7 @@ ROOT = Path(__file__).resolve().parent.parent
 BOARDS = ROOT / "constraints"
 VENV = ROOT / "build" / "venv" / "bin"
 RECORD_HEADER_WORDS = tomllib.loads((ROOT / "tools" / "interface.toml").read_text())["record"]["header_words"]
-BLOCK_WORDS = 512  # of icebram and ecpbram together
+BLOCK_WORDS = 256  # of icebram
 
 
 class Failed(Exception):
@@ -72,12 +72,11 @@ def fingerprint(folder, board):
     for seed, (name, (width, depth)) in enumerate(memories(board).items(), 1):
         words = random.Random(seed)
         lines = [f"{words.getrandbits(width):0{width // 4}x}\n" for _ in range(depth)]
-        # The patchers take whole blocks; where a memory ends within one, its rest is zero.
+        # icebram takes whole blocks; where a memory ends within one, its rest is zero.
         zero = "0" * (width // 4) + "\n"
         padding = [zero] * (-depth % BLOCK_WORDS)
         (folder / f"{name}_init.hex").write_text("".join(lines))
         (folder / f"{name}.hex").write_text("".join(lines + padding))
-        (folder / f"{name}_empty.hex").write_text(zero * (depth + len(padding)))
 
 
 def synthesise(folder, board):
@@ -134,30 +133,13 @@ def place(folder, board, name, seed, goal_mhz, placed, report):
     return run(folder, f"nextpnr_{seed}.log", *command)
 
 
-def pack(folder, board, name):
-    """The placed design with empty memories, as a bitstream."""
-    ice = board["fpga"]["family"] == "ice40"
-    source = "placed.asc" if ice else "placed.config"
-    for memory in memories(board):
-        if ice:
-            run(folder, "icebram.log", tool("icebram"), f"{memory}.hex", f"{memory}_empty.hex", stdin=source, stdout=f"{memory}_empty.asc")
-            source = f"{memory}_empty.asc"
-        else:
-            run(folder, "ecpbram.log", tool("ecpbram"), "-i", source, "-o", f"{memory}_empty.config", "-f", f"{memory}.hex", "-t", f"{memory}_empty.hex")
-            source = f"{memory}_empty.config"
-    if ice:
-        run(folder, "pack.log", tool("icepack"), source, f"{name}.bin")
-    else:
-        run(folder, "pack.log", tool("ecppack"), "--compress", source, f"{name}.bit")
-
-
 def cells(utilisation, family):
     """(logic cells or LUTs used, available, block RAMs used, available)"""
     logic, ram = ("ICESTORM_LC", "ICESTORM_RAM") if family == "ice40" else ("TRELLIS_COMB", "DP16KD")
     return tuple(utilisation[kind][key] for kind in (logic, ram) for key in ("used", "available"))
 
 
-def build(name, output, seeds):
+def build(name, output, seeds, program):
     board, start = load(name), time.monotonic()
     folder = output / name
     folder.mkdir(parents=True, exist_ok=True)
@@ -179,7 +161,11 @@ def build(name, output, seeds):
         say(f"seed {seed} of {seeds} placed and routed in {seconds:.0f} s, {fmax:.1f} MHz")
     best = max(reports, key=lambda r: r[0])
     os.replace(folder / best[1], folder / f"placed.{best[1].split('.')[1]}")
-    pack(folder, board, name)
+    for _, spare, _ in reports:
+        (folder / spare).unlink(missing_ok=True)
+    if program:
+        run(folder, "pack.log", program, "bitstream", "--board", BOARDS / f"{name}.toml", "--placed", output, "--empty",
+            "-o", f"{name}.{'bin' if family == 'ice40' else 'bit'}")
     used, available, rams, ram_available = cells(best[2]["utilization"], family)
     result = {"board": name, "fpga": board["fpga"], "parameters": board["parameters"], "cells": used, "cells_available": available,
               "block_rams": rams, "block_rams_available": ram_available, "clock_mhz": clock_mhz,
@@ -207,11 +193,12 @@ def main():
     parser.add_argument("boards", metavar="BOARD", nargs="*", help="of constraints/; none: all")
     parser.add_argument("--output", type=Path, default=ROOT / "build" / "boards")
     parser.add_argument("--seeds", type=int, default=1, help="place and route with this many seeds and take the fastest (1)")
+    parser.add_argument("--program", type=Path, help="haptogram, to pack the bitstream with; without it there is none")
     options = parser.parse_args()
     results, failed = [], False
     try:
         for name in options.boards or board_names():
-            result, problems = build(name, options.output.resolve(), options.seeds)
+            result, problems = build(name, options.output.resolve(), options.seeds, options.program and options.program.resolve())
             results.append(result)
             failed |= bool(problems)
             for problem in problems:

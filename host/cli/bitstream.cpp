@@ -7,8 +7,9 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
+#include <cctype>
 #include <cerrno>
+#include <charconv>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -20,6 +21,7 @@
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "board/board.hpp"
+#include "board/ecp5_config.hpp"
 #include "command.hpp"
 #include "image/image.hpp"
 #include "image/manifest.hpp"
@@ -35,7 +37,7 @@ namespace fs = std::filesystem;
 struct BitstreamOptions {
     std::string board, image, output;
     std::string placed = "build/boards";
-    bool autostart = false;
+    bool autostart = false, empty = false;
 };
 
 Error failed(const std::string& where, const std::string& what) { return Error(ErrorCode::run_failed, where, what); }
@@ -101,15 +103,42 @@ std::string run_tool(const fs::path& folder, const std::vector<std::string>& com
     }
     std::string text = read_file(said);
     if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-        throw failed(command[0], fmt::format("failed ({}): {}", status, text));
+        throw failed(command[0],
+                     fmt::format("failed; is the placed design damaged? 'make bitstream' makes it anew\n{}", text));
     return text;
 }
 
-/// `words`, one a line, filled up with `filler` to `lines` and on to the whole blocks that the patchers want.
-std::string padded(std::string words, const std::string& filler, std::size_t lines) {
-    constexpr std::size_t block = 512;
-    const auto present = static_cast<std::size_t>(std::count(words.begin(), words.end(), '\n'));
-    for (std::size_t i = present; i < (lines + block - 1) / block * block; ++i) words += filler;
+/// What goes into one of the two memories.
+struct Contents {
+    std::string name;  ///< of its files beside the placed design
+    unsigned width;    ///< bits
+    std::vector<std::uint32_t> words;
+};
+
+/// $readmemh text, filled up with zeros to the whole blocks that icebram wants.
+std::string padded_text(const Contents& memory) {
+    constexpr std::size_t block = 256;
+    std::string text;
+    for (std::size_t i = 0; i < (memory.words.size() + block - 1) / block * block; ++i)
+        text += fmt::format("{:0{}x}\n", i < memory.words.size() ? memory.words[i] : 0U, memory.width / 4);
+    return text;
+}
+
+std::vector<std::uint32_t> read_words(const fs::path& file) {
+    const std::string text = read_file(file);
+    std::vector<std::uint32_t> words;
+    const char* at = text.data();
+    const char* const end = at + text.size();
+    while (at < end) {
+        std::uint32_t word = 0;
+        const auto [next, error] = std::from_chars(at, end, word, 16);
+        if (error != std::errc())
+            throw bad_input(file.string(), fmt::format("word {} is no hexadecimal number; run 'make bitstream' again",
+                                                       words.size() + 1));
+        words.push_back(word);
+        at = next;
+        while (at < end && std::isspace(static_cast<unsigned char>(*at)) != 0) ++at;
+    }
     return words;
 }
 
@@ -128,66 +157,78 @@ Image image_for(const Board& board, const std::string& file) {
     return image;
 }
 
-/// The placed design with both memories replaced, packed.
-std::string patched(const Board& board, const BitstreamOptions& options, const std::string& primary,
-                    const std::string& sequence) {
-    const bool ice = board.fpga.family == "ice40";
-    const fs::path placed = fs::path(options.placed) / board.name;
-    const std::string form = ice ? ".asc" : ".config";
+/// A file that tools/bitstream.py leaves beside the placed design.
+fs::path placed_file(const Board& board, const BitstreamOptions& options, const std::string& name) {
+    fs::path file = fs::path(options.placed) / board.name / name;
+    if (!fs::exists(file))
+        throw bad_input(file.string(),
+                        fmt::format("is not there; run 'make bitstream BOARD={}' first, or say where it is "
+                                    "with --placed",
+                                    board.name));
+    return file;
+}
+
+std::string patched_ice40(const Board& board, const BitstreamOptions& options, const std::vector<Contents>& memories) {
     const ScratchFolder scratch;
-    for (const std::string& name : {"placed" + form, std::string("primary.hex"), std::string("sequence.hex")}) {
-        std::error_code error;
-        fs::copy_file(placed / name, scratch.path() / name, error);
-        if (error)
-            throw bad_input((placed / name).string(),
-                            fmt::format("{}; run 'make bitstream BOARD={}' first, or say where "
-                                        "with --placed",
-                                        error.message(), board.name));
-    }
-    write_file(scratch.path() / "primary_new.hex", primary);
-    write_file(scratch.path() / "sequence_new.hex", sequence);
-    std::string source = "placed" + form;
-    const std::string patcher = find_tool(ice ? "icebram" : "ecpbram", options.placed);
-    for (const std::string name : {"primary", "sequence"}) {
-        const std::string target = name + form;
-        const std::string said =
-            ice ? run_tool(scratch.path(), {patcher, "-v", name + ".hex", name + "_new.hex"}, source, target)
-                : run_tool(scratch.path(),
-                           {patcher, "-v", "-i", source, "-o", target, "-f", name + ".hex", "-t", name + "_new.hex"},
-                           "", "");
+    const std::string patcher = find_tool("icebram", options.placed);
+    std::string source = fs::absolute(placed_file(board, options, "placed.asc")).string();
+    for (const Contents& memory : memories) {
+        const std::string from = fs::absolute(placed_file(board, options, memory.name + ".hex")).string();
+        const std::string to = (scratch.path() / (memory.name + ".hex")).string();
+        const std::string target = (scratch.path() / (memory.name + ".asc")).string();
+        write_file(to, padded_text(memory));
+        const std::string said = run_tool(scratch.path(), {patcher, "-v", from, to}, source, target);
         if (said.find("replaced 1 instances") == std::string::npos)
-            throw failed((placed / source).string(),
-                         fmt::format("does not hold {} memory as {} describes it; run 'make "
-                                     "bitstream BOARD={}' again\n{}",
-                                     name, name + ".hex", board.name, said));
+            throw failed(source,
+                         fmt::format("does not hold {} memory as {} describes it; run 'make bitstream BOARD={}' "
+                                     "again\n{}",
+                                     memory.name, from, board.name, said));
         source = target;
     }
-    std::vector<std::string> pack = {find_tool(ice ? "icepack" : "ecppack", options.placed)};
-    if (!ice) pack.emplace_back("--compress");
-    pack.insert(pack.end(), {source, "packed"});
-    run_tool(scratch.path(), pack, "", "");
+    run_tool(scratch.path(), {find_tool("icepack", options.placed), source, "packed"}, "", "");
+    return read_file(scratch.path() / "packed");
+}
+
+std::string patched_ecp5(const Board& board, const BitstreamOptions& options, const std::vector<Contents>& memories) {
+    const ScratchFolder scratch;
+    const fs::path placed = placed_file(board, options, "placed.config");
+    std::string config = read_file(placed);
+    for (const Contents& memory : memories)
+        config = replace_block_ram(config, read_words(placed_file(board, options, memory.name + "_init.hex")),
+                                   memory.words, memory.width, placed.string());
+    write_file(scratch.path() / "patched.config", config);
+    run_tool(scratch.path(), {find_tool("ecppack", options.placed), "--compress", "patched.config", "packed"}, "", "");
     return read_file(scratch.path() / "packed");
 }
 
 int bitstream(const BitstreamOptions& options) {
     const Board board = load_board(options.board);
     const std::string beside = options.output + ".json";
+    if (options.image.empty() != options.empty)
+        throw Error(ErrorCode::usage, "bitstream", "give --image FILE, or --empty for memories without one");
+    if (options.empty && options.autostart)
+        throw Error(ErrorCode::usage, "--autostart", "there is nothing to play in an empty memory; give --image");
     require_distinct({{"--image", options.image}}, {{"--output", options.output}, {"the manifest", beside}});
-    const Image image = image_for(board, options.image);
-    std::vector<std::uint32_t> sequence = sequence_words(image);
-    if (options.autostart) sequence[0] |= interface::autostart_bit;
-    std::string sequence_text;
-    for (const std::uint32_t word : sequence) sequence_text += fmt::format("{:08x}\n", word);
-    const std::size_t words = std::size_t{board.parameter("RECORDS")} * record_words(image.channels);
-    const std::string packed = patched(board, options, padded(primary_readmemh(image), "0000\n", words),
-                                       padded(sequence_text, "00000000\n", board.parameter("SEQUENCE_DEPTH")));
-    const nlohmann::ordered_json manifest = {{"haptogram", version()},
-                                             {"board", board.name},
-                                             {"image", options.image},
-                                             {"image_sha256", sha256(read_file(options.image))},
-                                             {"autostart", options.autostart},
-                                             {"watchdog_ms", options.autostart ? 0 : board.parameter("WATCHDOG_MS")},
-                                             {"bitstream_sha256", sha256(packed)}};
+
+    std::vector<Contents> memories = {{"primary", 16, {}}, {"sequence", 32, {}}};
+    nlohmann::ordered_json manifest = {{"haptogram", version()}, {"board", board.name}};
+    if (!options.empty) {
+        const Image image = image_for(board, options.image);
+        for (const std::uint16_t word : primary_words(image)) memories[0].words.push_back(word);
+        memories[1].words = sequence_words(image);
+        if (options.autostart) memories[1].words[0] |= interface::autostart_bit;
+        manifest["image"] = options.image;
+        manifest["image_sha256"] = sha256(read_file(options.image));
+    }
+    memories[0].words.resize(std::size_t{board.parameter("RECORDS")} * record_words(board.parameter("CHANNELS")));
+    memories[1].words.resize(board.parameter("SEQUENCE_DEPTH"));
+
+    const std::string packed =
+        board.fpga.family == "ice40" ? patched_ice40(board, options, memories) : patched_ecp5(board, options, memories);
+    manifest["autostart"] = options.autostart;
+    // A stand-alone board has no host that could fall silent.
+    manifest["watchdog_ms"] = options.autostart ? 0 : board.parameter("WATCHDOG_MS");
+    manifest["bitstream_sha256"] = sha256(packed);
     write_files({{options.output, packed}, {beside, manifest.dump(2) + "\n"}});
     return 0;
 }
@@ -198,7 +239,8 @@ void add_bitstream(CLI::App& app, Action& action) {
     auto options = std::make_shared<BitstreamOptions>();
     CLI::App* sub = app.add_subcommand("bitstream", "put an image into a board's bitstream, without placing it again");
     sub->add_option("--board", options->board, "name of a shipped board, or its file")->required();
-    sub->add_option("--image", options->image, "image made by 'haptogram compile --board'")->required();
+    auto* image = sub->add_option("--image", options->image, "image made by 'haptogram compile --board'");
+    sub->add_flag("--empty", options->empty, "no image: empty memories, to be filled over the link")->excludes(image);
     sub->add_option("-o,--output", options->output, "bitstream; what is in it goes to FILE.json")->required();
     sub->add_option("--placed", options->placed, "folder of what 'make bitstream' made")->capture_default_str();
     sub->add_flag("--autostart", options->autostart,

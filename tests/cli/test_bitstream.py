@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`haptogram bitstream`: what is read back from the bitstream by the tools that unpack it is the image, bit for bit."""
+import json
+import shutil
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+import support
+from intelhex import IntelHex
+from support import BAD_INPUT, ROOT, RUN_FAILED, USAGE
+
+def run(*args):
+    return support.succeed(args)
+
+
+def fails(code, *args):
+    result = support.run(args)
+    assert result.returncode == code, result.stderr.decode()
+    return result.stderr.decode()
+
+
+PLACED = ROOT / "build" / "boards"
+VENV = ROOT / "build" / "venv" / "bin"
+BOARDS = {"ice40-hx8k-breakout": "asc", "colorlight-5a-75e-v7.1": "config"}
+
+
+def fingerprint(board, name):
+    return [int(word, 16) for word in (PLACED / board / f"{name}_init.hex").read_text().split()]
+
+
+def columns_ice40(text):
+    """{(tile, lane): 256 bits as an integer}: what one bit of 256 words in a row looks like, in any width of block RAM."""
+    found, lines = {}, iter(text.splitlines())
+    for line in lines:
+        if not line.startswith(".ram_data"):
+            continue
+        rows = "".join(f"{int(next(lines), 16):0256b}"[::-1] for _ in range(16))
+        for lane in range(16):
+            found[line, lane] = int(rows[lane::16], 2)
+    return found
+
+
+def columns_ecp5(text):
+    """The same of an ECP5: 2048 rows of 9 bits; words of up to 36 bits are one, two or four rows."""
+    found, lines = {}, iter(text.splitlines())
+    for line in lines:
+        if not line.startswith(".bram_init"):
+            continue
+        rows = [int(word, 16) for _ in range(256) for word in next(lines).split()]
+        for stride in (1, 2, 4):
+            for phase in range(stride):
+                for bit in range(9):
+                    found[line, stride, phase, bit] = int("".join(str(row >> bit & 1) for row in rows[phase::stride]), 2)
+    return found
+
+
+def memory(family, before, after, words, width):
+    """Reads a memory out of `after`, at the places where `before`, the placed design, has its fingerprint `words`."""
+    contents = [0] * len(words)
+    # How many words a column has one bit of, and how far these are apart: narrow words share a row of an iCE40's.
+    shapes = [(256, 1), (256, 2), (256, 4), (256, 8)] if family == "asc" else [(2048, 1), (1024, 1), (512, 1)]
+    for length, step in shapes:
+        slices = {}
+        for start in (block + phase for block in range(0, len(words), length * step) for phase in range(step)):
+            part = words[start:start - start % step + length * step:step]
+            for bit in range(width):
+                slices[int("".join(str(word >> bit & 1) for word in part).ljust(length, "0"), 2)] = (start, bit)
+        places = [(key, slices[value]) for key, value in before.items() if value and value in slices]
+        if len(places) != len(slices):
+            continue
+        for key, (start, bit) in places:
+            for i, digit in enumerate(f"{after[key]:0{length}b}"):
+                if start + i * step < len(words):
+                    contents[start + i * step] |= int(digit) << bit
+                else:
+                    assert digit == "0"
+        return contents
+    raise AssertionError("the placed design does not hold the fingerprint")
+
+
+def unpack(board, bitstream, folder):
+    if BOARDS[board] == "asc":
+        return columns_ice40(subprocess.run(["iceunpack", bitstream], capture_output=True, text=True, check=True).stdout)
+    tool = shutil.which("ecpunpack") or VENV / "yowasp-ecpunpack"
+    shutil.copy(bitstream, folder / "unpack.bit")
+    subprocess.run([tool, "--idcode", "0x41111043", "unpack.bit", "unpack.config"], cwd=folder, capture_output=True, check=True)
+    return columns_ecp5((folder / "unpack.config").read_text())
+
+
+@pytest.fixture(params=BOARDS)
+def board(request):
+    if not (PLACED / request.param / "report.json").exists():
+        pytest.skip(f"not placed here: make bitstream BOARD={request.param}")
+    return request.param
+
+
+@pytest.fixture
+def image(board, tmp_path):
+    run("compile", "--shape", "circle", "--points", "20", "--board", board, "-o", tmp_path / "image.hex")
+    return tmp_path / "image.hex"
+
+
+@pytest.mark.parametrize("autostart", [False, True])
+def test_the_bitstream_holds_the_image(board, image, tmp_path, autostart):
+    out = tmp_path / "out.bin"
+    start = time.monotonic()
+    run("bitstream", "--board", board, "--image", image, *(["--autostart"] if autostart else []), "-o", out, "--placed", PLACED)
+    seconds = time.monotonic() - start
+    print(f"{board}: patched in {seconds:.2f} s")
+    columns = columns_ice40 if BOARDS[board] == "asc" else columns_ecp5
+    before = columns((PLACED / board / f"placed.{BOARDS[board]}").read_text())
+    after = unpack(board, out, tmp_path)
+    hexfile = IntelHex(str(image))
+    for name, base, width in (("primary", 0x00000000, 16), ("sequence", 0x10000000, 32)):
+        words = fingerprint(board, name)
+        found = memory(BOARDS[board], before, after, words, width)
+        size = width // 8
+        expected = [0] * len(words)
+        for address in hexfile.addresses():
+            if base <= address < base + len(words) * size:
+                expected[(address - base) // size] |= hexfile[address] << 8 * ((address - base) % size)
+        if name == "sequence" and autostart:
+            expected[0] |= 1 << 15
+        assert found == expected
+    said = json.loads((tmp_path / "out.bin.json").read_text())
+    assert said["autostart"] is autostart
+    assert said["watchdog_ms"] == (0 if autostart else 500)
+
+
+def test_what_cannot_be_patched(board, image, tmp_path):
+    out = tmp_path / "out.bin"
+    assert "make bitstream BOARD=" in fails(BAD_INPUT, "bitstream", "--board", board, "--image", image, "-o", out, "--placed", tmp_path)
+    assert "--empty" in fails(USAGE, "bitstream", "--board", board, "-o", out)
+    assert "give --image" in fails(USAGE, "bitstream", "--board", board, "--empty", "--autostart", "-o", out)
+    run("compile", "--shape", "circle", "--points", "20", "--array", "tile-10x10", "-o", tmp_path / "other.hex")
+    other = "ice40-hx8k-breakout"  # another clock than the array's own board
+    if board == other:
+        assert "Hz" in fails(BAD_INPUT, "bitstream", "--board", other, "--image", tmp_path / "other.hex", "-o", out, "--placed", PLACED)
+    (tmp_path / "bad.hex").write_text(":00000001FF\n")
+    fails(BAD_INPUT, "bitstream", "--board", board, "--image", tmp_path / "bad.hex", "-o", out, "--placed", PLACED)
+    assert not out.exists()
+    assert not (tmp_path / "out.bin.json").exists()
+
+
+def test_a_damaged_placed_design_is_noticed(board, image, tmp_path):
+    folder = tmp_path / "placed" / board
+    shutil.copytree(PLACED / board, folder, ignore=shutil.ignore_patterns("*.json", "core.v", "*.log"))
+    for name in ("primary.hex", "primary_init.hex"):
+        words = (folder / name).read_text().split()
+        words[0] = f"{int(words[0], 16) ^ 1:04x}"
+        (folder / name).write_text("\n".join(words) + "\n")
+    message = fails(RUN_FAILED, "bitstream", "--board", board, "--image", image, "-o", tmp_path / "out.bin", "--placed", tmp_path / "placed")
+    assert "make bitstream" in message
+    assert not (tmp_path / "out.bin").exists()
