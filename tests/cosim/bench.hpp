@@ -18,6 +18,7 @@ namespace haptogram::test {
 
 using link::Bytes;
 
+// Of the models of sim/models.cmake; a netlist is the only one of its executable and stands for both.
 inline constexpr std::size_t tile100 = 0;  // 100 channels, 16 timing bits, 1 Mbaud
 inline constexpr std::size_t small16 = 1;  // 16 channels, 12 timing bits, 3 Mbaud, watchdog 5 ms
 
@@ -28,7 +29,7 @@ struct Bench {
     link::Client client;
 
     explicit Bench(std::size_t model = small16, const sim::BoardOptions& options = {})
-        : board(model, options), recorder(board), line(board), client(line) {}
+        : board(std::min(model, sim::available_models().size() - 1), options), recorder(board), line(board), client(line) {}
 
     [[nodiscard]] std::uint32_t channels() const { return board.parameters().channels; }
 
@@ -36,8 +37,9 @@ struct Bench {
     /// a reset behind it in a netlist.
     void load(const Image& image) {
         if (board.primary_memory().empty()) {
-            client.identify();
-            client.upload(image);
+            link::Client loader(line);  // whose session the reset ends, so that the test's own client is as if new
+            loader.identify();
+            loader.upload(image);
             board.reset();
             return;
         }

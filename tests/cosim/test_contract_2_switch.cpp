@@ -30,7 +30,7 @@ Alternation alternate(std::uint32_t cycle_clocks, std::uint16_t loops, std::uint
 
 }  // namespace
 
-TEST_CASE("contract 2: the focus changes every carrier period with zero dead time", "[contract2]") {
+TEST_CASE("contract 2: the focus changes every carrier period with zero dead time", "[contract2][tile100]") {
     const Alternation result = alternate(1250, 100, 250);
     REQUIRE(result.underruns == 0);
     std::size_t changes = 0;
@@ -45,7 +45,7 @@ TEST_CASE("contract 2: the focus changes every carrier period with zero dead tim
     require_equal(result.report, 100 * 190);
 }
 
-TEST_CASE("contract 2: a record of 100 channels is loaded within the paper's 108 clocks", "[contract2]") {
+TEST_CASE("contract 2: a record of 100 channels is loaded within the paper's 108 clocks", "[contract2][tile100]") {
     // Nothing inside is looked at: with a cycle of N clocks a new record every cycle is only possible when a record
     // loads in N.
     REQUIRE(alternate(108, 50, 1).underruns == 0);
@@ -53,7 +53,7 @@ TEST_CASE("contract 2: a record of 100 channels is loaded within the paper's 108
     REQUIRE(alternate(load_clocks(100) - 6, 50, 1).underruns > 0);
 }
 
-TEST_CASE("contract 2: loading begins when the last pulse from before the change has ended", "[contract2]") {
+TEST_CASE("contract 2: loading begins when the last pulse from before the change has ended", "[contract2][tile100]") {
     // The shadow registers tell such pulses their end. At half the carrier period there is time left for 500 channels.
     REQUIRE(alternate(1250, 50, 255).underruns == 0);
     REQUIRE(alternate(200 + load_clocks(100), 50, 200).underruns == 0);
@@ -63,7 +63,7 @@ TEST_CASE("contract 2: loading begins when the last pulse from before the change
 }
 
 TEST_CASE("contract 2: a record that is not ready leaves the present one playing and counts an underrun",
-          "[contract2]") {
+          "[contract2][tile100]") {
     const Alternation result = alternate(60, 30, 12);
     REQUIRE(result.underruns >= 50);
     std::size_t late = 0;

@@ -17,7 +17,7 @@ link::Bytes record_bytes(const Record& r) {
 
 }  // namespace
 
-TEST_CASE("contract 3: a record written while it plays is seen whole or not at all", "[contract3]") {
+TEST_CASE("contract 3: a record written while it plays is seen whole or not at all", "[contract3][long]") {
     // Both contents hold all channels at one tick, so that any mixture shows as channels that rise apart.
     constexpr int writes = 400;
     auto g = generator();

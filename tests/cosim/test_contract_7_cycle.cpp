@@ -23,7 +23,7 @@ TEST_CASE("contract 7: a record plays once, a number of times, or repeats", "[co
     REQUIRE(bench.recorder.pulses().size() > before + 16 * 1990);
 }
 
-TEST_CASE("contract 7: the longest dwell is counted in full", "[contract7]") {
+TEST_CASE("contract 7: the longest dwell is counted in full", "[contract7][long]") {
     Bench bench;
     const Image image = image_of(16, {record(16, 24, 1, 2, 3)});
     bench.load(image);
@@ -37,7 +37,7 @@ TEST_CASE("contract 7: the longest dwell is counted in full", "[contract7]") {
     REQUIRE(cycles == 65535);
 }
 
-TEST_CASE("contract 7: counter and prescaler are 24 bits wide", "[contract7]") {
+TEST_CASE("contract 7: counter and prescaler are 24 bits wide", "[contract7][long]") {
     const auto [cycle, prescaler] = GENERATE(table<std::uint32_t, std::uint32_t>({
         {0x12345, 1},  // more than 16 bits of cycle
         {3, 0x10007},  // more than 16 bits of prescaler

@@ -60,7 +60,7 @@ def elaborate(modules, model, folder):
            f"hierarchy -check -top haptogram_core {chparam}",
            "prep",
            # Registers with enable and reset as the source has them, and nothing that no mutant could change anything in.
-           "opt_dff", "opt_expr -fine t:$lt t:$le t:$gt t:$ge", "opt_clean -purge", "wreduce", "opt_clean -purge",
+           "opt_dff", "opt_expr -fine t:$lt t:$le t:$gt t:$ge t:$and t:$or", "opt_clean -purge", "wreduce", "opt_clean -purge",
            "write_json all.json",
            "write_rtlil all.il"], folder, "elaborate")
     everything = json.loads((folder / "all.json").read_text())["modules"]

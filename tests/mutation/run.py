@@ -89,7 +89,7 @@ def run(options):
     t, survivors = table(), listed()
     mutants = json.loads((options.build / "mutants.json").read_text())
     chosen = [m for m in mutants if not options.only or m["number"] in options.only]
-    steps = {g["name"]: [g["first"], t["tests"]] for g in t["group"]}
+    steps = {g["name"]: g["tests"] for g in t["group"]}
     tests = Tests(options.program, ["--rng-seed", str(t["seed"])])
     problems, start = [], time.monotonic()
 

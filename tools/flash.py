@@ -1,0 +1,53 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Loads a board's bitstream with openFPGALoader, with an image in it if one is given.
+
+Exit code 0, 1 when a program fails, 2 on wrong usage.
+"""
+import argparse
+import shlex
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("board", help="of constraints/")
+    parser.add_argument("--program", type=Path, required=True, help="haptogram")
+    parser.add_argument("--image", type=Path, help="Intel HEX image to put into the bitstream")
+    parser.add_argument("--autostart", action="store_true", help="with --image: it plays at power-up, with no host and no watchdog")
+    parser.add_argument("--write", action="store_true", help="to the board's flash, where it stays; else until power is cut")
+    parser.add_argument("--dry-run", action="store_true", help="print the commands only")
+    options = parser.parse_args()
+    file = ROOT / "constraints" / f"{options.board}.toml"
+    if not file.exists():
+        parser.error(f"no board {options.board}; '{options.program} board list' names them")
+    if options.autostart and not options.image:
+        parser.error("--autostart needs an --image to play")
+    board = tomllib.loads(file.read_text())
+    folder = ROOT / "build" / "boards" / options.board
+    suffix = "bin" if board["fpga"]["family"] == "ice40" else "bit"
+    bitstream, commands = folder / f"{options.board}.{suffix}", []
+    if options.image:
+        bitstream = folder / f"flash.{suffix}"
+        commands.append([options.program, "bitstream", "--board", options.board, "--placed", folder.parent, "--image", options.image,
+                         "-o", bitstream, *(["--autostart"] if options.autostart else [])])
+    elif not options.dry_run and not bitstream.exists():
+        print(f"flash: {bitstream} is not there; run 'make bitstream BOARD={options.board}' first", file=sys.stderr)
+        return 1
+    commands.append(["openFPGALoader", *board["flash"]["write" if options.write else "load"], bitstream])
+    print(f"{board['description']}: {board['flash']['note']}", file=sys.stderr)
+    for command in commands:
+        print(shlex.join(map(str, command)), flush=True)
+        if not options.dry_run and subprocess.run(list(map(str, command))).returncode != 0:
+            print("flash: the command above failed", file=sys.stderr)
+            return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
