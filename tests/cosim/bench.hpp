@@ -29,7 +29,10 @@ struct Bench {
     link::Client client;
 
     explicit Bench(std::size_t model = small16, const sim::BoardOptions& options = {})
-        : board(std::min(model, sim::available_models().size() - 1), options), recorder(board), line(board), client(line) {}
+        : board(std::min(model, sim::available_models().size() - 1), options),
+          recorder(board),
+          line(board),
+          client(line) {}
 
     [[nodiscard]] std::uint32_t channels() const { return board.parameters().channels; }
 
