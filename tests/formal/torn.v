@@ -67,7 +67,7 @@ module torn #(
         f_reading_q <= reading;
         f_address_q <= {1'b0, address};
         f_written_q <= !rst && address >= f_from && address < f_at_q;
-        if (reading && write) f_met_q <= 1'b1;
+        if (f_loads_q && write) f_met_q <= 1'b1;
         if (arrives) begin
             if (covered && word[0]) f_new_q <= 1'b1;
             if (covered && !word[0]) f_old_q <= 1'b1;
