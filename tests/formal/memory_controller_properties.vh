@@ -14,6 +14,7 @@ initial f_reset_seen_q = 1'b0;
 
 wire [26:0] f_first_word = {11'd0, i_index - 16'd1} * STRIDE;
 wire [26:0] f_asked     = {17'd0, asked_q};
+wire        f_unused    = &{1'b0, f_first_word, f_asked};
 wire        f_loads     = f_index_q != 16'd0 && f_index_q <= TOP_INDEX;
 wire        f_loading   = f_taken_q && f_loads && f_since_q < F_LOADED;
 wire [ADDRESS_BITS-1:0] f_narrow = f_address_q - f_base_q;
