@@ -50,7 +50,12 @@ module frame_receiver #(
     wire [15:0]   write_word    = o_good ? {{(14-BITS){1'b0}}, length} : {i_byte, low_q};
     wire [BITS:0] length_words  = length[BITS+1:1] + {{BITS{1'b0}}, length[0]};
     wire [BITS:0] start_d       = o_good ? start_q + ONE + length_words : start_q;
-    wire [BITS:0] read_d        = read_q + {{BITS{1'b0}}, o_valid && i_take};
+    // Both outcomes are worked out before i_take, which comes late, chooses.
+    wire          takes         = o_valid && i_take;
+    wire [BITS:0] read_next     = read_q + ONE;
+    wire [BITS:0] read_d        = takes ? read_next : read_q;
+    // What lies before start_q was written at least one clock ago.
+    wire          valid_d       = takes ? read_next != start_q : read_q != start_q;
 
     always @(posedge clk) begin
         if (write) ring[write_address] <= write_word;
@@ -66,7 +71,7 @@ module frame_receiver #(
         end else begin
             start_q <= start_d;
             read_q  <= read_d;
-            o_valid <= read_d != start_q;  // what lies before start_q was written at least one clock ago
+            o_valid <= valid_d;
         end
         if (rst || i_end) begin
             place_q <= rst ? ONE : start_d + ONE;

@@ -61,7 +61,7 @@ module index_source #(
     wire        sequence_ends = mode_q == SEQUENCE && at_last && loops_q == 16'd1;
     // Offer silence once; nothing follows it.
     wire        finish    = i_stop || (!commanded && !enter_live && ((header && !plays)
-                            || (taken && ((mode_q == SINGLE && o_dwell != 16'd0) || sequence_ends))));
+                            || (taken && ((mode_q == SINGLE && entry_q[31:16] != 16'd0) || sequence_ends))));
     wire [BITS-1:0] first_d = header ? ONE : i_argument_0[BITS-1:0];
 
     assign o_mode             = mode_q;

@@ -3,9 +3,10 @@
 // Takes the next (index, dwell), reads that record out of primary memory, one word a clock, into the cycle controller's
 // fields and the channels' shadow registers, and holds it ready until it is committed.
 //
-// i_entry/o_take is a valid/ready stream, taken when the last record's pulses have left the shadow registers. From the clock that takes an entry to the one in which o_ready is first high
-// are CHANNELS + 7 clocks; index 0 (silence) is ready at once. A record that cannot be played (index above RECORDS,
-// prescaler 0, a pulse not shorter than its cycle) is refused: o_refused strobes and silence takes its place and dwell.
+// i_entry/o_take is a valid/ready stream, taken when the last record's pulses have left the shadow registers. From the clock
+// that takes an entry to the one in which o_ready is first high, and the last word arrives, are CHANNELS + 7 clocks; index 0
+// (silence) is ready after 2. A record that cannot be played (index above RECORDS, prescaler 0, a pulse not shorter than its
+// cycle) is refused: o_refused strobes and silence takes its place and dwell.
 // The memory is read without pause in ascending order; writers do the same, so whoever starts first stays first and a
 // record written meanwhile is seen whole or not at all. i_preempt drops whatever is loading or loaded.
 `default_nettype none
@@ -27,7 +28,7 @@ module memory_controller #(
     input  wire [15:0]             i_dwell,
     output wire                    o_reading,  // o_address is in use
     output reg  [ADDRESS_BITS-1:0] o_address,  // word
-    input  wire [15:0]             i_word,     // one clock after o_address
+    input  wire [15:0]             i_word,     // two clocks after o_address
     output wire                    o_shift,
     output wire [TIMING_BITS-1:0]  o_timing,
     input  wire                    i_commit,
@@ -54,22 +55,22 @@ module memory_controller #(
 
     reg [1:0]            state_q;
     reg [WORD_BITS-1:0]  asked_q;    // number of the word whose address is out
-    reg [WORD_BITS-1:0]  arrived_q;  // number of the word in i_word
-    reg                  arrives_q;  // i_word belongs to the record being loaded
-    reg                  places_q;   // the record's place is being worked out
+    reg [WORD_BITS-1:0]  comes_q;    // the one before it
+    reg [WORD_BITS-1:0]  arrived_q;  // the one before that, in i_word
+    reg                  coming_q, arrives_q;  // they belong to the record being loaded
+    reg                  places_q;   // the index is looked at, the record's place worked out
     reg [7:0]            pulse_field_q;
-    reg [7:0]            reserved_q;  // bits that this version gives no meaning
     reg                  unplayable_q;
 
     wire [26:0] first_word = {11'd0, o_index - 16'd1} * STRIDE;  // of an index in range, so the upper bits are 0
-    wire refuse_index = i_index > TOP_INDEX;
-    // All header fields are in place when the first timing arrives.
+    wire refuse_index = o_index > TOP_INDEX;
+    // Looked at when the header's last word is in i_word: the prescaler's upper bits, and bits that this version gives no meaning.
     wire [24:0] pulse_limit = 25'd1 << PULSE_BITS;
-    wire unplayable = o_prescaler == 24'd0 || (o_cycle_length[23:8] == 16'd0 && pulse_field_q >= o_cycle_length[7:0])
-                      || {17'd0, pulse_field_q} >= pulse_limit || reserved_q != 8'd0;
+    wire unplayable = {i_word[7:0], o_prescaler[15:0]} == 24'd0 || {17'd0, pulse_field_q} >= pulse_limit || i_word[15:8] != 8'd0
+                      || (o_cycle_length[23:8] == 16'd0 && pulse_field_q >= o_cycle_length[7:0]);
 
     assign o_take    = state_q == IDLE && i_entry && i_settled && !i_preempt;
-    wire   arrives   = state_q == LOAD && arrives_q;  // the last word is still out when the state has changed
+    wire   ends      = coming_q && comes_q == LAST;  // the last word arrives in the next clock
     assign o_reading = state_q == LOAD && !places_q;
     assign o_ready   = state_q == READY;
     // A timing too wide for the channel becomes all ones, which never matches.
@@ -82,22 +83,23 @@ module memory_controller #(
         end
     endgenerate
     assign o_timing = too_wide ? {TIMING_BITS{1'b1}} : i_word[TIMING_BITS-1:0];
-    assign o_shift        = arrives && arrived_q >= `HG_RECORD_HEADER_WORDS;
+    assign o_shift        = arrives_q && arrived_q >= `HG_RECORD_HEADER_WORDS;
     assign o_pulse_length = pulse_field_q[PULSE_BITS-1:0];
 
     always @(posedge clk) begin
         o_refused <= 1'b0;
-        arrives_q <= o_reading && !i_preempt;
+        coming_q  <= o_reading && !ends;
+        arrives_q <= coming_q;
         if (rst || i_preempt) begin
             state_q   <= IDLE;
-            arrives_q <= 1'b0;
+            {coming_q, arrives_q} <= 2'b00;
         end else case (state_q)
-            IDLE: if (i_entry && i_settled) begin
-                state_q   <= (i_index == 16'd0 || refuse_index) ? READY : LOAD;
+            IDLE: if (i_entry && i_settled) state_q <= LOAD;
+            LOAD: if (places_q && (o_index == 16'd0 || refuse_index)) begin
+                state_q   <= READY;
+                o_silent  <= 1'b1;
                 o_refused <= refuse_index;
-                o_silent  <= i_index == 16'd0 || refuse_index;
-            end
-            LOAD: if (arrives && arrived_q == LAST) begin
+            end else if (ends) begin
                 state_q   <= READY;
                 o_silent  <= unplayable_q;
                 o_refused <= unplayable_q;
@@ -118,13 +120,13 @@ module memory_controller #(
             o_address <= o_address + 1'b1;
             asked_q   <= asked_q + 1'b1;
         end
-        arrived_q <= asked_q;
-        if (arrives) begin
+        comes_q   <= asked_q;
+        arrived_q <= comes_q;
+        if (arrives_q) begin
             if (arrived_q == 0) o_cycle_length[15:0] <= i_word;
             if (arrived_q == 1) {pulse_field_q, o_cycle_length[23:16]} <= i_word;
             if (arrived_q == 2) o_prescaler[15:0] <= i_word;
-            if (arrived_q == 3) {reserved_q, o_prescaler[23:16]} <= i_word;
-            if (arrived_q == 4) unplayable_q <= unplayable;
+            if (arrived_q == 3) {unplayable_q, o_prescaler[23:16]} <= {unplayable, i_word[7:0]};
         end
     end
 

@@ -18,7 +18,7 @@ module pulse_generators #(
     input  wire                   clk,
     input  wire                   rst,
     input  wire                   i_allow,         // from output_guard
-    input  wire                   i_shift,         // not before o_settled
+    input  wire                   i_shift,         // not before o_settled; the last one may come with i_commit
     input  wire [TIMING_BITS-1:0] i_timing,
     input  wire                   i_commit,        // in a cycle's last clock, while o_settled
     input  wire                   i_tick,          // one clock, at the start of each tick

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Answers one frame: three header words, then i_words words read from the address space, as a valid/ready stream with a
-// last mark. o_read is held until i_granted; i_read_word follows one clock later. o_answered strobes at the end.
+// last mark. o_read is held until i_granted; i_read_word follows two clocks later. o_answered strobes at the end.
 `default_nettype none
 module reply_unit #(
     parameter WORD_BITS = 16  // of a word's address
@@ -26,7 +26,7 @@ module reply_unit #(
     output wire        o_last,
     output wire        o_answered
 );
-    localparam [2:0] IDLE = 3'd0, HEAD_0 = 3'd1, HEAD_1 = 3'd2, HEAD_2 = 3'd3, ASK = 3'd4, FETCH = 3'd5, SEND = 3'd6;
+    localparam [2:0] IDLE = 3'd0, HEAD_0 = 3'd1, HEAD_1 = 3'd2, HEAD_2 = 3'd3, ASK = 3'd4, WAIT = 3'd5, FETCH = 3'd6, SEND = 3'd7;
 
     reg [2:0]  state_q;
     reg [15:0] words_q;  // still to be read
@@ -52,7 +52,8 @@ module reply_unit #(
                 o_word  <= i_live_level;
                 state_q <= HEAD_2;
             end
-            ASK: if (i_granted) state_q <= FETCH;
+            ASK: if (i_granted) state_q <= WAIT;
+            WAIT: state_q <= FETCH;
             FETCH: begin
                 o_word    <= i_read_word;
                 o_address <= o_address + 1'b1;

@@ -91,7 +91,8 @@ def synthesise(folder, board):
         parameters["LED_ACTIVE_LOW"] = 1
     sets = " ".join(f"-set {k} {v}" for k, v in parameters.items())
     files = " ".join(f'-set {n.upper()}_FILE "{n}_init.hex"' for n in memories(board))
-    synth = "synth_ice40" if family == "ice40" else "synth_ecp5"
+    # Without the one multiplier, for which Yosys has no simulation model.
+    synth = "synth_ice40" if family == "ice40" else "synth_ecp5 -nodsp"
     # The core stays a module of its own, so that what is tested is what is placed.
     (folder / "synth.ys").write_text(f"""read_verilog {' '.join(defines)} -I{ROOT}/rtl {' '.join(map(str, sources))}
 chparam {sets} {files} {top}
@@ -102,6 +103,7 @@ tee -q -o stat.txt stat
 delete {top}
 hierarchy -auto-top
 rename -top haptogram_core
+chtype -set dp16kd t:DP16KD
 splitnets
 write_verilog -noattr core.v
 """)

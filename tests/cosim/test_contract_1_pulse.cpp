@@ -79,8 +79,9 @@ TEST_CASE("contract 1: a pulse length of 0 and timings beyond the cycle silence 
 }
 
 TEST_CASE("contract 1: no pulse is cut, lost or doubled when the focus changes every cycle", "[contract1]") {
-    // The next record loads, in 23 clocks, once the pulses from before the change have ended. With pulses of up to 30 ticks
-    // even a cycle of 60 has room for that; with longer ones some records play twice, and their pulses are whole all the same.
+    // The next record loads, in 23 clocks, once the pulses from before the change have ended. With pulses of up to 30
+    // ticks even a cycle of 60 has room for that; with longer ones some records play twice, and their pulses are whole
+    // all the same.
     const std::uint32_t longest = GENERATE(30U, 255U);
     auto g = generator();
     Bench bench;

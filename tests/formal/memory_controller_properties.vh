@@ -4,20 +4,21 @@
 localparam [15:0] F_CHANNELS = CHANNELS[15:0];
 localparam [15:0] F_HEADER = `HG_RECORD_HEADER_WORDS;
 localparam [15:0] F_LOADED = F_CHANNELS + 16'd6;  // clocks from the one after taking an entry to ready
-reg        f_reset_seen_q, f_taken_q, f_reading_q, f_ready_q;
+reg        f_reset_seen_q, f_taken_q, f_reading_q, f_read_q, f_ready_q;
 reg [15:0] f_since_q;   // clocks since the one after the entry was taken
 reg [15:0] f_shifts_q;  // since then
 reg [15:0] f_index_q, f_dwell_q;
-reg [ADDRESS_BITS-1:0] f_base_q, f_address_q;  // of words, as wide as the memory's: the solver cannot do with wider products
+reg [ADDRESS_BITS-1:0] f_base_q, f_address_q, f_arrived_q;  // of words, as wide as the memory's: the solver cannot do with wider products
 reg [15:0] f_header_0_q, f_header_1_q, f_header_2_q, f_header_3_q;
 initial f_reset_seen_q = 1'b0;
 
 wire [26:0] f_first_word = {11'd0, i_index - 16'd1} * STRIDE;
 wire [26:0] f_asked     = {17'd0, asked_q};
-wire        f_unused    = &{1'b0, f_first_word, f_asked};
+wire [26:0] f_comes     = {17'd0, comes_q};
+wire        f_unused    = &{1'b0, f_first_word, f_asked, f_comes};
 wire        f_loads     = f_index_q != 16'd0 && f_index_q <= TOP_INDEX;
 wire        f_loading   = f_taken_q && f_loads && f_since_q < F_LOADED;
-wire [ADDRESS_BITS-1:0] f_narrow = f_address_q - f_base_q;
+wire [ADDRESS_BITS-1:0] f_narrow = f_arrived_q - f_base_q;
 wire [26:0] f_number    = {{(27-ADDRESS_BITS){1'b0}}, f_narrow};  // of the word in i_word
 wire [23:0] f_cycle     = {f_header_1_q[7:0], f_header_0_q};
 wire [23:0] f_prescaler = {f_header_3_q[7:0], f_header_2_q};
@@ -27,15 +28,17 @@ wire [TIMING_BITS-1:0] f_narrowed = i_word >> (TIMING_BITS - 1) > 1 ? {TIMING_BI
 
 always @(posedge clk) begin
     f_reset_seen_q <= f_reset_seen_q || rst;
-    f_reading_q    <= o_reading;
+    f_reading_q    <= o_reading && !i_preempt && !rst && !(f_reading_q && o_address == f_address_q);  // the last one stays out
+    f_read_q       <= f_reading_q && !i_preempt && !rst;
     f_address_q    <= o_address;
+    f_arrived_q    <= f_address_q;
     f_ready_q      <= o_ready;
     if (f_since_q != 16'hffff) f_since_q <= f_since_q + 16'd1;
     if (o_shift) f_shifts_q <= f_shifts_q + 16'd1;
-    if (f_reading_q && f_number == 0) f_header_0_q <= i_word;
-    if (f_reading_q && f_number == 1) f_header_1_q <= i_word;
-    if (f_reading_q && f_number == 2) f_header_2_q <= i_word;
-    if (f_reading_q && f_number == 3) f_header_3_q <= i_word;
+    if (f_read_q && f_number == 0) f_header_0_q <= i_word;
+    if (f_read_q && f_number == 1) f_header_1_q <= i_word;
+    if (f_read_q && f_number == 2) f_header_2_q <= i_word;
+    if (f_read_q && f_number == 3) f_header_3_q <= i_word;
     if (o_take) begin
         {f_index_q, f_dwell_q, f_since_q, f_shifts_q} <= {i_index, i_dwell, 16'd0, 16'd0};
         f_base_q <= f_first_word[ADDRESS_BITS-1:0];
@@ -46,29 +49,30 @@ always @(posedge clk) begin
 
     if (f_reset_seen_q) begin
         assert (o_take == (i_entry && i_settled && !i_preempt && !f_taken_q));
-        assert (o_ready == (f_taken_q && (!f_loads || f_since_q >= F_LOADED)));
+        assert (o_ready == (f_taken_q && f_since_q >= (f_loads ? F_LOADED : 16'd1)));
         assert (o_reading == (f_loading && f_since_q != 16'd0) && (!f_taken_q || places_q == (f_since_q == 16'd0)));
         assert ((state_q == IDLE) == !f_taken_q);
         assert (!f_taken_q || f_base_q == first_word[ADDRESS_BITS-1:0]);
+        assert (coming_q == (f_loading && f_since_q >= 16'd2) && f_reading_q == coming_q);
+        assert (arrives_q == (f_taken_q && f_loads && f_since_q >= 16'd3 && f_since_q <= F_LOADED) && f_read_q == arrives_q);
+        assert (!arrives_q || ({6'd0, arrived_q} == f_since_q - 16'd3 && f_number == {17'd0, arrived_q}));
         if (f_loading) begin
-            assert (arrives_q == (f_since_q >= 16'd2) && f_reading_q == arrives_q);
             assert ({6'd0, asked_q} == (f_since_q > F_LOADED - 16'd2 ? F_LOADED - 16'd3 : f_since_q == 16'd0 ? 16'd0 : f_since_q - 16'd1));
             assert (places_q || o_address == f_base_q + f_asked[ADDRESS_BITS-1:0]);
-            assert (!arrives_q || ({6'd0, arrived_q} == f_since_q - 16'd2 && f_number == {17'd0, arrived_q}));
-            assert (f_shifts_q == (f_since_q < 16'd6 ? 16'd0 : f_since_q - 16'd6));
-            assert (f_since_q < 16'd3 || o_cycle_length[15:0] == f_header_0_q);
-            assert (f_since_q < 16'd4 || {pulse_field_q, o_cycle_length[23:16]} == f_header_1_q);
-            assert (f_since_q < 16'd5 || o_prescaler[15:0] == f_header_2_q);
-            assert (f_since_q < 16'd6 || {reserved_q, o_prescaler[23:16]} == f_header_3_q);
-            assert (f_since_q < 16'd7 || unplayable_q == !f_playable);
+            assert (!coming_q || ({6'd0, comes_q} == f_since_q - 16'd2 && f_address_q == f_base_q + f_comes[ADDRESS_BITS-1:0]));
+            assert (f_shifts_q == (f_since_q < 16'd7 ? 16'd0 : f_since_q - 16'd7));
+            assert (f_since_q < 16'd4 || o_cycle_length[15:0] == f_header_0_q);
+            assert (f_since_q < 16'd5 || {pulse_field_q, o_cycle_length[23:16]} == f_header_1_q);
+            assert (f_since_q < 16'd6 || o_prescaler[15:0] == f_header_2_q);
+            assert (f_since_q < 16'd7 || (o_prescaler[23:16] == f_header_3_q[7:0] && unplayable_q == !f_playable));
         end
-        // The right words, in order, and all of them.
+        // The right words, in order, and all of them, the last one in the first clock of ready.
         if (o_shift) begin
-            assert (f_loading && f_reading_q && f_shifts_q < F_CHANNELS);
+            assert (arrives_q && f_read_q && f_shifts_q < F_CHANNELS);
             assert (f_number == {11'd0, F_HEADER + f_shifts_q} && o_timing == f_narrowed);
         end
         if (o_ready && f_loads) begin
-            assert (f_shifts_q == F_CHANNELS && o_silent == !f_playable);
+            assert (o_shift == (f_since_q == F_LOADED) && f_shifts_q + {15'd0, o_shift} == F_CHANNELS && o_silent == !f_playable);
             assert (o_cycle_length == f_cycle && o_prescaler == f_prescaler && {pulse_field_q} == f_pulse);
         end
         if (o_ready && !f_loads) assert (o_silent);

@@ -49,7 +49,7 @@ always @(posedge clk) begin
         if (i_commit) begin `F_EXPECT ({{(F_BITS-PULSE_BITS){1'b0}}, i_pulse_length} < f_next + {{(F_BITS-1){1'b0}}, i_tick}); end
         else if (i_cycle_start && !f_first_q) begin `F_EXPECT ({{(F_BITS-PULSE_BITS){1'b0}}, i_pulse_length} < f_next_q); end
         if (f_repeats_q && !f_first_q && i_tick) begin `F_EXPECT (i_cycle_start ? f_next_q == f_length_q : f_next_q < f_length_q); end
-        `F_EXPECT (!i_shift || (old_left_q == NONE && !commit_q && !i_commit));
+        `F_EXPECT (!i_shift || (old_left_q == NONE && !commit_q));
         if (i_tick) begin
             `F_EXPECT (i_count == f_next[TIMING_BITS-1:0]);
             `F_EXPECT (i_can_match == (i_pulse_length != NONE && f_next < F_NEVER));

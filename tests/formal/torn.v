@@ -33,28 +33,28 @@ module torn #(
     // The writer
     reg        f_begun_q;
     reg [4:0]  f_at_q;  // next word to write
-    reg        f_written_q;
+    reg        f_written_q, f_shown_q;
     // A word that is being read waits: the core holds the writer for that clock.
     wire       hold  = reading && address == f_at_q[ADDRESS_BITS-1:0];
     wire       write = !rst && !hold && (f_begun_q ? f_at_q != f_to : i_begin);
     wire       ended = (f_begun_q && f_at_q == f_to) || (write && f_at_q + 5'd1 == f_to);  // with this clock at the latest
     initial f_begun_q = 1'b0;
-    wire [15:0] word = {15'd0, f_written_q};
+    wire [15:0] word = {15'd0, f_shown_q};
     memory_controller #(.CHANNELS(CHANNELS), .RECORDS(2), .TIMING_BITS(4), .PULSE_BITS(3)) loader (
         .clk(clk), .rst(rst), .i_preempt(i_preempt), .i_entry(i_entry), .i_settled(1'b1), .o_take(take), .i_index({14'd0, i_second, !i_second}), .i_dwell(16'd1),
         .o_reading(reading), .o_address(address), .i_word(word), .o_shift(shift), .o_timing(), .i_commit(1'b1),
         .o_ready(ready), .o_silent(silent), .o_index(), .o_dwell(), .o_cycle_length(), .o_prescaler(), .o_pulse_length(),
         .o_refused(refused));
     // What the present load has seen, by the addresses it read
-    reg              f_loads_q, f_reading_q, f_old_q, f_new_q, f_met_q, f_ended_q, f_was_old_q;
-    reg [4:0]        f_base_q, f_address_q;
+    reg              f_loads_q, f_reading_q, f_read_q, f_done_q, f_old_q, f_new_q, f_met_q, f_ended_q, f_was_old_q;
+    reg [4:0]        f_base_q, f_address_q, f_arrived_q;
     reg [STRIDE-1:0] f_seen_q;
-    initial {f_loads_q, f_reading_q, f_was_old_q} = 3'b000;
+    initial {f_loads_q, f_reading_q, f_read_q, f_done_q, f_was_old_q} = 5'b00000;
 
-    wire        arrives = reading && f_reading_q;
-    wire        covered = f_address_q >= f_from && f_address_q < f_to;
-    wire [4:0]  number  = f_address_q - f_base_q;
-    wire        done    = ready && f_loads_q;
+    wire        arrives = f_loads_q && f_read_q;
+    wire        covered = f_arrived_q >= f_from && f_arrived_q < f_to;
+    wire [4:0]  number  = f_arrived_q - f_base_q;
+    wire        done    = f_done_q;  // the last word arrives in the clock before
     wire        within  = f_from < f_base_q + STRIDE && f_to > f_base_q;
     wire        whole   = f_from <= f_base_q && f_to >= f_base_q + STRIDE;
 
@@ -64,8 +64,12 @@ module torn #(
         if (rst) f_at_q <= f_from;
         if (write) {f_begun_q, f_at_q} <= {1'b1, f_at_q + 1'b1};
 
-        f_reading_q <= reading;
+        f_done_q    <= ready && f_loads_q && !f_done_q && !i_preempt;
+        f_reading_q <= reading && !rst && !i_preempt && !(f_reading_q && address == f_address_q[ADDRESS_BITS-1:0]);
+        f_read_q    <= f_reading_q && !i_preempt;
         f_address_q <= {1'b0, address};
+        f_arrived_q <= f_address_q;
+        f_shown_q   <= f_written_q;
         f_written_q <= !rst && address >= f_from && address < f_at_q;
         if (f_loads_q && write) f_met_q <= 1'b1;
         if (arrives) begin

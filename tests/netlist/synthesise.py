@@ -24,7 +24,8 @@ def main():
     options.output.parent.mkdir(parents=True, exist_ok=True)
     script = f"""read_verilog -I{ROOT}/rtl {' '.join(str(p) for p in sorted(ROOT.glob('rtl/*.v')))}
 chparam {sets} haptogram_core
-synth_{options.family} -top haptogram_core
+synth_{options.family} {'-nodsp' if options.family == 'ecp5' else ''} -top haptogram_core
+chtype -set dp16kd t:DP16KD
 splitnets
 write_verilog -noattr {options.output}
 """
