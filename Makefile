@@ -24,7 +24,7 @@ test: DEEP := -DHAPTOGRAM_DEEP_TESTS=ON
 test: build/boards/ice40-hx8k-breakout/report.json build ## every test: units, co-simulation on RTL and netlists, command line, proofs, budgets, lint
 	@ctest --preset $(PRESET) -j 2
 
-BITSTREAM_INPUTS := $(wildcard rtl/*.v rtl/*.vh rtl/boards/*.v constraints/*.toml) tools/bitstream.py
+BITSTREAM_INPUTS := $(wildcard rtl/*.v rtl/*.vh rtl/boards/*.v constraints/*.toml) tools/bitstream.py tools/budgets.toml
 build/boards/%/report.json: $(BITSTREAM_INPUTS) | setup
 	@$(PYTHON) tools/bitstream.py $*
 
@@ -32,8 +32,9 @@ BOARD ?= ice40-hx8k-breakout
 bitstream: build ## synthesise, place and route BOARD=… into build/boards, SEEDS=1; fails beyond the budget
 	@$(PYTHON) tools/bitstream.py $(BOARD) --seeds $(or $(SEEDS),1) --program $(BUILD)/host/cli/haptogram
 
-bitstreams: build ## the same for every board
-	@$(PYTHON) tools/bitstream.py --seeds $(or $(SEEDS),1) --program $(BUILD)/host/cli/haptogram
+bitstreams: build ## the same for every board, and the core with 256 channels; their table goes to constraints/builds.md
+	@$(PYTHON) tools/bitstream.py colorlight-5a-75e-v7.1 --channels 256 --records 160 --seeds $(or $(SEEDS),1)
+	@$(PYTHON) tools/bitstream.py --seeds $(or $(SEEDS),1) --program $(BUILD)/host/cli/haptogram --table constraints/builds.md
 
 # With IMAGE, the image is in the bitstream and plays at power-up with AUTOSTART=1; FLASH=write keeps it when power is cut.
 flash: ## load BOARD=… through openFPGALoader, with IMAGE=… in it if given; DRY_RUN=1 only says how

@@ -73,7 +73,7 @@ module index_source #(
     assign o_live_clear       = commanded;
     assign o_autostart        = power_up_q && header && i_sequence_word[`HG_AUTOSTART_BIT] && !rst;
 
-    initial power_up_q = 1'b1;
+    initial {power_up_q, fetch_q} = 3'b100;  // so that no chance word can start anything before reset
     always @(posedge clk) begin
         o_preempt <= !rst && (commanded || enter_live);
         fetch_q   <= {fetch_q[0], 1'b0};

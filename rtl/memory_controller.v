@@ -42,7 +42,7 @@ module memory_controller #(
     output reg                     o_refused
 );
     localparam WORDS = CHANNELS + `HG_RECORD_HEADER_WORDS;
-    localparam WORD_BITS = 10;
+    localparam WORD_BITS = $clog2(WORDS);
     localparam [26:0] STRIDE = WORDS[26:0];
     localparam [WORD_BITS-1:0] LAST = WORDS[WORD_BITS-1:0] - 1'b1;
     localparam [15:0] TOP_INDEX = RECORDS[15:0];

@@ -4,7 +4,8 @@
 
 Leaves in OUTPUT/BOARD/: BOARD.bin or .bit with empty memories, what `haptogram bitstream` needs to put an image into it
 (placed.asc or placed.config, primary.hex, sequence.hex), core.v (the netlist of haptogram_core that was placed, for tests/netlist), the tools'
-logs, and report.json. Exit code 0, 1 when a tool fails or a budget of constraints/budgets.toml is exceeded, 2 on wrong usage.
+logs, and report.json. With --channels the core alone, for a question of size: placed and routed in OUTPUT/BOARD-CHANNELS, without
+pins or a bitstream. Exit code 0, 1 when a tool fails or a budget of tools/budgets.toml is exceeded, 2 on wrong usage.
 """
 import argparse
 import json
@@ -15,6 +16,7 @@ import subprocess
 import sys
 import time
 import tomllib
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -58,7 +60,7 @@ def load(name):
 
 
 def board_names():
-    return sorted(p.stem for p in BOARDS.glob("*.toml") if p.stem != "budgets")
+    return sorted(p.stem for p in BOARDS.glob("*.toml"))
 
 
 def memories(board):
@@ -80,34 +82,37 @@ def fingerprint(folder, board):
 
 
 def synthesise(folder, board):
+    """Writes TOP.json for nextpnr and core.v, and returns the seconds that took."""
     family, top = board["fpga"]["family"], board["fpga"]["top"]
-    sources = sorted(ROOT.glob("rtl/*.v")) + [ROOT / "rtl" / "boards" / f"{top}.v"]
-    if family == "ecp5":
-        sources.append(ROOT / "rtl" / "boards" / "ecp5_50mhz.v")
+    sources = sorted(ROOT.glob("rtl/*.v"))
+    if top != "haptogram_core":
+        sources += [ROOT / "rtl" / "boards" / f"{top}.v"] + ([ROOT / "rtl" / "boards" / "ecp5_50mhz.v"] if family == "ecp5" else [])
     pins = board["pins"]
     defines = (["-DHG_LED"] if "led" in pins else []) + ([f"-DHG_HIGH={len(pins['high'])}"] if pins.get("high") else [])
-    parameters = dict(board["parameters"])
-    if family == "ecp5" and pins.get("led_active_low"):
-        parameters["LED_ACTIVE_LOW"] = 1
-    sets = " ".join(f"-set {k} {v}" for k, v in parameters.items())
+    sets = " ".join(f"-set {k} {v}" for k, v in board["parameters"].items())
     files = " ".join(f'-set {n.upper()}_FILE "{n}_init.hex"' for n in memories(board))
     # Without the one multiplier, for which Yosys has no simulation model.
     synth = "synth_ice40" if family == "ice40" else "synth_ecp5 -nodsp"
     # The core stays a module of its own, so that what is tested is what is placed.
+    apart = f"delete {top}\nhierarchy -auto-top\nrename -top haptogram_core\n" if top != "haptogram_core" else ""
     (folder / "synth.ys").write_text(f"""read_verilog {' '.join(defines)} -I{ROOT}/rtl {' '.join(map(str, sources))}
 chparam {sets} {files} {top}
 hierarchy -top {top}
 setattr -mod -set keep_hierarchy 1 *haptogram_core
 {synth} -top {top} -json {top}.json
-tee -q -o stat.txt stat
-delete {top}
-hierarchy -auto-top
-rename -top haptogram_core
-chtype -set dp16kd t:DP16KD
+{apart}chtype -set dp16kd t:DP16KD
 splitnets
 write_verilog -noattr core.v
 """)
     return run(folder, "yosys.log", tool("yosys"), "-q", "synth.ys")
+
+
+def state_cells(folder, board):
+    """Flip-flops of all the pulse generators: those whose output is a net of theirs."""
+    modules = json.loads((folder / f"{board['fpga']['top']}.json").read_text())["modules"]
+    core = next(m for name, m in modules.items() if "haptogram_core" in name)
+    nets = {bit for name, net in core["netnames"].items() if name.startswith("play.generators.") for bit in net["bits"]}
+    return sum(1 for cell in core["cells"].values() if ("DFF" in cell["type"] or cell["type"] == "TRELLIS_FF") and cell["connections"]["Q"][0] in nets)
 
 
 def constraints(board):
@@ -124,15 +129,23 @@ def constraints(board):
     return "pins.lpf", text + 'FREQUENCY PORT "i_clk" 25 MHz;\n'
 
 
-def place(folder, board, name, seed, goal_mhz, placed, report):
-    fpga = board["fpga"]
+def place(folder, board, seed, goal_mhz):
+    """Places and routes; returns the lowest Fmax in MHz, the file with the placed design and nextpnr's report."""
+    fpga, placed, report = board["fpga"], f"placed_{seed}.{'asc' if board['fpga']['family'] == 'ice40' else 'config'}", f"nextpnr_{seed}.json"
     command = [tool(f"nextpnr-{fpga['family']}"), f"--{fpga['device']}", "--package", fpga["package"], "--json", f"{fpga['top']}.json",
-               f"--{name.split('.')[1]}", name, "--freq", f"{goal_mhz:.1f}", "--seed", seed, "--report", report, "--timing-allow-fail"]
-    if fpga["family"] == "ice40":
-        command += ["--asc", placed]
+               "--freq", f"{goal_mhz:.1f}", "--seed", seed, "--report", report, "--timing-allow-fail"]
+    if fpga["top"] == "haptogram_core":
+        command += ["--out-of-context"]
     else:
-        command += ["--textcfg", placed, "--speed", fpga["speed"]]
-    return run(folder, f"nextpnr_{seed}.log", *command)
+        name, text = constraints(board)
+        (folder / name).write_text(text)
+        command += [f"--{name.split('.')[1]}", name]
+    command += ["--asc", placed] if fpga["family"] == "ice40" else ["--textcfg", placed, "--speed", fpga["speed"]]
+    seconds = run(folder, f"nextpnr_{seed}.log", *command)
+    outcome = json.loads((folder / report).read_text())
+    fmax = min(v["achieved"] for v in outcome["fmax"].values())
+    print(f"{folder.name}: seed {seed} placed and routed in {seconds:.0f} s, {fmax:.1f} MHz", file=sys.stderr, flush=True)
+    return fmax, placed, outcome
 
 
 def cells(utilisation, family):
@@ -141,41 +154,38 @@ def cells(utilisation, family):
     return tuple(utilisation[kind][key] for kind in (logic, ram) for key in ("used", "available"))
 
 
-def build(name, output, seeds, program):
+def build(name, options):
     board, start = load(name), time.monotonic()
-    folder = output / name
+    folder = options.output.resolve() / name
+    if options.channels:
+        board["fpga"]["top"] = "haptogram_core"
+        board["parameters"] |= {"CHANNELS": options.channels} | ({"RECORDS": options.records} if options.records else {})
+        folder = folder.with_name(f"{name}-{options.channels}")
     folder.mkdir(parents=True, exist_ok=True)
     family, clock_mhz = board["fpga"]["family"], board["parameters"]["CLOCK_HZ"] / 1e6
-    budget = tomllib.loads((BOARDS / "budgets.toml").read_text())[family]
+    budget = tomllib.loads((ROOT / "tools" / "budgets.toml").read_text())[family]
     goal = budget["clock_margin"] * clock_mhz
-    say = lambda text: print(f"{name}: {text}", file=sys.stderr, flush=True)
     fingerprint(folder, board)
-    pins, text = constraints(board)
-    (folder / pins).write_text(text)
-    say(f"synthesised in {synthesise(folder, board):.0f} s")
-    reports = []
-    for seed in range(1, seeds + 1):
-        placed = f"placed_{seed}.{'asc' if family == 'ice40' else 'config'}"
-        seconds = place(folder, board, pins, seed, goal, placed, f"nextpnr_{seed}.json")
-        report = json.loads((folder / f"nextpnr_{seed}.json").read_text())
-        fmax = min(v["achieved"] for v in report["fmax"].values())
-        reports.append((fmax, placed, report))
-        say(f"seed {seed} of {seeds} placed and routed in {seconds:.0f} s, {fmax:.1f} MHz")
-    best = max(reports, key=lambda r: r[0])
-    os.replace(folder / best[1], folder / f"placed.{best[1].split('.')[1]}")
-    for _, spare, _ in reports:
+    print(f"{folder.name}: synthesised in {synthesise(folder, board):.0f} s", file=sys.stderr, flush=True)
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+        outcomes = list(pool.map(lambda seed: place(folder, board, seed, goal), range(1, options.seeds + 1)))
+    fmax, placed, best = max(outcomes, key=lambda outcome: outcome[0])
+    os.replace(folder / placed, folder / f"placed.{placed.split('.')[1]}")
+    for _, spare, _ in outcomes:
         (folder / spare).unlink(missing_ok=True)
-    if program:
-        run(folder, "pack.log", program, "bitstream", "--board", BOARDS / f"{name}.toml", "--placed", output, "--empty",
-            "-o", f"{name}.{'bin' if family == 'ice40' else 'bit'}")
-    used, available, rams, ram_available = cells(best[2]["utilization"], family)
-    result = {"board": name, "fpga": board["fpga"], "parameters": board["parameters"], "cells": used, "cells_available": available,
+    if options.program and not options.channels:
+        run(folder, "pack.log", options.program.resolve(), "bitstream", "--board", BOARDS / f"{name}.toml", "--placed",
+            options.output.resolve(), "--empty", "-o", f"{name}.{'bin' if family == 'ice40' else 'bit'}")
+    used, available, rams, ram_available = cells(best["utilization"], family)
+    channels = board["parameters"]["CHANNELS"]
+    result = {"board": name, "core_alone": bool(options.channels), "fpga": board["fpga"], "parameters": board["parameters"], "cells": used,
+              "cells_available": available, "state_cells_per_channel": state_cells(folder, board) / channels,
               "block_rams": rams, "block_rams_available": ram_available, "clock_mhz": clock_mhz,
-              "fmax_mhz": {"lowest": min(r[0] for r in reports), "highest": best[0], "seeds": seeds, "goal": goal},
+              "fmax_mhz": {"lowest": min(outcome[0] for outcome in outcomes), "highest": fmax, "seeds": options.seeds, "goal": goal},
               "seconds": time.monotonic() - start}
     (folder / "report.json").write_text(json.dumps(result, indent=2) + "\n")
     problems = []
-    if used > budget["cells"]:
+    if used > budget["cells"] and not options.channels:
         problems.append(f"{used} cells, the budget is {budget['cells']}")
     if result["fmax_mhz"]["lowest"] < goal:
         problems.append(f"{result['fmax_mhz']['lowest']:.1f} MHz, the budget is {goal:.1f} MHz")
@@ -183,11 +193,15 @@ def build(name, output, seeds, program):
 
 
 def table(results):
-    head = "| board | channels | timing bits | cells | block RAMs | lowest MHz (seeds) | goal MHz | seconds |\n|---|---|---|---|---|---|---|---|\n"
-    return head + "".join(
-        f"| {r['board']} | {r['parameters']['CHANNELS']} | {r['parameters']['TIMING_BITS']} | {r['cells']:,} of {r['cells_available']:,} "
-        f"({100 * r['cells'] / r['cells_available']:.1f} %) | {r['block_rams']} of {r['block_rams_available']} "
-        f"| {r['fmax_mhz']['lowest']:.1f} ({r['fmax_mhz']['seeds']}) | {r['fmax_mhz']['goal']:.1f} | {r['seconds']:.0f} |\n" for r in results)
+    lines = ["| board | channels | records | timing bits | cells | flip-flops a channel | block RAMs | lowest MHz (seeds) | goal MHz | seconds |",
+             "|---|---|---|---|---|---|---|---|---|---|"]
+    for r in results:
+        p, fmax = r["parameters"], r["fmax_mhz"]
+        lines.append(
+            f"| {r['board']}{', core alone' if r['core_alone'] else ''} | {p['CHANNELS']} | {p['RECORDS']} | {p['TIMING_BITS']} "
+            f"| {r['cells']:,} of {r['cells_available']:,} ({100 * r['cells'] / r['cells_available']:.1f} %) | {r['state_cells_per_channel']:.1f} "
+            f"| {r['block_rams']} of {r['block_rams_available']} | {fmax['lowest']:.1f} ({fmax['seeds']}) | {fmax['goal']:.1f} | {r['seconds']:.0f} |")
+    return "\n".join(lines) + "\n"
 
 
 def main():
@@ -196,11 +210,14 @@ def main():
     parser.add_argument("--output", type=Path, default=ROOT / "build" / "boards")
     parser.add_argument("--seeds", type=int, default=1, help="place and route with this many seeds and take the fastest (1)")
     parser.add_argument("--program", type=Path, help="haptogram, to pack the bitstream with; without it there is none")
+    parser.add_argument("--channels", type=int, metavar="N", help="another number of channels: the core alone")
+    parser.add_argument("--records", type=int, metavar="N", help="with --channels: as many records")
+    parser.add_argument("--table", type=Path, metavar="FILE", help="writes the table of all reports in OUTPUT to a Markdown file")
     options = parser.parse_args()
     results, failed = [], False
     try:
         for name in options.boards or board_names():
-            result, problems = build(name, options.output.resolve(), options.seeds, options.program and options.program.resolve())
+            result, problems = build(name, options)
             results.append(result)
             failed |= bool(problems)
             for problem in problems:
@@ -210,6 +227,9 @@ def main():
         failed = True
     if results:
         print(table(results), end="")
+    if options.table:
+        reports = [json.loads(path.read_text()) for path in sorted(options.output.glob("*/report.json"))]
+        options.table.write_text("<!-- SPDX-License-Identifier: Apache-2.0 -->\n# The last builds, by `make bitstreams SEEDS=5`\n\n" + table(reports))
     return 1 if failed else 0
 
 

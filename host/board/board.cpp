@@ -71,12 +71,6 @@ public:
         return *std::move(value);
     }
 
-    [[nodiscard]] bool flag(std::string_view key) const {
-        const toml::node& node = need(key, "true or false");
-        if (!node.is_boolean()) fail(node, key, "true or false");
-        return node.as_boolean()->get();
-    }
-
     [[nodiscard]] std::uint32_t whole(std::string_view key, std::uint32_t low, std::uint32_t high) const {
         const std::string expected = fmt::format("a whole number from {} to {}", low, high);
         const toml::node& node = need(key, expected);
@@ -169,15 +163,13 @@ Board::Flash read_flash(const Section& section) {
 }
 
 Board::Pins read_pins(const Section& section) {
-    section.only({"clk", "rx", "tx", "led", "led_active_low", "high", "low"});
+    section.only({"clk", "rx", "tx", "led", "high"});
     Board::Pins pins;
     pins.clk = section.ball("clk");
     pins.rx = section.ball("rx");
     pins.tx = section.ball("tx");
     if (section.has("led")) pins.led = section.ball("led");
-    if (section.has("led_active_low")) pins.led_active_low = section.flag("led_active_low");
     pins.high = section.texts("high", is_word);
-    pins.low = section.texts("low", is_word);
     return pins;
 }
 
@@ -220,7 +212,6 @@ std::vector<Board::Output> read_outputs(const Section& root, const std::string& 
     use(file, pins.tx, "pins.tx");
     if (pins.led) use(file, *pins.led, "pins.led");
     for (const std::string& ball : pins.high) use(file, ball, "in pins.high");
-    for (const std::string& ball : pins.low) use(file, ball, "in pins.low");
     return outputs;
 }
 
@@ -291,8 +282,7 @@ Board load_board(const std::string& name) {
 std::vector<std::string> shipped_boards() {
     std::set<std::string> names;
     for (const auto& entry : std::filesystem::directory_iterator(boards_folder()))
-        if (entry.path().extension() == ".toml" && entry.path().stem() != "budgets")  // what builds may use; no board
-            names.insert(entry.path().stem().string());
+        if (entry.path().extension() == ".toml") names.insert(entry.path().stem().string());
     return {names.begin(), names.end()};
 }
 

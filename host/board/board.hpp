@@ -29,8 +29,7 @@ struct Board {
     struct Pins {
         std::string clk, rx, tx;
         std::optional<std::string> led;
-        bool led_active_low = false;
-        std::vector<std::string> high, low;  ///< held so, that the rest of the board works
+        std::vector<std::string> high;  ///< held so, that the rest of the board works
     };
     struct Output {
         std::string connector, pin, net, ball;

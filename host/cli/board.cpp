@@ -80,9 +80,7 @@ ordered_json to_json(const Board& board, const Array& array) {
           {"rx", board.pins.rx},
           {"tx", board.pins.tx},
           {"led", nullptr},
-          {"led_active_low", board.pins.led_active_low},
-          {"high", board.pins.high},
-          {"low", board.pins.low}}},
+          {"high", board.pins.high}}},
         {"array", array.name},
         {"outputs", ordered_json::array()}};
     if (board.fpga.speed) json["fpga"]["speed"] = *board.fpga.speed;
@@ -128,9 +126,8 @@ std::string to_text(const Board& board, const Array& array) {
     std::string text = fmt::format("board  {}, {}\nFPGA   {}\n", board.name, board.description, fpga_name(board.fpga));
     text += fmt::format("clock  ball {}; the instrument runs at {} MHz\n", pins.clk, board.parameter("CLOCK_HZ") / 1e6);
     text += fmt::format("UART   rx ball {}, tx ball {}, {} baud\n", pins.rx, pins.tx, board.parameter("BAUD"));
-    if (pins.led) text += fmt::format("LED    ball {}, lit by {}\n", *pins.led, pins.led_active_low ? 0 : 1);
+    if (pins.led) text += fmt::format("LED    ball {}\n", *pins.led);
     if (!pins.high.empty()) text += fmt::format("high   ball {}\n", fmt::join(pins.high, ", "));
-    if (!pins.low.empty()) text += fmt::format("low    ball {}\n", fmt::join(pins.low, ", "));
     text += fmt::format("array  {}, {} elements; x to the right, y up, seen from the side of the hand\n", array.name,
                         array.elements.size());
     text += fmt::format("flash  {}\n\n", board.flash.note);

@@ -9,7 +9,7 @@ import tomllib
 import pytest
 from support import BAD_INPUT, ROOT, USAGE, Image, read_json, refuse, run, succeed, text
 
-BOARDS = sorted(p.stem for p in (ROOT / "constraints").glob("*.toml") if p.stem != "budgets")
+BOARDS = sorted(p.stem for p in (ROOT / "constraints").glob("*.toml"))
 LARGE, SMALL = "colorlight-5a-75e-v6.0", "ulx3s-85f"
 
 
@@ -61,9 +61,7 @@ clk = "P1"
 rx = "P2"
 tx = "P3"
 led = "A4"
-led_active_low = true
 high = ["P4"]
-low = []
 """
 # Nothing of its own [board] may be used, and 3 elements listed in an order of their own.
 ARRAY = "[array]\nelements_mm = [[10, 0], [-10, 0], [0, 12.5]]\n[board]\nclock_hz = 50000000\nchannels = 16\n"
@@ -109,7 +107,7 @@ def test_a_shipped_board_drives_its_array(board):
         assert output["x_mm"] == pytest.approx((column - (columns - 1) / 2) * pitch)
         assert output["y_mm"] == pytest.approx((row - (rows - 1) / 2) * pitch)
     pins = file["pins"]
-    balls = [o["ball"] for o in outputs] + [pins["clk"], pins["rx"], pins["tx"], *pins["high"], *pins["low"]]
+    balls = [o["ball"] for o in outputs] + [pins["clk"], pins["rx"], pins["tx"], *pins["high"]]
     balls += [pins["led"]] if "led" in pins else []
     assert len(set(balls)) == len(balls)
     assert len({(o["connector"], o["pin"]) for o in outputs}) == len(outputs)
@@ -122,7 +120,7 @@ def test_the_pinout_says_what_the_file_says(board):
         assert shown[key] == file[key], key
     assert shown["board"] == board
     assert shown["fpga"] == {"speed": None, **file["fpga"]}
-    assert shown["pins"] == {"led": None, "led_active_low": False, **file["pins"]}
+    assert shown["pins"] == {"led": None, **file["pins"]}
 
 
 @pytest.mark.parametrize("board", BOARDS)
@@ -150,7 +148,7 @@ def test_the_table_is_aligned_and_says_what_to_connect():
     file = board_file(LARGE)
     header, table = text(succeed(["board", "pinout", LARGE]).stdout).split("\n\n")
     for needle in (LARGE, file["description"], "ecp5 25k CABGA256", "speed grade 6", "ball P6", "50 MHz", "rx ball R7", "tx ball T6", "115200 baud",
-                   "ball M4, lit by 1", "ball R6", file["flash"]["note"]):
+                   "ball M4", "ball R6", file["flash"]["note"]):
         assert needle in header, needle
     lines = table.splitlines()
     assert lines[0].split() == ["connector", "pin", "net", "ball", "channel", "row", "column", "x_mm", "y_mm"]
@@ -184,7 +182,7 @@ def test_an_array_that_is_no_grid_has_no_rows(folder):
     assert [o["ball"] for o in shown["outputs"]] == ["A1", "A2", "A3"]
     assert b"J1,3,B0,A3,2,,,0.00,12.50\n" in succeed(["board", "pinout", "board.toml", "--csv"], cwd=folder).stdout
     table = text(succeed(["board", "pinout", "board.toml"], cwd=folder).stdout)
-    assert table.splitlines()[-1].split() == ["J1", "3", "B0", "A3", "2", "-", "-", "0.00", "12.50"] and "ball A4, lit by 0" in table
+    assert table.splitlines()[-1].split() == ["J1", "3", "B0", "A3", "2", "-", "-", "0.00", "12.50"] and "ball A4\n" in table
 
 
 def test_a_board_file_names_its_array_from_where_it_is(folder):
@@ -211,7 +209,7 @@ def test_command_lines_that_make_no_sense(folder):
     refuse(folder, ["compile", "--shape", "point", "--board", "board.toml", "-o", "board.toml"], USAGE, r"board\.toml")
 
 
-@pytest.mark.parametrize("name", ["ulx3s", "", "budgets"])
+@pytest.mark.parametrize("name", ["ulx3s", ""])
 def test_a_name_that_no_board_has(name, tmp_path):
     refuse(tmp_path, ["board", "pinout", name], BAD_INPUT, "no shipped board", *BOARDS, r"\.toml")
     refuse(tmp_path, ["compile", "--shape", "point", "--board", name, "-o", "image.hex"], BAD_INPUT, "no shipped board")
@@ -227,7 +225,7 @@ def test_files_that_are_not_there(folder):
 
 REQUIRED = ["description", "sources", "array", *(f"fpga.{k}" for k in ("family", "device", "package", "speed", "top")),
             *(f"parameters.{k}" for k in board_file(LARGE)["parameters"]), *(f"flash.{k}" for k in ("load", "write", "note")),
-            *(f"pins.{k}" for k in ("clk", "rx", "tx", "high", "low"))]  # fmt: skip
+            *(f"pins.{k}" for k in ("clk", "rx", "tx", "high"))]  # fmt: skip
 
 
 @pytest.mark.parametrize("key", REQUIRED)
@@ -282,7 +280,6 @@ BAD = {
     "text for load": ('load = ["-b", "it"]', 'load = "-b it"', [r"flash\.load", "list"]),
     "table for a ball": ('clk = "P1"', "clk = { ball = 1 }", [r"pins\.clk", "ball", "a table"]),
     "two words for a ball": ('clk = "P1"', 'clk = "P1 P2"', [r"pins\.clk", "ball", "P1 P2"]),
-    "number for a flag": ("led_active_low = true", "led_active_low = 1", [r"pins\.led_active_low", "true or false"]),
     "text for high": ('high = ["P4"]', 'high = "P4"', [r"pins\.high", "list"]),
     "output of three": ('  ["J1", "2", "G0", "A2"],', '  ["J1", "2", "A2"],', [r"outputs\[1\]", "connector, pin, net, ball", "a list of 3"]),
     "output with a number": ('  ["J1", "2", "G0", "A2"],', '  ["J1", 2, "G0", "A2"],', [r"outputs\[1\]", "quotes", "found 2"]),
@@ -306,7 +303,7 @@ SHARED = {
     "clock on an output": ('clk = "P1"', 'clk = "A2"', "J1 pin 2", r"pins\.clk"),
     "receive and transmit": ('tx = "P3"', 'tx = "P2"', r"pins\.rx", r"pins\.tx"),
     "LED on a channel": ('led = "A4"', 'led = "A1"', "J1 pin 1", r"pins\.led"),
-    "high and low": ("low = []", 'low = ["P4"]', r"pins\.high", r"pins\.low"),
+    "held twice": ('high = ["P4"]', 'high = ["P4", "P4"]', r"pins\.high", r"pins\.high"),
     "clock held": ('high = ["P4"]', 'high = ["P1"]', r"pins\.clk", r"pins\.high"),
 }
 

@@ -121,7 +121,8 @@ TEST_CASE("contract 4: a reset of one clock at any moment leaves nothing enabled
 
 TEST_CASE("contract 4: registers that hold anything cannot enable outputs before the first reset",
           "[contract4][power-up]") {
-    const std::uint32_t seed = GENERATE(3U, 0xabcdef01U, 0x80000000U);
+    const std::uint32_t seed = GENERATE(range(1U, 65U));
+    CAPTURE(seed);
     Bench bench(small16, {.power_up_seed = seed, .reset_clocks = 0});
     for (int i = 0; i < 500; ++i) {
         bench.board.run(1);

@@ -70,7 +70,7 @@ TEST_CASE("contract 5: frames cut short, run together, or preceded by noise", "[
     REQUIRE(bench.memory(interface::primary_base, 2) == words({0xabcd}));
 }
 
-TEST_CASE("contract 5: what is refused says why and changes nothing", "[contract5][long]") {
+TEST_CASE("contract 5: what is refused says why and changes nothing", "[contract5][slow]") {
     Bench bench;  // 16 channels, 40 records of 20 words, 64 sequence words
     one(bench, 0, Command::identify, {});
     const std::uint16_t primary_end = 40 * 20 * 2;

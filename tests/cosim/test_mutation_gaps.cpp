@@ -253,6 +253,22 @@ TEST_CASE("contract 6: no bit of an index above RECORDS is overlooked", "[contra
     REQUIRE(bench.client.status().refused_records == 10);
 }
 
+TEST_CASE("contract 6: an index above RECORDS is silence at once, not after a load", "[contract6]") {
+    Bench bench;
+    Image image = image_of(16, {record(16, 16, 1, 1, 1)});  // a cycle shorter than a load
+    image.sequence.clear();
+    for (std::uint16_t index = 41; index < 64; ++index) {
+        image.sequence.push_back({1, 1});
+        image.sequence.push_back({index, 4});  // in which record 1 is loaded again
+    }
+    bench.load(image);
+    bench.open();
+    bench.client.start(1, static_cast<std::uint16_t>(image.sequence.size()), 1);
+    bench.board.run(60'000);
+    REQUIRE(bench.client.status().refused_records == 23);
+    REQUIRE(bench.client.status().underruns == 0);
+}
+
 TEST_CASE("contract 7: every power of two is a cycle length and a prescaler", "[contract7]") {
     for (std::uint32_t bit = 1; bit < 24; ++bit) {
         CAPTURE(bit);

@@ -2,6 +2,7 @@
 // What memory_controller promises, told from the clock that took the entry and from the addresses that were read, not from
 // its state machine. Included by it under FORMAL (it has no room for this within its 150 lines).
 localparam [15:0] F_CHANNELS = CHANNELS[15:0];
+localparam [15-WORD_BITS:0] F_PAD = 0;  // makes 16 bits of a word's number
 localparam [15:0] F_HEADER = `HG_RECORD_HEADER_WORDS;
 localparam [15:0] F_LOADED = F_CHANNELS + 16'd6;  // clocks from the one after taking an entry to ready
 reg        f_reset_seen_q, f_taken_q, f_reading_q, f_read_q, f_ready_q;
@@ -13,8 +14,8 @@ reg [15:0] f_header_0_q, f_header_1_q, f_header_2_q, f_header_3_q;
 initial f_reset_seen_q = 1'b0;
 
 wire [26:0] f_first_word = {11'd0, i_index - 16'd1} * STRIDE;
-wire [26:0] f_asked     = {17'd0, asked_q};
-wire [26:0] f_comes     = {17'd0, comes_q};
+wire [26:0] f_asked     = {11'd0, F_PAD, asked_q};
+wire [26:0] f_comes     = {11'd0, F_PAD, comes_q};
 wire        f_unused    = &{1'b0, f_first_word, f_asked, f_comes};
 wire        f_loads     = f_index_q != 16'd0 && f_index_q <= TOP_INDEX;
 wire        f_loading   = f_taken_q && f_loads && f_since_q < F_LOADED;
@@ -55,11 +56,11 @@ always @(posedge clk) begin
         assert (!f_taken_q || f_base_q == first_word[ADDRESS_BITS-1:0]);
         assert (coming_q == (f_loading && f_since_q >= 16'd2) && f_reading_q == coming_q);
         assert (arrives_q == (f_taken_q && f_loads && f_since_q >= 16'd3 && f_since_q <= F_LOADED) && f_read_q == arrives_q);
-        assert (!arrives_q || ({6'd0, arrived_q} == f_since_q - 16'd3 && f_number == {17'd0, arrived_q}));
+        assert (!arrives_q || ({F_PAD, arrived_q} == f_since_q - 16'd3 && f_number == {11'd0, F_PAD, arrived_q}));
         if (f_loading) begin
-            assert ({6'd0, asked_q} == (f_since_q > F_LOADED - 16'd2 ? F_LOADED - 16'd3 : f_since_q == 16'd0 ? 16'd0 : f_since_q - 16'd1));
+            assert ({F_PAD, asked_q} == (f_since_q > F_LOADED - 16'd2 ? F_LOADED - 16'd3 : f_since_q == 16'd0 ? 16'd0 : f_since_q - 16'd1));
             assert (places_q || o_address == f_base_q + f_asked[ADDRESS_BITS-1:0]);
-            assert (!coming_q || ({6'd0, comes_q} == f_since_q - 16'd2 && f_address_q == f_base_q + f_comes[ADDRESS_BITS-1:0]));
+            assert (!coming_q || ({F_PAD, comes_q} == f_since_q - 16'd2 && f_address_q == f_base_q + f_comes[ADDRESS_BITS-1:0]));
             assert (f_shifts_q == (f_since_q < 16'd7 ? 16'd0 : f_since_q - 16'd7));
             assert (f_since_q < 16'd4 || o_cycle_length[15:0] == f_header_0_q);
             assert (f_since_q < 16'd5 || {pulse_field_q, o_cycle_length[23:16]} == f_header_1_q);

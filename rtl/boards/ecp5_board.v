@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// ULX3S. 50 MHz from the board's 25 MHz. The
-// parameters, and whether there is an LED (HG_LED) or pins to be held high (HG_HIGH, their number), come from the board's
-// file in constraints/ through tools/bitstream.py.
+// The boards with an ECP5: 25 MHz in, 50 MHz from the PLL. The parameters, and whether there is an LED (HG_LED) or pins to be
+// held high (HG_HIGH, their number), come from the board's file in constraints/ through tools/bitstream.py.
 `default_nettype none
-module ulx3s #(
+module ecp5_board #(
     parameter CHANNELS        = 56,
     parameter RECORDS         = 400,
     parameter SEQUENCE_DEPTH  = 1024,
@@ -15,7 +14,6 @@ module ulx3s #(
     parameter BAUD            = 115200,
     parameter WATCHDOG_MS     = 500,
     parameter MAX_HIGH_CLOCKS = 10000,
-    parameter LED_ACTIVE_LOW  = 0,
     parameter PRIMARY_FILE    = "",
     parameter SEQUENCE_FILE   = ""
 ) (
@@ -44,7 +42,7 @@ module ulx3s #(
     status_led status (
         .clk(clk), .rst(rst), .i_cycle_start(cycle_start), .i_playing(playing), .i_fault(fault), .o_led(led));
 `ifdef HG_LED
-    assign o_led = led ^ (LED_ACTIVE_LOW != 0);
+    assign o_led = led;
 `endif
 `ifdef HG_HIGH
     assign o_high = {`HG_HIGH{1'b1}};
