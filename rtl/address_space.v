@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Primary and sequence memory, and who may use them: what plays comes first, a reply waits for its word (o_granted), and a
-// writer waits for the one clock in which its word is being read (o_hold). Words arrive two clocks after their address, an entry of
-// the sequence after one.
+// writer waits for the one clock in which its word is being read (o_hold). Words arrive two clocks after their address.
 `default_nettype none
 `include "interface.vh"
 module address_space #(
@@ -33,16 +32,15 @@ module address_space #(
 );
     wire in_primary  = i_region == `HG_REGION_PRIMARY;
     wire in_sequence = i_region == `HG_REGION_SEQUENCE;
-    reg  high_half_q;
-    reg  [15:0] other_q;  // not of primary memory
-    always @(posedge clk) begin
-        high_half_q <= i_read_address[0];
-        other_q     <= !in_sequence ? i_register_word : high_half_q ? o_sequence_word[31:16] : o_sequence_word[15:0];
-    end
+    reg  [1:0]  high_half_q;
+    reg  [15:0] register_q;
+    always @(posedge clk) {high_half_q, register_q} <= {high_half_q[0], i_read_address[0], i_register_word};
 
     assign o_hold      = in_primary ? i_loading && i_load_address == i_write_address[PRIMARY_BITS-1:0] : in_sequence && i_fetching;
     assign o_granted   = in_primary ? !i_loading : !in_sequence || !i_fetching;
-    assign o_read_word = in_primary ? o_primary_word : other_q;
+    assign o_read_word = in_primary ? o_primary_word
+                       : !in_sequence ? register_q
+                       : high_half_q[1] ? o_sequence_word[31:16] : o_sequence_word[15:0];
 
     primary_memory #(.WORDS(PRIMARY_WORDS), .INIT_FILE(PRIMARY_FILE)) primary (
         .clk(clk), .i_write(i_write && in_primary), .i_write_address(i_write_address[PRIMARY_BITS-1:0]), .i_write_word(i_write_word),

@@ -4,7 +4,7 @@
 //
 // Each command strobe changes the mode at once and raises o_preempt for one clock, which makes the memory controller
 // drop what it has prepared and the cycle controller change at the next boundary. When a selected index or a sequence has
-// had its time, one last entry, silence for ever, is offered. Sequence entries are fetched ahead: 2 clocks each.
+// had its time, one last entry, silence for ever, is offered. Sequence entries are fetched ahead: 3 clocks each.
 // Once, at power-up, the sequence header is looked at without a command: its bit 15 starts the sequence (o_autostart).
 `default_nettype none
 `include "interface.vh"
@@ -43,20 +43,20 @@ module index_source #(
     reg [1:0]      mode_q;
     reg            offer_q;      // single, sequence, or the last silence: entry_q holds an entry
     reg [31:0]     entry_q;
-    reg [1:0]      fetch_q;      // one-hot: address out, word in
+    reg [2:0]      fetch_q;      // one-hot: address out, being read, word in
     reg            header_q;     // the word being fetched is the sequence header
     reg [BITS-1:0] first_q, last_q, number_q;  // of the sequence's entries; the one to be fetched
     reg [15:0]     loops_q;
     reg            power_up_q;   // since the memories were filled by the bitstream no header has been looked at
 
     // Arriving words, and what becomes of them
-    wire        header    = fetch_q[1] && header_q;
-    wire        fetched   = fetch_q[1] && !header_q;
+    wire        header    = fetch_q[2] && header_q;
+    wire        fetched   = fetch_q[2] && !header_q;
     wire [14:0] length    = i_sequence_word[14:0];
     wire        plays     = length != 15'd0 && length <= TOP_ENTRY && (!power_up_q || o_autostart);
     wire        commanded = i_select || i_start || i_stop;
     wire        enter_live = i_live && mode_q != LIVE;
-    wire        taken     = offer_q && i_take && !fetch_q[1];
+    wire        taken     = offer_q && i_take && !fetch_q[2];
     wire        at_last   = number_q == last_q;
     wire        sequence_ends = mode_q == SEQUENCE && at_last && loops_q == 16'd1;
     // Offer silence once; nothing follows it.
@@ -73,27 +73,27 @@ module index_source #(
     assign o_live_clear       = commanded;
     assign o_autostart        = power_up_q && header && i_sequence_word[`HG_AUTOSTART_BIT] && !rst;
 
-    initial {power_up_q, fetch_q} = 3'b100;  // so that no chance word can start anything before reset
+    initial {power_up_q, fetch_q} = 4'b1000;  // so that no chance word can start anything before reset
     always @(posedge clk) begin
         o_preempt <= !rst && (commanded || enter_live);
-        fetch_q   <= {fetch_q[0], 1'b0};
+        fetch_q   <= {fetch_q[1:0], 1'b0};
         if (header) power_up_q <= 1'b0;
         if (rst) begin
             mode_q   <= IDLE;
             offer_q  <= 1'b0;
-            fetch_q  <= {1'b0, power_up_q};
+            fetch_q  <= {2'b00, power_up_q};
             header_q <= 1'b1;
         end else if (commanded || enter_live) begin
             mode_q   <= i_select ? SINGLE : i_start ? SEQUENCE : i_stop ? IDLE : LIVE;
             offer_q  <= i_select || finish;
-            fetch_q  <= {1'b0, i_start && !i_select};
+            fetch_q  <= {2'b00, i_start && !i_select};
             header_q <= i_argument_1 == 16'd0;
         end else begin
             if (finish) mode_q <= IDLE;
             else if (o_autostart) mode_q <= SEQUENCE;
             if (finish || fetched) offer_q <= 1'b1;
             else if (taken) offer_q <= 1'b0;
-            if ((header && plays) || (taken && mode_q == SEQUENCE && !sequence_ends)) fetch_q <= 2'b01;
+            if ((header && plays) || (taken && mode_q == SEQUENCE && !sequence_ends)) fetch_q <= 3'b001;
             if (header) header_q <= 1'b0;
         end
     end

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The order of play, in 32-bit words: word 0 is {loops, length}, the others are {dwell, index}. Written in halves, low
-// half first; the word changes when its high half arrives. Data one clock after the address.
+// half first; the word changes when its high half arrives. Data two clocks after the address.
 // A word must not be read in the clock in which it changes: the core makes the writer wait.
 `default_nettype none
 module sequence_memory #(
@@ -18,6 +18,7 @@ module sequence_memory #(
 );
     (* no_rw_check *) reg [31:0] words [0:WORDS-1];
     reg [15:0] low_q;
+    reg [31:0] read_q;
 
     generate
         if (INIT_FILE != "") begin : initialised
@@ -32,7 +33,8 @@ module sequence_memory #(
     always @(posedge clk) begin
         if (i_write && !i_write_address[0]) low_q <= i_write_half;
         if (i_write && i_write_address[0]) words[i_write_address[BITS:1]] <= {i_write_half, low_q};
-        o_word <= words[i_read_address];
+        read_q <= words[i_read_address];
+        o_word <= read_q;
     end
 endmodule
 `default_nettype wire

@@ -229,7 +229,7 @@ def main():
         print(table(results), end="")
     if options.table:
         reports = [json.loads(path.read_text()) for path in sorted(options.output.glob("*/report.json"))]
-        options.table.write_text("<!-- SPDX-License-Identifier: Apache-2.0 -->\n# The last builds, by `make bitstreams SEEDS=5`\n\n" + table(reports))
+        options.table.write_text("<!-- SPDX-License-Identifier: Apache-2.0 -->\n# The last builds, by `make bitstreams`\n\n" + table(reports))
     return 1 if failed else 0
 
 

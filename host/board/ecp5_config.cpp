@@ -39,7 +39,7 @@ struct Place {
     unsigned column = 0;
 };
 
-/// One bit of consecutive words of the memory.
+/// One bit of the words first, first + packed, … of the memory.
 struct Slice {
     std::size_t first = 0;  ///< word
     unsigned bit = 0;
@@ -48,9 +48,10 @@ struct Slice {
     Place place;             ///< the last of them
 };
 
-/// Where the memory is if its words are `stride` rows each.
+/// Where the memory is if its words are `stride` rows each, or `packed` of them in a row.
 struct Layout {
     std::size_t stride = 1;
+    std::size_t packed = 1;
     std::size_t wanted = 0;     ///< slices that must have a place
     std::vector<Slice> slices;  ///< those that have exactly one
 
@@ -93,10 +94,10 @@ void write_section(const Section& section, std::string& config) {
     }
 }
 
-Bits slice_of(const std::vector<std::uint32_t>& words, std::size_t first, std::size_t length, unsigned bit) {
+Bits slice_of(const std::vector<std::uint32_t>& words, std::size_t first, const Layout& layout, unsigned bit) {
     Bits bits;
-    const std::size_t count = std::min(length, words.size() - first);
-    for (std::size_t i = 0; i < count; ++i) bits[i] = (words[first + i] >> bit & 1U) != 0;
+    for (std::size_t i = 0, word = first; i < rows / layout.stride && word < words.size(); ++i, word += layout.packed)
+        bits[i] = (words[word] >> bit & 1U) != 0;
     return bits;
 }
 
@@ -116,18 +117,19 @@ void write_place(Section& section, const Place& place, std::size_t stride, const
 }
 
 Layout find_memory(const std::vector<Section>& sections, const std::vector<std::uint32_t>& from,
-                   const std::vector<std::uint32_t>& to, unsigned width, std::size_t stride) {
-    Layout layout{stride, 0, {}};
-    const std::size_t length = rows / stride;
+                   const std::vector<std::uint32_t>& to, unsigned width, Layout layout) {
+    const std::size_t stride = layout.stride;
+    const std::size_t block = rows / stride * layout.packed;  // words
     std::unordered_map<Bits, Slice> slices;
-    for (std::size_t first = 0; first < from.size(); first += length)
+    for (std::size_t first = 0; first < from.size();
+         first += first % block == layout.packed - 1 ? block - layout.packed + 1 : 1)
         for (unsigned bit = 0; bit < width; ++bit) {
-            const Bits bits = slice_of(from, first, length, bit);
+            const Bits bits = slice_of(from, first, layout, bit);
             if (bits.any()) {
                 const auto [entry, fresh] = slices.try_emplace(bits, Slice{first, bit, false, 0, {}});
                 if (!fresh) entry->second.has_twin = true;
                 ++layout.wanted;
-            } else if (slice_of(to, first, length, bit).any()) {
+            } else if (slice_of(to, first, layout, bit).any()) {
                 ++layout.wanted;  // and nothing tells where it is
             }
         }
@@ -153,7 +155,10 @@ std::string replace_block_ram(std::string_view config, const std::vector<std::ui
             fmt::format("replace_block_ram: {} words by {} of {} bits", from.size(), to.size(), width));
     std::vector<Section> sections = read_sections(config, where);
     std::vector<Layout> layouts;
-    for (const std::size_t stride : {1U, 2U, 4U}) layouts.push_back(find_memory(sections, from, to, width, stride));
+    for (const std::size_t stride : {1U, 2U, 4U})
+        layouts.push_back(find_memory(sections, from, to, width, {stride, 1, 0, {}}));
+    for (const std::size_t packed : {2U, 4U, 8U})
+        layouts.push_back(find_memory(sections, from, to, width, {1, packed, 0, {}}));
     const auto complete = std::count_if(layouts.begin(), layouts.end(), [](const Layout& l) { return l.complete(); });
     const Layout& layout = *std::max_element(layouts.begin(), layouts.end(), [](const Layout& a, const Layout& b) {
         return a.complete() != b.complete() ? b.complete() : a.slices.size() < b.slices.size();
@@ -166,7 +171,7 @@ std::string replace_block_ram(std::string_view config, const std::vector<std::ui
                                 complete > 1 ? fmt::format(", but in {} ways", complete) : ""));
     for (const Slice& slice : layout.slices)
         write_place(sections[slice.place.section], slice.place, layout.stride,
-                    slice_of(to, slice.first, rows / layout.stride, slice.bit));
+                    slice_of(to, slice.first, layout, slice.bit));
     std::string result(config);
     for (const Section& section : sections)
         if (section.changed) write_section(section, result);

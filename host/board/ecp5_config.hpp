@@ -11,9 +11,9 @@ namespace haptogram {
 /// Yosys has cut into block RAMs of other widths than it expects.
 ///
 /// A block RAM is 2048 rows of 9 bits. In 9-bit mode word i is row i, in 18-bit mode word j is rows 2j (bits 0 to 8)
-/// and 2j + 1 (bits 9 to 17), in 36-bit mode a word is four rows. So one bit of 2048, 1024 or 512 consecutive words of
-/// the memory, a slice, is every, every second or every fourth row of one column, wherever it was placed: what `from`
-/// has there tells which. Modes narrower than 9 bits, which have several words in a row, are not understood.
+/// and 2j + 1 (bits 9 to 17), in 36-bit mode a word is four rows. In 4-, 2- and 1-bit mode a row has two, four or eight
+/// words. So one bit of up to 2048 words of the memory, consecutive ones or every second, fourth or eighth, a slice, is
+/// every, every second or every fourth row of one column, wherever it was placed: what `from` has there tells which.
 ///
 /// @param config  text configuration of Project Trellis, as nextpnr-ecp5 writes it: every initialised block RAM is a
 ///                section ".bram_init N" of 256 lines with eight words of three hex digits

@@ -4,6 +4,7 @@ import json
 import shutil
 import subprocess
 import time
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -23,7 +24,9 @@ def fails(code, *args):
 
 PLACED = ROOT / "build" / "boards"
 VENV = ROOT / "build" / "venv" / "bin"
-BOARDS = {"ice40-hx8k-breakout": "asc", "colorlight-5a-75e-v7.1": "config"}
+FPGAS = {p.stem: tomllib.loads(p.read_text())["fpga"] for p in sorted((ROOT / "constraints").glob("*.toml"))}
+BOARDS = {board: "asc" if fpga["family"] == "ice40" else "config" for board, fpga in FPGAS.items()}
+IDCODES = {"25k": "0x41111043", "85k": "0x41113043"}  # of the ECP5s
 
 
 def fingerprint(board, name):
@@ -59,8 +62,8 @@ def columns_ecp5(text):
 def memory(family, before, after, words, width):
     """Reads a memory out of `after`, at the places where `before`, the placed design, has its fingerprint `words`."""
     contents = [0] * len(words)
-    # How many words a column has one bit of, and how far these are apart: narrow words share a row of an iCE40's.
-    shapes = [(256, 1), (256, 2), (256, 4), (256, 8)] if family == "asc" else [(2048, 1), (1024, 1), (512, 1)]
+    # How many words a column has one bit of, and how far these are apart: narrow words share a row.
+    shapes = [(256, 1), (256, 2), (256, 4), (256, 8)] if family == "asc" else [(2048, 1), (1024, 1), (512, 1), (2048, 2), (2048, 4), (2048, 8)]
     for length, step in shapes:
         slices = {}
         for start in (block + phase for block in range(0, len(words), length * step) for phase in range(step)):
@@ -85,7 +88,7 @@ def unpack(board, bitstream, folder):
         return columns_ice40(subprocess.run(["iceunpack", bitstream], capture_output=True, text=True, check=True).stdout)
     tool = shutil.which("ecpunpack") or VENV / "yowasp-ecpunpack"
     shutil.copy(bitstream, folder / "unpack.bit")
-    subprocess.run([tool, "--idcode", "0x41111043", "unpack.bit", "unpack.config"], cwd=folder, capture_output=True, check=True)
+    subprocess.run([tool, "--idcode", IDCODES[FPGAS[board]["device"]], "unpack.bit", "unpack.config"], cwd=folder, capture_output=True, check=True)
     return columns_ecp5((folder / "unpack.config").read_text())
 
 

@@ -165,6 +165,26 @@ TEST_CASE("ecp5 config: a memory in 36-bit mode gets other contents", "[ecp5]") 
     REQUIRE((replace_block_ram(text, to, example.widest, 32, "f") == example.text));
 }
 
+TEST_CASE("ecp5 config: a memory in a mode narrower than 9 bits gets other contents", "[ecp5]") {
+    // 8 / bits words a row; bits 0 to bits - 1 of a word in one section, the next bits in the next. Bit 8 is not used.
+    const unsigned bits = GENERATE(4U, 2U, 1U);
+    CAPTURE(bits);
+    const std::size_t a_row = 8 / bits;
+    const auto config = [&](const Words& memory) {
+        Rams rams;
+        for (unsigned part = 0; part < 16 / bits; ++part) {
+            Words& rows = rams[part] = Words(2048);
+            for (std::size_t i = 0; i < memory.size(); ++i)
+                rows[i / a_row] |= (memory[i] >> bits * part & ((1U << bits) - 1U)) << bits * (i % a_row);
+        }
+        rams[20] = random_words(2048, 9, 20);
+        return to_text(rams);
+    };
+    const std::size_t count = 2048 * a_row - 333;
+    const Words from = random_words(count, 16, 21), to = random_words(count, 16, 22);
+    REQUIRE((replace_block_ram(config(from), from, to, 16, "f") == config(to)));
+}
+
 TEST_CASE("ecp5 config: several memories one after the other; foreign block RAMs stay as they are", "[ecp5]") {
     const Example example;
     const Words deep(deep_words, 0);  // zeros may be written, though they are never found
@@ -237,7 +257,7 @@ TEST_CASE("ecp5 config: a memory that is not there, or not all of it, or twice, 
 TEST_CASE("ecp5 config: a memory that fits in several modes or has nothing to look for is an error", "[ecp5]") {
     Rams rams{{1, Words(2048)}};
     rams[1][0] = 4;
-    REQUIRE_THROWS_WITH(replace_block_ram(to_text(rams), {1}, {1}, 1, "f"), Contains("in 3 ways"));
+    REQUIRE_THROWS_WITH(replace_block_ram(to_text(rams), {1}, {1}, 1, "f"), Contains("in 6 ways"));
     REQUIRE_THROWS_WITH(replace_block_ram(to_text(rams), {0}, {0}, 1, "f"), Contains("found 0 of 0 slices"));
     REQUIRE_THROWS_WITH(replace_block_ram("", {1}, {0}, 1, "f"), Contains("found 0 of 1 slices"));
 }
