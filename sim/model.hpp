@@ -38,6 +38,7 @@ public:
     [[nodiscard]] virtual std::span<std::uint32_t> sequence_memory() = 0;
     /// Writes every signal of every further clock to an FST file.
     virtual void trace(const std::filesystem::path& file) = 0;
+    virtual void end_trace() = 0;
 };
 
 /// The parameters of every core that was Verilated into this build (sim/models.cmake).

@@ -36,6 +36,14 @@ struct Playback {
     double playing_seconds = 0.0;
 };
 
+/// The Verilated core that can play an image, as an index into available_models().
+/// @param where  names the image in messages
+/// @throws Error{bad_input} when there is none
+[[nodiscard]] std::size_t model_for(const Image& image, const std::string& where);
+
+/// Puts an image straight into a board's memories, as a bitstream does.
+void load_directly(Board& board, const Image& image);
+
 /// Loads an image into a simulated board, enables the outputs, plays the sequence, stops, and checks at the pins what
 /// the contracts promise: every pulse equal to the image, every record for its dwell and in order, nothing refused,
 /// late, damaged or tripped, silence at the end.

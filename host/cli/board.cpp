@@ -175,7 +175,7 @@ void add_board(CLI::App& app, Action& action) {
         if (sub->get_subcommands().empty())
             action = []() -> int {
                 throw Error(ErrorCode::usage, "board",
-                            "expected a subcommand: list or pinout; see haptogram board --help");
+                            "expected a subcommand: list, pinout or run; see haptogram board --help");
             };
     });
 
@@ -183,6 +183,8 @@ void add_board(CLI::App& app, Action& action) {
     CLI::App* names = sub->add_subcommand("list", "Print the shipped boards");
     names->add_flag("--json", *as_json, "As JSON");
     names->callback([as_json, &action] { action = [as_json] { return list(*as_json); }; });
+
+    add_board_run(*sub, action);
 
     auto options = std::make_shared<PinoutOptions>();
     CLI::App* pins = sub->add_subcommand(

@@ -83,6 +83,9 @@ int run(int argc, char** argv) {
     add_field(app, action);
     add_board(app, action);
     add_bitstream(app, action);
+    add_device(app, action);
+    add_upload(app, action);
+    add_play(app, action);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ExtrasError& error) {
@@ -93,7 +96,8 @@ int run(int argc, char** argv) {
     }
     if (!action)
         throw Error(ErrorCode::usage, "haptogram",
-                    "expected a subcommand: compile, inspect, simulate, field or board; see haptogram --help");
+                    "expected a subcommand: compile, inspect, simulate, field, board, bitstream, device, upload or "
+                    "play; see haptogram --help");
     return action();
 }
 

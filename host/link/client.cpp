@@ -39,6 +39,32 @@ std::uint16_t word_of(const Bytes& data, Word word) {
     return static_cast<std::uint16_t>(data[at] | data[at + 1] << 8);
 }
 
+/// What one frame carries of an image.
+struct Piece {
+    std::uint32_t address;
+    Bytes bytes;
+};
+
+/// An image in frames: a record each, and the sequence in pieces as long.
+std::vector<Piece> pieces_of(const Image& image) {
+    std::vector<Piece> pieces;
+    const std::size_t stride = record_words(image.channels);
+    const std::vector<std::uint16_t> primary = primary_words(image);
+    for (std::size_t at = 0; at < primary.size(); at += stride) {
+        Piece& piece = pieces.emplace_back(Piece{interface::primary_base + static_cast<std::uint32_t>(2 * at), {}});
+        for (std::size_t i = at; i < at + stride; ++i)
+            for (const unsigned shift : {0U, 8U}) piece.bytes.push_back(static_cast<std::uint8_t>(primary[i] >> shift));
+    }
+    const std::vector<std::uint32_t> sequence = sequence_words(image);
+    for (std::size_t at = 0; at < sequence.size(); at += stride / 2) {
+        Piece& piece = pieces.emplace_back(Piece{interface::sequence_base + static_cast<std::uint32_t>(4 * at), {}});
+        for (std::size_t i = at; i < std::min(at + stride / 2, sequence.size()); ++i)
+            for (const unsigned shift : {0U, 8U, 16U, 24U})
+                piece.bytes.push_back(static_cast<std::uint8_t>(sequence[i] >> shift));
+    }
+    return pieces;
+}
+
 bool applied(const Reply& reply) { return reply.status == Status::ok || reply.status == Status::repeated; }
 
 }  // namespace
@@ -67,6 +93,7 @@ std::vector<Reply> Client::pipeline(const std::vector<Request>& requests, const 
             if (i == requests.size()) break;
             const bool mine = reply.sequence == sequence_of(i) && reply.command == requests[i].command;
             if (mine && applied(reply)) {
+                if (reply.status == Status::repeated) patience_ = std::min(2 * patience_, most_patience_);
                 replies[i] = std::move(reply);
                 ++acknowledged;
                 tries = 0;
@@ -181,30 +208,30 @@ Bytes Client::read(std::uint32_t address, std::uint16_t bytes) {
 
 void Client::upload(const Image& image, const std::function<void(double)>& progress) {
     std::vector<Request> requests;
-    const auto add = [&](std::uint32_t address, const Bytes& bytes) {
+    for (const auto& [address, bytes] : pieces_of(image)) {
         Bytes payload = at_address(address);
         payload.insert(payload.end(), bytes.begin(), bytes.end());
         requests.push_back({Command::write, std::move(payload)});
-    };
-    const std::size_t stride = record_words(image.channels);
-    const std::vector<std::uint16_t> primary = primary_words(image);
-    for (std::size_t at = 0; at < primary.size(); at += stride) {
-        Bytes bytes;
-        for (std::size_t i = at; i < at + stride; ++i) {
-            bytes.push_back(static_cast<std::uint8_t>(primary[i]));
-            bytes.push_back(static_cast<std::uint8_t>(primary[i] >> 8));
-        }
-        add(interface::primary_base + static_cast<std::uint32_t>(2 * at), bytes);
-    }
-    const std::vector<std::uint32_t> sequence = sequence_words(image);
-    for (std::size_t at = 0; at < sequence.size(); at += stride / 2) {
-        Bytes bytes;
-        for (std::size_t i = at; i < std::min(at + stride / 2, sequence.size()); ++i)
-            for (unsigned shift = 0; shift < 32; shift += 8)
-                bytes.push_back(static_cast<std::uint8_t>(sequence[i] >> shift));
-        add(interface::sequence_base + static_cast<std::uint32_t>(4 * at), bytes);
     }
     pipeline(requests, progress);
+}
+
+std::string Client::compare(const Image& image, const std::function<void(double)>& progress) {
+    const std::vector<Piece> pieces = pieces_of(image);
+    std::vector<Request> requests;
+    for (const auto& [address, bytes] : pieces) {
+        Bytes payload = at_address(address);
+        for (const std::uint8_t byte : little_endian(bytes.size())) payload.push_back(byte);
+        requests.push_back({Command::read, std::move(payload)});
+    }
+    const std::vector<Reply> replies = pipeline(requests, progress);
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+        const auto [expected, found] = std::ranges::mismatch(pieces[i].bytes, replies[i].data);
+        if (expected == pieces[i].bytes.end() && found == replies[i].data.end()) continue;
+        const auto at = static_cast<std::uint32_t>(expected - pieces[i].bytes.begin());
+        return fmt::format("the board's memory differs at address {:#010x}", pieces[i].address + at);
+    }
+    return {};
 }
 
 void require_fits(const Image& image, const Identity& board, const std::string& where) {

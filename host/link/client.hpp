@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -59,19 +60,28 @@ public:
     /// @param progress  told the fraction done after each acknowledgement
     void upload(const Image& image, const std::function<void(double)>& progress = {});
 
+    /// Reads an image's places back. @return empty when they hold it, else the first difference in words
+    std::string compare(const Image& image, const std::function<void(double)>& progress = {});
+
     /// One request and its reply. @throws Error{device} naming the command and the board's reason
     Reply request(const Request& request);
     /// Many requests in a window; replies in order.
     std::vector<Reply> pipeline(const std::vector<Request>& requests, const std::function<void(double)>& progress = {});
 
     [[nodiscard]] std::uint64_t retransmissions() const { return retransmissions_; }
-    void set_patience(std::chrono::microseconds patience) { patience_ = patience; }
+    /// How long to wait for an answer before sending again. Each answer which says that that was too early doubles it,
+    /// up to `most`: a simulated board may be slow.
+    void set_patience(std::chrono::microseconds patience, std::chrono::microseconds most = {}) {
+        patience_ = patience;
+        most_patience_ = std::max(patience, most);
+    }
 
 private:
     Transport& transport_;
     ReplyDecoder decoder_;
     std::uint8_t next_ = 0;
     std::chrono::microseconds patience_{50'000};
+    std::chrono::microseconds most_patience_ = patience_;
     std::uint64_t retransmissions_ = 0;
 };
 

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <thread>
+
+#include "base/error.hpp"
+#include "base/file.hpp"
+#include "command.hpp"
+#include "image/image.hpp"
+#include "image/intel_hex.hpp"
+#include "interrupt.hpp"
+#include "playback.hpp"
+#include "pseudo_terminal.hpp"
+#include "pulse_check.hpp"
+
+namespace haptogram::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct RunOptions {
+    std::string image;
+    std::string pty;
+    std::string speed = "real";
+    std::string trace;
+    std::string pulses;
+    std::uint32_t channels = 100;
+    double seconds = 0.0;
+    bool json = false;
+};
+
+/// The line that says what the board is doing; on a terminal only.
+class StatusLine {
+public:
+    ~StatusLine() {
+        if (drawn_) std::fputs("\r\033[K", stderr);
+    }
+
+    void show(const sim::Board& board, double wall_s, std::uint64_t in, std::uint64_t out) {
+        if (::isatty(STDERR_FILENO) != 1 || Clock::now() - last_ < std::chrono::milliseconds(200)) return;
+        last_ = Clock::now();
+        drawn_ = true;
+        const double simulated = static_cast<double>(board.now()) / board.parameters().clock_hz;
+        std::fputs(
+            fmt::format("\r{:.3f} s simulated, {:.3f} of real time, record {}, outputs {}, {} bytes in, {} out\033[K",
+                        simulated, wall_s > 0.0 ? simulated / wall_s : 0.0, board.outputs().index,
+                        board.outputs().enabled ? "on" : "off", in, out)
+                .c_str(),
+            stderr);
+        std::fflush(stderr);
+    }
+
+private:
+    bool drawn_ = false;
+    Clock::time_point last_{};
+};
+
+std::optional<Image> read_image(const std::string& path) {
+    if (path.empty()) return {};
+    Image image = from_intel_hex(read_file(path), path);
+    const std::vector<std::string> found = problems(image);
+    if (!found.empty()) throw bad_input(path, found.front());
+    return image;
+}
+
+std::size_t model_of(std::uint32_t channels) {
+    const auto& models = sim::available_models();
+    std::string known;
+    for (std::size_t i = 0; i < models.size(); ++i) {
+        if (models[i].channels == channels) return i;
+        known += fmt::format("{}{}", i == 0 ? "" : ", ", models[i].channels);
+    }
+    throw Error(ErrorCode::usage, "--channels",
+                fmt::format("no simulated board has {}; there are {}", channels, known));
+}
+
+/// Runs until it is asked to end. @return bytes that came in and went out
+std::pair<std::uint64_t, std::uint64_t> serve(sim::Board& board, sim::PseudoTerminal& terminal,
+                                              const RunOptions& options) {
+    constexpr std::uint64_t slice = 2000;  // clocks, less than one byte at 115,200 baud
+    constexpr double most_behind_s = 0.1;
+    const double clock_hz = board.parameters().clock_hz;
+    const auto begun = Clock::now();
+    const auto wall = [begun] { return std::chrono::duration<double>(Clock::now() - begun).count(); };
+    std::pair<std::uint64_t, std::uint64_t> bytes{0, 0};
+    double given_up_s = 0.0;  // of real time: what a slow simulation is not to catch up with
+    StatusLine line;
+    while (!interrupted() &&
+           (options.seconds == 0.0 || static_cast<double>(board.now()) < options.seconds * clock_hz)) {
+        const double ahead_s = static_cast<double>(board.now()) / clock_hz + given_up_s - wall();
+        if (ahead_s < -most_behind_s) given_up_s -= ahead_s + most_behind_s;
+        const bool waits = options.speed == "real" && ahead_s > 1e-3;
+        const auto arrived = terminal.read(std::chrono::milliseconds(waits ? static_cast<int>(1e3 * ahead_s) : 0));
+        board.send(arrived);
+        board.run(slice);
+        const auto answer = board.receive();
+        terminal.write(answer);
+        bytes.first += arrived.size();
+        bytes.second += answer.size();
+        line.show(board, wall(), bytes.first, bytes.second);
+    }
+    return bytes;
+}
+
+int run_board(const RunOptions& options) {
+    std::vector<NamedPath> outputs;
+    if (!options.pulses.empty()) outputs.push_back({"--pulses", options.pulses});
+    if (!options.trace.empty()) outputs.push_back({"--trace", options.trace});
+    require_distinct({{"--image", options.image}}, outputs);
+    const std::optional<Image> image = read_image(options.image);
+    sim::Board board(image ? sim::model_for(*image, options.image) : model_of(options.channels));
+    std::optional<StagedFile> trace;
+    std::optional<StagedFile> pulses;
+    if (!options.trace.empty()) {
+        trace.emplace(options.trace);
+        if (trace->beside().empty())
+            throw bad_input(options.trace, "a trace needs a file of its own; name one that is no device or pipe");
+        board.trace(trace->beside());
+    }
+    std::optional<sim::PulseRecorder> recorder;
+    if (!options.pulses.empty()) {
+        pulses.emplace(options.pulses);
+        recorder.emplace(board);
+    }
+    if (image) sim::load_directly(board, *image);
+    catch_interrupts();
+    sim::PseudoTerminal terminal(options.pty);
+    const sim::ModelParameters& p = board.parameters();
+    if (options.json)
+        fmt::print("{}\n", nlohmann::ordered_json{{"port", terminal.name()},
+                                                  {"channels", p.channels},
+                                                  {"records", p.records},
+                                                  {"clock_hz", p.clock_hz},
+                                                  {"baud", p.baud}}
+                               .dump());
+    else
+        fmt::print("{}\n", terminal.name());
+    std::fflush(stdout);
+    const auto begun = Clock::now();
+    const auto [in, out] = serve(board, terminal, options);
+    const double wall_s = std::chrono::duration<double>(Clock::now() - begun).count();
+
+    if (pulses) {
+        pulses->fill(to_csv(recorder->pulses()));
+        pulses->commit();
+    }
+    const double simulated_s = static_cast<double>(board.now()) / p.clock_hz;
+    if (options.json)
+        fmt::print("{}\n", nlohmann::ordered_json{{"simulated_s", simulated_s},
+                                                  {"wall_s", wall_s},
+                                                  {"bytes_in", in},
+                                                  {"bytes_out", out},
+                                                  {"enabled", board.outputs().enabled}}
+                               .dump());
+    else
+        fmt::print("{:.3f} s simulated in {:.1f} s, {} bytes in, {} out\n", simulated_s, wall_s, in, out);
+    board.end_trace();
+    if (trace) trace->commit();
+    return 0;
+}
+
+}  // namespace
+
+void add_board_run(CLI::App& board, Action& action) {
+    auto options = std::make_shared<RunOptions>();
+    CLI::App* sub = board.add_subcommand("run",
+                                         "Run the Verilated FPGA behind a pseudo-terminal, which any program can open "
+                                         "as its serial port; prints the port");
+    auto* image = sub->add_option("--image", options->image, "Intel HEX image that is in its memories from the start");
+    sub->add_option("--channels", options->channels, "Channels of the board, without an image")
+        ->excludes(image)
+        ->capture_default_str();
+    sub->add_option("--pty", options->pty, "A name for the port: a link to it, removed at the end");
+    sub->add_option("--speed", options->speed, "No faster than a real board, or as fast as this machine can")
+        ->check(CLI::IsMember({"real", "max"}))
+        ->capture_default_str();
+    sub->add_option("--seconds", options->seconds, "End after so much simulated time (default: Ctrl-C)")
+        ->check(positive());
+    sub->add_option("--trace", options->trace, "Write every signal (FST, for GTKWave)");
+    sub->add_option("--pulses", options->pulses, "Write the pulses measured at the pins (CSV)");
+    sub->add_flag("--json", options->json, "Print the port, and the outcome at the end, as a line of JSON each");
+    sub->callback([options, &action] { action = [options] { return run_board(*options); }; });
+}
+
+}  // namespace haptogram::cli

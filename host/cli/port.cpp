@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "port.hpp"
+
+#include "command.hpp"
+
+namespace haptogram::cli {
+namespace {
+
+// A frame takes its time on the line, and a simulated board more: with a trace it may be a hundred times slower.
+constexpr std::chrono::milliseconds patience{300};
+constexpr std::chrono::seconds most_patience{10};
+
+}  // namespace
+
+void add_port_options(CLI::App& sub, PortOptions& options) {
+    sub.add_option("--port", options.port, "Serial port of the board, or of 'haptogram board run'")->required();
+    sub.add_option("--baud", options.baud, "Its rate, which the board's build fixes")
+        ->check(whole(300, 12'000'000))
+        ->capture_default_str();
+}
+
+Device::Device(const PortOptions& options) : port_(options.port, options.baud), client_(port_) {
+    client_.set_patience(patience, most_patience);
+    identity_ = client_.identify();
+}
+
+}  // namespace haptogram::cli

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <string>
+
+#include "link/client.hpp"
+#include "link/serial_port.hpp"
+
+namespace haptogram::cli {
+
+/// The options that say where the board is.
+struct PortOptions {
+    std::string port;
+    std::uint32_t baud = 1'000'000;
+};
+
+void add_port_options(CLI::App& sub, PortOptions& options);
+
+/// A board behind a port, with a session begun.
+class Device {
+public:
+    /// @throws Error{device} when the port cannot be opened or no Haptogram answers
+    explicit Device(const PortOptions& options);
+
+    link::Client& client() { return client_; }
+    [[nodiscard]] const link::Identity& identity() const { return identity_; }
+
+private:
+    link::SerialPort port_;
+    link::Client client_;
+    link::Identity identity_;
+};
+
+}  // namespace haptogram::cli

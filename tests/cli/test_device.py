@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A board behind a serial port: `haptogram board run` and the commands that speak to it, each a process of its own."""
+import contextlib
+import json
+import os
+import signal
+import subprocess
+import time
+
+import pytest
+import serial
+from support import BAD_INPUT, DEVICE, PROGRAM, USAGE, assert_one_message, run, succeed, text
+
+
+@contextlib.contextmanager
+def virtual_board(folder, *options):
+    """A running board; its port is `folder`/port."""
+    command = [str(PROGRAM), "board", "run", "--json", "--speed", "max", "--pty", "port", *options]
+    process = subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    try:
+        process.says = json.loads(process.stdout.readline())
+        yield process
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def ask(folder, *args, **more):
+    return succeed([*args, "--port", "port"], cwd=folder, timeout=120, **more)
+
+
+def status(folder):
+    return json.loads(ask(folder, "device", "status", "--json").stdout)
+
+
+@pytest.fixture
+def image(tmp_path):
+    succeed(["compile", "--shape", "circle", "--diameter", 60, "--points", 4, "--rate", 1000, "-o", "circle.hex"], cwd=tmp_path)
+    return "circle.hex"
+
+
+def test_info_is_what_the_core_was_built_with(tmp_path):
+    with virtual_board(tmp_path) as board:
+        info = json.loads(ask(tmp_path, "device", "info", "--json").stdout)
+        assert info["name"] == "Haptogram"
+        assert {key: info[key] for key in ("channels", "records", "clock_hz")} == {key: board.says[key] for key in ("channels", "records", "clock_hz")}
+
+
+def test_upload_play_and_the_files_of_the_board(tmp_path, image):
+    with virtual_board(tmp_path, "--pulses", "pulses.csv") as board:
+        assert json.loads(ask(tmp_path, "upload", image, "--verify", "--json").stdout)["verified"]
+        played = json.loads(ask(tmp_path, "play", "--loops", 2, "--json").stdout)
+        assert played == {"underruns": 0, "refused_records": 0, "watchdog_trips": 0, "guard_trips": 0, "interrupted": False}
+        assert status(tmp_path)["outputs"] == "off"
+        board.send_signal(signal.SIGINT)
+        said = board.communicate(timeout=30)[0]
+        assert board.returncode == 0
+        assert json.loads(said)["enabled"] is False
+    assert not (tmp_path / "port").is_symlink()
+    rows = [[int(n) for n in line.split(",")] for line in (tmp_path / "pulses.csv").read_text().splitlines()[1:]]
+    manifest = json.loads((tmp_path / "circle.json").read_text())
+    timer = manifest["timer"]
+    ours = [row for row in rows if row[3] > 0]
+    assert {row[3] for row in ours} == {1, 2, 3, 4}
+    assert {row[0] for row in ours} == set(range(100))
+    whole = [row for row in ours if row[2] - row[1] == timer["pulse_ticks"] * timer["prescaler"]]
+    assert len(whole) > 0.9 * len(ours)  # at a change of focus pulses may merge
+
+
+def test_an_image_from_the_start_plays_without_an_upload(tmp_path, image):
+    with virtual_board(tmp_path, "--image", image):
+        ask(tmp_path, "play", "--loops", 1)
+
+
+def test_the_host_dies_and_the_watchdog_ends_it(tmp_path, image):
+    with virtual_board(tmp_path, "--image", image):
+        command = [str(PROGRAM), "play", "--loops", "0", "--watchdog", "50", "--port", "port"]
+        host = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE)
+        time.sleep(1.0)
+        host.kill()
+        host.communicate()
+        for wait in (2, 10, 30):  # in real time: 50 ms on a slow simulation, in which nobody may speak
+            time.sleep(wait)
+            now = status(tmp_path)
+            if now["outputs"] == "off":
+                break
+        assert (now["outputs"], now["watchdog_trips"], now["mode"]) == ("off", 1, "sequence")
+
+
+def test_ctrl_c_ends_playing_with_outputs_off(tmp_path, image):
+    with virtual_board(tmp_path, "--image", image):
+        host = subprocess.Popen([str(PROGRAM), "play", "--loops", "0", "--json", "--port", "port"], cwd=tmp_path, stdout=subprocess.PIPE)
+        time.sleep(1.0)
+        host.send_signal(signal.SIGINT)
+        assert json.loads(host.communicate(timeout=30)[0])["interrupted"] is True
+        assert host.returncode == 0
+        now = status(tmp_path)
+        assert (now["outputs"], now["watchdog_trips"]) == ("off", 0)
+
+
+def test_pyserial_sees_a_serial_port(tmp_path):
+    with virtual_board(tmp_path):
+        with serial.Serial(str(tmp_path / "port"), 1_000_000, timeout=10) as port:
+            port.write(bytes(100) + b"no frame at all\0")
+        assert status(tmp_path)["frames_damaged"] == 1
+
+
+def test_a_port_has_one_user(tmp_path, image):
+    with virtual_board(tmp_path, "--image", image):
+        host = subprocess.Popen([str(PROGRAM), "play", "--loops", "0", "--port", "port"], cwd=tmp_path, stdout=subprocess.PIPE)
+        time.sleep(1.0)
+        assert_one_message(run(["device", "disable", "--port", "port"], cwd=tmp_path), DEVICE, "port", "another program")
+        host.send_signal(signal.SIGINT)
+        assert host.wait(30) == 0
+
+
+def test_an_image_for_another_board_is_refused_before_a_byte_is_written(tmp_path):
+    succeed(["compile", "--shape", "point", "--board", "ice40-hx8k-breakout", "-o", "other.hex"], cwd=tmp_path)
+    with virtual_board(tmp_path):
+        before = status(tmp_path)["frames_good"]
+        assert_one_message(run(["upload", "other.hex", "--port", "port"], cwd=tmp_path), BAD_INPUT, "other.hex", "48000000", "50000000")
+        assert status(tmp_path)["frames_good"] == before + 3  # identify; identify and status of this line
+
+
+def test_nothing_to_play(tmp_path):
+    with virtual_board(tmp_path):
+        assert_one_message(run(["play", "--port", "port"], cwd=tmp_path), DEVICE, "no sequence", "upload")
+        assert_one_message(run(["play", "--index", 401, "--port", "port"], cwd=tmp_path), DEVICE, "select", "bad_index")
+        assert status(tmp_path)["outputs"] == "off"
+
+
+def test_the_board_goes_while_playing(tmp_path, image):
+    with virtual_board(tmp_path, "--image", image) as board:
+        host = subprocess.Popen([str(PROGRAM), "play", "--loops", "0", "--port", "port"], cwd=tmp_path, stderr=subprocess.PIPE)
+        time.sleep(1.0)
+        board.kill()
+        message = text(host.communicate(timeout=60)[1])
+        assert host.returncode == DEVICE
+        assert "the port is gone" in message
+
+
+@pytest.mark.parametrize("command", [["device", "info"], ["play"]])
+@pytest.mark.parametrize(("port", "needles"), [("nowhere", ["nowhere", "No such file"]), ("/dev/null", ["/dev/null", "shows the ports"])])
+def test_what_is_no_port(command, port, needles, tmp_path):
+    assert_one_message(run([*command, "--port", port], cwd=tmp_path), DEVICE, *needles)
+
+
+def test_a_port_without_a_board(tmp_path):
+    ours, theirs = os.openpty()
+    os.set_blocking(ours, False)
+    assert_one_message(run(["device", "info", "--port", os.ttyname(theirs)], timeout=60), DEVICE, "no answer to identify", "baud")
+    os.close(ours)
+    os.close(theirs)
+
+
+@pytest.mark.parametrize("args", [["device"], ["device", "info"], ["upload", "x.hex"], ["play", "--port", "p", "--index", "0"],
+                                  ["device", "info", "--port", "p", "--baud", "12"], ["board", "run", "--channels", "7"]])  # fmt: skip
+def test_wrong_usage(args):
+    assert run(args).returncode == USAGE
+
+
+def test_a_name_that_is_taken(tmp_path):
+    (tmp_path / "port").write_text("mine")
+    assert_one_message(run(["board", "run", "--pty", "port"], cwd=tmp_path), BAD_INPUT, "port", "name a place where nothing is")
+    assert (tmp_path / "port").read_text() == "mine"
+
+
+def test_a_board_for_so_much_simulated_time(tmp_path):
+    said = succeed(["board", "run", "--seconds", "0.01", "--json"], cwd=tmp_path).stdout.splitlines()
+    assert json.loads(said[1])["simulated_s"] == pytest.approx(0.01, abs=1e-4)
