@@ -86,6 +86,7 @@ int run(int argc, char** argv) {
     add_device(app, action);
     add_upload(app, action);
     add_play(app, action);
+    add_stream(app, action);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ExtrasError& error) {
@@ -96,8 +97,8 @@ int run(int argc, char** argv) {
     }
     if (!action)
         throw Error(ErrorCode::usage, "haptogram",
-                    "expected a subcommand: compile, inspect, simulate, field, board, bitstream, device, upload or "
-                    "play; see haptogram --help");
+                    "expected a subcommand: compile, inspect, simulate, field, board, bitstream, device, upload, play "
+                    "or stream; see haptogram --help");
     return action();
 }
 

@@ -10,6 +10,7 @@
 #include "base/error.hpp"
 #include "command.hpp"
 #include "interrupt.hpp"
+#include "outputs.hpp"
 #include "port.hpp"
 
 namespace haptogram::cli {
@@ -22,25 +23,6 @@ struct PlayOptions {
     double seconds = 0.0;
     std::uint16_t watchdog_ms = 500;
     bool json = false;
-};
-
-/// Outputs are off when this goes, whatever ended the playing.
-class Outputs {
-public:
-    explicit Outputs(link::Client& client) : client_(client) { client_.enable(); }
-    Outputs(const Outputs&) = delete;
-    Outputs& operator=(const Outputs&) = delete;
-    ~Outputs() {
-        try {
-            client_.stop();
-            client_.disable();
-        } catch (const Error& error) {
-            complain(fmt::format("{}; the watchdog turns the outputs off", error.what()));
-        }
-    }
-
-private:
-    link::Client& client_;
 };
 
 int play(const PlayOptions& options) {

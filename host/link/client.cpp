@@ -178,13 +178,13 @@ void Client::select(std::uint16_t index, std::uint16_t dwell) {
     request({Command::select, little_endian(index, dwell)});
 }
 
-void Client::push(const std::vector<std::uint16_t>& indices, std::uint16_t dwell) {
+std::uint16_t Client::push(const std::vector<std::uint16_t>& indices, std::uint16_t dwell) {
     Bytes payload = little_endian(dwell);
     for (const std::uint16_t index : indices) {
         payload.push_back(static_cast<std::uint8_t>(index));
         payload.push_back(static_cast<std::uint8_t>(index >> 8));
     }
-    request({Command::push, std::move(payload)});
+    return request({Command::push, std::move(payload)}).live_level;
 }
 
 void Client::start(std::uint16_t first, std::uint16_t length, std::uint16_t loops) {

@@ -49,8 +49,9 @@ public:
     void disable() { request({interface::Command::disable, {}}); }
     void stop() { request({interface::Command::stop, {}}); }
     void select(std::uint16_t index, std::uint16_t dwell = 0);
-    /// Appends indices to the live FIFO. @throws Error{device} when they do not fit or one is out of range
-    void push(const std::vector<std::uint16_t>& indices, std::uint16_t dwell);
+    /// Appends indices to the live FIFO. @return how many entries it holds now. @throws Error{device} when they do not
+    /// fit or one is out of range
+    std::uint16_t push(const std::vector<std::uint16_t>& indices, std::uint16_t dwell);
     void start(std::uint16_t first, std::uint16_t length, std::uint16_t loops);
     void set_watchdog(std::uint16_t milliseconds);
     void write(std::uint32_t address, const Bytes& bytes);

@@ -114,6 +114,40 @@ def test_a_port_has_one_user(tmp_path, image):
         assert host.wait(30) == 0
 
 
+def test_a_stream_takes_as_long_as_its_dwells_and_is_never_late(tmp_path, image):
+    (tmp_path / "lines").write_text("".join(f"{1 + i % 4}\n" for i in range(600)) + "2 7\r\n 3,8\n")
+    with virtual_board(tmp_path, "--image", image, "--pulses", "pulses.csv") as board:
+        streamed = json.loads(ask(tmp_path, "stream", "lines", "--dwell", 2, "--json").stdout)
+        assert streamed == {"sent": 602, "underruns": 0, "interrupted": False}
+        assert status(tmp_path)["outputs"] == "off"
+        board.send_signal(signal.SIGINT)
+        board.communicate(timeout=30)
+    rows = [[int(n) for n in line.split(",")] for line in (tmp_path / "pulses.csv").read_text().splitlines()[1:]]
+    first = sorted(row for row in rows if row[0] == 0 and row[3] > 0)
+    assert [row[3] for row in first][-15:] == [2] * 7 + [3] * 8  # one pulse a cycle on each channel
+    assert len(first) >= 1200  # some merge at a change of focus
+
+
+def test_a_stream_from_a_pipe_plays_what_is_there(tmp_path, image):
+    with virtual_board(tmp_path, "--image", image):
+        command = [str(PROGRAM), "stream", "--port", "port", "--dwell", "0", "--json"]
+        host = subprocess.Popen(command, cwd=tmp_path, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        host.stdin.write(b"3\n")
+        host.stdin.flush()
+        time.sleep(1.0)
+        host.stdin.close()
+        assert json.loads(host.stdout.read()) == {"sent": 1, "underruns": 0, "interrupted": False}
+        assert host.wait(30) == 0
+
+
+@pytest.mark.parametrize("line", ["x", "1 2 3", "5 y", "-1", "401", "1 65536", ""])
+def test_a_bad_line_of_a_stream(line, tmp_path, image):
+    (tmp_path / "lines").write_text(f"1\n{line}\n2\n")
+    with virtual_board(tmp_path, "--image", image):
+        assert_one_message(run(["stream", "lines", "--port", "port"], cwd=tmp_path), BAD_INPUT, "lines:2", f"'{line}'", "index dwell")
+        assert status(tmp_path)["outputs"] == "off"
+
+
 def test_an_image_for_another_board_is_refused_before_a_byte_is_written(tmp_path):
     succeed(["compile", "--shape", "point", "--board", "ice40-hx8k-breakout", "-o", "other.hex"], cwd=tmp_path)
     with virtual_board(tmp_path):

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <system_error>
+#include <thread>
+
+#include "base/error.hpp"
+#include "command.hpp"
+#include "interrupt.hpp"
+#include "outputs.hpp"
+#include "port.hpp"
+
+namespace haptogram::cli {
+namespace {
+
+struct StreamOptions {
+    std::string file = "-";
+    PortOptions port;
+    std::uint16_t dwell = 1;
+    std::uint16_t watchdog_ms = 500;
+    bool json = false;
+};
+
+struct Entry {
+    std::uint16_t index;
+    std::uint16_t dwell;
+};
+
+/// Lines of a file, a pipe or a terminal, as they come: nothing waits for a full buffer.
+class Source {
+public:
+    Source(const std::string& path, std::uint16_t dwell, std::uint32_t records)
+        : name_(path == "-" ? "standard input" : path),
+          descriptor_(path == "-" ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC)),
+          dwell_(dwell),
+          records_(records) {
+        if (descriptor_ < 0)
+            throw bad_input(
+                path, fmt::format("cannot be opened: {}; check the path", std::generic_category().message(errno)));
+    }
+    Source(const Source&) = delete;
+    Source& operator=(const Source&) = delete;
+    ~Source() {
+        if (descriptor_ != STDIN_FILENO) ::close(descriptor_);
+    }
+
+    [[nodiscard]] bool ended() const { return ended_ && text_.empty(); }
+
+    /// The next entry that is there, waiting at most so long for it.
+    std::optional<Entry> next(int milliseconds) {
+        std::size_t newline = text_.find('\n');
+        while (newline == std::string::npos && !ended_ && fill(milliseconds)) newline = text_.find('\n');
+        if (newline == std::string::npos && !(ended_ && !text_.empty())) return {};
+        const std::string line = text_.substr(0, newline);
+        text_.erase(0, newline == std::string::npos ? newline : newline + 1);
+        ++number_;
+        return parse(line);
+    }
+
+private:
+    bool fill(int milliseconds) {
+        pollfd wait{descriptor_, POLLIN, 0};
+        if (::poll(&wait, 1, milliseconds) <= 0) return false;
+        std::array<char, 4096> buffer{};
+        const ssize_t count = ::read(descriptor_, buffer.data(), buffer.size());
+        if (count < 0 && errno == EINTR) return false;
+        if (count < 0)
+            throw bad_input(name_, fmt::format("cannot be read: {}", std::generic_category().message(errno)));
+        ended_ = count == 0;
+        text_.append(buffer.data(), static_cast<std::size_t>(count));
+        return true;
+    }
+
+    [[nodiscard]] Entry parse(const std::string& line) const {
+        const char* at = line.data();
+        const char* const end = line.data() + line.size();
+        const auto skip = [&] {
+            while (at != end && (*at == ' ' || *at == '\t' || *at == ',' || *at == '\r')) ++at;
+        };
+        Entry entry{0, dwell_};
+        skip();
+        auto index = std::from_chars(at, end, entry.index);
+        at = index.ptr;
+        skip();
+        bool good = index.ec == std::errc();
+        if (good && at != end) {
+            const auto dwell = std::from_chars(at, end, entry.dwell);
+            at = dwell.ptr;
+            skip();
+            good = dwell.ec == std::errc() && at == end;
+        }
+        if (!good || entry.index > records_)
+            throw bad_input(
+                fmt::format("{}:{}", name_, number_),
+                fmt::format("found '{}', expected 'index' or 'index dwell': an index from 0 to {}, a dwell from 0 to "
+                            "65535 cycles",
+                            line.substr(0, 40), records_));
+        return entry;
+    }
+
+    std::string name_;
+    int descriptor_;
+    std::uint16_t dwell_;
+    std::uint32_t records_;
+    std::string text_;
+    std::size_t number_ = 0;
+    bool ended_ = false;
+};
+
+int stream(const StreamOptions& options) {
+    catch_interrupts();
+    Device device(options.port);
+    link::Client& client = device.client();
+    const link::Identity& identity = device.identity();
+    Source source(options.file, options.dwell, identity.records);
+    client.set_watchdog(options.watchdog_ms);
+    const int patience = options.watchdog_ms == 0 ? 100 : std::min(100, options.watchdog_ms / 5 + 1);
+    // A frame holds at most as many indices as a record has words.
+    const std::size_t most = std::min<std::size_t>(identity.live_depth, identity.channels);
+    const link::BoardStatus before = client.status();
+    link::BoardStatus now = before;
+    std::uint64_t sent = 0;
+    {
+        const Outputs on(client);
+        std::optional<Entry> next;
+        std::size_t level = 0;
+        while (!interrupted()) {
+            if (!next) next = source.next(patience);
+            if (!next && source.ended()) break;
+            const std::size_t room = std::min<std::size_t>(most, identity.live_depth - level);
+            if (!next ||
+                room < std::min<std::size_t>(most, identity.live_depth / 2)) {  // says that this host is alive, too
+                if (next) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+                level = client.status().live_level;
+                continue;
+            }
+            std::vector<std::uint16_t> indices;
+            const std::uint16_t dwell = next->dwell;
+            while (next && next->dwell == dwell && indices.size() < room) {
+                indices.push_back(next->index);
+                next = source.next(0);
+            }
+            level = client.push(indices, dwell);
+            sent += indices.size();
+        }
+        // Silence for good at the end: running out of indices would be an underrun.
+        bool silent = false;
+        for (now = client.status(); !interrupted() && (!silent || now.live_level > 0 || now.present_index != 0);
+             now = client.status()) {
+            if (!silent && now.live_level < identity.live_depth) {
+                client.push({0}, 0);
+                silent = true;
+            }
+            std::this_thread::sleep_for(std::chrono::milliseconds(patience));
+        }
+    }
+    const auto underruns = static_cast<std::uint16_t>(now.underruns - before.underruns);
+    if (options.json)
+        fmt::print(
+            "{}\n",
+            nlohmann::ordered_json{{"sent", sent}, {"underruns", underruns}, {"interrupted", interrupted()}}.dump(1));
+    else
+        fmt::print("{} indices, {} underruns\n", sent, underruns);
+    return 0;
+}
+
+}  // namespace
+
+void add_stream(CLI::App& app, Action& action) {
+    auto options = std::make_shared<StreamOptions>();
+    CLI::App* sub = app.add_subcommand(
+        "stream",
+        "Turn the outputs on and play indices as they come, no faster than the board takes them; then off again");
+    sub->add_option("file", options->file, "Lines 'index' or 'index dwell'; - is standard input")
+        ->capture_default_str();
+    add_port_options(*sub, options->port);
+    sub->add_option("--dwell", options->dwell, "Cycles that an index lasts if its line does not say; 0: until the next")
+        ->check(whole(0, 65535))
+        ->capture_default_str();
+    sub->add_option(
+           "--watchdog", options->watchdog_ms,
+           "Outputs go off when this program is silent for so many ms; 0: never, they may stay on when it dies")
+        ->check(whole(0, 65535))
+        ->capture_default_str();
+    sub->add_flag("--json", options->json, "Print the outcome as JSON");
+    sub->callback([options, &action] { action = [options] { return stream(*options); }; });
+}
+
+}  // namespace haptogram::cli
