@@ -12,6 +12,9 @@ import serial
 from support import BAD_INPUT, DEVICE, PROGRAM, USAGE, assert_one_message, run, succeed, text
 
 
+STARTED = 3.0  # seconds in which a host has begun to play, also on a busy machine
+
+
 @contextlib.contextmanager
 def virtual_board(folder, *options):
     """A running board; its port is `folder`/port."""
@@ -76,7 +79,7 @@ def test_the_host_dies_and_the_watchdog_ends_it(tmp_path, image):
     with virtual_board(tmp_path, "--image", image):
         command = [str(PROGRAM), "play", "--loops", "0", "--watchdog", "50", "--port", "port"]
         host = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE)
-        time.sleep(1.0)
+        time.sleep(STARTED)
         host.kill()
         host.communicate()
         for wait in (2, 10, 30):  # in real time: 50 ms on a slow simulation, in which nobody may speak
@@ -90,7 +93,7 @@ def test_the_host_dies_and_the_watchdog_ends_it(tmp_path, image):
 def test_ctrl_c_ends_playing_with_outputs_off(tmp_path, image):
     with virtual_board(tmp_path, "--image", image):
         host = subprocess.Popen([str(PROGRAM), "play", "--loops", "0", "--json", "--port", "port"], cwd=tmp_path, stdout=subprocess.PIPE)
-        time.sleep(1.0)
+        time.sleep(STARTED)
         host.send_signal(signal.SIGINT)
         assert json.loads(host.communicate(timeout=30)[0])["interrupted"] is True
         assert host.returncode == 0
@@ -108,7 +111,7 @@ def test_pyserial_sees_a_serial_port(tmp_path):
 def test_a_port_has_one_user(tmp_path, image):
     with virtual_board(tmp_path, "--image", image):
         host = subprocess.Popen([str(PROGRAM), "play", "--loops", "0", "--port", "port"], cwd=tmp_path, stdout=subprocess.PIPE)
-        time.sleep(1.0)
+        time.sleep(STARTED)
         assert_one_message(run(["device", "disable", "--port", "port"], cwd=tmp_path), DEVICE, "port", "another program")
         host.send_signal(signal.SIGINT)
         assert host.wait(30) == 0
@@ -134,7 +137,7 @@ def test_a_stream_from_a_pipe_plays_what_is_there(tmp_path, image):
         host = subprocess.Popen(command, cwd=tmp_path, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
         host.stdin.write(b"3\n")
         host.stdin.flush()
-        time.sleep(1.0)
+        time.sleep(STARTED)
         host.stdin.close()
         assert json.loads(host.stdout.read()) == {"sent": 1, "underruns": 0, "interrupted": False}
         assert host.wait(30) == 0
@@ -166,7 +169,7 @@ def test_nothing_to_play(tmp_path):
 def test_the_board_goes_while_playing(tmp_path, image):
     with virtual_board(tmp_path, "--image", image) as board:
         host = subprocess.Popen([str(PROGRAM), "play", "--loops", "0", "--port", "port"], cwd=tmp_path, stderr=subprocess.PIPE)
-        time.sleep(1.0)
+        time.sleep(STARTED)
         board.kill()
         message = text(host.communicate(timeout=60)[1])
         assert host.returncode == DEVICE
