@@ -134,13 +134,13 @@ def place(folder, board, seed, goal_mhz):
     fpga, placed, report = board["fpga"], f"placed_{seed}.{'asc' if board['fpga']['family'] == 'ice40' else 'config'}", f"nextpnr_{seed}.json"
     command = [tool(f"nextpnr-{fpga['family']}"), f"--{fpga['device']}", "--package", fpga["package"], "--json", f"{fpga['top']}.json",
                "--freq", f"{goal_mhz:.1f}", "--seed", seed, "--report", report, "--timing-allow-fail"]
+    command += ["--speed", fpga["speed"]] if fpga["family"] == "ecp5" else []
     if fpga["top"] == "haptogram_core":
-        command += ["--out-of-context"]
+        command += ["--out-of-context"]  # which leaves no design to make a bitstream of
     else:
         name, text = constraints(board)
         (folder / name).write_text(text)
-        command += [f"--{name.split('.')[1]}", name]
-    command += ["--asc", placed] if fpga["family"] == "ice40" else ["--textcfg", placed, "--speed", fpga["speed"]]
+        command += [f"--{name.split('.')[1]}", name, "--asc" if fpga["family"] == "ice40" else "--textcfg", placed]
     seconds = run(folder, f"nextpnr_{seed}.log", *command)
     outcome = json.loads((folder / report).read_text())
     fmax = min(v["achieved"] for v in outcome["fmax"].values())
@@ -170,7 +170,8 @@ def build(name, options):
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
         outcomes = list(pool.map(lambda seed: place(folder, board, seed, goal), range(1, options.seeds + 1)))
     fmax, placed, best = max(outcomes, key=lambda outcome: outcome[0])
-    os.replace(folder / placed, folder / f"placed.{placed.split('.')[1]}")
+    if not options.channels:
+        os.replace(folder / placed, folder / f"placed.{placed.split('.')[1]}")
     for _, spare, _ in outcomes:
         (folder / spare).unlink(missing_ok=True)
     if options.program and not options.channels:
