@@ -51,8 +51,7 @@ int play(const PlayOptions& options) {
             return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
         };
         // Asking for the status is what tells the watchdog that this host is alive.
-        const std::chrono::milliseconds pause(options.watchdog_ms == 0 ? 100
-                                                                       : std::min(100, options.watchdog_ms / 5 + 1));
+        const std::chrono::milliseconds pause = keep_alive_pause(options.watchdog_ms);
         do {
             std::this_thread::sleep_for(pause);
             now = client.status();
@@ -88,11 +87,7 @@ void add_play(CLI::App& app, Action& action) {
         ->check(whole(0, 65535))
         ->excludes(index);
     sub->add_option("--seconds", options->seconds, "Not longer than this")->check(positive());
-    sub->add_option(
-           "--watchdog", options->watchdog_ms,
-           "Outputs go off when this program is silent for so many ms; 0: never, they may stay on when it dies")
-        ->check(whole(0, 65535))
-        ->capture_default_str();
+    add_watchdog_option(*sub, options->watchdog_ms);
     sub->add_flag("--json", options->json, "Print the outcome as JSON");
     sub->callback([options, &action] { action = [options] { return play(*options); }; });
 }

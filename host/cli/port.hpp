@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <cstdint>
 #include <string>
 
@@ -16,6 +17,10 @@ struct PortOptions {
 };
 
 void add_port_options(CLI::App& sub, PortOptions& options);
+/// Of a command that plays: for how long the board waits for a sign of life from it.
+void add_watchdog_option(CLI::App& sub, std::uint16_t& milliseconds);
+/// How often such a command gives one.
+[[nodiscard]] std::chrono::milliseconds keep_alive_pause(std::uint16_t watchdog_ms);
 
 /// A board behind a port, with a session begun.
 class Device {

@@ -124,7 +124,7 @@ int stream(const StreamOptions& options) {
     const link::Identity& identity = device.identity();
     Source source(options.file, options.dwell, identity.records);
     client.set_watchdog(options.watchdog_ms);
-    const int patience = options.watchdog_ms == 0 ? 100 : std::min(100, options.watchdog_ms / 5 + 1);
+    const std::chrono::milliseconds pause = keep_alive_pause(options.watchdog_ms);
     // A frame holds at most as many indices as a record has words.
     const std::size_t most = std::min<std::size_t>(identity.live_depth, identity.channels);
     const link::BoardStatus before = client.status();
@@ -135,7 +135,7 @@ int stream(const StreamOptions& options) {
         std::optional<Entry> next;
         std::size_t level = 0;
         while (!interrupted()) {
-            if (!next) next = source.next(patience);
+            if (!next) next = source.next(static_cast<int>(pause.count()));
             if (!next && source.ended()) break;
             const std::size_t room = std::min<std::size_t>(most, identity.live_depth - level);
             if (!next ||
@@ -161,7 +161,7 @@ int stream(const StreamOptions& options) {
                 client.push({0}, 0);
                 silent = true;
             }
-            std::this_thread::sleep_for(std::chrono::milliseconds(patience));
+            std::this_thread::sleep_for(pause);
         }
     }
     const auto underruns = static_cast<std::uint16_t>(now.underruns - before.underruns);
@@ -187,11 +187,7 @@ void add_stream(CLI::App& app, Action& action) {
     sub->add_option("--dwell", options->dwell, "Cycles that an index lasts if its line does not say; 0: until the next")
         ->check(whole(0, 65535))
         ->capture_default_str();
-    sub->add_option(
-           "--watchdog", options->watchdog_ms,
-           "Outputs go off when this program is silent for so many ms; 0: never, they may stay on when it dies")
-        ->check(whole(0, 65535))
-        ->capture_default_str();
+    add_watchdog_option(*sub, options->watchdog_ms);
     sub->add_flag("--json", options->json, "Print the outcome as JSON");
     sub->callback([options, &action] { action = [options] { return stream(*options); }; });
 }

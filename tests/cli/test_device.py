@@ -159,6 +159,12 @@ def test_an_image_for_another_board_is_refused_before_a_byte_is_written(tmp_path
         assert status(tmp_path)["frames_good"] == before + 3  # identify; identify and status of this line
 
 
+def test_the_ports_are_a_list():
+    ports = json.loads(succeed(["device", "list", "--json"]).stdout)
+    assert all(set(port) == {"port", "name"} and os.path.exists(port["port"]) for port in ports)
+    assert len(succeed(["device", "list"]).stdout.splitlines()) == len(ports)
+
+
 def test_nothing_to_play(tmp_path):
     with virtual_board(tmp_path):
         assert_one_message(run(["play", "--port", "port"], cwd=tmp_path), DEVICE, "no sequence", "upload")
