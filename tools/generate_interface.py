@@ -108,6 +108,8 @@ def cpp(table):
     out += ["", "enum class Feature : unsigned {"] + [f"    {k} = {v}," for k, v in table["features"].items()] + ["};"]
     out += ["", "enum class Command : std::uint8_t {"] + [f"    {c['name']} = 0x{c['code']:02x}," for c in table["command"]] + ["};"]
     out += ["", "enum class Status : std::uint8_t {"] + [f"    {s['name']} = 0x{s['code']:02x}," for s in table["status"]] + ["};", ""]
+    replying = " || ".join(f"command == Command::{c['name']}" for c in table["command"] if "reply" in c)
+    out += ["/// Whether its reply carries data.", f"constexpr bool replies(Command command) {{ return {replying}; }}", ""]
     out += ["constexpr std::string_view to_string(Command command) {", "    switch (command) {"]
     out += [f'        case Command::{c["name"]}: return "{c["name"]}";' for c in table["command"]]
     out += ["    }", '    return "unknown";', "}", ""]

@@ -103,6 +103,9 @@ enum class Status : std::uint8_t {
     fifo_full = 0x09,
 };
 
+/// Whether its reply carries data.
+constexpr bool replies(Command command) { return command == Command::identify || command == Command::read || command == Command::status || command == Command::digest; }
+
 constexpr std::string_view to_string(Command command) {
     switch (command) {
         case Command::identify: return "identify";
