@@ -17,7 +17,7 @@ def parse(content: bytes, where: str) -> dict[int, bytes]:
     lines = content.upper().split()
     if END not in lines:
         raise bad_input(where, f"no end record ({END.decode()}) found; the file is cut short, or no Intel HEX file")
-    if lines[-1] != END:
+    if lines.index(END) != len(lines) - 1:
         raise bad_input(where, "there is text after the end record; two files may have been joined")
     file = IntelHex()
     try:
