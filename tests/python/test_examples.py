@@ -40,14 +40,15 @@ def played(folder, board):
 def test_upload_image(folder):
     with boards.virtual_board(folder):
         said = run(folder, "upload_image.py", "image.hex", "--loops", 2, "--seconds", 5)
-        assert re.search(r"uploaded 9 of 9 pieces in .* s\nplayed 8 entries: 0 underruns, 0 refused records", said)
+        assert re.search(r"uploaded 9 of 9 frames in .* s\nplayed 8 entries: 0 underruns, 0 refused records", said)
         assert "uploaded 0 of 9" in run(folder, "upload_image.py", "image.hex", "--seconds", 0.3)
         assert_silent(folder)
 
 
 def test_stream_circle(folder):
     with boards.virtual_board(folder, "--pulses", "pulses.csv") as board:
-        sent = int(re.match(r"(\d+) indices, .* per second, 0 underruns", run(folder, "stream_circle.py", "image.hex", "--seconds", 1, "--rate", 1000))[1])
+        said = run(folder, "stream_circle.py", "image.hex", "--seconds", 1, "--rate", 1000)
+        sent = int(re.match(r"(\d+) indices, .* per second, 0 underruns", said)[1])
         assert_silent(folder)
         indices = played(folder, board)
     assert 8 < len(indices) <= sent
@@ -67,7 +68,7 @@ def test_follow_point_interrupted(folder):
     with boards.virtual_board(folder):
         host = subprocess.Popen([sys.executable, EXAMPLES / "follow_point.py", "--port", "port"], cwd=folder, env=boards.ENVIRONMENT,
                                 stderr=subprocess.PIPE, text=True)  # fmt: skip
-        time.sleep(2)
+        time.sleep(1.5)
         host.send_signal(signal.SIGINT)
         assert host.communicate(timeout=20)[1] == "follow_point.py: interrupted; outputs are off\n"
         assert_silent(folder)

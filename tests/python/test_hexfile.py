@@ -13,7 +13,8 @@ def test_an_image_is_what_the_manifest_says(compiled, image):
     manifest = json.loads(compiled.with_suffix(".json").read_text())
     timer = manifest["timer"]
     assert len(image.records) == len(manifest["records"]) == 8
-    assert {(r.cycle_length, r.prescaler, r.pulse_length) for r in image.records} == {(timer["cycle_ticks"], timer["prescaler"], timer["pulse_ticks"])}
+    expected = (timer["cycle_ticks"], timer["prescaler"], timer["pulse_ticks"])
+    assert {(r.cycle_length, r.prescaler, r.pulse_length) for r in image.records} == {expected}
     assert [index for index, _ in image.entries] == list(range(1, 9))
     assert all(len(r.timings) == image.channels == 100 for r in image.records)
 

@@ -49,7 +49,7 @@ def lossy(port, seed):
             os.close(descriptor)
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [1, 2])
 def test_an_upload_arrives_whole(folder, image, seed):
     with boards.virtual_board(folder):
         with lossy(str(folder / "port"), seed) as (port, harm), Client.open(port) as client:

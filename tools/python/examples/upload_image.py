@@ -21,7 +21,7 @@ def main() -> None:
     with Client.open(options.port, options.baud) as board:
         begun = time.monotonic()
         written = board.upload(image, options.image)
-        print(f"uploaded {written} of {len(image.pieces())} pieces in {time.monotonic() - begun:.2f} s", flush=True)
+        print(f"uploaded {written} of {len(image.pieces())} frames in {time.monotonic() - begun:.2f} s", flush=True)
         outcome = play(board, loops=options.loops, seconds=options.seconds)
         print(f"played {len(image.entries)} entries: {outcome.underruns} underruns, {outcome.refused_records} refused records")
 

@@ -95,10 +95,10 @@ def upload(options: argparse.Namespace) -> None:
         if options.verify:
             board.compare(image, options.image)
         again = board.retransmissions
-    values = {"records": len(image.records), "sequence_entries": len(image.entries), "pieces": len(image.pieces()), "pieces_written": written,
+    values = {"records": len(image.records), "sequence_entries": len(image.entries), "frames": len(image.pieces()), "frames_written": written,
               "seconds": seconds, "retransmissions": again, "verified": options.verify}  # fmt: skip
     show(values, options.json, f"{len(image.records)} records and {len(image.entries)} sequence entries in {seconds:.2f} s, {written} of "
-         f"{values['pieces']} pieces differed{', read back and equal' if options.verify else ''}, {again} frames sent again")  # fmt: skip
+         f"{values['frames']} frames differed{', read back and equal' if options.verify else ''}, {again} frames sent again")  # fmt: skip
 
 
 def download(options: argparse.Namespace) -> None:

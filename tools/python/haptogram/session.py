@@ -9,7 +9,8 @@ from .frame import Reply, ReplyDecoder, Request, encode_request
 from .interface import Command, Status
 
 WINDOW = 8  # frames under way
-MOST_TRIES = 8  # without any progress
+FIRST_TRIES = 8  # until somebody answers at all
+MOST_TRIES = 32  # without any progress: ten seconds, in which a busy machine runs its virtual board again
 MOST_STRANGE = 4
 MOST_PATIENCE_S = 10.0
 
@@ -93,9 +94,10 @@ class Session:
                     self.patience, self._ran_out = min(2 * self.patience, MOST_PATIENCE_S), False
             if again:
                 tries += 1
-                if tries > MOST_TRIES:
-                    name = requests[len(replies)].command.name.lower()
-                    raise device_error("board", f"no answer to {name} after {MOST_TRIES} tries; "
+                command = requests[len(replies)].command
+                most = FIRST_TRIES if command == Command.IDENTIFY else MOST_TRIES
+                if tries > most:
+                    raise device_error("board", f"no answer to {command.name.lower()} after {most} tries; "
                                        "check the cable, the baud rate and that the board runs Haptogram")  # fmt: skip
                 sent = len(replies)
                 self._line.drain()
