@@ -29,7 +29,12 @@ Fed feed(Device& device, std::uint16_t watchdog_ms, const std::function<std::opt
         const Outputs on(client);
         link::LiveFeed fifo(client, device.identity());
         std::optional<SequenceEntry> entry;
+        auto asked = std::chrono::steady_clock::now();
         while (!interrupted()) {
+            if (std::chrono::steady_clock::now() - asked > pause) {
+                require_on(client.status());
+                asked = std::chrono::steady_clock::now();
+            }
             if (!entry) entry = next(static_cast<int>(pause.count()));
             if (!entry && ended()) break;
             if (!entry || fifo.room() < fifo.frame()) {  // which also says that this host is alive
@@ -51,6 +56,7 @@ Fed feed(Device& device, std::uint16_t watchdog_ms, const std::function<std::opt
         bool silent = false;
         for (now = client.status(); !interrupted() && (!silent || now.live_level > 0 || now.present_index != 0);
              now = client.status()) {
+            require_on(now);
             if (!silent && now.live_level < device.identity().live_depth) {
                 client.push({0}, 0);
                 silent = true;

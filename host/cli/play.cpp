@@ -113,9 +113,7 @@ int play(const PlayOptions& options) {
         do {
             std::this_thread::sleep_for(pause);
             now = client.status();
-            if (!now.enabled)
-                throw Error(ErrorCode::device, options.port.port,
-                            "the board has turned its outputs off: its watchdog or guard tripped");
+            require_on(now);
         } while (!interrupted() && (now.mode != 0 || now.present_index != 0) &&
                  (options.seconds == 0.0 || elapsed() < options.seconds));
     }

@@ -58,6 +58,7 @@ void Client::wait(std::size_t most_unanswered) {
         if (++tries_ > most_tries) {
             const Command command = queue_.front().request.command;
             forget();
+            in_doubt_ = true;
             throw LinkLost(
                 "board",
                 fmt::format(
@@ -96,15 +97,16 @@ void Client::take(const Reply& reply) {
             if (replies(before.command)) return send_again();
             finish({next_, before.command, Status::ok, reply.expected, reply.live_level, {}});
         }
-        // On a slow board, or after a lost reply, which lets it fall again.
-        if (reply.status == Status::repeated) patience_ = std::min(2 * patience_, most_patience_);
-        if (reply.status == Status::ok) patience_ = std::max(patience_ * 15 / 16, least_patience_);
+        // An answer to a frame that has been sent again since: that was too early.
+        patience_ =
+            of_this_round ? std::max(patience_ * 15 / 16, least_patience_) : std::min(2 * patience_, most_patience_);
         finish(reply);
     } else if (reply.status == Status::out_of_order) {
         if (!of_this_round) return;  // it has been sent again since
         // A frame before it was lost. But before the first of the queue there is none: the board knows nothing of us.
         if (place == 0 && ++strange_ > most_strange) {
             forget();
+            in_doubt_ = true;
             throw LinkLost("board", "it has lost the session, as after a reset; identify it again");
         }
         send_again();
@@ -153,6 +155,7 @@ std::vector<Reply> Client::pipeline(std::vector<Request> requests, const std::fu
 }
 
 Reply Client::request(Request request) {
+    if (in_doubt_ && request.command != Command::identify) identify();
     Reply answer;
     submit(std::move(request), [&](const Reply& reply) { answer = reply; });
     wait();
@@ -161,8 +164,10 @@ Reply Client::request(Request request) {
 
 Identity Client::identify() {
     forget();
+    if (in_doubt_) next_ = static_cast<std::uint8_t>(next_ + 128);  // far from what may still be under way
     transport_.write(Bytes{0});
     const Bytes data = request({Command::identify, {}}).data;
+    in_doubt_ = false;
     using interface::IdentityWord;
     Identity identity;
     for (std::size_t i = 0; i < 16 && i < data.size() && data[i] != 0; ++i) identity.name += static_cast<char>(data[i]);

@@ -65,7 +65,7 @@ public:
     void write(std::uint32_t address, const Bytes& bytes);
     Bytes read(std::uint32_t address, std::uint16_t bytes);
 
-    /// One request and its reply.
+    /// One request and its reply. After LinkLost it begins a new session first.
     Reply request(Request request);
     /// Many requests in a window; replies in order.
     /// @param progress  told the fraction done after each acknowledgement
@@ -80,7 +80,7 @@ public:
     [[nodiscard]] std::size_t unanswered() const { return queue_.size(); }
 
     [[nodiscard]] std::uint64_t retransmissions() const { return retransmissions_; }
-    /// How long to wait for an answer before sending again. Each answer which says that that was too early doubles it,
+    /// How long to wait for an answer before sending again. Each answer which shows that that was too early doubles it,
     /// up to `most`: a simulated board may be slow.
     void set_patience(std::chrono::microseconds patience, std::chrono::microseconds most = {}) {
         patience_ = least_patience_ = patience;
@@ -113,6 +113,7 @@ private:
     std::deque<Sent> on_line_;
     unsigned round_ = 0;  // a new one begins when frames are sent again
     unsigned tries_ = 0, strange_ = 0;
+    bool in_doubt_ = false;  // whether what was sent last was applied: only a new session makes the numbers certain
     std::size_t most_asking_ = 1;  // frames under way that have the board send data, which wait in it meanwhile
     std::chrono::microseconds least_patience_{50'000}, patience_ = least_patience_, most_patience_ = least_patience_;
     std::uint64_t retransmissions_ = 0;
