@@ -5,7 +5,7 @@ BUILD := build/$(PRESET)
 PYTHON := build/venv/bin/python3
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build demo test bitstream bitstreams flash formal bench lint format install clean
+.PHONY: help setup build demo test bitstream bitstreams flash soak formal bench lint format install clean
 
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -42,6 +42,10 @@ bitstreams: build ## the same for every board, and the core with 256 channels; t
 flash: ## load BOARD=… through openFPGALoader, with IMAGE=… in it if given; DRY_RUN=1 only says how
 	@$(PYTHON) tools/flash.py $(BOARD) --program $(BUILD)/host/cli/haptogram $(if $(IMAGE),--image $(IMAGE)) $(if $(AUTOSTART),--autostart) \
 	  $(if $(filter write,$(FLASH)),--write) $(if $(DRY_RUN),--dry-run)
+
+soak: build ## torture of the link and fuzzers at full size: hours; FUZZ_RUNS=10000000 of each target
+	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/test_torture --rng-seed time --durations yes
+	@$(PYTHON) tests/fuzz/run.py --program $(BUILD)/host/cli/haptogram --runs $(or $(FUZZ_RUNS),10000000)
 
 formal: build ## the proofs alone, with a line each
 	@$(PYTHON) tests/formal/run.py --build build/formal

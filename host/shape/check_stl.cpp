@@ -40,11 +40,13 @@ Checked check_binary(std::string content, const std::string& file) {
     return {std::move(content), 3 * triangles, triangles};
 }
 
-/// A text STL is one fixed row of lines over and over.
-Checked check_text(std::string content, const std::string& file) {
+/// A text STL is one fixed row of lines over and over. They are spelled anew, without the normals, of which nobody
+/// makes use.
+Checked check_text(const std::string& content, const std::string& file) {
     constexpr std::array<std::string_view, 7> row{"facet",  "outer",   "vertex",  "vertex",
                                                   "vertex", "endloop", "endfacet"};
     Checked checked;
+    std::string& spelled = checked.content;
     bool in_solid = false;
     std::size_t step = 0;
     Lines lines(content);
@@ -55,24 +57,35 @@ Checked check_text(std::string content, const std::string& file) {
         const std::string_view expected = in_solid ? row.at(step) : "solid";
         if (in_solid && step == 0 && word == "endsolid") {
             in_solid = false;
+            spelled += "endsolid\n";
             continue;
         }
-        if (word != expected)
-            throw bad_input(
-                at_line(file, lines.number()),
-                fmt::format("found {}, expected \"{}\"; export the shape again", shown(lines.line()), expected));
+        const auto require = [&](std::string_view found, std::string_view wanted) {
+            if (found != wanted)
+                throw bad_input(
+                    at_line(file, lines.number()),
+                    fmt::format("found {}, expected \"{}\"; export the shape again", shown(lines.line()), wanted));
+        };
+        require(word, expected);
         if (!in_solid) {
             in_solid = true;
+            spelled += "solid\n";
             continue;
         }
+        if (word == "facet") require(take_word(rest), "normal");
+        if (word == "outer") require(take_word(rest), "loop");
+        spelled += word == "facet" ? "facet normal 0 0 0" : word == "outer" ? "outer loop" : word;
         if (word == "vertex") {
             for (int axis = 0; axis < 3; ++axis) {
                 const std::string_view number = take_word(rest);
                 const auto value = parse_number(number);
                 if (!value || !is_coordinate(*value)) throw bad_coordinate(at_line(file, lines.number()), number);
+                spelled += ' ';
+                spelled += number;
             }
             ++checked.points;
         }
+        spelled += '\n';
         step = (step + 1) % row.size();
         if (step == 0) ++checked.faces;
     }
@@ -80,7 +93,6 @@ Checked check_text(std::string content, const std::string& file) {
         throw bad_input(at_line(file, lines.number()),
                         fmt::format("found the end of the file, expected \"{}\"; the file is cut short",
                                     step == 0 ? "endsolid" : row.at(step)));
-    checked.content = std::move(content);
     return checked;
 }
 

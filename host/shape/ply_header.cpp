@@ -103,6 +103,10 @@ PlyHeader parse_ply_header(std::string_view content, const std::string& file) {
                         fmt::format("the PLY header has no {}; the file is cut short or damaged",
                                     ended ? "format line" : "end_header line"));
     for (const PlyElement& element : header.elements) {
+        if (element.properties.empty() && element.count > 0)
+            throw bad_input(file, fmt::format("the PLY header gives its {} elements {} no property; export the shape "
+                                              "again",
+                                              element.count, shown(element.name)));
         if (element.name == "tristrips")
             throw bad_input(file, "found triangle strips, expected faces; export the shape with faces");
         for (const std::string_view axis : {"x", "y", "z"}) {

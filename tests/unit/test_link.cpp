@@ -8,8 +8,8 @@
 
 #include "base/error.hpp"
 #include "link/client.hpp"
-#include "link/transfer.hpp"
 #include "link/frame.hpp"
+#include "link/transfer.hpp"
 
 using namespace haptogram;
 using namespace haptogram::link;

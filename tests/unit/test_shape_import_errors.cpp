@@ -172,3 +172,16 @@ TEST_CASE("a shape must have points, and a surface area", "[shape][errors]") {
     CHECK_THAT(refusal_of("x,y,z\n", "csv"), Contains("no points"));
     CHECK_THAT(refusal_of("v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\nf 1 1 2\n", "obj"), Contains("zero area"));
 }
+
+TEST_CASE("what the fuzzers found is refused by name", "[shape][errors]") {
+    // A facet without its keyword made the importer library fail, and leak; two thousand million of nothing took for
+    // ever.
+    CHECK_THAT(refusal_of("solid a\nfacet 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 "
+                          "0\nendloop\nendfacet\nendsolid a\n",
+                          "stl"),
+               Contains("line 2") && Contains("\"normal\""));
+    CHECK_THAT(refusal_of("ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty float x\nproperty float "
+                          "y\nproperty float z\nelement nothing 2000000000\nend_header\n000011112222",
+                          "ply"),
+               Contains("2000000000") && Contains("no property"));
+}

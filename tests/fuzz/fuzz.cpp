@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every reader of foreign bytes, for libFuzzer: one executable a target, named by HAPTOGRAM_TARGET. A reader may refuse
+// with an Error; any other exception, a crash, a leak or a hang is a finding. What is taken must come through its own
+// writer.
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+#include "board/board.hpp"
+#include "geometry/array.hpp"
+#include "image/image.hpp"
+#include "image/manifest.hpp"
+#include "image/pulses.hpp"
+#include "link/frame.hpp"
+#include "shape/formats.hpp"
+
+namespace haptogram::fuzz {
+
+void require(bool holds) {
+    if (!holds) std::abort();
+}
+
+void frame(const std::string& content) {
+    const link::Bytes bytes(content.begin(), content.end());
+    link::ReplyDecoder decoder;
+    std::vector<link::Reply> replies;
+    decoder.feed(bytes, replies);
+    for (std::size_t i = 0; i < bytes.size(); i += 7)
+        decoder.feed(std::span(bytes).subspan(i, std::min<std::size_t>(7, bytes.size() - i)), replies);
+    require(link::cobs_decode(link::cobs_encode(bytes)) == bytes);
+    if (const auto decoded = link::cobs_decode(bytes); decoded && std::ranges::find(bytes, 0) == bytes.end())
+        require(link::cobs_decode(link::cobs_encode(*decoded)) == decoded);
+}
+
+void intel_hex(const std::string& content) {
+    const Image image = from_intel_hex(content, "fuzz");
+    static_cast<void>(problems(image));
+    require(from_intel_hex(to_intel_hex(image), "fuzz") == image);
+}
+
+void pulses(const std::string& content) {
+    const std::vector<Pulse> found = pulses_from_csv(content, "fuzz");
+    require(pulses_from_csv(to_csv(found), "fuzz") == found);
+}
+
+void manifest(const std::string& content) { static_cast<void>(to_json(manifest_from_json(content, "fuzz"))); }
+
+void ply(const std::string& content) { static_cast<void>(import_checked(check_ply(content, "fuzz"), "ply", "fuzz")); }
+void obj(const std::string& content) { static_cast<void>(import_checked(check_obj(content, "fuzz"), "obj", "fuzz")); }
+void stl(const std::string& content) { static_cast<void>(import_checked(check_stl(content, "fuzz"), "stl", "fuzz")); }
+void xyz(const std::string& content) { static_cast<void>(read_xyz(content, "fuzz")); }
+void csv(const std::string& content) { static_cast<void>(read_csv(content, "fuzz")); }
+
+/// For those that read files only.
+std::string as_file(const std::string& content) {
+    static const std::string path = "/dev/shm/haptogram-fuzz-" + std::to_string(::getpid()) + ".toml";
+    std::ofstream(path, std::ios::binary) << content;
+    return path;
+}
+
+void array(const std::string& content) { static_cast<void>(load_array(as_file(content))); }
+void board(const std::string& content) { static_cast<void>(load_board(as_file(content))); }
+
+}  // namespace haptogram::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    try {
+        haptogram::fuzz::HAPTOGRAM_TARGET({reinterpret_cast<const char*>(data), size});
+    } catch (const haptogram::Error&) {
+    }
+    return 0;
+}

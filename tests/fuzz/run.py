@@ -1,0 +1,110 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Builds the fuzzers with clang, runs each from small sound files on, and prints what it did. Ends with 1 when one found
+something; what it found stays in build/fuzz/findings."""
+
+import argparse
+import concurrent.futures
+import re
+import struct
+import subprocess
+import sys
+from pathlib import Path
+
+from intelhex import IntelHex
+
+ROOT = Path(__file__).resolve().parents[2]
+TARGETS = ("frame", "intel_hex", "pulses", "manifest", "ply", "obj", "stl", "xyz", "csv", "array", "board")
+CUBE = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+
+
+def sound_hex():
+    """Two records of two channels, by rtl/INTERFACE.md."""
+    image = IntelHex()
+    image.puts(0, struct.pack("<12H", 250, 125 << 8, 5, 0, 1, 2, 250, 125 << 8, 5, 0, 3, 4))
+    image.puts(0x10000000, struct.pack("<6H", 2, 0, 1, 4, 2, 4))
+    image.puts(0x40000000, struct.pack("<8H", 0x4748, 1, 2, 2, 3, 8 << 8 | 16, 50_000_000 & 0xFFFF, 50_000_000 >> 16))
+    import io
+
+    text = io.StringIO()
+    image.write_hex_file(text, write_start_addr=False)
+    return text.getvalue().encode()
+
+
+def seeds(program):
+    """Small sound files, each of another kind."""
+    rows = "".join(f"{x} {y} {z}\n" for x, y, z in CUBE)
+    binary = b"".join(struct.pack("<3f", *point) for point in CUBE)
+    header = "ply\nformat {} 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n{}end_header\n"
+    face = "element face 1\nproperty list uchar int vertex_indices\n"
+    facet = struct.pack("<12fH", 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0)
+    found = {
+        "frame": [b"\x06\x01\x82\x02\x08\x2c\x01\x00", bytes(range(1, 255)), b"\x01\x01\x00"],
+        "intel_hex": [sound_hex()],
+        "pulses": [b"channel,rise_clk,fall_clk,index\n0,10,20,1\n3,11,25,2\n"],
+        "ply": [(header.format("ascii", "") + rows).encode(), header.format("binary_little_endian", "").encode() + binary,
+                (header.format("ascii", face) + rows + "3 0 1 2\n").encode(), header.format("binary_little_endian", face).encode() + binary + struct.pack("<B3i", 3, 0, 1, 2)],
+        "obj": [("".join(f"v {x} {y} {z}\n" for x, y, z in CUBE) + "f 1 2 3\nf 1/1 2//3 -1 4\n").encode()],
+        "stl": [b"\0" * 80 + struct.pack("<I", 1) + facet,
+                b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n"],
+        "xyz": [rows.encode(), b"# points\n1.5e1 -2 .3 7\n"],
+        "csv": [b"x,y,z\n1,2,3\n", b"a;z;y;x\n0;1;2;3\n"],
+        "array": [path.read_bytes() for path in sorted((ROOT / "host/arrays").glob("*.toml"))],
+        "board": [path.read_bytes() for path in sorted((ROOT / "constraints").glob("*.toml"))],
+    }  # fmt: skip
+    manifest = subprocess.run([program, "compile", "--shape", "line", "--points", "2", "--array", "tile-7x8", "-o", "seed.hex"],
+                              cwd=ROOT / "build/fuzz", stdout=subprocess.DEVNULL, check=True)  # fmt: skip
+    del manifest
+    found["manifest"] = [(ROOT / "build/fuzz/seed.json").read_bytes()]
+    return found
+
+
+def build(folder):
+    configure = ["cmake", "-S", ROOT / "tests/fuzz", "-B", folder, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
+                 "-DCMAKE_C_COMPILER=clang", "-DCMAKE_CXX_COMPILER=clang++"]  # fmt: skip
+    for command in (configure, ["cmake", "--build", folder]):
+        result = subprocess.run([str(part) for part in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        if result.returncode != 0:
+            sys.exit(f"fuzz: {result.stdout}")
+
+
+def fuzz(folder, target, sound, runs, seconds):
+    corpus, findings = folder / "corpus" / target, folder / "findings"
+    corpus.mkdir(parents=True, exist_ok=True)
+    findings.mkdir(exist_ok=True)
+    for number, content in enumerate(sound):
+        (corpus / f"seed-{number}").write_bytes(content)
+    limits = [f"-runs={runs}"] + ([f"-max_total_time={seconds}"] if seconds else [])
+    command = [folder / f"fuzz_{target}", *limits, "-timeout=10", "-rss_limit_mb=2048", "-max_len=4096", "-print_final_stats=1",
+               f"-artifact_prefix={findings}/{target}-", corpus]  # fmt: skip
+    result = subprocess.run([str(part) for part in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace")
+    number = lambda pattern: int((re.findall(pattern, result.stdout) or [0])[-1])  # noqa: E731
+    done, speed, reached = number(r"number_of_executed_units: +(\d+)"), number(r"average_exec_per_sec: +(\d+)"), number(r"cov: (\d+)")
+    good = result.returncode == 0 and done > 100
+    line = f"fuzz: {target:10} {done:>10,} runs, {speed:>7,} a second, {reached:>5,} edges: {'nothing found' if good else 'FOUND SOMETHING'}"
+    return good, line if good else line + "\n" + result.stdout[-6000:]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--program", type=Path, required=True, help="the built haptogram")
+    parser.add_argument("--build", type=Path, default=ROOT / "build/fuzz")
+    parser.add_argument("--runs", type=int, default=10_000_000, help="of each target, at most")
+    parser.add_argument("--seconds", type=int, default=0, help="for each target, at most; 0: no limit")
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--only", action="append", choices=TARGETS)
+    options = parser.parse_args()
+    build(options.build)
+    sound = seeds(options.program.resolve())
+    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+        jobs = [pool.submit(fuzz, options.build, target, sound[target], options.runs, options.seconds) for target in options.only or TARGETS]
+        good = True
+        for job in jobs:
+            fine, line = job.result()
+            print(line, flush=True)
+            good = good and fine
+    sys.exit(0 if good else 1)
+
+
+if __name__ == "__main__":
+    main()
