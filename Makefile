@@ -47,6 +47,7 @@ formal: build ## the proofs alone, with a line each
 	@$(PYTHON) tests/formal/run.py --build build/formal
 
 bench: build ## the project's numbers beside their targets, as a table and build/bench.json
+	@cmake --build --preset $(PRESET) --target haptogram_measure_link
 	@$(PYTHON) tools/bench.py --build $(BUILD) --output build/bench.json
 
 lint: build ## RTL lint, formatting, generated files, clang-tidy

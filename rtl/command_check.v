@@ -64,7 +64,7 @@ module command_check #(
         endcase
         o_status = `HG_REPLY_OK;
         case (i_command)
-            `HG_COMMAND_WRITE, `HG_COMMAND_READ:
+            `HG_COMMAND_WRITE, `HG_COMMAND_READ, `HG_COMMAND_DIGEST:
                 if (zero_words_q || too_many_q) o_status = `HG_REPLY_BAD_LENGTH;
                 else if (far_q || beyond_q > region_words_q) o_status = `HG_REPLY_BAD_ADDRESS;
                 else if (misaligned_q) o_status = `HG_REPLY_BAD_ALIGNMENT;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The shape of each command: how many argument words it has, whether data words follow, what its reply
-// carries (0 nothing, 1 identity block, 2 status block, 3 memory). Combinational.
+// carries (0 nothing, 1 identity block, 2 status block, 3 memory or its digest). Combinational.
 `default_nettype none
 module command_table (
     input  wire [7:0] i_command,
@@ -21,6 +21,7 @@ module command_table (
             8'h09: o_shape = {1'b1, 2'd0, 1'b0, 2'd0};  // stop
             8'h0a: o_shape = {1'b1, 2'd1, 1'b0, 2'd0};  // watchdog
             8'h0b: o_shape = {1'b1, 2'd0, 1'b0, 2'd2};  // status
+            8'h0c: o_shape = {1'b1, 2'd3, 1'b0, 2'd3};  // digest
             default: o_shape = 6'd0;
         endcase
     end

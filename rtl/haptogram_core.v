@@ -92,7 +92,7 @@ module haptogram_core #(
     reply_unit #(.WORD_BITS(WORD_BITS)) replies (
         .clk(clk), .rst(rst), .i_answer(answer), .i_sequence(sequence_number), .i_command(command), .i_status(status),
         .i_expected(expected), .i_live_level(live_level), .i_address(command_address), .i_words(read_words),
-        .o_read(read), .o_address(reply_address), .i_granted(granted), .i_read_word(answer_word), .o_valid(reply_valid),
+        .i_digest(command == `HG_COMMAND_DIGEST), .o_read(read), .o_address(reply_address), .i_granted(granted), .i_read_word(answer_word), .o_valid(reply_valid),
         .i_ready(reply_ready), .o_word(reply_word), .o_last(reply_last), .o_answered(answered));
 
     // What to play next

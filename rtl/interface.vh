@@ -1,7 +1,7 @@
 // Generated from tools/interface.toml by tools/generate_interface.py; edit the table, not this file.
 // SPDX-License-Identifier: Apache-2.0
 
-`define HG_VERSION 16'h0100
+`define HG_VERSION 16'h0101
 `define HG_NAME 128'h000000000000006d6172676f74706148
 `define HG_REGION_PRIMARY 4'h0
 `define HG_REGION_SEQUENCE 4'h1
@@ -53,6 +53,7 @@
 `define HG_COMMAND_STOP 8'h09
 `define HG_COMMAND_WATCHDOG 8'h0a
 `define HG_COMMAND_STATUS 8'h0b
+`define HG_COMMAND_DIGEST 8'h0c
 `define HG_REPLY_OK 8'h00
 `define HG_REPLY_REPEATED 8'h01
 `define HG_REPLY_UNKNOWN_COMMAND 8'h02

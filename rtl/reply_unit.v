@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Answers one frame: three header words, then i_words words read from the address space, as a valid/ready stream with a
-// last mark. o_read is held until i_granted; i_read_word follows two clocks later. o_answered strobes at the end.
+// Answers one frame: three header words, then i_words words read from the address space, or their digest, as a valid/ready
+// stream with a last mark. o_read is held until i_granted; i_read_word follows two clocks later. o_answered strobes at the
+// end. The digest is the CRC-32 of IEEE 802.3, which takes bits in the order in which they leave here: 16 clocks a word.
 `default_nettype none
 module reply_unit #(
     parameter WORD_BITS = 16  // of a word's address
@@ -16,6 +17,7 @@ module reply_unit #(
     input  wire [15:0] i_live_level,
     input  wire [WORD_BITS-1:0] i_address,
     input  wire [15:0] i_words,
+    input  wire        i_digest,      // answer with the digest of the words instead of them
     output wire        o_read,
     output reg  [WORD_BITS-1:0] o_address,
     input  wire        i_granted,
@@ -26,14 +28,18 @@ module reply_unit #(
     output wire        o_last,
     output wire        o_answered
 );
-    localparam [2:0] IDLE = 3'd0, HEAD_0 = 3'd1, HEAD_1 = 3'd2, HEAD_2 = 3'd3, ASK = 3'd4, WAIT = 3'd5, FETCH = 3'd6, SEND = 3'd7;
+    localparam [3:0] IDLE = 4'd0, HEAD_0 = 4'd1, HEAD_1 = 4'd2, HEAD_2 = 4'd3, ASK = 4'd4, WAIT = 4'd5, FETCH = 4'd6, FOLD = 4'd7,
+                     DIGEST = 4'd8, SEND = 4'd9;
 
-    reg [2:0]  state_q;
+    reg [3:0]  state_q;
     reg [15:0] words_q;  // still to be read
+    reg [31:0] crc_q;
+    reg [3:0]  bit_q;
+    wire       none = words_q == 16'd0;
 
     assign o_read     = state_q == ASK;
     assign o_valid    = state_q == HEAD_0 || state_q == HEAD_1 || state_q == HEAD_2 || state_q == SEND;
-    assign o_last     = (state_q == HEAD_2 || state_q == SEND) && words_q == 16'd0;
+    assign o_last     = (state_q == HEAD_2 || state_q == SEND) && none;
     assign o_answered = o_valid && i_ready && o_last;
 
     always @(posedge clk) begin
@@ -42,6 +48,7 @@ module reply_unit #(
                 o_word    <= {i_command | 8'h80, i_sequence};
                 o_address <= i_address;
                 words_q   <= i_words;
+                {crc_q, bit_q} <= {32'hffff_ffff, 4'd0};
                 state_q   <= HEAD_0;
             end
             HEAD_0: if (i_ready) begin
@@ -52,15 +59,29 @@ module reply_unit #(
                 o_word  <= i_live_level;
                 state_q <= HEAD_2;
             end
+            HEAD_2: if (i_ready) state_q <= none ? IDLE : ASK;
             ASK: if (i_granted) state_q <= WAIT;
             WAIT: state_q <= FETCH;
             FETCH: begin
                 o_word    <= i_read_word;
                 o_address <= o_address + 1'b1;
                 words_q   <= words_q - 1'b1;
-                state_q   <= SEND;
+                state_q   <= i_digest ? FOLD : SEND;
             end
-            default: if (i_ready) state_q <= words_q == 16'd0 ? IDLE : ASK;  // HEAD_2, SEND
+            FOLD: begin
+                crc_q  <= {1'b0, crc_q[31:1]} ^ (crc_q[0] ^ o_word[0] ? 32'hedb8_8320 : 32'd0);
+                o_word <= {1'b0, o_word[15:1]};
+                bit_q  <= bit_q + 4'd1;
+                if (bit_q == 4'd15) state_q <= none ? DIGEST : ASK;
+            end
+            DIGEST: begin  // twice: bit_q is 0 and then 1
+                o_word      <= ~crc_q[15:0];
+                crc_q[15:0] <= crc_q[31:16];
+                words_q     <= {15'd0, !bit_q[0]};
+                bit_q       <= 4'd1;
+                state_q     <= SEND;
+            end
+            default: if (i_ready) state_q <= none ? IDLE : i_digest ? DIGEST : ASK;  // SEND
         endcase
         if (rst) state_q <= IDLE;
     end

@@ -10,6 +10,7 @@
 
 #include "base/error.hpp"
 #include "board_transport.hpp"
+#include "link/transfer.hpp"
 
 namespace haptogram::sim {
 namespace {
@@ -127,7 +128,7 @@ Playback play(const Image& image, const PlaybackOptions& options, const std::str
     const link::Identity identity = client.identify();
     link::require_fits(image, identity, where);
     if (options.load_by_uart)
-        client.upload(image, [&](double fraction) { options.progress("upload", fraction); });
+        link::upload(client, image, [&](double fraction) { options.progress("upload", fraction); });
     else
         load_directly(board, image);
 

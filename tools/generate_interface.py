@@ -62,7 +62,7 @@ def verilog_commands(table):
     """A module rather than a define, since Verilog-2005 has no table to look a command up in."""
     rows = []
     for command in table["command"]:
-        reply = {"identity": "2'd1", "status": "2'd2", "memory": "2'd3"}.get(command.get("reply", ""), "2'd0")
+        reply = {"identity": "2'd1", "status": "2'd2", "memory": "2'd3", "digest": "2'd3"}.get(command.get("reply", ""), "2'd0")
         rows.append(
             f"            8'h{command['code']:02x}: o_shape = {{1'b1, 2'd{len(command['args'])}, "
             f"1'b{int(command.get('tail', False))}, {reply}}};  // {command['name']}"
@@ -72,7 +72,7 @@ def verilog_commands(table):
 // SPDX-License-Identifier: Apache-2.0
 //
 // The shape of each command: how many argument words it has, whether data words follow, what its reply
-// carries (0 nothing, 1 identity block, 2 status block, 3 memory). Combinational.
+// carries (0 nothing, 1 identity block, 2 status block, 3 memory or its digest). Combinational.
 `default_nettype none
 module command_table (
     input  wire [7:0] i_command,
@@ -108,6 +108,8 @@ def cpp(table):
     out += ["", "enum class Feature : unsigned {"] + [f"    {k} = {v}," for k, v in table["features"].items()] + ["};"]
     out += ["", "enum class Command : std::uint8_t {"] + [f"    {c['name']} = 0x{c['code']:02x}," for c in table["command"]] + ["};"]
     out += ["", "enum class Status : std::uint8_t {"] + [f"    {s['name']} = 0x{s['code']:02x}," for s in table["status"]] + ["};", ""]
+    replying = " || ".join(f"command == Command::{c['name']}" for c in table["command"] if "reply" in c)
+    out += ["/// Whether its reply carries data.", f"constexpr bool replies(Command command) {{ return {replying}; }}", ""]
     out += ["constexpr std::string_view to_string(Command command) {", "    switch (command) {"]
     out += [f'        case Command::{c["name"]}: return "{c["name"]}";' for c in table["command"]]
     out += ["    }", '    return "unknown";', "}", ""]
@@ -167,7 +169,7 @@ FILES = {
     "rtl/interface.vh": verilog,
     "rtl/command_table.v": verilog_commands,
     "host/image/interface.hpp": cpp,
-    "tools/haptogram_interface.py": python,
+    "tools/python/haptogram/interface.py": python,
     "rtl/INTERFACE.md": page,
 }
 

@@ -26,6 +26,7 @@
 #include "image/image.hpp"
 #include "image/manifest.hpp"
 #include "link/client.hpp"
+#include "link/transfer.hpp"
 
 extern char** environ;
 

@@ -80,15 +80,21 @@ std::size_t model_of(std::uint32_t channels) {
                 fmt::format("no simulated board has {}; there are {}", channels, known));
 }
 
-/// Runs until it is asked to end. @return bytes that came in and went out
-std::pair<std::uint64_t, std::uint64_t> serve(sim::Board& board, sim::PseudoTerminal& terminal,
-                                              const RunOptions& options) {
+/// What a board was asked and did while it ran.
+struct Served {
+    std::uint64_t in = 0, out = 0;  ///< bytes
+    std::uint64_t playing_clocks = 0;
+    double playing_s = 0.0;  ///< of real time, waiting for it left out
+};
+
+/// Runs until it is asked to end.
+Served serve(sim::Board& board, sim::PseudoTerminal& terminal, const RunOptions& options) {
     constexpr std::uint64_t slice = 2000;  // clocks, less than one byte at 115,200 baud
     constexpr double most_behind_s = 0.1;
     const double clock_hz = board.parameters().clock_hz;
     const auto begun = Clock::now();
     const auto wall = [begun] { return std::chrono::duration<double>(Clock::now() - begun).count(); };
-    std::pair<std::uint64_t, std::uint64_t> bytes{0, 0};
+    Served served;
     double given_up_s = 0.0;  // of real time: what a slow simulation is not to catch up with
     StatusLine line;
     while (!interrupted() &&
@@ -98,14 +104,19 @@ std::pair<std::uint64_t, std::uint64_t> serve(sim::Board& board, sim::PseudoTerm
         const bool waits = options.speed == "real" && ahead_s > 1e-3;
         const auto arrived = terminal.read(std::chrono::milliseconds(waits ? static_cast<int>(1e3 * ahead_s) : 0));
         board.send(arrived);
+        const double before_s = wall();
         board.run(slice);
+        if (board.outputs().playing) {
+            served.playing_clocks += slice;
+            served.playing_s += wall() - before_s;
+        }
         const auto answer = board.receive();
         terminal.write(answer);
-        bytes.first += arrived.size();
-        bytes.second += answer.size();
-        line.show(board, wall(), bytes.first, bytes.second);
+        served.in += arrived.size();
+        served.out += answer.size();
+        line.show(board, wall(), served.in, served.out);
     }
-    return bytes;
+    return served;
 }
 
 int run_board(const RunOptions& options) {
@@ -143,7 +154,7 @@ int run_board(const RunOptions& options) {
         fmt::print("{}\n", terminal.name());
     std::fflush(stdout);
     const auto begun = Clock::now();
-    const auto [in, out] = serve(board, terminal, options);
+    const Served served = serve(board, terminal, options);
     const double wall_s = std::chrono::duration<double>(Clock::now() - begun).count();
 
     if (pulses) {
@@ -151,15 +162,19 @@ int run_board(const RunOptions& options) {
         pulses->commit();
     }
     const double simulated_s = static_cast<double>(board.now()) / p.clock_hz;
+    const double playing_mclk_per_s =
+        served.playing_s > 0.0 ? 1e-6 * static_cast<double>(served.playing_clocks) / served.playing_s : 0.0;
     if (options.json)
         fmt::print("{}\n", nlohmann::ordered_json{{"simulated_s", simulated_s},
                                                   {"wall_s", wall_s},
-                                                  {"bytes_in", in},
-                                                  {"bytes_out", out},
+                                                  {"bytes_in", served.in},
+                                                  {"bytes_out", served.out},
+                                                  {"playing_mclk_per_s", playing_mclk_per_s},
                                                   {"enabled", board.outputs().enabled}}
                                .dump());
     else
-        fmt::print("{:.3f} s simulated in {:.1f} s, {} bytes in, {} out\n", simulated_s, wall_s, in, out);
+        fmt::print("{:.3f} s simulated in {:.1f} s, {} bytes in, {} out, {:.2f} Mclk/s while playing\n", simulated_s,
+                   wall_s, served.in, served.out, playing_mclk_per_s);
     board.end_trace();
     if (trace) trace->commit();
     return 0;

@@ -20,6 +20,7 @@ void add_board(CLI::App& app, Action& action);
 void add_board_run(CLI::App& board, Action& action);
 void add_device(CLI::App& app, Action& action);
 void add_upload(CLI::App& app, Action& action);
+void add_download(CLI::App& app, Action& action);
 void add_play(CLI::App& app, Action& action);
 void add_stream(CLI::App& app, Action& action);
 void add_bitstream(CLI::App& app, Action& action);
@@ -38,6 +39,7 @@ void require_distinct(const std::vector<NamedPath>& inputs, const std::vector<Na
 
 /// Checks of option values that say what was found.
 [[nodiscard]] CLI::Validator positive();
+[[nodiscard]] CLI::Validator not_negative();
 [[nodiscard]] CLI::Validator whole(std::uint64_t low, std::uint64_t high);
 
 /// The manifest's place beside an image: the same name with ".json".

@@ -57,6 +57,16 @@ CLI::Validator positive() {
             "POSITIVE"};
 }
 
+CLI::Validator not_negative() {
+    return {[](std::string& text) {
+                double value = 0.0;
+                if (CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value >= 0.0)
+                    return std::string();
+                return fmt::format("must be a number, and not negative, found '{}'", text);
+            },
+            "NUMBER"};
+}
+
 CLI::Validator whole(std::uint64_t low, std::uint64_t high) {
     return {[low, high](std::string& text) {
                 std::uint64_t value = 0;
@@ -85,6 +95,7 @@ int run(int argc, char** argv) {
     add_bitstream(app, action);
     add_device(app, action);
     add_upload(app, action);
+    add_download(app, action);
     add_play(app, action);
     add_stream(app, action);
     try {
@@ -97,8 +108,8 @@ int run(int argc, char** argv) {
     }
     if (!action)
         throw Error(ErrorCode::usage, "haptogram",
-                    "expected a subcommand: compile, inspect, simulate, field, board, bitstream, device, upload, play "
-                    "or stream; see haptogram --help");
+                    "expected a subcommand: compile, inspect, simulate, field, board, bitstream, device, upload, "
+                    "download, play or stream; see haptogram --help");
     return action();
 }
 

@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <thread>
+#include <vector>
 
 #include "base/error.hpp"
 #include "command.hpp"
+#include "image/image.hpp"
 #include "interrupt.hpp"
+#include "link/transfer.hpp"
+#include "live.hpp"
 #include "outputs.hpp"
 #include "port.hpp"
 
@@ -18,15 +24,67 @@ namespace {
 
 struct PlayOptions {
     PortOptions port;
+    bool sequence = false;  ///< says what is so anyway
     std::uint16_t index = 0;
     std::optional<std::uint16_t> loops;  ///< else as the image says
+    double rate_hz = 0.0;                ///< else as its dwells say
     double seconds = 0.0;
     std::uint16_t watchdog_ms = 500;
     bool json = false;
 };
 
+/// The board's sequence with its dwells stretched so that a pass lasts 1 / rate.
+std::vector<SequenceEntry> at_rate(std::vector<SequenceEntry> sequence, double rate_hz, double carrier_hz) {
+    double total = 0.0;
+    for (const SequenceEntry& entry : sequence) total += entry.dwell;
+    const double cycles = carrier_hz / rate_hz;
+    double before = 0.0;
+    for (SequenceEntry& entry : sequence) {
+        const double after = before + entry.dwell;
+        const double dwell = std::round(cycles * after / total) - std::round(cycles * before / total);
+        if (dwell < 1.0 || dwell > 65535.0)
+            throw Error(ErrorCode::usage, "--rate",
+                        fmt::format("at {} passes a second an entry of the sequence would last {} carrier cycles, "
+                                    "expected 1 to 65535; about {:.3g} a second is most here",
+                                    rate_hz, dwell, carrier_hz / static_cast<double>(sequence.size())));
+        entry.dwell = static_cast<std::uint16_t>(dwell);
+        before = after;
+    }
+    return sequence;
+}
+
+/// Plays the sequence at another rate than it was compiled for: its indices go through the live FIFO, and the board's
+/// memory stays as it is.
+int play_at_rate(const PlayOptions& options) {
+    Device device(options.port);
+    const Image image = link::download(device.client(), device.identity(), 0, options.port.port);
+    const auto carried = std::ranges::find_if(image.sequence, [](const SequenceEntry& e) { return e.index != 0; });
+    if (carried == image.sequence.end())
+        throw Error(ErrorCode::device, options.port.port, "the sequence in its memory plays no record");
+    const double carrier_hz = record_carrier_hz(device, carried->index);
+    const std::vector<SequenceEntry> pass = at_rate(image.sequence, options.rate_hz, carrier_hz);
+    const std::uint64_t passes = options.loops.value_or(image.loops);
+    std::uint64_t entries = passes * pass.size();  // 0: for ever
+    if (options.seconds > 0.0) {
+        const auto most = static_cast<std::uint64_t>(
+            std::max(1.0, std::round(options.seconds * options.rate_hz * static_cast<double>(pass.size()))));
+        entries = entries == 0 ? most : std::min(entries, most);
+    }
+    std::uint64_t told = 0;
+    const Fed fed = feed(
+        device, options.watchdog_ms,
+        [&](int) -> std::optional<SequenceEntry> {
+            if (entries != 0 && told == entries) return {};
+            return pass[told++ % pass.size()];
+        },
+        [&] { return entries != 0 && told == entries; });
+    tell(fed, options.json);
+    return 0;
+}
+
 int play(const PlayOptions& options) {
     catch_interrupts();
+    if (options.rate_hz > 0.0) return play_at_rate(options);
     Device device(options.port);
     link::Client& client = device.client();
     client.set_watchdog(options.watchdog_ms);
@@ -85,6 +143,12 @@ void add_play(CLI::App& app, Action& action) {
     auto* index = sub->add_option("--index", options->index, "One record, until Ctrl-C")->check(whole(1, 65535));
     sub->add_option("--loops", options->loops, "Passes over the sequence; 0: until Ctrl-C (default: as the image says)")
         ->check(whole(0, 65535))
+        ->excludes(index);
+    sub->add_flag("--sequence", options->sequence, "The whole sequence, which is what is played without --index")
+        ->excludes(index);
+    sub->add_option("--rate", options->rate_hz,
+                    "Passes a second, instead of as it was compiled; the indices go over the link then")
+        ->check(positive())
         ->excludes(index);
     sub->add_option("--seconds", options->seconds, "Not longer than this")->check(positive());
     add_watchdog_option(*sub, options->watchdog_ms);

@@ -4,20 +4,18 @@
 #include <poll.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <system_error>
-#include <thread>
 
 #include "base/error.hpp"
 #include "command.hpp"
+#include "image/image.hpp"
 #include "interrupt.hpp"
-#include "outputs.hpp"
+#include "live.hpp"
 #include "port.hpp"
 
 namespace haptogram::cli {
@@ -27,13 +25,9 @@ struct StreamOptions {
     std::string file = "-";
     PortOptions port;
     std::uint16_t dwell = 1;
+    double rate_hz = 0.0;
     std::uint16_t watchdog_ms = 500;
     bool json = false;
-};
-
-struct Entry {
-    std::uint16_t index;
-    std::uint16_t dwell;
 };
 
 /// Lines of a file, a pipe or a terminal, as they come: nothing waits for a full buffer.
@@ -57,7 +51,7 @@ public:
     [[nodiscard]] bool ended() const { return ended_ && text_.empty(); }
 
     /// The next entry that is there, waiting at most so long for it.
-    std::optional<Entry> next(int milliseconds) {
+    std::optional<SequenceEntry> next(int milliseconds) {
         std::size_t newline = text_.find('\n');
         while (newline == std::string::npos && !ended_ && fill(milliseconds)) newline = text_.find('\n');
         if (newline == std::string::npos && !(ended_ && !text_.empty())) return {};
@@ -81,13 +75,13 @@ private:
         return true;
     }
 
-    [[nodiscard]] Entry parse(const std::string& line) const {
+    [[nodiscard]] SequenceEntry parse(const std::string& line) const {
         const char* at = line.data();
         const char* const end = line.data() + line.size();
         const auto skip = [&] {
             while (at != end && (*at == ' ' || *at == '\t' || *at == ',' || *at == '\r')) ++at;
         };
-        Entry entry{0, dwell_};
+        SequenceEntry entry{0, dwell_};
         skip();
         auto index = std::from_chars(at, end, entry.index);
         at = index.ptr;
@@ -120,57 +114,13 @@ private:
 int stream(const StreamOptions& options) {
     catch_interrupts();
     Device device(options.port);
-    link::Client& client = device.client();
-    const link::Identity& identity = device.identity();
-    Source source(options.file, options.dwell, identity.records);
-    client.set_watchdog(options.watchdog_ms);
-    const std::chrono::milliseconds pause = keep_alive_pause(options.watchdog_ms);
-    // A frame holds at most as many indices as a record has words.
-    const std::size_t most = std::min<std::size_t>(identity.live_depth, identity.channels);
-    const link::BoardStatus before = client.status();
-    link::BoardStatus now = before;
-    std::uint64_t sent = 0;
-    {
-        const Outputs on(client);
-        std::optional<Entry> next;
-        std::size_t level = 0;
-        while (!interrupted()) {
-            if (!next) next = source.next(static_cast<int>(pause.count()));
-            if (!next && source.ended()) break;
-            const std::size_t room = std::min<std::size_t>(most, identity.live_depth - level);
-            if (!next ||
-                room < std::min<std::size_t>(most, identity.live_depth / 2)) {  // says that this host is alive, too
-                if (next) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-                level = client.status().live_level;
-                continue;
-            }
-            std::vector<std::uint16_t> indices;
-            const std::uint16_t dwell = next->dwell;
-            while (next && next->dwell == dwell && indices.size() < room) {
-                indices.push_back(next->index);
-                next = source.next(0);
-            }
-            level = client.push(indices, dwell);
-            sent += indices.size();
-        }
-        // Silence for good at the end: running out of indices would be an underrun.
-        bool silent = false;
-        for (now = client.status(); !interrupted() && (!silent || now.live_level > 0 || now.present_index != 0);
-             now = client.status()) {
-            if (!silent && now.live_level < identity.live_depth) {
-                client.push({0}, 0);
-                silent = true;
-            }
-            std::this_thread::sleep_for(pause);
-        }
-    }
-    const auto underruns = static_cast<std::uint16_t>(now.underruns - before.underruns);
-    if (options.json)
-        fmt::print(
-            "{}\n",
-            nlohmann::ordered_json{{"sent", sent}, {"underruns", underruns}, {"interrupted", interrupted()}}.dump(1));
-    else
-        fmt::print("{} indices, {} underruns\n", sent, underruns);
+    const std::uint16_t dwell =
+        options.rate_hz > 0.0 ? dwell_of(options.rate_hz, record_carrier_hz(device, 1)) : options.dwell;
+    Source source(options.file, dwell, device.identity().records);
+    const Fed fed = feed(
+        device, options.watchdog_ms, [&](int milliseconds) { return source.next(milliseconds); },
+        [&] { return source.ended(); });
+    tell(fed, options.json);
     return 0;
 }
 
@@ -184,9 +134,13 @@ void add_stream(CLI::App& app, Action& action) {
     sub->add_option("file", options->file, "Lines 'index' or 'index dwell'; - is standard input")
         ->capture_default_str();
     add_port_options(*sub, options->port);
-    sub->add_option("--dwell", options->dwell, "Cycles that an index lasts if its line does not say; 0: until the next")
-        ->check(whole(0, 65535))
-        ->capture_default_str();
+    auto* dwell = sub->add_option("--dwell", options->dwell,
+                                  "Cycles that an index lasts if its line does not say; 0: until the next")
+                      ->check(whole(0, 65535))
+                      ->capture_default_str();
+    sub->add_option("--rate", options->rate_hz, "Indices a second instead: the whole number of cycles that is nearest")
+        ->check(positive())
+        ->excludes(dwell);
     add_watchdog_option(*sub, options->watchdog_ms);
     sub->add_flag("--json", options->json, "Print the outcome as JSON");
     sub->callback([options, &action] { action = [options] { return stream(*options); }; });

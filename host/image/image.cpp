@@ -100,6 +100,25 @@ std::string to_intel_hex(const Image& image) {
                              {interface::description_base, little_endian(description_words(image))}});
 }
 
+void take_words(Image& image, const std::vector<std::uint16_t>& primary, const std::vector<std::uint32_t>& sequence,
+                const std::string& where) {
+    const std::size_t stride = record_words(image.channels);
+    for (std::size_t r = 0; r < primary.size() / stride; ++r) {
+        const std::uint16_t* word = primary.data() + r * stride;
+        if (word[3] >> 8 != 0)
+            throw bad_input(where,
+                            fmt::format("record {}: reserved bits are set in its header; the image is garbled", r + 1));
+        image.records.push_back({word[0] | (word[1] & 0xffU) << 16,
+                                 word[2] | (word[3] & 0xffU) << 16,
+                                 static_cast<std::uint8_t>(word[1] >> 8),
+                                 {word + interface::record_header_words, word + stride}});
+    }
+    image.loops = static_cast<std::uint16_t>(sequence.front() >> 16);
+    for (std::size_t i = 1; i < sequence.size(); ++i)
+        image.sequence.push_back(
+            {static_cast<std::uint16_t>(sequence[i]), static_cast<std::uint16_t>(sequence[i] >> 16)});
+}
+
 Image from_intel_hex(std::string_view text, const std::string& where) {
     const std::vector<intel_hex::Segment> segments = intel_hex::read(text, where);
     for (const auto& segment : segments) {
@@ -134,25 +153,11 @@ Image from_intel_hex(std::string_view text, const std::string& where) {
         region(segments, interface::primary_base, 2 * stride * records, "primary memory", where));
     const auto sequence = from_little_endian<std::uint32_t>(
         region(segments, interface::sequence_base, 4UL * words, "sequence memory", where));
-    for (std::size_t r = 0; r < records; ++r) {
-        const std::uint16_t* word = primary.data() + r * stride;
-        if (word[3] >> 8 != 0)
-            throw bad_input(where,
-                            fmt::format("record {}: reserved bits are set in its header; the image is garbled", r + 1));
-        image.records.push_back({word[0] | (word[1] & 0xffU) << 16,
-                                 word[2] | (word[3] & 0xffU) << 16,
-                                 static_cast<std::uint8_t>(word[1] >> 8),
-                                 {word + interface::record_header_words, word + stride}});
-    }
-    const std::uint32_t header = sequence.front();
-    if ((header & 0xffffU) != words - 1)
+    if ((sequence.front() & 0xffffU) != words - 1)
         throw bad_input(where,
                         fmt::format("the sequence header says {} entries, the description {}; the image is garbled",
-                                    header & 0xffffU, words - 1));
-    image.loops = static_cast<std::uint16_t>(header >> 16);
-    for (std::size_t i = 1; i < sequence.size(); ++i)
-        image.sequence.push_back(
-            {static_cast<std::uint16_t>(sequence[i]), static_cast<std::uint16_t>(sequence[i] >> 16)});
+                                    sequence.front() & 0xffffU, words - 1));
+    take_words(image, primary, sequence, where);
     return image;
 }
 

@@ -46,6 +46,11 @@ struct Image {
 /// Sequence memory's contents: the header, then the entries.
 [[nodiscard]] std::vector<std::uint32_t> sequence_words(const Image& image);
 
+/// The inverse of both: fills `image`, whose channels are known, with what the memories hold.
+/// @throws Error{bad_input} naming the record that is none
+void take_words(Image& image, const std::vector<std::uint16_t>& primary, const std::vector<std::uint32_t>& sequence,
+                const std::string& where);
+
 /// The image as Intel HEX: 16-bit words of primary memory, 32-bit words of sequence memory and the description, little-
 /// endian, with extended linear addresses.
 [[nodiscard]] std::string to_intel_hex(const Image& image);

@@ -8,7 +8,7 @@ namespace haptogram::interface {
 
 inline constexpr std::string_view name = "Haptogram";
 inline constexpr unsigned version_major = 1;
-inline constexpr unsigned version_minor = 0;
+inline constexpr unsigned version_minor = 1;
 inline constexpr std::uint32_t primary_base = 0x00000000;  // 16-bit words
 inline constexpr std::uint32_t sequence_base = 0x10000000;  // 32-bit words
 inline constexpr std::uint32_t identity_base = 0x20000000;  // 16-bit words
@@ -87,6 +87,7 @@ enum class Command : std::uint8_t {
     stop = 0x09,
     watchdog = 0x0a,
     status = 0x0b,
+    digest = 0x0c,
 };
 
 enum class Status : std::uint8_t {
@@ -102,6 +103,9 @@ enum class Status : std::uint8_t {
     fifo_full = 0x09,
 };
 
+/// Whether its reply carries data.
+constexpr bool replies(Command command) { return command == Command::identify || command == Command::read || command == Command::status || command == Command::digest; }
+
 constexpr std::string_view to_string(Command command) {
     switch (command) {
         case Command::identify: return "identify";
@@ -115,6 +119,7 @@ constexpr std::string_view to_string(Command command) {
         case Command::stop: return "stop";
         case Command::watchdog: return "watchdog";
         case Command::status: return "status";
+        case Command::digest: return "digest";
     }
     return "unknown";
 }

@@ -3,7 +3,7 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
+#include <utility>
 
 #include "base/error.hpp"
 
@@ -13,9 +13,10 @@ namespace {
 using interface::Command;
 using interface::Status;
 
-constexpr std::size_t window = 8;   // frames under way
+constexpr std::size_t window = 16;  // frames under way
 constexpr unsigned most_tries = 8;  // without any progress
 constexpr unsigned most_strange = 4;
+constexpr std::size_t asking_bytes = 12;  // that a request for data takes in the board's ring of frames
 
 Error device_error(const std::string& where, const std::string& message) { return {ErrorCode::device, where, message}; }
 
@@ -29,8 +30,6 @@ Bytes little_endian(Words... words) {
     return bytes;
 }
 
-Bytes at_address(std::uint32_t address) { return little_endian(address & 0xffffU, address >> 16); }
-
 template <class Word>
 std::uint16_t word_of(const Bytes& data, Word word) {
     const std::size_t at = 2 * static_cast<std::size_t>(word);
@@ -39,97 +38,129 @@ std::uint16_t word_of(const Bytes& data, Word word) {
     return static_cast<std::uint16_t>(data[at] | data[at + 1] << 8);
 }
 
-/// What one frame carries of an image.
-struct Piece {
-    std::uint32_t address;
-    Bytes bytes;
-};
-
-/// An image in frames: a record each, and the sequence in pieces as long.
-std::vector<Piece> pieces_of(const Image& image) {
-    std::vector<Piece> pieces;
-    const std::size_t stride = record_words(image.channels);
-    const std::vector<std::uint16_t> primary = primary_words(image);
-    for (std::size_t at = 0; at < primary.size(); at += stride) {
-        Piece& piece = pieces.emplace_back(Piece{interface::primary_base + static_cast<std::uint32_t>(2 * at), {}});
-        for (std::size_t i = at; i < at + stride; ++i)
-            for (const unsigned shift : {0U, 8U}) piece.bytes.push_back(static_cast<std::uint8_t>(primary[i] >> shift));
-    }
-    const std::vector<std::uint32_t> sequence = sequence_words(image);
-    for (std::size_t at = 0; at < sequence.size(); at += stride / 2) {
-        Piece& piece = pieces.emplace_back(Piece{interface::sequence_base + static_cast<std::uint32_t>(4 * at), {}});
-        for (std::size_t i = at; i < std::min(at + stride / 2, sequence.size()); ++i)
-            for (const unsigned shift : {0U, 8U, 16U, 24U})
-                piece.bytes.push_back(static_cast<std::uint8_t>(sequence[i] >> shift));
-    }
-    return pieces;
-}
-
 bool applied(const Reply& reply) { return reply.status == Status::ok || reply.status == Status::repeated; }
 
 }  // namespace
 
-std::vector<Reply> Client::pipeline(const std::vector<Request>& requests, const std::function<void(double)>& progress) {
-    std::vector<Reply> replies(requests.size());
-    const std::uint8_t first = next_;
-    const auto sequence_of = [first](std::size_t i) { return static_cast<std::uint8_t>(first + i); };
-    std::size_t acknowledged = 0;
-    std::size_t sent = 0;
-    std::size_t farthest = 0;
-    unsigned tries = 0;
-    unsigned strange = 0;
-    while (acknowledged < requests.size()) {
-        for (; sent < requests.size() && sent < acknowledged + window; ++sent) {
-            transport_.write(encode_request(sequence_of(sent), requests[sent].command, requests[sent].payload));
-            if (sent < farthest) ++retransmissions_;
-            farthest = std::max(farthest, sent + 1);
-        }
-        std::vector<Reply> arrived;
+void Client::submit(Request request, std::function<void(const Reply&)> done) {
+    queue_.push_back({std::move(request), std::move(done)});
+}
+
+void Client::wait(std::size_t most_unanswered) {
+    std::vector<Reply> arrived;
+    while (queue_.size() > most_unanswered) {
+        transmit();
         const Bytes bytes = transport_.read(patience_);
+        arrived.clear();
         decoder_.feed(bytes, arrived);
-        bool again = bytes.empty();
-        for (Reply& reply : arrived) {
-            const std::size_t i = acknowledged;
-            if (i == requests.size()) break;
-            const bool mine = reply.sequence == sequence_of(i) && reply.command == requests[i].command;
-            if (mine && applied(reply)) {
-                if (reply.status == Status::repeated) patience_ = std::min(2 * patience_, most_patience_);
-                replies[i] = std::move(reply);
-                ++acknowledged;
-                tries = 0;
-                strange = 0;
-                if (progress) progress(static_cast<double>(acknowledged) / static_cast<double>(requests.size()));
-            } else if (mine && reply.status != Status::out_of_order) {
-                next_ = sequence_of(i);
-                throw device_error(fmt::format("command {}", to_string(requests[i].command)),
-                                   fmt::format("the board refused it: {}", to_string(reply.status)));
-            } else if (reply.status == Status::out_of_order) {
-                // A frame before it was lost. But before the first that is not acknowledged there is none: one such
-                // answer may be left over from an earlier round, several mean that the board knows nothing of us.
-                if (mine && ++strange > most_strange)
-                    throw device_error("board", "it has lost the session, as after a reset; identify it again");
-                again = true;
-            }
-        }
-        if (!again) continue;
-        if (++tries > most_tries)
-            throw device_error(
+        for (const Reply& reply : arrived) take(reply);
+        if (!bytes.empty()) continue;
+        if (++tries_ > most_tries) {
+            const Command command = queue_.front().request.command;
+            forget();
+            throw LinkLost(
                 "board",
                 fmt::format(
                     "no answer to {} after {} tries; check the cable, the baud rate and that the board runs Haptogram",
-                    to_string(requests[acknowledged].command), most_tries));
-        sent = acknowledged;
-        while (!transport_.read(std::chrono::microseconds(0)).empty()) {
+                    to_string(command), most_tries));
         }
-        transport_.write(Bytes{0});  // ends whatever half frame the line left
+        send_again();
     }
-    next_ = sequence_of(requests.size());
+}
+
+void Client::transmit() {
+    std::size_t asking = 0;
+    for (std::size_t i = 0; i < sent_; ++i) asking += replies(queue_[i].request.command) ? 1 : 0;
+    for (; sent_ < std::min(queue_.size(), window); ++sent_) {
+        const Request& request = queue_[sent_].request;
+        if (replies(request.command) && ++asking > most_asking_) return;
+        const auto number = static_cast<std::uint8_t>(next_ + sent_);
+        transport_.write(encode_request(number, request.command, request.payload));
+        on_line_.push_back({number, round_});
+        if (sent_ < farthest_) ++retransmissions_;
+        farthest_ = std::max(farthest_, sent_ + 1);
+    }
+}
+
+void Client::take(const Reply& reply) {
+    const auto sent = std::ranges::find(on_line_, reply.sequence, &Sent::number);
+    if (sent == on_line_.end()) return;  // an answer to somebody before us
+    const bool of_this_round = sent->round == round_;
+    on_line_.erase(on_line_.begin(), sent + 1);
+    const auto place = static_cast<std::uint8_t>(reply.sequence - next_);
+    if (place >= std::min(queue_.size(), window) || reply.command != queue_[place].request.command) return;
+    if (applied(reply)) {
+        // What lies before it was applied, too, and only its reply was lost.
+        for (std::size_t i = 0; i < place; ++i) {
+            const Request& before = queue_.front().request;
+            if (replies(before.command)) return send_again();
+            finish({next_, before.command, Status::ok, reply.expected, reply.live_level, {}});
+        }
+        // On a slow board, or after a lost reply, which lets it fall again.
+        if (reply.status == Status::repeated) patience_ = std::min(2 * patience_, most_patience_);
+        if (reply.status == Status::ok) patience_ = std::max(patience_ * 15 / 16, least_patience_);
+        finish(reply);
+    } else if (reply.status == Status::out_of_order) {
+        if (!of_this_round) return;  // it has been sent again since
+        // A frame before it was lost. But before the first of the queue there is none: the board knows nothing of us.
+        if (place == 0 && ++strange_ > most_strange) {
+            forget();
+            throw LinkLost("board", "it has lost the session, as after a reset; identify it again");
+        }
+        send_again();
+    } else {
+        next_ = reply.sequence;  // it was not applied, so its number is still to be used
+        forget();
+        throw device_error(fmt::format("command {}", to_string(reply.command)),
+                           fmt::format("the board refused it: {}", to_string(reply.status)));
+    }
+}
+
+void Client::finish(const Reply& reply) {
+    const Pending pending = std::move(queue_.front());
+    queue_.pop_front();
+    ++next_;
+    sent_ -= sent_ > 0 ? 1 : 0;
+    farthest_ -= farthest_ > 0 ? 1 : 0;
+    tries_ = strange_ = 0;
+    if (pending.done) pending.done(reply);
+}
+
+void Client::send_again() {
+    sent_ = 0;
+    ++round_;
+    transport_.write(Bytes{0});  // ends whatever half frame the line left
+}
+
+void Client::forget() {
+    queue_.clear();
+    on_line_.clear();
+    sent_ = farthest_ = 0;
+    tries_ = strange_ = 0;
+}
+
+std::vector<Reply> Client::pipeline(std::vector<Request> requests, const std::function<void(double)>& progress) {
+    std::vector<Reply> replies(requests.size());
+    std::size_t done = 0;
+    for (Request& request : requests) {
+        submit(std::move(request), [&](const Reply& reply) {
+            replies[done++] = reply;
+            if (progress) progress(static_cast<double>(done) / static_cast<double>(replies.size()));
+        });
+    }
+    wait();
     return replies;
 }
 
-Reply Client::request(const Request& request) { return pipeline({request}).front(); }
+Reply Client::request(Request request) {
+    Reply answer;
+    submit(std::move(request), [&](const Reply& reply) { answer = reply; });
+    wait();
+    return answer;
+}
 
 Identity Client::identify() {
+    forget();
     transport_.write(Bytes{0});
     const Bytes data = request({Command::identify, {}}).data;
     using interface::IdentityWord;
@@ -152,6 +183,7 @@ Identity Client::identify() {
                         static_cast<std::uint32_t>(word_of(data, IdentityWord::clock_hz_high)) << 16;
     identity.features = word_of(data, IdentityWord::features);
     identity.frame_bytes = word_of(data, IdentityWord::frame_bytes);
+    most_asking_ = std::max<std::size_t>(1, identity.frame_bytes / asking_bytes);
     return identity;
 }
 
@@ -194,64 +226,16 @@ void Client::start(std::uint16_t first, std::uint16_t length, std::uint16_t loop
 void Client::set_watchdog(std::uint16_t milliseconds) { request({Command::watchdog, little_endian(milliseconds)}); }
 
 void Client::write(std::uint32_t address, const Bytes& bytes) {
-    Bytes payload = at_address(address);
+    Bytes payload = little_endian(address & 0xffffU, address >> 16);
     payload.insert(payload.end(), bytes.begin(), bytes.end());
     request({Command::write, std::move(payload)});
 }
 
 Bytes Client::read(std::uint32_t address, std::uint16_t bytes) {
-    Bytes payload = at_address(address);
+    Bytes payload = little_endian(address & 0xffffU, address >> 16);
     payload.push_back(static_cast<std::uint8_t>(bytes));
     payload.push_back(static_cast<std::uint8_t>(bytes >> 8));
     return request({Command::read, std::move(payload)}).data;
-}
-
-void Client::upload(const Image& image, const std::function<void(double)>& progress) {
-    std::vector<Request> requests;
-    for (const auto& [address, bytes] : pieces_of(image)) {
-        Bytes payload = at_address(address);
-        payload.insert(payload.end(), bytes.begin(), bytes.end());
-        requests.push_back({Command::write, std::move(payload)});
-    }
-    pipeline(requests, progress);
-}
-
-std::string Client::compare(const Image& image, const std::function<void(double)>& progress) {
-    const std::vector<Piece> pieces = pieces_of(image);
-    std::vector<Request> requests;
-    for (const auto& [address, bytes] : pieces) {
-        Bytes payload = at_address(address);
-        for (const std::uint8_t byte : little_endian(bytes.size())) payload.push_back(byte);
-        requests.push_back({Command::read, std::move(payload)});
-    }
-    const std::vector<Reply> replies = pipeline(requests, progress);
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
-        const auto [expected, found] = std::ranges::mismatch(pieces[i].bytes, replies[i].data);
-        if (expected == pieces[i].bytes.end() && found == replies[i].data.end()) continue;
-        const auto at = static_cast<std::uint32_t>(expected - pieces[i].bytes.begin());
-        return fmt::format("the board's memory differs at address {:#010x}", pieces[i].address + at);
-    }
-    return {};
-}
-
-void require_fits(const Image& image, const Identity& board, const std::string& where) {
-    const auto require = [&](bool fits, const std::string& what) {
-        if (!fits)
-            throw bad_input(where, what + "; compile it for this board (--array), or use the board it was made for");
-    };
-    require(image.channels == board.channels,
-            fmt::format("the image is for {} channels, the board has {}", image.channels, board.channels));
-    require(image.clock_hz == board.clock_hz,
-            fmt::format("the image is for a {} Hz clock, the board has {} Hz", image.clock_hz, board.clock_hz));
-    require(image.timing_bits <= board.timing_bits,
-            fmt::format("the image needs {} timing bits, the board has {}", image.timing_bits, board.timing_bits));
-    require(image.pulse_bits <= board.pulse_bits,
-            fmt::format("the image needs {} pulse bits, the board has {}", image.pulse_bits, board.pulse_bits));
-    require(image.records.size() <= board.records,
-            fmt::format("the image has {} records, the board holds {}", image.records.size(), board.records));
-    require(image.sequence.size() < board.sequence_depth,
-            fmt::format("the image has {} sequence entries, the board holds {}", image.sequence.size(),
-                        board.sequence_depth - 1));
 }
 
 }  // namespace haptogram::link

@@ -115,8 +115,8 @@ struct FtdiPort::Port {
     }
 
     [[nodiscard]] Error error(const std::string& message) const { return {ErrorCode::device, name, message}; }
-    [[nodiscard]] Error gone(int reason) const {
-        return error(fmt::format("the port is gone ({}); was it unplugged?", libusb_strerror(reason)));
+    [[nodiscard]] LinkLost gone(int reason) const {
+        return {name, fmt::format("the port is gone ({}); was it unplugged?", libusb_strerror(reason))};
     }
     void require(int result) const {
         if (result < 0)

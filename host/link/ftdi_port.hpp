@@ -21,7 +21,6 @@ public:
     FtdiPort(const std::string& name, std::uint32_t baud);
     ~FtdiPort() override;
 
-    /// @throws Error{device} when the port is gone, as after an unplug
     void write(std::span<const std::uint8_t> bytes) override;
     [[nodiscard]] std::vector<std::uint8_t> read(std::chrono::microseconds patience) override;
 

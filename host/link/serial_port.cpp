@@ -24,9 +24,9 @@ struct SerialPort::Port {
     asio::serial_port serial{context};
 
     [[nodiscard]] Error error(const std::string& message) const { return {ErrorCode::device, path, message}; }
-    [[nodiscard]] Error gone(const boost::system::error_code& reason) const {
-        return error(
-            fmt::format("the port is gone ({}); was it unplugged, or its virtual board ended?", reason.message()));
+    [[nodiscard]] LinkLost gone(const boost::system::error_code& reason) const {
+        return {path,
+                fmt::format("the port is gone ({}); was it unplugged, or its virtual board ended?", reason.message())};
     }
 };
 

@@ -17,7 +17,6 @@ public:
     SerialPort(const std::string& path, std::uint32_t baud);
     ~SerialPort() override;
 
-    /// @throws Error{device} when the port is gone, as after an unplug
     void write(std::span<const std::uint8_t> bytes) override;
     [[nodiscard]] std::vector<std::uint8_t> read(std::chrono::microseconds patience) override;
 

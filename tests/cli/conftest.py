@@ -40,3 +40,10 @@ def full_device():
     if not device.exists() or not stat.S_ISCHR(device.stat().st_mode):
         pytest.skip("/dev/full is no device here")
     return device
+
+
+@pytest.fixture
+def image(tmp_path):
+    """Four points that play in 1 ms, in the test's own folder."""
+    support.succeed(["compile", "--shape", "circle", "--diameter", 60, "--points", 4, "--rate", 1000, "-o", "circle.hex"], cwd=tmp_path)
+    return "circle.hex"

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the tests of the command line program share: running it, judging its errors, and images built without its code."""
+import contextlib
 import hashlib
 import json
 import os
@@ -153,3 +154,24 @@ def exact_ticks(manifest, foci):
     flight_s = np.linalg.norm(foci[:, None, :] * 1e-3 - elements[None], axis=2) / manifest["medium"]["speed_m_s"]
     delay_s = flight_s.max(axis=1, keepdims=True) - flight_s
     return delay_s / manifest["timer"]["tick_s"] % manifest["timer"]["cycle_ticks"]
+
+
+@contextlib.contextmanager
+def virtual_board(folder, *options):
+    """A running board; its port is `folder`/port."""
+    command = [str(PROGRAM), "board", "run", "--json", "--speed", "max", "--pty", "port", *options]
+    process = subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    try:
+        process.says = json.loads(process.stdout.readline())
+        yield process
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def ask(folder, *args, **more):
+    return succeed([*args, "--port", "port"], cwd=folder, timeout=120, **more)
+
+
+def status(folder):
+    return json.loads(ask(folder, "device", "status", "--json").stdout)

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
 """A board behind a serial port: `haptogram board run` and the commands that speak to it, each a process of its own."""
-import contextlib
 import json
 import os
 import signal
@@ -9,37 +8,10 @@ import time
 
 import pytest
 import serial
-from support import BAD_INPUT, DEVICE, PROGRAM, USAGE, assert_one_message, run, succeed, text
+from support import BAD_INPUT, DEVICE, PROGRAM, USAGE, ask, assert_one_message, run, status, succeed, text, virtual_board
 
 
 STARTED = 3.0  # seconds in which a host has begun to play, also on a busy machine
-
-
-@contextlib.contextmanager
-def virtual_board(folder, *options):
-    """A running board; its port is `folder`/port."""
-    command = [str(PROGRAM), "board", "run", "--json", "--speed", "max", "--pty", "port", *options]
-    process = subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    try:
-        process.says = json.loads(process.stdout.readline())
-        yield process
-    finally:
-        process.kill()
-        process.communicate()
-
-
-def ask(folder, *args, **more):
-    return succeed([*args, "--port", "port"], cwd=folder, timeout=120, **more)
-
-
-def status(folder):
-    return json.loads(ask(folder, "device", "status", "--json").stdout)
-
-
-@pytest.fixture
-def image(tmp_path):
-    succeed(["compile", "--shape", "circle", "--diameter", 60, "--points", 4, "--rate", 1000, "-o", "circle.hex"], cwd=tmp_path)
-    return "circle.hex"
 
 
 def test_info_is_what_the_core_was_built_with(tmp_path):

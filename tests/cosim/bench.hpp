@@ -12,6 +12,7 @@
 #include "board_transport.hpp"
 #include "image/image.hpp"
 #include "link/client.hpp"
+#include "link/transfer.hpp"
 #include "pulse_check.hpp"
 
 namespace haptogram::test {
@@ -42,7 +43,7 @@ struct Bench {
         if (board.primary_memory().empty()) {
             link::Client loader(line);  // whose session the reset ends, so that the test's own client is as if new
             loader.identify();
-            loader.upload(image);
+            link::upload(loader, image);
             board.reset();
             return;
         }

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <zlib.h>
+
 #include "bench.hpp"
 
 using namespace haptogram;
@@ -14,6 +16,13 @@ link::Reply one(Bench& bench, std::uint8_t sequence, Command command, const Byte
     REQUIRE(replies[0].sequence == sequence);
     REQUIRE(replies[0].command == command);
     return replies[0];
+}
+
+Bytes playable_record() {
+    Bytes bytes;
+    for (const std::uint16_t word : primary_words(image_of(16, {record(16, 100, 1, 30, 5)})))
+        for (const unsigned shift : {0U, 8U}) bytes.push_back(static_cast<std::uint8_t>(word >> shift));
+    return bytes;
 }
 
 std::uint16_t status_word(Bench& bench, std::uint8_t sequence, interface::StatusWord word) {
@@ -98,6 +107,10 @@ TEST_CASE("contract 5: what is refused says why and changes nothing", "[contract
         {static_cast<int>(Command::write), words({2, 0x1000, 7, 7}), Status::bad_alignment},
         {static_cast<int>(Command::write), words({0, 0x1000, 7}), Status::bad_alignment},
         {static_cast<int>(Command::read), words({0, 0, 3}), Status::bad_alignment},
+        {static_cast<int>(Command::digest), words({0, 0, 0}), Status::bad_length},
+        {static_cast<int>(Command::digest), words({0, 0, 42}), Status::bad_length},
+        {static_cast<int>(Command::digest), words({0, 0, 3}), Status::bad_alignment},
+        {static_cast<int>(Command::digest), words({primary_end, 0, 2}), Status::bad_address},
         {static_cast<int>(Command::select), words({41, 0}), Status::bad_index},
         {static_cast<int>(Command::push), words({1, 1, 41, 1}), Status::bad_index},
         {static_cast<int>(Command::start), words({0, 1, 1}), Status::bad_range},
@@ -187,6 +200,58 @@ TEST_CASE("contract 5: written memory reads back, also while it plays", "[contra
         REQUIRE(bench.client.read(interface::primary_base + r * 40, 40) == contents[r]);
     REQUIRE(bench.client.read(interface::sequence_base + 4, 8) == Bytes{1, 0, 1, 0, 2, 0, 1, 0});
     REQUIRE(bench.client.status().underruns == 0);
+}
+
+TEST_CASE("contract 5: a digest is zlib's CRC-32 of what is there, also while it plays", "[contract5]") {
+    auto g = generator();
+    Bench bench;
+    bench.open();
+    Bytes bytes(40);
+    for (auto& byte : bytes) byte = static_cast<std::uint8_t>(g());
+    bench.client.write(interface::primary_base + 3 * 40, bytes);
+    bench.client.write(interface::primary_base, playable_record());
+    bench.client.write(interface::sequence_base + 4, {1, 0, 2, 0});
+    bench.client.start(1, 1, 0);
+    bench.wait_for_index(1);
+    const auto digest = [&](std::uint32_t address, std::uint16_t length) {
+        Bytes payload;
+        for (const unsigned shift : {0U, 8U, 16U, 24U}) payload.push_back(static_cast<std::uint8_t>(address >> shift));
+        for (const unsigned shift : {0U, 8U}) payload.push_back(static_cast<std::uint8_t>(length >> shift));
+        const Bytes data = bench.client.request({Command::digest, payload}).data;
+        REQUIRE(data.size() == 4);
+        return data[0] | data[1] << 8 | data[2] << 16 | static_cast<std::uint32_t>(data[3]) << 24;
+    };
+    for (const std::uint16_t length : std::initializer_list<std::uint16_t>{2, 4, 38, 40}) {
+        CAPTURE(length);
+        REQUIRE(digest(interface::primary_base + 3 * 40, length) == ::crc32(0, bytes.data(), length));
+    }
+    REQUIRE(digest(interface::sequence_base + 4, 4) == ::crc32(0, Bytes{1, 0, 2, 0}.data(), 4));
+    REQUIRE(bench.client.status().underruns == 0);
+}
+
+TEST_CASE("contract 5: an upload writes what differs, and says when the board does not keep it", "[contract5]") {
+    auto g = generator();
+    Bench bench;
+    std::vector<Record> records;
+    for (int i = 0; i < 12; ++i) records.push_back(random_record(g, 16, 100, 1, 30));
+    Image image = image_of(16, records);
+    bench.client.identify();
+    const auto first = link::upload(bench.client, image);
+    REQUIRE(first.pieces == 14);  // 13 sequence words go ten to a frame
+    REQUIRE(first.written == 14);
+    REQUIRE(link::compare(bench.client, image).empty());
+    REQUIRE(link::upload(bench.client, image).written == 0);
+    image.records[5].timings[7] ^= 1U;
+    REQUIRE_FALSE(link::compare(bench.client, image).empty());
+    REQUIRE(link::upload(bench.client, image).written == 1);
+    REQUIRE(link::compare(bench.client, image).empty());
+    const Image back = link::download(bench.client, bench.client.identify(), 0, "board");
+    REQUIRE(back == [&] {
+        Image expected = image;
+        expected.timing_bits = bench.board.parameters().timing_bits;
+        expected.pulse_bits = bench.board.parameters().pulse_bits;
+        return expected;
+    }());
 }
 
 TEST_CASE("contract 5: identify names the instrument", "[contract5]") {

@@ -18,7 +18,7 @@ TEST_CASE("an image of 20 points, uploaded over the line, plays as it was compil
         records.push_back(random_record(g, p.channels, cycle, 5, static_cast<std::uint8_t>(cycle / 2)));
     const Image image = image_of(p.channels, std::move(records));
     bench.client.identify();
-    bench.client.upload(image);
+    link::upload(bench.client, image);
     bench.client.set_watchdog(0);
     bench.client.enable();
     bench.client.start(1, points, 2);

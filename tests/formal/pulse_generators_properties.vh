@@ -106,8 +106,8 @@ generate
                                                   : f_start - {{(F_BITS-TIMING_BITS){1'b0}}, fall_q}) + {{(F_BITS-1){1'b0}}, f_tick_q};
         wire [PULSE_BITS-1:0] f_old    = shadow_q[f_k*TIMING_BITS +: PULSE_BITS] - old_fall_q;
         wire [PULSE_BITS:0]   f_old_left = {1'b0, f_old} + {{PULSE_BITS{1'b0}}, f_tick_q};
-        wire [F_TICKS-1:0]    f_left   = (channel[f_k].new_q ? ~({F_TICKS{1'b1}} << f_new) : {F_TICKS{1'b0}})
-                                       | (channel[f_k].old_q ? ~({F_TICKS{1'b1}} << f_old_left) : {F_TICKS{1'b0}});
+        wire [F_TICKS-1:0]    f_left   = (new_q[f_k] ? ~({F_TICKS{1'b1}} << f_new) : {F_TICKS{1'b0}})
+                                       | (old_q[f_k] ? ~({F_TICKS{1'b1}} << f_old_left) : {F_TICKS{1'b0}});
         always @(posedge clk) begin
             {f_pin_past_q, f_timing_q} <= {o_pins[f_k], f_timing};
             if (off) f_future_q <= {F_TICKS{1'b0}};
@@ -115,11 +115,11 @@ generate
             if (f_reset_seen_q) begin
                 assert (o_pins[f_k] == f_future_q[0]);
                 assert (f_future_q == f_left);
-                assert (!channel[f_k].new_q || (f_known_q && f_timing != NEVER && f_new != {F_BITS{1'b0}} && f_new <= f_pulse_length));
-                assert (!channel[f_k].new_q || (f_ahead ? f_start + {{(F_BITS-1){1'b0}}, f_tick_q} <= f_count_q : f_start >= f_fall));
-                assert (!channel[f_k].new_q || f_ahead || (f_leads ? f_start < f_length_q : f_start + {{(F_BITS-1){1'b0}}, f_tick_q} <= f_count_q));
-                assert (!channel[f_k].old_q || (f_known_q && f_old_left != {(PULSE_BITS+1){1'b0}}));
-                assert (!channel[f_k].old_q || (commit_q ? f_tick_q && f_old == NONE : f_old_left <= {1'b0, old_left_q} + {{PULSE_BITS{1'b0}}, f_tick_q}));
+                assert (!new_q[f_k] || (f_known_q && f_timing != NEVER && f_new != {F_BITS{1'b0}} && f_new <= f_pulse_length));
+                assert (!new_q[f_k] || (f_ahead ? f_start + {{(F_BITS-1){1'b0}}, f_tick_q} <= f_count_q : f_start >= f_fall));
+                assert (!new_q[f_k] || f_ahead || (f_leads ? f_start < f_length_q : f_start + {{(F_BITS-1){1'b0}}, f_tick_q} <= f_count_q));
+                assert (!old_q[f_k] || (f_known_q && f_old_left != {(PULSE_BITS+1){1'b0}}));
+                assert (!old_q[f_k] || (commit_q ? f_tick_q && f_old == NONE : f_old_left <= {1'b0, old_left_q} + {{PULSE_BITS{1'b0}}, f_tick_q}));
                 if (f_age_q == F_CHANNELS - f_k) assert (shadow_q[f_k*TIMING_BITS +: TIMING_BITS] == f_word_q);
                 if ($past(f_reset_seen_q && commit_q) && $past(f_age_q) == F_CHANNELS - f_k) assert (f_timing == $past(f_word_q));
                 if (!$past(commit_q)) assert (f_timing == f_timing_q);

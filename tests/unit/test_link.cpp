@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "link/client.hpp"
+#include "link/transfer.hpp"
 #include "link/frame.hpp"
 
 using namespace haptogram;

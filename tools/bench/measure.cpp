@@ -10,6 +10,7 @@
 #include "board_transport.hpp"
 #include "focus/focal_law.hpp"
 #include "link/client.hpp"
+#include "link/transfer.hpp"
 
 namespace {
 
@@ -52,7 +53,7 @@ unsigned underruns(std::uint32_t cycle_clocks) {
         image.records.push_back({cycle_clocks, 1, 1, std::vector<std::uint16_t>(image.channels, i)});
         image.sequence.push_back({static_cast<std::uint16_t>(i + 1), 1});
     }
-    client.upload(image);
+    link::upload(client, image);
     client.start(1, 2, 100);
     board.run(300ULL * 2 * cycle_clocks);
     return client.status().underruns;

@@ -3,7 +3,7 @@
 import enum
 
 NAME = 'Haptogram'
-VERSION = (1, 0)
+VERSION = (1, 1)
 PRIMARY_BASE = 0x00000000
 SEQUENCE_BASE = 0x10000000
 IDENTITY_BASE = 0x20000000
@@ -29,6 +29,7 @@ class Command(enum.IntEnum):
     STOP = 0x09
     WATCHDOG = 0x0a
     STATUS = 0x0b
+    DIGEST = 0x0c
 
 
 class Status(enum.IntEnum):

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "base/error.hpp"
+#include "base/file.hpp"
+#include "base/progress.hpp"
+#include "command.hpp"
+#include "image/image.hpp"
+#include "link/transfer.hpp"
+#include "port.hpp"
+
+namespace haptogram::cli {
+namespace {
+
+struct DownloadOptions {
+    std::string output;
+    PortOptions port;
+    std::uint32_t records = 0;
+    bool json = false;
+};
+
+int download(const DownloadOptions& options) {
+    Device device(options.port);
+    if (options.records > device.identity().records)
+        throw Error(ErrorCode::usage, "--records",
+                    fmt::format("the board holds {}, not {}", device.identity().records, options.records));
+    Progress progress("download");
+    const Image image = link::download(device.client(), device.identity(), options.records, options.port.port,
+                                       [&](double fraction) { progress.update(fraction); });
+    if (image.records.empty())
+        throw Error(ErrorCode::device, options.port.port, "its sequence plays no record; ask for some by --records");
+    write_file(options.output, to_intel_hex(image));
+    const std::vector<std::string> found = problems(image);
+    for (const std::string& problem : found) complain(fmt::format("{}: {}", options.port.port, problem));
+    if (options.output == "-") return 0;
+    if (options.json)
+        fmt::print("{}\n", nlohmann::ordered_json{{"records", image.records.size()},
+                                                  {"sequence_entries", image.sequence.size()},
+                                                  {"problems", found}}
+                               .dump(1));
+    else
+        fmt::print("{} records and {} sequence entries\n", image.records.size(), image.sequence.size());
+    return 0;
+}
+
+}  // namespace
+
+void add_download(CLI::App& app, Action& action) {
+    auto options = std::make_shared<DownloadOptions>();
+    CLI::App* sub = app.add_subcommand("download", "Read the image in a board's memories back into a file");
+    sub->add_option("-o,--output", options->output, "Intel HEX image")->required();
+    sub->add_option("--records", options->records,
+                    "At least so many records, also those that the sequence does not play")
+        ->check(whole(1, 65535));
+    add_port_options(*sub, options->port);
+    sub->add_flag("--json", options->json, "Print what was found as JSON");
+    sub->callback([options, &action] { action = [options] { return download(*options); }; });
+}
+
+}  // namespace haptogram::cli

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the tests share: virtual boards, and both programs as processes."""
+import contextlib
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+PACKAGE = ROOT / "tools/python"
+PROGRAM = Path(os.environ.get("HAPTOGRAM_PROGRAM", ROOT / "build/release/host/cli/haptogram")).resolve()
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(PACKAGE), "PYTHONDONTWRITEBYTECODE": "1"}
+OK, RUN_FAILED, USAGE, BAD_INPUT, DEVICE = range(5)
+
+
+def run(command, folder, **more):
+    more = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "stdin": subprocess.DEVNULL, "timeout": 60, **more}
+    return subprocess.run([str(word) for word in command], cwd=folder, env=ENVIRONMENT, text=True, check=False, **more)
+
+
+def haptogram(folder, *args):
+    """The C++ program, which must succeed; its standard output."""
+    result = run([PROGRAM, *args], folder)
+    assert result.returncode == OK, result.stderr
+    return result.stdout
+
+
+def python_command(*args):
+    return [sys.executable, "-m", "haptogram.cli", *map(str, args)]
+
+
+def ask(folder, *args, **more):
+    """haptogram-py at the port of `folder`, which must succeed; its standard output."""
+    result = run(python_command(*args, "--port", "port"), folder, **more)
+    assert result.returncode == OK, result.stderr
+    return result.stdout
+
+
+def assert_refused(result, code, *needles):
+    """The exit code, nothing on stdout, and one message with all of `needles`."""
+    assert (result.returncode, result.stdout) == (code, ""), result.stderr
+    lines = result.stderr.splitlines()
+    assert len(lines) == 1 and lines[0].startswith("haptogram-py: "), result.stderr
+    for needle in needles:
+        assert needle in lines[0]
+
+
+@contextlib.contextmanager
+def virtual_board(folder, *options):
+    """A running board; its port is `folder`/port."""
+    command = [str(PROGRAM), "board", "run", "--json", "--speed", "max", "--pty", "port", *map(str, options)]
+    process = subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    try:
+        json.loads(process.stdout.readline())
+        yield process
+    finally:
+        process.kill()
+        process.communicate()
+        (folder / "port").unlink(missing_ok=True)

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every command, on a virtual board behind its pseudo-terminal."""
+import time
+import zlib
+
+import boards
+import pytest
+from haptogram import Client, ErrorCode, HaptogramError, Image
+from haptogram.interface import PRIMARY_BASE, SEQUENCE_BASE
+
+RECORD_BYTES = 208
+
+
+def test_what_the_board_says_of_itself(board):
+    identity = board.identity
+    assert (identity.name, identity.channels, identity.records, identity.clock_hz) == ("Haptogram", 100, 400, 50_000_000)
+    status = board.status()
+    assert (status.enabled, status.mode, status.watchdog_ms, status.frames_damaged) == (False, "idle", 500, 0)
+    before = board.status().frames_good
+    board.identify()
+    assert board.status().frames_good == before + 2
+
+
+def test_memory_is_written_read_and_digested(board):
+    data = bytes(range(RECORD_BYTES))
+    for address in (PRIMARY_BASE, PRIMARY_BASE + 399 * RECORD_BYTES, SEQUENCE_BASE + 4):
+        board.write(address, data)
+        assert board.read(address, RECORD_BYTES) == data
+        assert board.digest(address, RECORD_BYTES) == zlib.crc32(data)
+    assert board.digest(PRIMARY_BASE + 2, 4) == zlib.crc32(data[2:6])
+    assert board.digest(PRIMARY_BASE, 2) == zlib.crc32(data[:2])
+
+
+def test_what_is_refused(board):
+    for refused, why in (
+        (lambda: board.select(401), "select: the board refused it: bad_index"),
+        (lambda: board.push([1, 401], 1), "push: the board refused it: bad_index"),
+        (lambda: board.start(1000, 100, 1), "start: the board refused it: bad_range"),
+        (lambda: board.read(0x20000000 - 2, 2), "read: the board refused it: bad_address"),
+        (lambda: board.digest(PRIMARY_BASE + 400 * RECORD_BYTES, 2), "digest: the board refused it: bad_address"),
+        (lambda: board.write(1, b"ab"), "write: the board refused it: bad_alignment"),
+    ):
+        with pytest.raises(HaptogramError, match=why) as error:
+            refused()
+        assert error.value.code == ErrorCode.DEVICE
+    for impossible in (lambda: board.select(-1), lambda: board.set_watchdog(65536), lambda: board.push([70000], 1)):
+        with pytest.raises(HaptogramError, match="does not fit into 16 bits"):
+            impossible()
+    assert board.status().mode == "idle"
+
+
+def test_select_push_start_stop(board, image):
+    board.upload(image)
+    with board.outputs():
+        assert board.status().enabled
+        board.select(3)
+        assert (board.status().mode, board.status().present_index) == ("single", 3)
+        board.start(5, 4, 0)
+        assert board.status().mode == "sequence" and board.status().present_index in (5, 6, 7, 8)
+        board.stop()
+        assert board.status().present_index == 0
+        assert 48 <= board.push([1] * 50, 60000) <= 50  # one is played, one is ready
+        assert (board.status().mode, board.status().present_index) == ("live", 1)
+        for _ in range(4):
+            board.push([2] * 50, 60000)
+        with pytest.raises(HaptogramError, match="push: the board refused it: fifo_full"):
+            board.push([3] * 100, 1)
+        assert board.status().live_level == 248
+    status = board.status()
+    assert (status.enabled, status.live_level, status.present_index) == (False, 0, 0)
+
+
+def test_outputs_go_off_whatever_ends_it(board):
+    for end in (ZeroDivisionError, KeyboardInterrupt, HaptogramError):
+        with pytest.raises(end), board.outputs(100):
+            assert board.status().enabled and board.status().watchdog_ms == 100
+            raise end(4, "here", "why") if end is HaptogramError else end()
+        assert not board.status().enabled
+
+
+def test_the_watchdog_and_that_there_can_be_none(board):
+    board.set_watchdog(1)
+    board.enable()
+    end = time.monotonic() + 10
+    while board.status().enabled and time.monotonic() < end:
+        time.sleep(0.3)
+    assert board.status().watchdog_trips == 1
+    board.set_watchdog(0)
+    board.enable()
+    time.sleep(0.5)
+    assert board.status().enabled
+    board.disable()
+    assert not board.status().enabled
+
+
+def test_upload_writes_what_differs_and_download_brings_it_back(board, folder, image):
+    assert board.upload(image) == 9
+    assert board.upload(image) == 0
+    board.write(PRIMARY_BASE + 3 * RECORD_BYTES + 8, b"xy")
+    with pytest.raises(HaptogramError, match="differs at address 0x00000278"):
+        board.compare(image)
+    assert board.upload(image) == 1
+    board.compare(image)
+    assert board.download() == image
+    assert board.retransmissions == 0
+
+
+def test_upload_notices_a_memory_that_forgets(board, image):
+    board.upload(image)
+    board.write(PRIMARY_BASE, b"xy")
+    write = board._session.exchange
+    board._session.exchange = lambda requests: [] if requests and requests[0].command == 2 else write(requests)
+    with pytest.raises(HaptogramError, match="image: the board's memory still differs from address 0x00000000 on"):
+        board.upload(image)
+
+
+def test_an_image_for_another_board(board, folder):
+    boards.haptogram(folder, "compile", "--shape", "point", "--board", "ice40-hx8k-breakout", "-o", "other.hex")
+    before = board.status().frames_good
+    with pytest.raises(HaptogramError, match="48000000 Hz clock, the board has 50000000 Hz; compile it for this board") as error:
+        board.upload(Image.load(str(folder / "other.hex")))
+    assert error.value.code == ErrorCode.BAD_INPUT
+    assert board.status().frames_good == before + 1
+
+
+def test_nothing_to_download(board):
+    with pytest.raises(HaptogramError, match="no sequence in its memory"):
+        board.download()
+
+
+def test_one_program_at_a_time(board, folder):
+    path = str(folder / "port")
+    with pytest.raises(HaptogramError, match="another program is using it"):
+        Client.open(path)
+    theirs = boards.run([boards.PROGRAM, "device", "info", "--port", "port"], folder)
+    assert theirs.returncode == boards.DEVICE and "another program" in theirs.stderr

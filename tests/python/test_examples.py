@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The examples do on a virtual board what they say, at whatever rate it reaches, and leave its outputs off."""
+import importlib.util
+import json
+import re
+import signal
+import subprocess
+import sys
+import time
+
+import boards
+import numpy as np
+import pytest
+from haptogram import Image
+from haptogram.interface import RECORD_HEADER_WORDS
+
+EXAMPLES = boards.PACKAGE / "examples"
+
+
+def run(folder, name, *args):
+    result = boards.run([sys.executable, EXAMPLES / name, *args, "--port", "port"], folder)
+    assert result.returncode == 0, result.stderr
+    return result.stdout
+
+
+def assert_silent(folder):
+    status = json.loads(boards.ask(folder, "device", "status", "--json"))
+    assert (status["outputs"], status["index"], status["refused_records"], status["watchdog_trips"]) == ("off", 0, 0, 0)
+
+
+def played(folder, board):
+    """Indices in the order in which channel 0 played them, without repeats."""
+    board.send_signal(signal.SIGINT)
+    board.communicate(timeout=30)
+    rows = sorted([int(n) for n in line.split(",")] for line in (folder / "pulses.csv").read_text().splitlines()[1:])
+    indices = [row[3] for row in rows if row[0] == 0 and row[3] > 0]
+    return [a for a, b in zip(indices, [*indices[1:], None], strict=True) if a != b]
+
+
+def test_upload_image(folder):
+    with boards.virtual_board(folder):
+        said = run(folder, "upload_image.py", "image.hex", "--loops", 2, "--seconds", 5)
+        assert re.search(r"uploaded 9 of 9 frames in .* s\nplayed 8 entries: 0 underruns, 0 refused records", said)
+        assert "uploaded 0 of 9" in run(folder, "upload_image.py", "image.hex", "--seconds", 0.3)
+        assert_silent(folder)
+
+
+def test_stream_circle(folder):
+    with boards.virtual_board(folder, "--pulses", "pulses.csv") as board:
+        said = run(folder, "stream_circle.py", "image.hex", "--seconds", 1, "--rate", 1000)
+        sent = int(re.match(r"(\d+) indices, .* per second, 0 underruns", said)[1])
+        assert_silent(folder)
+        indices = played(folder, board)
+    assert 8 < len(indices) <= sent
+    assert indices == [1 + i % 8 for i in range(len(indices))]
+
+
+def test_follow_point(folder):
+    with boards.virtual_board(folder, "--pulses", "pulses.csv") as board:
+        updates = int(re.match(r"(\d+) updates, [\d.]+ per second", run(folder, "follow_point.py", "--seconds", 1))[1])
+        assert_silent(folder)
+        indices = played(folder, board)
+    assert 2 < len(indices) <= updates
+    assert indices == [1 + i % 2 for i in range(len(indices))]
+
+
+def test_follow_point_interrupted(folder):
+    with boards.virtual_board(folder):
+        host = subprocess.Popen([sys.executable, EXAMPLES / "follow_point.py", "--port", "port"], cwd=folder, env=boards.ENVIRONMENT,
+                                stderr=subprocess.PIPE, text=True)  # fmt: skip
+        time.sleep(1.5)
+        host.send_signal(signal.SIGINT)
+        assert host.communicate(timeout=20)[1] == "follow_point.py: interrupted; outputs are off\n"
+        assert_silent(folder)
+
+
+def test_follow_point_for_another_array(folder):
+    with boards.virtual_board(folder):
+        result = boards.run([sys.executable, EXAMPLES / "follow_point.py", "--port", "port", "--rows", 8], folder)
+    assert result.returncode == 1 and "the board has 100 channels" in result.stderr
+
+
+def test_the_focal_law_is_the_compiler_s(tmp_path):
+    specification = importlib.util.spec_from_file_location("follow_point", EXAMPLES / "follow_point.py")
+    example = importlib.util.module_from_spec(specification)
+    specification.loader.exec_module(example)
+    boards.haptogram(tmp_path, "compile", "--shape", "point", "--center", "13,-7,120", "-o", "point.hex")
+    manifest = json.loads((tmp_path / "point.json").read_text())
+    elements = np.array(manifest["array"]["elements_mm"], dtype=float) * 1e-3
+    example.SPEED_M_S = manifest["medium"]["speed_m_s"]
+    record = Image.load(str(tmp_path / "point.hex")).records[0]
+    ours = example.timings(np.array([0.013, -0.007, 0.120]), elements)
+    assert (record.cycle_length, record.prescaler, record.pulse_length) == (example.CYCLE, example.PRESCALER, example.PULSE)
+    assert RECORD_HEADER_WORDS == 4 and len(ours) == len(record.timings) == 100
+    apart = (np.array(ours) - record.timings + 125) % 250 - 125
+    assert np.abs(apart).max() <= 1 and pytest.approx(0, abs=0.05) == np.abs(apart).mean()  # float32 there

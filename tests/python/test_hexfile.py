@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Images in files: the compiler's read and written as they were, damaged ones refused."""
+import json
+import os
+
+import boards
+import pytest
+from haptogram import HaptogramError, Image, Record, hexfile
+from intelhex import IntelHex
+
+
+def test_an_image_is_what_the_manifest_says(compiled, image):
+    manifest = json.loads(compiled.with_suffix(".json").read_text())
+    timer = manifest["timer"]
+    assert len(image.records) == len(manifest["records"]) == 8
+    expected = (timer["cycle_ticks"], timer["prescaler"], timer["pulse_ticks"])
+    assert {(r.cycle_length, r.prescaler, r.pulse_length) for r in image.records} == {expected}
+    assert [index for index, _ in image.entries] == list(range(1, 9))
+    assert all(len(r.timings) == image.channels == 100 for r in image.records)
+
+
+def test_a_saved_image_is_the_same_to_both_programs(folder, image):
+    image.save(str(folder / "saved.hex"))
+    assert Image.load(str(folder / "saved.hex")) == image
+    assert IntelHex(str(folder / "saved.hex")).todict() == IntelHex(str(folder / "image.hex")).todict()
+    assert boards.haptogram(folder, "inspect", "saved.hex") == boards.haptogram(folder, "inspect", "image.hex")
+
+
+def test_a_record_goes_round():
+    record = Record(0x123456, 0x345678, 0x9A, [1, 2, 0xFFFF])
+    assert record.pack() == bytes.fromhex("5634129a7856340001000200ffff")
+    assert Record.unpack(record.pack()) == record
+
+
+def test_pieces_are_records_and_parts_of_the_sequence():
+    image = Image(6, 1, 16, 8, bytes(40), bytes(48))
+    assert [(p.address, len(p.data)) for p in image.pieces()] == [(0, 20), (20, 20), (0x10000000, 20), (0x10000014, 20), (0x10000028, 8)]
+
+
+def put16(file, address, value):
+    file[address], file[address + 1] = value & 0xFF, value >> 8
+
+
+@pytest.mark.parametrize(("address", "value", "message"), [
+    (0x40000000, 0x1234, "magic 1234"),
+    (0x40000002, 2, "format 2"),
+    (0x40000004, 0, "none may be zero"),
+    (0x40000006, 9, "expected 1872"),
+    (0x40000008, 8, "sequence memory holds 36 bytes"),
+    (0x10000000, 7, "says 7 entries, the description 8"),
+    (0x10000004, 9, "sequence entry 1: index 9 of 8"),
+    (0x1000000A, 0, "sequence entry 2: dwell 0"),
+    (0x00000004, 0, "record 1: prescaler 0"),
+    (0x00000006, 0x100, "record 1: prescaler 0x1000005"),
+    (0x00000000, 125, "record 1: a pulse of 125 ticks"),
+    (0x00000006, 0xFF, "record 1: a cycle lasts"),
+    (0x50000000, 0, "belong to no region"),
+])  # fmt: skip
+def test_what_an_image_cannot_say(address, value, message, compiled, tmp_path):
+    file = IntelHex(str(compiled))
+    put16(file, address, value)
+    file.write_hex_file(str(tmp_path / "bad.hex"))
+    with pytest.raises(HaptogramError, match=message) as error:
+        Image.load(str(tmp_path / "bad.hex"))
+    assert error.value.code == boards.BAD_INPUT
+
+
+@pytest.mark.parametrize(("damage", "where", "message"), [
+    (lambda text: "", "bad.hex", "no end record"),
+    (lambda text: text[:1000], "bad.hex", "no end record"),
+    (lambda text: text + text, "bad.hex", "two files"),
+    (lambda text: text.replace("\n", "\nx", 1), "bad.hex:2", "invalid record"),
+    (lambda text: text[:15] + ("1" if text[15] != "1" else "2") + text[16:], "bad.hex:1", "checksum"),
+    (lambda text: text[: text.index("\n") + 1] + text, "bad.hex:2", "overlap"),
+    (lambda text: "".join(text.splitlines(True)[1:]), "bad.hex", "primary memory holds 0 bytes"),
+    (lambda text: ":0400000300003800C1\n" + text, "bad.hex", "start address"),
+    (lambda text: "\xff" + text, "bad.hex", "no ASCII"),
+])  # fmt: skip
+def test_a_damaged_file(damage, where, message, compiled, tmp_path):
+    (tmp_path / "bad.hex").write_text(damage(compiled.read_text()), encoding="latin-1")
+    with pytest.raises(HaptogramError, match=message) as error:
+        Image.load(str(tmp_path / "bad.hex"))
+    assert error.value.code == boards.BAD_INPUT
+    assert error.value.where == str(tmp_path / where)
+
+
+def test_a_file_is_written_whole_or_not_at_all(tmp_path):
+    target = tmp_path / "file"
+    target.write_text("old")
+    target.chmod(0o640)
+    link = tmp_path / "link"
+    link.symlink_to(target)
+    hexfile.write_file(str(link), "new")
+    assert link.is_symlink() and target.read_text() == "new" and target.stat().st_mode & 0o777 == 0o640
+    for path in ("/dev/full", str(tmp_path / "no" / "file")):
+        with pytest.raises(HaptogramError, match="cannot be written"):
+            hexfile.write_file(path, "x")
+    assert sorted(os.listdir(tmp_path)) == ["file", "link"]

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A line that drops and damages bytes, both ways, between a client and a virtual board."""
+import contextlib
+import os
+import random
+import select
+import threading
+import tty
+
+import boards
+import pytest
+from haptogram import Client
+
+ONE_IN = 800  # bytes
+
+
+@contextlib.contextmanager
+def lossy(port, seed):
+    """A pseudo-terminal that passes on to `port` what survives."""
+    ours, theirs = os.openpty()
+    far = os.open(port, os.O_RDWR | os.O_NOCTTY)
+    for descriptor in (theirs, far):
+        tty.setraw(descriptor)
+    generator, ended, harm = random.Random(seed), threading.Event(), {"dropped": 0, "damaged": 0}
+
+    def survive(data):
+        out = bytearray()
+        for byte in data:
+            fate = generator.randrange(2 * ONE_IN)
+            harm["dropped"] += fate == 0
+            harm["damaged"] += fate == 1
+            if fate:
+                out.append(byte ^ generator.randrange(1, 256) if fate == 1 else byte)
+        return bytes(out)
+
+    def pass_on():
+        while not ended.is_set():
+            for source in select.select([ours, far], [], [], 0.05)[0]:
+                os.write(far if source == ours else ours, survive(os.read(source, 4096)))
+
+    thread = threading.Thread(target=pass_on)
+    thread.start()
+    try:
+        yield os.ttyname(theirs), harm
+    finally:
+        ended.set()
+        thread.join()
+        for descriptor in (ours, theirs, far):
+            os.close(descriptor)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_an_upload_arrives_whole(folder, image, seed):
+    with boards.virtual_board(folder):
+        with lossy(str(folder / "port"), seed) as (port, harm), Client.open(port) as client:
+            client.upload(image)
+            client.compare(image)
+            assert client.download() == image
+            assert harm["dropped"] and harm["damaged"] and client.retransmissions
+        assert "read back and equal" in boards.haptogram(folder, "upload", "image.hex", "--port", "port", "--verify")

@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A board and its commands."""
+import contextlib
+import os
+import struct
+import zlib
+from collections.abc import Iterator, Sequence
+from types import TracebackType
+from typing import Self
+
+from .board import BoardStatus, Identity
+from .errors import HaptogramError, bad_input, device_error
+from .frame import Reply, Request
+from .image import Image, Piece
+from .interface import AUTOSTART_BIT, PRIMARY_BASE, RECORD_HEADER_WORDS, SEQUENCE_BASE, Command
+from .port import Port
+from .session import Line, Session
+
+
+class Client:
+    """Speaks to a board, whose session it begins. As a context manager it closes its line at the end; what turns the
+    outputs off is outputs(). Methods raise HaptogramError when the board refuses or does not answer."""
+
+    identity: Identity
+
+    def __init__(self, line: Line) -> None:
+        self._line = line
+        self._session = Session(line)
+        self.identify()
+
+    @classmethod
+    def open(cls, port: str, baud: int = 1_000_000) -> Self:
+        line = Port(port, baud)
+        try:
+            return cls(line)
+        except BaseException:
+            line.close()
+            raise
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self._line.close()
+
+    @property
+    def retransmissions(self) -> int:
+        return self._session.retransmissions
+
+    def identify(self) -> Identity:
+        """Starts the session anew."""
+        self.identity = Identity.parse(self._session.begin())
+        return self.identity
+
+    def status(self) -> BoardStatus:
+        return BoardStatus.parse(self._ask(Command.STATUS).data)
+
+    def enable(self) -> None:
+        self._ask(Command.ENABLE)
+
+    def disable(self) -> None:
+        self._ask(Command.DISABLE)
+
+    def stop(self) -> None:
+        self._ask(Command.STOP)
+
+    def select(self, index: int, dwell: int = 0) -> None:
+        self._ask(Command.SELECT, index, dwell)
+
+    def push(self, indices: Sequence[int], dwell: int) -> int:
+        """Appends indices to the live FIFO, all or none; returns how many entries it holds now."""
+        return self._ask(Command.PUSH, dwell, *indices).live_level
+
+    def start(self, first: int = 1, length: int = 0, loops: int = 0) -> None:
+        """With length 0 as the sequence's header says."""
+        self._ask(Command.START, first, length, loops)
+
+    def set_watchdog(self, milliseconds: int) -> None:
+        self._ask(Command.WATCHDOG, milliseconds)
+
+    def write(self, address: int, data: bytes) -> None:
+        self._session.exchange([_write(Piece(address, data))])
+
+    def read(self, address: int, size: int) -> bytes:
+        """At most one record."""
+        return self._session.exchange([_about(Command.READ, address, size)])[0].data
+
+    def digest(self, address: int, size: int) -> int:
+        """CRC-32 of memory, as zlib.crc32 has it; at most one record."""
+        return _digest(self._session.exchange([_about(Command.DIGEST, address, size)])[0])
+
+    @contextlib.contextmanager
+    def outputs(self, watchdog_ms: int = 500) -> Iterator[None]:
+        """Outputs are on inside and off after it, whatever ended it; if this program dies the board's watchdog does that."""
+        self.set_watchdog(watchdog_ms)
+        try:
+            self.enable()
+            yield
+        except BaseException as error:
+            try:
+                self._silence()
+            except HaptogramError as failure:
+                error.add_note(f"{failure}; " + ("the watchdog turns the outputs off" if watchdog_ms else "the outputs may still be on"))
+            raise
+        self._silence()
+
+    def different(self, pieces: Sequence[Piece]) -> list[Piece]:
+        """Those which the board does not hold, by their digests."""
+        replies = self._session.exchange([_about(Command.DIGEST, piece.address, len(piece.data)) for piece in pieces])
+        return [piece for piece, reply in zip(pieces, replies, strict=True) if _digest(reply) != zlib.crc32(piece.data)]
+
+    def upload(self, image: Image, where: str = "image") -> int:
+        """Writes what differs and asks for its digests again; returns how many frames that took. `where` is the image's
+        name in messages."""
+        image.require_fits(self.identity, where)
+        stale = self.different(image.pieces())
+        self._session.exchange([_write(piece) for piece in stale])
+        for piece in self.different(stale):
+            raise device_error(where, f"the board's memory still differs from address {piece.address:#010x} on; send it again")
+        return len(stale)
+
+    def compare(self, image: Image, where: str = "image") -> None:
+        """Reads the image's places back. Raises HaptogramError naming the first difference."""
+        pieces = image.pieces()
+        replies = self._session.exchange([_about(Command.READ, piece.address, len(piece.data)) for piece in pieces])
+        for piece, reply in zip(pieces, replies, strict=True):
+            if reply.data != piece.data:
+                at = piece.address + len(os.path.commonprefix([piece.data, reply.data]))
+                raise device_error(where, f"the board's memory differs at address {at:#010x}; does another program write to this board?")
+
+    def sequence_length(self) -> int:
+        """Entries of the sequence in the board's memory. Raises HaptogramError when there is none."""
+        (header,) = struct.unpack("<H", self.read(SEQUENCE_BASE, 4)[:2])
+        length: int = header & ~AUTOSTART_BIT
+        if not 0 < length < self.identity.sequence_depth:
+            raise device_error("board", "there is no sequence in its memory; upload an image first")
+        return length
+
+    def download(self) -> Image:
+        """The sequence in the board's memory, and the records up to the highest that it plays. An image that plays them all
+        comes back as it was, without the autostart bit, which only a bitstream may hold."""
+        identity = self.identity
+        words = self.sequence_length() + 1
+        size = 2 * (identity.channels + RECORD_HEADER_WORDS)
+        sequence = bytearray(self._read_long(SEQUENCE_BASE, 4 * words, size // 4 * 4))
+        sequence[1] &= ~AUTOSTART_BIT >> 8 & 0xFF
+        records = max(index for index, _ in struct.iter_unpack("<HH", sequence[4:]))
+        if not 0 < records <= identity.records:
+            raise device_error("board", f"its sequence plays record {records} of {identity.records}; upload an image first")
+        primary = self._read_long(PRIMARY_BASE, records * size, size)
+        return Image(identity.channels, identity.clock_hz, identity.timing_bits, identity.pulse_bits, primary, bytes(sequence))
+
+    def _read_long(self, base: int, total: int, size: int) -> bytes:
+        requests = [_about(Command.READ, base + at, min(size, total - at)) for at in range(0, total, size)]
+        return b"".join(reply.data for reply in self._session.exchange(requests))
+
+    def _ask(self, command: Command, *words: int) -> Reply:
+        return self._session.exchange([Request(command, _pack(command, words))])[0]
+
+    def _silence(self) -> None:
+        self.stop()
+        self.disable()
+
+
+def _pack(command: Command, words: Sequence[int]) -> bytes:
+    for word in words:
+        if not 0 <= word <= 0xFFFF:
+            raise bad_input(f"command {command.name.lower()}", f"{word} does not fit into 16 bits")
+    return struct.pack(f"<{len(words)}H", *words)
+
+
+def _about(command: Command, address: int, size: int) -> Request:
+    return Request(command, _pack(command, (address & 0xFFFF, address >> 16, size)))
+
+
+def _write(piece: Piece) -> Request:
+    return Request(Command.WRITE, struct.pack("<I", piece.address) + piece.data)
+
+
+def _digest(reply: Reply) -> int:
+    return int.from_bytes(reply.data, "little")

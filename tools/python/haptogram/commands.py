@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What each command of haptogram-py does."""
+import argparse
+import dataclasses
+import json
+import signal
+import time
+from collections.abc import Mapping
+from io import FileIO
+
+from serial.tools import list_ports
+
+from .client import Client
+from .driving import keep_alive_pause, play, stream
+from .errors import bad_input
+from .image import Image
+from .lines import batches
+
+
+class Interrupt:
+    """Ctrl-C and SIGTERM end playing in good order."""
+
+    def __init__(self) -> None:
+        self._asked = False
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, self._ask)
+
+    def _ask(self, *_: object) -> None:
+        self._asked = True
+
+    def __call__(self) -> bool:
+        return self._asked
+
+
+def show(values: Mapping[str, object], as_json: bool, sentence: str = "") -> None:
+    """As JSON, as a sentence, or as "name  value" lines."""
+    if as_json:
+        print(json.dumps(values, indent=1))
+    elif sentence:
+        print(sentence)
+    else:
+        for name, value in values.items():
+            print(f"{name:16} {value}")
+
+
+def connect(options: argparse.Namespace) -> Client:
+    return Client.open(options.port, options.baud)
+
+
+def device_list(options: argparse.Namespace) -> None:
+    ports = [{"port": port.device, "name": port.description} for port in sorted(list_ports.comports()) if port.vid is not None]
+    if options.json:
+        print(json.dumps(ports, indent=1))
+    else:
+        for port in ports:
+            print(port["port"], port["name"])
+
+
+def device_info(options: argparse.Namespace) -> None:
+    with connect(options) as board:
+        major, minor = board.identity.version
+        show({**dataclasses.asdict(board.identity), "version": f"{major}.{minor}"}, options.json)
+
+
+def device_status(options: argparse.Namespace) -> None:
+    with connect(options) as board:
+        values = dataclasses.asdict(board.status())
+    first = {"outputs": "on" if values.pop("enabled") else "off", "mode": values.pop("mode"), "index": values.pop("present_index")}
+    show(first | values, options.json)
+
+
+def device_enable(options: argparse.Namespace) -> None:
+    with connect(options) as board:
+        if options.watchdog is not None:
+            board.set_watchdog(options.watchdog)
+        board.enable()
+
+
+def device_disable(options: argparse.Namespace) -> None:
+    with connect(options) as board:
+        board.disable()
+
+
+def device_stop(options: argparse.Namespace) -> None:
+    with connect(options) as board:
+        board.stop()
+
+
+def upload(options: argparse.Namespace) -> None:
+    image = Image.load(options.image)
+    with connect(options) as board:
+        begun = time.monotonic()
+        written = board.upload(image, options.image)
+        seconds = time.monotonic() - begun
+        if options.verify:
+            board.compare(image, options.image)
+        again = board.retransmissions
+    values = {"records": len(image.records), "sequence_entries": len(image.entries), "frames": len(image.pieces()), "frames_written": written,
+              "seconds": seconds, "retransmissions": again, "verified": options.verify}  # fmt: skip
+    show(values, options.json, f"{len(image.records)} records and {len(image.entries)} sequence entries in {seconds:.2f} s, {written} of "
+         f"{values['frames']} frames differed{', read back and equal' if options.verify else ''}, {again} frames sent again")  # fmt: skip
+
+
+def download(options: argparse.Namespace) -> None:
+    with connect(options) as board:
+        image = board.download()
+    image.save(options.output)
+    values = {"records": len(image.records), "sequence_entries": len(image.entries)}
+    if options.output != "-":
+        show(values, options.json, f"{values['records']} records and {values['sequence_entries']} sequence entries")
+
+
+def play_command(options: argparse.Namespace) -> None:
+    interrupt = Interrupt()
+    with connect(options) as board:
+        outcome = play(board, index=options.index, loops=options.loops, seconds=options.seconds, watchdog_ms=options.watchdog, stopped=interrupt)
+    show(outcome._asdict(), options.json, f"{outcome.underruns} underruns, {outcome.refused_records} refused records")
+
+
+def stream_command(options: argparse.Namespace) -> None:
+    interrupt = Interrupt()
+    where = "standard input" if options.file == "-" else options.file
+    with connect(options) as board:
+        try:
+            source = FileIO(0 if options.file == "-" else options.file, closefd=options.file != "-")
+        except OSError as error:
+            raise bad_input(where, f"cannot be opened: {error.strerror}; check the path") from error
+        with source:
+            entries = batches(source, where, dwell=options.dwell, records=board.identity.records, pause=keep_alive_pause(options.watchdog))
+            sent, outcome = stream(board, entries, watchdog_ms=options.watchdog, stopped=interrupt)
+    values = {"sent": sent, "underruns": outcome.underruns, "interrupted": outcome.interrupted}
+    show(values, options.json, f"{sent} indices, {outcome.underruns} underruns")

@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An image: what a board's memories are loaded with, and what board it was compiled for (rtl/INTERFACE.md)."""
+import struct
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from . import hexfile
+from .board import Identity
+from .errors import bad_input
+from .interface import DESCRIPTION_BASE, DESCRIPTION_WORDS, PRIMARY_BASE, RECORD_HEADER_WORDS, SEQUENCE_BASE
+
+MAGIC, FORMAT = 0x4748, 1
+LONGEST_CYCLE_S = 1.0
+
+
+class Piece(NamedTuple):
+    """What one frame carries of an image."""
+
+    address: int
+    data: bytes
+
+
+class Record(NamedTuple):
+    """One focal point as the FPGA stores it."""
+
+    cycle_length: int  # ticks
+    prescaler: int  # clocks per tick
+    pulse_length: int  # ticks
+    timings: Sequence[int]  # one a channel; SILENT_TIMING never fires
+
+    def pack(self) -> bytes:
+        return struct.pack(f"<2I{len(self.timings)}H", self.cycle_length | self.pulse_length << 24, self.prescaler, *self.timings)
+
+    @classmethod
+    def unpack(cls, data: bytes) -> "Record":
+        cycle, prescaler, *timings = struct.unpack(f"<2I{len(data) // 2 - RECORD_HEADER_WORDS}H", data)
+        return cls(cycle & 0xFFFFFF, prescaler, cycle >> 24, timings)
+
+
+@dataclass(frozen=True)
+class Image:
+    channels: int
+    clock_hz: int
+    timing_bits: int
+    pulse_bits: int
+    primary: bytes  # records, one after the other
+    sequence: bytes  # the header, then the entries
+
+    @property
+    def record_bytes(self) -> int:
+        return 2 * (self.channels + RECORD_HEADER_WORDS)
+
+    @property
+    def records(self) -> list[Record]:
+        """The paper's record i is records[i - 1]."""
+        return [Record.unpack(piece.data) for piece in _cut(PRIMARY_BASE, self.primary, self.record_bytes)]
+
+    @property
+    def entries(self) -> list[tuple[int, int]]:
+        """Index and dwell of each step of the sequence."""
+        return list(struct.iter_unpack("<HH", self.sequence))[1:]
+
+    def pieces(self) -> list[Piece]:
+        """A record a frame, and the sequence in pieces no longer."""
+        return _cut(PRIMARY_BASE, self.primary, self.record_bytes) + _cut(SEQUENCE_BASE, self.sequence, self.record_bytes // 4 * 4)
+
+    def require_fits(self, board: Identity, where: str) -> None:
+        """Raises HaptogramError saying why it does not fit the board."""
+        for fits, what in (
+            (self.channels == board.channels, f"the image is for {self.channels} channels, the board has {board.channels}"),
+            (self.clock_hz == board.clock_hz, f"the image is for a {self.clock_hz} Hz clock, the board has {board.clock_hz} Hz"),
+            (self.timing_bits <= board.timing_bits, f"the image needs {self.timing_bits} timing bits, the board has {board.timing_bits}"),
+            (self.pulse_bits <= board.pulse_bits, f"the image needs {self.pulse_bits} pulse bits, the board has {board.pulse_bits}"),
+            (len(self.records) <= board.records, f"the image has {len(self.records)} records, the board holds {board.records}"),
+            (len(self.entries) < board.sequence_depth,
+             f"the image has {len(self.entries)} sequence entries, the board holds {board.sequence_depth - 1}"),
+        ):  # fmt: skip
+            if not fits:
+                raise bad_input(where, f"{what}; compile it for this board (--array), or use the board it was made for")
+
+    def require_playable(self, where: str) -> None:
+        """Raises HaptogramError saying what would keep it from being played as it is."""
+        for index, record in enumerate(self.records, 1):
+            if record.prescaler == 0 or record.prescaler >> 24:
+                raise bad_input(where, f"record {index}: prescaler {record.prescaler:#x}, expected 1 to 0xffffff")
+            if record.pulse_length >= record.cycle_length:
+                raise bad_input(where, f"record {index}: a pulse of {record.pulse_length} ticks is not shorter than its cycle of "
+                                f"{record.cycle_length}; the board will refuse it")  # fmt: skip
+            cycle_s = record.cycle_length * record.prescaler / max(self.clock_hz, 1)
+            if cycle_s > LONGEST_CYCLE_S:
+                raise bad_input(where, f"record {index}: a cycle lasts {cycle_s:.3g} s, and until it ends the board changes to nothing "
+                                f"else, not even to silence; at most {LONGEST_CYCLE_S:g} s")  # fmt: skip
+        if not self.entries:
+            raise bad_input(where, "the sequence is empty; nothing would be played")
+        for number, (index, dwell) in enumerate(self.entries, 1):
+            if index > len(self.records):
+                raise bad_input(where, f"sequence entry {number}: index {index} of {len(self.records)} records; the board will refuse it")
+            if dwell == 0:
+                raise bad_input(where, f"sequence entry {number}: dwell 0 lasts only until the next record is loaded")
+
+    @classmethod
+    def load(cls, path: str) -> "Image":
+        """Reads an Intel HEX file and checks all that can be checked without knowing the board. `-` is standard input."""
+        image = _from_regions(hexfile.parse(hexfile.read_file(path), path), path)
+        image.require_playable(path)
+        return image
+
+    def save(self, path: str) -> None:
+        """As Intel HEX. `-` is standard output."""
+        words = (MAGIC, FORMAT, self.channels, len(self.records), len(self.sequence) // 4, self.timing_bits | self.pulse_bits << 8)
+        description = struct.pack("<6HI", *words, self.clock_hz)
+        regions = {PRIMARY_BASE: self.primary, SEQUENCE_BASE: self.sequence, DESCRIPTION_BASE: description}
+        hexfile.write_file(path, hexfile.format(regions))
+
+
+def _cut(base: int, data: bytes, size: int) -> list[Piece]:
+    return [Piece(base + at, data[at : at + size]) for at in range(0, len(data), size)]
+
+
+def _from_regions(regions: dict[int, bytes], where: str) -> Image:
+    def region(base: int, size: int, name: str) -> bytes:
+        found = regions.pop(base, b"")
+        if len(found) != size:
+            raise bad_input(where, f"{name} holds {len(found)} bytes from {base:08X} on, expected {size}; the image is cut short or "
+                            "garbled, or was not made by haptogram")  # fmt: skip
+        return found
+
+    described = region(DESCRIPTION_BASE, 2 * len(DESCRIPTION_WORDS), "the description")
+    magic, version, channels, records, words, bits, clock_hz = struct.unpack("<6HI", described)
+    if (magic, version) != (MAGIC, FORMAT):
+        raise bad_input(where, f"the description says magic {magic:04X}, format {version}; expected {MAGIC:04X}, format {FORMAT}; compile "
+                        "it with this version")  # fmt: skip
+    if 0 in (channels, records, words):
+        raise bad_input(where, f"the description says {channels} channels, {records} records and {words} sequence words; none may be zero")
+    primary = region(PRIMARY_BASE, 2 * (channels + RECORD_HEADER_WORDS) * records, "primary memory")
+    sequence = region(SEQUENCE_BASE, 4 * words, "sequence memory")
+    for address, data in regions.items():
+        raise bad_input(where, f"{len(data)} bytes at {address:08X} belong to no region; the image is garbled")
+    (length,) = struct.unpack_from("<H", sequence)
+    if length != words - 1:
+        raise bad_input(where, f"the sequence header says {length} entries, the description {words - 1}; the image is garbled")
+    return Image(channels, clock_hz, bits & 0xFF, bits >> 8, primary, sequence)
