@@ -11,6 +11,7 @@
 
 #include "base/error.hpp"
 #include "command.hpp"
+#include "link/ftdi_port.hpp"
 #include "port.hpp"
 
 namespace haptogram::cli {
@@ -80,7 +81,7 @@ int enable(const DeviceOptions& options) {
     return 0;
 }
 
-/// Serial ports by the names that do not change with the order of plugging, then those without one.
+/// Serial ports by the names that do not change with the order of plugging, then those without one, and FTDI chips.
 int list(bool as_json) {
     ordered_json ports = ordered_json::array();
     std::vector<std::filesystem::path> named;
@@ -99,6 +100,7 @@ int list(bool as_json) {
             std::find(named.begin(), named.end(), entry.path()) == named.end())
             add(entry.path(), "");
     }
+    for (const link::FtdiDevice& device : link::ftdi_devices()) add(device.name, device.product);
     std::sort(ports.begin(), ports.end());
     if (as_json)
         fmt::print("{}\n", ports.dump(1));
@@ -127,7 +129,7 @@ void add_device(CLI::App& app, Action& action) {
         command->callback([options, &action, what] { action = [options, what] { return what(*options); }; });
         return command;
     };
-    CLI::App* ports = sub->add_subcommand("list", "Print the serial ports");
+    CLI::App* ports = sub->add_subcommand("list", "Print the serial ports and the FTDI chips");
     ports->add_flag("--json", options->json, "As JSON");
     ports->callback([options, &action] { action = [options] { return list(options->json); }; });
 

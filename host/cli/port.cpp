@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "command.hpp"
+#include "link/port.hpp"
 
 namespace haptogram::cli {
 namespace {
@@ -15,7 +16,9 @@ constexpr std::chrono::seconds most_patience{10};
 }  // namespace
 
 void add_port_options(CLI::App& sub, PortOptions& options) {
-    sub.add_option("--port", options.port, "Serial port of the board, or of 'haptogram board run'")->required();
+    sub.add_option("--port", options.port,
+                   "Serial port of the board, or of 'haptogram board run', or ftdi:[VID:PID[:SERIAL]]")
+        ->required();
     sub.add_option("--baud", options.baud, "Its rate, which the board's build fixes")
         ->check(whole(300, 12'000'000))
         ->capture_default_str();
@@ -33,7 +36,7 @@ std::chrono::milliseconds keep_alive_pause(std::uint16_t watchdog_ms) {
     return std::chrono::milliseconds(watchdog_ms == 0 ? longest : std::min(longest, watchdog_ms / 5 + 1));
 }
 
-Device::Device(const PortOptions& options) : port_(options.port, options.baud), client_(port_) {
+Device::Device(const PortOptions& options) : port_(link::open_port(options.port, options.baud)), client_(*port_) {
     client_.set_patience(patience, most_patience);
     identity_ = client_.identify();
 }

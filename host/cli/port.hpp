@@ -3,10 +3,11 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include "link/client.hpp"
-#include "link/serial_port.hpp"
+#include "link/transport.hpp"
 
 namespace haptogram::cli {
 
@@ -32,7 +33,7 @@ public:
     [[nodiscard]] const link::Identity& identity() const { return identity_; }
 
 private:
-    link::SerialPort port_;
+    std::unique_ptr<link::Transport> port_;
     link::Client client_;
     link::Identity identity_;
 };
