@@ -16,12 +16,19 @@ Progress::~Progress() {
 }
 
 void Progress::update(double fraction, const std::string& note) {
-    if (!on_terminal_) return;
+    if (on_terminal_) draw(fmt::format("{:3.0f} % {}", 100.0 * fraction, note));
+}
+
+void Progress::note(const std::string& text) {
+    if (on_terminal_) draw(text);
+}
+
+void Progress::draw(const std::string& text) {
     const auto now = std::chrono::steady_clock::now();
     if (drawn_ && now - last_ < std::chrono::milliseconds(100)) return;
     last_ = now;
     drawn_ = true;
-    std::fputs(fmt::format("\r{} {:3.0f} % {}\033[K", title_, 100.0 * fraction, note).c_str(), stderr);
+    std::fputs(fmt::format("\r{} {}\033[K", title_, text).c_str(), stderr);
     std::fflush(stderr);
 }
 

@@ -17,7 +17,12 @@ public:
     /// @param fraction  0…1
     void update(double fraction, const std::string& note = {});
 
+    /// Of work whose end nobody knows.
+    void note(const std::string& text);
+
 private:
+    void draw(const std::string& text);
+
     std::string title_;
     bool on_terminal_;
     bool drawn_ = false;

@@ -7,7 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <thread>
+#include <vector>
 
 #include "base/error.hpp"
 #include "base/file.hpp"
@@ -15,6 +15,7 @@
 #include "image/image.hpp"
 #include "image/intel_hex.hpp"
 #include "interrupt.hpp"
+#include "link/frame.hpp"
 #include "playback.hpp"
 #include "pseudo_terminal.hpp"
 #include "pulse_check.hpp"
@@ -35,6 +36,33 @@ struct RunOptions {
     bool json = false;
 };
 
+/// What goes over the line, counted from outside: a frame that nobody answers was damaged, or cut off.
+class LinkCounters {
+public:
+    void in(const std::vector<std::uint8_t>& bytes) {
+        bytes_in += bytes.size();
+        for (const std::uint8_t byte : bytes) {
+            frames += byte == 0 && in_frame_ ? 1 : 0;
+            in_frame_ = byte != 0;
+        }
+    }
+    void out(const std::vector<std::uint8_t>& bytes) {
+        bytes_out += bytes.size();
+        std::vector<link::Reply> replies;
+        decoder_.feed(bytes, replies);
+        for (const link::Reply& reply : replies)
+            ++(reply.status == interface::Status::ok         ? applied
+               : reply.status == interface::Status::repeated ? repeated
+                                                             : refused);
+    }
+
+    std::uint64_t bytes_in = 0, bytes_out = 0, frames = 0, applied = 0, repeated = 0, refused = 0;
+
+private:
+    bool in_frame_ = false;
+    link::ReplyDecoder decoder_;
+};
+
 /// The line that says what the board is doing; on a terminal only.
 class StatusLine {
 public:
@@ -42,15 +70,16 @@ public:
         if (drawn_) std::fputs("\r\033[K", stderr);
     }
 
-    void show(const sim::Board& board, double wall_s, std::uint64_t in, std::uint64_t out) {
+    void show(const sim::Board& board, double wall_s, const LinkCounters& link) {
         if (::isatty(STDERR_FILENO) != 1 || Clock::now() - last_ < std::chrono::milliseconds(200)) return;
         last_ = Clock::now();
         drawn_ = true;
         const double simulated = static_cast<double>(board.now()) / board.parameters().clock_hz;
         std::fputs(
-            fmt::format("\r{:.3f} s simulated, {:.3f} of real time, record {}, outputs {}, {} bytes in, {} out\033[K",
+            fmt::format("\r{:.3f} s simulated, {:.3f} of real time, record {}, outputs {}, {} frames in: {} applied, "
+                        "{} repeated, {} refused\033[K",
                         simulated, wall_s > 0.0 ? simulated / wall_s : 0.0, board.outputs().index,
-                        board.outputs().enabled ? "on" : "off", in, out)
+                        board.outputs().enabled ? "on" : "off", link.frames, link.applied, link.repeated, link.refused)
                 .c_str(),
             stderr);
         std::fflush(stderr);
@@ -82,7 +111,7 @@ std::size_t model_of(std::uint32_t channels) {
 
 /// What a board was asked and did while it ran.
 struct Served {
-    std::uint64_t in = 0, out = 0;  ///< bytes
+    LinkCounters link;
     std::uint64_t playing_clocks = 0;
     double playing_s = 0.0;  ///< of real time, waiting for it left out
 };
@@ -112,9 +141,9 @@ Served serve(sim::Board& board, sim::PseudoTerminal& terminal, const RunOptions&
         }
         const auto answer = board.receive();
         terminal.write(answer);
-        served.in += arrived.size();
-        served.out += answer.size();
-        line.show(board, wall(), served.in, served.out);
+        served.link.in(arrived);
+        served.link.out(answer);
+        line.show(board, wall(), served.link);
     }
     return served;
 }
@@ -167,14 +196,18 @@ int run_board(const RunOptions& options) {
     if (options.json)
         fmt::print("{}\n", nlohmann::ordered_json{{"simulated_s", simulated_s},
                                                   {"wall_s", wall_s},
-                                                  {"bytes_in", served.in},
-                                                  {"bytes_out", served.out},
+                                                  {"bytes_in", served.link.bytes_in},
+                                                  {"bytes_out", served.link.bytes_out},
+                                                  {"frames_in", served.link.frames},
+                                                  {"frames_applied", served.link.applied},
+                                                  {"frames_repeated", served.link.repeated},
+                                                  {"frames_refused", served.link.refused},
                                                   {"playing_mclk_per_s", playing_mclk_per_s},
                                                   {"enabled", board.outputs().enabled}}
                                .dump());
     else
-        fmt::print("{:.3f} s simulated in {:.1f} s, {} bytes in, {} out, {:.2f} Mclk/s while playing\n", simulated_s,
-                   wall_s, served.in, served.out, playing_mclk_per_s);
+        fmt::print("{:.3f} s simulated in {:.1f} s, {} frames in, {} applied, {:.2f} Mclk/s while playing\n",
+                   simulated_s, wall_s, served.link.frames, served.link.applied, playing_mclk_per_s);
     board.end_trace();
     if (trace) trace->commit();
     return 0;

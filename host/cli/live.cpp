@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/progress.hpp"
 #include "interrupt.hpp"
 #include "link/live_feed.hpp"
 #include "outputs.hpp"
@@ -27,6 +28,7 @@ Fed feed(Device& device, std::uint16_t watchdog_ms, const std::function<std::opt
     Fed fed;
     {
         const Outputs on(client);
+        Progress progress("stream");
         link::LiveFeed fifo(client, device.identity());
         std::optional<SequenceEntry> entry;
         auto asked = std::chrono::steady_clock::now();
@@ -50,6 +52,7 @@ Fed feed(Device& device, std::uint16_t watchdog_ms, const std::function<std::opt
             }
             fifo.push(indices, dwell);
             fed.sent += indices.size();
+            progress.note(fmt::format("{} indices", fed.sent));
         }
         client.wait();
         // Silence for good at the end: running out of indices would be an underrun.

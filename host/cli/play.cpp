@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/progress.hpp"
 #include "command.hpp"
 #include "image/image.hpp"
 #include "interrupt.hpp"
@@ -90,6 +91,7 @@ int play(const PlayOptions& options) {
     client.set_watchdog(options.watchdog_ms);
     const link::BoardStatus before = client.status();
     link::BoardStatus now = before;
+    const auto since = [](std::uint16_t from, std::uint16_t to) { return static_cast<std::uint16_t>(to - from); };
     std::uint16_t length = 0;
     if (options.index == 0) {
         const link::Bytes header = client.read(interface::sequence_base, 4);
@@ -110,14 +112,16 @@ int play(const PlayOptions& options) {
         };
         // Asking for the status is what tells the watchdog that this host is alive.
         const std::chrono::milliseconds pause = keep_alive_pause(options.watchdog_ms);
+        Progress progress("play");
         do {
             std::this_thread::sleep_for(pause);
             now = client.status();
+            progress.note(fmt::format("{:.1f} s, record {}, {} underruns", elapsed(), now.present_index,
+                                      since(before.underruns, now.underruns)));
             require_on(now);
         } while (!interrupted() && (now.mode != 0 || now.present_index != 0) &&
                  (options.seconds == 0.0 || elapsed() < options.seconds));
     }
-    const auto since = [](std::uint16_t from, std::uint16_t to) { return static_cast<std::uint16_t>(to - from); };
     const nlohmann::ordered_json json = {{"underruns", since(before.underruns, now.underruns)},
                                          {"refused_records", since(before.refused_records, now.refused_records)},
                                          {"watchdog_trips", since(before.watchdog_trips, now.watchdog_trips)},

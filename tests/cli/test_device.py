@@ -62,6 +62,21 @@ def test_the_host_dies_and_the_watchdog_ends_it(tmp_path, image):
         assert (now["outputs"], now["watchdog_trips"], now["mode"]) == ("off", 1, "sequence")
 
 
+def test_a_host_that_hangs_is_as_good_as_dead(tmp_path, image):
+    with virtual_board(tmp_path, "--image", image) as board:
+        command = [str(PROGRAM), "play", "--loops", "0", "--watchdog", "50", "--port", "port"]
+        host = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        time.sleep(STARTED)
+        host.send_signal(signal.SIGSTOP)
+        time.sleep(10)  # in real time: 50 ms on a slow simulation
+        host.send_signal(signal.SIGCONT)
+        assert "turned its outputs off" in text(host.communicate(timeout=60)[1])
+        assert host.returncode == DEVICE
+        assert status(tmp_path)["outputs"] == "off"
+        board.send_signal(signal.SIGINT)
+        assert json.loads(board.communicate(timeout=30)[0])["enabled"] is False
+
+
 def test_ctrl_c_ends_playing_with_outputs_off(tmp_path, image):
     with virtual_board(tmp_path, "--image", image):
         host = subprocess.Popen([str(PROGRAM), "play", "--loops", "0", "--json", "--port", "port"], cwd=tmp_path, stdout=subprocess.PIPE)

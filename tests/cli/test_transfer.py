@@ -204,3 +204,16 @@ def test_a_stream_at_a_rate(tmp_path, image):
         board.communicate(timeout=30)
     rows = [[int(n) for n in line.split(",")] for line in (tmp_path / "pulses.csv").read_text().splitlines()[1:]]
     assert abs(sum(row[0] == 0 and row[3] > 0 for row in rows) - 4 * 20) <= 4
+
+
+def test_the_example_of_the_client_plays_an_image(tmp_path, image):
+    example = PROGRAM.parents[1] / "haptogram_example"
+    with virtual_board(tmp_path, "--pulses", "pulses.csv") as board:
+        done = subprocess.run([str(example), "port", image], cwd=tmp_path, capture_output=True, timeout=60, check=False)
+        assert (done.returncode, done.stderr) == (0, b"")
+        assert status(tmp_path)["outputs"] == "off"
+        board.send_signal(2)
+        said = json.loads(board.communicate(timeout=30)[0])
+        assert said["frames_in"] == said["frames_applied"] > 10 and said["frames_refused"] == 0
+    assert {int(line.split(",")[3]) for line in (tmp_path / "pulses.csv").read_text().splitlines()[1:]} >= {1, 2, 3, 4}
+    assert subprocess.run([str(example), "nowhere", image], cwd=tmp_path, capture_output=True, check=False).returncode == DEVICE
