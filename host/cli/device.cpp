@@ -53,8 +53,7 @@ int info(const DeviceOptions& options) {
     return 0;
 }
 
-int status(const DeviceOptions& options) {
-    Device device(options.port);
+void tell_status(Device& device, bool as_json) {
     const link::BoardStatus s = device.client().status();
     constexpr std::string_view modes[] = {"idle", "single", "sequence", "live"};
     print({{"outputs", s.enabled ? "on" : "off"},
@@ -70,7 +69,18 @@ int status(const DeviceOptions& options) {
            {"frames_refused", s.frames_refused},
            {"watchdog_trips", s.watchdog_trips},
            {"guard_trips", s.guard_trips}},
-          options.json);
+          as_json);
+}
+
+int status(const DeviceOptions& options) {
+    Device device(options.port);
+    tell_status(device, options.json);
+    return 0;
+}
+
+/// A command that changes something says what is so after it when a program asks.
+int then_tell(Device& device, const DeviceOptions& options) {
+    if (options.json) tell_status(device, true);
     return 0;
 }
 
@@ -78,7 +88,19 @@ int enable(const DeviceOptions& options) {
     Device device(options.port);
     if (options.has_watchdog) device.client().set_watchdog(options.watchdog_ms);
     device.client().enable();
-    return 0;
+    return then_tell(device, options);
+}
+
+int disable(const DeviceOptions& options) {
+    Device device(options.port);
+    device.client().disable();
+    return then_tell(device, options);
+}
+
+int stop(const DeviceOptions& options) {
+    Device device(options.port);
+    device.client().stop();
+    return then_tell(device, options);
 }
 
 /// Serial ports by the names that do not change with the order of plugging, then those without one, and FTDI chips.
@@ -126,6 +148,7 @@ void add_device(CLI::App& app, Action& action) {
     const auto add = [&](const char* name, const char* about, int (*what)(const DeviceOptions&)) {
         CLI::App* command = sub->add_subcommand(name, about);
         add_port_options(*command, options->port);
+        command->add_flag("--json", options->json, "As JSON; of a command that changes something, the status after it");
         command->callback([options, &action, what] { action = [options, what] { return what(*options); }; });
         return command;
     };
@@ -133,22 +156,16 @@ void add_device(CLI::App& app, Action& action) {
     ports->add_flag("--json", options->json, "As JSON");
     ports->callback([options, &action] { action = [options] { return list(options->json); }; });
 
-    add("info", "Print what the board is", info)->add_flag("--json", options->json, "As JSON");
-    add("status", "Print what it is doing, and its counters", status)->add_flag("--json", options->json, "As JSON");
+    add("info", "Print what the board is", info);
+    add("status", "Print what it is doing, and its counters", status);
     auto* watchdog =
         add("enable", "Turn the outputs on; they go off again when no host speaks within the watchdog's time", enable)
             ->add_option("--watchdog", options->watchdog_ms,
                          "That time in ms; 0 leaves them on with no host (default: as it is, 500 after reset)")
             ->check(whole(0, 65535));
     watchdog->each([options](const std::string&) { options->has_watchdog = true; });
-    add("disable", "Turn the outputs off, at once", [](const DeviceOptions& o) {
-        Device(o.port).client().disable();
-        return 0;
-    });
-    add("stop", "Silence after the present cycle; outputs stay as they are", [](const DeviceOptions& o) {
-        Device(o.port).client().stop();
-        return 0;
-    });
+    add("disable", "Turn the outputs off, at once", disable);
+    add("stop", "Silence after the present cycle; outputs stay as they are", stop);
 }
 
 }  // namespace haptogram::cli

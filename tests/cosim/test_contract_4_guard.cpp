@@ -151,6 +151,32 @@ TEST_CASE("contract 4: low within the time-out and 2 clocks when the host falls 
     REQUIRE_FALSE(bench.board.outputs().fault);
 }
 
+TEST_CASE("contract 4: low within the time-out and 2 clocks when the line is wedged", "[contract4][watchdog]") {
+    const int how = GENERATE(0, 1, 2);  // held low, held high, chattering
+    CAPTURE(how);
+    auto g = generator();
+    Bench bench;
+    play_dense(bench);
+    bench.client.set_watchdog(1);
+    const std::uint64_t latest = bench.board.now() + 50'000ULL + 2;
+    bench.board.force_line(how == 1);
+    while (bench.board.outputs().enabled) {
+        if (how == 2) bench.board.force_line(g() % 2 == 0);
+        bench.board.run(1);
+        REQUIRE(bench.board.now() <= latest);
+    }
+    bench.board.run(1);
+    REQUIRE_FALSE(bench.board.any_pin());
+    bench.board.run(100'000);
+    REQUIRE_FALSE(bench.board.any_pin());
+    bench.board.force_line({});
+    bench.board.run(1000);
+    static_cast<void>(bench.board.receive());
+    link::Client fresh(bench.line);
+    fresh.identify();
+    REQUIRE(fresh.status().watchdog_trips == 1);
+}
+
 TEST_CASE("contract 4: a host that speaks keeps the watchdog quiet, damaged frames do not", "[contract4][watchdog]") {
     Bench bench;
     play_dense(bench);
