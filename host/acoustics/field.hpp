@@ -20,7 +20,16 @@ namespace haptogram {
 /// @throws Error{bad_input} when the point coincides with the element
 [[nodiscard]] std::complex<double> propagation(Vec3 element, Vec3 point, double k, double radius_m);
 
-/// Same for an element that faces any way.
+/// Amplitude of a transducer's far field at an angle, over that on its axis; 0 behind it for a measured pattern, which
+/// ends at 90°, and linear between the table's angles.
+[[nodiscard]] double directivity(const Transducer& transducer, double k, double cosine);
+
+/// How a wave goes from one of the array's elements, which face +z, to a point: its transducer's pattern, and its
+/// medium's absorption e^{−αR}.
+/// @throws Error{bad_input} when the point coincides with the element
+[[nodiscard]] std::complex<double> propagation(const Array& array, Vec3 element, Vec3 point);
+
+/// Same as the first for an element that faces any way.
 [[nodiscard]] std::complex<double> propagation(Vec3 element, Vec3 normal, Vec3 point, double k, double radius_m);
 
 /// The array's propagation to many points, to be used with many drives: points × elements, row by row.

@@ -14,6 +14,14 @@ namespace haptogram {
 struct Medium {
     double speed_m_s = 343.2;
     double density_kg_m3 = 1.204;
+    double absorption_np_m = 0.0;  ///< of the pressure amplitude, at the carrier
+};
+
+/// How a transducer's far field depends on the angle from its axis.
+enum class Pattern {
+    piston,  ///< 2·J1(ka·sin θ)/(ka·sin θ) (Haptogram eq. 9)
+    point,   ///< the same in every direction (eq. 6)
+    table,   ///< as it was measured
 };
 
 /// One kind of transducer. `source_pa_m` is calibrated per kind: pressure amplitude times distance on the axis, at full
@@ -23,6 +31,8 @@ struct Transducer {
     double radius_m = 4.5e-3;
     double source_pa_m = 4.0;
     double bandwidth_hz = 2000.0;  ///< half-power; gives the ring-up time
+    Pattern pattern = Pattern::piston;
+    std::vector<double> table;  ///< of Pattern::table: amplitudes at even steps of angle from 0 to 90°, 1 on the axis
 };
 
 /// The FPGA board that drives the array.

@@ -113,11 +113,13 @@ Manifest manifest_from_json(std::string_view text, const std::string& where) {
         for (const auto& element : json.at("array").at("elements_mm"))
             m.array.elements.push_back(from_mm_json(element));
         const auto& medium = json.at("medium");
-        m.array.medium = {positive(medium, "speed_m_s", where), positive(medium, "density_kg_m3", where)};
+        m.array.medium.speed_m_s = positive(medium, "speed_m_s", where);
+        m.array.medium.density_kg_m3 = positive(medium, "density_kg_m3", where);
         const auto& transducer = json.at("transducer");
-        m.array.transducer = {transducer.at("name").get<std::string>(),
-                              not_negative(transducer, "radius_mm", where) * millimetre,
-                              positive(transducer, "source_pa_m", where), positive(transducer, "bandwidth_hz", where)};
+        m.array.transducer.name = transducer.at("name").get<std::string>();
+        m.array.transducer.radius_m = not_negative(transducer, "radius_mm", where) * millimetre;
+        m.array.transducer.source_pa_m = positive(transducer, "source_pa_m", where);
+        m.array.transducer.bandwidth_hz = positive(transducer, "bandwidth_hz", where);
         const auto& board = json.at("board");
         m.array.board = {board.at("name").get<std::string>(),   positive(board, "clock_hz", where),
                          count(board, "baud", 1, where),        count(board, "channels", 1, where),
