@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -66,11 +67,25 @@ std::string as_file(const std::string& content) {
 void array(const std::string& content) { static_cast<void>(load_array(as_file(content))); }
 void board(const std::string& content) { static_cast<void>(load_board(as_file(content))); }
 
+const std::map<std::string, void (*)(const std::string&)> targets = {{"frame", frame},   {"intel_hex", intel_hex},
+                                                                     {"pulses", pulses}, {"manifest", manifest},
+                                                                     {"ply", ply},       {"obj", obj},
+                                                                     {"stl", stl},       {"xyz", xyz},
+                                                                     {"csv", csv},       {"array", array},
+                                                                     {"board", board}};
+void (*target)(const std::string&) = nullptr;
+
 }  // namespace haptogram::fuzz
+
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+    const char* name = std::getenv("HAPTOGRAM_FUZZ");
+    haptogram::fuzz::target = haptogram::fuzz::targets.at(name == nullptr ? "" : name);
+    return 0;
+}
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     try {
-        haptogram::fuzz::HAPTOGRAM_TARGET({reinterpret_cast<const char*>(data), size});
+        haptogram::fuzz::target({reinterpret_cast<const char*>(data), size});
     } catch (const haptogram::Error&) {
     }
     return 0;

@@ -5,6 +5,8 @@ something; what it found stays in build/fuzz/findings."""
 
 import argparse
 import concurrent.futures
+import io
+import os
 import re
 import struct
 import subprocess
@@ -24,8 +26,6 @@ def sound_hex():
     image.puts(0, struct.pack("<12H", 250, 125 << 8, 5, 0, 1, 2, 250, 125 << 8, 5, 0, 3, 4))
     image.puts(0x10000000, struct.pack("<6H", 2, 0, 1, 4, 2, 4))
     image.puts(0x40000000, struct.pack("<8H", 0x4748, 1, 2, 2, 3, 8 << 8 | 16, 50_000_000 & 0xFFFF, 50_000_000 >> 16))
-    import io
-
     text = io.StringIO()
     image.write_hex_file(text, write_start_addr=False)
     return text.getvalue().encode()
@@ -52,9 +52,8 @@ def seeds(program):
         "array": [path.read_bytes() for path in sorted((ROOT / "host/arrays").glob("*.toml"))],
         "board": [path.read_bytes() for path in sorted((ROOT / "constraints").glob("*.toml"))],
     }  # fmt: skip
-    manifest = subprocess.run([program, "compile", "--shape", "line", "--points", "2", "--array", "tile-7x8", "-o", "seed.hex"],
-                              cwd=ROOT / "build/fuzz", stdout=subprocess.DEVNULL, check=True)  # fmt: skip
-    del manifest
+    subprocess.run([program, "compile", "--shape", "line", "--points", "2", "--array", "tile-7x8", "-o", "seed.hex"],
+                   cwd=ROOT / "build/fuzz", stdout=subprocess.DEVNULL, check=True)  # fmt: skip
     found["manifest"] = [(ROOT / "build/fuzz/seed.json").read_bytes()]
     return found
 
@@ -62,7 +61,7 @@ def seeds(program):
 def build(folder):
     configure = ["cmake", "-S", ROOT / "tests/fuzz", "-B", folder, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
                  "-DCMAKE_C_COMPILER=clang", "-DCMAKE_CXX_COMPILER=clang++"]  # fmt: skip
-    for command in (configure, ["cmake", "--build", folder]):
+    for command in (configure, ["cmake", "--build", folder, "--target", "haptogram_fuzz"]):
         result = subprocess.run([str(part) for part in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         if result.returncode != 0:
             sys.exit(f"fuzz: {result.stdout}")
@@ -75,9 +74,10 @@ def fuzz(folder, target, sound, runs, seconds):
     for number, content in enumerate(sound):
         (corpus / f"seed-{number}").write_bytes(content)
     limits = [f"-runs={runs}"] + ([f"-max_total_time={seconds}"] if seconds else [])
-    command = [folder / f"fuzz_{target}", *limits, "-timeout=10", "-rss_limit_mb=2048", "-max_len=4096", "-print_final_stats=1",
+    command = [folder / "haptogram_fuzz", *limits, "-timeout=10", "-rss_limit_mb=2048", "-max_len=4096", "-print_final_stats=1",
                f"-artifact_prefix={findings}/{target}-", corpus]  # fmt: skip
-    result = subprocess.run([str(part) for part in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace")
+    result = subprocess.run([str(part) for part in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace",
+                            env={**os.environ, "HAPTOGRAM_FUZZ": target})  # fmt: skip
     number = lambda pattern: int((re.findall(pattern, result.stdout) or [0])[-1])  # noqa: E731
     done, speed, reached = number(r"number_of_executed_units: +(\d+)"), number(r"average_exec_per_sec: +(\d+)"), number(r"cov: (\d+)")
     good = result.returncode == 0 and done > 100
