@@ -54,16 +54,12 @@ Fed feed(Device& device, std::uint16_t watchdog_ms, const std::function<std::opt
             fed.sent += indices.size();
             progress.note(fmt::format("{} indices", fed.sent));
         }
-        client.wait();
-        // Silence for good at the end: running out of indices would be an underrun.
-        bool silent = false;
-        for (now = client.status(); !interrupted() && (!silent || now.live_level > 0 || now.present_index != 0);
+        // Silence for good follows at once: running out of indices would be an underrun.
+        while (!interrupted() && fifo.room() == 0) fifo.refresh();
+        if (!interrupted()) fifo.push({0}, 0);
+        for (now = client.status(); !interrupted() && (now.live_level > 0 || now.present_index != 0);
              now = client.status()) {
             require_on(now);
-            if (!silent && now.live_level < device.identity().live_depth) {
-                client.push({0}, 0);
-                silent = true;
-            }
             std::this_thread::sleep_for(pause);
         }
     }
