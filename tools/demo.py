@@ -44,8 +44,8 @@ def render(program, name, source, folder):
         print(f"demo: {name}: field in {plane}", file=sys.stderr)
         field = folder / f"field_{plane[:2]}.csv"
         run([program, "field", "--pulses", pulses, "--manifest", manifest, "--plane", plane, "--extent", 90, "--step", 1, "-o", field])
-        fields.append((plane, field))
-    plot_field.draw(fields, foci, f"{name}: 200 points at 10 Hz, radiation pressure from the pulses at the pins", folder / f"{name}.png")
+        fields.append(plot_field.read_csv(field, plane, "time-averaged radiation pressure / Pa", foci))
+    plot_field.draw(fields, f"{name}: 200 points at 10 Hz, radiation pressure from the pulses at the pins", folder / f"{name}.png")
     return json.loads(report.read_text(encoding="utf-8"))
 
 

@@ -69,4 +69,19 @@ std::vector<MeasuredRecord> measure(const Manifest& manifest, const std::vector<
     return records;
 }
 
+std::vector<std::complex<double>> drives_of(const Manifest& manifest, const Record& record) {
+    const double tick_s = record.prescaler / manifest.timer.clock_hz;
+    const double period_s = record.cycle_length * tick_s;
+    std::vector<std::complex<double>> drives;
+    for (std::size_t m = 0; m < manifest.array.elements.size(); ++m) {
+        const std::uint16_t tick = record.timings.at(m);
+        const DrivePulse pulse{tick * tick_s, (tick + record.pulse_length) * tick_s};
+        const bool fires = tick < record.cycle_length && tick != interface::silent_timing && record.pulse_length > 0;
+        drives.push_back(fires ? manifest.array.transducer.source_pa_m *
+                                     carrier_component({&pulse, 1}, 1.0 / period_s, period_s)
+                               : 0.0);
+    }
+    return drives;
+}
+
 }  // namespace haptogram

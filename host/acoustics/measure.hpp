@@ -22,4 +22,7 @@ struct MeasuredRecord {
 [[nodiscard]] std::vector<MeasuredRecord> measure(const Manifest& manifest, const std::vector<Pulse>& pulses,
                                                   const std::string& where);
 
+/// The drives that a record's timings ask for, one an element, Pa·m, as its pulses would be measured.
+[[nodiscard]] std::vector<std::complex<double>> drives_of(const Manifest& manifest, const Record& record);
+
 }  // namespace haptogram

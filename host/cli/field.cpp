@@ -1,60 +1,227 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "acoustics/field.hpp"
+
 #include <fmt/format.h>
 
-#include <iterator>
+#include <algorithm>
+#include <cmath>
 #include <memory>
+#include <thread>
 
-#include "acoustics/plane.hpp"
+#include "acoustics/kernel.hpp"
+#include "acoustics/measure.hpp"
+#include "acoustics/region.hpp"
 #include "base/error.hpp"
 #include "base/file.hpp"
+#include "base/progress.hpp"
 #include "command.hpp"
+#include "field_file.hpp"
 
 namespace haptogram::cli {
 namespace {
 
-struct FieldOptions {
-    std::string pulses;
-    std::string manifest;
-    std::string plane = "xy@z=130";
-    double extent_mm = 80.0;
-    double step_mm = 1.0;
+struct FieldCommand {
+    std::string image, focus, array = "tile-10x10";
+    std::uint32_t record = 0;
+    std::string pulses, manifest;
+    std::string plane = "xy@z=130", line;
+    bool volume = false;
+    double extent_mm = 80.0, step_mm = 1.0;
+    std::string x, y, z;
+    std::string quantity = "radiation";
+    unsigned threads = 0;
     std::string output = "-";
 };
 
-int field(const FieldOptions& options) {
-    const Plane plane = parse_plane(options.plane, options.extent_mm * millimetre, options.step_mm * millimetre);
-    require_distinct({{"--pulses", options.pulses}, {"--manifest", options.manifest}}, {{"--output", options.output}});
-    const Manifest manifest = manifest_from_json(read_file(options.manifest), options.manifest);
-    const std::vector<Pulse> pulses = pulses_from_csv(read_file(options.pulses), options.pulses);
-    if (pulses.empty()) throw bad_input(options.pulses, "no pulses in it; expected what simulate --pulses wrote");
-    const auto records = measure(manifest, pulses, options.pulses);
-    const std::vector<double> mean = mean_radiation_pressure(manifest, records, plane);
-    fmt::memory_buffer text;
-    fmt::format_to(std::back_inserter(text), "{}_mm,{}_mm,radiation_pressure_pa\n", plane.u_axis, plane.v_axis);
-    for (std::size_t row = 0; row < plane.v.size(); ++row)
-        for (std::size_t column = 0; column < plane.u.size(); ++column)
-            fmt::format_to(std::back_inserter(text), "{:.4f},{:.4f},{:.6g}\n", plane.u[column] / millimetre,
-                           plane.v[row] / millimetre, mean[row * plane.u.size() + column]);
-    write_file(options.output, fmt::to_string(text));
+/// What makes a field: sets of drives, each for its share of the time.
+struct Excitation {
+    Array array;
+    std::vector<std::vector<std::complex<double>>> drives;
+    std::vector<double> weights;
+    std::vector<Vec3> foci;
+    std::string title;
+};
+
+Excitation of_focus(const FieldCommand& command) {
+    Excitation found{find_array(command.array), {}, {1.0}, {}, {}};
+    Vec3 focus{};
+    double* const axes[] = {&focus.x, &focus.y, &focus.z};
+    std::size_t at = 0;
+    for (double* const axis : axes) {
+        const std::size_t comma = command.focus.find(',', at);
+        const bool last = axis == axes[2];
+        double value = 0.0;
+        if ((comma == std::string::npos) != last ||
+            !CLI::detail::lexical_cast(command.focus.substr(at, last ? comma : comma - at), value) ||
+            !std::isfinite(value))
+            throw Error(ErrorCode::usage, "--focus", fmt::format("expected x,y,z in mm, found '{}'", command.focus));
+        *axis = value * millimetre;
+        at = comma + 1;
+    }
+    if (const std::string why = found.array.unreachable(focus); !why.empty())
+        throw Error(ErrorCode::usage, "--focus", why);
+    found.drives = {ideal_drives(found.array, focus)};
+    found.foci = {focus};
+    found.title = fmt::format("{}, exact phases for ({}) mm", found.array.name, command.focus);
+    return found;
+}
+
+Manifest read_manifest(const std::string& path) { return manifest_from_json(read_file(path), path); }
+
+/// The manifest beside an image, which must be its own.
+Manifest manifest_beside(const std::string& image, const std::string& content) {
+    const std::string path = manifest_path(image);
+    Manifest manifest = read_manifest(path);
+    if (manifest.image_sha256 != sha256(content))
+        throw bad_input(path, fmt::format("it is the manifest of another image than {}; compile that again", image));
+    return manifest;
+}
+
+Excitation of_image(const FieldCommand& command) {
+    const std::string content = read_file(command.image);
+    const Image image = from_intel_hex(content, command.image);
+    const Manifest manifest = manifest_beside(command.image, content);
+    if (command.record > image.records.size())
+        throw Error(ErrorCode::usage, "--record",
+                    fmt::format("the image has {}, not {}", image.records.size(), command.record));
+    Excitation found{manifest.array, {}, std::vector<double>(image.records.size()), manifest.foci, {}};
+    for (const Record& record : image.records) found.drives.push_back(drives_of(manifest, record));
+    for (const SequenceEntry& entry : image.sequence) {
+        if (entry.index == 0 || entry.index > image.records.size()) continue;
+        const Record& record = image.records[entry.index - 1U];
+        found.weights[entry.index - 1U] += 1.0 * entry.dwell * record.cycle_length * record.prescaler;
+    }
+    found.title = fmt::format("{}, {} points in turn", command.image, image.records.size());
+    if (command.record > 0) {
+        found.drives = {found.drives[command.record - 1]};
+        found.weights = {1.0};
+        found.foci = {manifest.foci.at(command.record - 1)};
+        found.title = fmt::format("{}, record {}", command.image, command.record);
+    }
+    return found;
+}
+
+Excitation of_pulses(const FieldCommand& command) {
+    const Manifest manifest = read_manifest(command.manifest);
+    const std::vector<Pulse> pulses = pulses_from_csv(read_file(command.pulses), command.pulses);
+    if (pulses.empty()) throw bad_input(command.pulses, "no pulses in it; expected what simulate --pulses wrote");
+    Excitation found{manifest.array, {}, {}, manifest.foci, command.pulses + ", as measured at the pins"};
+    for (MeasuredRecord& record : measure(manifest, pulses, command.pulses)) {
+        if (record.cycles == 0) continue;
+        found.drives.push_back(std::move(record.drives));
+        found.weights.push_back(static_cast<double>(record.cycles));
+    }
+    return found;
+}
+
+Region region_of(const FieldCommand& command) {
+    Reach reach{command.extent_mm * millimetre, command.step_mm * millimetre, {}, {}, {}};
+    if (!command.x.empty()) reach.x = parse_range("--x", command.x);
+    if (!command.y.empty()) reach.y = parse_range("--y", command.y);
+    if (!command.z.empty()) reach.z = parse_range("--z", command.z);
+    if (command.volume) return parse_region("--volume", "xyz", reach);
+    if (!command.line.empty()) return parse_region("--line", command.line, reach);
+    return parse_region("--plane", command.plane, reach);
+}
+
+int field(const FieldCommand& command) {
+    FieldFile file{region_of(command), "", "", {}, {}, ""};
+    const bool complex_values = command.quantity == "complex";
+    check_field_path(command.output, file.region, complex_values);
+    require_distinct({{"image", command.image}, {"--pulses", command.pulses}, {"--manifest", command.manifest}},
+                     {{"--output", command.output}});
+    const Excitation excitation = !command.focus.empty()   ? of_focus(command)
+                                  : !command.image.empty() ? of_image(command)
+                                                           : of_pulses(command);
+    file.marks = excitation.foci;
+    file.title = excitation.title;
+    Progress progress("field");
+    const FieldOptions options{
+        command.threads == 0 ? std::max(1U, std::thread::hardware_concurrency()) : command.threads,
+        [&](double fraction) { progress.update(fraction); }};
+    if (complex_values) {
+        if (excitation.drives.size() != 1)
+            throw Error(ErrorCode::usage, "--quantity",
+                        fmt::format("complex is of one set of phases, and this plays {}; choose one by --record",
+                                    excitation.drives.size()));
+        const auto p = pressure_on(excitation.array, excitation.drives.front(), file.region.grid, options);
+        file.quantity = "pressure_pa";
+        file.parts.resize(2);
+        for (const std::complex<float> value : p) {
+            file.parts[0].push_back(value.real());
+            file.parts[1].push_back(value.imag());
+        }
+    } else {
+        std::vector<WeightedDrives> sequence;
+        for (std::size_t i = 0; i < excitation.drives.size(); ++i)
+            sequence.push_back({excitation.weights[i], excitation.drives[i]});
+        file.parts = {mean_square_pressure(excitation.array, sequence, file.region.grid, options)};
+        const Medium& medium = excitation.array.medium;
+        const double skin = 2.0 / (medium.density_kg_m3 * medium.speed_m_s * medium.speed_m_s);
+        const auto each = [&](const char* quantity, const char* label, auto make) {
+            file.quantity = quantity;
+            file.label = label;
+            for (float& value : file.parts.front()) value = static_cast<float>(make(static_cast<double>(value)));
+        };
+        if (command.quantity == "radiation")
+            each("radiation_pressure_pa", "time-averaged radiation pressure / Pa",
+                 [&](double square) { return skin * square; });
+        else if (command.quantity == "rms")
+            each("rms_pressure_pa", "rms sound pressure / Pa", [](double square) { return std::sqrt(square); });
+        else
+            each("spl_db", "sound pressure level / dB re 20 µPa",
+                 [](double square) { return 10.0 * std::log10(square / (20e-6 * 20e-6)); });
+    }
+    write_field(command.output, file);
     return 0;
 }
 
 }  // namespace
 
 void add_field(CLI::App& app, Action& action) {
-    auto options = std::make_shared<FieldOptions>();
-    CLI::App* sub =
-        app.add_subcommand("field", "Time-averaged radiation pressure that measured pulses make in a plane, as CSV");
-    sub->add_option("--pulses", options->pulses, "Pulse file from simulate")->required();
-    sub->add_option("--manifest", options->manifest, "Manifest of the image that was played")->required();
-    sub->add_option("--plane", options->plane, "xy@z=MM, xz@y=MM or yz@x=MM")->capture_default_str();
+    auto options = std::make_shared<FieldCommand>();
+    CLI::App* sub = app.add_subcommand(
+        "field",
+        "The sound field of an image, of one focal point, or of measured pulses, along a line, in a plane or a volume");
+    auto* image = sub->add_option("image", options->image,
+                                  "Intel HEX image, with its manifest beside it: the mean over its sequence");
+    sub->add_option("--record", options->record, "Only this record of the image")->needs(image)->check(whole(1, 65535));
+    auto* focus = sub->add_option("--focus", options->focus, "Exact phases for x,y,z (mm) instead")->excludes(image);
+    sub->add_option("--array", options->array, "Array of --focus")->needs(focus)->capture_default_str();
+    auto* pulses = sub->add_option("--pulses", options->pulses, "Pulse file from simulate or board run instead")
+                       ->excludes(image)
+                       ->excludes(focus);
+    auto* manifest =
+        sub->add_option("--manifest", options->manifest, "Manifest of the image that was played")->needs(pulses);
+    pulses->needs(manifest);
+    auto* plane = sub->add_option("--plane", options->plane, "xy@z=MM, xz@y=MM or yz@x=MM")->capture_default_str();
+    auto* line = sub->add_option("--line", options->line, "Such as z@x=0,y=0 (mm)")->excludes(plane);
+    sub->add_flag("--volume", options->volume, "All three axes")->excludes(plane)->excludes(line);
     sub->add_option("--extent", options->extent_mm,
-                    "Half-width of the square, mm; along z twice this from the array on")
+                    "Half-width of the region, mm; along z twice this from the array on")
         ->check(positive())
         ->capture_default_str();
     sub->add_option("--step", options->step_mm, "Between points, mm")->check(positive())->capture_default_str();
-    sub->add_option("-o,--output", options->output, "CSV file; - is standard output")->capture_default_str();
-    sub->callback([options, &action] { action = [options] { return field(*options); }; });
+    sub->add_option("--x", options->x, "From:to along x, mm, instead of the extent");
+    sub->add_option("--y", options->y, "The same along y");
+    sub->add_option("--z", options->z, "The same along z");
+    sub->add_option("--quantity", options->quantity, "radiation (pressure on skin), rms, spl, or complex (pressure)")
+        ->check(CLI::IsMember({"radiation", "rms", "spl", "complex"}))
+        ->capture_default_str();
+    sub->add_option("--threads", options->threads, "0: as many as there are")
+        ->check(whole(0, 1024))
+        ->capture_default_str();
+    sub->add_option("-o,--output", options->output,
+                    "A .csv, .npy, .vti (ParaView) or .png file; - is CSV on standard output")
+        ->capture_default_str();
+    sub->callback([options, &action] {
+        action = [options] {
+            if (options->image.empty() && options->focus.empty() && options->pulses.empty())
+                throw Error(ErrorCode::usage, "field",
+                            "expected an image, --focus or --pulses; see haptogram field --help");
+            return field(*options);
+        };
+    });
 }
 
 }  // namespace haptogram::cli

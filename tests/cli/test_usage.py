@@ -33,7 +33,7 @@ def test_nothing_to_compile(tmp_path):
     refuse(tmp_path, ["compile"], USAGE, "--shape", "circle")
 
 
-@pytest.mark.parametrize("command", ["inspect", "simulate", "field"])
+@pytest.mark.parametrize("command", ["inspect", "simulate"])
 def test_a_subcommand_without_its_file(command, tmp_path):
     refuse(tmp_path, [command], USAGE, "required")
 

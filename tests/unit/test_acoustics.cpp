@@ -6,8 +6,9 @@
 #include "acoustics/drive.hpp"
 #include "acoustics/field.hpp"
 #include "acoustics/focus_check.hpp"
+#include "acoustics/kernel.hpp"
 #include "acoustics/measure.hpp"
-#include "acoustics/plane.hpp"
+#include "acoustics/region.hpp"
 #include "base/error.hpp"
 
 using namespace haptogram;
@@ -156,29 +157,37 @@ TEST_CASE("measure: a record's drives from its pulses, edges of a stretch left o
     REQUIRE_THROWS_WITH(measure(manifest, pulses, "p"), Contains("another image"));
 }
 
-TEST_CASE("plane: texts that name one, and texts that do not", "[acoustics]") {
-    const Plane plane = parse_plane("xz@y=-5.5", 0.02, 0.01);
-    REQUIRE(plane.u.size() == 5);
-    REQUIRE(plane.v.size() == 4);
-    REQUIRE(plane.point(0, 3).x == Approx(-0.02));
-    REQUIRE(plane.point(0, 3).y == Approx(-0.0055));
-    REQUIRE(plane.point(0, 3).z == Approx(0.04));
-    for (const char* text : {"", "xy", "xy@z=", "xy@x=1", "zx@y=1", "xy@z=1mm", "xy@z=nan", "xy@z=-1", "xy@z=0"})
-        REQUIRE_THROWS_AS(parse_plane(text, 0.02, 0.01), Error);
-    REQUIRE_THROWS_AS(parse_plane("xy@z=100", 0.02, 0.0), Error);
-    REQUIRE_THROWS_WITH(parse_plane("xy@z=100", 1.0, 1e-6), Contains("too many"));
+TEST_CASE("region: texts that name one, and texts that do not", "[acoustics]") {
+    const Reach reach{0.02, 0.01, {}, {}, {}};
+    const Region plane = parse_region("--plane", "xz@y=-5.5", reach);
+    REQUIRE(plane.axes == "xz");
+    REQUIRE(plane.grid.size() == 5 * 4);
+    REQUIRE(plane.grid.point(3 * 5).x == Approx(-0.02));
+    REQUIRE(plane.grid.point(3 * 5).y == Approx(-0.0055));
+    REQUIRE(plane.grid.point(3 * 5).z == Approx(0.04));
+    REQUIRE(parse_region("--plane", "z@y=1,x=2", reach).grid.x == std::vector<double>{0.002});
+    REQUIRE(parse_region("--plane", "xyz", reach).grid.size() == 5 * 5 * 4);
+    Reach ranged = reach;
+    ranged.z = parse_range("--z", "100:130");
+    REQUIRE(parse_region("--plane", "z@x=0,y=0", ranged).grid.z.size() == 4);
+    REQUIRE(parse_region("--plane", "z@x=0,y=0", ranged).grid.z.back() == Approx(0.13));
+    for (const char* text : {"", "xy", "xy@z=", "xy@x=1", "zx@y=1", "xy@z=1mm", "xy@z=nan", "xy@z=-1", "xy@z=0",
+                             "z@x=1", "@", "@x=1,y=1,z=1", "z@x=1,x=1", "xyz@z=1", "z@x=1,y=1,"})
+        REQUIRE_THROWS_AS(parse_region("--plane", text, reach), Error);
+    for (const char* text : {"", ":", "1:", ":1", "2:1", "1:1", "a:b", "0:inf"})
+        REQUIRE_THROWS_AS(parse_range("--x", text), Error);
+    REQUIRE_THROWS_AS(parse_region("--plane", "xy@z=100", {0.02, 0.0, {}, {}, {}}), Error);
+    REQUIRE_THROWS_WITH(parse_region("--plane", "xy@z=100", {1.0, 1e-9, {}, {}, {}}),
+                        Contains("too many") && Contains("GB"));
 }
 
 TEST_CASE("radiation pressure: Hoshi's single transducer and hundred in phase", "[acoustics]") {
     // 24 Pa rms each; a hundred in phase give 83 Pa with α = 2, ρ = 1.2, c = 340.
-    Manifest manifest;
-    manifest.array = find_array("hoshi-18x18");
-    manifest.array.elements.assign(1, {0, 0, 0});
-    manifest.foci = {from_mm(0, 0, 300)};
-    std::vector<MeasuredRecord> records(1);
-    records[0].cycles = 1;
-    records[0].drives = {100.0 * manifest.array.transducer.source_pa_m};
-    const Plane plane = parse_plane("xz@y=0", 0.15, 0.15);
-    const auto mean = mean_radiation_pressure(manifest, records, plane);
-    REQUIRE(mean.at(1 * 3 + 1) == Approx(83.0).margin(0.3));  // on the axis at 300 mm
+    Array array = find_array("hoshi-18x18");
+    array.elements.assign(1, {0, 0, 0});
+    const std::vector<std::complex<double>> drives = {100.0 * array.transducer.source_pa_m};
+    const WeightedDrives once{1.0, drives};
+    const float square = mean_square_pressure(array, {&once, 1}, {{0.0}, {0.0}, {0.3}}).at(0);
+    REQUIRE(2.0 * square / (array.medium.density_kg_m3 * array.medium.speed_m_s * array.medium.speed_m_s) ==
+            Approx(83.0).margin(0.3));
 }

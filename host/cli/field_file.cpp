@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "field_file.hpp"
+
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <bit>
+#include <cstdlib>
+#include <filesystem>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "base/error.hpp"
+#include "base/file.hpp"
+
+extern char** environ;
+
+namespace haptogram::cli {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "the files say little-endian");
+
+const std::vector<double>& axis_of(const Grid& grid, char axis) {
+    return axis == 'x' ? grid.x : axis == 'y' ? grid.y : grid.z;
+}
+
+std::string ending(const std::string& path) { return std::filesystem::path(path).extension().string(); }
+
+template <class Value>
+void append(std::string& bytes, const Value& value) {
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+std::string to_csv(const FieldFile& field) {
+    fmt::memory_buffer text;
+    for (const char axis : field.region.axes) fmt::format_to(std::back_inserter(text), "{}_mm,", axis);
+    if (field.parts.size() == 1)
+        fmt::format_to(std::back_inserter(text), "{}\n", field.quantity);
+    else
+        fmt::format_to(std::back_inserter(text), "{0}_real,{0}_imag\n", field.quantity);
+    for (std::size_t i = 0; i < field.region.grid.size(); ++i) {
+        const Vec3 p = field.region.grid.point(i);
+        for (const char axis : field.region.axes)
+            fmt::format_to(std::back_inserter(text), "{:.4f},",
+                           (axis == 'x'   ? p.x
+                            : axis == 'y' ? p.y
+                                          : p.z) /
+                               millimetre);
+        fmt::format_to(std::back_inserter(text), "{:.6g}", field.parts.front()[i]);
+        if (field.parts.size() > 1) fmt::format_to(std::back_inserter(text), ",{:.6g}", field.parts[1][i]);
+        text.push_back('\n');
+    }
+    return fmt::to_string(text);
+}
+
+/// NumPy's format 1.0: float32 or complex64, C order, the last axis fastest; (z, y, x) without the axes of one
+/// coordinate.
+std::string to_npy(const FieldFile& field) {
+    std::string shape;
+    for (auto axis = field.region.axes.rbegin(); axis != field.region.axes.rend(); ++axis)
+        shape += fmt::format("{},", axis_of(field.region.grid, *axis).size());
+    std::string header = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}",
+                                     field.parts.size() == 1 ? "<f4" : "<c8", shape);
+    constexpr std::size_t before = 10;
+    header.append(63 - (before + header.size()) % 64, ' ');
+    header += '\n';
+    std::string bytes("\x93NUMPY\x01\x00", 8);
+    append(bytes, static_cast<std::uint16_t>(header.size()));
+    bytes += header;
+    bytes.reserve(bytes.size() + field.parts.size() * field.parts.front().size() * sizeof(float));
+    for (std::size_t i = 0; i < field.parts.front().size(); ++i)
+        for (const auto& part : field.parts) append(bytes, part[i]);
+    return bytes;
+}
+
+/// VTK image data, XML with raw appended arrays; millimetres. ParaView opens it.
+std::string to_vti(const FieldFile& field) {
+    const Grid& grid = field.region.grid;
+    const auto spacing = [](const std::vector<double>& axis) {
+        return axis.size() < 2 ? 1.0 : (axis.back() - axis.front()) / static_cast<double>(axis.size() - 1) / millimetre;
+    };
+    const std::string extent = fmt::format("0 {} 0 {} 0 {}", grid.x.size() - 1, grid.y.size() - 1, grid.z.size() - 1);
+    std::string text = fmt::format(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" "
+        "header_type=\"UInt64\">\n<ImageData WholeExtent=\"{0}\" Origin=\"{1:.9g} {2:.9g} {3:.9g}\" "
+        "Spacing=\"{4:.9g} {5:.9g} {6:.9g}\">\n<Piece Extent=\"{0}\">\n<PointData Scalars=\"{7}\">\n",
+        extent, grid.x.front() / millimetre, grid.y.front() / millimetre, grid.z.front() / millimetre, spacing(grid.x),
+        spacing(grid.y), spacing(grid.z), field.quantity);
+    const std::uint64_t bytes = field.parts.front().size() * sizeof(float);
+    for (std::size_t part = 0; part < field.parts.size(); ++part)
+        text += fmt::format("<DataArray type=\"Float32\" Name=\"{}{}\" format=\"appended\" offset=\"{}\"/>\n",
+                            field.quantity,
+                            field.parts.size() == 1 ? ""
+                            : part == 0             ? "_real"
+                                                    : "_imag",
+                            part * (bytes + sizeof bytes));
+    text += "</PointData>\n</Piece>\n</ImageData>\n<AppendedData encoding=\"raw\">\n_";
+    for (const auto& part : field.parts) {
+        append(text, bytes);
+        text.append(reinterpret_cast<const char*>(part.data()), bytes);
+    }
+    return text + "\n</AppendedData>\n</VTKFile>\n";
+}
+
+std::filesystem::path plotter() {
+    std::error_code error;
+    const auto program = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
+    const auto installed = program / HAPTOGRAM_INSTALLED_PLOTTER;
+    return std::filesystem::exists(installed) ? installed : std::filesystem::path(HAPTOGRAM_SOURCE_PLOTTER);
+}
+
+/// A folder for what one program hands to another, gone at the end.
+class Handover {
+public:
+    Handover() {
+        std::error_code error;
+        std::string name = (std::filesystem::temp_directory_path(error) / "haptogram-XXXXXX").string();
+        if (error || ::mkdtemp(name.data()) == nullptr)
+            throw bad_input(name, "no temporary folder can be made; set TMPDIR to a place where one can");
+        folder = name;
+    }
+    Handover(const Handover&) = delete;
+    Handover& operator=(const Handover&) = delete;
+    ~Handover() {
+        std::error_code error;
+        std::filesystem::remove_all(folder, error);
+    }
+    std::filesystem::path folder;
+};
+
+void draw(const std::string& path, const FieldFile& field) {
+    const Handover handover;
+    nlohmann::json about = {{"axes", field.region.axes},
+                            {"region", field.region.text},
+                            {"label", field.label},
+                            {"title", field.title},
+                            {"marks_mm", nlohmann::json::array()}};
+    for (const char axis : field.region.axes) {
+        auto& values = about[fmt::format("{}_mm", axis)];
+        for (const double value : axis_of(field.region.grid, axis)) values.push_back(value / millimetre);
+    }
+    for (const Vec3& mark : field.marks)
+        about["marks_mm"].push_back({mark.x / millimetre, mark.y / millimetre, mark.z / millimetre});
+    write_file(handover.folder / "field.npy", to_npy(field));
+    write_file(handover.folder / "about.json", about.dump());
+    StagedFile staged(path);
+    const std::string target = staged.beside().empty() ? path : staged.beside().string();
+    const std::string script = plotter().string();
+    const std::string folder = handover.folder.string();
+    const char* const python =
+        std::filesystem::exists(HAPTOGRAM_PYTHON) ? HAPTOGRAM_PYTHON : "python3";  // with matplotlib
+    std::array<const char*, 5> arguments = {python, script.c_str(), folder.c_str(), target.c_str(), nullptr};
+    pid_t child = 0;
+    int status = -1;
+    if (::posix_spawnp(&child, python, nullptr, nullptr, const_cast<char* const*>(arguments.data()), environ) != 0 ||
+        ::waitpid(child, &status, 0) != child || status != 0)
+        throw bad_input(path,
+                        "the picture could not be drawn; it needs python3 with matplotlib, and room for the file; "
+                        ".csv, .npy and .vti need neither");
+    staged.commit();
+}
+
+}  // namespace
+
+void check_field_path(const std::string& path, const Region& region, bool complex_values) {
+    const std::string kind = ending(path);
+    if (!kind.empty() && kind != ".csv" && kind != ".npy" && kind != ".vti" && kind != ".png")
+        throw Error(
+            ErrorCode::usage, "--output",
+            fmt::format("'{}' is no ending that is known; .csv, .npy, .vti and .png are, and none means CSV", kind));
+    if (kind == ".png" && (region.axes.size() == 3 || complex_values))
+        throw Error(
+            ErrorCode::usage, "--output",
+            fmt::format("{} has no picture; take a plane or a line and a real quantity, or a .vti file for ParaView",
+                        complex_values ? "a complex field" : "a volume"));
+}
+
+void write_field(const std::string& path, const FieldFile& field) {
+    const std::string kind = ending(path);
+    if (kind == ".png")
+        draw(path, field);
+    else
+        write_file(path, kind == ".npy" ? to_npy(field) : kind == ".vti" ? to_vti(field) : to_csv(field));
+}
+
+}  // namespace haptogram::cli

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`haptogram field`: what it is of, where, and the files that it writes."""
+import struct
+import xml.etree.ElementTree
+
+import numpy as np
+import pytest
+from support import BAD_INPUT, USAGE, assert_one_message, read_json, refuse, run, succeed, text
+
+
+def field_of(folder, *arguments):
+    header, *rows = text(succeed(["field", *arguments], cwd=folder).stdout).splitlines()
+    return header, np.array([[float(value) for value in row.split(",")] for row in rows])
+
+
+def ideal_pressure(manifest, focus_mm, points_mm):
+    """Point sources with exact phases, of the array's elements; by numpy alone."""
+    elements = np.array(manifest["array"]["elements_mm"]) * 1e-3
+    k = 2 * np.pi * manifest["array"]["carrier_hz"] / manifest["medium"]["speed_m_s"]
+    to_focus = np.linalg.norm(np.array(focus_mm) * 1e-3 - elements, axis=1)
+    distance = np.linalg.norm(np.array(points_mm)[:, None] * 1e-3 - elements[None], axis=2)
+    return manifest["transducer"]["source_pa_m"] * (np.exp(1j * k * (to_focus - distance)) / distance).sum(axis=1)
+
+
+def test_a_focus_of_exact_phases(small):
+    header, field = field_of(small.folder, "--focus", "0,0,130", "--line", "x@y=0,z=130", "--extent", 20, "--step", 0.1, "--quantity", "rms")
+    assert header == "x_mm,rms_pressure_pa" and len(field) == 401
+    half = field[field[:, 1] ** 2 >= field[:, 1].max() ** 2 / 2, 0]
+    assert half[-1] - half[0] == pytest.approx(10.8, abs=0.2)  # Haptogram's focus: full width at half maximum, pistons
+    assert field[np.argmax(field[:, 1]), 0] == 0.0
+
+
+def test_complex_pressure_as_numpy_reads_it(small):
+    (small.folder / "points.toml").write_text("[array]\nrows = 10\ncolumns = 10\npitch_mm = 10.0\n[transducer]\nradius_mm = 0.1\n")
+    succeed(["field", "--focus", "10,-5,120", "--array", "./points.toml", "--plane", "xz@y=-5", "--x", "-20:20", "--z", "100:140", "--step", 5,
+             "--quantity", "complex", "-o", "p.npy"], cwd=small.folder)  # fmt: skip
+    found = np.load(small.folder / "p.npy")
+    assert found.shape == (9, 9) and found.dtype == np.complex64
+    points = [(x, -5, z) for z in range(100, 141, 5) for x in range(-20, 21, 5)]
+    manifest = read_json(small.manifest)
+    expected = ideal_pressure(manifest, (10, -5, 120), points).reshape(9, 9)
+    assert np.abs(found - expected).max() < 1e-3 * np.abs(expected).max()  # pistons of 0.1 mm are all but points
+
+
+def test_an_image_makes_the_field_of_its_pulses(small):
+    succeed(["simulate", "image.hex", "--load", "direct", "--passes", 3, "--pulses", "p.csv"], cwd=small.folder)
+    arguments = ["--extent", 40, "--step", 5]
+    _, asked = field_of(small.folder, "image.hex", *arguments)
+    _, measured = field_of(small.folder, "--pulses", "p.csv", "--manifest", "image.json", *arguments)
+    assert np.allclose(asked[:, 2], measured[:, 2], rtol=0.02, atol=0.01 * asked[:, 2].max())
+    _, level = field_of(small.folder, "image.hex", *arguments, "--quantity", "spl")
+    medium = read_json(small.manifest)["medium"]
+    square = asked[:, 2] * medium["density_kg_m3"] * medium["speed_m_s"] ** 2 / 2
+    assert np.allclose(level[:, 2], 10 * np.log10(square / 4e-10), atol=1e-3)
+
+
+def test_one_record_of_an_image(small):
+    focus = read_json(small.manifest)["records"][2]["focus_mm"]
+    _, field = field_of(small.folder, "image.hex", "--record", 3, "--plane", f"xy@z={focus[2]}", "--extent", 40)
+    assert np.abs(field[np.argmax(field[:, 2]), :2] - focus[:2]).max() <= 1.5
+
+
+def test_a_volume_for_paraview(small):
+    succeed(["field", "--focus", "0,0,100", "--volume", "--extent", 20, "--step", 5, "-o", "v.vti"], cwd=small.folder)
+    succeed(["field", "--focus", "0,0,100", "--volume", "--extent", 20, "--step", 5, "-o", "v.npy"], cwd=small.folder)
+    content = (small.folder / "v.vti").read_bytes()
+    head, appended = content.split(b'<AppendedData encoding="raw">\n_', 1)
+    image = xml.etree.ElementTree.fromstring(head + b"</VTKFile>").find("ImageData")
+    assert image.get("WholeExtent") == "0 8 0 8 0 7" and image.get("Spacing") == "5 5 5" and image.get("Origin") == "-20 -20 5"
+    (array,) = image.iter("DataArray")
+    (size,) = struct.unpack("<Q", appended[:8])
+    values = np.frombuffer(appended[8 : 8 + size], "<f4")
+    assert array.get("Name") == "radiation_pressure_pa" and np.array_equal(values, np.load(small.folder / "v.npy").ravel())
+
+
+@pytest.mark.parametrize("arguments", [["image.hex", "--step", 8], ["--focus", "0,0,100", "--line", "z@x=0,y=0", "--quantity", "spl"]])
+def test_a_picture(arguments, small):
+    said = succeed(["field", *arguments, "-o", "f.png"], cwd=small.folder, timeout=60)
+    assert said.stdout == said.stderr == b""
+    content = (small.folder / "f.png").read_bytes()
+    width, height = struct.unpack(">II", content[16:24])
+    assert content.startswith(b"\x89PNG") and width > 500 and height > 500
+    assert not [path.name for path in small.folder.iterdir() if path.name.startswith(".")]
+
+
+USAGES = {
+    "nothing to make it of": ([], "expected an image"),
+    "two at once": (["image.hex", "--focus", "0,0,100"], "exclude"),
+    "a focus of two numbers": (["--focus", "0,100"], "--focus", "0,100"),
+    "a focus of four numbers": (["--focus", "0,0,100,1"], "--focus"),
+    "a focus on an element": (["--focus", "5,5,0"], "--focus"),
+    "a focus behind the array": (["--focus", "0,0,-100"], "--focus"),
+    "a record too many": (["image.hex", "--record", 9], "--record", "8"),
+    "the phases of a sequence": (["image.hex", "--quantity", "complex"], "--quantity", "--record"),
+    "a picture of a volume": (["--focus", "0,0,100", "--volume", "--step", "20", "-o", "x.png"], "volume", "vti"),
+    "an unknown ending": (["--focus", "0,0,100", "-o", "x.jpg"], "jpg", "png"),
+    "a line and a plane": (["--focus", "0,0,100", "--line", "z@x=0,y=0", "--plane", "xy@z=1"], "exclude"),
+    "a line behind the array": (["--focus", "0,0,100", "--line", "x@y=0,z=-1"], "behind"),
+    "a range the wrong way": (["--focus", "0,0,100", "--x", "5:1"], "--x", "5:1"),
+    "a volume that no memory holds": (["--focus", "0,0,100", "--volume", "--step", "0.005"], "GB"),
+}
+
+
+@pytest.mark.parametrize("case", USAGES)
+def test_what_makes_no_sense(case, small):
+    arguments, *needles = USAGES[case]
+    assert_one_message(run(["field", *arguments], cwd=small.folder), USAGE, *needles)
+
+
+def test_a_manifest_of_another_image(small):
+    small.manifest.write_text(small.manifest.read_text().replace('"image_sha256": "', '"image_sha256": "0'))
+    refuse(small.folder, ["field", "image.hex", "-o", "f.csv"], BAD_INPUT, "image.json", "another image", outputs=("f.csv",))
+
+
+@pytest.mark.parametrize("name", ["missing/f.png", "missing/f.vti", "missing/f.npy"])
+def test_an_output_that_cannot_be_written(name, small):
+    refuse(small.folder, ["field", "--focus", "0,0,100", "--step", 20, "-o", name], BAD_INPUT, "missing", outputs=("f.csv",))
+
+
+def test_no_room_for_what_the_picture_is_made_of(small):
+    result = run(["field", "--focus", "0,0,100", "--step", 20, "-o", "f.png"], cwd=small.folder, env={"TMPDIR": "/nowhere"})
+    assert_one_message(result, BAD_INPUT, "TMPDIR")
