@@ -58,7 +58,7 @@ std::pair<double, double> parse_range(const std::string& option, const std::stri
 Region parse_region(const std::string& option, const std::string& text, const Reach& reach) {
     const auto fail = [&] {
         return usage(
-            "region",
+            option,
             fmt::format("expected a line such as z@x=0,y=5, a plane such as xy@z=130, xz@y=0 or yz@x=0, or the "
                         "volume xyz (mm), found '{}'",
                         text));
