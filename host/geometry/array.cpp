@@ -1,105 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "geometry/array.hpp"
 
-#include <fmt/format.h>
-#include <toml++/toml.h>
-
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <initializer_list>
 #include <numbers>
-#include <optional>
-#include <sstream>
-#include <string_view>
 
-#include "base/error.hpp"
-#include "base/file.hpp"
+#include "geometry/transducer_keys.hpp"
 
 namespace haptogram {
 namespace {
 
+using section::assign;
+using section::found;
+using section::place;
+using section::Section;
+
 constexpr double degree = std::numbers::pi / 180.0;
-
-std::string place(const std::string& file, const toml::node& node) {
-    return fmt::format("{}:{}", file, node.source().begin.line);
-}
-
-/// The value as the file has it.
-std::string found(const toml::node& node) {
-    std::ostringstream text;
-    node.visit([&text](const auto& value) { text << value; });
-    return text.str();
-}
-
-/// One table of the file: typed, range-checked, and it knows which keys nobody asked for.
-class Section {
-public:
-    Section(const std::string& file, const toml::table& root, std::string_view name) : file_(file), name_(name) {
-        const toml::node* node = root.get(name);
-        if (node == nullptr) return;
-        table_ = node->as_table();
-        if (table_ == nullptr)
-            throw bad_input(place(file, *node), fmt::format("'{}' must be a table, [{}]", name, name));
-    }
-
-    [[nodiscard]] const toml::node* find(std::string_view key) const {
-        return table_ == nullptr ? nullptr : table_->get(key);
-    }
-
-    [[nodiscard]] std::optional<double> number(std::string_view key, double low, double high) const {
-        const toml::node* node = find(key);
-        if (node == nullptr) return {};
-        const std::optional<double> value = node->value<double>();
-        if (!value || !std::isfinite(*value) || *value < low || *value > high)
-            throw bad_input(place(file_, *node), fmt::format("{}.{} must be a number from {} to {}, found {}", name_,
-                                                             key, low, high, found(*node)));
-        return value;
-    }
-
-    [[nodiscard]] std::optional<std::uint32_t> whole(std::string_view key, std::uint32_t low,
-                                                     std::uint32_t high) const {
-        const toml::node* node = find(key);
-        if (node == nullptr) return {};
-        const auto value = node->as_integer() == nullptr ? std::optional<std::int64_t>{} : node->value<std::int64_t>();
-        if (!value || *value < low || *value > high)
-            throw bad_input(place(file_, *node), fmt::format("{}.{} must be a whole number from {} to {}, found {}",
-                                                             name_, key, low, high, found(*node)));
-        return static_cast<std::uint32_t>(*value);
-    }
-
-    [[nodiscard]] std::optional<std::string> text(std::string_view key) const {
-        const toml::node* node = find(key);
-        if (node == nullptr) return {};
-        auto value = node->value<std::string>();
-        if (!value)
-            throw bad_input(place(file_, *node),
-                            fmt::format("{}.{} must be a text in quotes, found {}", name_, key, found(*node)));
-        return value;
-    }
-
-    void only(std::initializer_list<std::string_view> keys) const {
-        if (table_ == nullptr) return;
-        for (const auto& [key, node] : *table_)
-            if (std::find(keys.begin(), keys.end(), key.str()) == keys.end())
-                throw bad_input(place(file_, node), fmt::format("unknown key {}.{}; known are {}", name_, key.str(),
-                                                                fmt::join(keys, ", ")));
-    }
-
-private:
-    std::string file_;
-    std::string name_;
-    const toml::table* table_ = nullptr;
-};
-
-template <class T, class U>
-void assign(T& target, const std::optional<U>& value, double factor = 1.0) {
-    if (!value) return;
-    if constexpr (std::is_same_v<T, double>)
-        target = *value * factor;
-    else
-        target = *value;
-}
 
 std::vector<Vec3> grid(std::uint32_t rows, std::uint32_t columns, double pitch_m) {
     std::vector<Vec3> elements;
@@ -144,7 +60,6 @@ void read_geometry(Array& array, const std::string& file, const toml::table& roo
         array.elements = grid(*rows, *columns, *pitch * millimetre);
         array.columns = *columns;
     }
-    assign(array.carrier_hz, section.number("carrier_hz", 1e3, 1e6));
     assign(array.duty, section.number("duty", 1e-3, 0.5));
     assign(array.reach_angle_rad, section.number("reach_angle_deg", 1.0, 89.0), degree);
     const auto nearest = section.number("nearest_mm", 0.0, 1e4);
@@ -152,24 +67,44 @@ void read_geometry(Array& array, const std::string& file, const toml::table& roo
     array.nearest_m = nearest ? *nearest * millimetre : 10.0 * diameter * diameter / (4.0 * array.wavelength_m());
 }
 
-void read_medium(Medium& medium, const std::string& file, const toml::table& root) {
+void read_medium(Medium& medium, double carrier_hz, const std::string& file, const toml::table& root) {
     const Section section(file, root, "medium");
-    section.only({"speed_m_s", "temperature_c", "density_kg_m3"});
+    section.only(
+        {"speed_m_s", "temperature_c", "density_kg_m3", "humidity_percent", "pressure_kpa", "absorption_db_m"});
     const auto speed = section.number("speed_m_s", 100.0, 2000.0);
     const auto temperature = section.number("temperature_c", -50.0, 100.0);
+    const auto humidity = section.number("humidity_percent", 0.0, 100.0);
+    const auto pressure = section.number("pressure_kpa", 10.0, 200.0);
+    const auto absorption = section.number("absorption_db_m", 0.0, 100.0);
     if (speed && temperature) throw bad_input(file, "[medium] must have speed_m_s or temperature_c, not both");
-    if (temperature) medium.speed_m_s = speed_of_sound(*temperature);
+    for (const char* key : {"humidity_percent", "pressure_kpa"})
+        if (section.find(key) != nullptr && !temperature)
+            throw bad_input(section.at(key), fmt::format("medium.{} says nothing without temperature_c", key));
+    if (humidity && absorption)
+        throw bad_input(section.at("absorption_db_m"),
+                        "[medium] must have absorption_db_m or humidity_percent, which gives it, not both");
+    if (temperature) {
+        const double pressure_pa = pressure.value_or(standard_pressure_pa * 1e-3) * 1e3;
+        medium.speed_m_s = speed_of_sound(*temperature);
+        medium.density_kg_m3 = air_density(*temperature, pressure_pa, humidity.value_or(0.0));
+        if (humidity) medium.absorption_np_m = absorption_np_m(carrier_hz, *temperature, *humidity, pressure_pa);
+    }
     assign(medium.speed_m_s, speed);
     assign(medium.density_kg_m3, section.number("density_kg_m3", 0.1, 10.0));
+    if (absorption) medium.absorption_np_m = db_to_np(*absorption);
 }
 
 void read_transducer(Transducer& transducer, const std::string& file, const toml::table& root) {
     const Section section(file, root, "transducer");
-    section.only({"name", "radius_mm", "source_pa_m", "bandwidth_hz"});
-    assign(transducer.name, section.text("name"));
-    assign(transducer.radius_m, section.number("radius_mm", 0.1, 100.0), millimetre);
-    assign(transducer.source_pa_m, section.number("source_pa_m", 1e-3, 1e3));
-    assign(transducer.bandwidth_hz, section.number("bandwidth_hz", 1.0, 1e5));
+    section.only({"file", "name", "radius_mm", "source_pa_m", "bandwidth_hz", "directivity"});
+    if (const auto from = section.text("file")) {
+        try {
+            transducer = find_transducer(*from, std::filesystem::path(file).parent_path());
+        } catch (const Error& error) {
+            throw bad_input(section.at("file"), error.what());
+        }
+    }
+    read_transducer_keys(transducer, section);
 }
 
 void read_board(BoardSpec& board, const std::string& file, const toml::table& root) {
@@ -187,8 +122,6 @@ void read_board(BoardSpec& board, const std::string& file, const toml::table& ro
 
 }  // namespace
 
-double speed_of_sound(double temperature_c) { return 331.3 * std::sqrt(1.0 + temperature_c / 273.15); }
-
 std::string Array::unreachable(Vec3 focus) const {
     if (focus.z <= 0.0) return "on or behind the array";
     for (std::size_t m = 0; m < elements.size(); ++m) {
@@ -205,14 +138,7 @@ std::string Array::unreachable(Vec3 focus) const {
 
 Array load_array(const std::filesystem::path& path, const std::optional<BoardSpec>& board) {
     const std::string file = path.string();
-    const std::string text = read_file(path);
-    toml::table root;
-    try {
-        root = toml::parse(text);
-    } catch (const toml::parse_error& error) {
-        throw bad_input(fmt::format("{}:{}", file, error.source().begin.line),
-                        fmt::format("not valid TOML: {}", error.description()));
-    }
+    const toml::table root = section::parse(path);
     for (const auto& [key, node] : root)
         if (key != "name" && key != "array" && key != "medium" && key != "transducer" && key != "board")
             throw bad_input(
@@ -226,7 +152,8 @@ Array load_array(const std::filesystem::path& path, const std::optional<BoardSpe
             throw bad_input(place(file, *name), "name must be a text in quotes, found " + found(*name));
         array.name = name->value_or(array.name);
     }
-    read_medium(array.medium, file, root);
+    assign(array.carrier_hz, Section(file, root, "array").number("carrier_hz", 1e3, 1e6));
+    read_medium(array.medium, array.carrier_hz, file, root);
     read_transducer(array.transducer, file, root);
     read_board(array.board, file, root);
     if (board) array.board = *board;
@@ -247,12 +174,8 @@ Array load_array(const std::filesystem::path& path, const std::optional<BoardSpe
 
 Array find_array(const std::string& name, const std::optional<BoardSpec>& board) {
     if (name.find('/') != std::string::npos || name.ends_with(".toml")) return load_array(name, board);
-    std::error_code error;
-    const auto program = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
-    for (const auto& folder : {program / HAPTOGRAM_INSTALLED_ARRAYS, std::filesystem::path(HAPTOGRAM_SOURCE_ARRAYS)}) {
-        const auto path = folder / (name + ".toml");
-        if (std::filesystem::exists(path)) return load_array(path, board);
-    }
+    const auto path = shipped_array_file(name + ".toml");
+    if (!path.empty()) return load_array(path, board);
     throw bad_input(name,
                     "no shipped array has this name (shipped are tile-10x10, tile-7x8 and hoshi-18x18); give the path "
                     "of a .toml file");

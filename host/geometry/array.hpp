@@ -6,34 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "geometry/medium.hpp"
+#include "geometry/transducer.hpp"
 #include "geometry/vec3.hpp"
 
 namespace haptogram {
-
-/// The air between array and hand.
-struct Medium {
-    double speed_m_s = 343.2;
-    double density_kg_m3 = 1.204;
-    double absorption_np_m = 0.0;  ///< of the pressure amplitude, at the carrier
-};
-
-/// How a transducer's far field depends on the angle from its axis.
-enum class Pattern {
-    piston,  ///< 2·J1(ka·sin θ)/(ka·sin θ) (Haptogram eq. 9)
-    point,   ///< the same in every direction (eq. 6)
-    table,   ///< as it was measured
-};
-
-/// One kind of transducer. `source_pa_m` is calibrated per kind: pressure amplitude times distance on the axis, at full
-/// (50 %) duty, in Pa·m.
-struct Transducer {
-    std::string name = "MA40S4S";
-    double radius_m = 4.5e-3;
-    double source_pa_m = 4.0;
-    double bandwidth_hz = 2000.0;  ///< half-power; gives the ring-up time
-    Pattern pattern = Pattern::piston;
-    std::vector<double> table;  ///< of Pattern::table: amplitudes at even steps of angle from 0 to 90°, 1 on the axis
-};
 
 /// The FPGA board that drives the array.
 struct BoardSpec {
@@ -74,8 +51,5 @@ struct Array {
 
 /// Finds `name` as a path, or among the shipped arrays ("tile-10x10", "tile-7x8", "hoshi-18x18").
 [[nodiscard]] Array find_array(const std::string& name, const std::optional<BoardSpec>& board = {});
-
-/// Speed of sound in dry air at a temperature, metres per second: 331.3·√(1 + T/273.15).
-[[nodiscard]] double speed_of_sound(double temperature_c);
 
 }  // namespace haptogram

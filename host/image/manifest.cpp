@@ -49,6 +49,29 @@ std::uint32_t count(const ordered_json& json, const char* key, std::uint32_t low
     return member.get<std::uint32_t>();
 }
 
+/// "piston", "point", or the amplitudes at even steps from 0 to 90°.
+ordered_json directivity_to_json(const Transducer& transducer) {
+    if (transducer.pattern == Pattern::table) return transducer.table;
+    return transducer.pattern == Pattern::point ? "point" : "piston";
+}
+
+/// Manifests of before transducer files have none: a piston.
+void read_directivity(Transducer& transducer, const ordered_json& json, const std::string& where) {
+    const auto member = json.find("directivity");
+    if (member == json.end() || *member == "piston") {
+        transducer.pattern = Pattern::piston;
+    } else if (*member == "point") {
+        transducer.pattern = Pattern::point;
+    } else {
+        if (!member->is_array() || member->size() < 2 ||
+            !std::all_of(member->begin(), member->end(), [](const ordered_json& value) { return value.is_number(); }))
+            throw bad_member(where, "directivity", "\"piston\", \"point\" or a list of at least two amplitudes",
+                             *member);
+        transducer.pattern = Pattern::table;
+        transducer.table = member->get<std::vector<double>>();
+    }
+}
+
 /// The JSON library quotes what it could not read, which may be any bytes.
 std::string printable(std::string text) {
     std::replace_if(
@@ -68,11 +91,14 @@ ordered_json to_json(const Manifest& m) {
     json["image_sha256"] = m.image_sha256;
     json["array"] = {{"name", m.array.name}, {"carrier_hz", m.array.carrier_hz}, {"duty", m.array.duty}};
     for (const Vec3& element : m.array.elements) json["array"]["elements_mm"].push_back(to_mm(element));
-    json["medium"] = {{"speed_m_s", m.array.medium.speed_m_s}, {"density_kg_m3", m.array.medium.density_kg_m3}};
+    json["medium"] = {{"speed_m_s", m.array.medium.speed_m_s},
+                      {"density_kg_m3", m.array.medium.density_kg_m3},
+                      {"absorption_np_m", m.array.medium.absorption_np_m}};
     json["transducer"] = {{"name", m.array.transducer.name},
                           {"radius_mm", m.array.transducer.radius_m / millimetre},
                           {"source_pa_m", m.array.transducer.source_pa_m},
-                          {"bandwidth_hz", m.array.transducer.bandwidth_hz}};
+                          {"bandwidth_hz", m.array.transducer.bandwidth_hz},
+                          {"directivity", directivity_to_json(m.array.transducer)}};
     json["board"] = {{"name", m.array.board.name},
                      {"clock_hz", m.array.board.clock_hz},
                      {"baud", m.array.board.baud},
@@ -115,11 +141,14 @@ Manifest manifest_from_json(std::string_view text, const std::string& where) {
         const auto& medium = json.at("medium");
         m.array.medium.speed_m_s = positive(medium, "speed_m_s", where);
         m.array.medium.density_kg_m3 = positive(medium, "density_kg_m3", where);
+        if (medium.contains("absorption_np_m"))  // older manifests have none
+            m.array.medium.absorption_np_m = not_negative(medium, "absorption_np_m", where);
         const auto& transducer = json.at("transducer");
         m.array.transducer.name = transducer.at("name").get<std::string>();
         m.array.transducer.radius_m = not_negative(transducer, "radius_mm", where) * millimetre;
         m.array.transducer.source_pa_m = positive(transducer, "source_pa_m", where);
         m.array.transducer.bandwidth_hz = positive(transducer, "bandwidth_hz", where);
+        read_directivity(m.array.transducer, transducer, where);
         const auto& board = json.at("board");
         m.array.board = {board.at("name").get<std::string>(),   positive(board, "clock_hz", where),
                          count(board, "baud", 1, where),        count(board, "channels", 1, where),
