@@ -35,8 +35,8 @@ def plane(figure, panel, field, about):
     u_name, v_name = about["axes"]
     u, v = np.asarray(about[f"{u_name}_mm"]), np.asarray(about[f"{v_name}_mm"])
     scaled = field[v > NEAR_FIELD_MM] if v_name == "z" and (v > NEAR_FIELD_MM).any() else field
-    lowest = field.min() if "dB" in about["label"] else 0.0
-    image = panel.pcolormesh(u, v, field, cmap="magma", vmin=lowest, vmax=scaled.max(), shading="nearest", rasterized=True)
+    lowest = np.nanmin(field) if "dB" in about["label"] else 0.0
+    image = panel.pcolormesh(u, v, field, cmap="magma", vmin=lowest, vmax=np.nanmax(scaled), shading="nearest", rasterized=True)
     marks_of(panel, about, u_name, v_name)
     panel.set(xlabel=f"{u_name} / mm", ylabel=f"{v_name} / mm", title=f"{about['region']} mm", aspect="equal")
     figure.colorbar(image, ax=panel, label=about["label"], shrink=0.85)

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "image/manifest.hpp"
+
 namespace haptogram::cli {
 
 /// What a subcommand does once the command line has been read; returns the exit code.
@@ -16,6 +18,7 @@ void add_compile(CLI::App& app, Action& action);
 void add_inspect(CLI::App& app, Action& action);
 void add_simulate(CLI::App& app, Action& action);
 void add_field(CLI::App& app, Action& action);
+void add_analyze(CLI::App& app, Action& action);
 void add_board(CLI::App& app, Action& action);
 void add_board_run(CLI::App& board, Action& action);
 void add_device(CLI::App& app, Action& action);
@@ -44,5 +47,7 @@ void require_distinct(const std::vector<NamedPath>& inputs, const std::vector<Na
 
 /// The manifest's place beside an image: the same name with ".json".
 [[nodiscard]] std::string manifest_path(const std::string& image);
+/// That manifest. @throws Error{bad_input} also when it is another image's than `content`
+[[nodiscard]] Manifest manifest_beside(const std::string& image, const std::string& content);
 
 }  // namespace haptogram::cli

@@ -10,6 +10,7 @@
 
 #include "acoustics/kernel.hpp"
 #include "acoustics/measure.hpp"
+#include "acoustics/quantities.hpp"
 #include "acoustics/region.hpp"
 #include "base/error.hpp"
 #include "base/file.hpp"
@@ -66,17 +67,6 @@ Excitation of_focus(const FieldCommand& command) {
     return found;
 }
 
-Manifest read_manifest(const std::string& path) { return manifest_from_json(read_file(path), path); }
-
-/// The manifest beside an image, which must be its own.
-Manifest manifest_beside(const std::string& image, const std::string& content) {
-    const std::string path = manifest_path(image);
-    Manifest manifest = read_manifest(path);
-    if (manifest.image_sha256 != sha256(content))
-        throw bad_input(path, fmt::format("it is the manifest of another image than {}; compile that again", image));
-    return manifest;
-}
-
 Excitation of_image(const FieldCommand& command) {
     const std::string content = read_file(command.image);
     const Image image = from_intel_hex(content, command.image);
@@ -102,7 +92,7 @@ Excitation of_image(const FieldCommand& command) {
 }
 
 Excitation of_pulses(const FieldCommand& command) {
-    const Manifest manifest = read_manifest(command.manifest);
+    const Manifest manifest = manifest_from_json(read_file(command.manifest), command.manifest);
     const std::vector<Pulse> pulses = pulses_from_csv(read_file(command.pulses), command.pulses);
     if (pulses.empty()) throw bad_input(command.pulses, "no pulses in it; expected what simulate --pulses wrote");
     Excitation found{manifest.array, {}, {}, manifest.foci, command.pulses + ", as measured at the pins"};
@@ -157,7 +147,6 @@ int field(const FieldCommand& command) {
             sequence.push_back({excitation.weights[i], excitation.drives[i]});
         file.parts = {mean_square_pressure(excitation.array, sequence, file.region.grid, options)};
         const Medium& medium = excitation.array.medium;
-        const double skin = 2.0 / (medium.density_kg_m3 * medium.speed_m_s * medium.speed_m_s);
         const auto each = [&](const char* quantity, const char* label, auto make) {
             file.quantity = quantity;
             file.label = label;
@@ -165,12 +154,12 @@ int field(const FieldCommand& command) {
         };
         if (command.quantity == "radiation")
             each("radiation_pressure_pa", "time-averaged radiation pressure / Pa",
-                 [&](double square) { return skin * square; });
+                 [&](double square) { return radiation_pressure(std::sqrt(2.0 * square), medium); });
         else if (command.quantity == "rms")
             each("rms_pressure_pa", "rms sound pressure / Pa", [](double square) { return std::sqrt(square); });
         else
             each("spl_db", "sound pressure level / dB re 20 µPa",
-                 [](double square) { return 10.0 * std::log10(square / (20e-6 * 20e-6)); });
+                 [](double square) { return sound_level_db(std::sqrt(2.0 * square)); });
     }
     write_field(command.output, file);
     return 0;

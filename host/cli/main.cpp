@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "base/error.hpp"
+#include "base/file.hpp"
 #include "command.hpp"
 #include "image/manifest.hpp"
 
@@ -20,6 +21,14 @@ namespace haptogram::cli {
 std::string manifest_path(const std::string& image) {
     std::filesystem::path path(image);
     return path.replace_extension(".json").string();
+}
+
+Manifest manifest_beside(const std::string& image, const std::string& content) {
+    const std::string path = manifest_path(image);
+    Manifest manifest = manifest_from_json(read_file(path), path);
+    if (manifest.image_sha256 != sha256(content))
+        throw bad_input(path, fmt::format("it is the manifest of another image than {}; compile that again", image));
+    return manifest;
 }
 
 void complain(const std::string& message) {
@@ -91,6 +100,7 @@ int run(int argc, char** argv) {
     add_inspect(app, action);
     add_simulate(app, action);
     add_field(app, action);
+    add_analyze(app, action);
     add_board(app, action);
     add_bitstream(app, action);
     add_device(app, action);
@@ -107,9 +117,10 @@ int run(int argc, char** argv) {
         return app.exit(error) == 0 ? 0 : static_cast<int>(ErrorCode::usage);
     }
     if (!action)
-        throw Error(ErrorCode::usage, "haptogram",
-                    "expected a subcommand: compile, inspect, simulate, field, board, bitstream, device, upload, "
-                    "download, play or stream; see haptogram --help");
+        throw Error(
+            ErrorCode::usage, "haptogram",
+            "expected a subcommand: compile, inspect, simulate, field, analyze, board, bitstream, device, upload, "
+            "download, play or stream; see haptogram --help");
     return action();
 }
 

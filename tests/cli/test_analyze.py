@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`haptogram analyze`: each point of an image beside closed forms, its warnings, its safety note, and an array's workspace."""
+import json
+
+import numpy as np
+import pytest
+from support import BAD_INPUT, USAGE, assert_one_message, read_json, refuse, run, succeed
+
+
+@pytest.fixture(scope="module")
+def centre(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("centre")
+    succeed(["compile", "--shape", "point", "--center", "0,0,130", "--rate", 400, "-o", "image.hex"], cwd=folder)
+    return folder
+
+
+def analyzed(folder, *arguments):
+    return json.loads(succeed(["analyze", "image.hex", "--json", *arguments], cwd=folder).stdout)
+
+
+def test_a_focus_on_the_axis(centre):
+    found = analyzed(centre)
+    (point,) = found["points"]
+    manifest = read_json(centre / "image.json")
+    elements = np.array(manifest["array"]["elements_mm"])
+    distance = np.linalg.norm(elements - [0, 0, 130], axis=1)
+    assert point["flight_spread_us"] == pytest.approx((distance.max() - distance.min()) / manifest["medium"]["speed_m_s"] * 1e3, rel=1e-4)
+    assert point["width_mm"] == pytest.approx(10.8, abs=0.1)  # pistons of 4.5 mm
+    # |p| of the same number of points, less their directivity, which is 0.9 or more here; and P = 2 p_rms² / ρc² of it.
+    most = manifest["transducer"]["source_pa_m"] * (1e3 / distance).sum()
+    assert 0.85 * most < point["pressure_pa"] < most
+    medium = manifest["medium"]
+    assert point["radiation_pressure_pa"] == pytest.approx(point["pressure_pa"] ** 2 / (medium["density_kg_m3"] * medium["speed_m_s"] ** 2), rel=1e-3)
+    assert 0 < point["side_lobe"] < 0.1 and 40 < point["depth_mm"] < 90
+    # A square of the half width holds less than the peak over all of it.
+    assert 0.5 < point["force_mn"] / (point["radiation_pressure_pa"] * point["width_mm"] ** 2 * 1e-3) < 1
+    assert found["warnings"] == [] and point["too_weak"] is False
+
+
+def test_warnings(centre, small):
+    assert "too weak" in analyzed(centre, "--least-force", 1000)["warnings"][0]
+    found = json.loads(succeed(["analyze", "image.hex", "--json"], cwd=small.folder).stdout)  # 8 points in 2 ms: 10 cycles each
+    assert any("left before 90 %" in warning for warning in found["warnings"])
+    table = succeed(["analyze", "image.hex"], cwd=small.folder).stdout.decode()
+    assert len(table.splitlines()) == 1 + 8 + len(found["warnings"]) + 2 and "no certification" in table
+
+
+def test_loudness_of_one_focus(centre):
+    safety = analyzed(centre)["safety"]
+    field = succeed(["field", "image.hex", "--line", "z@x=0,y=0", "--z", "10:400", "--quantity", "spl"], cwd=centre).stdout.decode().splitlines()[1:]
+    level = {float(z): float(db) for z, db in (row.split(",") for row in field)}
+    assert safety["highest_on_axis_db_spl"] == pytest.approx(max(level.values()), abs=0.1)
+    assert safety["at_300_mm_db_spl"] == pytest.approx(level[300.0], abs=0.1)
+    assert safety["recommended_for_ears_db_spl"] == 110.0 and "certification" in safety["note"]
+
+
+def test_the_workspace_of_the_tile(tmp_path):
+    succeed(["analyze", "--array", "tile-10x10", "-o", "w.csv"], cwd=tmp_path)
+    rows = np.loadtxt(tmp_path / "w.csv", delimiter=",", skiprows=1)
+    assert np.isnan(rows[:, 2]).any()
+    best = rows[np.nanargmax(rows[:, 2])]
+    assert abs(best[0]) <= 2 and 36 <= best[1] <= 50  # the piston model peaks near 4 to 5 cm; the paper measured 14
+    succeed(["analyze", "--array", "tile-10x10", "--step", 10, "-o", "w.png"], cwd=tmp_path)
+    assert (tmp_path / "w.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(("arguments", "needle"), [([], "expected an image"), (["image.hex", "--array", "tile-10x10"], "exclude"),
+                                                   (["image.hex", "-o", "x.csv"], "--array"), (["image.hex", "--least-force", "0"], "positive")])  # fmt: skip
+def test_what_makes_no_sense(arguments, needle, centre):
+    assert_one_message(run(["analyze", *arguments], cwd=centre), USAGE, needle)
+
+
+def test_a_manifest_that_is_not_there(small):
+    small.manifest.unlink()
+    refuse(small.folder, ["analyze", "image.hex"], BAD_INPUT, "image.json", outputs=())
