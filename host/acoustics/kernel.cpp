@@ -56,17 +56,13 @@ void in_parallel(std::size_t units, const FieldOptions& options, Work work) {
 
 unsigned workers(const FieldOptions& options) { return std::max(1U, options.threads); }
 
-/// Points of one block, in double as they were given.
+/// Points of one block, in double as they were given, and the box around them.
 struct Points {
     std::array<double, WaveBlock::most> x, y, z;
     std::size_t count = 0;
+    Vec3 low, high;
 
     [[nodiscard]] Vec3 operator[](std::size_t i) const { return {x[i], y[i], z[i]}; }
-    void push(Vec3 p) {
-        x[count] = p.x;
-        y[count] = p.y;
-        z[count++] = p.z;
-    }
 };
 
 std::size_t blocks_of(std::size_t points) { return (points + WaveBlock::most - 1) / WaveBlock::most; }
@@ -76,24 +72,43 @@ std::size_t end_of_block(std::size_t block, std::size_t points) {
 }
 
 void take_block(std::span<const Vec3> from, std::size_t block, Points& points) {
+    const auto part = from.subspan(block * WaveBlock::most, end_of_block(block, from.size()) - block * WaveBlock::most);
+    points.low = points.high = part[0];
     points.count = 0;
-    for (std::size_t i = block * WaveBlock::most; i < end_of_block(block, from.size()); ++i) points.push(from[i]);
+    for (const Vec3& p : part) {
+        points.low = {std::min(points.low.x, p.x), std::min(points.low.y, p.y), std::min(points.low.z, p.z)};
+        points.high = {std::max(points.high.x, p.x), std::max(points.high.y, p.y), std::max(points.high.z, p.z)};
+        points.x[points.count] = p.x;
+        points.y[points.count] = p.y;
+        points.z[points.count++] = p.z;
+    }
 }
 
+/// A grid's block row by row: one point at a time would take longer than one element's wave to it.
 void take_block(const Grid& from, std::size_t block, Points& points) {
-    points.count = 0;
-    std::size_t i = block * WaveBlock::most;
-    const std::size_t end = end_of_block(block, from.size());
-    std::size_t column = i % from.x.size(), row = i / from.x.size() % from.y.size();
-    std::size_t plane = i / (from.x.size() * from.y.size());
-    for (; i < end; ++i) {
-        points.push({from.x[column], from.y[row], from.z[plane]});
-        if (++column < from.x.size()) continue;
-        column = 0;
-        if (++row < from.y.size()) continue;
-        row = 0;
-        ++plane;
+    const std::size_t columns = from.x.size(), rows = from.y.size();
+    const std::size_t begin = block * WaveBlock::most, end = end_of_block(block, from.size());
+    for (std::size_t i = begin, next = 0; i < end; i = next) {
+        const std::size_t row = i / columns;
+        next = std::min(end, (row + 1) * columns);
+        std::copy(&from.x[i - row * columns], &from.x[i - row * columns] + (next - i), &points.x[i - begin]);
+        std::fill_n(&points.y[i - begin], next - i, from.y[row % rows]);
+        std::fill_n(&points.z[i - begin], next - i, from.z[row / rows]);
     }
+    points.count = end - begin;
+    const std::size_t first = begin / columns, last = (end - 1) / columns;
+    const auto box = [](const std::vector<double>& axis, std::size_t a, std::size_t b, double& low, double& high) {
+        low = high = axis[a];
+        for (std::size_t i = a; i <= b; ++i) {
+            low = std::min(low, axis[i]);
+            high = std::max(high, axis[i]);
+        }
+    };
+    const bool one_row = first == last, one_plane = first / rows == last / rows;
+    box(from.x, one_row ? begin % columns : 0, one_row ? (end - 1) % columns : columns - 1, points.low.x,
+        points.high.x);
+    box(from.y, one_plane ? first % rows : 0, one_plane ? last % rows : rows - 1, points.low.y, points.high.y);
+    box(from.z, first / rows, last / rows, points.low.z, points.high.z);
 }
 
 /// An array's elements with what they play, in the form that blocks are made for.
@@ -137,19 +152,9 @@ public:
 
     /// @throws Error{bad_input} when a point coincides with an element
     void set(const Sources& sources, const Points& points) {
-        const auto [x0, x1] = std::minmax_element(points.x.begin(), points.x.begin() + ended(points));
-        const auto [y0, y1] = std::minmax_element(points.y.begin(), points.y.begin() + ended(points));
-        const auto [z0, z1] = std::minmax_element(points.z.begin(), points.z.begin() + ended(points));
-        const Vec3 half = Vec3{*x1 - *x0, *y1 - *y0, *z1 - *z0} * 0.5;
-        const Vec3 centre = Vec3{*x1 + *x0, *y1 + *y0, *z1 + *z0} * 0.5;
-        block.count = points.count;
-        for (std::size_t i = 0; i < points.count; ++i) {
-            const Vec3 p = points[i] - centre;
-            block.x[i] = static_cast<float>(p.x);
-            block.y[i] = static_cast<float>(p.y);
-            block.z[i] = static_cast<float>(p.z);
-            block.half_square[i] = static_cast<float>(dot(p, p) / 2.0);
-        }
+        const Vec3 half = (points.high - points.low) * 0.5;
+        const Vec3 centre = (points.high + points.low) * 0.5;
+        centre_block(points.x.data(), points.y.data(), points.z.data(), points.count, centre, block);
         // Coordinates are off by about 1e-7 of the block's size: nearer than a hundredth of it, a range would be off
         // by more than 1e-5 of itself.
         const double near_m = std::max(2.0 * coincident_m, 0.01 * norm(half));
@@ -172,8 +177,6 @@ public:
     }
 
 private:
-    static std::ptrdiff_t ended(const Points& points) { return static_cast<std::ptrdiff_t>(points.count); }
-
     void find_near(Vec3 element, const Points& points, double near_m) {
         for (std::size_t i = 0; i < points.count; ++i) {
             const Vec3 ray = points[i] - element;
@@ -227,6 +230,27 @@ void add_directly(const Array& array, Drives drives, const Where& where, std::sp
     });
 }
 
+/// What the grid's `row`, and with `pair` the row one pitch further on, share of one element's field: each row of the
+/// lattice is heard as from one row of elements by the first, and from the next one by the second.
+void set_shares(const Array& array, Drives drives, const ShiftedGrid& shifted, std::size_t row, bool pair,
+                std::vector<ShiftedShare>& shares) {
+    shares.clear();
+    const std::size_t columns = array.columns, rows = shifted.last_row + 1;
+    const auto drive = [&](std::size_t of_row, std::size_t column) {
+        const std::size_t m = of_row * columns + column;
+        return of_row < rows && m < drives.size() ? std::complex<float>(drives[m]) : std::complex<float>();
+    };
+    for (std::size_t i = 0; i < rows + (pair ? 1 : 0); ++i) {
+        const std::size_t at = shifted.rows[row + i * shifted.step_rows] * shifted.x.size();
+        for (std::size_t column = 0; column <= shifted.last_column; ++column) {
+            // Before the first row of elements this wraps around to one that there is not.
+            const auto a = drive(shifted.last_row - i, column), b = drive(shifted.last_row + 1 - i, column);
+            if (a == 0.0F && b == 0.0F) continue;
+            shares.push_back({at + shifted.column(column), {{a.real(), b.real()}, {a.imag(), b.imag()}}});
+        }
+    }
+}
+
 /// One element's field on the lattice, plane by plane, shifted under every element.
 void add_shifted(const Array& array, Drives drives, const Grid& grid, const ShiftedGrid& shifted,
                  std::span<std::complex<float>> found, const FieldOptions& options) {
@@ -234,6 +258,7 @@ void add_shifted(const Array& array, Drives drives, const Grid& grid, const Shif
     const std::complex<double> unit = 1.0;
     const std::size_t columns = shifted.x.size(), lattice = columns * shifted.y.size();
     std::vector<std::vector<float>> fields(workers(options));
+    std::vector<std::vector<ShiftedShare>> shares(workers(options));
     const auto places = workplaces(options);
     in_parallel(grid.z.size(), options, [&](unsigned worker, std::size_t plane) {
         Workplace& place = *places[worker];
@@ -248,13 +273,14 @@ void add_shifted(const Array& array, Drives drives, const Grid& grid, const Shif
             std::copy_n(place.re.begin(), place.points.count, field_re + block * WaveBlock::most);
             std::copy_n(place.im.begin(), place.points.count, field_im + block * WaveBlock::most);
         }
-        std::vector<ShiftedRow> shares(array.elements.size());
         for (std::size_t row = 0; row < grid.y.size(); ++row) {
-            for (std::size_t m = 0; m < shares.size(); ++m)
-                shares[m] = {shifted.row(row, m / array.columns) * columns + shifted.column(m % array.columns),
-                             static_cast<float>(drives[m].real()), static_cast<float>(drives[m].imag())};
-            const std::size_t at = (plane * grid.y.size() + row) * grid.x.size();
-            sum_shifted(field_re, field_im, shares, found.subspan(at, grid.x.size()));
+            if (row / shifted.step_rows % 2 == 1) continue;  // already, as a second row
+            const std::size_t next = row + shifted.step_rows;
+            const bool pair = next < grid.y.size();
+            std::complex<float>* first = &found[(plane * grid.y.size() + row) * grid.x.size()];
+            std::complex<float>* second = pair ? first + (next - row) * grid.x.size() : nullptr;
+            set_shares(array, drives, shifted, row, pair, shares[worker]);
+            sum_shifted(field_re, field_im, shares[worker], first, second, grid.x.size());
         }
     });
 }

@@ -32,7 +32,7 @@ std::optional<Steps> find_steps(const std::vector<double>& axis, const std::vect
     // The step's own rounding must not add up over the array.
     const double drift = std::abs(pitch - ratio * step) * static_cast<double>(elements.size() - 1);
     if (ratio > 1e6 || (elements.size() > 1 && ratio < 1.0) || drift > tolerance_m) return {};
-    return Steps{step, static_cast<std::size_t>(ratio)};
+    return Steps{step, std::max<std::size_t>(1, static_cast<std::size_t>(ratio))};
 }
 
 /// The lattice's coordinates: from where the last element sees the grid's first point, to where the first element sees

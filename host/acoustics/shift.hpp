@@ -18,10 +18,6 @@ struct ShiftedGrid {
 
     /// Where the lattice holds the grid's first column as the array's column `of` sees it.
     [[nodiscard]] std::size_t column(std::size_t of) const { return (last_column - of) * step_columns; }
-    /// Which of `y` is the grid's row as the array's row `of` sees it.
-    [[nodiscard]] std::size_t row(std::size_t grid_row, std::size_t of) const {
-        return rows[grid_row + (last_row - of) * step_rows];
-    }
 };
 
 /// The grid's shifts, if array and grid have them to within a nanometre.

@@ -156,6 +156,23 @@ void with_wave(const WaveModel& model, Call call) {
     choose.template operator()<PolynomialPattern<polynomial_degrees[2]>>();
 }
 
+/// Left to the compiler's own vectors, for not every processor has Highway's of double.
+void centre_block_at(const double* HWY_RESTRICT x, const double* HWY_RESTRICT y, const double* HWY_RESTRICT z,
+                     std::size_t count, Vec3 centre, WaveBlock& block) {
+    float* HWY_RESTRICT to_x = block.x.data();
+    float* HWY_RESTRICT to_y = block.y.data();
+    float* HWY_RESTRICT to_z = block.z.data();
+    float* HWY_RESTRICT half_square = block.half_square.data();
+    for (std::size_t i = 0; i < count; ++i) {
+        const double dx = x[i] - centre.x, dy = y[i] - centre.y, dz = z[i] - centre.z;
+        to_x[i] = static_cast<float>(dx);
+        to_y[i] = static_cast<float>(dy);
+        to_z[i] = static_cast<float>(dz);
+        half_square[i] = static_cast<float>((dx * dx + dy * dy + dz * dz) * 0.5);
+    }
+    block.count = count;
+}
+
 void sum_waves_to(const WaveModel& model, const WaveBlock& block, const WaveElement* elements, std::size_t count,
                   float* re, float* im) {
     const D d;
@@ -234,34 +251,60 @@ void sum_squares_to(const WaveModel& model, const WaveBlock& block, const WaveEl
     });
 }
 
-void sum_shifted_to(const float* field_re, const float* field_im, const ShiftedRow* shares, std::size_t count,
-                    float* out, std::size_t points) {
+/// `vectors` vectors of both rows: what is loaded of the field serves all of them.
+template <std::size_t rows, std::size_t vectors>
+void sum_shifted_tile(const float* field_re, const float* field_im, const ShiftedShare* shares, std::size_t count,
+                      std::size_t from, float* const* out, std::size_t points) {
     const D d;
     const std::size_t lanes = hn::Lanes(d);
-    constexpr int vectors = 4;
-    static_assert(vectors * HWY_MAX_BYTES / sizeof(float) <= shifted_tile);
-    HWY_ALIGN float tile[2 * shifted_tile];
-    for (std::size_t i = 0; i < points; i += vectors * lanes) {
-        V re[vectors], im[vectors];
-        for (int v = 0; v < vectors; ++v) re[v] = im[v] = hn::Zero(d);
-        for (const ShiftedRow* share = shares; share != shares + count; ++share) {
-            const float* from_re = field_re + share->at + i;
-            const float* from_im = field_im + share->at + i;
-            const V a = hn::Set(d, share->re), b = hn::Set(d, share->im);
-            for (int v = 0; v < vectors; ++v) {
-                const V f_re = hn::LoadU(d, from_re + static_cast<std::size_t>(v) * lanes);
-                const V f_im = hn::LoadU(d, from_im + static_cast<std::size_t>(v) * lanes);
-                re[v] = hn::NegMulAdd(b, f_im, hn::MulAdd(a, f_re, re[v]));
-                im[v] = hn::MulAdd(b, f_re, hn::MulAdd(a, f_im, im[v]));
+    V re[rows][vectors], im[rows][vectors];
+    for (std::size_t r = 0; r < rows; ++r)
+        for (std::size_t v = 0; v < vectors; ++v) re[r][v] = im[r][v] = hn::Zero(d);
+    for (const ShiftedShare* share = shares; share != shares + count; ++share) {
+        const float* from_re = field_re + share->at + from;
+        const float* from_im = field_im + share->at + from;
+        for (std::size_t v = 0; v < vectors; ++v) {
+            const V f_re = hn::LoadU(d, from_re + v * lanes), f_im = hn::LoadU(d, from_im + v * lanes);
+            for (std::size_t r = 0; r < rows; ++r) {
+                const V a = hn::Set(d, share->drives.re[r]), b = hn::Set(d, share->drives.im[r]);
+                re[r][v] = hn::NegMulAdd(b, f_im, hn::MulAdd(a, f_re, re[r][v]));
+                im[r][v] = hn::MulAdd(b, f_re, hn::MulAdd(a, f_im, im[r][v]));
             }
         }
-        const bool whole = i + vectors * lanes <= points;
-        float* to = whole ? out + 2 * i : tile;
-        for (int v = 0; v < vectors; ++v)
-            hn::StoreInterleaved2(re[v], im[v], d, to + 2 * static_cast<std::size_t>(v) * lanes);
-        if (!whole)
-            for (std::size_t k = 0; k < 2 * (points - i); ++k) out[2 * i + k] = tile[k];
     }
+    HWY_ALIGN float tile[2 * shifted_tile];
+    const bool whole = from + vectors * lanes <= points;
+    for (std::size_t r = 0; r < rows; ++r) {
+        float* to = whole ? out[r] + 2 * from : tile;
+        for (std::size_t v = 0; v < vectors; ++v) hn::StoreInterleaved2(re[r][v], im[r][v], d, to + 2 * v * lanes);
+        if (!whole)
+            for (std::size_t i = 0; i < 2 * (points - from); ++i) out[r][2 * from + i] = tile[i];
+    }
+}
+
+template <std::size_t rows>
+void sum_shifted_rows(const float* field_re, const float* field_im, const ShiftedShare* shares, std::size_t count,
+                      float* const* out, std::size_t points) {
+    const std::size_t lanes = hn::Lanes(D());
+    constexpr std::size_t most = HWY_TARGET <= HWY_AVX3 || !HWY_ARCH_X86 ? 4 : 2;  // as many as registers hold
+    static_assert(most * HWY_MAX_BYTES / sizeof(float) <= shifted_tile);
+    std::size_t from = 0;
+    for (; from + (most - 1) * lanes < points; from += most * lanes)
+        sum_shifted_tile<rows, most>(field_re, field_im, shares, count, from, out, points);
+    if constexpr (most > 2)
+        for (; from + lanes < points; from += 2 * lanes)
+            sum_shifted_tile<rows, 2>(field_re, field_im, shares, count, from, out, points);
+    for (; from < points; from += lanes)
+        sum_shifted_tile<rows, 1>(field_re, field_im, shares, count, from, out, points);
+}
+
+void sum_shifted_to(const float* field_re, const float* field_im, const ShiftedShare* shares, std::size_t count,
+                    float* first, float* second, std::size_t points) {
+    float* const out[2] = {first, second};
+    if (second == nullptr)
+        sum_shifted_rows<1>(field_re, field_im, shares, count, out, points);
+    else
+        sum_shifted_rows<2>(field_re, field_im, shares, count, out, points);
 }
 
 std::size_t lanes() { return hn::Lanes(D()); }
@@ -274,11 +317,16 @@ HWY_AFTER_NAMESPACE();
 
 namespace haptogram {
 
+HWY_EXPORT(centre_block_at);
 HWY_EXPORT(sum_waves_to);
 HWY_EXPORT(sum_squares_to);
 HWY_EXPORT(sum_shifted_to);
 HWY_EXPORT(lanes);
 HWY_EXPORT(target_of_waves);
+
+void centre_block(const double* x, const double* y, const double* z, std::size_t count, Vec3 centre, WaveBlock& block) {
+    HWY_DYNAMIC_DISPATCH(centre_block_at)(x, y, z, count, centre, block);
+}
 
 void sum_waves(const WaveModel& model, const WaveBlock& block, std::span<const WaveElement> elements, float* re,
                float* im) {
@@ -293,10 +341,11 @@ void sum_squares(const WaveModel& model, const WaveBlock& block, std::span<const
 
 std::size_t scratch_of_sum_squares(std::size_t elements) { return 4 * elements * HWY_DYNAMIC_DISPATCH(lanes)(); }
 
-void sum_shifted(const float* field_re, const float* field_im, std::span<const ShiftedRow> shares,
-                 std::span<std::complex<float>> out) {
+void sum_shifted(const float* field_re, const float* field_im, std::span<const ShiftedShare> shares,
+                 std::complex<float>* first, std::complex<float>* second, std::size_t points) {
     HWY_DYNAMIC_DISPATCH(sum_shifted_to)
-    (field_re, field_im, shares.data(), shares.size(), reinterpret_cast<float*>(out.data()), out.size());
+    (field_re, field_im, shares.data(), shares.size(), reinterpret_cast<float*>(first),
+     reinterpret_cast<float*>(second), points);
 }
 
 const char* wave_target() { return HWY_DYNAMIC_DISPATCH(target_of_waves)(); }

@@ -35,6 +35,9 @@ struct WaveBlock {
     std::size_t count = 0;
 };
 
+/// Makes a block of `count` points, up to WaveBlock::most.
+void centre_block(const double* x, const double* y, const double* z, std::size_t count, Vec3 centre, WaveBlock& block);
+
 /// A pair of drives for each element, side by side: two products share what is loaded of the propagation.
 struct DrivePair {
     float re[2], im[2];
@@ -54,16 +57,17 @@ void sum_squares(const WaveModel& model, const WaveBlock& block, std::span<const
                  std::span<const DrivePair> drives, std::span<const float> weights, float* scratch, float* mean);
 [[nodiscard]] std::size_t scratch_of_sum_squares(std::size_t elements);
 
-/// One element's share in a row of points: its drive, and where the row begins in the field of one element.
-struct ShiftedRow {
+/// What two rows of points share of one element's field: where in it both begin, and the drive that each hears it with.
+struct ShiftedShare {
     std::size_t at;
-    float re, im;
+    DrivePair drives;
 };
 
-/// Adds up shifted copies of one element's field: out[i] = Σ drive·field[at + i].
+/// Adds up shifted copies of one element's field: row[i] = Σ drive·field[at + i].
 /// @param field_re, field_im  readable for shifted_tile floats beyond the last one asked for
-void sum_shifted(const float* field_re, const float* field_im, std::span<const ShiftedRow> shares,
-                 std::span<std::complex<float>> out);
+/// @param second              none when there is only one row
+void sum_shifted(const float* field_re, const float* field_im, std::span<const ShiftedShare> shares,
+                 std::complex<float>* first, std::complex<float>* second, std::size_t points);
 inline constexpr std::size_t shifted_tile = 256;  ///< no less than four vectors of any processor
 
 /// The instruction set chosen, by Highway's name for it.
