@@ -64,7 +64,8 @@ double force_through_square(const std::function<std::complex<double>(Vec3)>& pre
     const auto panels = static_cast<std::size_t>(std::max(1.0, std::ceil(side_m / panel_m)));
     const double half = side_m / static_cast<double>(panels) / 2.0;
     const auto across = [&](std::size_t i) {  // the i-th node's distance from the square's middle
-        return (2.0 * static_cast<double>(i / nodes.size()) + 1.0 + nodes[i % nodes.size()]) * half - side_m / 2.0;
+        const std::size_t panel = i / nodes.size();
+        return (2.0 * static_cast<double>(panel) + 1.0 + nodes[i % nodes.size()]) * half - side_m / 2.0;
     };
     const std::size_t count = panels * nodes.size();
     double force = 0.0;

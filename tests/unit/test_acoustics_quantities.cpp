@@ -78,8 +78,9 @@ TEST_CASE("quantities: Hoshi's focus: 18.9 mm, 42 mm, 0.048, 143 mN", "[quantiti
         for (int j = 0; j < coarse; ++j) {
             Complex wave = 0.0;
             for (int m = 0; m < 324; ++m) {
+                const int row = m / 18;
                 const double ex = (m % 18 - 8.5) * 10e-3;
-                const double ey = (m / 18 - 8.5) * 10e-3;
+                const double ey = (row - 8.5) * 10e-3;
                 const double to_focus = std::sqrt(ex * ex + ey * ey + 0.04);
                 const double x = (i + 0.5) * width - diameter / 2 - ex;
                 const double y = (j + 0.5) * width - diameter / 2 - ey;
