@@ -145,6 +145,7 @@ TEST_CASE("transient: the array's steady pressure is the field's, at the focus a
     const std::size_t wait = 130;
     const auto trains = focal_trains(array, focus, 0, wait + 5);
     std::vector<Complex> drives;
+    drives.reserve(trains.size());
     for (const Train& pulses : trains)
         drives.push_back(array.transducer.source_pa_m *
                          carrier_component(std::span(pulses.data(), 1), carrier, period));
@@ -165,7 +166,7 @@ TEST_CASE("transient: ring-up and decay are 1 − e^(−t/τ) and e^(−t/τ)", 
     const double tau = 1.0 / (pi * bandwidth);
     const double tolerance = 1.1 * bandwidth / carrier;
     const auto periods = static_cast<std::size_t>(std::round(5.0 * tau / period));
-    const auto samples = output(resonator, train(periods, 0.0), {0.0, period / 32, 2 * 32 * periods});
+    const auto samples = output(resonator, train(periods, 0.0), {0.0, period / 32, std::size_t{64} * periods});
     const auto envelopes = envelope(samples, 32);
     const double stop = static_cast<double>(periods) * period;
     for (std::size_t i = 16; i + 16 < samples.size(); ++i) {
@@ -256,7 +257,7 @@ TEST_CASE("transient: alternating with itself keeps everything; sooner than slow
     REQUIRE(same.peak == Approx(1.0).epsilon(1e-9));
     REQUIRE(same.power == Approx(1.0).epsilon(1e-9));
     double before = 0.0;
-    for (const std::size_t periods : {1, 4, 26, 40, 200}) {
+    for (const std::size_t periods : std::initializer_list<std::size_t>{1, 4, 26, 40, 200}) {
         const double peak = alternate(array, resonator, focus, from_mm(30, 0, 100), periods).peak;
         REQUIRE(peak > before);
         before = peak;
