@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <hwy/targets.h>
+
 #include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
@@ -12,6 +14,7 @@
 #include "acoustics/kernel.hpp"
 #include "acoustics/pattern.hpp"
 #include "acoustics/shift.hpp"
+#include "acoustics/wave.hpp"
 #include "base/error.hpp"
 
 using namespace haptogram;
@@ -180,6 +183,42 @@ TEST_CASE("kernel: any number of points and elements", "[kernel]") {
         for (const std::size_t count : {1U, 2U, 7U, 15U, 16U, 17U, 31U, 33U, 64U, 1023U, 1024U, 1025U, 2049U}) {
             CAPTURE(elements, count);
             REQUIRE(error(array, drives, random_points(count, 0.1, 0.05, 0.2)) <= tight);
+        }
+    }
+}
+
+TEST_CASE("kernel: every instruction set of this processor", "[kernel]") {
+    CAPTURE(reseed());
+    Array array = grid_array(6, 5);
+    const Record drives = random_drives(array);
+    const WeightedDrives entry{1.0, drives};
+    const auto points = random_points(1100, 0.1, 0.05, 0.2);
+    const Grid grid{axis(-0.05, 1e-3, 77), axis(-0.05, 1e-3, 31), {0.1}};
+    const struct AllTargets {
+        ~AllTargets() {
+            hwy::SetSupportedTargetsForTest(0);
+            hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+        }
+    } afterwards;
+    for (std::int64_t targets = hwy::SupportedTargets(); targets != 0; targets &= targets - 1) {
+        const std::int64_t target = targets & -targets;
+        CAPTURE(hwy::TargetName(target));
+        hwy::SetSupportedTargetsForTest(target);
+        hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+        REQUIRE(std::string(wave_target()) == hwy::TargetName(target));
+        for (const Pattern pattern : {Pattern::piston, Pattern::point, Pattern::table}) {
+            array.transducer.pattern = pattern;
+            array.transducer.table = measured_table;
+            REQUIRE(error(array, drives, points) <= tight);
+            const Field on = pressure_on(array, drives, grid);
+            REQUIRE(error(array, drives, points_of(grid), on) <= tight);
+            const auto mean = mean_square_pressure(array, {&entry, 1}, grid);
+            float peak = 0.0F, worst = 0.0F;
+            for (std::size_t i = 0; i < mean.size(); ++i) {
+                peak = std::max(peak, mean[i]);
+                worst = std::max(worst, std::abs(mean[i] - std::norm(on[i]) / 2.0F));
+            }
+            REQUIRE(worst <= 1e-4F * peak);
         }
     }
 }
