@@ -42,8 +42,9 @@ Array square_array(std::uint32_t side) {
     array.elements.clear();
     array.columns = side;
     const double centre = (side - 1) / 2.0;
-    for (std::uint32_t m = 0; m < side * side; ++m)
-        array.elements.push_back({(m % side - centre) * 0.01, (m / side - centre) * 0.01, 0.0});
+    for (std::uint32_t row = 0; row < side; ++row)
+        for (std::uint32_t column = 0; column < side; ++column)
+            array.elements.push_back({(column - centre) * 0.01, (row - centre) * 0.01, 0.0});
     return array;
 }
 
@@ -96,10 +97,12 @@ nlohmann::ordered_json measure() {
     json["volume_shifted_apart"] = apart(pressure_on(listed, drives, volume), pressure_on(array, drives, volume));
 
     std::vector<std::vector<std::complex<double>>> records;
+    records.reserve(200);
     for (int i = 0; i < 200; ++i)
         records.push_back(
             ideal_drives(array, {0.035 * std::cos(i * 0.0314159), 0.035 * std::sin(i * 0.0314159), 0.13}));
     std::vector<WeightedDrives> sequence;
+    sequence.reserve(records.size());
     for (const auto& record : records) sequence.push_back({1.0, record});
     const Grid average{axis(-0.05, 1e-3, 100), axis(-0.05, 1e-3, 100), {0.13}};
     json["mean_square_ms"] = median_ms(9, [&] { (void)mean_square_pressure(array, sequence, average); });
