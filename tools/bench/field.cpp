@@ -86,7 +86,7 @@ nlohmann::ordered_json measure() {
     const Grid plane{axis(-0.1, 1e-3, 200), axis(-0.1, 1e-3, 200), {0.13}};
     std::vector<Vec3> points;
     for (std::size_t i = 0; i < plane.size(); ++i) points.push_back(plane.point(i));
-    json["plane_ms"] = median_ms(15, [&] { (void)pressure_at(array, drives, points); });
+    json["plane_ms"] = median_ms(51, [&] { (void)pressure_at(array, drives, points); });
     json["plane_shifted_ms"] = median_ms(15, [&] { (void)pressure_on(array, drives, plane); });
 
     const Grid volume{axis(-0.05, 1e-3, 100), axis(-0.05, 1e-3, 100), axis(0.05, 1e-3, 100)};
