@@ -4,6 +4,7 @@
 
 import argparse
 import json
+import os
 import pathlib
 import platform
 import signal
@@ -20,8 +21,8 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 BOARDS = ROOT / "build/boards"
 
 
-def run(*arguments):
-    result = subprocess.run([str(a) for a in arguments], stdout=subprocess.PIPE, text=True)
+def run(*arguments, **environment):
+    result = subprocess.run([str(a) for a in arguments], stdout=subprocess.PIPE, text=True, env={**os.environ, **environment})
     if result.returncode != 0:
         sys.exit(f"bench: {' '.join(map(str, arguments))} ended with exit code {result.returncode}")
     return result.stdout
@@ -98,6 +99,27 @@ def link_rows(build):
     ]  # fmt: skip
 
 
+def field_rows(build):
+    """Fields, in single precision on one thread unless said, each beside numpy on one thread."""
+    ours = json.loads(run(build / "tools/bench/haptogram_measure_field"))
+    theirs = json.loads(run(sys.executable, ROOT / "tools/bench/field_numpy.py", OPENBLAS_NUM_THREADS="1", OMP_NUM_THREADS="1"))
+
+    def row(what, most, ms, numpy_ms, numpy_what, also=True, said=""):
+        return (what, f"≤ {most:,} ms", ms <= most and also, f"{ms:.2f} ms ({ours['target']}){said}; numpy {numpy_what} {numpy_ms:,.0f} ms, ratio {numpy_ms / ms:.1f}")
+
+    apart, memory = ours["volume_shifted_apart"], ours["large_memory_over_output"]
+    return [
+        row("piston field, 100 elements × 200×200 points", 4, ours["plane_ms"], theirs["plane_float64_ms"], "float64",
+            said=f"; numpy float32 {theirs['plane_float32_ms']:,.0f} ms"),
+        row("piston field, 100 elements × 100³ points, any points", 100, ours["volume_ms"], theirs["volume_float32_ms"], "float32, 5 planes scaled,"),
+        row("the same on the array's own grid", 30, ours["volume_shifted_ms"], theirs["volume_shifted_ms"], "complex64 by shifts, 5 planes scaled,",
+            apart <= 1e-4, f", {apart:.0e} of the peak from the direct sum"),
+        row("32×32 elements × 200³ points on the array's grid, 2 threads", 3000, ours["large_shifted_2_threads_ms"], theirs["large_shifted_ms"],
+            "complex64 by shifts, 1 thread, 1 plane scaled,", memory <= 2.0, f", {memory:.2f} of the output's memory with it"),
+        row("mean square of a sequence of 200 points, 100×100 points", 100, ours["mean_square_ms"], theirs["mean_square_ms"], "complex64"),
+    ]  # fmt: skip
+
+
 def patch_s(program, folder, board):
     """A compiled image into a bitstream that is already placed: whole program, median of five after one."""
     image = folder / f"{board}.hex"
@@ -148,6 +170,8 @@ def measure(build):
         fast = simulate(program, folder, 200)
         say("upload, stream and select over the link")
         link = link_rows(build)
+        say("fields, and fields in numpy")
+        fields = field_rows(build)
         say("compile of a million points")
         million_s = compile_million_s(program, folder)
         say("images into bitstreams")
@@ -171,6 +195,7 @@ def measure(build):
         ("co-simulation, 100 channels, pulses recorded, one thread", "≥ 5 Mclk/s", speed >= 5.0,
          f"{speed:.2f} Mclk/s, {speed / 50.0:.3f} of real time (three runs: " + ", ".join(f"{r['playing_mclk_per_s']:.2f}" for r in slow) + ")"),
         ("board run --speed max, 100 channels playing", "≥ 5 Mclk/s", virtual >= 5.0, f"{virtual:.2f} Mclk/s"),
+        *fields,
         *link,
         ("compile of 10^6 points to 200", "≤ 2 s", million_s <= 2.0, f"{million_s:.2f} s"),
         *boards,

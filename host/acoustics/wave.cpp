@@ -106,8 +106,8 @@ struct TablePattern {
         const V from = hn::GatherIndex(d, values, low);
         const V to = hn::GatherIndex(d, values, hn::Add(low, hn::Set(di, 1)));
         const V found = hn::MulAdd(hn::Sub(to, from), hn::Sub(place, hn::ConvertTo(d, low)), from);
-        // A point at the element's height may be a rounding below it: it is not yet behind.
-        return behind ? found : hn::IfThenElseZero(hn::Ge(dz, hn::Set(d, -1e-6F)), found);
+        // Rounding keeps the order of heights, so that nothing in front or beside comes to lie behind.
+        return behind ? found : hn::IfThenElseZero(hn::Ge(dz, hn::Zero(d)), found);
     }
 };
 

@@ -51,7 +51,7 @@ void sum_waves(const WaveModel& model, const WaveBlock& block, std::span<const W
 /// Σ weight·|p|² at each point over many drives of the same elements, whose amplitudes are 1.
 /// @param drives   pairs × elements
 /// @param weights  two a pair
-/// @param scratch  room for scratch_of_sum_squares() floats
+/// @param scratch  room for scratch_of_sum_squares() floats, aligned as Highway allocates
 /// @param mean     room for WaveBlock::most
 void sum_squares(const WaveModel& model, const WaveBlock& block, std::span<const WaveElement> elements,
                  std::span<const DrivePair> drives, std::span<const float> weights, float* scratch, float* mean);

@@ -3,11 +3,12 @@
 #include "acoustics/field.hpp"
 
 #include <fmt/core.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "acoustics/kernel.hpp"
 #include "acoustics/wave.hpp"
@@ -41,8 +42,9 @@ Array square_array(std::uint32_t side) {
     array.elements.clear();
     array.columns = side;
     const double centre = (side - 1) / 2.0;
-    for (std::uint32_t m = 0; m < side * side; ++m)
-        array.elements.push_back({(m % side - centre) * 0.01, (m / side - centre) * 0.01, 0.0});
+    for (std::uint32_t row = 0; row < side; ++row)
+        for (std::uint32_t column = 0; column < side; ++column)
+            array.elements.push_back({(column - centre) * 0.01, (row - centre) * 0.01, 0.0});
     return array;
 }
 
@@ -56,10 +58,14 @@ double apart(const std::vector<std::complex<float>>& a, const std::vector<std::c
     return most / peak;
 }
 
-double resident_bytes() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return 1024.0 * static_cast<double>(usage.ru_maxrss);
+/// The most memory that this program has had so far; getrusage() would count its parent's, too.
+double most_bytes() {
+    std::ifstream status("/proc/self/status");
+    std::string key;
+    double kib = 0.0;
+    while (status >> key && key != "VmHWM:") status.ignore(1000, '\n');
+    status >> kib;
+    return 1024.0 * kib;
 }
 
 nlohmann::ordered_json measure() {
@@ -71,16 +77,16 @@ nlohmann::ordered_json measure() {
         const Array large = square_array(32);
         const auto large_drives = ideal_drives(large, {0.0, 0.0, 0.2});
         const Grid grid{axis(-0.0995, 1e-3, 200), axis(-0.0995, 1e-3, 200), axis(0.1, 1e-3, 200)};
-        const double before = resident_bytes();
+        const double before = most_bytes();
         json["large_shifted_2_threads_ms"] =
             median_ms(1, [&] { (void)pressure_on(large, large_drives, grid, {.threads = 2}); });
         json["large_memory_over_output"] =
-            (resident_bytes() - before) / static_cast<double>(grid.size() * sizeof(std::complex<float>));
+            (most_bytes() - before) / static_cast<double>(grid.size() * sizeof(std::complex<float>));
     }
     const Grid plane{axis(-0.1, 1e-3, 200), axis(-0.1, 1e-3, 200), {0.13}};
     std::vector<Vec3> points;
     for (std::size_t i = 0; i < plane.size(); ++i) points.push_back(plane.point(i));
-    json["plane_ms"] = median_ms(15, [&] { (void)pressure_at(array, drives, points); });
+    json["plane_ms"] = median_ms(51, [&] { (void)pressure_at(array, drives, points); });
     json["plane_shifted_ms"] = median_ms(15, [&] { (void)pressure_on(array, drives, plane); });
 
     const Grid volume{axis(-0.05, 1e-3, 100), axis(-0.05, 1e-3, 100), axis(0.05, 1e-3, 100)};
@@ -91,10 +97,12 @@ nlohmann::ordered_json measure() {
     json["volume_shifted_apart"] = apart(pressure_on(listed, drives, volume), pressure_on(array, drives, volume));
 
     std::vector<std::vector<std::complex<double>>> records;
+    records.reserve(200);
     for (int i = 0; i < 200; ++i)
         records.push_back(
             ideal_drives(array, {0.035 * std::cos(i * 0.0314159), 0.035 * std::sin(i * 0.0314159), 0.13}));
     std::vector<WeightedDrives> sequence;
+    sequence.reserve(records.size());
     for (const auto& record : records) sequence.push_back({1.0, record});
     const Grid average{axis(-0.05, 1e-3, 100), axis(-0.05, 1e-3, 100), {0.13}};
     json["mean_square_ms"] = median_ms(9, [&] { (void)mean_square_pressure(array, sequence, average); });
