@@ -110,8 +110,9 @@ std::vector<float> workspace(const Array& array, const Grid& grid) {
 Loudness loudness(const Array& array, std::span<const WeightedDrives> sequence) {
     constexpr double ear_m = 0.3;
     constexpr double farthest_m = 1.0;
-    std::vector<double> z;
-    for (double at = array.wavelength_m(); at < farthest_m; at += 1e-3) z.push_back(at);
+    constexpr double apart_m = 1e-3;
+    std::vector<double> z(static_cast<std::size_t>((farthest_m - array.wavelength_m()) / apart_m));
+    for (std::size_t i = 0; i < z.size(); ++i) z[i] = array.wavelength_m() + static_cast<double>(i) * apart_m;
     z.push_back(ear_m);
     const std::vector<float> square = mean_square_pressure(array, sequence, {{0.0}, {0.0}, z});
     const auto highest = static_cast<std::size_t>(std::max_element(square.begin(), square.end()) - square.begin());

@@ -37,7 +37,9 @@ std::vector<double> coordinates(char axis, const Reach& reach) {
     const auto& range = axis == 'x' ? reach.x : axis == 'y' ? reach.y : reach.z;
     const auto count = static_cast<std::size_t>(count_of(axis, reach));
     // Whole multiples of the step where no range is given, so that the axis itself is among them.
-    const double first = range ? range->first / reach.step_m : axis == 'z' ? 1.0 : -static_cast<double>(count / 2);
+    const double first = range         ? range->first / reach.step_m
+                         : axis == 'z' ? 1.0
+                                       : -std::floor(static_cast<double>(count) / 2.0);
     std::vector<double> values;
     for (std::size_t i = 0; i < count; ++i) values.push_back((first + static_cast<double>(i)) * reach.step_m);
     return values;
@@ -58,10 +60,9 @@ std::pair<double, double> parse_range(const std::string& option, const std::stri
 Region parse_region(const std::string& option, const std::string& text, const Reach& reach) {
     const auto fail = [&] {
         return usage(
-            option,
-            fmt::format("expected a line such as z@x=0,y=5, a plane such as xy@z=130, xz@y=0 or yz@x=0, or the "
-                        "volume xyz (mm), found '{}'",
-                        text));
+            option, fmt::format("expected a line such as z@x=0,y=5, a plane such as xy@z=130, xz@y=0 or yz@x=0, or the "
+                                "volume xyz (mm), found '{}'",
+                                text));
     };
     if (!(reach.step_m > 0.0) || !(reach.extent_m >= reach.step_m))
         throw usage("--step", fmt::format("must be positive and no more than --extent, found {} mm and {} mm",

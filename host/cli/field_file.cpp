@@ -15,8 +15,6 @@
 #include "base/error.hpp"
 #include "base/file.hpp"
 
-extern char** environ;
-
 namespace haptogram::cli {
 namespace {
 

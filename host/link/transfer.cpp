@@ -64,6 +64,7 @@ Request writing(const Piece& piece) {
 /// Those whose digest is not what the board says of their place.
 std::vector<Piece> differing(Client& client, const std::vector<Piece>& pieces, const Told& told) {
     std::vector<Request> requests;
+    requests.reserve(pieces.size());
     for (const Piece& piece : pieces) requests.push_back(asking(Command::digest, piece));
     const std::vector<Reply> replies = client.pipeline(std::move(requests), told);
     std::vector<Piece> found;
@@ -110,6 +111,7 @@ Uploaded upload(Client& client, const Image& image, const Told& told) {
     };
     const std::vector<Piece> wrong = differing(client, pieces, part(0.0, 0.05));
     std::vector<Request> requests;
+    requests.reserve(wrong.size());
     for (const Piece& piece : wrong) requests.push_back(writing(piece));
     client.pipeline(std::move(requests), part(0.05, 0.95));
     const std::vector<Piece> still = differing(client, wrong, part(0.95, 1.0));
@@ -124,6 +126,7 @@ Uploaded upload(Client& client, const Image& image, const Told& told) {
 std::string compare(Client& client, const Image& image, const Told& told) {
     const std::vector<Piece> pieces = pieces_of(image);
     std::vector<Request> requests;
+    requests.reserve(pieces.size());
     for (const Piece& piece : pieces) requests.push_back(asking(Command::read, piece));
     const std::vector<Reply> replies = client.pipeline(std::move(requests), told);
     for (std::size_t i = 0; i < pieces.size(); ++i) {
