@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <thread>
 
 #include "acoustics/kernel.hpp"
@@ -91,6 +92,41 @@ Excitation of_image(const FieldCommand& command) {
     return found;
 }
 
+/// A manifest alone: exact phases for each of its points, in the shares of its dwells.
+Excitation of_manifest(const FieldCommand& command) {
+    const Manifest manifest = manifest_from_json(read_file(command.image), command.image);
+    if (command.record > manifest.foci.size())
+        throw Error(ErrorCode::usage, "--record",
+                    fmt::format("the manifest has {}, not {}", manifest.foci.size(), command.record));
+    Excitation found{manifest.array, {}, {}, manifest.foci, command.image + ", exact phases"};
+    for (std::size_t i = 0; i < manifest.foci.size(); ++i) {
+        if (command.record > 0 && i + 1 != command.record) continue;
+        found.drives.push_back(ideal_drives(manifest.array, manifest.foci[i]));
+        for (std::complex<double>& drive : found.drives.back())
+            drive *= std::sin(std::numbers::pi * manifest.timer.duty());
+        found.weights.push_back(manifest.dwell_cycles.at(i));
+    }
+    if (command.record > 0) found.foci = {manifest.foci[command.record - 1]};
+    return found;
+}
+
+/// Root mean square of the particle's speed, m/s; in double precision, point by point.
+std::vector<float> rms_velocity(const Excitation& excitation, const Grid& grid, Progress& progress) {
+    double total = 0.0;
+    for (const double weight : excitation.weights) total += weight;
+    std::vector<float> found;
+    for (std::size_t i = 0; i < grid.size(); ++i) {
+        double square = 0.0;
+        for (std::size_t r = 0; r < excitation.drives.size(); ++r) {
+            const ComplexVec3 v = particle_velocity(excitation.array, excitation.drives[r], grid.point(i));
+            square += excitation.weights[r] / total * (std::norm(v.x) + std::norm(v.y) + std::norm(v.z)) / 2.0;
+        }
+        found.push_back(static_cast<float>(std::sqrt(square)));
+        progress.update(static_cast<double>(i + 1) / static_cast<double>(grid.size()));
+    }
+    return found;
+}
+
 Excitation of_pulses(const FieldCommand& command) {
     const Manifest manifest = manifest_from_json(read_file(command.manifest), command.manifest);
     const std::vector<Pulse> pulses = pulses_from_csv(read_file(command.pulses), command.pulses);
@@ -120,9 +156,10 @@ int field(const FieldCommand& command) {
     check_field_path(command.output, file.region, complex_values);
     require_distinct({{"image", command.image}, {"--pulses", command.pulses}, {"--manifest", command.manifest}},
                      {{"--output", command.output}});
-    const Excitation excitation = !command.focus.empty()   ? of_focus(command)
-                                  : !command.image.empty() ? of_image(command)
-                                                           : of_pulses(command);
+    const Excitation excitation = !command.focus.empty()             ? of_focus(command)
+                                  : command.image.ends_with(".json") ? of_manifest(command)
+                                  : !command.image.empty()           ? of_image(command)
+                                                                     : of_pulses(command);
     file.marks = excitation.foci;
     file.title = excitation.title;
     Progress progress("field");
@@ -141,6 +178,10 @@ int field(const FieldCommand& command) {
             file.parts[0].push_back(value.real());
             file.parts[1].push_back(value.imag());
         }
+    } else if (command.quantity == "velocity") {
+        file.quantity = "rms_velocity_m_s";
+        file.label = "rms particle velocity / (m/s)";
+        file.parts = {rms_velocity(excitation, file.region.grid, progress)};
     } else {
         std::vector<WeightedDrives> sequence;
         for (std::size_t i = 0; i < excitation.drives.size(); ++i)
@@ -173,7 +214,8 @@ void add_field(CLI::App& app, Action& action) {
         "field",
         "The sound field of an image, of one focal point, or of measured pulses, along a line, in a plane or a volume");
     auto* image = sub->add_option("image", options->image,
-                                  "Intel HEX image, with its manifest beside it: the mean over its sequence");
+                                  "Intel HEX image, with its manifest beside it: the mean over its sequence. Or a "
+                                  "manifest (.json): the same of exact phases");
     sub->add_option("--record", options->record, "Only this record of the image")->needs(image)->check(whole(1, 65535));
     auto* focus = sub->add_option("--focus", options->focus, "Exact phases for x,y,z (mm) instead")->excludes(image);
     sub->add_option("--array", options->array, "Array of --focus")->needs(focus)->capture_default_str();
@@ -194,8 +236,10 @@ void add_field(CLI::App& app, Action& action) {
     sub->add_option("--x", options->x, "From:to along x, mm, instead of the extent");
     sub->add_option("--y", options->y, "The same along y");
     sub->add_option("--z", options->z, "The same along z");
-    sub->add_option("--quantity", options->quantity, "radiation (pressure on skin), rms, spl, or complex (pressure)")
-        ->check(CLI::IsMember({"radiation", "rms", "spl", "complex"}))
+    sub->add_option(
+           "--quantity", options->quantity,
+           "radiation (pressure on skin), rms (pressure), spl, velocity (of particles, rms), or complex (pressure)")
+        ->check(CLI::IsMember({"radiation", "rms", "spl", "velocity", "complex"}))
         ->capture_default_str();
     sub->add_option("--threads", options->threads, "0: as many as there are")
         ->check(whole(0, 1024))

@@ -54,6 +54,23 @@ def test_an_image_makes_the_field_of_its_pulses(small):
     assert np.allclose(level[:, 2], 10 * np.log10(square / 4e-10), atol=1e-3)
 
 
+def test_a_manifest_alone_has_exact_phases(small):
+    arguments = ["--extent", 40, "--step", 5]
+    _, exact = field_of(small.folder, "image.json", *arguments)
+    _, ticks = field_of(small.folder, "image.hex", *arguments)
+    assert np.allclose(exact[:, 2], ticks[:, 2], rtol=0.02, atol=0.01 * exact[:, 2].max()) and not np.array_equal(exact, ticks)
+    _, one = field_of(small.folder, "image.json", "--record", 2, *arguments)
+    assert one[:, 2].max() > 4 * exact[:, 2].max()
+
+
+def test_particle_velocity_far_away_is_that_of_a_plane_wave(small):
+    line = ["--focus", "0,0,900", "--line", "z@x=0,y=0", "--z", "1000:1100", "--step", 50]
+    medium = read_json(small.manifest)["medium"]
+    _, velocity = field_of(small.folder, *line, "--quantity", "velocity")
+    _, rms = field_of(small.folder, *line, "--quantity", "rms")
+    assert np.allclose(velocity[:, 1] * medium["density_kg_m3"] * medium["speed_m_s"], rms[:, 1], rtol=5e-3)
+
+
 def test_one_record_of_an_image(small):
     focus = read_json(small.manifest)["records"][2]["focus_mm"]
     _, field = field_of(small.folder, "image.hex", "--record", 3, "--plane", f"xy@z={focus[2]}", "--extent", 40)
