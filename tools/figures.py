@@ -75,6 +75,16 @@ class Work:
         run(self.program, "field", "--plane", region, *arguments, "-o", path)
         return plot_field.read_csv(path, region, label, [])
 
+    def highest(self, region, played, *arguments):
+        """The largest amplitude at each point of a plane over a pass, kPa: record by record, as the image has them."""
+        image, path = played[0].with_suffix(".hex"), self.data / "plane.csv"
+        best, about = 0.0, None
+        for record in range(1, len(played[3]) + 1):
+            run(self.program, "field", image, "--record", record, "--plane", region, "--quantity", "rms", *arguments, "-o", path)
+            field, about = plot_field.read_csv(path, region, "largest sound pressure amplitude / kPa", [])
+            best = np.maximum(best, field * np.sqrt(2.0) / 1e3)
+        return best, about
+
     def line(self, region, *arguments):
         path = self.data / "line.csv"
         run(self.program, "field", "--line", region, *arguments, "-o", path)
@@ -403,27 +413,38 @@ def haptogram_20(work, name):
     foci = played[3]
     side = work.plane("xz@y=0", *of(played), "--x", "-75:75", "--z", "90:230", "--step", 1)
     slice_ = work.plane("xy@z=160", *of(played), "--extent", 75, "--step", 1)
-    figure = plt.figure(figsize=(14.5, 4.6), constrained_layout=True)
-    solid = figure.add_subplot(1, 3, 1, projection="3d")
+    highest = work.highest("xz@y=0", played, "--x", "-75:75", "--z", "90:230", "--step", 2)
+    figure = plt.figure(figsize=(11.5, 9.4), constrained_layout=True)
+    solid = figure.add_subplot(2, 2, 1, projection="3d")
     solid.scatter(foci[:, 0], foci[:, 1], foci[:, 2], c=foci[:, 2], cmap="viridis", s=9)
     solid.set(xlabel="x / mm", ylabel="y / mm", zlabel="z / mm", title="200 focal points")
-    solid.set_box_aspect((2, 2, 1), zoom=0.8)
+    solid.set_box_aspect((2, 2, 1), zoom=0.85)
     solid.locator_params(nbins=5)
-    for place, (field, title) in enumerate(((side, "y = 0, mean over one pass, from the pins"), (slice_, "z = 160 mm, the same")), start=2):
-        panel = figure.add_subplot(1, 3, place)
+    titles = "y = 0, mean over one pass, from the pins", "z = 160 mm, mean over one pass, from the pins", "y = 0, largest over the pass, record by record"
+    for place, (field, title) in enumerate(zip((side, slice_, highest), titles), start=2):
+        panel = figure.add_subplot(2, 2, place)
         plot_field.plane(figure, panel, *field)
         panel.set_title(title)
-        angle = np.linspace(0, np.pi * (1 if place == 2 else 2), 200)
-        radius = 50.0 if place == 2 else np.sqrt(50.0**2 - 20.0**2)
-        panel.plot(radius * np.cos(angle), (140 if place == 2 else 0) + radius * np.sin(angle), ":", color="#5fe3ff", lw=1, label="the surface asked for")
-        legend(panel, loc="upper right")
+        across = place == 3
+        angle = np.linspace(0, np.pi * (2 if across else 1), 200)
+        radius = np.sqrt(50.0**2 - 20.0**2) if across else 50.0
+        panel.plot(radius * np.cos(angle), (0 if across else 140) + radius * np.sin(angle), ":", color="#5fe3ff", lw=1, label="the surface asked for")
+        if field is highest:
+            panel.contour(field[1]["x_mm"], field[1]["z_mm"], field[0], levels=[2.0], colors="white", linewidths=1.2)
+            panel.plot([], [], color="white", label="2 kPa, the threshold of Fig. 21")
+        legend(panel, loc="upper right", facecolor="#777777", labelcolor="white")
     save(work, figure, name)
     pressures, rows = pass_rows(played, 200, 7)
     radii = np.linalg.norm(foci - [0, 0, 140], axis=1)
+    axis = side[0][:, int(np.argmin(abs(np.asarray(side[1]["x_mm"]))))]
+    centre, top = (axis[int(np.argmin(abs(np.asarray(side[1]["z_mm"]) - z)))] for z in (140, 190))
     return [
+        row("mean radiation pressure at the sphere's centre over that at its top", centre / top,
+            why="in the mean over a pass it is no shell: foci are deep, and every wave to the top passes below. The paper shows what is above 2 kPa"),
         row("radius of the points about (0, 0, 140) mm, mean", radii.mean(), "mm", 50.0, "text"),
         row("sound pressure at each point while it plays, mean", pressures.mean(), "kPa", 2.65, "measured", SOURCE),
         row("its standard deviation", pressures.std(), "kPa", 0.2, "measured", "in the model the points differ by distance and directivity alone"),
+        row("points above 2 kPa, the threshold of Fig. 21", 100 * (pressures > 2.0).mean(), "%", why="the paper shows its hemisphere by what is above; which share of its points that is it does not say"),
         row("its standard deviation over its mean", 100 * pressures.std() / pressures.mean(), "%", 100 * 0.2 / 2.65, "measured"),
         *rows,
     ]  # fmt: skip
@@ -620,7 +641,8 @@ def page(figures):
         f"<title>Haptogram: the papers' figures, computed</title><style>{STYLE}</style></head><body>",
         "<h1>The papers' figures, computed</h1><p>Every number under “ours” was computed in the run that wrote this page (<code>make figures</code>). "
         "Where the paper's number is a measurement, ours is the theory's for the same set-up, and the last column says what is known of the "
-        "difference. Nothing is tuned to agree. The fields of the point, the line, the circles and the hemisphere come from the pulses measured "
+        "difference. Nothing is tuned to agree. “Haptogram” is the paper of this system, “Hoshi” is T. Hoshi et al., <em>Noncontact Tactile "
+        "Display Based on Radiation Pressure of Airborne Ultrasound</em>. The fields of the point, the line, the circles and the hemisphere come from the pulses measured "
         'at the pins of the Verilated FPGA, each of one pass; they are steady ones, each point\'s with its full pressure: '
         'what ring-up and switching cost has figures of its own. The same numbers: <a href="figures.json">figures.json</a>.</p><ul>',
         *(f'<li><a href="#{f["id"]}">{e(f["title"])}</a></li>' for f in figures),
