@@ -5,13 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "acoustics/field.hpp"
 #include "acoustics/quantities.hpp"
 #include "acoustics/transient.hpp"
-#include "base/error.hpp"
 #include "focus/formation.hpp"
 
 namespace {
@@ -184,17 +184,15 @@ Json modulation(const Array& hoshi) {
 
 }  // namespace
 
-int main() {
-    try {
-        const Array tile = find_array("tile-10x10");
-        const Array hoshi = find_array("hoshi-18x18");
-        const Json found{{"formation", formation_over_time(tile)}, {"alternation", alternation(tile)},
-                         {"elevations", elevations(tile)},         {"hoshi_focus", hoshi_focus(hoshi)},
-                         {"energy_loss", energy_loss()},           {"modulation", modulation(hoshi)}};
-        fmt::print("{}\n", found.dump());
-        return 0;
-    } catch (const Error& error) {
-        fmt::print(stderr, "haptogram_figures: {}\n", error.what());
-        return 1;
-    }
+int main() try {
+    const Array tile = find_array("tile-10x10");
+    const Array hoshi = find_array("hoshi-18x18");
+    const Json found{{"formation", formation_over_time(tile)}, {"alternation", alternation(tile)},
+                     {"elevations", elevations(tile)},         {"hoshi_focus", hoshi_focus(hoshi)},
+                     {"energy_loss", energy_loss()},           {"modulation", modulation(hoshi)}};
+    fmt::print("{}\n", found.dump());
+    return 0;
+} catch (const std::exception& error) {
+    fmt::print(stderr, "haptogram_figures: {}\n", error.what());
+    return 1;
 }
