@@ -182,7 +182,7 @@ def haptogram_11(work, name):
     at = found["at_150_mm"]
     envelope, wave = np.array(at["envelope_pa"]), np.array(at["pressure_pa"])
     t = np.arange(len(envelope)) * at["step_us"]
-    # The paper's probe is a resonant transducer, too: the same low-pass of the envelope once more.
+    # The paper's receiver, if it is a resonant transducer, too: the same low-pass of the envelope once more.
     keep = np.exp(-at["step_us"] / found["time_constant_us"])
     heard = np.zeros_like(envelope)
     for i in range(1, len(envelope)):
@@ -209,9 +209,9 @@ def haptogram_11(work, name):
             "the paper's 643 µs does not follow from its eq. 4 and a tile of 10 × 10 elements, 10 mm apart; ours at 20 °C"),
         row("β, the same focus (eq. 11)", ten["beta"], "", 26, "theory", "follows from ΔT"),
         row("to 90 % of the pressure at 15 cm, in the air", fifteen["second_order"]["formation_90_us"], "µs", 640.0, "measured",
-            "from the first arrival; the paper's probe is a resonant MA40S4R, whose own ring-up is in its number: next row"),
+            "from the first arrival; the paper's number has its receiver's ring-up in it, too, if that is as resonant as its later probe, an MA40S4R: next row"),
         row("the same as a receiver of the same 2 kHz bandwidth hears it", through_receiver, "µs", 640.0, "measured",
-            "the receiver's bandwidth is an assumption: the transmitter's; not fitted"),
+            "an assumption, not a fit: the paper names neither the receiver of Fig. 11 nor any bandwidth; here it has the transmitter's"),
         row("  of it flight-time spread", fifteen["second_order"]["flight_spread_us"], "µs"),
         row("  of it ring-up of one transmitter to 90 %", fifteen["second_order"]["ring_up_90_us"], "µs"),
         row("to 90 % at 10 cm, in the air", ten["second_order"]["formation_90_us"], "µs"),
