@@ -5,7 +5,7 @@ BUILD := build/$(PRESET)
 PYTHON := build/venv/bin/python3
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build demo test bitstream bitstreams flash soak formal bench lint format install clean
+.PHONY: help setup build demo test bitstream bitstreams flash soak formal bench figures lint format install clean
 
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -53,6 +53,9 @@ formal: build ## the proofs alone, with a line each
 bench: build ## the project's numbers beside their targets, as a table and build/bench.json
 	@cmake --build --preset $(PRESET) --target haptogram_measure_link
 	@$(PYTHON) tools/bench.py --build $(BUILD) --output build/bench.json
+
+figures: build ## the papers' figures, computed, beside the papers' numbers: build/figures/index.html
+	@$(PYTHON) tools/figures.py --program $(BUILD)/host/cli/haptogram --tool $(BUILD)/tools/figures/haptogram_figures --output build/figures
 
 lint: build ## RTL lint, formatting, generated files, clang-tidy
 	@tools/lint --all
