@@ -3,13 +3,14 @@
 
 #include <fmt/core.h>
 #include <hwy/aligned_allocator.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <exception>
 #include <memory>
-#include <mutex>
 #include <numbers>
 #include <optional>
 #include <thread>
@@ -24,37 +25,27 @@ namespace {
 
 constexpr double coincident_m = 1e-9;
 
+unsigned workers(const FieldOptions& options) { return std::max(1U, options.threads); }
+
 /// Calls work(worker, unit) for every unit, and the progress from the calling thread alone. What a unit computes may
 /// not depend on its worker, so that the result does not depend on the number of threads.
 template <class Work>
 void in_parallel(std::size_t units, const FieldOptions& options, Work work) {
-    std::atomic<std::size_t> next = 0, done = 0;
-    std::exception_ptr failure;
-    std::mutex failed;
-    const auto run = [&](unsigned worker) {
-        try {
-            for (std::size_t unit = next++; unit < units; unit = next++) {
-                work(worker, unit);
-                const std::size_t finished = ++done;
-                if (worker == 0) options.progress(static_cast<double>(finished) / static_cast<double>(units));
-            }
-        } catch (...) {
-            const std::lock_guard lock(failed);
-            if (!failure) failure = std::current_exception();
-            next = units;
-        }
-    };
-    {
-        std::vector<std::jthread> others;
-        for (unsigned worker = 1; worker < options.threads && worker < units; ++worker)
-            others.emplace_back(run, worker);
-        run(0);
-    }
-    if (failure) std::rethrow_exception(failure);
+    std::atomic<std::size_t> done = 0;
+    const auto caller = std::this_thread::get_id();
+    // As many as were asked for, also where there are fewer processors: TBB would complain on stderr.
+    const tbb::global_control most(tbb::global_control::max_allowed_parallelism, workers(options));
+    tbb::task_arena arena(static_cast<int>(workers(options)));
+    arena.execute([&] {
+        tbb::parallel_for(std::size_t{0}, units, [&](std::size_t unit) {
+            work(static_cast<unsigned>(tbb::this_task_arena::current_thread_index()), unit);
+            const std::size_t finished = ++done;
+            if (std::this_thread::get_id() == caller)
+                options.progress(static_cast<double>(finished) / static_cast<double>(units));
+        });
+    });
     options.progress(1.0);
 }
-
-unsigned workers(const FieldOptions& options) { return std::max(1U, options.threads); }
 
 /// Points of one block, in double as they were given, and the box around them.
 struct Points {
