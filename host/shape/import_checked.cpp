@@ -70,6 +70,14 @@ Piece import_checked(const Checked& checked, const std::string& format, const st
         importer.ReadFileFromMemory(checked.content.data(), checked.content.size(), 0, format.c_str());
     if (scene == nullptr)
         throw bad_input(file, fmt::format("cannot be read: {}; export the shape again", importer.GetErrorString()));
+    for (const aiMesh* mesh : meshes(*scene))
+        for (const aiFace& face : faces(*mesh))
+            for (unsigned k = 0; k < face.mNumIndices; ++k)
+                if (face.mIndices[k] >= mesh->mNumVertices)
+                    throw bad_input(file,
+                                    fmt::format("the importer library found the corner {} of {} vertices; export the "
+                                                "shape in another format",
+                                                face.mIndices[k], mesh->mNumVertices));
     const Totals found = totals(*scene);
     if (found.faces != checked.faces || (checked.faces == 0 && found.points != checked.points))
         throw bad_input(

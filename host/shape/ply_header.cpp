@@ -93,6 +93,11 @@ PlyHeader parse_ply_header(std::string_view content, const std::string& file) {
     bool ended = false;
     while (!ended && lines.next()) {
         ended = lines.line() == "end_header";
+        // The importer library would take a zero for the end of a name, and so another property for this one.
+        if (lines.line().find('\0') != std::string_view::npos)
+            throw bad_input(
+                at_line(file, lines.number()),
+                fmt::format("found {}, expected text without zero bytes; the header is damaged", shown(lines.line())));
         if (!ended && !take_line(lines.line(), has_format, header))
             throw bad_input(
                 at_line(file, lines.number()),

@@ -8,6 +8,7 @@ import concurrent.futures
 import io
 import os
 import re
+import shutil
 import struct
 import subprocess
 import sys
@@ -67,13 +68,17 @@ def build(folder):
             sys.exit(f"fuzz: {result.stdout}")
 
 
-def fuzz(folder, target, sound, runs, seconds):
-    corpus, findings = folder / "corpus" / target, folder / "findings"
+def fuzz(folder, target, sound, runs, seconds, seed):
+    """With a seed the same runs every time: from the sound files alone, and without what libFuzzer learns from addresses."""
+    corpus, findings = folder / ("corpus" if seed is None else f"corpus-{seed}") / target, folder / "findings"
+    if seed is not None:
+        shutil.rmtree(corpus, ignore_errors=True)
     corpus.mkdir(parents=True, exist_ok=True)
     findings.mkdir(exist_ok=True)
     for number, content in enumerate(sound):
         (corpus / f"seed-{number}").write_bytes(content)
     limits = [f"-runs={runs}"] + ([f"-max_total_time={seconds}"] if seconds else [])
+    limits += [] if seed is None else [f"-seed={seed}", "-use_cmp=0"]
     command = [folder / "haptogram_fuzz", *limits, "-timeout=10", "-rss_limit_mb=2048", "-max_len=4096", "-print_final_stats=1",
                f"-artifact_prefix={findings}/{target}-", corpus]  # fmt: skip
     result = subprocess.run([str(part) for part in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace",
@@ -91,13 +96,14 @@ def main():
     parser.add_argument("--build", type=Path, default=ROOT / "build/fuzz")
     parser.add_argument("--runs", type=int, default=10_000_000, help="of each target, at most")
     parser.add_argument("--seconds", type=int, default=0, help="for each target, at most; 0: no limit")
+    parser.add_argument("--seed", type=int, help="the same runs every time")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--only", action="append", choices=TARGETS)
     options = parser.parse_args()
     build(options.build)
     sound = seeds(options.program.resolve())
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        jobs = [pool.submit(fuzz, options.build, target, sound[target], options.runs, options.seconds) for target in options.only or TARGETS]
+        jobs = [pool.submit(fuzz, options.build, target, sound[target], options.runs, options.seconds, options.seed) for target in options.only or TARGETS]
         good = True
         for job in jobs:
             fine, line = job.result()

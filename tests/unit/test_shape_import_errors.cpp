@@ -184,4 +184,11 @@ TEST_CASE("what the fuzzers found is refused by name", "[shape][errors]") {
                           "y\nproperty float z\nelement nothing 2000000000\nend_header\n000011112222",
                           "ply"),
                Contains("2000000000") && Contains("no property"));
+    // A zero byte hid the corners from our check, and not from the importer library, which read beyond the vertices.
+    std::string hidden =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float "
+        "z\nelement face 1\nproperty list uchar int vertex_indices!\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 "
+        "900000000\n";
+    hidden.replace(hidden.find('!'), 1, 1, '\0');
+    CHECK_THAT(refusal_of(hidden, "ply"), Contains("line 8") && Contains("zero bytes"));
 }
