@@ -69,7 +69,7 @@ def build(folder):
 
 
 def fuzz(folder, target, sound, runs, seconds, seed):
-    """With a seed the same runs every time: from the sound files alone, and without what libFuzzer learns from addresses."""
+    """With a seed the same runs every time: from the sound files alone, without what libFuzzer learns from addresses or by the clock."""
     corpus, findings = folder / ("corpus" if seed is None else f"corpus-{seed}") / target, folder / "findings"
     if seed is not None:
         shutil.rmtree(corpus, ignore_errors=True)
@@ -78,7 +78,7 @@ def fuzz(folder, target, sound, runs, seconds, seed):
     for number, content in enumerate(sound):
         (corpus / f"seed-{number}").write_bytes(content)
     limits = [f"-runs={runs}"] + ([f"-max_total_time={seconds}"] if seconds else [])
-    limits += [] if seed is None else [f"-seed={seed}", "-use_cmp=0"]
+    limits += [] if seed is None else [f"-seed={seed}", "-use_cmp=0", "-reload=0"]
     command = [folder / "haptogram_fuzz", *limits, "-timeout=10", "-rss_limit_mb=2048", "-max_len=4096", "-print_final_stats=1",
                f"-artifact_prefix={findings}/{target}-", corpus]  # fmt: skip
     result = subprocess.run([str(part) for part in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace",
