@@ -58,9 +58,8 @@ int upload(const UploadOptions& options) {
     double wait_s = options.wait_s;
     for (bool done = false; !done;) {
         try {
-            const link::Uploaded uploaded =
-                link::upload(device->client(), image, [&](double fraction) { progress.update(fraction); });
-            outcome = {uploaded.pieces, losses == 0 ? uploaded.written : outcome.written + uploaded.written};
+            // Of the last attempt: what came through before a loss is found on the board.
+            outcome = link::upload(device->client(), image, [&](double fraction) { progress.update(fraction); });
             done = true;
         } catch (const link::LinkLost& lost) {
             again += device->client().retransmissions();
