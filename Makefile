@@ -61,7 +61,7 @@ lint: build ## RTL lint, formatting, generated files, clang-tidy
 	@tools/lint --all
 
 format: setup ## format the C++ sources in place
-	@git ls-files '*.cpp' '*.hpp' | grep -v host/image/interface.hpp | xargs clang-format -i
+	@git ls-files '*.cpp' '*.hpp' | grep -v host/haptogram/boards/interface.hpp | xargs clang-format -i
 
 install: build ## install the program and its arrays (DESTDIR and CMAKE_INSTALL_PREFIX as usual)
 	@cmake --install $(BUILD)

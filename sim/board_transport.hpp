@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "board.hpp"
-#include "link/transport.hpp"
+#include "haptogram/link/transport.hpp"
 
 namespace haptogram::sim {
 

@@ -8,9 +8,9 @@
 #include <cmath>
 #include <memory>
 
-#include "base/error.hpp"
 #include "board_transport.hpp"
-#include "link/transfer.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/link/transfer.hpp"
 
 namespace haptogram::sim {
 namespace {

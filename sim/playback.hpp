@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "image/image.hpp"
-#include "image/pulses.hpp"
-#include "link/client.hpp"
+#include "haptogram/image/image.hpp"
+#include "haptogram/image/pulses.hpp"
+#include "haptogram/link/client.hpp"
 #include "pulse_check.hpp"
 
 namespace haptogram::sim {

@@ -12,7 +12,7 @@
 #include <cstdlib>
 #include <system_error>
 
-#include "base/error.hpp"
+#include "haptogram/base/error.hpp"
 
 namespace haptogram::sim {
 namespace {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "board.hpp"
-#include "image/image.hpp"
-#include "image/pulses.hpp"
+#include "haptogram/image/image.hpp"
+#include "haptogram/image/pulses.hpp"
 
 namespace haptogram::sim {
 

@@ -168,7 +168,7 @@ def page(table):
 FILES = {
     "rtl/interface.vh": verilog,
     "rtl/command_table.v": verilog_commands,
-    "host/image/interface.hpp": cpp,
+    "host/haptogram/boards/interface.hpp": cpp,
     "tools/python/haptogram/interface.py": python,
     "rtl/INTERFACE.md": page,
 }

@@ -6,14 +6,14 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "acoustics/analysis.hpp"
-#include "acoustics/field.hpp"
-#include "acoustics/measure.hpp"
-#include "base/error.hpp"
-#include "base/file.hpp"
-#include "base/progress.hpp"
 #include "command.hpp"
 #include "field_file.hpp"
+#include "haptogram/acoustics/propagation.hpp"
+#include "haptogram/analysis/focus_analysis.hpp"
+#include "haptogram/analysis/measure.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/base/file.hpp"
+#include "haptogram/base/progress.hpp"
 
 namespace haptogram::cli {
 namespace {

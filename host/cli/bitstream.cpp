@@ -18,15 +18,15 @@
 #include <string>
 #include <vector>
 
-#include "base/error.hpp"
-#include "base/file.hpp"
-#include "board/board.hpp"
-#include "board/ecp5_config.hpp"
 #include "command.hpp"
-#include "image/image.hpp"
-#include "image/manifest.hpp"
-#include "link/client.hpp"
-#include "link/transfer.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/base/file.hpp"
+#include "haptogram/boards/board.hpp"
+#include "haptogram/boards/ecp5_config.hpp"
+#include "haptogram/image/image.hpp"
+#include "haptogram/image/manifest.hpp"
+#include "haptogram/link/client.hpp"
+#include "haptogram/link/transfer.hpp"
 
 extern char** environ;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "board/board.hpp"
+#include "haptogram/boards/board.hpp"
 
 #include <fmt/format.h>
 
@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "base/error.hpp"
-#include "base/file.hpp"
 #include "command.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/base/file.hpp"
 
 namespace haptogram::cli {
 namespace {

@@ -9,13 +9,13 @@
 #include <optional>
 #include <vector>
 
-#include "base/error.hpp"
-#include "base/file.hpp"
 #include "command.hpp"
-#include "image/image.hpp"
-#include "image/intel_hex.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/base/file.hpp"
+#include "haptogram/image/image.hpp"
+#include "haptogram/image/intel_hex.hpp"
+#include "haptogram/link/frame.hpp"
 #include "interrupt.hpp"
-#include "link/frame.hpp"
 #include "playback.hpp"
 #include "pseudo_terminal.hpp"
 #include "pulse_check.hpp"

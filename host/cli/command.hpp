@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "image/manifest.hpp"
+#include "haptogram/image/manifest.hpp"
 
 namespace haptogram::cli {
 

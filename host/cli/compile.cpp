@@ -9,17 +9,17 @@
 #include <memory>
 #include <optional>
 
-#include "base/error.hpp"
-#include "base/file.hpp"
-#include "board/board.hpp"
 #include "command.hpp"
-#include "focus/focal_law.hpp"
-#include "image/manifest.hpp"
-#include "shape/import.hpp"
-#include "shape/place.hpp"
-#include "shape/primitives.hpp"
-#include "shape/sample.hpp"
-#include "shape/tour.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/base/file.hpp"
+#include "haptogram/boards/board.hpp"
+#include "haptogram/image/manifest.hpp"
+#include "haptogram/shape/import.hpp"
+#include "haptogram/shape/place.hpp"
+#include "haptogram/shape/primitives.hpp"
+#include "haptogram/shape/sample.hpp"
+#include "haptogram/shape/tour.hpp"
+#include "haptogram/solve/focal_law.hpp"
 
 namespace haptogram::cli {
 namespace {

@@ -9,9 +9,9 @@
 #include <system_error>
 #include <vector>
 
-#include "base/error.hpp"
 #include "command.hpp"
-#include "link/ftdi_port.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/link/ftdi_port.hpp"
 #include "port.hpp"
 
 namespace haptogram::cli {

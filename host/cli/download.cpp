@@ -4,12 +4,12 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "base/error.hpp"
-#include "base/file.hpp"
-#include "base/progress.hpp"
 #include "command.hpp"
-#include "image/image.hpp"
-#include "link/transfer.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/base/file.hpp"
+#include "haptogram/base/progress.hpp"
+#include "haptogram/image/image.hpp"
+#include "haptogram/link/transfer.hpp"
 #include "port.hpp"
 
 namespace haptogram::cli {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "acoustics/field.hpp"
+#include "haptogram/acoustics/field.hpp"
 
 #include <fmt/format.h>
 
@@ -9,15 +9,15 @@
 #include <numbers>
 #include <thread>
 
-#include "acoustics/kernel.hpp"
-#include "acoustics/measure.hpp"
-#include "acoustics/quantities.hpp"
-#include "acoustics/region.hpp"
-#include "base/error.hpp"
-#include "base/file.hpp"
-#include "base/progress.hpp"
 #include "command.hpp"
 #include "field_file.hpp"
+#include "haptogram/acoustics/propagation.hpp"
+#include "haptogram/acoustics/quantities.hpp"
+#include "haptogram/acoustics/region.hpp"
+#include "haptogram/analysis/measure.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/base/file.hpp"
+#include "haptogram/base/progress.hpp"
 
 namespace haptogram::cli {
 namespace {

@@ -12,8 +12,8 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "base/error.hpp"
-#include "base/file.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/base/file.hpp"
 
 namespace haptogram::cli {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "acoustics/region.hpp"
+#include "haptogram/acoustics/region.hpp"
 
 namespace haptogram::cli {
 

@@ -5,9 +5,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "base/file.hpp"
 #include "command.hpp"
-#include "image/image.hpp"
+#include "haptogram/base/file.hpp"
+#include "haptogram/image/image.hpp"
 
 namespace haptogram::cli {
 namespace {

@@ -10,10 +10,10 @@
 #include <thread>
 #include <vector>
 
-#include "base/error.hpp"
-#include "base/progress.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/base/progress.hpp"
+#include "haptogram/link/live_feed.hpp"
 #include "interrupt.hpp"
-#include "link/live_feed.hpp"
 #include "outputs.hpp"
 
 namespace haptogram::cli {

@@ -4,7 +4,7 @@
 #include <functional>
 #include <optional>
 
-#include "image/image.hpp"
+#include "haptogram/image/image.hpp"
 #include "port.hpp"
 
 namespace haptogram::cli {

@@ -11,10 +11,10 @@
 #include <iostream>
 #include <system_error>
 
-#include "base/error.hpp"
-#include "base/file.hpp"
 #include "command.hpp"
-#include "image/manifest.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/base/file.hpp"
+#include "haptogram/image/manifest.hpp"
 
 namespace haptogram::cli {
 

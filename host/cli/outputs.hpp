@@ -2,9 +2,9 @@
 #pragma once
 #include <fmt/format.h>
 
-#include "base/error.hpp"
 #include "command.hpp"
-#include "link/client.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/link/client.hpp"
 
 namespace haptogram::cli {
 

@@ -10,12 +10,12 @@
 #include <thread>
 #include <vector>
 
-#include "base/error.hpp"
-#include "base/progress.hpp"
 #include "command.hpp"
-#include "image/image.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/base/progress.hpp"
+#include "haptogram/image/image.hpp"
+#include "haptogram/link/transfer.hpp"
 #include "interrupt.hpp"
-#include "link/transfer.hpp"
 #include "live.hpp"
 #include "outputs.hpp"
 #include "port.hpp"

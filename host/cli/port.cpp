@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "command.hpp"
-#include "link/port.hpp"
+#include "haptogram/link/port.hpp"
 
 namespace haptogram::cli {
 namespace {

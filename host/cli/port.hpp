@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
-#include "link/client.hpp"
-#include "link/transport.hpp"
+#include "haptogram/link/client.hpp"
+#include "haptogram/link/transport.hpp"
 
 namespace haptogram::cli {
 

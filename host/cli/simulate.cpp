@@ -7,12 +7,12 @@
 #include <memory>
 #include <optional>
 
-#include "acoustics/focus_check.hpp"
-#include "acoustics/measure.hpp"
-#include "base/error.hpp"
-#include "base/file.hpp"
-#include "base/progress.hpp"
 #include "command.hpp"
+#include "haptogram/analysis/focus_check.hpp"
+#include "haptogram/analysis/measure.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/base/file.hpp"
+#include "haptogram/base/progress.hpp"
 #include "playback.hpp"
 
 namespace haptogram::cli {

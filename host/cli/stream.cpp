@@ -11,9 +11,9 @@
 #include <optional>
 #include <system_error>
 
-#include "base/error.hpp"
 #include "command.hpp"
-#include "image/image.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/image/image.hpp"
 #include "interrupt.hpp"
 #include "live.hpp"
 #include "port.hpp"

@@ -10,9 +10,9 @@
 
 #include "board.hpp"
 #include "board_transport.hpp"
-#include "image/image.hpp"
-#include "link/client.hpp"
-#include "link/transfer.hpp"
+#include "haptogram/image/image.hpp"
+#include "haptogram/link/client.hpp"
+#include "haptogram/link/transfer.hpp"
 #include "pulse_check.hpp"
 
 namespace haptogram::test {

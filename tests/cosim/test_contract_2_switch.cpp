@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench.hpp"
-#include "focus/formation.hpp"
+#include "haptogram/solve/formation.hpp"
 
 using namespace haptogram;
 using namespace haptogram::test;

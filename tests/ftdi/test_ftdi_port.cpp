@@ -7,11 +7,11 @@
 #include <cstdio>
 #include <optional>
 
-#include "base/error.hpp"
-#include "link/client.hpp"
-#include "link/ftdi_port.hpp"
-#include "link/port.hpp"
-#include "link/transfer.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/link/client.hpp"
+#include "haptogram/link/ftdi_port.hpp"
+#include "haptogram/link/port.hpp"
+#include "haptogram/link/transfer.hpp"
 #include "usb_socket.hpp"
 
 using namespace haptogram;

@@ -11,14 +11,14 @@
 #include <string>
 #include <vector>
 
-#include "base/error.hpp"
-#include "board/board.hpp"
-#include "geometry/array.hpp"
-#include "image/image.hpp"
-#include "image/manifest.hpp"
-#include "image/pulses.hpp"
-#include "link/frame.hpp"
-#include "shape/formats.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/boards/board.hpp"
+#include "haptogram/image/image.hpp"
+#include "haptogram/image/manifest.hpp"
+#include "haptogram/image/pulses.hpp"
+#include "haptogram/link/frame.hpp"
+#include "haptogram/model/array.hpp"
+#include "haptogram/shape/formats.hpp"
 
 namespace haptogram::fuzz {
 

@@ -3,7 +3,7 @@
 #pragma once
 #include <random>
 
-#include "link/transport.hpp"
+#include "haptogram/link/transport.hpp"
 
 namespace haptogram::test {
 

@@ -10,7 +10,7 @@
 
 #include "bad_line.hpp"
 #include "cosim/bench.hpp"
-#include "link/live_feed.hpp"
+#include "haptogram/link/live_feed.hpp"
 
 using namespace haptogram;
 using namespace haptogram::test;

@@ -3,13 +3,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "acoustics/drive.hpp"
-#include "acoustics/field.hpp"
-#include "acoustics/focus_check.hpp"
-#include "acoustics/kernel.hpp"
-#include "acoustics/measure.hpp"
-#include "acoustics/region.hpp"
-#include "base/error.hpp"
+#include "haptogram/acoustics/drive.hpp"
+#include "haptogram/acoustics/field.hpp"
+#include "haptogram/acoustics/propagation.hpp"
+#include "haptogram/acoustics/region.hpp"
+#include "haptogram/analysis/focus_check.hpp"
+#include "haptogram/analysis/measure.hpp"
+#include "haptogram/base/error.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <numbers>
 
-#include "acoustics/field.hpp"
-#include "base/error.hpp"
-#include "base/file.hpp"
-#include "image/manifest.hpp"
+#include "haptogram/acoustics/propagation.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/base/file.hpp"
+#include "haptogram/image/manifest.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "acoustics/field.hpp"
-#include "acoustics/quantities.hpp"
-#include "base/error.hpp"
+#include "haptogram/acoustics/propagation.hpp"
+#include "haptogram/acoustics/quantities.hpp"
+#include "haptogram/base/error.hpp"
 
 using namespace haptogram;
 using std::numbers::pi;

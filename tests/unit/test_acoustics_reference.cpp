@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-#include "acoustics/field.hpp"
+#include "haptogram/acoustics/propagation.hpp"
 
 using namespace haptogram;
 using std::numbers::pi;

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "acoustics/field.hpp"
-#include "acoustics/transient.hpp"
-#include "base/error.hpp"
+#include "haptogram/acoustics/propagation.hpp"
+#include "haptogram/acoustics/transient.hpp"
+#include "haptogram/base/error.hpp"
 
 using namespace haptogram;
 using std::numbers::pi;

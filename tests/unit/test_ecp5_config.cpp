@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "base/error.hpp"
-#include "board/ecp5_config.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/boards/ecp5_config.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

@@ -6,11 +6,11 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "base/error.hpp"
-#include "base/file.hpp"
-#include "geometry/array.hpp"
-#include "image/manifest.hpp"
-#include "image/pulses.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/base/file.hpp"
+#include "haptogram/image/manifest.hpp"
+#include "haptogram/image/pulses.hpp"
+#include "haptogram/model/array.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <random>
 
-#include "base/error.hpp"
-#include "focus/focal_law.hpp"
-#include "focus/formation.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/solve/focal_law.hpp"
+#include "haptogram/solve/formation.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <catch2/catch.hpp>
 
-#include "base/error.hpp"
-#include "image/image.hpp"
-#include "image/intel_hex.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/image/image.hpp"
+#include "haptogram/image/intel_hex.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

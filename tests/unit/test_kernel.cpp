@@ -10,12 +10,12 @@
 #include <random>
 #include <thread>
 
-#include "acoustics/field.hpp"
-#include "acoustics/kernel.hpp"
-#include "acoustics/pattern.hpp"
-#include "acoustics/shift.hpp"
-#include "acoustics/wave.hpp"
-#include "base/error.hpp"
+#include "haptogram/acoustics/field.hpp"
+#include "haptogram/acoustics/pattern.hpp"
+#include "haptogram/acoustics/propagation.hpp"
+#include "haptogram/acoustics/shift.hpp"
+#include "haptogram/acoustics/wave.hpp"
+#include "haptogram/base/error.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

@@ -6,10 +6,10 @@
 #include <random>
 #include <sstream>
 
-#include "base/error.hpp"
-#include "link/client.hpp"
-#include "link/frame.hpp"
-#include "link/transfer.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/link/client.hpp"
+#include "haptogram/link/frame.hpp"
+#include "haptogram/link/transfer.hpp"
 
 using namespace haptogram;
 using namespace haptogram::link;

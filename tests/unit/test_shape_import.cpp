@@ -5,8 +5,8 @@
 #include <fstream>
 #include <set>
 
-#include "shape/import.hpp"
-#include "shape/place.hpp"
+#include "haptogram/shape/import.hpp"
+#include "haptogram/shape/place.hpp"
 
 using namespace haptogram;
 

@@ -3,9 +3,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "base/error.hpp"
-#include "base/file.hpp"
-#include "shape/import.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/base/file.hpp"
+#include "haptogram/shape/import.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

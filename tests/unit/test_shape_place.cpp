@@ -3,10 +3,10 @@
 #include <cmath>
 #include <limits>
 
-#include "base/error.hpp"
-#include "shape/place.hpp"
-#include "shape/primitives.hpp"
-#include "shape/sample.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/shape/place.hpp"
+#include "haptogram/shape/primitives.hpp"
+#include "haptogram/shape/sample.hpp"
 
 using namespace haptogram;
 

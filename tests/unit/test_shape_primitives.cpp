@@ -5,10 +5,10 @@
 #include <limits>
 #include <numbers>
 
-#include "base/error.hpp"
-#include "shape/place.hpp"
-#include "shape/primitives.hpp"
-#include "shape/sample.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/shape/place.hpp"
+#include "haptogram/shape/primitives.hpp"
+#include "haptogram/shape/sample.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

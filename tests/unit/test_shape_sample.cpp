@@ -6,10 +6,10 @@
 #include <numbers>
 #include <random>
 
-#include "base/error.hpp"
-#include "shape/farthest.hpp"
-#include "shape/primitives.hpp"
-#include "shape/sample.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/shape/farthest.hpp"
+#include "haptogram/shape/primitives.hpp"
+#include "haptogram/shape/sample.hpp"
 
 using namespace haptogram;
 

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <random>
 
-#include "shape/tour.hpp"
+#include "haptogram/shape/tour.hpp"
 
 using namespace haptogram;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The field kernels' times for tools/bench.py; prints one JSON object of median milliseconds.
-#include "acoustics/field.hpp"
+#include "haptogram/acoustics/field.hpp"
 
 #include <fmt/core.h>
 
@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "acoustics/kernel.hpp"
-#include "acoustics/wave.hpp"
+#include "haptogram/acoustics/propagation.hpp"
+#include "haptogram/acoustics/wave.hpp"
 
 namespace {
 

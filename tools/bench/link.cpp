@@ -10,9 +10,9 @@
 
 #include "board.hpp"
 #include "board_transport.hpp"
-#include "link/client.hpp"
-#include "link/live_feed.hpp"
-#include "link/transfer.hpp"
+#include "haptogram/link/client.hpp"
+#include "haptogram/link/live_feed.hpp"
+#include "haptogram/link/transfer.hpp"
 #include "playback.hpp"
 
 namespace {

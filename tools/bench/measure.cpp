@@ -8,9 +8,9 @@
 #include <random>
 
 #include "board_transport.hpp"
-#include "focus/focal_law.hpp"
-#include "link/client.hpp"
-#include "link/transfer.hpp"
+#include "haptogram/link/client.hpp"
+#include "haptogram/link/transfer.hpp"
+#include "haptogram/solve/focal_law.hpp"
 
 namespace {
 

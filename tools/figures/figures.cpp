@@ -9,10 +9,10 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "acoustics/field.hpp"
-#include "acoustics/quantities.hpp"
-#include "acoustics/transient.hpp"
-#include "focus/formation.hpp"
+#include "haptogram/acoustics/propagation.hpp"
+#include "haptogram/acoustics/quantities.hpp"
+#include "haptogram/acoustics/transient.hpp"
+#include "haptogram/solve/formation.hpp"
 
 namespace {
 

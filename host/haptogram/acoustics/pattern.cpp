@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/acoustics/pattern.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "haptogram/acoustics/propagation.hpp"
+
+namespace haptogram {
+namespace {
+
+/// Coefficients of the Chebyshev series of the piston's directivity in t = 2·cos²θ − 1.
+std::vector<double> chebyshev_series(double ka) {
+    constexpr int nodes = 48;
+    std::vector<double> values(nodes), series(nodes);
+    for (int i = 0; i < nodes; ++i) {
+        const double t = std::cos(std::numbers::pi * (i + 0.5) / nodes);
+        values[static_cast<std::size_t>(i)] = piston_directivity(ka * std::sqrt((1.0 - t) / 2.0));
+    }
+    for (int j = 0; j < nodes; ++j) {
+        double sum = 0.0;
+        for (int i = 0; i < nodes; ++i)
+            sum += values[static_cast<std::size_t>(i)] * std::cos(std::numbers::pi * j * (i + 0.5) / nodes);
+        series[static_cast<std::size_t>(j)] = sum * (j == 0 ? 1.0 : 2.0) / nodes;
+    }
+    return series;
+}
+
+/// The first terms of a Chebyshev series in powers of t.
+std::vector<double> powers(const std::vector<double>& series, std::size_t degree) {
+    std::vector<double> sum(degree + 1), before(degree + 1), current(degree + 1);
+    before[0] = 1.0;  // T0, T1, and T(n+1) = 2t·T(n) − T(n−1)
+    current[1] = 1.0;
+    sum[0] = series[0];
+    for (std::size_t n = 1; n <= degree; ++n) {
+        for (std::size_t i = 0; i <= degree; ++i) sum[i] += series[n] * current[i];
+        std::vector<double> next(degree + 1);
+        for (std::size_t i = 0; i <= degree; ++i) next[i] = (i == 0 ? 0.0 : 2.0 * current[i - 1]) - before[i];
+        before = std::exchange(current, next);
+    }
+    return sum;
+}
+
+std::optional<std::vector<double>> piston_polynomial(double ka) {
+    const std::vector<double> series = chebyshev_series(ka);
+    for (const std::size_t degree : polynomial_degrees) {
+        double rest = 0.0, size = 0.0;
+        for (std::size_t n = degree + 1; n < series.size(); ++n) rest += std::abs(series[n]);
+        std::vector<double> found = powers(series, degree);
+        for (const double c : found) size += std::abs(c);
+        if (rest <= 1e-6 && size <= 16.0) return found;  // larger ones lose the digits in single precision
+    }
+    return {};
+}
+
+/// Fine enough for straight lines between: the second derivative against the angle is about ka²/4.
+std::vector<float> piston_table(double ka) {
+    const double steps = std::clamp(std::ceil(ka * std::numbers::pi / 2.0 / std::sqrt(32e-6)), 1e3, 1e6);
+    std::vector<float> table(static_cast<std::size_t>(steps) + 1);
+    for (std::size_t i = 0; i < table.size(); ++i)
+        table[i] = static_cast<float>(
+            piston_directivity(ka * std::sin(std::numbers::pi / 2.0 * static_cast<double>(i) / steps)));
+    return table;
+}
+
+}  // namespace
+
+FittedPattern fit_pattern(const Transducer& transducer, double k) {
+    using Kind = FittedPattern::Kind;
+    const double ka = k * transducer.radius_m;
+    if (transducer.pattern == Pattern::point || (transducer.pattern == Pattern::piston && ka == 0.0)) return {};
+    if (transducer.pattern == Pattern::table)
+        return {Kind::table, {transducer.table.begin(), transducer.table.end()}, false};
+    if (const auto polynomial = piston_polynomial(ka))
+        return {Kind::polynomial, {polynomial->begin(), polynomial->end()}, true};
+    return {Kind::table, piston_table(ka), true};
+}
+
+}  // namespace haptogram

@@ -1,0 +1,354 @@
+// SPDX-License-Identifier: Apache-2.0
+// Compiled once for each instruction set by Highway, chosen at run time.
+// Vectors whose size the compiler does not know cannot be kept in structs and arrays.
+#undef HWY_DISABLED_TARGETS
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "haptogram/acoustics/wave.cpp"
+#include "haptogram/acoustics/wave.hpp"
+
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+// Needs highway.h first.
+#include <hwy/contrib/math/math-inl.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace haptogram::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D = hn::ScalableTag<float>;
+using V = hn::Vec<D>;
+
+/// 1/√x, to a few units in the last place.
+HWY_INLINE V inverse_root(V x) {
+    const D d;
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_EMU128 && HWY_TARGET != HWY_SCALAR
+    const V guess = hn::ApproximateReciprocalSqrt(x);  // 12 bits or more; one round of Newton's doubles them
+    const V slack = hn::NegMulAdd(hn::Mul(hn::Mul(hn::Set(d, 0.5F), x), guess), guess, hn::Set(d, 0.5F));
+    return hn::MulAdd(guess, slack, guess);
+#else
+    return hn::Div(hn::Set(d, 1.0F), hn::Sqrt(x));
+#endif
+}
+
+HWY_INLINE V quotient(V a, V b) {
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_EMU128 && HWY_TARGET != HWY_SCALAR
+    const D d;
+    const V guess = hn::ApproximateReciprocal(b);
+    const V rough = hn::Mul(a, guess);
+    return hn::MulAdd(rough, hn::NegMulAdd(b, guess, hn::Set(d, 1.0F)), rough);
+#else
+    return hn::Div(a, b);
+#endif
+}
+
+struct Polar {
+    V amplitude, cosine, sine;
+};
+
+/// cos and sin of π·half_turns, with the sign that both share moved into the amplitude.
+HWY_INLINE Polar turn(V amplitude, V half_turns) {
+    const D d;
+    const hn::RebindToUnsigned<D> du;
+    const V shift = hn::Set(d, 12582912.0F);  // 1.5·2²³: the sum's last bit is one
+    const V shifted = hn::Add(half_turns, shift);
+    const V f = hn::Sub(half_turns, hn::Sub(shifted, shift));
+    const auto odd = hn::ShiftLeft<31>(hn::BitCast(du, shifted));
+    const V u = hn::Mul(f, f);
+    // Least maximum error on |f| ≤ 1/2: 1.4e-8 and 4.7e-8.
+    V sine = hn::MulAdd(hn::Set(d, 0.07765941F), u, hn::Set(d, -0.59829216F));
+    V cosine = hn::MulAdd(hn::Set(d, 0.2196968F), u, hn::Set(d, -1.33188016F));
+    sine = hn::MulAdd(sine, u, hn::Set(d, 2.55007766F));
+    cosine = hn::MulAdd(cosine, u, hn::Set(d, 4.05841191F));
+    sine = hn::MulAdd(sine, u, hn::Set(d, -5.16771009F));
+    cosine = hn::MulAdd(cosine, u, hn::Set(d, -4.93479286F));
+    sine = hn::MulAdd(sine, u, hn::Set(d, 3.14159264F));
+    cosine = hn::MulAdd(cosine, u, hn::Set(d, 0.99999995F));
+    return {hn::BitCast(d, hn::Xor(hn::BitCast(du, amplitude), odd)), cosine, hn::Mul(sine, f)};
+}
+
+struct PointPattern {
+    explicit PointPattern(const FittedPattern&) {}
+    HWY_INLINE V operator()(V /*dx*/, V /*dy*/, V /*dz*/, V /*inverse_range*/) const { return hn::Set(D(), 1.0F); }
+};
+
+template <std::size_t degree>
+struct PolynomialPattern {
+    const float* c;
+    explicit PolynomialPattern(const FittedPattern& pattern) : c(pattern.values.data()) {}
+    HWY_INLINE V operator()(V /*dx*/, V /*dy*/, V dz, V inverse_range) const {
+        const D d;
+        const V cosine = hn::Mul(hn::Mul(dz, hn::Set(d, 1.41421356F)), inverse_range);
+        const V t = hn::MulSub(cosine, cosine, hn::Set(d, 1.0F));
+        V sum = hn::MulAdd(hn::Set(d, c[degree]), t, hn::Set(d, c[degree - 1]));
+        for (std::size_t i = degree - 1; i-- > 0;) sum = hn::MulAdd(sum, t, hn::Set(d, c[i]));
+        return sum;
+    }
+};
+
+struct TablePattern {
+    const float* values;
+    int last;
+    bool behind;
+    explicit TablePattern(const FittedPattern& pattern)
+        : values(pattern.values.data()), last(static_cast<int>(pattern.values.size()) - 1), behind(pattern.behind) {}
+    HWY_INLINE V operator()(V dx, V dy, V dz, V inverse_range) const {
+        const D d;
+        const hn::RebindToSigned<D> di;
+        // The angle by the smaller of sine and cosine, which keeps its digits near both ends.
+        const V sine = hn::Mul(hn::Sqrt(hn::MulAdd(dx, dx, hn::Mul(dy, dy))), inverse_range);
+        const V cosine = hn::Mul(hn::Abs(dz), inverse_range);
+        const V small = hn::Asin(d, hn::Min(hn::Min(sine, cosine), hn::Set(d, 0.71F)));
+        const V angle = hn::IfThenElse(hn::Lt(sine, cosine), small, hn::Sub(hn::Set(d, 1.57079633F), small));
+        const V place = hn::Mul(angle, hn::Set(d, static_cast<float>(last) / 1.57079633F));
+        const auto low =
+            hn::Max(hn::Min(hn::ConvertTo(di, place), hn::Set(di, last - 1)), hn::Zero(di));  // also when not a number
+        const V from = hn::GatherIndex(d, values, low);
+        const V to = hn::GatherIndex(d, values, hn::Add(low, hn::Set(di, 1)));
+        const V found = hn::MulAdd(hn::Sub(to, from), hn::Sub(place, hn::ConvertTo(d, low)), from);
+        // Rounding keeps the order of heights, so that nothing in front or beside comes to lie behind.
+        return behind ? found : hn::IfThenElseZero(hn::Ge(dz, hn::Zero(d)), found);
+    }
+};
+
+template <class PatternAt, bool absorbs>
+struct Wave {
+    PatternAt pattern;
+    float half_turns, absorption;
+    explicit Wave(const WaveModel& model)
+        : pattern(model.pattern), half_turns(2.0F * model.half_turns_per_m), absorption(-model.absorption_np_m) {}
+
+    /// p = amplitude·(cosine − j·sine), from `element` to the points (x, y, z).
+    HWY_INLINE Polar operator()(const WaveElement& element, V x, V y, V z, V half_square) const {
+        const D d;
+        const V ex = hn::Set(d, element.x), ey = hn::Set(d, element.y), ez = hn::Set(d, element.z);
+        const V range_0 = hn::Set(d, element.range);
+        const V dx = hn::Sub(x, ex), dy = hn::Sub(y, ey), dz = hn::Sub(z, ez);
+        const V square = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
+        const V inverse = inverse_root(square);
+        const V range = hn::Mul(square, inverse);
+        // r − r0 = (r² − r0²)/(r + r0), where r² − r0² loses no digits as |p|² − 2·p·e.
+        const V half_growth = hn::NegMulAdd(x, ex, hn::NegMulAdd(y, ey, hn::NegMulAdd(z, ez, half_square)));
+        const V half_way = quotient(half_growth, hn::Add(range, range_0));
+        const V phase = hn::MulAdd(half_way, hn::Set(d, half_turns), hn::Set(d, element.phase));
+        V amplitude = hn::Mul(hn::Mul(inverse, hn::Set(d, element.amplitude)), pattern(dx, dy, dz, inverse));
+        if constexpr (absorbs) amplitude = hn::Mul(amplitude, hn::Exp(d, hn::Mul(hn::Set(d, absorption), range)));
+        return turn(amplitude, phase);
+    }
+};
+
+/// Calls with the wave that fits the model, so that its loops hold no choices.
+template <class Call>
+void with_wave(const WaveModel& model, Call call) {
+    const auto choose = [&]<class PatternAt>() HWY_ATTR {
+        if (model.absorption_np_m == 0.0F)
+            call(Wave<PatternAt, false>(model));
+        else
+            call(Wave<PatternAt, true>(model));
+    };
+    const FittedPattern& pattern = model.pattern;
+    if (pattern.kind == FittedPattern::Kind::point) return choose.template operator()<PointPattern>();
+    if (pattern.kind == FittedPattern::Kind::table) return choose.template operator()<TablePattern>();
+    if (pattern.values.size() == polynomial_degrees[0] + 1)
+        return choose.template operator()<PolynomialPattern<polynomial_degrees[0]>>();
+    if (pattern.values.size() == polynomial_degrees[1] + 1)
+        return choose.template operator()<PolynomialPattern<polynomial_degrees[1]>>();
+    choose.template operator()<PolynomialPattern<polynomial_degrees[2]>>();
+}
+
+/// Left to the compiler's own vectors, for not every processor has Highway's of double.
+void centre_block_at(const double* HWY_RESTRICT x, const double* HWY_RESTRICT y, const double* HWY_RESTRICT z,
+                     std::size_t count, Vec3 centre, WaveBlock& block) {
+    float* HWY_RESTRICT to_x = block.x.data();
+    float* HWY_RESTRICT to_y = block.y.data();
+    float* HWY_RESTRICT to_z = block.z.data();
+    float* HWY_RESTRICT half_square = block.half_square.data();
+    for (std::size_t i = 0; i < count; ++i) {
+        const double dx = x[i] - centre.x, dy = y[i] - centre.y, dz = z[i] - centre.z;
+        to_x[i] = static_cast<float>(dx);
+        to_y[i] = static_cast<float>(dy);
+        to_z[i] = static_cast<float>(dz);
+        half_square[i] = static_cast<float>((dx * dx + dy * dy + dz * dz) * 0.5);
+    }
+    block.count = count;
+}
+
+void sum_waves_to(const WaveModel& model, const WaveBlock& block, const WaveElement* elements, std::size_t count,
+                  float* re, float* im) {
+    const D d;
+    with_wave(model, [&](auto wave) HWY_ATTR {
+        for (std::size_t i = 0; i < block.count; i += hn::Lanes(d)) {
+            const V x = hn::Load(d, &block.x[i]), y = hn::Load(d, &block.y[i]), z = hn::Load(d, &block.z[i]);
+            const V half_square = hn::Load(d, &block.half_square[i]);
+            V sum_re = hn::Zero(d), sum_im = hn::Zero(d);
+            for (const WaveElement* e = elements; e != elements + count; ++e) {
+                const Polar p = wave(*e, x, y, z, half_square);
+                sum_re = hn::MulAdd(p.amplitude, p.cosine, sum_re);
+                sum_im = hn::NegMulAdd(p.amplitude, p.sine, sum_im);
+            }
+            hn::StoreU(sum_re, d, re + i);
+            hn::StoreU(sum_im, d, im + i);
+        }
+    });
+}
+
+/// The pair's weighted |p|² at two vectors of points, added to `sum`.
+/// @param field  of each element: two vectors of real parts, two of imaginary ones
+HWY_INLINE void add_pair(const DrivePair* drives, std::size_t elements, const float* weights, const float* field,
+                         V& sum_0, V& sum_1) {
+    const D d;
+    const std::size_t lanes = hn::Lanes(d);
+    V re[2][2], im[2][2];
+    for (auto& r : re) r[0] = r[1] = hn::Zero(d);
+    for (auto& r : im) r[0] = r[1] = hn::Zero(d);
+    for (std::size_t m = 0; m < elements; ++m, field += 4 * lanes) {
+        const V f_re[2] = {hn::Load(d, field), hn::Load(d, field + lanes)};
+        const V f_im[2] = {hn::Load(d, field + 2 * lanes), hn::Load(d, field + 3 * lanes)};
+        for (int r = 0; r < 2; ++r) {
+            const V a = hn::Set(d, drives[m].re[r]), b = hn::Set(d, drives[m].im[r]);
+            for (int i = 0; i < 2; ++i) {
+                re[r][i] = hn::NegMulAdd(b, f_im[i], hn::MulAdd(a, f_re[i], re[r][i]));
+                im[r][i] = hn::MulAdd(b, f_re[i], hn::MulAdd(a, f_im[i], im[r][i]));
+            }
+        }
+    }
+    for (int r = 0; r < 2; ++r) {
+        const V w = hn::Set(d, weights[r]);
+        sum_0 = hn::MulAdd(w, hn::MulAdd(re[r][0], re[r][0], hn::Mul(im[r][0], im[r][0])), sum_0);
+        sum_1 = hn::MulAdd(w, hn::MulAdd(re[r][1], re[r][1], hn::Mul(im[r][1], im[r][1])), sum_1);
+    }
+}
+
+void sum_squares_to(const WaveModel& model, const WaveBlock& block, const WaveElement* elements, std::size_t count,
+                    const DrivePair* drives, const float* weights, std::size_t pairs, float* scratch, float* mean) {
+    const D d;
+    const std::size_t lanes = hn::Lanes(d);
+    constexpr std::size_t run = 32;  // pairs summed apart, that rounding does not grow with a long sequence
+    with_wave(model, [&](auto wave) HWY_ATTR {
+        for (std::size_t i = 0; i < block.count; i += 2 * lanes) {
+            for (std::size_t half = 0; half < 2; ++half) {
+                const std::size_t at = i + half * lanes;
+                const V x = hn::Load(d, &block.x[at]), y = hn::Load(d, &block.y[at]), z = hn::Load(d, &block.z[at]);
+                const V half_square = hn::Load(d, &block.half_square[at]);
+                for (std::size_t m = 0; m < count; ++m) {
+                    const Polar p = wave(elements[m], x, y, z, half_square);
+                    float* field = scratch + (4 * m + half) * lanes;
+                    hn::Store(hn::Mul(p.amplitude, p.cosine), d, field);
+                    hn::Store(hn::Neg(hn::Mul(p.amplitude, p.sine)), d, field + 2 * lanes);
+                }
+            }
+            V sum_0 = hn::Zero(d), sum_1 = hn::Zero(d);
+            for (std::size_t begin = 0; begin < pairs; begin += run) {
+                V part_0 = hn::Zero(d), part_1 = hn::Zero(d);
+                for (std::size_t pair = begin; pair < pairs && pair < begin + run; ++pair)
+                    add_pair(drives + pair * count, count, weights + 2 * pair, scratch, part_0, part_1);
+                sum_0 = hn::Add(sum_0, part_0);
+                sum_1 = hn::Add(sum_1, part_1);
+            }
+            hn::StoreU(sum_0, d, mean + i);
+            hn::StoreU(sum_1, d, mean + i + lanes);
+        }
+    });
+}
+
+/// `vectors` vectors of both rows: what is loaded of the field serves all of them.
+template <std::size_t rows, std::size_t vectors>
+void sum_shifted_tile(const float* field_re, const float* field_im, const ShiftedShare* shares, std::size_t count,
+                      std::size_t from, float* const* out, std::size_t points) {
+    const D d;
+    const std::size_t lanes = hn::Lanes(d);
+    V re[rows][vectors], im[rows][vectors];
+    for (std::size_t r = 0; r < rows; ++r)
+        for (std::size_t v = 0; v < vectors; ++v) re[r][v] = im[r][v] = hn::Zero(d);
+    for (const ShiftedShare* share = shares; share != shares + count; ++share) {
+        const float* from_re = field_re + share->at + from;
+        const float* from_im = field_im + share->at + from;
+        for (std::size_t v = 0; v < vectors; ++v) {
+            const V f_re = hn::LoadU(d, from_re + v * lanes), f_im = hn::LoadU(d, from_im + v * lanes);
+            for (std::size_t r = 0; r < rows; ++r) {
+                const V a = hn::Set(d, share->drives.re[r]), b = hn::Set(d, share->drives.im[r]);
+                re[r][v] = hn::NegMulAdd(b, f_im, hn::MulAdd(a, f_re, re[r][v]));
+                im[r][v] = hn::MulAdd(b, f_re, hn::MulAdd(a, f_im, im[r][v]));
+            }
+        }
+    }
+    HWY_ALIGN float tile[2 * shifted_tile];
+    const bool whole = from + vectors * lanes <= points;
+    for (std::size_t r = 0; r < rows; ++r) {
+        float* to = whole ? out[r] + 2 * from : tile;
+        for (std::size_t v = 0; v < vectors; ++v) hn::StoreInterleaved2(re[r][v], im[r][v], d, to + 2 * v * lanes);
+        if (!whole)
+            for (std::size_t i = 0; i < 2 * (points - from); ++i) out[r][2 * from + i] = tile[i];
+    }
+}
+
+template <std::size_t rows>
+void sum_shifted_rows(const float* field_re, const float* field_im, const ShiftedShare* shares, std::size_t count,
+                      float* const* out, std::size_t points) {
+    const std::size_t lanes = hn::Lanes(D());
+    constexpr std::size_t most = HWY_TARGET <= HWY_AVX3 || !HWY_ARCH_X86 ? 4 : 2;  // as many as registers hold
+    static_assert(most * HWY_MAX_BYTES / sizeof(float) <= shifted_tile);
+    std::size_t from = 0;
+    for (; from + (most - 1) * lanes < points; from += most * lanes)
+        sum_shifted_tile<rows, most>(field_re, field_im, shares, count, from, out, points);
+    if constexpr (most > 2)
+        for (; from + lanes < points; from += 2 * lanes)
+            sum_shifted_tile<rows, 2>(field_re, field_im, shares, count, from, out, points);
+    for (; from < points; from += lanes)
+        sum_shifted_tile<rows, 1>(field_re, field_im, shares, count, from, out, points);
+}
+
+void sum_shifted_to(const float* field_re, const float* field_im, const ShiftedShare* shares, std::size_t count,
+                    float* first, float* second, std::size_t points) {
+    float* const out[2] = {first, second};
+    if (second == nullptr)
+        sum_shifted_rows<1>(field_re, field_im, shares, count, out, points);
+    else
+        sum_shifted_rows<2>(field_re, field_im, shares, count, out, points);
+}
+
+std::size_t lanes() { return hn::Lanes(D()); }
+const char* target_of_waves() { return hwy::TargetName(HWY_TARGET); }
+
+}  // namespace haptogram::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace haptogram {
+
+HWY_EXPORT(centre_block_at);
+HWY_EXPORT(sum_waves_to);
+HWY_EXPORT(sum_squares_to);
+HWY_EXPORT(sum_shifted_to);
+HWY_EXPORT(lanes);
+HWY_EXPORT(target_of_waves);
+
+void centre_block(const double* x, const double* y, const double* z, std::size_t count, Vec3 centre, WaveBlock& block) {
+    HWY_DYNAMIC_DISPATCH(centre_block_at)(x, y, z, count, centre, block);
+}
+
+void sum_waves(const WaveModel& model, const WaveBlock& block, std::span<const WaveElement> elements, float* re,
+               float* im) {
+    HWY_DYNAMIC_DISPATCH(sum_waves_to)(model, block, elements.data(), elements.size(), re, im);
+}
+
+void sum_squares(const WaveModel& model, const WaveBlock& block, std::span<const WaveElement> elements,
+                 std::span<const DrivePair> drives, std::span<const float> weights, float* scratch, float* mean) {
+    HWY_DYNAMIC_DISPATCH(sum_squares_to)
+    (model, block, elements.data(), elements.size(), drives.data(), weights.data(), weights.size() / 2, scratch, mean);
+}
+
+std::size_t scratch_of_sum_squares(std::size_t elements) { return 4 * elements * HWY_DYNAMIC_DISPATCH(lanes)(); }
+
+void sum_shifted(const float* field_re, const float* field_im, std::span<const ShiftedShare> shares,
+                 std::complex<float>* first, std::complex<float>* second, std::size_t points) {
+    HWY_DYNAMIC_DISPATCH(sum_shifted_to)
+    (field_re, field_im, shares.data(), shares.size(), reinterpret_cast<float*>(first),
+     reinterpret_cast<float*>(second), points);
+}
+
+const char* wave_target() { return HWY_DYNAMIC_DISPATCH(target_of_waves)(); }
+
+}  // namespace haptogram
+#endif

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "haptogram/acoustics/field.hpp"
+#include "haptogram/model/array.hpp"
+#include "haptogram/solve/formation.hpp"
+
+namespace haptogram {
+
+/// What a focal point is like while it plays alone.
+struct FocusAnalysis {
+    Vec3 focus;
+    Formation formation;        ///< flight-time spread, β, T_f, ring-up (Haptogram III-G)
+    double pressure_pa = 0.0;   ///< amplitude at the asked point
+    double radiation_pa = 0.0;  ///< radiation pressure on skin there (Hoshi eq. 1)
+    double width_m = 0.0;       ///< full width at half maximum of the radiation pressure, the wider of x and y
+    double depth_m =
+        0.0;  ///< the same along z, as far as it is seen (from λ above the array to three times the height)
+    double side_lobe = 0.0;  ///< highest radiation pressure beside the main lobe, along x and y, over that at the peak
+    double force_n = 0.0;    ///< through the square of the width around it (Hoshi eq. 5)
+    std::uint32_t dwell_cycles = 0;  ///< carrier periods until 90 % of the pressure is there: spread, load and ring-up
+};
+
+[[nodiscard]] FocusAnalysis analyze(const Array& array, Drives drives, Vec3 focus);
+
+/// The pressure amplitude at every point when the array focuses on it with exact phases, Pa: Σ source·D(θ)/R·e^{−αR}.
+/// NaN where no focal point may lie (Array::unreachable).
+[[nodiscard]] std::vector<float> workspace(const Array& array, const Grid& grid);
+
+/// Where a sequence is loudest for an ear, time-averaged: on the axis from λ on, and at 300 mm. dB SPL.
+struct Loudness {
+    double highest_db = 0.0;
+    double highest_at_m = 0.0;
+    double at_300_mm_db = 0.0;
+    double intensity_w_m2 = 0.0;  ///< p_rms²/(ρc) where it is highest
+};
+[[nodiscard]] Loudness loudness(const Array& array, std::span<const WeightedDrives> sequence);
+
+}  // namespace haptogram

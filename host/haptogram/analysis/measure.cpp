@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/analysis/measure.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <span>
+
+#include "haptogram/acoustics/drive.hpp"
+#include "haptogram/base/error.hpp"
+
+namespace haptogram {
+namespace {
+
+/// One channel's pulses, in order, cut into stretches of one record each.
+template <class Visit>
+void for_each_stretch(const std::vector<Pulse>& pulses, Visit visit) {
+    for (std::size_t begin = 0; begin < pulses.size();) {
+        std::size_t end = begin;
+        while (end < pulses.size() && pulses[end].index == pulses[begin].index) ++end;
+        const std::span<const Pulse> stretch(pulses.data() + begin, end - begin);
+        visit(stretch, stretch.size() >= 3 ? stretch.subspan(1, stretch.size() - 2) : stretch);
+        begin = end;
+    }
+}
+
+}  // namespace
+
+std::vector<MeasuredRecord> measure(const Manifest& manifest, const std::vector<Pulse>& pulses,
+                                    const std::string& where) {
+    const std::size_t elements = manifest.array.elements.size();
+    std::vector<std::vector<Pulse>> by_channel(elements);
+    for (const Pulse& pulse : pulses) {
+        if (pulse.channel >= elements)
+            throw bad_input(
+                where,
+                fmt::format("a pulse on channel {}, but the array has {} elements; these pulses are another array's",
+                            pulse.channel, elements));
+        if (pulse.index == 0 || pulse.index > manifest.foci.size())
+            throw bad_input(
+                where, fmt::format("a pulse of record {}, but the manifest has {}; these pulses are another image's",
+                                   pulse.index, manifest.foci.size()));
+        by_channel[pulse.channel].push_back(pulse);
+    }
+    const double clock_s = 1.0 / manifest.timer.clock_hz;
+    const double period_s = manifest.timer.period_s();
+    std::vector<MeasuredRecord> records(manifest.foci.size());
+    for (auto& record : records) record.drives.resize(elements);
+    // How long a record played is counted whole; its drives are the mean of what was not left out.
+    for (std::size_t channel = 0; channel < elements; ++channel) {
+        std::vector<std::uint64_t> cycles(records.size());
+        std::vector<std::uint64_t> measured(records.size());
+        for_each_stretch(by_channel[channel], [&](std::span<const Pulse> stretch, std::span<const Pulse> inner) {
+            std::vector<DrivePulse> train;
+            for (const Pulse& p : inner)
+                train.push_back({static_cast<double>(p.rise) * clock_s, static_cast<double>(p.fall) * clock_s});
+            const std::size_t r = stretch.front().index - 1U;
+            // Weighted by its length: a record may play in several stretches.
+            records[r].drives[channel] += carrier_component(train, manifest.timer.carrier_hz(), period_s);
+            cycles[r] += stretch.size();
+            measured[r] += inner.size();
+        });
+        for (std::size_t r = 0; r < records.size(); ++r) {
+            if (measured[r] > 0)
+                records[r].drives[channel] *= manifest.array.transducer.source_pa_m / static_cast<double>(measured[r]);
+            records[r].cycles = std::max(records[r].cycles, cycles[r]);
+        }
+    }
+    return records;
+}
+
+std::vector<std::complex<double>> drives_of(const Manifest& manifest, const Record& record) {
+    const double tick_s = record.prescaler / manifest.timer.clock_hz;
+    const double period_s = record.cycle_length * tick_s;
+    std::vector<std::complex<double>> drives;
+    for (std::size_t m = 0; m < manifest.array.elements.size(); ++m) {
+        const std::uint16_t tick = record.timings.at(m);
+        const DrivePulse pulse{tick * tick_s, (tick + record.pulse_length) * tick_s};
+        const bool fires = tick < record.cycle_length && tick != interface::silent_timing && record.pulse_length > 0;
+        drives.push_back(fires ? manifest.array.transducer.source_pa_m *
+                                     carrier_component({&pulse, 1}, 1.0 / period_s, period_s)
+                               : 0.0);
+    }
+    return drives;
+}
+
+}  // namespace haptogram

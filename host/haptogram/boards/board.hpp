@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "haptogram/model/array.hpp"
+
+namespace haptogram {
+
+/// A board file of constraints/: an FPGA, the instrument that is built into it, and which ball goes where.
+struct Board {
+    struct Fpga {
+        std::string family;  ///< "ecp5" or "ice40"
+        std::string device, package;
+        std::optional<std::uint32_t> speed;  ///< grade; an ecp5 has one
+        std::string top;                     ///< Verilog module in rtl/boards/
+    };
+    /// Arguments of openFPGALoader but for the bitstream's name, which comes last.
+    struct Flash {
+        std::vector<std::string> load;   ///< until power is cut
+        std::vector<std::string> write;  ///< for good
+        std::string note;                ///< what a person must connect first
+    };
+    struct Pins {
+        std::string clk, rx, tx;
+        std::optional<std::string> led;
+        std::vector<std::string> high;  ///< held so, that the rest of the board works
+    };
+    struct Output {
+        std::string connector, pin, net, ball;
+    };
+
+    std::string name;  ///< of the file, without ".toml"
+    std::string file;  ///< where it was read from, for messages
+    std::string description;
+    std::vector<std::string> sources;  ///< where the pins are published
+    std::string array;                 ///< name or path of the array that it drives unless told otherwise
+    Fpga fpga;
+    std::map<std::string, std::uint32_t, std::less<>> parameters;  ///< of haptogram_core, under their Verilog names
+    Flash flash;
+    Pins pins;
+    std::vector<Output> outputs;  ///< output k is channel k; those beyond CHANNELS are spare
+
+    /// A parameter by its Verilog name, such as "CHANNELS". @throws std::out_of_range for a name that none has
+    [[nodiscard]] std::uint32_t parameter(std::string_view key) const;
+    /// What the compiler must know of it, as an array file's [board] would say it.
+    [[nodiscard]] BoardSpec spec() const;
+};
+
+/// Reads a board file (TOML), given by its path, or by the name of a shipped board ("ice40-hx8k-breakout").
+/// @throws Error{bad_input} naming the file, the line and the key: what is missing, unknown, of another type or out of
+/// range, a ball used twice, or fewer outputs than channels
+[[nodiscard]] Board load_board(const std::string& name);
+
+/// Names of the shipped boards, sorted.
+/// @throws Error{bad_input} when their folder is neither beside the program nor in the source tree
+[[nodiscard]] std::vector<std::string> shipped_boards();
+
+}  // namespace haptogram

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/image/image.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+
+#include "haptogram/base/error.hpp"
+#include "haptogram/image/intel_hex.hpp"
+
+namespace haptogram {
+namespace {
+
+using interface::DescriptionWord;
+
+constexpr std::uint16_t magic = 0x4748;
+constexpr std::uint16_t format_version = 1;
+constexpr double longest_cycle_s = 1.0;
+
+template <class Word>
+std::vector<std::uint8_t> little_endian(const std::vector<Word>& words) {
+    std::vector<std::uint8_t> bytes;
+    bytes.reserve(words.size() * sizeof(Word));
+    for (const Word word : words)
+        for (unsigned i = 0; i < sizeof(Word); ++i) bytes.push_back(static_cast<std::uint8_t>(word >> (8U * i)));
+    return bytes;
+}
+
+template <class Word>
+std::vector<Word> from_little_endian(const std::vector<std::uint8_t>& bytes) {
+    std::vector<Word> words(bytes.size() / sizeof(Word));
+    for (std::size_t i = 0; i < words.size() * sizeof(Word); ++i)
+        words[i / sizeof(Word)] =
+            static_cast<Word>(words[i / sizeof(Word)] | static_cast<Word>(bytes[i]) << (8U * (i % sizeof(Word))));
+    return words;
+}
+
+std::vector<std::uint16_t> description_words(const Image& image) {
+    std::vector<std::uint16_t> words(interface::description_words);
+    const auto put = [&](DescriptionWord word, std::uint32_t value) {
+        words[static_cast<std::size_t>(word)] = static_cast<std::uint16_t>(value);
+    };
+    put(DescriptionWord::magic, magic);
+    put(DescriptionWord::format, format_version);
+    put(DescriptionWord::channels, image.channels);
+    put(DescriptionWord::records, static_cast<std::uint32_t>(image.records.size()));
+    put(DescriptionWord::sequence_words, static_cast<std::uint32_t>(image.sequence.size() + 1));
+    put(DescriptionWord::bits, image.pulse_bits << 8 | image.timing_bits);
+    put(DescriptionWord::clock_hz_low, image.clock_hz);
+    put(DescriptionWord::clock_hz_high, image.clock_hz >> 16);
+    return words;
+}
+
+/// The bytes of one region, which must start at `base` and be `expected` long.
+const std::vector<std::uint8_t>& region(const std::vector<intel_hex::Segment>& segments, std::uint32_t base,
+                                        std::size_t expected, const char* name, const std::string& where) {
+    const auto found = std::find_if(segments.begin(), segments.end(), [&](const auto& s) { return s.address == base; });
+    if (found == segments.end())
+        throw bad_input(
+            where,
+            fmt::format("no data at {:08X}, where {} begins; the image is cut short or was not made by haptogram", base,
+                        name));
+    if (found->bytes.size() != expected)
+        throw bad_input(
+            where,
+            fmt::format("{} holds {} bytes from {:08X} on, its description says {}; the image is cut short or garbled",
+                        name, found->bytes.size(), base, expected));
+    return found->bytes;
+}
+
+}  // namespace
+
+std::vector<std::uint16_t> primary_words(const Image& image) {
+    std::vector<std::uint16_t> words;
+    words.reserve(image.records.size() * record_words(image.channels));
+    for (const Record& record : image.records) {
+        words.push_back(static_cast<std::uint16_t>(record.cycle_length));
+        words.push_back(static_cast<std::uint16_t>((record.cycle_length >> 16 & 0xffU) |
+                                                   static_cast<unsigned>(record.pulse_length) << 8));
+        words.push_back(static_cast<std::uint16_t>(record.prescaler));
+        words.push_back(static_cast<std::uint16_t>(record.prescaler >> 16 & 0xffU));
+        words.insert(words.end(), record.timings.begin(), record.timings.end());
+        words.insert(words.end(), image.channels - record.timings.size(), interface::silent_timing);
+    }
+    return words;
+}
+
+std::vector<std::uint32_t> sequence_words(const Image& image) {
+    std::vector<std::uint32_t> words = {static_cast<std::uint32_t>(image.sequence.size()) |
+                                        static_cast<std::uint32_t>(image.loops) << 16};
+    for (const SequenceEntry& entry : image.sequence)
+        words.push_back(entry.index | static_cast<std::uint32_t>(entry.dwell) << 16);
+    return words;
+}
+
+std::string to_intel_hex(const Image& image) {
+    return intel_hex::write({{interface::primary_base, little_endian(primary_words(image))},
+                             {interface::sequence_base, little_endian(sequence_words(image))},
+                             {interface::description_base, little_endian(description_words(image))}});
+}
+
+void take_words(Image& image, const std::vector<std::uint16_t>& primary, const std::vector<std::uint32_t>& sequence,
+                const std::string& where) {
+    const std::size_t stride = record_words(image.channels);
+    for (std::size_t r = 0; r < primary.size() / stride; ++r) {
+        const std::uint16_t* word = primary.data() + r * stride;
+        if (word[3] >> 8 != 0)
+            throw bad_input(where,
+                            fmt::format("record {}: reserved bits are set in its header; the image is garbled", r + 1));
+        image.records.push_back({word[0] | (word[1] & 0xffU) << 16,
+                                 word[2] | (word[3] & 0xffU) << 16,
+                                 static_cast<std::uint8_t>(word[1] >> 8),
+                                 {word + interface::record_header_words, word + stride}});
+    }
+    image.loops = static_cast<std::uint16_t>(sequence.front() >> 16);
+    for (std::size_t i = 1; i < sequence.size(); ++i)
+        image.sequence.push_back(
+            {static_cast<std::uint16_t>(sequence[i]), static_cast<std::uint16_t>(sequence[i] >> 16)});
+}
+
+Image from_intel_hex(std::string_view text, const std::string& where) {
+    const std::vector<intel_hex::Segment> segments = intel_hex::read(text, where);
+    for (const auto& segment : segments) {
+        constexpr std::array known = {interface::primary_base, interface::sequence_base, interface::description_base};
+        if (std::find(known.begin(), known.end(), segment.address) == known.end())
+            throw bad_input(where, fmt::format("{} bytes at {:08X} belong to no region, or the bytes before them are "
+                                               "missing; the image is garbled",
+                                               segment.bytes.size(), segment.address));
+    }
+    const auto described = from_little_endian<std::uint16_t>(region(segments, interface::description_base,
+                                                                    std::size_t{2} * interface::description_words,
+                                                                    "the description", where));
+    const auto get = [&](DescriptionWord word) { return std::uint32_t{described[static_cast<std::size_t>(word)]}; };
+    if (get(DescriptionWord::magic) != magic || get(DescriptionWord::format) != format_version)
+        throw bad_input(where,
+                        fmt::format("the description says magic {:04X}, format {}; expected {:04X}, format {}; compile "
+                                    "it with this version",
+                                    get(DescriptionWord::magic), get(DescriptionWord::format), magic, format_version));
+    Image image;
+    image.channels = get(DescriptionWord::channels);
+    image.clock_hz = get(DescriptionWord::clock_hz_low) | get(DescriptionWord::clock_hz_high) << 16;
+    image.timing_bits = get(DescriptionWord::bits) & 0xffU;
+    image.pulse_bits = get(DescriptionWord::bits) >> 8;
+    const std::uint32_t records = get(DescriptionWord::records);
+    const std::uint32_t words = get(DescriptionWord::sequence_words);
+    if (image.channels == 0 || records == 0 || words == 0)
+        throw bad_input(
+            where, fmt::format("the description says {} channels, {} records and {} sequence words; none may be zero",
+                               image.channels, records, words));
+    const std::size_t stride = record_words(image.channels);
+    const auto primary = from_little_endian<std::uint16_t>(
+        region(segments, interface::primary_base, 2 * stride * records, "primary memory", where));
+    const auto sequence = from_little_endian<std::uint32_t>(
+        region(segments, interface::sequence_base, 4UL * words, "sequence memory", where));
+    if ((sequence.front() & 0xffffU) != words - 1)
+        throw bad_input(where,
+                        fmt::format("the sequence header says {} entries, the description {}; the image is garbled",
+                                    sequence.front() & 0xffffU, words - 1));
+    take_words(image, primary, sequence, where);
+    return image;
+}
+
+std::vector<std::string> problems(const Image& image) {
+    std::vector<std::string> found;
+    for (std::size_t r = 0; r < image.records.size(); ++r) {
+        const Record& record = image.records[r];
+        if (record.prescaler == 0)
+            found.push_back(fmt::format("record {}: prescaler 0; the board will refuse it", r + 1));
+        const double cycle_s =
+            static_cast<double>(record.cycle_length) * record.prescaler / std::max(image.clock_hz, 1U);
+        if (cycle_s > longest_cycle_s)
+            found.push_back(
+                fmt::format("record {}: a cycle lasts {:.3g} s, and until it ends the board changes to nothing "
+                            "else, not even to silence; at most {} s",
+                            r + 1, cycle_s, longest_cycle_s));
+        if (record.pulse_length >= record.cycle_length)
+            found.push_back(fmt::format(
+                "record {}: a pulse of {} ticks is not shorter than its cycle of {}; the board will refuse it", r + 1,
+                record.pulse_length, record.cycle_length));
+    }
+    if (image.sequence.empty()) found.emplace_back("the sequence is empty; nothing would be played");
+    for (std::size_t i = 0; i < image.sequence.size(); ++i) {
+        const SequenceEntry& entry = image.sequence[i];
+        if (entry.index > image.records.size())
+            found.push_back(fmt::format("sequence entry {}: index {} of {} records; the board will refuse it", i + 1,
+                                        entry.index, image.records.size()));
+        if (entry.dwell == 0)
+            found.push_back(
+                fmt::format("sequence entry {}: dwell 0 lasts only until the next record is loaded", i + 1));
+    }
+    return found;
+}
+
+std::string primary_readmemh(const Image& image) {
+    std::string text;
+    for (const std::uint16_t word : primary_words(image)) text += fmt::format("{:04x}\n", word);
+    return text;
+}
+
+std::string sequence_readmemh(const Image& image) {
+    std::string text;
+    for (const std::uint32_t word : sequence_words(image)) text += fmt::format("{:08x}\n", word);
+    return text;
+}
+
+}  // namespace haptogram

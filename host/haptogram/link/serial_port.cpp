@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/link/serial_port.hpp"
+
+#include <fmt/core.h>
+#include <sys/file.h>
+#include <termios.h>
+
+#include <array>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/serial_port.hpp>
+#include <boost/asio/write.hpp>
+#include <cerrno>
+#include <system_error>
+
+#include "haptogram/base/error.hpp"
+#include "haptogram/link/baud_rate.hpp"
+
+namespace haptogram::link {
+namespace asio = boost::asio;
+
+struct SerialPort::Port {
+    std::string path;
+    asio::io_context context;
+    asio::serial_port serial{context};
+
+    [[nodiscard]] Error error(const std::string& message) const { return {ErrorCode::device, path, message}; }
+    [[nodiscard]] LinkLost gone(const boost::system::error_code& reason) const {
+        return {path,
+                fmt::format("the port is gone ({}); was it unplugged, or its virtual board ended?", reason.message())};
+    }
+};
+
+SerialPort::SerialPort(const std::string& path, std::uint32_t baud) : port_(std::make_unique<Port>()) {
+    port_->path = path;
+    asio::serial_port& serial = port_->serial;
+    boost::system::error_code error;
+    static_cast<void>(serial.open(path, error));
+    if (error)
+        throw port_->error(
+            fmt::format("cannot be opened: {}; 'haptogram device list' shows the ports", error.message()));
+    // Until it is closed, or its process ends in whatever way.
+    if (::flock(serial.native_handle(), LOCK_EX | LOCK_NB) != 0)
+        throw port_->error("another program is using it; end that one first");
+    using Base = asio::serial_port_base;
+    try {
+        serial.set_option(Base::character_size(8));
+        serial.set_option(Base::parity(Base::parity::none));
+        serial.set_option(Base::stop_bits(Base::stop_bits::one));
+        serial.set_option(Base::flow_control(Base::flow_control::none));
+    } catch (const boost::system::system_error& refused) {
+        throw port_->error(fmt::format("it cannot be set to 8N1: {}; is it a serial port?", refused.code().message()));
+    }
+    ::tcflush(serial.native_handle(), TCIOFLUSH);  // answers to somebody else's questions
+    const std::uint32_t rate = set_baud_rate(serial.native_handle(), baud);
+    // 8N1 stands an error of some 4 % between both ends.
+    if (rate == 0 || rate < baud - baud / 50 || rate > baud + baud / 50)
+        throw port_->error(rate == 0
+                               ? fmt::format("it refuses {} baud: {}", baud, std::generic_category().message(errno))
+                               : fmt::format("it makes {} baud of {}; ask for a rate that it can do", rate, baud));
+}
+
+SerialPort::~SerialPort() = default;
+
+void SerialPort::write(std::span<const std::uint8_t> bytes) {
+    boost::system::error_code error;
+    asio::write(port_->serial, asio::buffer(bytes.data(), bytes.size()), error);
+    if (error) throw port_->gone(error);
+}
+
+std::vector<std::uint8_t> SerialPort::read(std::chrono::microseconds patience) {
+    std::array<std::uint8_t, 4096> buffer{};
+    std::size_t count = 0;
+    boost::system::error_code outcome;
+    port_->context.restart();
+    port_->serial.async_read_some(asio::buffer(buffer),
+                                  [&](const boost::system::error_code& error, std::size_t arrived) {
+                                      outcome = error;
+                                      count = arrived;
+                                  });
+    port_->context.run_for(patience);
+    if (!port_->context.stopped()) {
+        port_->serial.cancel();
+        port_->context.run();  // the read ends now, with what came after all or with nothing
+    }
+    if (outcome && outcome != asio::error::operation_aborted) throw port_->gone(outcome);
+    return {buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(count)};
+}
+
+}  // namespace haptogram::link

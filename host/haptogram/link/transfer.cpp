@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/link/transfer.hpp"
+
+#include <fmt/core.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "haptogram/base/error.hpp"
+
+namespace haptogram::link {
+namespace {
+
+using interface::Command;
+
+/// What one frame carries of an image.
+struct Piece {
+    std::uint32_t address;
+    Bytes bytes;
+};
+
+/// An image in frames: a record each, and the sequence in pieces as long.
+std::vector<Piece> pieces_of(const Image& image) {
+    std::vector<Piece> pieces;
+    const std::size_t stride = record_words(image.channels);
+    const std::vector<std::uint16_t> primary = primary_words(image);
+    for (std::size_t at = 0; at < primary.size(); at += stride) {
+        Piece& piece = pieces.emplace_back(Piece{interface::primary_base + static_cast<std::uint32_t>(2 * at), {}});
+        for (std::size_t i = at; i < at + stride; ++i)
+            for (const unsigned shift : {0U, 8U}) piece.bytes.push_back(static_cast<std::uint8_t>(primary[i] >> shift));
+    }
+    const std::vector<std::uint32_t> sequence = sequence_words(image);
+    for (std::size_t at = 0; at < sequence.size(); at += stride / 2) {
+        Piece& piece = pieces.emplace_back(Piece{interface::sequence_base + static_cast<std::uint32_t>(4 * at), {}});
+        for (std::size_t i = at; i < std::min(at + stride / 2, sequence.size()); ++i)
+            for (const unsigned shift : {0U, 8U, 16U, 24U})
+                piece.bytes.push_back(static_cast<std::uint8_t>(sequence[i] >> shift));
+    }
+    return pieces;
+}
+
+Bytes place_of(const Piece& piece) {
+    Bytes payload;
+    for (const unsigned shift : {0U, 8U, 16U, 24U})
+        payload.push_back(static_cast<std::uint8_t>(piece.address >> shift));
+    return payload;
+}
+
+/// READ and DIGEST name the length of what they ask for; WRITE brings it.
+Request asking(Command command, const Piece& piece) {
+    Request request{command, place_of(piece)};
+    for (const unsigned shift : {0U, 8U})
+        request.payload.push_back(static_cast<std::uint8_t>(piece.bytes.size() >> shift));
+    return request;
+}
+
+Request writing(const Piece& piece) {
+    Request request{Command::write, place_of(piece)};
+    request.payload.insert(request.payload.end(), piece.bytes.begin(), piece.bytes.end());
+    return request;
+}
+
+/// Those whose digest is not what the board says of their place.
+std::vector<Piece> differing(Client& client, const std::vector<Piece>& pieces, const Told& told) {
+    std::vector<Request> requests;
+    requests.reserve(pieces.size());
+    for (const Piece& piece : pieces) requests.push_back(asking(Command::digest, piece));
+    const std::vector<Reply> replies = client.pipeline(std::move(requests), told);
+    std::vector<Piece> found;
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+        const auto digest = static_cast<std::uint32_t>(
+            ::crc32(0, pieces[i].bytes.data(), static_cast<unsigned>(pieces[i].bytes.size())));
+        const Bytes expected = {static_cast<std::uint8_t>(digest), static_cast<std::uint8_t>(digest >> 8),
+                                static_cast<std::uint8_t>(digest >> 16), static_cast<std::uint8_t>(digest >> 24)};
+        if (replies[i].data != expected) found.push_back(pieces[i]);
+    }
+    return found;
+}
+
+/// What the board holds at a place, in frames of at most a record.
+Bytes contents(Client& client, const Identity& board, std::uint32_t address, std::size_t bytes, const Told& told) {
+    const std::size_t most = std::size_t{2} * record_words(board.channels) / 4 * 4;  // whole words of either memory
+    std::vector<Request> requests;
+    for (std::size_t at = 0; at < bytes; at += most)
+        requests.push_back(
+            asking(Command::read, {address + static_cast<std::uint32_t>(at), Bytes(std::min(most, bytes - at))}));
+    Bytes found;
+    for (const Reply& reply : client.pipeline(std::move(requests), told))
+        found.insert(found.end(), reply.data.begin(), reply.data.end());
+    return found;
+}
+
+template <class Word>
+std::vector<Word> words_of(const Bytes& bytes) {
+    std::vector<Word> words(bytes.size() / sizeof(Word));
+    for (std::size_t i = 0; i < words.size() * sizeof(Word); ++i)
+        words[i / sizeof(Word)] =
+            static_cast<Word>(words[i / sizeof(Word)] | Word{bytes[i]} << (8U * (i % sizeof(Word))));
+    return words;
+}
+
+}  // namespace
+
+Uploaded upload(Client& client, const Image& image, const Told& told) {
+    const std::vector<Piece> pieces = pieces_of(image);
+    const auto part = [&told](double from, double to) {
+        return [&told, from, to](double fraction) {
+            if (told) told(from + (to - from) * fraction);
+        };
+    };
+    const std::vector<Piece> wrong = differing(client, pieces, part(0.0, 0.05));
+    std::vector<Request> requests;
+    requests.reserve(wrong.size());
+    for (const Piece& piece : wrong) requests.push_back(writing(piece));
+    client.pipeline(std::move(requests), part(0.05, 0.95));
+    const std::vector<Piece> still = differing(client, wrong, part(0.95, 1.0));
+    if (!still.empty())
+        throw Error(ErrorCode::device, "board",
+                    fmt::format("its memory differs from what was written, from address {:#010x} on; does another "
+                                "program write to this board?",
+                                still.front().address));
+    return {pieces.size(), wrong.size()};
+}
+
+std::string compare(Client& client, const Image& image, const Told& told) {
+    const std::vector<Piece> pieces = pieces_of(image);
+    std::vector<Request> requests;
+    requests.reserve(pieces.size());
+    for (const Piece& piece : pieces) requests.push_back(asking(Command::read, piece));
+    const std::vector<Reply> replies = client.pipeline(std::move(requests), told);
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+        const auto [expected, found] = std::ranges::mismatch(pieces[i].bytes, replies[i].data);
+        if (expected == pieces[i].bytes.end() && found == replies[i].data.end()) continue;
+        const auto at = static_cast<std::uint32_t>(expected - pieces[i].bytes.begin());
+        return fmt::format("the board's memory differs at address {:#010x}", pieces[i].address + at);
+    }
+    return {};
+}
+
+Image download(Client& client, const Identity& board, std::uint32_t records, const std::string& where,
+               const Told& told) {
+    const auto header = words_of<std::uint32_t>(client.read(interface::sequence_base, 4)).front();
+    const std::uint32_t length = header & ~interface::autostart_bit & 0xffffU;
+    if (length >= board.sequence_depth || (length == 0 && records == 0))
+        throw Error(ErrorCode::device, where,
+                    fmt::format("the sequence header in its memory says {} entries; upload an image first", length));
+    auto sequence =
+        words_of<std::uint32_t>(contents(client, board, interface::sequence_base, 4 * (length + std::size_t{1}), {}));
+    sequence.front() &= ~interface::autostart_bit;
+    for (std::size_t i = 1; i < sequence.size() && records != board.records; ++i)
+        records = std::min(std::max(records, sequence[i] & 0xffffU), board.records);
+    Image image;
+    image.channels = board.channels;
+    image.clock_hz = board.clock_hz;
+    image.timing_bits = board.timing_bits;
+    image.pulse_bits = board.pulse_bits;
+    const std::size_t bytes = std::size_t{2} * record_words(board.channels) * records;
+    take_words(image, words_of<std::uint16_t>(contents(client, board, interface::primary_base, bytes, told)), sequence,
+               where);
+    return image;
+}
+
+void require_fits(const Image& image, const Identity& board, const std::string& where) {
+    const auto require = [&](bool fits, const std::string& what) {
+        if (!fits)
+            throw bad_input(where, what + "; compile it for this board (--array), or use the board it was made for");
+    };
+    require(image.channels == board.channels,
+            fmt::format("the image is for {} channels, the board has {}", image.channels, board.channels));
+    require(image.clock_hz == board.clock_hz,
+            fmt::format("the image is for a {} Hz clock, the board has {} Hz", image.clock_hz, board.clock_hz));
+    require(image.timing_bits <= board.timing_bits,
+            fmt::format("the image needs {} timing bits, the board has {}", image.timing_bits, board.timing_bits));
+    require(image.pulse_bits <= board.pulse_bits,
+            fmt::format("the image needs {} pulse bits, the board has {}", image.pulse_bits, board.pulse_bits));
+    require(image.records.size() <= board.records,
+            fmt::format("the image has {} records, the board holds {}", image.records.size(), board.records));
+    require(image.sequence.size() < board.sequence_depth,
+            fmt::format("the image has {} sequence entries, the board holds {}", image.sequence.size(),
+                        board.sequence_depth - 1));
+}
+
+}  // namespace haptogram::link

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/model/array.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "haptogram/model/transducer_keys.hpp"
+
+namespace haptogram {
+namespace {
+
+using section::assign;
+using section::found;
+using section::place;
+using section::Section;
+
+constexpr double degree = std::numbers::pi / 180.0;
+
+std::vector<Vec3> grid(std::uint32_t rows, std::uint32_t columns, double pitch_m) {
+    std::vector<Vec3> elements;
+    for (std::uint32_t r = 0; r < rows; ++r)
+        for (std::uint32_t q = 0; q < columns; ++q)
+            elements.push_back({(q - (columns - 1) / 2.0) * pitch_m, (r - (rows - 1) / 2.0) * pitch_m, 0.0});
+    return elements;
+}
+
+std::vector<Vec3> listed_elements(const std::string& file, const toml::node& node) {
+    const auto fail = [&](const toml::node& at) {
+        return bad_input(place(file, at),
+                         "elements_mm must be a list of [x, y] pairs of numbers, in channel order, found " + found(at));
+    };
+    const toml::array* list = node.as_array();
+    if (list == nullptr || list->empty()) throw fail(node);
+    std::vector<Vec3> elements;
+    for (const toml::node& entry : *list) {
+        const toml::array* pair = entry.as_array();
+        if (pair == nullptr || pair->size() != 2) throw fail(entry);
+        const auto x = (*pair)[0].value<double>();
+        const auto y = (*pair)[1].value<double>();
+        if (!x || !y || !std::isfinite(*x) || !std::isfinite(*y)) throw fail(entry);
+        elements.push_back(from_mm(*x, *y, 0.0));
+    }
+    return elements;
+}
+
+void read_geometry(Array& array, const std::string& file, const toml::table& root) {
+    const Section section(file, root, "array");
+    section.only({"rows", "columns", "pitch_mm", "elements_mm", "carrier_hz", "duty", "reach_angle_deg", "nearest_mm"});
+    const auto rows = section.whole("rows", 1, 1000);
+    const auto columns = section.whole("columns", 1, 1000);
+    const auto pitch = section.number("pitch_mm", 0.1, 1000.0);
+    if (const toml::node* list = section.find("elements_mm")) {
+        if (rows || columns || pitch)
+            throw bad_input(place(file, *list), "give either elements_mm or rows, columns and pitch_mm, not both");
+        array.elements = listed_elements(file, *list);
+    } else {
+        if (!rows || !columns || !pitch)
+            throw bad_input(file, "[array] must have rows, columns and pitch_mm, or elements_mm");
+        array.elements = grid(*rows, *columns, *pitch * millimetre);
+        array.columns = *columns;
+    }
+    assign(array.duty, section.number("duty", 1e-3, 0.5));
+    assign(array.reach_angle_rad, section.number("reach_angle_deg", 1.0, 89.0), degree);
+    const auto nearest = section.number("nearest_mm", 0.0, 1e4);
+    const double diameter = 2.0 * array.transducer.radius_m;
+    array.nearest_m = nearest ? *nearest * millimetre : 10.0 * diameter * diameter / (4.0 * array.wavelength_m());
+}
+
+void read_medium(Medium& medium, double carrier_hz, const std::string& file, const toml::table& root) {
+    const Section section(file, root, "medium");
+    section.only(
+        {"speed_m_s", "temperature_c", "density_kg_m3", "humidity_percent", "pressure_kpa", "absorption_db_m"});
+    const auto speed = section.number("speed_m_s", 100.0, 2000.0);
+    const auto temperature = section.number("temperature_c", -50.0, 100.0);
+    const auto humidity = section.number("humidity_percent", 0.0, 100.0);
+    const auto pressure = section.number("pressure_kpa", 10.0, 200.0);
+    const auto absorption = section.number("absorption_db_m", 0.0, 100.0);
+    if (speed && temperature) throw bad_input(file, "[medium] must have speed_m_s or temperature_c, not both");
+    for (const char* key : {"humidity_percent", "pressure_kpa"})
+        if (section.find(key) != nullptr && !temperature)
+            throw bad_input(section.at(key), fmt::format("medium.{} says nothing without temperature_c", key));
+    if (humidity && absorption)
+        throw bad_input(section.at("absorption_db_m"),
+                        "[medium] must have absorption_db_m or humidity_percent, which gives it, not both");
+    if (temperature) {
+        const double pressure_pa = pressure.value_or(standard_pressure_pa * 1e-3) * 1e3;
+        medium.speed_m_s = speed_of_sound(*temperature);
+        medium.density_kg_m3 = air_density(*temperature, pressure_pa, humidity.value_or(0.0));
+        if (humidity) medium.absorption_np_m = absorption_np_m(carrier_hz, *temperature, *humidity, pressure_pa);
+    }
+    assign(medium.speed_m_s, speed);
+    assign(medium.density_kg_m3, section.number("density_kg_m3", 0.1, 10.0));
+    if (absorption) medium.absorption_np_m = db_to_np(*absorption);
+}
+
+void read_transducer(Transducer& transducer, const std::string& file, const toml::table& root) {
+    const Section section(file, root, "transducer");
+    section.only({"file", "name", "radius_mm", "source_pa_m", "bandwidth_hz", "directivity"});
+    if (const auto from = section.text("file")) {
+        try {
+            transducer = find_transducer(*from, std::filesystem::path(file).parent_path());
+        } catch (const Error& error) {
+            throw bad_input(section.at("file"), error.what());
+        }
+    }
+    read_transducer_keys(transducer, section);
+}
+
+void read_board(BoardSpec& board, const std::string& file, const toml::table& root) {
+    const Section section(file, root, "board");
+    section.only({"name", "clock_hz", "baud", "channels", "records", "sequence_depth", "timing_bits", "pulse_bits"});
+    assign(board.name, section.text("name"));
+    assign(board.clock_hz, section.whole("clock_hz", 1'000'000, 1'000'000'000));
+    assign(board.baud, section.whole("baud", 1200, 20'000'000));
+    assign(board.channels, section.whole("channels", 2, 1000));
+    assign(board.records, section.whole("records", 1, 65535));
+    assign(board.sequence_depth, section.whole("sequence_depth", 2, 32768));
+    assign(board.timing_bits, section.whole("timing_bits", 4, 16));
+    assign(board.pulse_bits, section.whole("pulse_bits", 1, 8));
+}
+
+}  // namespace
+
+std::string Array::unreachable(Vec3 focus) const {
+    if (focus.z <= 0.0) return "on or behind the array";
+    for (std::size_t m = 0; m < elements.size(); ++m) {
+        const double range = distance(focus, elements[m]);
+        if (range < nearest_m)
+            return fmt::format("{:.2f} mm from element {}, nearer than {:.2f} mm", range / millimetre, m,
+                               nearest_m / millimetre);
+    }
+    const double angle = std::atan2(std::hypot(focus.x, focus.y), focus.z);
+    if (angle > reach_angle_rad)
+        return fmt::format("{:.1f}° off the axis, beyond {:.1f}°", angle / degree, reach_angle_rad / degree);
+    return {};
+}
+
+Array load_array(const std::filesystem::path& path, const std::optional<BoardSpec>& board) {
+    const std::string file = path.string();
+    const toml::table root = section::parse(path);
+    for (const auto& [key, node] : root)
+        if (key != "name" && key != "array" && key != "medium" && key != "transducer" && key != "board")
+            throw bad_input(
+                place(file, node),
+                fmt::format("unknown key '{}'; known are name, array, medium, transducer, board", key.str()));
+    Array array;
+    array.file = file;
+    array.name = path.stem().string();
+    if (const toml::node* name = root.get("name")) {
+        if (!name->is_string())
+            throw bad_input(place(file, *name), "name must be a text in quotes, found " + found(*name));
+        array.name = name->value_or(array.name);
+    }
+    assign(array.carrier_hz, Section(file, root, "array").number("carrier_hz", 1e3, 1e6));
+    read_medium(array.medium, array.carrier_hz, file, root);
+    read_transducer(array.transducer, file, root);
+    read_board(array.board, file, root);
+    if (board) array.board = *board;
+    read_geometry(array, file, root);
+    if (array.elements.size() > array.board.channels)
+        throw bad_input(
+            file, fmt::format("{} elements but the board has {} channels ({}); use a larger board or fewer elements",
+                              array.elements.size(), array.board.channels, array.board.name));
+    for (std::size_t a = 0; a < array.elements.size(); ++a)
+        for (std::size_t b = 0; b < a; ++b)
+            if (array.elements[a] == array.elements[b])
+                throw bad_input(
+                    file, fmt::format(
+                              "elements_mm: elements {} and {} are at the same place, ({}, {}) mm; each needs its own",
+                              b, a, array.elements[a].x / millimetre, array.elements[a].y / millimetre));
+    return array;
+}
+
+Array find_array(const std::string& name, const std::optional<BoardSpec>& board) {
+    if (name.find('/') != std::string::npos || name.ends_with(".toml")) return load_array(name, board);
+    const auto path = shipped_array_file(name + ".toml");
+    if (!path.empty()) return load_array(path, board);
+    throw bad_input(name,
+                    "no shipped array has this name (shipped are tile-10x10, tile-7x8 and hoshi-18x18); give the path "
+                    "of a .toml file");
+}
+
+}  // namespace haptogram

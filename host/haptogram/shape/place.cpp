@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/shape/place.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "haptogram/base/error.hpp"
+
+namespace haptogram {
+namespace {
+
+Error bad_option(const char* name, double found, const char* expected) {
+    return {ErrorCode::usage, name, fmt::format("found {}, expected {}; correct the option", found, expected)};
+}
+
+/// p → turn · (scale · p) + shift, where `turn` is a rotation given by the images of the axes.
+struct Motion {
+    double scale = 1.0;
+    std::array<Vec3, 3> turn{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    Vec3 shift{};
+
+    [[nodiscard]] Vec3 operator()(Vec3 p) const {
+        return scale * p.x * turn[0] + scale * p.y * turn[1] + scale * p.z * turn[2] + shift;
+    }
+};
+
+Shape moved(Shape shape, const Motion& motion) {
+    struct Mover {
+        const Motion& motion;
+        void operator()(Curve& curve) const {
+            curve.at = [at = curve.at, motion = motion](double s) { return motion(at(s / motion.scale)); };
+            curve.length *= motion.scale;
+        }
+        void operator()(Mesh& mesh) const {
+            std::transform(mesh.vertices.begin(), mesh.vertices.end(), mesh.vertices.begin(), motion);
+        }
+        void operator()(Cloud& cloud) const {
+            std::transform(cloud.points.begin(), cloud.points.end(), cloud.points.begin(), motion);
+        }
+    };
+    for (Piece& piece : shape.pieces) std::visit(Mover{motion}, piece);
+    return shape;
+}
+
+/// The motion, whatever it does else, that leaves `center` where it is.
+Motion about(Vec3 center, Motion motion) {
+    motion.shift = {};
+    motion.shift = center - motion(center);
+    return motion;
+}
+
+Vec3 rotated(Vec3 p, const std::array<double, 3>& degrees) {
+    const auto turn = [](double& a, double& b, double angle_deg) {
+        const double angle = angle_deg * (std::numbers::pi / 180.0);
+        const double new_a = std::cos(angle) * a - std::sin(angle) * b;
+        b = std::sin(angle) * a + std::cos(angle) * b;
+        a = new_a;
+    };
+    turn(p.y, p.z, degrees[0]);
+    turn(p.z, p.x, degrees[1]);
+    turn(p.x, p.y, degrees[2]);
+    return p;
+}
+
+/// The largest of `sign` · coordinate on a curve. Between two neighbours of evenly spaced points no coordinate rises by
+/// more than their distance along the curve, so a search is due only around points that come that near to the largest.
+double furthest(const Curve& curve, double Vec3::*axis, double sign) {
+    constexpr int steps = 256;
+    const double step = curve.length / steps;
+    const auto value = [&](double s) { return sign * (curve.at(std::clamp(s, 0.0, curve.length)).*axis); };
+    std::array<double, steps + 1> values{};
+    for (int i = 0; i <= steps; ++i) values.at(static_cast<std::size_t>(i)) = value(i * step);
+    double largest = *std::max_element(values.begin(), values.end());
+    for (int i = 0; i <= steps; ++i) {
+        if (values.at(static_cast<std::size_t>(i)) + step < largest) continue;
+        double from = (i - 1) * step;
+        double to = (i + 1) * step;
+        for (int k = 0; k < 40; ++k) {  // golden section
+            const double part = (to - from) / (1.0 + std::numbers::phi);
+            if (value(from + part) < value(to - part))
+                from += part;
+            else
+                to -= part;
+        }
+        largest = std::max(largest, value(0.5 * (from + to)));
+    }
+    return largest;
+}
+
+}  // namespace
+
+Box bounding_box(const Shape& shape) {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    Box box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+    for (double Vec3::*const axis : {&Vec3::x, &Vec3::y, &Vec3::z}) {
+        const auto add = [&](double low, double high) {
+            box.low.*axis = std::min(box.low.*axis, low);
+            box.high.*axis = std::max(box.high.*axis, high);
+        };
+        for (const Piece& piece : shape.pieces) {
+            if (const auto* const curve = std::get_if<Curve>(&piece))
+                add(-furthest(*curve, axis, -1.0), furthest(*curve, axis, 1.0));
+            if (const auto* const cloud = std::get_if<Cloud>(&piece))
+                for (const Vec3& point : cloud->points) add(point.*axis, point.*axis);
+            if (const auto* const mesh =
+                    std::get_if<Mesh>(&piece))  // corners only: a file may hold vertices of no triangle
+                for (const auto& triangle : mesh->triangles)
+                    for (const std::uint32_t corner : triangle)
+                        add(mesh->vertices[corner].*axis, mesh->vertices[corner].*axis);
+        }
+    }
+    if (box.low.x > box.high.x)
+        throw Error(ErrorCode::usage, "shape", "found nothing, expected a curve, a surface or points; name a shape");
+    return box;
+}
+
+Shape place(const Shape& shape, const Placement& placement) {
+    const auto check_positive = [](const char* name, double value) {
+        if (!(value > 0.0) || !std::isfinite(value)) throw bad_option(name, value, "a positive number");
+    };
+    check_positive("scale", placement.scale);
+    if (placement.size_m) check_positive("size", *placement.size_m);
+    for (const double angle : placement.rotate_deg)
+        if (!std::isfinite(angle)) throw bad_option("rotate", angle, "three angles in degrees");
+    if (placement.center && !is_finite(*placement.center))
+        throw Error(ErrorCode::usage, "center", "expected three finite numbers; correct the option");
+
+    Shape placed = moved(shape, {.scale = placement.scale});
+    if (placement.size_m) {
+        const Box box = bounding_box(placed);
+        const double largest = std::max({box.extent().x, box.extent().y, box.extent().z});
+        if (largest == 0.0)
+            throw Error(ErrorCode::usage, "size", "found a single point, which has no size; leave the option out");
+        placed = moved(placed, about(box.center(), {.scale = *placement.size_m / largest}));
+    }
+    if (const auto& angles = placement.rotate_deg; angles != std::array<double, 3>{}) {
+        const Motion turn{.turn = {rotated({1, 0, 0}, angles), rotated({0, 1, 0}, angles), rotated({0, 0, 1}, angles)}};
+        placed = moved(placed, about(bounding_box(placed).center(), turn));
+    }
+    if (placement.center) placed = moved(placed, {.shift = *placement.center - bounding_box(placed).center()});
+    return placed;
+}
+
+}  // namespace haptogram

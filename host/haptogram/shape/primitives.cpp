@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/shape/primitives.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string_view>
+#include <utility>
+
+#include "haptogram/base/error.hpp"
+#include "haptogram/shape/place.hpp"
+
+namespace haptogram {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr unsigned segments = 360;  ///< of a turn, in surfaces
+
+Curve polyline(std::vector<Vec3> corners, bool closed) {
+    if (closed) corners.push_back(corners.front());
+    std::vector<double> until{0.0};  // arc length up to each corner
+    for (std::size_t i = 1; i < corners.size(); ++i)
+        until.push_back(until.back() + distance(corners[i - 1], corners[i]));
+    const double length = until.back();
+    const auto at = [corners = std::move(corners), until = std::move(until)](double s) {
+        const auto after = std::upper_bound(until.begin() + 1, until.end() - 1, s);
+        const auto i = static_cast<std::size_t>(after - until.begin());
+        return corners[i - 1] + (s - until[i - 1]) / (until[i] - until[i - 1]) * (corners[i] - corners[i - 1]);
+    };
+    return {at, length, closed};
+}
+
+Vec3 on_circle(double radius, double angle) { return {radius * std::cos(angle), radius * std::sin(angle), 0.0}; }
+
+/// Regular, one side below and parallel to x.
+Curve regular_polygon(double diameter, unsigned sides) {
+    std::vector<Vec3> corners;
+    for (unsigned i = 0; i < sides; ++i)
+        corners.push_back(on_circle(0.5 * diameter, 2.0 * pi * (i + 0.5) / sides - 0.5 * pi));
+    return polyline(std::move(corners), true);
+}
+
+/// A point of a profile that is turned about the z axis.
+struct Ring {
+    double radius, z;
+};
+
+Mesh revolve(const std::vector<Ring>& profile) {
+    Mesh mesh;
+    for (const Ring& ring : profile)
+        for (unsigned i = 0; i < segments; ++i)
+            mesh.vertices.push_back(on_circle(ring.radius, 2.0 * pi * i / segments) + Vec3{0, 0, ring.z});
+    for (std::uint32_t k = 0; k + 1 < profile.size(); ++k) {
+        for (std::uint32_t i = 0; i < segments; ++i) {
+            const std::uint32_t here = k * segments + i;
+            const std::uint32_t next = k * segments + (i + 1) % segments;
+            if (profile[k].radius > 0.0) mesh.triangles.push_back({here, next, next + segments});
+            if (profile[k + 1].radius > 0.0) mesh.triangles.push_back({here, next + segments, here + segments});
+        }
+    }
+    return mesh;
+}
+
+/// Of a sphere, from the top down.
+Mesh dome(double radius, double angle) {
+    std::vector<Ring> profile{{0.0, radius}};
+    const auto rings = static_cast<unsigned>(std::lround(segments * angle / (2.0 * pi)));
+    for (unsigned k = 1; k <= rings; ++k) {
+        const double at = angle * k / rings;
+        profile.push_back({k == rings && angle == pi ? 0.0 : radius * std::sin(at), radius * std::cos(at)});
+    }
+    return revolve(profile);
+}
+
+Mesh box_mesh(double edge) {
+    Mesh mesh;
+    for (unsigned i = 0; i < 8; ++i)
+        mesh.vertices.push_back(
+            edge * Vec3{(i & 1U) != 0 ? 0.5 : -0.5, (i & 2U) != 0 ? 0.5 : -0.5, (i & 4U) != 0 ? 0.5 : -0.5});
+    mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                      {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+    return mesh;
+}
+
+Curve circle(double diameter) {
+    const double radius = 0.5 * diameter;
+    return {[radius](double s) { return on_circle(radius, s / radius); }, pi * diameter, true};
+}
+
+Curve helix(double diameter, double height, double turns) {
+    const double radius = 0.5 * diameter;
+    const double length = std::hypot(pi * diameter * turns, height);
+    return {[=](double s) {
+                return on_circle(radius, 2.0 * pi * turns * s / length) + Vec3{0, 0, height * (s / length)};
+            },
+            length, false};
+}
+
+/// A kind of shape: the options it takes are those that have a default.
+struct Kind {
+    PrimitiveSpec defaults;
+    Shape (*make)(const PrimitiveSpec&);
+};
+
+std::vector<Kind> kinds() {
+    constexpr double wide = 0.1;
+    using Spec = const PrimitiveSpec&;
+    return {
+        {{.kind = "point"}, [](Spec) { return Shape{{Cloud{{Vec3{}}}}}; }},
+        {{.kind = "line", .size = wide},
+         [](Spec s) {
+             return Shape{{polyline({{0, 0, 0}, {*s.size, 0, 0}}, false)}};
+         }},
+        {{.kind = "circle", .diameter = 0.07}, [](Spec s) { return Shape{{circle(*s.diameter)}}; }},
+        {{.kind = "triangle", .size = wide},
+         [](Spec s) { return Shape{{regular_polygon(*s.size * 2.0 / std::sqrt(3.0), 3)}}; }},
+        {{.kind = "square", .size = wide},
+         [](Spec s) { return Shape{{regular_polygon(*s.size * std::sqrt(2.0), 4)}}; }},
+        {{.kind = "plus", .size = wide},
+         [](Spec s) {
+             const double arm = 0.5 * *s.size;
+             return Shape{{polyline({{-arm, 0, 0}, {arm, 0, 0}}, false), polyline({{0, -arm, 0}, {0, arm, 0}}, false)}};
+         }},
+        {{.kind = "polygon", .diameter = wide, .sides = 6},
+         [](Spec s) { return Shape{{regular_polygon(*s.diameter, *s.sides)}}; }},
+        {{.kind = "sphere", .diameter = wide}, [](Spec s) { return Shape{{dome(0.5 * *s.diameter, pi)}}; }},
+        {{.kind = "hemisphere", .diameter = wide}, [](Spec s) { return Shape{{dome(0.5 * *s.diameter, 0.5 * pi)}}; }},
+        {{.kind = "cube", .size = wide}, [](Spec s) { return Shape{{box_mesh(*s.size)}}; }},
+        {{.kind = "cone", .diameter = wide, .height = wide},
+         [](Spec s) {
+             return Shape{{revolve({{0, *s.height}, {0.5 * *s.diameter, 0}, {0, 0}})}};
+         }},
+        {{.kind = "cylinder", .diameter = wide, .height = wide},
+         [](Spec s) {
+             return Shape{{revolve({{0, *s.height}, {0.5 * *s.diameter, *s.height}, {0.5 * *s.diameter, 0}, {0, 0}})}};
+         }},
+        {{.kind = "helix", .diameter = 0.07, .height = wide, .turns = 3.0},
+         [](Spec s) { return Shape{{helix(*s.diameter, *s.height, *s.turns)}}; }},
+    };
+}
+
+std::string listed(const std::vector<std::string>& words) {
+    std::string list;
+    for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
+    return list;
+}
+
+/// `given`, completed from `defaults`, where each option may only be given if it has a default.
+PrimitiveSpec completed(PrimitiveSpec given, const PrimitiveSpec& defaults) {
+    std::vector<std::string> takes;
+    std::vector<std::string> strange;
+    const auto complete = [&](const char* name, auto& value, const auto& preset) {
+        if (preset) takes.emplace_back(name);
+        if (value && !preset) strange.emplace_back(name);
+        if (!value) value = preset;
+    };
+    complete("diameter", given.diameter, defaults.diameter);
+    complete("size", given.size, defaults.size);
+    complete("height", given.height, defaults.height);
+    complete("sides", given.sides, defaults.sides);
+    complete("turns", given.turns, defaults.turns);
+    const std::string where = "shape " + given.kind;
+    if (!strange.empty())
+        throw Error(ErrorCode::usage, where,
+                    fmt::format("found the option {}, expected {}; leave it out", listed(strange),
+                                takes.empty() ? "none" : listed(takes)));
+    for (const auto& [name, value] : {std::pair{"diameter", given.diameter},
+                                      {"size", given.size},
+                                      {"height", given.height},
+                                      {"turns", given.turns}})
+        if (value && (!(*value > 0.0) || !std::isfinite(*value)))
+            throw Error(ErrorCode::usage, where,
+                        fmt::format("found {} {}, expected a positive number; correct the option", name, *value));
+    if (given.sides && (*given.sides < 3 || *given.sides > 1000))
+        throw Error(ErrorCode::usage, where,
+                    fmt::format("found sides {}, expected 3 to 1000; correct the option", *given.sides));
+    return given;
+}
+
+}  // namespace
+
+std::vector<std::string> primitive_kinds() {
+    std::vector<std::string> names;
+    for (const Kind& kind : kinds()) names.push_back(kind.defaults.kind);
+    return names;
+}
+
+Shape make_primitive(const PrimitiveSpec& spec) {
+    for (const Kind& kind : kinds())
+        if (kind.defaults.kind == spec.kind)
+            return place(kind.make(completed(spec, kind.defaults)), {.center = Vec3{}});
+    throw Error(ErrorCode::usage, "shape " + spec.kind,
+                fmt::format("is not known, expected one of {}; choose one", listed(primitive_kinds())));
+}
+
+}  // namespace haptogram

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <variant>
+#include <vector>
+
+#include "haptogram/model/vec3.hpp"
+
+namespace haptogram {
+
+/// A curve known exactly. `at` maps an arc length in [0, length] to a point; all in metres.
+struct Curve {
+    std::function<Vec3(double)> at;
+    double length = 0.0;
+    bool closed = false;
+};
+
+/// A surface of triangles, metres. Triangles of no area are allowed; a corner that is no vertex is not.
+struct Mesh {
+    std::vector<Vec3> vertices;
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+
+/// Points without order, metres.
+struct Cloud {
+    std::vector<Vec3> points;
+};
+
+using Piece = std::variant<Curve, Mesh, Cloud>;
+
+/// What a hand is to feel: the union of its pieces.
+struct Shape {
+    std::vector<Piece> pieces;
+};
+
+}  // namespace haptogram

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/shape/text.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <system_error>
+#include <utility>
+
+namespace haptogram {
+namespace {
+
+constexpr std::string_view blanks = " \t\r\f\v\n";
+constexpr double largest_coordinate = 1e12;
+
+}  // namespace
+
+bool Lines::next() {
+    if (rest_.empty()) return false;
+    const std::size_t end = rest_.find('\n');
+    line_ = rest_.substr(0, end);
+    rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
+    if (line_.ends_with('\r')) line_.remove_suffix(1);
+    ++number_;
+    return true;
+}
+
+std::string_view take_word(std::string_view& rest) {
+    const auto is_blank = [](char c) { return blanks.find(c) != std::string_view::npos; };
+    const auto* const begin = std::find_if_not(rest.begin(), rest.end(), is_blank);
+    const auto* const end = std::find_if(begin, rest.end(), is_blank);
+    const std::string_view word(begin, end);
+    rest = std::string_view(end, rest.end());
+    return word;
+}
+
+std::optional<double> parse_number(std::string_view word) {
+    if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (word.empty() || error != std::errc{} || end != word.data() + word.size()) return std::nullopt;
+    return value;
+}
+
+bool is_coordinate(double value) { return std::abs(value) <= largest_coordinate; }
+
+std::string lower_case(std::string_view text) {
+    std::string result(text);
+    for (char& c : result)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return result;
+}
+
+std::string shown(std::string_view text) {
+    constexpr std::size_t longest = 40;
+    std::string result = "\"";
+    for (const char c : text.substr(0, longest)) result += c >= ' ' && c <= '~' ? c : '?';
+    return result + (text.size() > longest ? "…\"" : "\"");
+}
+
+std::string at_line(const std::string& file, std::size_t line) { return fmt::format("{}, line {}", file, line); }
+
+Error bad_coordinate(std::string where, std::string_view found) {
+    return bad_input(std::move(where),
+                     fmt::format("found {}, expected a finite coordinate with a decimal point, at most {:.0e}; "
+                                 "correct or remove it",
+                                 found.empty() ? "nothing" : shown(found), largest_coordinate));
+}
+
+}  // namespace haptogram

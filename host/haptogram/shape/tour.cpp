@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/shape/tour.hpp"
+
+#include <algorithm>
+#include <array>
+#include <deque>
+#include <limits>
+#include <nanoflann.hpp>
+#include <numeric>
+#include <utility>
+
+namespace haptogram {
+namespace {
+
+/// The points as nanoflann wants to see them.
+struct PointsView {
+    const std::vector<Vec3>& points;
+
+    [[nodiscard]] std::size_t kdtree_get_point_count() const { return points.size(); }
+    [[nodiscard]] double kdtree_get_pt(std::size_t i, std::size_t axis) const {
+        return axis == 0 ? points[i].x : axis == 1 ? points[i].y : points[i].z;
+    }
+    template <class Box>
+    bool kdtree_get_bbox(Box& /*box*/) const {
+        return false;
+    }
+};
+
+using Tree =
+    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, PointsView>, PointsView, 3, std::size_t>;
+
+/// Nanoflann result set: the nearest point not yet visited, the lowest index among equals.
+class NearestUnvisited {
+public:
+    explicit NearestUnvisited(const std::vector<bool>& visited) : visited_(visited) {}
+
+    [[nodiscard]] static bool full() { return true; }
+    [[nodiscard]] double worstDist() const { return distance2_; }
+    bool addPoint(double distance2, std::size_t index) {
+        if (!visited_[index] && (distance2 < distance2_ || (distance2 == distance2_ && index < index_))) {
+            distance2_ = distance2;
+            index_ = index;
+        }
+        return true;
+    }
+    [[nodiscard]] std::size_t index() const { return index_; }
+
+private:
+    const std::vector<bool>& visited_;
+    double distance2_ = std::numeric_limits<double>::infinity();
+    std::size_t index_ = std::numeric_limits<std::size_t>::max();
+};
+
+std::vector<std::size_t> nearest_neighbour_tour(const std::vector<Vec3>& points, const Tree& tree) {
+    std::vector<bool> visited(points.size());
+    std::vector<std::size_t> tour{0};
+    visited[0] = true;
+    while (tour.size() < points.size()) {
+        NearestUnvisited nearest(visited);
+        const Vec3& here = points[tour.back()];
+        const std::array<double, 3> query{here.x, here.y, here.z};
+        tree.findNeighbors(nearest, query.data(), nanoflann::SearchParams());
+        tour.push_back(nearest.index());
+        visited[nearest.index()] = true;
+    }
+    return tour;
+}
+
+constexpr std::size_t neighbour_count = 10;
+
+std::vector<std::vector<std::size_t>> neighbour_lists(const std::vector<Vec3>& points, const Tree& tree) {
+    std::vector<std::vector<std::size_t>> lists(points.size());
+    std::array<std::size_t, neighbour_count + 1> indices{};
+    std::array<double, neighbour_count + 1> distances2{};
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const std::array<double, 3> query{points[i].x, points[i].y, points[i].z};
+        const std::size_t found = tree.knnSearch(query.data(), indices.size(), indices.data(), distances2.data());
+        for (std::size_t k = 0; k < found; ++k)
+            if (indices.at(k) != i) lists[i].push_back(indices.at(k));
+    }
+    return lists;
+}
+
+/// A closed tour that can be shortened.
+class Tour {
+public:
+    Tour(const std::vector<Vec3>& points, std::vector<std::size_t> order)
+        : points_(points), order_(std::move(order)), position_(order_.size()) {
+        for (std::size_t i = 0; i < order_.size(); ++i) position_[order_[i]] = i;
+    }
+
+    [[nodiscard]] const std::vector<std::size_t>& order() const { return order_; }
+
+    /// Makes the first move found that shortens the tour at one of `a`'s two edges.
+    /// @return the points whose edges changed; none when there was no such move
+    std::vector<std::size_t> improve(std::size_t a, const std::vector<std::size_t>& neighbours) {
+        for (const bool forward : {true, false}) {
+            if (auto touched = two_opt(a, neighbours, forward); !touched.empty()) return touched;
+            if (auto touched = or_opt(a, neighbours, forward); !touched.empty()) return touched;
+        }
+        return {};
+    }
+
+private:
+    [[nodiscard]] double length(std::size_t a, std::size_t b) const { return distance(points_[a], points_[b]); }
+    [[nodiscard]] std::size_t next(std::size_t a, bool forward = true) const {
+        const std::size_t i = position_[a];
+        const std::size_t last = order_.size() - 1;
+        return forward ? order_[i == last ? 0 : i + 1] : order_[i == 0 ? last : i - 1];
+    }
+    /// Rounding must not pass for a gain, or moves would follow each other in a ring.
+    static bool is_gain(double removed, double added) { return removed - added > 1e-9 * removed; }
+
+    /// The edge from `a` to b, and one from a neighbour c of `a` to d in the same direction, become a–c and b–d.
+    std::vector<std::size_t> two_opt(std::size_t a, const std::vector<std::size_t>& neighbours, bool forward) {
+        const std::size_t b = next(a, forward);
+        for (const std::size_t c : neighbours) {
+            if (length(a, c) >= length(a, b)) break;
+            const std::size_t d = next(c, forward);
+            if (c == b || d == a || !is_gain(length(a, b) + length(c, d), length(a, c) + length(b, d))) continue;
+            exchange(a, b, c);
+            return {a, b, c, d};
+        }
+        return {};
+    }
+
+    /// The one to three points from `a` to `last`, going away from `before`, move in between a neighbour c of `a` and a
+    /// point d beside it; `a` comes to lie beside c and `last` beside d.
+    std::vector<std::size_t> or_opt(std::size_t a, const std::vector<std::size_t>& neighbours, bool forward) {
+        constexpr std::size_t longest = 3;
+        const std::size_t n = order_.size();
+        const std::size_t before = next(a, !forward);
+        std::size_t last = a;
+        for (std::size_t size = 1; size <= longest && size + 3 <= n; ++size, last = next(last, forward)) {
+            const std::size_t after = next(last, forward);
+            const double freed = length(before, a) + length(last, after) - length(before, after);
+            for (const std::size_t c : neighbours) {
+                if (length(a, c) >= freed) break;
+                const std::size_t steps_to_c =
+                    (forward ? position_[c] + n - position_[a] : position_[a] + n - position_[c]) % n;
+                if (steps_to_c < size) continue;  // c is one of those that would move
+                for (const bool beyond : {true, false}) {
+                    const std::size_t d = next(c, beyond == forward);
+                    if ((c == before && d == a) || (c == after && d == last)) continue;
+                    if (!is_gain(freed + length(c, d), length(a, c) + length(last, d))) continue;
+                    if (beyond) {                    // before [a…last] [after…c] d
+                        exchange(before, a, c);      // before [c…after] [last…a] d
+                        exchange(before, c, after);  // before [after…c] [last…a] d
+                        exchange(c, last, a);        // before [after…c] [a…last] d
+                    } else {                         // before [a…last] [after…d] c
+                        exchange(before, a, d);      // before [d…after] [last…a] c
+                        exchange(before, d, after);  // before [after…d] [last…a] c
+                    }
+                    return {before, after, a, last, c, d};
+                }
+            }
+        }
+        return {};
+    }
+
+    /// The edge a–b, and that from c to a d in the same direction, become a–c and b–d: the path from b to c turns
+    /// round.
+    void exchange(std::size_t a, std::size_t b, std::size_t c) {
+        if (next(a) == b)
+            reverse(b, c);
+        else
+            reverse(c, b);
+    }
+
+    /// Turns the path from `from` on to `to` round, or the rest of the tour, whichever is shorter.
+    void reverse(std::size_t from, std::size_t to) {
+        const std::size_t n = order_.size();
+        std::size_t i = position_[from];
+        std::size_t j = position_[to];
+        std::size_t inside = (j + n - i) % n + 1;
+        if (2 * inside > n) {
+            std::swap(i, j);
+            i = (i + 1) % n;
+            j = (j + n - 1) % n;
+            inside = n - inside;
+        }
+        for (std::size_t swaps = inside / 2; swaps > 0; --swaps) {
+            std::swap(order_[i], order_[j]);
+            position_[order_[i]] = i;
+            position_[order_[j]] = j;
+            i = i + 1 == n ? 0 : i + 1;
+            j = j == 0 ? n - 1 : j - 1;
+        }
+    }
+
+    const std::vector<Vec3>& points_;
+    std::vector<std::size_t> order_;
+    std::vector<std::size_t> position_;
+};
+
+}  // namespace
+
+std::vector<std::size_t> closed_tour(const std::vector<Vec3>& points) {
+    std::vector<std::size_t> order(points.size());
+    std::iota(order.begin(), order.end(), 0U);
+    if (points.size() <= 3) return order;
+    const PointsView view{points};
+    const Tree tree(3, view);
+    const auto neighbours = neighbour_lists(points, tree);
+    Tour tour(points, nearest_neighbour_tour(points, tree));
+    std::deque<std::size_t> to_try(tour.order().begin(), tour.order().end());
+    std::vector<bool> waiting(points.size(), true);
+    while (!to_try.empty()) {
+        const std::size_t point = to_try.front();
+        to_try.pop_front();
+        waiting[point] = false;
+        for (const std::size_t touched : tour.improve(point, neighbours[point])) {
+            if (!waiting[touched]) to_try.push_back(touched);
+            waiting[touched] = true;
+        }
+    }
+    order = tour.order();
+    std::rotate(order.begin(), std::find(order.begin(), order.end(), 0U), order.end());
+    return order;
+}
+
+double tour_length(const std::vector<Vec3>& points, const std::vector<std::size_t>& order) {
+    double length = 0.0;
+    for (std::size_t i = 0; i < order.size(); ++i)
+        length += distance(points.at(order[i]), points.at(order[(i + 1) % order.size()]));
+    return length;
+}
+
+}  // namespace haptogram

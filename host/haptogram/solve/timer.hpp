@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+
+#include "haptogram/model/array.hpp"
+
+namespace haptogram {
+
+/// How the FPGA counts one carrier period: `cycle_ticks` ticks of `prescaler` clocks, high for `pulse_ticks` of them.
+struct Timer {
+    double clock_hz = 50e6;
+    std::uint32_t prescaler = 5;
+    std::uint32_t cycle_ticks = 250;
+    std::uint32_t pulse_ticks = 125;
+
+    [[nodiscard]] double tick_s() const { return prescaler / clock_hz; }
+    [[nodiscard]] double period_s() const { return cycle_ticks * tick_s(); }
+    [[nodiscard]] double carrier_hz() const { return 1.0 / period_s(); }
+    [[nodiscard]] double duty() const { return static_cast<double>(pulse_ticks) / cycle_ticks; }
+    [[nodiscard]] std::uint32_t cycle_clocks() const { return cycle_ticks * prescaler; }
+};
+
+/// The finest timer, that is, the smallest prescaler, whose carrier is within 100 ppm of the array's, whose pulse
+/// counter can hold the wanted duty to half a tick, and whose every tick is a timing that the board's timing bits can
+/// hold.
+/// @throws Error{bad_input} when no prescaler does
+[[nodiscard]] Timer choose_timer(const Array& array);
+
+}  // namespace haptogram
