@@ -128,7 +128,7 @@ Playback play(const Image& image, const PlaybackOptions& options, const std::str
     const link::Identity identity = client.identify();
     link::require_fits(image, identity, where);
     if (options.load_by_uart)
-        link::upload(client, image, [&](double fraction) { options.progress("upload", fraction); });
+        link::upload(client, image, options.progress.in_stage("upload"));
     else
         load_directly(board, image);
 
@@ -150,7 +150,7 @@ Playback play(const Image& image, const PlaybackOptions& options, const std::str
         static_cast<std::uint64_t>(clock_hz * (watchdog_s > 0.0 ? std::min(0.1, watchdog_s / 4.0) : 0.1));
     while (board.now() - begun < wanted) {
         board.run(std::min(slice, wanted - (board.now() - begun)));
-        options.progress("play", static_cast<double>(board.now() - begun) / static_cast<double>(wanted));
+        options.progress(static_cast<double>(board.now() - begun) / static_cast<double>(wanted), "play");
         if (board.now() - begun < wanted) playback.status = client.status();
     }
     if (options.duration_s) client.stop();

@@ -2,11 +2,11 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "haptogram/base/progress.hpp"
 #include "haptogram/image/image.hpp"
 #include "haptogram/image/pulses.hpp"
 #include "haptogram/link/client.hpp"
@@ -19,7 +19,7 @@ struct PlaybackOptions {
     std::uint32_t passes = 1;          ///< over the sequence
     std::optional<double> duration_s;  ///< instead of passes: play for this long, repeating the sequence
     std::filesystem::path trace;       ///< FST file when not empty
-    std::function<void(const char* stage, double fraction)> progress = [](const char*, double) {};
+    Progress progress{};
 };
 
 /// What happened when an image was played on the simulated board.

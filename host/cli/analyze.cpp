@@ -13,7 +13,7 @@
 #include "haptogram/analysis/measure.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/base/progress.hpp"
+#include "progress_line.hpp"
 
 namespace haptogram::cli {
 namespace {
@@ -72,7 +72,7 @@ int analyze_image(const AnalyzeOptions& options) {
     std::vector<std::string> warnings;
     std::size_t weak = 0;
     std::size_t short_dwells = 0;
-    Progress progress("analyze");
+    ProgressLine progress("analyze");
     for (std::size_t i = 0; i < image.records.size(); ++i) {
         drives.push_back(drives_of(manifest, image.records[i]));
         const FocusAnalysis found = analyze(manifest.array, drives.back(), manifest.foci[i]);
@@ -177,7 +177,8 @@ void add_analyze(CLI::App& app, Action& action) {
     sub->callback([options, &action] {
         action = [options] {
             if (options->image.empty() == options->array.empty())
-                throw Error(ErrorCode::usage, "analyze", "expected an image or --array; see haptogram analyze --help");
+                throw Error(ErrorCode::bad_argument, "analyze",
+                            "expected an image or --array; see haptogram analyze --help");
             return options->image.empty() ? analyze_array(*options) : analyze_image(*options);
         };
     });

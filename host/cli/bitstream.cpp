@@ -41,7 +41,7 @@ struct BitstreamOptions {
     bool autostart = false, empty = false;
 };
 
-Error failed(const std::string& where, const std::string& what) { return Error(ErrorCode::run_failed, where, what); }
+Error failed(const std::string& where, const std::string& what) { return Error(ErrorCode::failed, where, what); }
 
 /// A folder for intermediate files that goes with its owner.
 class ScratchFolder {
@@ -206,9 +206,10 @@ int bitstream(const BitstreamOptions& options) {
     const Board board = load_board(options.board);
     const std::string beside = options.output + ".json";
     if (options.image.empty() != options.empty)
-        throw Error(ErrorCode::usage, "bitstream", "give --image FILE, or --empty for memories without one");
+        throw Error(ErrorCode::bad_argument, "bitstream", "give --image FILE, or --empty for memories without one");
     if (options.empty && options.autostart)
-        throw Error(ErrorCode::usage, "--autostart", "there is nothing to play in an empty memory; give --image");
+        throw Error(ErrorCode::bad_argument, "--autostart",
+                    "there is nothing to play in an empty memory; give --image");
     require_distinct({{"--image", options.image}}, {{"--output", options.output}, {"the manifest", beside}});
 
     std::vector<Contents> memories = {{"primary", 16, {}}, {"sequence", 32, {}}};

@@ -174,7 +174,7 @@ void add_board(CLI::App& app, Action& action) {
     sub->callback([sub, &action] {
         if (sub->get_subcommands().empty())
             action = []() -> int {
-                throw Error(ErrorCode::usage, "board",
+                throw Error(ErrorCode::bad_argument, "board",
                             "expected a subcommand: list, pinout or run; see haptogram board --help");
             };
     });

@@ -105,7 +105,7 @@ std::size_t model_of(std::uint32_t channels) {
         if (models[i].channels == channels) return i;
         known += fmt::format("{}{}", i == 0 ? "" : ", ", models[i].channels);
     }
-    throw Error(ErrorCode::usage, "--channels",
+    throw Error(ErrorCode::bad_argument, "--channels",
                 fmt::format("no simulated board has {}; there are {}", channels, known));
 }
 

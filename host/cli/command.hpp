@@ -37,7 +37,7 @@ struct NamedPath {
     std::string path;
 };
 
-/// @throws Error{usage} when an output would overwrite an input or another output, or two go to standard output
+/// @throws Error{bad_argument} when an output would overwrite an input or another output, or two go to standard output
 void require_distinct(const std::vector<NamedPath>& inputs, const std::vector<NamedPath>& outputs);
 
 /// Checks of option values that say what was found.

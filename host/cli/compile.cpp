@@ -73,7 +73,7 @@ Shape gather(const CompileOptions& options, std::string& hashed) {
         add(make_primitive(spec));
     }
     if (shape.pieces.empty())
-        throw Error(ErrorCode::usage, "compile",
+        throw Error(ErrorCode::bad_argument, "compile",
                     fmt::format("nothing to compile: give a file, or --shape with one of {}",
                                 fmt::join(primitive_kinds(), ", ")));
     return shape;
@@ -238,12 +238,12 @@ void check_options(CompileOptions& options) {
     const PrimitiveSpec& measures = options.primitive;
     if (options.shapes.empty() &&
         (measures.diameter || measures.size || measures.height || measures.sides || measures.turns))
-        throw Error(ErrorCode::usage, "--diameter, --length, --height, --sides, --turns",
+        throw Error(ErrorCode::bad_argument, "--diameter, --length, --height, --sides, --turns",
                     "measure a built-in shape, and there is none; add --shape, or scale files with --size");
-    if (options.output.empty()) throw Error(ErrorCode::usage, "--output", "the name is empty; name the image");
+    if (options.output.empty()) throw Error(ErrorCode::bad_argument, "--output", "the name is empty; name the image");
     if (options.manifest.empty()) {
         if (options.output == "-")
-            throw Error(ErrorCode::usage, "-o -",
+            throw Error(ErrorCode::bad_argument, "-o -",
                         "needs --manifest FILE: an image is of little use without its manifest");
         options.manifest = manifest_path(options.output);
     }

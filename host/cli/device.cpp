@@ -139,7 +139,7 @@ void add_device(CLI::App& app, Action& action) {
     sub->callback([sub, &action] {
         if (sub->get_subcommands().empty())
             action = []() -> int {
-                throw Error(ErrorCode::usage, "device",
+                throw Error(ErrorCode::bad_argument, "device",
                             "expected a subcommand: list, info, status, enable, disable or stop; see haptogram device "
                             "--help");
             };

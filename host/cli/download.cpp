@@ -7,10 +7,10 @@
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/base/progress.hpp"
 #include "haptogram/image/image.hpp"
 #include "haptogram/link/transfer.hpp"
 #include "port.hpp"
+#include "progress_line.hpp"
 
 namespace haptogram::cli {
 namespace {
@@ -25,11 +25,11 @@ struct DownloadOptions {
 int download(const DownloadOptions& options) {
     Device device(options.port);
     if (options.records > device.identity().records)
-        throw Error(ErrorCode::usage, "--records",
+        throw Error(ErrorCode::bad_argument, "--records",
                     fmt::format("the board holds {}, not {}", device.identity().records, options.records));
-    Progress progress("download");
-    const Image image = link::download(device.client(), device.identity(), options.records, options.port.port,
-                                       [&](double fraction) { progress.update(fraction); });
+    ProgressLine progress("download");
+    const Image image =
+        link::download(device.client(), device.identity(), options.records, options.port.port, progress.callback());
     if (image.records.empty())
         throw Error(ErrorCode::device, options.port.port, "its sequence plays no record; ask for some by --records");
     write_file(options.output, to_intel_hex(image));

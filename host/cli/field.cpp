@@ -17,7 +17,7 @@
 #include "haptogram/analysis/measure.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/base/progress.hpp"
+#include "progress_line.hpp"
 
 namespace haptogram::cli {
 namespace {
@@ -56,12 +56,13 @@ Excitation of_focus(const FieldCommand& command) {
         if ((comma == std::string::npos) != last ||
             !CLI::detail::lexical_cast(command.focus.substr(at, last ? comma : comma - at), value) ||
             !std::isfinite(value))
-            throw Error(ErrorCode::usage, "--focus", fmt::format("expected x,y,z in mm, found '{}'", command.focus));
+            throw Error(ErrorCode::bad_argument, "--focus",
+                        fmt::format("expected x,y,z in mm, found '{}'", command.focus));
         *axis = value * millimetre;
         at = comma + 1;
     }
     if (const std::string why = found.array.unreachable(focus); !why.empty())
-        throw Error(ErrorCode::usage, "--focus", why);
+        throw Error(ErrorCode::bad_argument, "--focus", why);
     found.drives = {ideal_drives(found.array, focus)};
     found.foci = {focus};
     found.title = fmt::format("{}, exact phases for ({}) mm", found.array.name, command.focus);
@@ -73,7 +74,7 @@ Excitation of_image(const FieldCommand& command) {
     const Image image = from_intel_hex(content, command.image);
     const Manifest manifest = manifest_beside(command.image, content);
     if (command.record > image.records.size())
-        throw Error(ErrorCode::usage, "--record",
+        throw Error(ErrorCode::bad_argument, "--record",
                     fmt::format("the image has {}, not {}", image.records.size(), command.record));
     Excitation found{manifest.array, {}, std::vector<double>(image.records.size()), manifest.foci, {}};
     for (const Record& record : image.records) found.drives.push_back(drives_of(manifest, record));
@@ -96,7 +97,7 @@ Excitation of_image(const FieldCommand& command) {
 Excitation of_manifest(const FieldCommand& command) {
     const Manifest manifest = manifest_from_json(read_file(command.image), command.image);
     if (command.record > manifest.foci.size())
-        throw Error(ErrorCode::usage, "--record",
+        throw Error(ErrorCode::bad_argument, "--record",
                     fmt::format("the manifest has {}, not {}", manifest.foci.size(), command.record));
     Excitation found{manifest.array, {}, {}, manifest.foci, command.image + ", exact phases"};
     for (std::size_t i = 0; i < manifest.foci.size(); ++i) {
@@ -111,7 +112,7 @@ Excitation of_manifest(const FieldCommand& command) {
 }
 
 /// Root mean square of the particle's speed, m/s; in double precision, point by point.
-std::vector<float> rms_velocity(const Excitation& excitation, const Grid& grid, Progress& progress) {
+std::vector<float> rms_velocity(const Excitation& excitation, const Grid& grid, ProgressLine& progress) {
     double total = 0.0;
     for (const double weight : excitation.weights) total += weight;
     std::vector<float> found;
@@ -162,13 +163,13 @@ int field(const FieldCommand& command) {
                                                                      : of_pulses(command);
     file.marks = excitation.foci;
     file.title = excitation.title;
-    Progress progress("field");
+    ProgressLine progress("field");
     const FieldOptions options{
         command.threads == 0 ? std::max(1U, std::thread::hardware_concurrency()) : command.threads,
-        [&](double fraction) { progress.update(fraction); }};
+        progress.callback()};
     if (complex_values) {
         if (excitation.drives.size() != 1)
-            throw Error(ErrorCode::usage, "--quantity",
+            throw Error(ErrorCode::bad_argument, "--quantity",
                         fmt::format("complex is of one set of phases, and this plays {}; choose one by --record",
                                     excitation.drives.size()));
         const auto p = pressure_on(excitation.array, excitation.drives.front(), file.region.grid, options);
@@ -250,7 +251,7 @@ void add_field(CLI::App& app, Action& action) {
     sub->callback([options, &action] {
         action = [options] {
             if (options->image.empty() && options->focus.empty() && options->pulses.empty())
-                throw Error(ErrorCode::usage, "field",
+                throw Error(ErrorCode::bad_argument, "field",
                             "expected an image, --focus or --pulses; see haptogram field --help");
             return field(*options);
         };

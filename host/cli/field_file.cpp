@@ -166,11 +166,11 @@ void check_field_path(const std::string& path, const Region& region, bool comple
     const std::string kind = ending(path);
     if (!kind.empty() && kind != ".csv" && kind != ".npy" && kind != ".vti" && kind != ".png")
         throw Error(
-            ErrorCode::usage, "--output",
+            ErrorCode::bad_argument, "--output",
             fmt::format("'{}' is no ending that is known; .csv, .npy, .vti and .png are, and none means CSV", kind));
     if (kind == ".png" && (region.axes.size() == 3 || complex_values))
         throw Error(
-            ErrorCode::usage, "--output",
+            ErrorCode::bad_argument, "--output",
             fmt::format("{} has no picture; take a plane or a line and a real quantity, or a .vti file for ParaView",
                         complex_values ? "a complex field" : "a volume"));
 }

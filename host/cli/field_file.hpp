@@ -17,7 +17,8 @@ struct FieldFile {
     std::string title;
 };
 
-/// @throws Error{usage} when a path's ending is none of .csv, .npy, .vti, .png, or cannot show what is to be written
+/// @throws Error{bad_argument} when a path's ending is none of .csv, .npy, .vti, .png, or cannot show what is to be
+/// written
 void check_field_path(const std::string& path, const Region& region, bool complex_values);
 
 /// Writes it as the ending says; "-" and paths that are no files get CSV. A picture is drawn by matplotlib.

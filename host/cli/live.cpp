@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/base/progress.hpp"
 #include "haptogram/link/live_feed.hpp"
 #include "interrupt.hpp"
 #include "outputs.hpp"
+#include "progress_line.hpp"
 
 namespace haptogram::cli {
 
@@ -28,7 +28,7 @@ Fed feed(Device& device, std::uint16_t watchdog_ms, const std::function<std::opt
     Fed fed;
     {
         const Outputs on(client);
-        Progress progress("stream");
+        ProgressLine progress("stream");
         link::LiveFeed fifo(client, device.identity());
         std::optional<SequenceEntry> entry;
         auto asked = std::chrono::steady_clock::now();
@@ -96,7 +96,7 @@ std::uint16_t dwell_of(double rate_hz, double carrier_hz) {
     const double cycles = std::clamp(std::round(carrier_hz / rate_hz), 1.0, most);
     const double made = carrier_hz / cycles;
     if (std::abs(made - rate_hz) > tolerance * rate_hz)
-        throw Error(ErrorCode::usage, "--rate",
+        throw Error(ErrorCode::bad_argument, "--rate",
                     fmt::format("{} a second cannot be made of whole cycles at {:.0f} Hz; the nearest is {:.6g}",
                                 rate_hz, carrier_hz, made));
     return static_cast<std::uint16_t>(cycles);

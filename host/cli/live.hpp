@@ -29,7 +29,7 @@ void tell(const Fed& fed, bool json);
 /// The carrier frequency of a record in the board's memory. @throws Error{device} when it holds none that can be played
 [[nodiscard]] double record_carrier_hz(Device& device, std::uint16_t index);
 
-/// Carrier cycles that make a rate. @throws Error{usage} when no number from 1 to 65535 does within 5 %
+/// Carrier cycles that make a rate. @throws Error{bad_argument} when no number from 1 to 65535 does within 5 %
 [[nodiscard]] std::uint16_t dwell_of(double rate_hz, double carrier_hz);
 
 }  // namespace haptogram::cli

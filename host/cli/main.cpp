@@ -45,7 +45,7 @@ void require_distinct(const std::vector<NamedPath>& inputs, const std::vector<Na
         return a == b || place(a) == place(b) || std::filesystem::equivalent(a, b, error);
     };
     const auto clash = [](const NamedPath& a, const NamedPath& b) {
-        return Error(ErrorCode::usage, b.option,
+        return Error(ErrorCode::bad_argument, b.option,
                      fmt::format("{} is already {}; give each its own file", b.path == "-" ? "standard output" : b.path,
                                  a.option));
     };
@@ -89,6 +89,18 @@ CLI::Validator whole(std::uint64_t low, std::uint64_t high) {
 
 namespace {
 
+/// What a command ends with; scripts rely on it.
+int exit_code(ErrorCode code) {
+    switch (code) {
+        case ErrorCode::failed: return 1;
+        case ErrorCode::bad_argument: return 2;
+        case ErrorCode::bad_input: return 3;
+        case ErrorCode::device: return 4;
+        case ErrorCode::cancelled: return 1;
+    }
+    return 1;
+}
+
 int run(int argc, char** argv) {
     CLI::App app(
         "Mid-air tactile shapes by focused ultrasound: compile shapes to images, simulate the FPGA that plays them.",
@@ -112,13 +124,13 @@ int run(int argc, char** argv) {
         app.parse(argc, argv);
     } catch (const CLI::ExtrasError& error) {
         // CLI11 would only say that a subcommand is missing.
-        throw Error(ErrorCode::usage, "haptogram", fmt::format("{}; see haptogram --help", error.what()));
+        throw Error(ErrorCode::bad_argument, "haptogram", fmt::format("{}; see haptogram --help", error.what()));
     } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : static_cast<int>(ErrorCode::usage);
+        return app.exit(error) == 0 ? 0 : exit_code(ErrorCode::bad_argument);
     }
     if (!action)
         throw Error(
-            ErrorCode::usage, "haptogram",
+            ErrorCode::bad_argument, "haptogram",
             "expected a subcommand: compile, inspect, simulate, field, analyze, board, bitstream, device, upload, "
             "download, play or stream; see haptogram --help");
     return action();
@@ -134,7 +146,7 @@ int main(int argc, char** argv) {
     std::signal(SIGXFSZ, SIG_IGN);
     const auto fail = [](const std::string& message, ErrorCode code) {
         haptogram::cli::complain(message);
-        return static_cast<int>(code);
+        return haptogram::cli::exit_code(code);
     };
     try {
         const int code = haptogram::cli::run(argc, argv);
@@ -147,11 +159,11 @@ int main(int argc, char** argv) {
     } catch (const haptogram::Error& error) {
         return fail(error.what(), error.code());
     } catch (const std::bad_alloc&) {
-        return fail("out of memory; take fewer points or a coarser step", ErrorCode::run_failed);
+        return fail("out of memory; take fewer points or a coarser step", ErrorCode::failed);
     } catch (const std::system_error& error) {  // from {fmt}, when printing fails
         return fail(fmt::format("standard output: {}; what was printed is incomplete", error.what()),
                     ErrorCode::bad_input);
     } catch (const std::exception& error) {
-        return fail(error.what(), ErrorCode::run_failed);
+        return fail(error.what(), ErrorCode::failed);
     }
 }

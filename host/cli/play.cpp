@@ -12,13 +12,13 @@
 
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/base/progress.hpp"
 #include "haptogram/image/image.hpp"
 #include "haptogram/link/transfer.hpp"
 #include "interrupt.hpp"
 #include "live.hpp"
 #include "outputs.hpp"
 #include "port.hpp"
+#include "progress_line.hpp"
 
 namespace haptogram::cli {
 namespace {
@@ -44,7 +44,7 @@ std::vector<SequenceEntry> at_rate(std::vector<SequenceEntry> sequence, double r
         const double after = before + entry.dwell;
         const double dwell = std::round(cycles * after / total) - std::round(cycles * before / total);
         if (dwell < 1.0 || dwell > 65535.0)
-            throw Error(ErrorCode::usage, "--rate",
+            throw Error(ErrorCode::bad_argument, "--rate",
                         fmt::format("at {} passes a second an entry of the sequence would last {} carrier cycles, "
                                     "expected 1 to 65535; about {:.3g} a second is most here",
                                     rate_hz, dwell, carrier_hz / static_cast<double>(sequence.size())));
@@ -112,7 +112,7 @@ int play(const PlayOptions& options) {
         };
         // Asking for the status is what tells the watchdog that this host is alive.
         const std::chrono::milliseconds pause = keep_alive_pause(options.watchdog_ms);
-        Progress progress("play");
+        ProgressLine progress("play");
         do {
             std::this_thread::sleep_for(pause);
             now = client.status();

@@ -12,8 +12,8 @@
 #include "haptogram/analysis/measure.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/base/progress.hpp"
 #include "playback.hpp"
+#include "progress_line.hpp"
 
 namespace haptogram::cli {
 namespace {
@@ -110,7 +110,7 @@ std::vector<PointResult> check_points(const Manifest& manifest, const std::vecto
                                       const std::string& where) {
     const auto measured = measure(manifest, pulses, where);
     std::vector<PointResult> results;
-    Progress progress("focus check");
+    ProgressLine progress("focus check");
     for (std::size_t i = 0; i < measured.size(); ++i) {
         PointResult result;
         result.cycles = measured[i].cycles;
@@ -269,11 +269,11 @@ int simulate(SimulateOptions options) {
         trace.emplace(options.trace);
         how.trace = trace->beside();
         if (how.trace.empty())
-            throw Error(options.trace == "-" ? ErrorCode::usage : ErrorCode::bad_input, options.trace,
+            throw Error(options.trace == "-" ? ErrorCode::bad_argument : ErrorCode::bad_input, options.trace,
                         "a trace needs a file of its own; name one that is no device or pipe");
     }
-    Progress progress("simulate");
-    how.progress = [&progress](const char* stage, double fraction) { progress.update(fraction, stage); };
+    ProgressLine progress("simulate");
+    how.progress = progress.callback();
     const sim::Playback playback = sim::play(image, how, options.image);
     const std::vector<PointResult> points = check_points(manifest, playback.pulses, options.image);
     const Summary summary = summarise(points);

@@ -9,10 +9,10 @@
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/base/progress.hpp"
 #include "haptogram/image/image.hpp"
 #include "haptogram/link/transfer.hpp"
 #include "port.hpp"
+#include "progress_line.hpp"
 
 namespace haptogram::cli {
 namespace {
@@ -51,7 +51,7 @@ int upload(const UploadOptions& options) {
     auto device = std::make_unique<Device>(options.port);
     link::require_fits(image, device->identity(), options.image);
     const auto begun = std::chrono::steady_clock::now();
-    Progress progress("upload");
+    ProgressLine progress("upload");
     link::Uploaded outcome;
     std::uint64_t again = 0;
     unsigned losses = 0;
@@ -59,7 +59,7 @@ int upload(const UploadOptions& options) {
     for (bool done = false; !done;) {
         try {
             // Of the last attempt: what came through before a loss is found on the board.
-            outcome = link::upload(device->client(), image, [&](double fraction) { progress.update(fraction); });
+            outcome = link::upload(device->client(), image, progress.callback());
             done = true;
         } catch (const link::LinkLost& lost) {
             again += device->client().retransmissions();
@@ -76,8 +76,7 @@ int upload(const UploadOptions& options) {
     again += device->client().retransmissions();
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
     if (options.verify) {
-        const std::string difference =
-            link::compare(device->client(), image, [&](double fraction) { progress.update(fraction, "verify"); });
+        const std::string difference = link::compare(device->client(), image, progress.callback().in_stage("verify"));
         if (!difference.empty())
             throw Error(ErrorCode::device, options.image, difference + "; does another program write to this board?");
     }

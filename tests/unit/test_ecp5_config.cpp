@@ -248,7 +248,7 @@ TEST_CASE("ecp5 config: a memory that is not there, or not all of it, or twice, 
         static_cast<void>(replace_block_ram(text, from, to, 16, "placed.config"));
         FAIL("no error");
     } catch (const Error& error) {
-        REQUIRE(error.code() == ErrorCode::run_failed);
+        REQUIRE(error.code() == ErrorCode::failed);
         REQUIRE_THAT(error.what(), Contains("placed.config: found " + found + " of 32 slices"));
         REQUIRE_THAT(error.what(), Contains("run 'make bitstream' again"));
     }

@@ -469,15 +469,16 @@ TEST_CASE("kernel: progress comes from the calling thread, grows and ends at 1; 
     for (const unsigned threads : {1U, 3U}) {
         std::atomic<int> elsewhere = 0;
         std::vector<double> told;
-        (void)pressure_at(array, drives, points, {.threads = threads, .progress = [&](double part) {
+        (void)pressure_at(array, drives, points, {.threads = threads, .progress = [&](double part, std::string_view) {
                                                       if (std::this_thread::get_id() != caller) ++elsewhere;
                                                       told.push_back(part);
+                                                      return true;
                                                   }});
         REQUIRE(elsewhere == 0);
         REQUIRE(std::is_sorted(told.begin(), told.end()));
         REQUIRE(told.back() == 1.0);
-        const FieldOptions stops{.threads = threads, .progress = [](double) { throw bad_input("test", "enough"); }};
-        REQUIRE_THROWS_WITH(pressure_at(array, drives, points, stops), Contains("enough"));
+        const FieldOptions stops{.threads = threads, .progress = [](double, std::string_view) { return false; }};
+        REQUIRE_THROWS_WITH(pressure_at(array, drives, points, stops), Contains("cancelled"));
     }
 }
 

@@ -36,7 +36,7 @@ std::string refusal(const PrimitiveSpec& spec) {
     try {
         (void)make_primitive(spec);
     } catch (const Error& error) {
-        CHECK(error.code() == ErrorCode::usage);
+        CHECK(error.code() == ErrorCode::bad_argument);
         return error.what();
     }
     FAIL("no error for " << spec.kind);

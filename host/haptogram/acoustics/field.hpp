@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <complex>
-#include <functional>
 #include <span>
 #include <vector>
 
 #include "haptogram/acoustics/grid.hpp"
+#include "haptogram/base/progress.hpp"
 #include "haptogram/model/array.hpp"
 
 namespace haptogram {
@@ -20,7 +20,7 @@ struct WeightedDrives {
 
 struct FieldOptions {
     unsigned threads = 1;  ///< the result is the same, byte by byte, for any number
-    std::function<void(double)> progress = [](double) {};
+    Progress progress{};
 };
 
 /// Complex pressure in Pa, convention e^{jωt}: Σ drives·propagation (field.hpp), in single precision, off by at most

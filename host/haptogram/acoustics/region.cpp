@@ -15,7 +15,9 @@ namespace {
 
 constexpr double bytes_a_point = 16.0;  // the field and what is made of it
 
-Error usage(const std::string& option, const std::string& message) { return {ErrorCode::usage, option, message}; }
+Error usage(const std::string& option, const std::string& message) {
+    return {ErrorCode::bad_argument, option, message};
+}
 
 /// The number that all of `text` is.
 std::optional<double> number(std::string_view text) {

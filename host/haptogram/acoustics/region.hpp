@@ -25,10 +25,11 @@ struct Reach {
 
 /// Reads "z@x=0,y=5" (a line), "xy@z=130" (a plane) or "xyz" (a volume), millimetres.
 /// @param option  names it in messages
-/// @throws Error{usage} for a text that is none of these, points on or behind the array, or more than memory holds
+/// @throws Error{bad_argument} for a text that is none of these, points on or behind the array, or more than memory
+/// holds
 [[nodiscard]] Region parse_region(const std::string& option, const std::string& text, const Reach& reach);
 
-/// Reads "-40:40", millimetres. @throws Error{usage} naming `option`
+/// Reads "-40:40", millimetres. @throws Error{bad_argument} naming `option`
 [[nodiscard]] std::pair<double, double> parse_range(const std::string& option, const std::string& text);
 
 }  // namespace haptogram

@@ -3,34 +3,52 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace haptogram {
 
-/// What went wrong, as the exit code that a command ends with.
-enum class ErrorCode : int {
-    run_failed = 1,  ///< a contract was broken or a focus was off
-    usage = 2,       ///< the command line makes no sense
-    bad_input = 3,   ///< a file or a value in it cannot be used, or an output cannot be written
-    device = 4,      ///< the board or the link to it
+/// What kind of thing went wrong.
+enum class ErrorCode {
+    failed,        ///< the work was done and its result is not good: a contract is broken, a focus is off
+    bad_argument,  ///< what the caller asked for makes no sense
+    bad_input,     ///< a file or a value in it cannot be used, or an output cannot be written
+    device,        ///< the board, or the link to it
+    cancelled,     ///< the caller asked the work to end (base/progress.hpp)
 };
 
-/// The one exception type of the project. `where` names the file, line or record; `message` says what was found, what
-/// was expected and what to do.
+/// The one exception type of the project. `where` names the file, line, record or setting; `message` says what was
+/// found, what was expected and what to do. `remedies` names the settings, as the option structs of `instrument` call
+/// them, that could mend it: a command line shows them as its options, a page as buttons.
 class Error : public std::runtime_error {
 public:
-    Error(ErrorCode code, std::string where, const std::string& message)
-        : std::runtime_error(where.empty() ? message : where + ": " + message), code_(code), where_(std::move(where)) {}
+    Error(ErrorCode code, std::string where, const std::string& message, std::vector<std::string> remedies = {})
+        : std::runtime_error(where.empty() ? message : where + ": " + message),
+          code_(code),
+          where_(std::move(where)),
+          message_(message),
+          remedies_(std::move(remedies)) {}
 
     [[nodiscard]] ErrorCode code() const noexcept { return code_; }
     [[nodiscard]] const std::string& where() const noexcept { return where_; }
+    /// Without `where`, which what() puts in front.
+    [[nodiscard]] const std::string& message() const noexcept { return message_; }
+    [[nodiscard]] const std::vector<std::string>& remedies() const noexcept { return remedies_; }
 
 private:
     ErrorCode code_;
-    std::string where_;
+    std::string where_, message_;
+    std::vector<std::string> remedies_;
 };
 
-[[nodiscard]] inline Error bad_input(std::string where, const std::string& message) {
-    return {ErrorCode::bad_input, std::move(where), message};
+[[nodiscard]] inline Error bad_input(std::string where, const std::string& message,
+                                     std::vector<std::string> remedies = {}) {
+    return {ErrorCode::bad_input, std::move(where), message, std::move(remedies)};
+}
+
+/// A setting that makes no sense. @param setting  its name in the option struct, or the setting's place in a file
+[[nodiscard]] inline Error bad_argument(std::string setting, const std::string& message,
+                                        std::vector<std::string> remedies = {}) {
+    return {ErrorCode::bad_argument, std::move(setting), message, std::move(remedies)};
 }
 
 }  // namespace haptogram

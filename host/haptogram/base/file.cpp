@@ -129,7 +129,7 @@ std::string sha256(std::string_view content) {
     std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
     unsigned length = 0;
     if (EVP_Digest(content.data(), content.size(), digest.data(), &length, EVP_sha256(), nullptr) != 1)
-        throw Error(ErrorCode::run_failed, "sha256", "the cryptographic library refused to compute a digest");
+        throw Error(ErrorCode::failed, "sha256", "the cryptographic library refused to compute a digest");
     std::string text;
     for (unsigned i = 0; i < length; ++i) text += fmt::format("{:02x}", digest.at(i));
     return text;

@@ -164,7 +164,7 @@ std::string replace_block_ram(std::string_view config, const std::vector<std::ui
         return a.complete() != b.complete() ? b.complete() : a.slices.size() < b.slices.size();
     });
     if (complete != 1)
-        throw Error(ErrorCode::run_failed, where,
+        throw Error(ErrorCode::failed, where,
                     fmt::format("found {} of {} slices of the memory's initial contents exactly once{}, expected all "
                                 "in one way; it was not built with these contents: run 'make bitstream' again",
                                 layout.slices.size(), layout.wanted,

@@ -141,13 +141,13 @@ void Client::forget() {
     tries_ = strange_ = 0;
 }
 
-std::vector<Reply> Client::pipeline(std::vector<Request> requests, const std::function<void(double)>& progress) {
+std::vector<Reply> Client::pipeline(std::vector<Request> requests, const Progress& progress) {
     std::vector<Reply> replies(requests.size());
     std::size_t done = 0;
     for (Request& request : requests) {
         submit(std::move(request), [&](const Reply& reply) {
             replies[done++] = reply;
-            if (progress) progress(static_cast<double>(done) / static_cast<double>(replies.size()));
+            progress(static_cast<double>(done) / static_cast<double>(replies.size()));
         });
     }
     wait();

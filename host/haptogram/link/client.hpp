@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "haptogram/base/progress.hpp"
 #include "haptogram/link/frame.hpp"
 #include "haptogram/link/transport.hpp"
 
@@ -69,7 +70,7 @@ public:
     Reply request(Request request);
     /// Many requests in a window; replies in order.
     /// @param progress  told the fraction done after each acknowledgement
-    std::vector<Reply> pipeline(std::vector<Request> requests, const std::function<void(double)>& progress = {});
+    std::vector<Reply> pipeline(std::vector<Request> requests, const Progress& progress = {});
 
     /// Queues a request and tells of its reply, whose data is empty for a command without, from within wait().
     void submit(Request request, std::function<void(const Reply&)> done = {});

@@ -11,7 +11,7 @@
 
 int main(int argc, char** argv) try {
     using namespace haptogram;
-    if (argc != 3) throw Error(ErrorCode::usage, "haptogram_example", "expected a port and an image");
+    if (argc != 3) throw Error(ErrorCode::bad_argument, "haptogram_example", "expected a port and an image");
     const auto port = link::open_port(argv[1], 1'000'000);
     link::Client board(*port);
     const link::Identity identity = board.identify();

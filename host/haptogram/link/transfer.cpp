@@ -62,11 +62,11 @@ Request writing(const Piece& piece) {
 }
 
 /// Those whose digest is not what the board says of their place.
-std::vector<Piece> differing(Client& client, const std::vector<Piece>& pieces, const Told& told) {
+std::vector<Piece> differing(Client& client, const std::vector<Piece>& pieces, const Progress& progress) {
     std::vector<Request> requests;
     requests.reserve(pieces.size());
     for (const Piece& piece : pieces) requests.push_back(asking(Command::digest, piece));
-    const std::vector<Reply> replies = client.pipeline(std::move(requests), told);
+    const std::vector<Reply> replies = client.pipeline(std::move(requests), progress);
     std::vector<Piece> found;
     for (std::size_t i = 0; i < pieces.size(); ++i) {
         const auto digest = static_cast<std::uint32_t>(
@@ -79,14 +79,15 @@ std::vector<Piece> differing(Client& client, const std::vector<Piece>& pieces, c
 }
 
 /// What the board holds at a place, in frames of at most a record.
-Bytes contents(Client& client, const Identity& board, std::uint32_t address, std::size_t bytes, const Told& told) {
+Bytes contents(Client& client, const Identity& board, std::uint32_t address, std::size_t bytes,
+               const Progress& progress) {
     const std::size_t most = std::size_t{2} * record_words(board.channels) / 4 * 4;  // whole words of either memory
     std::vector<Request> requests;
     for (std::size_t at = 0; at < bytes; at += most)
         requests.push_back(
             asking(Command::read, {address + static_cast<std::uint32_t>(at), Bytes(std::min(most, bytes - at))}));
     Bytes found;
-    for (const Reply& reply : client.pipeline(std::move(requests), told))
+    for (const Reply& reply : client.pipeline(std::move(requests), progress))
         found.insert(found.end(), reply.data.begin(), reply.data.end());
     return found;
 }
@@ -102,19 +103,14 @@ std::vector<Word> words_of(const Bytes& bytes) {
 
 }  // namespace
 
-Uploaded upload(Client& client, const Image& image, const Told& told) {
+Uploaded upload(Client& client, const Image& image, const Progress& progress) {
     const std::vector<Piece> pieces = pieces_of(image);
-    const auto part = [&told](double from, double to) {
-        return [&told, from, to](double fraction) {
-            if (told) told(from + (to - from) * fraction);
-        };
-    };
-    const std::vector<Piece> wrong = differing(client, pieces, part(0.0, 0.05));
+    const std::vector<Piece> wrong = differing(client, pieces, progress.between(0.0, 0.05));
     std::vector<Request> requests;
     requests.reserve(wrong.size());
     for (const Piece& piece : wrong) requests.push_back(writing(piece));
-    client.pipeline(std::move(requests), part(0.05, 0.95));
-    const std::vector<Piece> still = differing(client, wrong, part(0.95, 1.0));
+    client.pipeline(std::move(requests), progress.between(0.05, 0.95));
+    const std::vector<Piece> still = differing(client, wrong, progress.between(0.95, 1.0));
     if (!still.empty())
         throw Error(ErrorCode::device, "board",
                     fmt::format("its memory differs from what was written, from address {:#010x} on; does another "
@@ -123,12 +119,12 @@ Uploaded upload(Client& client, const Image& image, const Told& told) {
     return {pieces.size(), wrong.size()};
 }
 
-std::string compare(Client& client, const Image& image, const Told& told) {
+std::string compare(Client& client, const Image& image, const Progress& progress) {
     const std::vector<Piece> pieces = pieces_of(image);
     std::vector<Request> requests;
     requests.reserve(pieces.size());
     for (const Piece& piece : pieces) requests.push_back(asking(Command::read, piece));
-    const std::vector<Reply> replies = client.pipeline(std::move(requests), told);
+    const std::vector<Reply> replies = client.pipeline(std::move(requests), progress);
     for (std::size_t i = 0; i < pieces.size(); ++i) {
         const auto [expected, found] = std::ranges::mismatch(pieces[i].bytes, replies[i].data);
         if (expected == pieces[i].bytes.end() && found == replies[i].data.end()) continue;
@@ -139,7 +135,7 @@ std::string compare(Client& client, const Image& image, const Told& told) {
 }
 
 Image download(Client& client, const Identity& board, std::uint32_t records, const std::string& where,
-               const Told& told) {
+               const Progress& progress) {
     const auto header = words_of<std::uint32_t>(client.read(interface::sequence_base, 4)).front();
     const std::uint32_t length = header & ~interface::autostart_bit & 0xffffU;
     if (length >= board.sequence_depth || (length == 0 && records == 0))
@@ -156,8 +152,8 @@ Image download(Client& client, const Identity& board, std::uint32_t records, con
     image.timing_bits = board.timing_bits;
     image.pulse_bits = board.pulse_bits;
     const std::size_t bytes = std::size_t{2} * record_words(board.channels) * records;
-    take_words(image, words_of<std::uint16_t>(contents(client, board, interface::primary_base, bytes, told)), sequence,
-               where);
+    take_words(image, words_of<std::uint16_t>(contents(client, board, interface::primary_base, bytes, progress)),
+               sequence, where);
     return image;
 }
 

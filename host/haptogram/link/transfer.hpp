@@ -2,16 +2,13 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <string>
 
+#include "haptogram/base/progress.hpp"
 #include "haptogram/image/image.hpp"
 #include "haptogram/link/client.hpp"
 
 namespace haptogram::link {
-
-/// Told the fraction done, 0…1; may be empty.
-using Told = std::function<void(double)>;
 
 /// What an upload found and did, in frames: a record each, and the sequence in pieces as long.
 struct Uploaded {
@@ -26,16 +23,16 @@ void require_fits(const Image& image, const Identity& board, const std::string& 
 /// so that an upload which was cut off goes on where it was; then asks again. The caller has checked that the image
 /// fits.
 /// @throws Error{device} when the board's digests are still others after writing
-Uploaded upload(Client& client, const Image& image, const Told& told = {});
+Uploaded upload(Client& client, const Image& image, const Progress& progress = {});
 
 /// Reads an image's places back, byte by byte. @return empty when they hold it, else the first difference in words
-std::string compare(Client& client, const Image& image, const Told& told = {});
+std::string compare(Client& client, const Image& image, const Progress& progress = {});
 
 /// The image that a board's memories hold: its sequence, and as many records as that plays or as are asked for, if
 /// more.
 /// @param where  names the board in messages
 /// @throws Error{device} when there is no sequence, Error{bad_input} when a record is none
 Image download(Client& client, const Identity& board, std::uint32_t records, const std::string& where,
-               const Told& told = {});
+               const Progress& progress = {});
 
 }  // namespace haptogram::link

@@ -14,7 +14,7 @@ namespace haptogram {
 namespace {
 
 Error bad_option(const char* name, double found, const char* expected) {
-    return {ErrorCode::usage, name, fmt::format("found {}, expected {}; correct the option", found, expected)};
+    return {ErrorCode::bad_argument, name, fmt::format("found {}, expected {}; correct the option", found, expected)};
 }
 
 /// p → turn · (scale · p) + shift, where `turn` is a rotation given by the images of the axes.
@@ -114,7 +114,8 @@ Box bounding_box(const Shape& shape) {
         }
     }
     if (box.low.x > box.high.x)
-        throw Error(ErrorCode::usage, "shape", "found nothing, expected a curve, a surface or points; name a shape");
+        throw Error(ErrorCode::bad_argument, "shape",
+                    "found nothing, expected a curve, a surface or points; name a shape");
     return box;
 }
 
@@ -127,14 +128,15 @@ Shape place(const Shape& shape, const Placement& placement) {
     for (const double angle : placement.rotate_deg)
         if (!std::isfinite(angle)) throw bad_option("rotate", angle, "three angles in degrees");
     if (placement.center && !is_finite(*placement.center))
-        throw Error(ErrorCode::usage, "center", "expected three finite numbers; correct the option");
+        throw Error(ErrorCode::bad_argument, "center", "expected three finite numbers; correct the option");
 
     Shape placed = moved(shape, {.scale = placement.scale});
     if (placement.size_m) {
         const Box box = bounding_box(placed);
         const double largest = std::max({box.extent().x, box.extent().y, box.extent().z});
         if (largest == 0.0)
-            throw Error(ErrorCode::usage, "size", "found a single point, which has no size; leave the option out");
+            throw Error(ErrorCode::bad_argument, "size",
+                        "found a single point, which has no size; leave the option out");
         placed = moved(placed, about(box.center(), {.scale = *placement.size_m / largest}));
     }
     if (const auto& angles = placement.rotate_deg; angles != std::array<double, 3>{}) {

@@ -24,10 +24,11 @@ struct Placement {
 };
 
 /// The smallest box along the axes that holds the shape, metres; curves to 1e-9 of their length.
-/// @throws Error{usage} for a shape without points
+/// @throws Error{bad_argument} for a shape without points
 [[nodiscard]] Box bounding_box(const Shape& shape);
 
-/// @throws Error{usage} when a scale or size is not positive and finite, an angle or centre is not finite, or a shape
+/// @throws Error{bad_argument} when a scale or size is not positive and finite, an angle or centre is not finite, or a
+/// shape
 ///         without extent is to get a size
 [[nodiscard]] Shape place(const Shape& shape, const Placement& placement);
 

@@ -164,7 +164,7 @@ PrimitiveSpec completed(PrimitiveSpec given, const PrimitiveSpec& defaults) {
     complete("turns", given.turns, defaults.turns);
     const std::string where = "shape " + given.kind;
     if (!strange.empty())
-        throw Error(ErrorCode::usage, where,
+        throw Error(ErrorCode::bad_argument, where,
                     fmt::format("found the option {}, expected {}; leave it out", listed(strange),
                                 takes.empty() ? "none" : listed(takes)));
     for (const auto& [name, value] : {std::pair{"diameter", given.diameter},
@@ -172,10 +172,10 @@ PrimitiveSpec completed(PrimitiveSpec given, const PrimitiveSpec& defaults) {
                                       {"height", given.height},
                                       {"turns", given.turns}})
         if (value && (!(*value > 0.0) || !std::isfinite(*value)))
-            throw Error(ErrorCode::usage, where,
+            throw Error(ErrorCode::bad_argument, where,
                         fmt::format("found {} {}, expected a positive number; correct the option", name, *value));
     if (given.sides && (*given.sides < 3 || *given.sides > 1000))
-        throw Error(ErrorCode::usage, where,
+        throw Error(ErrorCode::bad_argument, where,
                     fmt::format("found sides {}, expected 3 to 1000; correct the option", *given.sides));
     return given;
 }
@@ -192,7 +192,7 @@ Shape make_primitive(const PrimitiveSpec& spec) {
     for (const Kind& kind : kinds())
         if (kind.defaults.kind == spec.kind)
             return place(kind.make(completed(spec, kind.defaults)), {.center = Vec3{}});
-    throw Error(ErrorCode::usage, "shape " + spec.kind,
+    throw Error(ErrorCode::bad_argument, "shape " + spec.kind,
                 fmt::format("is not known, expected one of {}; choose one", listed(primitive_kinds())));
 }
 

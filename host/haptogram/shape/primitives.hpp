@@ -25,8 +25,8 @@ struct PrimitiveSpec {
 /// are exact curves; surfaces are meshes within 4e-5 diameters of the true one. Solids have their end discs, the
 /// hemisphere is the upper dome alone. The defaults are those of the Haptogram paper, section IV, where it has the
 /// shape: a circle of 70 mm, a line of 100 mm, a hemisphere of radius 50 mm; all else is 100 mm.
-/// @throws Error{usage} for an unknown kind, an option that the shape does not take (naming those it takes), a length
-/// or
+/// @throws Error{bad_argument} for an unknown kind, an option that the shape does not take (naming those it takes), a
+/// length or
 ///         number of turns that is not positive and finite, or sides not in 3…1000
 [[nodiscard]] Shape make_primitive(const PrimitiveSpec& spec);
 

@@ -97,7 +97,7 @@ void over(const std::vector<const Mesh*>& meshes, std::size_t count, std::mt1993
 
 Sampled sample(const Shape& shape, std::size_t count, std::uint64_t seed) {
     if (count == 0)
-        throw Error(ErrorCode::usage, "points",
+        throw Error(ErrorCode::bad_argument, "points",
                     "found 0, expected at least 1; ask for as many points as the hand shall feel");
     const auto curves = pieces_of<Curve>(shape);
     const auto meshes = pieces_of<Mesh>(shape);
@@ -113,7 +113,8 @@ Sampled sample(const Shape& shape, std::size_t count, std::uint64_t seed) {
     over(meshes, dense, random, candidates);
     for (const Cloud* cloud : clouds) candidates.insert(candidates.end(), cloud->points.begin(), cloud->points.end());
     if (candidates.empty())
-        throw Error(ErrorCode::usage, "shape", "found nothing, expected a curve, a surface or points; name a shape");
+        throw Error(ErrorCode::bad_argument, "shape",
+                    "found nothing, expected a curve, a surface or points; name a shape");
 
     const auto first = static_cast<std::size_t>(uniform(random) * static_cast<double>(candidates.size()));
     std::vector<std::size_t> chosen = farthest_points(candidates, count, first);

@@ -17,7 +17,7 @@ struct Sampled {
 /// into as many as it has points, an open one with a point on both ends. Clouds alone of no more than `count` points
 /// are taken whole, in their order. Everything else is covered by farthest-point sampling of dense candidates.
 /// The same arguments give the same points on every machine.
-/// @throws Error{usage} when `count` is 0 or there is nothing to sample
+/// @throws Error{bad_argument} when `count` is 0 or there is nothing to sample
 [[nodiscard]] Sampled sample(const Shape& shape, std::size_t count, std::uint64_t seed);
 
 }  // namespace haptogram

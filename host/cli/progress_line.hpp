@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <chrono>
+#include <string>
+
+#include "haptogram/base/progress.hpp"
+
+namespace haptogram::cli {
+
+/// One line on stderr that says how far a long piece of work has come. Redrawn in place on a terminal at most ten times
+/// a second; where stderr is no terminal nothing is written.
+class ProgressLine {
+public:
+    explicit ProgressLine(std::string title);
+    ProgressLine(const ProgressLine&) = delete;
+    ProgressLine& operator=(const ProgressLine&) = delete;
+    ~ProgressLine();
+
+    /// @param fraction  0…1
+    void update(double fraction, const std::string& note = {});
+
+    /// What to give to a function of the library; it must not outlive this.
+    [[nodiscard]] Progress callback();
+
+    /// Of work whose end nobody knows.
+    void note(const std::string& text);
+
+private:
+    void draw(const std::string& text);
+
+    std::string title_;
+    bool on_terminal_;
+    bool drawn_ = false;
+    std::chrono::steady_clock::time_point last_{};
+};
+
+}  // namespace haptogram::cli
