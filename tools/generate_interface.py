@@ -6,21 +6,52 @@ import argparse
 import pathlib
 import sys
 
-try:
-    import tomllib
-except ModuleNotFoundError:
+if sys.version_info < (3, 11):
     sys.exit("generate_interface.py needs Python 3.11 or newer (tomllib)")
+
+from configurations import Wrong, configurations, load
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 NOTE = "Generated from tools/interface.toml by tools/generate_interface.py; edit the table, not this file."
 
 
-def load():
-    return tomllib.loads((ROOT / "tools/interface.toml").read_text(encoding="utf-8"))
-
-
 def blocks(table):
     return {block["region"]: block["words"] for block in table["block"]}
+
+
+def fields(part, words, word_bits):
+    """Name, first bit counted from the part's beginning, width and meaning of its fields. A word without fields is one itself."""
+    result, covered = [], set()
+    for field in part.get("fields", []):
+        word = field["word"] if isinstance(field["word"], int) else words.index(field["word"])
+        first, end = word * word_bits + field["low"], word * word_bits + field["low"] + field["width"]
+        if end > len(words) * word_bits or field["width"] > 32:
+            raise Wrong(f"field {field['name']} reaches beyond its block, or is wider than 32 bits")
+        result.append((field["name"], first, field["width"], field["about"]))
+        covered |= set(range(first // word_bits, (end - 1) // word_bits + 1))
+    for position, word in enumerate(words):
+        if position not in covered:
+            result.append((word, position * word_bits, word_bits, part.get("about", {}).get(word, "")))
+    bits = [bit for _, first, width, _ in result for bit in range(first, first + width)]
+    if len(bits) != len(set(bits)):
+        raise Wrong("two fields of a block share a bit")
+    return sorted(result, key=lambda field: field[1])
+
+
+def layouts(table):
+    """Everything that has fields: by name, its words (numbers where they have no name) and the bits of a word."""
+    widths = {region["name"]: region["word_bits"] for region in table["region"]}
+    yield "record", fields(table["record"], range(table["record"]["header_words"]), widths["primary"]), widths["primary"]
+    for name in ("sequence_header", "sequence_entry"):
+        yield name, fields(table[name], range(1), widths["sequence"]), widths["sequence"]
+    for block in table["block"]:
+        named = dict(block, fields=block.get("fields", []))
+        words = block["words"]
+        yield block["region"], [f for f in fields(named, words, widths[block["region"]]) if not f[0].startswith("name_")], widths[block["region"]]
+
+
+def features(table):
+    return {row["name"]: row["bit"] for row in table["feature"]}
 
 
 def name_words(table):
@@ -42,19 +73,24 @@ def verilog(table):
             continue
         define(f"REGION_{region['name']}", f"4'h{region['base'] >> 28:x}")
     define("RECORD_HEADER_WORDS", table["record"]["header_words"])
-    define("AUTOSTART_BIT", table["sequence_header"]["autostart_bit"])
+    # The memory controller takes a record's fields apart as they arrive, word by word; this one bit it is told by name.
+    autostart = next(f for f in table["sequence_header"]["fields"] if f["name"] == "autostart")
+    define("AUTOSTART_BIT", autostart["low"])
     for name, words in blocks(table).items():
         if name == "description":  # the board never sees it
             continue
         define(f"{name}_WORDS", len(words))
         for position, word in enumerate(words):
             define(f"{name}_{word}", f"5'd{position}")
-    features = table["features"]
-    define("FEATURES", f"16'h{sum(1 << bit for bit in features.values()):04x}")
+    define("FEATURES", f"16'h{sum(1 << bit for bit in features(table).values()):04x}")
+    for mode in table["mode"]:
+        define(f"MODE_{mode['name']}", f"2'd{mode['value']}")
     for command in table["command"]:
         define(f"COMMAND_{command['name']}", f"8'h{command['code']:02x}")
     for status in table["status"]:
         define(f"REPLY_{status['name']}", f"8'h{status['code']:02x}")
+    for parameter in table["parameter"]:
+        define(f"DEFAULT_{parameter['name']}", parameter["default"])
     return "\n".join(out) + "\n"
 
 
@@ -89,47 +125,209 @@ endmodule
 """
 
 
+CPP_TYPES = """/// Some bits of a block of little-endian words of any width: `width` bits from bit `offset` on, counted from the block's
+/// beginning. A field may reach over several words.
+struct BitField {
+    std::string_view name;
+    unsigned offset, width;
+
+    [[nodiscard]] constexpr std::uint32_t most() const { return static_cast<std::uint32_t>((std::uint64_t{1} << width) - 1U); }
+
+    /// @param words  the block: a vector, an array, a span or a pointer, of 8, 16 or 32 bits each
+    template <class Words>
+    [[nodiscard]] constexpr std::uint32_t get(const Words& words) const {
+        constexpr unsigned digits = std::numeric_limits<std::remove_cvref_t<decltype(words[0])>>::digits;
+        std::uint64_t value = 0;
+        for (unsigned done = 0; done < width;) {
+            const unsigned low = (offset + done) % digits;
+            value |= std::uint64_t{words[(offset + done) / digits]} >> low << done;
+            done += digits - low;
+        }
+        return static_cast<std::uint32_t>(value & most());
+    }
+
+    /// @throws std::out_of_range when the value is wider than the field
+    template <class Words>
+    constexpr void set(Words&& words, std::uint64_t value) const {
+        using Word = std::remove_cvref_t<decltype(words[0])>;
+        constexpr unsigned digits = std::numeric_limits<Word>::digits;
+        if (value > most())
+            throw std::out_of_range(std::string(name) + " is " + std::to_string(value) + ", but its field has " +
+                                    std::to_string(width) + " bits, at most " + std::to_string(most()));
+        for (unsigned done = 0; done < width;) {
+            const unsigned low = (offset + done) % digits;
+            const std::uint64_t mask = std::uint64_t{most()} >> done << low;
+            auto& word = words[(offset + done) / digits];
+            word = static_cast<Word>((word & ~mask) | (value >> done << low & mask));
+            done += digits - low;
+        }
+    }
+};
+"""
+
+CPP_PARAMETERS = """/// A parameter may be bounded by another one, or by another one divided by a number.
+struct ParameterBound {
+    std::uint32_t CoreParameters::* member = nullptr;  ///< none when null
+    std::uint32_t divisor = 1;
+};
+
+/// One parameter of the core, as rtl/haptogram_core.v takes it.
+struct ParameterDescription {
+    std::string_view name;  ///< in Verilog and in board files
+    std::uint32_t CoreParameters::* member;
+    std::uint32_t low, high;
+    ParameterBound at_least, at_most;
+    bool power_of_two;
+    std::string_view unit, about, why;
+
+    /// The lowest and highest value beside the others of `core`.
+    [[nodiscard]] constexpr std::uint32_t lowest(const CoreParameters& core) const {
+        return at_least.member == nullptr ? low : std::max(low, core.*at_least.member / at_least.divisor);
+    }
+    [[nodiscard]] constexpr std::uint32_t highest(const CoreParameters& core) const {
+        return at_most.member == nullptr ? high : std::min(high, core.*at_most.member / at_most.divisor);
+    }
+    [[nodiscard]] constexpr bool allows(const CoreParameters& core) const {
+        const std::uint32_t value = core.*member;
+        return value >= lowest(core) && value <= highest(core) && (!power_of_two || std::has_single_bit(value));
+    }
+};
+"""
+
+
+def quoted(text):
+    return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
+
+
 def cpp(table):
-    out = [f"// {NOTE}", "// SPDX-License-Identifier: Apache-2.0", "#pragma once", "#include <cstdint>", "#include <string_view>", ""]
+    headers = ["algorithm", "array", "bit", "cstdint", "limits", "stdexcept", "string", "string_view", "type_traits"]
+    out = [f"// {NOTE}", "// SPDX-License-Identifier: Apache-2.0", "#pragma once"] + [f"#include <{h}>" for h in headers] + [""]
     out += ["namespace haptogram::interface {", ""]
-    protocol = table["protocol"]
+    protocol, record = table["protocol"], table["record"]
     out.append(f'inline constexpr std::string_view name = "{protocol["name"]}";')
     out.append(f"inline constexpr unsigned version_major = {protocol['version_major']};")
     out.append(f"inline constexpr unsigned version_minor = {protocol['version_minor']};")
     for region in table["region"]:
-        out.append(f"inline constexpr std::uint32_t {region['name']}_base = 0x{region['base']:08x};  // {region['word_bits']}-bit words")
-    out.append(f"inline constexpr unsigned record_header_words = {table['record']['header_words']};")
-    out.append(f"inline constexpr std::uint16_t silent_timing = 0x{table['record']['silent_timing']:04x};")
-    out.append(f"inline constexpr std::uint32_t autostart_bit = 1U << {table['sequence_header']['autostart_bit']};  // of the sequence header")
+        out.append(f"inline constexpr std::uint32_t {region['name']}_base = 0x{region['base']:08x};")
+        out.append(f"inline constexpr unsigned {region['name']}_word_bits = {region['word_bits']};")
+    out.append(f"inline constexpr unsigned record_header_words = {record['header_words']};")
+    out.append(f"inline constexpr std::uint16_t silent_timing = 0x{record['silent_timing']:04x};  // a channel that never fires")
+    description = next(b for b in table["block"] if b["region"] == "description")
+    out.append(f"inline constexpr std::uint16_t description_magic = 0x{description['magic']:04x};")
+    out.append(f"inline constexpr std::uint16_t description_format = {description['format']};")
+    out.append(f"inline constexpr double longest_cycle_s = {table['image']['longest_cycle_s']};")
+    autostart = next(f for f in table["sequence_header"]["fields"] if f["name"] == "autostart")
+    out.append(f"inline constexpr std::uint32_t autostart_bit = 1U << {autostart['low']};  // of the sequence header")
+    out += ["", CPP_TYPES.rstrip("\n")]
+    for name, rows, word_bits in layouts(table):
+        out += ["", f"namespace {name}_field {{  // words of {word_bits} bits"]
+        out += [f'inline constexpr BitField {field} = {{"{field}", {first}, {width}}};' + (f"  // {about}" if about else "") for field, first, width, about in rows]
+        out += [f"}}  // namespace {name}_field"]
     for name, words in blocks(table).items():
         out += ["", f"enum class {name.capitalize()}Word : unsigned {{"]
         out += [f"    {word} = {position}," for position, word in enumerate(words)]
         out += ["};", f"inline constexpr unsigned {name}_words = {len(words)};"]
-    out += ["", "enum class Feature : unsigned {"] + [f"    {k} = {v}," for k, v in table["features"].items()] + ["};"]
+    out += ["", "/// Bits of the identity block's features.", "enum class Feature : unsigned {"]
+    out += [f"    {row['name']} = {row['bit']},  // {row['about']}" for row in table["feature"]] + ["};"]
+    out += ["[[nodiscard]] constexpr bool has(std::uint32_t features, Feature feature) {"]
+    out += ["    return (features >> static_cast<unsigned>(feature) & 1U) != 0;", "}"]
+    out += ["", "/// Where the next record comes from.", "enum class Mode : unsigned {"]
+    out += [f"    {row['name']} = {row['value']},  // {row['about']}" for row in table["mode"]] + ["};"]
     out += ["", "enum class Command : std::uint8_t {"] + [f"    {c['name']} = 0x{c['code']:02x}," for c in table["command"]] + ["};"]
     out += ["", "enum class Status : std::uint8_t {"] + [f"    {s['name']} = 0x{s['code']:02x}," for s in table["status"]] + ["};", ""]
     replying = " || ".join(f"command == Command::{c['name']}" for c in table["command"] if "reply" in c)
-    out += ["/// Whether its reply carries data.", f"constexpr bool replies(Command command) {{ return {replying}; }}", ""]
-    out += ["constexpr std::string_view to_string(Command command) {", "    switch (command) {"]
-    out += [f'        case Command::{c["name"]}: return "{c["name"]}";' for c in table["command"]]
-    out += ["    }", '    return "unknown";', "}", ""]
+    out += ["/// Whether its reply carries data.", "constexpr bool replies(Command command) {", f"    return {replying};", "}", ""]
+    for title, rows in (("Mode", table["mode"]), ("Command", table["command"])):
+        variable = title.lower()
+        out += [f"constexpr std::string_view to_string({title} {variable}) {{", f"    switch ({variable}) {{"]
+        out += [f'        case {title}::{row["name"]}: return "{row["name"]}";' for row in rows]
+        out += ["    }", '    return "unknown";', "}", ""]
     out += ["constexpr std::string_view to_string(Status status) {", "    switch (status) {"]
     out += [f'        case Status::{s["name"]}: return "{s["name"]}: {s["about"]}";' for s in table["status"]]
-    out += ["    }", '    return "unknown status";', "}", "", "}  // namespace haptogram::interface"]
+    out += ["    }", '    return "unknown status";', "}", ""]
+
+    def bound(text):
+        if text is None:
+            return "{}"
+        name, _, divisor = text.partition(" / ")
+        return f"{{&CoreParameters::{name.lower()}, {divisor or 1}}}"
+
+    names = [p["name"].lower() for p in table["parameter"]]
+    out += ["/// The parameters of rtl/haptogram_core.v; core_parameters says what each is.", "struct CoreParameters {"]
+    out += [f"    std::uint32_t {p['name'].lower()} = {p['default']};" for p in table["parameter"]]
+    out += ["    friend bool operator==(const CoreParameters&, const CoreParameters&) = default;", "};", "", CPP_PARAMETERS]
+    out += [f"inline constexpr std::array<ParameterDescription, {len(names)}> core_parameters = {{{{"]
+    for p in table["parameter"]:
+        out.append(f"    {{{quoted(p['name'])}, &CoreParameters::{p['name'].lower()}, {p['low']}, {p['high']}, {bound(p.get('at_least'))}, "
+                   f"{bound(p.get('at_most'))}, {str(p.get('power_of_two', False)).lower()},")  # fmt: skip
+        out.append(f"     {quoted(p['unit'])}, {quoted(p['about'])},")
+        out.append(f"     {quoted(p['why'])}}},")
+    out += ["}};", "", "/// A named set of parameters.", "struct CoreConfiguration {", "    std::string_view name;", "    CoreParameters parameters;",
+            "    std::string_view about;", "};", ""]  # fmt: skip
+    rows = configurations(table)
+    about = {row["name"]: row["about"] for row in table["configuration"]}
+    out += [f"inline constexpr std::array<CoreConfiguration, {len(rows)}> core_configurations = {{{{"]
+    for name, values in rows.items():
+        out.append(f"    {{{quoted(name)},")
+        out.append("     {" + ", ".join(f".{key.lower()} = {value}" for key, value in values.items()) + "},")
+        out.append(f"     {quoted(about[name])}}},")
+    out += ["}};", "", "/// The configuration of this name; null when there is none.",
+            "[[nodiscard]] constexpr const CoreConfiguration* find_configuration(std::string_view wanted) {",
+            "    for (const CoreConfiguration& configuration : core_configurations)",
+            "        if (configuration.name == wanted) return &configuration;", "    return nullptr;", "}",
+            "", "}  // namespace haptogram::interface"]  # fmt: skip
     return "\n".join(out) + "\n"
 
 
+PYTHON_TYPES = '''class BitField(NamedTuple):
+    """Some bits of little-endian memory: `width` bits from bit `offset` on, counted from the beginning of its block."""
+
+    offset: int
+    width: int
+
+    def get(self, data: bytes) -> int:
+        end = self.offset + self.width
+        return int.from_bytes(data[: (end + 7) // 8], "little") >> self.offset & (1 << self.width) - 1
+
+
+def pack(fields: dict[str, BitField], size: int, **values: int) -> bytes:
+    """A block of `size` bytes with these fields; all other bits are zero."""
+    block = 0
+    for name, value in values.items():
+        field = fields[name]
+        if not 0 <= value < 1 << field.width:
+            raise ValueError(f"{name} is {value}, but its field has {field.width} bits, at most {(1 << field.width) - 1}")
+        block |= value << field.offset
+    return block.to_bytes(size, "little")
+
+
+def unpack(fields: dict[str, BitField], data: bytes) -> dict[str, int]:
+    """The value of every field."""
+    return {name: field.get(data) for name, field in fields.items()}
+'''
+
+
 def python(table):
-    out = [f'"""{NOTE}"""', "# SPDX-License-Identifier: Apache-2.0", "import enum", ""]
+    out = [f'"""{NOTE}"""', "# SPDX-License-Identifier: Apache-2.0", "import enum", "from typing import NamedTuple", ""]
     protocol = table["protocol"]
     out += [f"NAME = {protocol['name']!r}", f"VERSION = ({protocol['version_major']}, {protocol['version_minor']})"]
     for region in table["region"]:
         out.append(f"{region['name'].upper()}_BASE = 0x{region['base']:08x}")
     out.append(f"RECORD_HEADER_WORDS = {table['record']['header_words']}")
     out.append(f"SILENT_TIMING = 0x{table['record']['silent_timing']:04x}")
-    out.append(f"AUTOSTART_BIT = 1 << {table['sequence_header']['autostart_bit']}  # of the sequence header")
+    description = next(b for b in table["block"] if b["region"] == "description")
+    autostart = next(f for f in table["sequence_header"]["fields"] if f["name"] == "autostart")
+    out.append(f"AUTOSTART_BIT = 1 << {autostart['low']}  # of the sequence header")
+    out += [f"DESCRIPTION_MAGIC = 0x{description['magic']:04x}", f"DESCRIPTION_FORMAT = {description['format']}"]
+    out.append(f"LONGEST_CYCLE_S = {table['image']['longest_cycle_s']}")
     for name, words in blocks(table).items():
         out.append(f"{name.upper()}_WORDS = {words!r}".replace("'", '"'))
+    out += ["", "", PYTHON_TYPES, ""]
+    for name, rows, _ in layouts(table):
+        out += [f"{name.upper()}_FIELDS = {{"] + [f'    "{field}": BitField({first}, {width}),' for field, first, width, _ in rows] + ["}"]
+    for title, rows in (("Feature", [dict(r, code=r["bit"]) for r in table["feature"]]), ("Mode", [dict(r, code=r["value"]) for r in table["mode"]])):
+        out += ["", "", f"class {title}(enum.IntEnum):"]
+        out += [f"    {row['name'].upper()} = {row['code']}" for row in rows]
     for title, rows in (("Command", table["command"]), ("Status", table["status"])):
         out += ["", "", f"class {title}(enum.IntEnum):"]
         out += [f"    {row['name'].upper()} = 0x{row['code']:02x}" for row in rows]
@@ -137,22 +335,36 @@ def python(table):
 
 
 def page(table):
-    out = [f"<!-- {NOTE} -->", "<!-- SPDX-License-Identifier: Apache-2.0 -->", "# Address map, records, commands and status codes", ""]
+    out = [f"<!-- {NOTE} -->", "<!-- SPDX-License-Identifier: Apache-2.0 -->", "# Address map, records, commands, status codes and parameters", ""]
     out += ["## Address map", "", "One byte-addressed space; 16- and 32-bit words are little-endian.", ""]
     out += ["| region | base | word | access | what |", "|---|---|---|---|---|"]
     for r in table["region"]:
         out.append(f"| {r['name']} | `0x{r['base']:08X}` | {r['word_bits']} bits | {r['access']} | {r['about']} |")
-    out += ["", "## Record", "", "| word | field | what |", "|---|---|---|"]
-    out += [f"| {f['word']} | {f['name']} | {f['about']} |" for f in table["record"]["fields"]]
-    out.append(f"| {table['record']['header_words']}… | timing[CHANNELS] | tick at which channel 0, 1, … starts its pulse; 0x{table['record']['silent_timing']:04X} never |")
-    out += ["", "A sequence header is `length + (loops << 16)`; a sequence entry is `index + (dwell << 16)`, dwell in carrier cycles.",
-            f"Bit {table['sequence_header']['autostart_bit']} of the header, in a bitstream, makes the board enable its outputs and play the sequence at power-up, once,",
-            "with no host and no watchdog; a header that is written over the link cannot.", ""]
+    def bit_table(rows, word_bits):
+        lines = ["| word | bits | field | what |", "|---|---|---|---|"]
+        for field, first, width, about in rows:
+            word, low = divmod(first, word_bits)
+            last, high = divmod(first + width - 1, word_bits)
+            where = (f"{high}…{low}" if high != low else f"{low}") if last == word else f"{low} of word {word} … {high} of word {last}"
+            lines.append(f"| {word if last == word else f'{word}…{last}'} | {where} | {field} | {about} |")
+        return lines
+
+    parts = {name: bit_table(rows, word_bits) for name, rows, word_bits in layouts(table)}
+    out += ["", "## Record", "", "A header, and then a timing for each channel.", ""] + parts["record"]
+    out.append(f"| {table['record']['header_words']}… | 15…0 | timing[CHANNELS] | tick at which channel 0, 1, … starts its pulse; 0x{table['record']['silent_timing']:04X} never |")
+    out += ["", "## Sequence", "", "The header, word 0 of sequence memory:", ""] + parts["sequence_header"]
+    out += ["", "An entry, words 1… of it:", ""] + parts["sequence_entry"] + [""]
     for block in table["block"]:
-        out += [f"## The {block['region']} block", "", "| word | field | what |", "|---|---|---|"]
-        out += [f"| {i} | {w} | {block['about'].get(w, '')} |" for i, w in enumerate(block["words"])]
-        out.append("")
-    out += ["Feature bits: " + ", ".join(f"{bit} {name}" for name, bit in table["features"].items()) + ".", ""]
+        out += [f"## The {block['region']} block", ""]
+        if block["region"] == "identity":
+            out += [f"Words 0 to 7 are the name {table['protocol']['name']}, in ASCII, padded with zeros.", ""]
+        out += parts[block["region"]] + [""]
+        if block["region"] == "identity":
+            out += ["Bits of features:", "", "| bit | feature | what |", "|---|---|---|"]
+            out += [f"| {row['bit']} | {row['name']} | {row['about']} |" for row in table["feature"]] + [""]
+        if block["region"] == "status":
+            out += ["Values of mode:", "", "| value | mode | where the next record comes from |", "|---|---|---|"]
+            out += [f"| {row['value']} | {row['name']} | {row['about']} |" for row in table["mode"]] + [""]
     out += ["## Frames", "", "On the line a frame is COBS-encoded and ends with a zero byte. Decoded, a request is", ""]
     out += ["`sequence number, command, arguments…, data…, CRC high, CRC low`", "", "and a reply is", ""]
     out += ["`sequence number, command | 0x80, status, next expected sequence number, live level low, high, data…, CRC high, CRC low`", ""]
@@ -162,6 +374,25 @@ def page(table):
         out.append(f"| {c['name']} | 0x{c['code']:02X} | {', '.join(c['args']) or '–'} | {'yes' if c.get('tail') else '–'} | {c.get('reply', '–')} | {c['about']} |")
     out += ["", "| status | code | what |", "|---|---|---|"]
     out += [f"| {s['name']} | 0x{s['code']:02X} | {s['about']} |" for s in table["status"]]
+    out += ["", "## Parameters of the core", "", "| parameter | range | unit | default | what | why |", "|---|---|---|---|---|---|"]
+    for p in table["parameter"]:
+        bounds = [f"{p['low']}…{p['high']}"] + [f"{sign} {p[key]}" for key, sign in (("at_least", "≥"), ("at_most", "≤")) if key in p]
+        bounds += ["a power of two"] if p.get("power_of_two") else []
+        out.append(f"| {p['name']} | {', '.join(bounds)} | {p['unit']} | {p['default']} | {p['about']} | {p['why']} |")
+    names = [p["name"] for p in table["parameter"]]
+    out += ["", "## Named configurations", "", f"| configuration | {' | '.join(names)} | what |", "|---" * (len(names) + 2) + "|"]
+    about = {row["name"]: row["about"] for row in table["configuration"]}
+    out += [f"| {name} | {' | '.join(str(v) for v in values.values())} | {about[name]} |" for name, values in configurations(table).items()]
+    return "\n".join(out) + "\n"
+
+
+def cmake(table):
+    out = [f"# {NOTE}", "# SPDX-License-Identifier: Apache-2.0"]
+    out.append(f"set(HAPTOGRAM_PARAMETERS {' '.join(p['name'] for p in table['parameter'])})")
+    rows = configurations(table)
+    out.append(f"set(HAPTOGRAM_CONFIGURATIONS {' '.join(rows)})")
+    out += ["# The values of each, in the order of HAPTOGRAM_PARAMETERS."]
+    out += [f"set(HAPTOGRAM_CONFIGURATION_{name} {' '.join(str(v) for v in values.values())})" for name, values in rows.items()]
     return "\n".join(out) + "\n"
 
 
@@ -171,6 +402,7 @@ FILES = {
     "host/haptogram/boards/interface.hpp": cpp,
     "tools/python/haptogram/interface.py": python,
     "rtl/INTERFACE.md": page,
+    "sim/configurations.cmake": cmake,
 }
 
 
@@ -180,8 +412,12 @@ def main():
     check = parser.parse_args().check
     table = load()
     stale = []
-    for name, make in FILES.items():
-        path, text = ROOT / name, make(table)
+    try:
+        texts = {name: make(table) for name, make in FILES.items()}
+    except Wrong as error:
+        sys.exit(f"tools/interface.toml: {error}")
+    for name, text in texts.items():
+        path = ROOT / name
         if path.exists() and path.read_text(encoding="utf-8") == text:
             continue
         stale.append(name)

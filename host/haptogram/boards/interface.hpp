@@ -1,22 +1,135 @@
 // Generated from tools/interface.toml by tools/generate_interface.py; edit the table, not this file.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
+#include <array>
+#include <bit>
 #include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <string>
 #include <string_view>
+#include <type_traits>
 
 namespace haptogram::interface {
 
 inline constexpr std::string_view name = "Haptogram";
 inline constexpr unsigned version_major = 1;
 inline constexpr unsigned version_minor = 1;
-inline constexpr std::uint32_t primary_base = 0x00000000;  // 16-bit words
-inline constexpr std::uint32_t sequence_base = 0x10000000;  // 32-bit words
-inline constexpr std::uint32_t identity_base = 0x20000000;  // 16-bit words
-inline constexpr std::uint32_t status_base = 0x30000000;  // 16-bit words
-inline constexpr std::uint32_t description_base = 0x40000000;  // 16-bit words
+inline constexpr std::uint32_t primary_base = 0x00000000;
+inline constexpr unsigned primary_word_bits = 16;
+inline constexpr std::uint32_t sequence_base = 0x10000000;
+inline constexpr unsigned sequence_word_bits = 32;
+inline constexpr std::uint32_t identity_base = 0x20000000;
+inline constexpr unsigned identity_word_bits = 16;
+inline constexpr std::uint32_t status_base = 0x30000000;
+inline constexpr unsigned status_word_bits = 16;
+inline constexpr std::uint32_t description_base = 0x40000000;
+inline constexpr unsigned description_word_bits = 16;
 inline constexpr unsigned record_header_words = 4;
-inline constexpr std::uint16_t silent_timing = 0xffff;
+inline constexpr std::uint16_t silent_timing = 0xffff;  // a channel that never fires
+inline constexpr std::uint16_t description_magic = 0x4748;
+inline constexpr std::uint16_t description_format = 1;
+inline constexpr double longest_cycle_s = 1.0;
 inline constexpr std::uint32_t autostart_bit = 1U << 15;  // of the sequence header
+
+/// Some bits of a block of little-endian words of any width: `width` bits from bit `offset` on, counted from the block's
+/// beginning. A field may reach over several words.
+struct BitField {
+    std::string_view name;
+    unsigned offset, width;
+
+    [[nodiscard]] constexpr std::uint32_t most() const { return static_cast<std::uint32_t>((std::uint64_t{1} << width) - 1U); }
+
+    /// @param words  the block: a vector, an array, a span or a pointer, of 8, 16 or 32 bits each
+    template <class Words>
+    [[nodiscard]] constexpr std::uint32_t get(const Words& words) const {
+        constexpr unsigned digits = std::numeric_limits<std::remove_cvref_t<decltype(words[0])>>::digits;
+        std::uint64_t value = 0;
+        for (unsigned done = 0; done < width;) {
+            const unsigned low = (offset + done) % digits;
+            value |= std::uint64_t{words[(offset + done) / digits]} >> low << done;
+            done += digits - low;
+        }
+        return static_cast<std::uint32_t>(value & most());
+    }
+
+    /// @throws std::out_of_range when the value is wider than the field
+    template <class Words>
+    constexpr void set(Words&& words, std::uint64_t value) const {
+        using Word = std::remove_cvref_t<decltype(words[0])>;
+        constexpr unsigned digits = std::numeric_limits<Word>::digits;
+        if (value > most())
+            throw std::out_of_range(std::string(name) + " is " + std::to_string(value) + ", but its field has " +
+                                    std::to_string(width) + " bits, at most " + std::to_string(most()));
+        for (unsigned done = 0; done < width;) {
+            const unsigned low = (offset + done) % digits;
+            const std::uint64_t mask = std::uint64_t{most()} >> done << low;
+            auto& word = words[(offset + done) / digits];
+            word = static_cast<Word>((word & ~mask) | (value >> done << low & mask));
+            done += digits - low;
+        }
+    }
+};
+
+namespace record_field {  // words of 16 bits
+inline constexpr BitField cycle_length = {"cycle_length", 0, 24};  // carrier period in ticks
+inline constexpr BitField pulse_length = {"pulse_length", 24, 8};  // how long a channel stays high, in ticks
+inline constexpr BitField prescaler = {"prescaler", 32, 24};  // clocks per tick
+inline constexpr BitField reserved = {"reserved", 56, 8};  // zero; a record in which it is not is refused
+}  // namespace record_field
+
+namespace sequence_header_field {  // words of 32 bits
+inline constexpr BitField length = {"length", 0, 15};  // entries of the sequence
+inline constexpr BitField autostart = {"autostart", 15, 1};  // in a bitstream: the board enables its outputs and plays the sequence at power-up, once, with no host and no watchdog; a header that is written over the link cannot
+inline constexpr BitField loops = {"loops", 16, 16};  // how many times it is played; 0 is for ever
+}  // namespace sequence_header_field
+
+namespace sequence_entry_field {  // words of 32 bits
+inline constexpr BitField index = {"index", 0, 16};  // record to play; 0 is silence
+inline constexpr BitField dwell = {"dwell", 16, 16};  // for so many carrier cycles; 0 until the next record is ready
+}  // namespace sequence_entry_field
+
+namespace identity_field {  // words of 16 bits
+inline constexpr BitField version_minor = {"version_minor", 128, 8};  // a change that old hosts need not know
+inline constexpr BitField version_major = {"version_major", 136, 8};  // a change that breaks old hosts
+inline constexpr BitField channels = {"channels", 144, 16};
+inline constexpr BitField records = {"records", 160, 16};
+inline constexpr BitField sequence_depth = {"sequence_depth", 176, 16};
+inline constexpr BitField live_depth = {"live_depth", 192, 16};
+inline constexpr BitField timing_bits = {"timing_bits", 208, 8};  // TIMING_BITS
+inline constexpr BitField pulse_bits = {"pulse_bits", 216, 8};  // PULSE_BITS
+inline constexpr BitField clock_hz = {"clock_hz", 224, 32};  // CLOCK_HZ
+inline constexpr BitField features = {"features", 256, 16};  // see the feature bits
+inline constexpr BitField frame_bytes = {"frame_bytes", 272, 16};  // longest frame that is always taken, decoded, without its CRC
+}  // namespace identity_field
+
+namespace status_field {  // words of 16 bits
+inline constexpr BitField enabled = {"enabled", 0, 1};  // pulses reach the pins
+inline constexpr BitField mode = {"mode", 1, 2};  // where the next record comes from, see the modes
+inline constexpr BitField present_index = {"present_index", 16, 16};
+inline constexpr BitField underruns = {"underruns", 32, 16};
+inline constexpr BitField refused_records = {"refused_records", 48, 16};
+inline constexpr BitField frames_good = {"frames_good", 64, 16};
+inline constexpr BitField frames_damaged = {"frames_damaged", 80, 16};  // frames dropped: CRC or framing wrong, too short, too long, or no room
+inline constexpr BitField frames_repeated = {"frames_repeated", 96, 16};
+inline constexpr BitField watchdog_trips = {"watchdog_trips", 112, 16};
+inline constexpr BitField guard_trips = {"guard_trips", 128, 16};
+inline constexpr BitField live_level = {"live_level", 144, 16};
+inline constexpr BitField watchdog_ms = {"watchdog_ms", 160, 16};
+inline constexpr BitField frames_refused = {"frames_refused", 176, 16};
+}  // namespace status_field
+
+namespace description_field {  // words of 16 bits
+inline constexpr BitField magic = {"magic", 0, 16};  // 0x4748, the letters HG
+inline constexpr BitField format = {"format", 16, 16};  // 1
+inline constexpr BitField channels = {"channels", 32, 16};
+inline constexpr BitField records = {"records", 48, 16};  // records in this image
+inline constexpr BitField sequence_words = {"sequence_words", 64, 16};  // 32-bit words, with the header
+inline constexpr BitField timing_bits = {"timing_bits", 80, 8};  // the board needs at least as many TIMING_BITS
+inline constexpr BitField pulse_bits = {"pulse_bits", 88, 8};  // the board needs at least as many PULSE_BITS
+inline constexpr BitField clock_hz = {"clock_hz", 96, 32};  // the board's CLOCK_HZ
+}  // namespace description_field
 
 enum class IdentityWord : unsigned {
     name_0 = 0,
@@ -68,11 +181,23 @@ enum class DescriptionWord : unsigned {
 };
 inline constexpr unsigned description_words = 8;
 
+/// Bits of the identity block's features.
 enum class Feature : unsigned {
-    sequence = 0,
-    live = 1,
-    watchdog = 2,
-    guard = 3,
+    sequence = 0,  // plays a sequence from its memory
+    live = 1,  // takes indices over the link while it plays
+    watchdog = 2,  // silences the outputs when the host falls silent
+    guard = 3,  // bounds how long a pin can be high
+};
+[[nodiscard]] constexpr bool has(std::uint32_t features, Feature feature) {
+    return (features >> static_cast<unsigned>(feature) & 1U) != 0;
+}
+
+/// Where the next record comes from.
+enum class Mode : unsigned {
+    idle = 0,  // nowhere; the last record may still be playing
+    single = 1,  // the record that `select` named
+    sequence = 2,  // sequence memory
+    live = 3,  // the live FIFO
 };
 
 enum class Command : std::uint8_t {
@@ -104,7 +229,19 @@ enum class Status : std::uint8_t {
 };
 
 /// Whether its reply carries data.
-constexpr bool replies(Command command) { return command == Command::identify || command == Command::read || command == Command::status || command == Command::digest; }
+constexpr bool replies(Command command) {
+    return command == Command::identify || command == Command::read || command == Command::status || command == Command::digest;
+}
+
+constexpr std::string_view to_string(Mode mode) {
+    switch (mode) {
+        case Mode::idle: return "idle";
+        case Mode::single: return "single";
+        case Mode::sequence: return "sequence";
+        case Mode::live: return "live";
+    }
+    return "unknown";
+}
 
 constexpr std::string_view to_string(Command command) {
     switch (command) {
@@ -138,6 +275,129 @@ constexpr std::string_view to_string(Status status) {
         case Status::fifo_full: return "fifo_full: fewer free places in the live FIFO than indices in the frame; nothing was pushed";
     }
     return "unknown status";
+}
+
+/// The parameters of rtl/haptogram_core.v; core_parameters says what each is.
+struct CoreParameters {
+    std::uint32_t channels = 100;
+    std::uint32_t records = 400;
+    std::uint32_t sequence_depth = 1024;
+    std::uint32_t live_depth = 256;
+    std::uint32_t timing_bits = 16;
+    std::uint32_t pulse_bits = 8;
+    std::uint32_t clock_hz = 50000000;
+    std::uint32_t baud = 1000000;
+    std::uint32_t watchdog_ms = 500;
+    std::uint32_t max_high_clocks = 10000;
+    friend bool operator==(const CoreParameters&, const CoreParameters&) = default;
+};
+
+/// A parameter may be bounded by another one, or by another one divided by a number.
+struct ParameterBound {
+    std::uint32_t CoreParameters::* member = nullptr;  ///< none when null
+    std::uint32_t divisor = 1;
+};
+
+/// One parameter of the core, as rtl/haptogram_core.v takes it.
+struct ParameterDescription {
+    std::string_view name;  ///< in Verilog and in board files
+    std::uint32_t CoreParameters::* member;
+    std::uint32_t low, high;
+    ParameterBound at_least, at_most;
+    bool power_of_two;
+    std::string_view unit, about, why;
+
+    /// The lowest and highest value beside the others of `core`.
+    [[nodiscard]] constexpr std::uint32_t lowest(const CoreParameters& core) const {
+        return at_least.member == nullptr ? low : std::max(low, core.*at_least.member / at_least.divisor);
+    }
+    [[nodiscard]] constexpr std::uint32_t highest(const CoreParameters& core) const {
+        return at_most.member == nullptr ? high : std::min(high, core.*at_most.member / at_most.divisor);
+    }
+    [[nodiscard]] constexpr bool allows(const CoreParameters& core) const {
+        const std::uint32_t value = core.*member;
+        return value >= lowest(core) && value <= highest(core) && (!power_of_two || std::has_single_bit(value));
+    }
+};
+
+inline constexpr std::array<ParameterDescription, 10> core_parameters = {{
+    {"CHANNELS", &CoreParameters::channels, 2, 1000, {}, {}, false,
+     "transducers", "how many transducers, and so pins",
+     "Each channel costs its timing and a comparator in cells, and a word of every record. 1000 is what a record can load within a carrier period."},
+    {"RECORDS", &CoreParameters::records, 1, 65535, {}, {}, false,
+     "records", "how many focal points primary memory holds",
+     "Block RAM is what runs out first. An index has 16 bits and 0 is silence, hence 65535."},
+    {"SEQUENCE_DEPTH", &CoreParameters::sequence_depth, 2, 32768, {}, {}, false,
+     "words", "words of sequence memory, one of which is the header",
+     "The header's length has 15 bits."},
+    {"LIVE_DEPTH", &CoreParameters::live_depth, 4, 32768, {}, {}, true,
+     "entries", "how many live indices can wait",
+     "A host that streams must bridge the time between two of its frames. The FIFO's pointers wrap by themselves, hence a power of two."},
+    {"TIMING_BITS", &CoreParameters::timing_bits, 4, 16, {}, {}, false,
+     "bits", "how finely a channel can be timed",
+     "The cells of a channel grow with it. A carrier period of 1250 ticks needs 11; a small FPGA takes 8 and a prescaler."},
+    {"PULSE_BITS", &CoreParameters::pulse_bits, 1, 8, {}, {&CoreParameters::timing_bits, 1}, false,
+     "bits", "how long a pulse can be, in ticks",
+     "One shared delay line of this length ends the pulses of all channels. The record's field has 8 bits."},
+    {"CLOCK_HZ", &CoreParameters::clock_hz, 1000000, 1000000000, {}, {}, false,
+     "Hz", "frequency of clk",
+     "Ticks, baud rate and watchdog are counted from it. 50 MHz is 1250 clocks a 40 kHz period."},
+    {"BAUD", &CoreParameters::baud, 1, 125000000, {&CoreParameters::clock_hz, 20000}, {&CoreParameters::clock_hz, 8}, false,
+     "baud", "bit rate of the serial line",
+     "A bit is at least 8 clocks, so that the receiver finds its middle. Below CLOCK_HZ / 20000 the 20-bit phase step would be off by more than 1 %."},
+    {"WATCHDOG_MS", &CoreParameters::watchdog_ms, 0, 65535, {}, {}, false,
+     "ms", "silence of the host after which the outputs are disabled; 0 is never",
+     "A host that died must not leave a hand under ultrasound. It holds after reset; a command changes it."},
+    {"MAX_HIGH_CLOCKS", &CoreParameters::max_high_clocks, 8, 16777215, {}, {}, false,
+     "clocks", "how long a pin can be high before the guard disables all outputs",
+     "A wrong record must not hold a transducer's driver on: 10000 clocks are 200 µs at 50 MHz, 16 times the longest 40 kHz pulse."},
+}};
+
+/// A named set of parameters.
+struct CoreConfiguration {
+    std::string_view name;
+    CoreParameters parameters;
+    std::string_view about;
+};
+
+inline constexpr std::array<CoreConfiguration, 10> core_configurations = {{
+    {"tile-100",
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000},
+     "the paper's tile of 10 × 10; what images are compiled for unless a board is named"},
+    {"small-16",
+     {.channels = 16, .records = 40, .sequence_depth = 64, .live_depth = 16, .timing_bits = 12, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 4000},
+     "small and quick to reach its limits: most contract tests run on it"},
+    {"hoshi-324",
+     {.channels = 324, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000},
+     "the array of 18 × 18 of Hoshi et al."},
+    {"wide-256",
+     {.channels = 256, .records = 160, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000},
+     "256 channels with as many records as the block RAM of an ECP5-25F holds: a question of size"},
+    {"tile-100-3m",
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000},
+     "the tile behind a USB bridge of 3 Mbaud, for the bench of the link"},
+    {"colorlight-5a-75b-v8.0",
+     {.channels = 56, .records = 600, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000},
+     "56 outputs; the serial line is a button's pin, which probably carries a capacitor: nothing faster is known to work"},
+    {"colorlight-5a-75e-v6.0",
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000},
+     "the tile; the serial line is a button's pin, which probably carries a capacitor: nothing faster is known to work"},
+    {"colorlight-5a-75e-v7.1",
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000},
+     "the tile; the serial line is a button's pin, which probably carries a capacitor: nothing faster is known to work"},
+    {"ice40-hx8k-breakout",
+     {.channels = 100, .records = 64, .sequence_depth = 256, .live_depth = 256, .timing_bits = 8, .pulse_bits = 8, .clock_hz = 48000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000},
+     "the tile in 7,680 cells: 8 timing bits are 240 ticks of 5 clocks a cycle, 9 would need 93 % of the cells"},
+    {"ulx3s-85f",
+     {.channels = 56, .records = 600, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000},
+     "56 outputs behind a USB bridge of 3 Mbaud"},
+}};
+
+/// The configuration of this name; null when there is none.
+[[nodiscard]] constexpr const CoreConfiguration* find_configuration(std::string_view wanted) {
+    for (const CoreConfiguration& configuration : core_configurations)
+        if (configuration.name == wanted) return &configuration;
+    return nullptr;
 }
 
 }  // namespace haptogram::interface

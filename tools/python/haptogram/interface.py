@@ -1,6 +1,7 @@
 """Generated from tools/interface.toml by tools/generate_interface.py; edit the table, not this file."""
 # SPDX-License-Identifier: Apache-2.0
 import enum
+from typing import NamedTuple
 
 NAME = 'Haptogram'
 VERSION = (1, 1)
@@ -12,9 +13,108 @@ DESCRIPTION_BASE = 0x40000000
 RECORD_HEADER_WORDS = 4
 SILENT_TIMING = 0xffff
 AUTOSTART_BIT = 1 << 15  # of the sequence header
+DESCRIPTION_MAGIC = 0x4748
+DESCRIPTION_FORMAT = 1
+LONGEST_CYCLE_S = 1.0
 IDENTITY_WORDS = ["name_0", "name_1", "name_2", "name_3", "name_4", "name_5", "name_6", "name_7", "version", "channels", "records", "sequence_depth", "live_depth", "bits", "clock_hz_low", "clock_hz_high", "features", "frame_bytes"]
 STATUS_WORDS = ["flags", "present_index", "underruns", "refused_records", "frames_good", "frames_damaged", "frames_repeated", "watchdog_trips", "guard_trips", "live_level", "watchdog_ms", "frames_refused"]
 DESCRIPTION_WORDS = ["magic", "format", "channels", "records", "sequence_words", "bits", "clock_hz_low", "clock_hz_high"]
+
+
+class BitField(NamedTuple):
+    """Some bits of little-endian memory: `width` bits from bit `offset` on, counted from the beginning of its block."""
+
+    offset: int
+    width: int
+
+    def get(self, data: bytes) -> int:
+        end = self.offset + self.width
+        return int.from_bytes(data[: (end + 7) // 8], "little") >> self.offset & (1 << self.width) - 1
+
+
+def pack(fields: dict[str, BitField], size: int, **values: int) -> bytes:
+    """A block of `size` bytes with these fields; all other bits are zero."""
+    block = 0
+    for name, value in values.items():
+        field = fields[name]
+        if not 0 <= value < 1 << field.width:
+            raise ValueError(f"{name} is {value}, but its field has {field.width} bits, at most {(1 << field.width) - 1}")
+        block |= value << field.offset
+    return block.to_bytes(size, "little")
+
+
+def unpack(fields: dict[str, BitField], data: bytes) -> dict[str, int]:
+    """The value of every field."""
+    return {name: field.get(data) for name, field in fields.items()}
+
+
+RECORD_FIELDS = {
+    "cycle_length": BitField(0, 24),
+    "pulse_length": BitField(24, 8),
+    "prescaler": BitField(32, 24),
+    "reserved": BitField(56, 8),
+}
+SEQUENCE_HEADER_FIELDS = {
+    "length": BitField(0, 15),
+    "autostart": BitField(15, 1),
+    "loops": BitField(16, 16),
+}
+SEQUENCE_ENTRY_FIELDS = {
+    "index": BitField(0, 16),
+    "dwell": BitField(16, 16),
+}
+IDENTITY_FIELDS = {
+    "version_minor": BitField(128, 8),
+    "version_major": BitField(136, 8),
+    "channels": BitField(144, 16),
+    "records": BitField(160, 16),
+    "sequence_depth": BitField(176, 16),
+    "live_depth": BitField(192, 16),
+    "timing_bits": BitField(208, 8),
+    "pulse_bits": BitField(216, 8),
+    "clock_hz": BitField(224, 32),
+    "features": BitField(256, 16),
+    "frame_bytes": BitField(272, 16),
+}
+STATUS_FIELDS = {
+    "enabled": BitField(0, 1),
+    "mode": BitField(1, 2),
+    "present_index": BitField(16, 16),
+    "underruns": BitField(32, 16),
+    "refused_records": BitField(48, 16),
+    "frames_good": BitField(64, 16),
+    "frames_damaged": BitField(80, 16),
+    "frames_repeated": BitField(96, 16),
+    "watchdog_trips": BitField(112, 16),
+    "guard_trips": BitField(128, 16),
+    "live_level": BitField(144, 16),
+    "watchdog_ms": BitField(160, 16),
+    "frames_refused": BitField(176, 16),
+}
+DESCRIPTION_FIELDS = {
+    "magic": BitField(0, 16),
+    "format": BitField(16, 16),
+    "channels": BitField(32, 16),
+    "records": BitField(48, 16),
+    "sequence_words": BitField(64, 16),
+    "timing_bits": BitField(80, 8),
+    "pulse_bits": BitField(88, 8),
+    "clock_hz": BitField(96, 32),
+}
+
+
+class Feature(enum.IntEnum):
+    SEQUENCE = 0
+    LIVE = 1
+    WATCHDOG = 2
+    GUARD = 3
+
+
+class Mode(enum.IntEnum):
+    IDLE = 0
+    SINGLE = 1
+    SEQUENCE = 2
+    LIVE = 3
 
 
 class Command(enum.IntEnum):
