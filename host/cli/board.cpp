@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/boards/board.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/boards/pinout.hpp"
 
 namespace haptogram::cli {
 namespace {
@@ -48,21 +47,11 @@ std::string fpga_name(const Board::Fpga& fpga) {
                        fpga.speed ? fmt::format(", speed grade {}", *fpga.speed) : "");
 }
 
-/// As the manifest rounds it.
+/// In steps of a ten-thousandth of a millimetre, as in a manifest.
 double to_mm(double metres) { return std::round(metres * 1e7) / 1e4 + 0.0; }
 
-/// Array and board must fit element by element, or the cable that is drawn from the table would be another's.
-Array array_on(const Board& board, const std::optional<std::string>& name) {
-    Array array = find_array(name.value_or(board.array), board.spec());
-    const std::uint32_t channels = board.parameter("CHANNELS");
-    if (array.elements.size() != channels)
-        throw bad_input(array.file, fmt::format("{} elements but the board has {} channels ({}); name an array of as "
-                                                "many elements (--array)",
-                                                array.elements.size(), channels, board.name));
-    return array;
-}
-
-ordered_json to_json(const Board& board, const Array& array) {
+ordered_json to_json(const Pinout& pinout) {
+    const Board& board = pinout.board;
     ordered_json json = {
         {"board", board.name},
         {"description", board.description},
@@ -73,7 +62,7 @@ ordered_json to_json(const Board& board, const Array& array) {
           {"package", board.fpga.package},
           {"speed", nullptr},
           {"top", board.fpga.top}}},
-        {"parameters", board.parameters},
+        {"parameters", ordered_json::object()},
         {"flash", {{"load", board.flash.load}, {"write", board.flash.write}, {"note", board.flash.note}}},
         {"pins",
          {{"clk", board.pins.clk},
@@ -81,68 +70,64 @@ ordered_json to_json(const Board& board, const Array& array) {
           {"tx", board.pins.tx},
           {"led", nullptr},
           {"high", board.pins.high}}},
-        {"array", array.name},
+        {"array", pinout.array.name},
         {"outputs", ordered_json::array()}};
+    for (const auto& one : interface::core_parameters) json["parameters"][one.name] = board.parameters.*one.member;
     if (board.fpga.speed) json["fpga"]["speed"] = *board.fpga.speed;
     if (board.pins.led) json["pins"]["led"] = *board.pins.led;
-    for (std::size_t k = 0; k < array.elements.size(); ++k) {
-        const Board::Output& o = board.outputs[k];
-        ordered_json row = {{"connector", o.connector}, {"pin", o.pin}, {"net", o.net},
-                            {"ball", o.ball},           {"channel", k}, {"row", nullptr},
-                            {"column", nullptr}};
-        if (array.columns > 0) {
-            row["row"] = k / array.columns;
-            row["column"] = k % array.columns;
-        }
-        row["x_mm"] = to_mm(array.elements[k].x);
-        row["y_mm"] = to_mm(array.elements[k].y);
-        json["outputs"].push_back(row);
+    for (const PinoutRow& row : pinout.rows) {
+        const Board::Output& o = row.output;
+        ordered_json cells = {{"connector", o.connector}, {"pin", o.pin},   {"net", o.net},     {"ball", o.ball},
+                              {"channel", row.channel},   {"row", nullptr}, {"column", nullptr}};
+        if (row.row) cells["row"] = *row.row;
+        if (row.column) cells["column"] = *row.column;
+        cells["x_mm"] = to_mm(row.position.x);
+        cells["y_mm"] = to_mm(row.position.y);
+        json["outputs"].push_back(cells);
     }
     return json;
 }
 
 /// The header and a row a channel; row and column hold `none` for an array that is no grid.
-std::vector<Row> rows_of(const Board& board, const Array& array, const char* none) {
+std::vector<Row> rows_of(const Pinout& pinout, const char* none) {
     std::vector<Row> rows = {{"connector", "pin", "net", "ball", "channel", "row", "column", "x_mm", "y_mm"}};
-    for (std::size_t k = 0; k < array.elements.size(); ++k) {
-        const Board::Output& o = board.outputs[k];
-        const bool grid = array.columns > 0;
-        rows.push_back(
-            {o.connector, o.pin, o.net, o.ball, fmt::to_string(k), grid ? fmt::to_string(k / array.columns) : none,
-             grid ? fmt::to_string(k % array.columns) : none, fmt::format("{:.2f}", to_mm(array.elements[k].x)),
-             fmt::format("{:.2f}", to_mm(array.elements[k].y))});
+    for (const PinoutRow& row : pinout.rows) {
+        const Board::Output& o = row.output;
+        rows.push_back({o.connector, o.pin, o.net, o.ball, fmt::to_string(row.channel),
+                        row.row ? fmt::to_string(*row.row) : none, row.column ? fmt::to_string(*row.column) : none,
+                        fmt::format("{:.2f}", to_mm(row.position.x)), fmt::format("{:.2f}", to_mm(row.position.y))});
     }
     return rows;
 }
 
-std::string to_csv(const Board& board, const Array& array) {
+std::string to_csv(const Pinout& pinout) {
     std::string text;
-    for (const Row& row : rows_of(board, array, "")) text += fmt::format("{}\n", fmt::join(row, ","));
+    for (const Row& row : rows_of(pinout, "")) text += fmt::format("{}\n", fmt::join(row, ","));
     return text;
 }
 
-std::string to_text(const Board& board, const Array& array) {
+std::string to_text(const Pinout& pinout) {
+    const Board& board = pinout.board;
     const Board::Pins& pins = board.pins;
     std::string text = fmt::format("board  {}, {}\nFPGA   {}\n", board.name, board.description, fpga_name(board.fpga));
-    text += fmt::format("clock  ball {}; the instrument runs at {} MHz\n", pins.clk, board.parameter("CLOCK_HZ") / 1e6);
-    text += fmt::format("UART   rx ball {}, tx ball {}, {} baud\n", pins.rx, pins.tx, board.parameter("BAUD"));
+    text += fmt::format("clock  ball {}; the instrument runs at {} MHz\n", pins.clk, board.parameters.clock_hz / 1e6);
+    text += fmt::format("UART   rx ball {}, tx ball {}, {} baud\n", pins.rx, pins.tx, board.parameters.baud);
     if (pins.led) text += fmt::format("LED    ball {}\n", *pins.led);
     if (!pins.high.empty()) text += fmt::format("high   ball {}\n", fmt::join(pins.high, ", "));
-    text += fmt::format("array  {}, {} elements; x to the right, y up, seen from the side of the hand\n", array.name,
-                        array.elements.size());
+    text += fmt::format("array  {}, {} elements; x to the right, y up, seen from the side of the hand\n",
+                        pinout.array.name, pinout.array.elements.size());
     text += fmt::format("flash  {}\n\n", board.flash.note);
-    return text + aligned(rows_of(board, array, "-"), 4);
+    return text + aligned(rows_of(pinout, "-"), 4);
 }
 
-int pinout(const PinoutOptions& options) {
+int write_pinout(const PinoutOptions& options) {
     std::vector<NamedPath> inputs = {{"the board", options.board}};
     if (options.array) inputs.push_back({"--array", *options.array});
     require_distinct(inputs, {{"--output", options.output}});
-    const Board board = load_board(options.board);
-    const Array array = array_on(board, options.array);
-    write_file(options.output, options.json  ? to_json(board, array).dump(1) + "\n"
-                               : options.csv ? to_csv(board, array)
-                                             : to_text(board, array));
+    const Pinout found = pinout(options.board, options.array.value_or(""));
+    write_file(options.output, options.json  ? to_json(found).dump(1) + "\n"
+                               : options.csv ? to_csv(found)
+                                             : to_text(found));
     return 0;
 }
 
@@ -151,13 +136,13 @@ int list(bool as_json) {
     ordered_json json = ordered_json::array();
     for (const std::string& name : shipped_boards()) {
         const Board board = load_board(name);
-        rows.push_back({board.name, fmt::to_string(board.parameter("CHANNELS")),
-                        fmt::format("{}", board.parameter("CLOCK_HZ") / 1e6), board.array,
+        rows.push_back({board.name, fmt::to_string(board.parameters.channels),
+                        fmt::format("{}", board.parameters.clock_hz / 1e6), board.array,
                         fmt::format("{} {}", board.fpga.family, board.fpga.device), board.description});
         json.push_back({{"board", board.name},
                         {"description", board.description},
-                        {"channels", board.parameter("CHANNELS")},
-                        {"clock_hz", board.parameter("CLOCK_HZ")},
+                        {"channels", board.parameters.channels},
+                        {"clock_hz", board.parameters.clock_hz},
                         {"array", board.array},
                         {"family", board.fpga.family},
                         {"device", board.fpga.device}});
@@ -195,7 +180,7 @@ void add_board(CLI::App& app, Action& action) {
     auto* json = pins->add_flag("--json", options->json, "As JSON, with all that the board file says");
     pins->add_flag("--csv", options->csv, "As CSV, the rows alone")->excludes(json);
     pins->add_option("-o,--output", options->output, "File; - is standard output")->capture_default_str();
-    pins->callback([options, &action] { action = [options] { return pinout(*options); }; });
+    pins->callback([options, &action] { action = [options] { return write_pinout(*options); }; });
 }
 
 }  // namespace haptogram::cli

@@ -6,8 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "haptogram/image/manifest.hpp"
-
 namespace haptogram::cli {
 
 /// What a subcommand does once the command line has been read; returns the exit code.
@@ -44,10 +42,5 @@ void require_distinct(const std::vector<NamedPath>& inputs, const std::vector<Na
 [[nodiscard]] CLI::Validator positive();
 [[nodiscard]] CLI::Validator not_negative();
 [[nodiscard]] CLI::Validator whole(std::uint64_t low, std::uint64_t high);
-
-/// The manifest's place beside an image: the same name with ".json".
-[[nodiscard]] std::string manifest_path(const std::string& image);
-/// That manifest. @throws Error{bad_input} also when it is another image's than `content`
-[[nodiscard]] Manifest manifest_beside(const std::string& image, const std::string& content);
 
 }  // namespace haptogram::cli

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "haptogram/instrument/inspect.hpp"
+
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/image/image.hpp"
 
 namespace haptogram::cli {
 namespace {
@@ -17,23 +17,8 @@ struct InspectOptions {
     bool json = false;
 };
 
-struct Range {
-    std::uint32_t lowest = interface::silent_timing, highest = 0, firing = 0;
-};
-
-/// Of the channels that fire at all.
-Range timing_range(const Record& record) {
-    Range range;
-    for (const std::uint16_t timing : record.timings) {
-        if (timing >= record.cycle_length || timing == interface::silent_timing) continue;
-        range.lowest = std::min<std::uint32_t>(range.lowest, timing);
-        range.highest = std::max<std::uint32_t>(range.highest, timing);
-        ++range.firing;
-    }
-    return range;
-}
-
-nlohmann::ordered_json to_json(const Image& image, const std::vector<std::string>& found) {
+nlohmann::ordered_json to_json(const Inspection& inspection) {
+    const Image& image = inspection.image;
     nlohmann::ordered_json json = {{"channels", image.channels},
                                    {"clock_hz", image.clock_hz},
                                    {"timing_bits", image.timing_bits},
@@ -51,17 +36,19 @@ nlohmann::ordered_json to_json(const Image& image, const std::vector<std::string
     json["sequence"] = nlohmann::ordered_json::array();
     for (const SequenceEntry& entry : image.sequence)
         json["sequence"].push_back({{"index", entry.index}, {"dwell_cycles", entry.dwell}});
-    json["problems"] = found;
+    json["problems"] = inspection.problems;
     return json;
 }
 
-void print(const Image& image, const std::vector<std::string>& found) {
+void print(const Inspection& inspection) {
+    const Image& image = inspection.image;
+    const std::vector<std::string>& found = inspection.problems;
     fmt::print("{} channels, {} Hz clock, {} timing bits, {} pulse bits\n", image.channels, image.clock_hz,
                image.timing_bits, image.pulse_bits);
     fmt::print("\n{} records\n index  cycle  prescaler  pulse  channels firing  timings\n", image.records.size());
     for (std::size_t i = 0; i < image.records.size(); ++i) {
         const Record& r = image.records[i];
-        const Range range = timing_range(r);
+        const TimingRange& range = inspection.ranges[i];
         fmt::print("{:6} {:6} {:10} {:6} {:16}  ", i + 1, r.cycle_length, r.prescaler, r.pulse_length, range.firing);
         if (range.firing > 0)
             fmt::print("{}…{}\n", range.lowest, range.highest);
@@ -79,13 +66,12 @@ void print(const Image& image, const std::vector<std::string>& found) {
 }
 
 int inspect(const InspectOptions& options) {
-    const Image image = from_intel_hex(read_file(options.image), options.image);
-    const std::vector<std::string> found = problems(image);
+    const Inspection inspection = haptogram::inspect(read_file(options.image), options.image);
     if (options.json)
-        fmt::print("{}\n", to_json(image, found).dump(1));
+        fmt::print("{}\n", to_json(inspection).dump(1));
     else
-        print(image, found);
-    return found.empty() ? 0 : 1;
+        print(inspection);
+    return inspection.problems.empty() ? 0 : 1;
 }
 
 }  // namespace

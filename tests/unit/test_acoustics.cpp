@@ -44,7 +44,7 @@ TEST_CASE("field: one source against the numbers of another program", "[acoustic
     const Vec3 source{0.01, 0.12, -0.025};
     const Vec3 normal = Vec3{2, 3, 4} * (1.0 / std::sqrt(29.0));
     const auto check = [&](Vec3 point, double radius, std::complex<double> expected) {
-        const auto p = std::conj(6.0 * propagation(source, normal, point, k, radius));
+        const auto p = std::conj(6.0 * piston_wave({source, normal}, point, k, radius));
         REQUIRE(p.real() == Approx(expected.real()).epsilon(1e-8));
         REQUIRE(p.imag() == Approx(expected.imag()).epsilon(1e-8));
     };
@@ -72,15 +72,15 @@ TEST_CASE("field: focal width of the paper's tile", "[acoustics]") {
 
 TEST_CASE("field: a point on an element is an error", "[acoustics]") {
     const Array array = find_array("tile-10x10");
-    REQUIRE_THROWS_WITH(pressure(array, ideal_drives(array, from_mm(0, 0, 100)), array.elements[3]),
+    REQUIRE_THROWS_WITH(pressure(array, ideal_drives(array, from_mm(0, 0, 100)), array.elements[3].position),
                         Contains("coincides"));
 }
 
 TEST_CASE("field: reciprocity, and the matrix agrees with the sum", "[acoustics]") {
     const Array array = find_array("tile-10x10");
     const double k = 2.0 * std::numbers::pi / array.wavelength_m();
-    REQUIRE(propagation({0.01, 0, 0}, {0.03, 0.02, 0.1}, k, 0.0) ==
-            propagation({0.03, 0.02, 0.1}, {0.01, 0, 0}, k, 0.0));
+    REQUIRE(piston_wave({{0.01, 0, 0}}, {0.03, 0.02, 0.1}, k, 0.0) ==
+            piston_wave({{0.03, 0.02, 0.1}}, {0.01, 0, 0}, k, 0.0));
     const std::vector<Vec3> points = {from_mm(3, 4, 90), from_mm(-30, 14, 150)};
     const auto drives = ideal_drives(array, points[0]);
     const auto matrix = propagation_matrix(array, points);
@@ -184,7 +184,7 @@ TEST_CASE("region: texts that name one, and texts that do not", "[acoustics]") {
 TEST_CASE("radiation pressure: Hoshi's single transducer and hundred in phase", "[acoustics]") {
     // 24 Pa rms each; a hundred in phase give 83 Pa with α = 2, ρ = 1.2, c = 340.
     Array array = find_array("hoshi-18x18");
-    array.elements.assign(1, {0, 0, 0});
+    array.elements.assign(1, {{0, 0, 0}});
     const std::vector<std::complex<double>> drives = {100.0 * array.transducer.source_pa_m};
     const WeightedDrives once{1.0, drives};
     const float square = mean_square_pressure(array, {&once, 1}, {{0.0}, {0.0}, {0.3}}).at(0);

@@ -199,7 +199,7 @@ TEST_CASE("transient: rise times: Hoshi's 0.5 ms, and a focus 10 cm above the ti
     const auto reached = [&] {
         double sum = 0.0;
         double full = 0.0;
-        for (const Vec3& e : array.elements) {
+        for (const Element& e : array.elements) {
             const double range = distance(e, focus);
             const double late = (range - distance(array.elements[44], focus)) / 340.0;
             const double weight = piston_directivity(omega / 340.0 * 4.5e-3 * std::hypot(e.x, e.y) / range) / range;

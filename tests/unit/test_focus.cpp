@@ -25,7 +25,7 @@ TEST_CASE("focal law: waves arrive together, by flight time and emission tick", 
     double worst = 0.0;
     for (std::size_t f = 0; f < foci.size(); ++f) {
         double arrival = 0.0;
-        for (const Vec3& e : array.elements)
+        for (const Element& e : array.elements)
             arrival = std::max(arrival, distance(foci[f], e) / array.medium.speed_m_s / timer.tick_s());
         for (std::size_t m = 0; m < elements; ++m) {
             const std::uint16_t tick = ticks[f * elements + m];

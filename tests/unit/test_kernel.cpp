@@ -119,7 +119,7 @@ TEST_CASE("kernel: equal to the double sum for every pattern, with and without a
     Array array = random_array(37);
     auto points = random_points(2500, 0.15, -0.1, 0.3);
     for (Vec3& p : points)  // a table jumps at 90°
-        for (const Vec3& e : array.elements)
+        for (const Element& e : array.elements)
             if (std::abs(p.z - e.z) < 1e-6) p.z = 0.2;
     const Record drives = random_drives(array);
     for (const double absorption : {0.0, 0.115, 3.0}) {
@@ -262,7 +262,7 @@ TEST_CASE("kernel: near field, down to micrometres from an element", "[kernel]")
     for (const double height : {1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 0.01}) {
         CAPTURE(height);
         auto points = random_points(1500, 0.06, height, height);
-        for (const Vec3& e : array.elements) points.push_back(e + Vec3{random(-height, height), 0.0, height});
+        for (const Element& e : array.elements) points.push_back(e + Vec3{random(-height, height), 0.0, height});
         // Each point against what can be heard there: an element nearby makes the peak thousands of times higher.
         const Field found = pressure_at(array, drives, points);
         for (std::size_t i = 0; i < points.size(); ++i) REQUIRE(error(array, drives, {points[i]}, {found[i]}) <= 3e-5);
@@ -281,7 +281,7 @@ TEST_CASE("kernel: far field, and far from the origin", "[kernel]") {
         REQUIRE(error(array, drives, points) <= tight);
         const Vec3 move{far, -2.0 * far, 3.0 * far};
         Array moved = array;
-        for (Vec3& e : moved.elements) e = e + move;
+        for (Element& e : moved.elements) e = e + move;
         points = random_points(1200, 0.1, 0.05, 0.2);
         for (Vec3& p : points) p = p + move;
         REQUIRE(error(moved, drives, points) <= tight);
@@ -383,7 +383,7 @@ TEST_CASE("kernel: shifted fields equal the direct sum", "[kernel]") {
     };
     for (const Case& c : cases) {
         Array array = grid_array(c.columns, c.rows, c.pitch_x, c.pitch_y);
-        for (Vec3& e : array.elements) e = e + Vec3{0.003, -0.002, 0.0};  // the array need not be centred
+        for (Element& e : array.elements) e = e + Vec3{0.003, -0.002, 0.0};  // the array need not be centred
         const Record drives = random_drives(array);
         Array listed = array;
         listed.columns = 0;
@@ -497,19 +497,19 @@ TEST_CASE("kernel: moving everything changes nothing", "[kernel]") {
     SECTION("translated") {
         Array moved = array;
         const Vec3 move{0.37, -1.2, 0.05};
-        for (Vec3& e : moved.elements) e = e + move;
+        for (Element& e : moved.elements) e = e + move;
         for (Vec3& p : points) p = p + move;
         unchanged(moved, 1.0F);
     }
     SECTION("rotated by 90° about z") {
         Array turned = array;
-        for (Vec3& e : turned.elements) e = {-e.y, e.x, e.z};
+        for (Element& e : turned.elements) e = {-e.y, e.x, e.z};
         for (Vec3& p : points) p = {-p.y, p.x, p.z};
         unchanged(turned, 1.0F);
     }
     SECTION("mirrored") {
         Array mirrored = array;
-        for (Vec3& e : mirrored.elements) e.x = -e.x;
+        for (Element& e : mirrored.elements) e.x = -e.x;
         for (Vec3& p : points) p.x = -p.x;
         unchanged(mirrored, 1.0F);
     }
@@ -517,7 +517,7 @@ TEST_CASE("kernel: moving everything changes nothing", "[kernel]") {
         Array large = array;
         large.carrier_hz /= 2.0;
         large.transducer.radius_m *= 2.0;
-        for (Vec3& e : large.elements) e = e * 2.0;
+        for (Element& e : large.elements) e = e * 2.0;
         for (Vec3& p : points) p = p * 2.0;
         unchanged(large, 2.0F);
     }

@@ -86,7 +86,7 @@ Json elevations(const Array& tile) {
     const auto heard = [&](Vec3 focus) {
         const double k = 2.0 * pi / tile.wavelength_m();
         double sum = 0.0;
-        for (const Vec3& e : tile.elements)
+        for (const Element& e : tile.elements)
             sum += tile.transducer.source_pa_m * std::abs(propagation(tile, e, focus)) *
                    std::abs(directivity(tile.transducer, k, focus.z / distance(e, focus)));
         return sum;

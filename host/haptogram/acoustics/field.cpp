@@ -104,13 +104,13 @@ void take_block(const Grid& from, std::size_t block, Points& points) {
 
 /// An array's elements with what they play, in the form that blocks are made for.
 struct Sources {
-    std::vector<Vec3> elements;
+    std::vector<Element> elements;
     std::vector<double> half_turns;  ///< by which each drive is ahead
     std::vector<float> amplitudes;
     WaveModel model;
     double half_turns_per_m = 0.0;
 
-    Sources(const Array& array, std::vector<Vec3> at)
+    Sources(const Array& array, std::vector<Element> at)
         : elements(std::move(at)),
           half_turns(elements.size()),
           amplitudes(elements.size(), 1.0F),
@@ -152,7 +152,7 @@ public:
         near_points.clear();
         elements.resize(sources.elements.size());
         for (std::size_t m = 0; m < elements.size(); ++m) {
-            const Vec3 e = sources.elements[m] - centre;
+            const Vec3 e = sources.elements[m].position - centre;
             const double range = norm(e);
             const double behind = range * sources.half_turns_per_m - sources.half_turns[m];
             constexpr double round = 6755399441055744.0;  // 1.5·2⁵²: the sum's last bit is one
@@ -161,7 +161,7 @@ public:
                            static_cast<float>(range), static_cast<float>(phase), sources.amplitudes[m]};
             const Vec3 gap{std::max(0.0, std::abs(e.x) - half.x), std::max(0.0, std::abs(e.y) - half.y),
                            std::max(0.0, std::abs(e.z) - half.z)};
-            if (dot(gap, gap) < near_m * near_m) find_near(sources.elements[m], points, near_m);
+            if (dot(gap, gap) < near_m * near_m) find_near(sources.elements[m].position, points, near_m);
         }
         std::sort(near_points.begin(), near_points.end());
         near_points.erase(std::unique(near_points.begin(), near_points.end()), near_points.end());
@@ -173,8 +173,7 @@ private:
             const Vec3 ray = points[i] - element;
             const double square = dot(ray, ray);
             if (square >= near_m * near_m) continue;
-            if (square < coincident_m * coincident_m)
-                throw bad_input("field", "a point coincides with an element, where the pressure is infinite; move it");
+            if (square < coincident_m * coincident_m) throw coincidence();
             near_points.push_back(i);
         }
     }
@@ -245,7 +244,7 @@ void set_shares(const Array& array, Drives drives, const ShiftedGrid& shifted, s
 /// One element's field on the lattice, plane by plane, shifted under every element.
 void add_shifted(const Array& array, Drives drives, const Grid& grid, const ShiftedGrid& shifted,
                  std::span<std::complex<float>> found, const FieldOptions& options) {
-    const Sources one(array, {Vec3{0.0, 0.0, array.elements[0].z}});
+    const Sources one(array, {Element{{0.0, 0.0, array.elements[0].position.z}}});
     const std::complex<double> unit = 1.0;
     const std::size_t columns = shifted.x.size(), lattice = columns * shifted.y.size();
     std::vector<std::vector<float>> fields(workers(options));
@@ -287,7 +286,7 @@ bool fits(const ShiftedGrid& shifted, const Grid& grid, const FieldOptions& opti
 std::optional<ShiftedGrid> worthwhile_shifts(const Array& array, const Grid& grid, const FieldOptions& options) {
     if (grid.x.size() < 8 || array.elements.size() < 4) return {};
     for (const double z : grid.z)
-        if (!(std::abs(z - array.elements[0].z) >= 1e-3)) return {};
+        if (!(std::abs(z - array.elements[0].position.z) >= 1e-3)) return {};
     auto shifted = find_shifts(array, grid);
     if (!shifted || !fits(*shifted, grid, options)) return {};
     const std::size_t waves = grid.x.size() * grid.y.size() * array.elements.size();
@@ -350,7 +349,7 @@ std::vector<float> mean_square_pressure(const Array& array, std::span<const Weig
                     scratch[worker].get(), place.re.data());
         for (const std::size_t i : place.prepared.near_points) {
             std::vector<std::complex<double>> column;
-            for (const Vec3& e : array.elements) column.push_back(propagation(array, e, place.points[i]));
+            for (const Element& e : array.elements) column.push_back(propagation(array, e, place.points[i]));
             double sum = 0.0;
             for (const WeightedDrives& entry : played) {
                 std::complex<double> p = 0.0;

@@ -22,12 +22,15 @@ double piston_directivity(double ka_sin) {
     return 2.0 * std::cyl_bessel_j(1.0, x) / x;
 }
 
-std::complex<double> propagation(Vec3 element, Vec3 normal, Vec3 point, double k, double radius_m) {
-    const Vec3 ray = point - element;
+Error coincidence() {
+    return bad_input("field", "a point coincides with an element, where the pressure is infinite; move it");
+}
+
+std::complex<double> piston_wave(const Element& element, Vec3 point, double k, double radius_m) {
+    const Vec3 ray = point - element.position;
     const double range = norm(ray);
-    if (range == 0.0)
-        throw bad_input("field", "a point coincides with an element, where the pressure is infinite; move it");
-    const double sine = norm(cross(ray, normal)) / (range * norm(normal));
+    if (range == 0.0) throw coincidence();
+    const double sine = norm(cross(ray, element.normal)) / range;
     return std::polar(piston_directivity(k * radius_m * sine) / range, -k * range);
 }
 
@@ -43,26 +46,21 @@ double directivity(const Transducer& transducer, double k, double cosine) {
     return std::lerp(transducer.table[at], transducer.table[at + 1], place - low);
 }
 
-std::complex<double> propagation(const Array& array, Vec3 element, Vec3 point) {
-    const Vec3 ray = point - element;
+std::complex<double> propagation(const Array& array, const Element& element, Vec3 point) {
+    const Vec3 ray = point - element.position;
     const double range = norm(ray);
-    if (range == 0.0)
-        throw bad_input("field", "a point coincides with an element, where the pressure is infinite; move it");
+    if (range == 0.0) throw coincidence();
     const double k = wave_number(array);
+    const double cosine = dot(ray, element.normal) / range;
     return std::polar(
-        directivity(array.transducer, k, ray.z / range) / range * std::exp(-array.medium.absorption_np_m * range),
-        -k * range);
-}
-
-std::complex<double> propagation(Vec3 element, Vec3 point, double k, double radius_m) {
-    return propagation(element, {0.0, 0.0, 1.0}, point, k, radius_m);
+        directivity(array.transducer, k, cosine) / range * std::exp(-array.medium.absorption_np_m * range), -k * range);
 }
 
 std::vector<std::complex<double>> propagation_matrix(const Array& array, std::span<const Vec3> points) {
     std::vector<std::complex<double>> matrix;
     matrix.reserve(points.size() * array.elements.size());
     for (const Vec3& point : points)
-        for (const Vec3& element : array.elements) matrix.push_back(propagation(array, element, point));
+        for (const Element& element : array.elements) matrix.push_back(propagation(array, element, point));
     return matrix;
 }
 
@@ -70,7 +68,7 @@ std::vector<std::complex<double>> ideal_drives(const Array& array, Vec3 focus) {
     const double k = wave_number(array);
     std::vector<std::complex<double>> drives;
     drives.reserve(array.elements.size());
-    for (const Vec3& element : array.elements)
+    for (const Element& element : array.elements)
         drives.push_back(std::polar(array.transducer.source_pa_m, k * distance(element, focus)));
     return drives;
 }

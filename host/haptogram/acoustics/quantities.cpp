@@ -89,12 +89,14 @@ ComplexVec3 pressure_gradient(const Array& array, std::span<const std::complex<d
     const std::complex<double> decay(array.medium.absorption_np_m, k);
     ComplexVec3 sum;
     for (std::size_t m = 0; m < array.elements.size(); ++m) {
-        const Vec3 ray = point - array.elements[m];
+        const Element& element = array.elements[m];
+        const Vec3 ray = point - element.position;
         const double range = norm(ray);
-        if (range == 0.0)
-            throw bad_input("field", "a point coincides with an element, where the pressure is infinite; move it");
-        const double lateral = std::hypot(ray.x, ray.y);
-        const double cosine = ray.z / range;
+        if (range == 0.0) throw coincidence();
+        const double height = dot(ray, element.normal);
+        const Vec3 aside = ray - height * element.normal;
+        const double lateral = norm(aside);
+        const double cosine = height / range;
         const std::complex<double> wave = drives[m] * std::exp(-decay * range) / range;
         // Along the ray d/dR of e^{−(α+jk)R}/R, across it dD/dθ over R.
         const std::complex<double> along =
@@ -105,9 +107,10 @@ ComplexVec3 pressure_gradient(const Array& array, std::span<const std::complex<d
         if (lateral == 0.0) continue;
         const double sine = lateral / range;
         const std::complex<double> across = wave * directivity_slope(array.transducer, k, cosine, sine) / range;
-        sum.x += across * (cosine * ray.x / lateral);
-        sum.y += across * (cosine * ray.y / lateral);
-        sum.z -= across * sine;
+        const Vec3 downwards = (cosine / lateral) * aside - sine * element.normal;  // the way θ grows
+        sum.x += across * downwards.x;
+        sum.y += across * downwards.y;
+        sum.z += across * downwards.z;
     }
     return sum;
 }

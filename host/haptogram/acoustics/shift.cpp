@@ -52,11 +52,13 @@ std::optional<ShiftedGrid> find_shifts(const Array& array, const Grid& grid) {
     if (array.columns == 0 || array.elements.empty() || grid.size() == 0) return {};
     const std::size_t columns = std::min<std::size_t>(array.columns, array.elements.size());
     std::vector<double> of_columns, of_rows;
-    for (std::size_t m = 0; m < columns; ++m) of_columns.push_back(array.elements[m].x);
-    for (std::size_t m = 0; m < array.elements.size(); m += array.columns) of_rows.push_back(array.elements[m].y);
+    for (std::size_t m = 0; m < columns; ++m) of_columns.push_back(array.elements[m].position.x);
+    for (std::size_t m = 0; m < array.elements.size(); m += array.columns)
+        of_rows.push_back(array.elements[m].position.y);
     for (std::size_t m = 0; m < array.elements.size(); ++m) {
-        const Vec3 on_grid{of_columns[m % array.columns], of_rows[m / array.columns], array.elements[0].z};
+        const Vec3 on_grid{of_columns[m % array.columns], of_rows[m / array.columns], array.elements[0].position.z};
         if (!(distance(array.elements[m], on_grid) <= tolerance_m)) return {};
+        if (array.elements[m].normal != Vec3{0.0, 0.0, 1.0}) return {};
     }
     const auto x = find_steps(grid.x, of_columns);
     const auto y = find_steps(grid.y, of_rows);

@@ -208,7 +208,7 @@ std::vector<std::vector<DrivePulse>> focal_trains(const Array& array, Vec3 focus
                                                   std::size_t periods) {
     const double period_s = 1.0 / array.carrier_hz;
     std::vector<std::vector<DrivePulse>> trains;
-    for (const Vec3& element : array.elements) {
+    for (const Element& element : array.elements) {
         const double lead = distance(element, focus) / array.medium.speed_m_s;
         // The pulse's middle is `lead` before a whole period.
         const double into = -lead / period_s - array.duty / 2.0;
@@ -223,7 +223,7 @@ std::vector<std::vector<DrivePulse>> focal_trains(const Array& array, Vec3 focus
 }
 
 RingUp ring_up(const Array& array, const Resonator& resonator, Vec3 focus, double fraction) {
-    const auto range = [&](Vec3 a, Vec3 b) { return distance(a, focus) < distance(b, focus); };
+    const auto range = [&](const Element& a, const Element& b) { return distance(a, focus) < distance(b, focus); };
     const auto [nearest, farthest] = std::minmax_element(array.elements.begin(), array.elements.end(), range);
     RingUp found;
     found.flight_spread_s = (distance(*farthest, focus) - distance(*nearest, focus)) / array.medium.speed_m_s;
@@ -249,14 +249,14 @@ RingUp ring_up(const Array& array, const Resonator& resonator, Vec3 focus, doubl
     one.elements = {*nearest};
     double ignored = 0.0;
     found.ring_up_s = form(one, ignored);
-    found.formation_s = form(array, found.first_arrival_s);
+    found.rise_s = form(array, found.first_arrival_s);
     return found;
 }
 
 Alternation alternate(const Array& array, const Resonator& resonator, Vec3 focus, Vec3 other, std::size_t periods) {
     if (periods == 0) throw bad_input("field", "a focus cannot play for 0 periods; give 1 or more");
     double farthest = 0.0;
-    for (const Vec3& element : array.elements) farthest = std::max(farthest, distance(focus, element));
+    for (const Element& element : array.elements) farthest = std::max(farthest, distance(element, focus));
     const double period_s = 1.0 / array.carrier_hz;
     constexpr double settled = 12.0;  // time constants: e^−12 is 6e-6
     const double wait_s = farthest / array.medium.speed_m_s + settled * resonator.time_constant_s();

@@ -86,7 +86,7 @@ struct Sampling {
 struct RingUp {
     double first_arrival_s = 0.0;  ///< of the first pulse at the focus, after the start of the period
     double flight_spread_s = 0.0;  ///< to the farthest element's (Haptogram eq. 4)
-    double formation_s = 0.0;      ///< from the first arrival to `fraction` of the steady amplitude at the focus
+    double rise_s = 0.0;           ///< from the first arrival to `fraction` of the steady amplitude at the focus
     double ring_up_s = 0.0;        ///< the same of one element alone
 };
 [[nodiscard]] RingUp ring_up(const Array& array, const Resonator& resonator, Vec3 focus, double fraction = 0.9);

@@ -61,10 +61,10 @@ double width(const std::vector<float>& line, const Lobe& lobe) {
 
 }  // namespace
 
-FocusAnalysis analyze(const Array& array, Drives drives, Vec3 focus) {
+FocusAnalysis analyze(const Array& array, const Core& core, Drives drives, Vec3 focus) {
     FocusAnalysis result;
     result.focus = focus;
-    result.formation = formation(array, focus);
+    result.formation = formation(array, core, focus);
     const std::complex<double> p = pressure(array, drives, focus);
     result.pressure_pa = std::abs(p);
     result.radiation_pa = radiation_pressure(p, array.medium);
@@ -101,7 +101,7 @@ std::vector<float> workspace(const Array& array, const Grid& grid) {
             continue;
         }
         double sum = 0.0;
-        for (const Vec3& element : array.elements) sum += std::abs(propagation(array, element, point));
+        for (const Element& element : array.elements) sum += std::abs(propagation(array, element, point));
         found.push_back(static_cast<float>(sum * array.transducer.source_pa_m));
     }
     return found;

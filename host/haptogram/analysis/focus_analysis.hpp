@@ -24,7 +24,7 @@ struct FocusAnalysis {
     std::uint32_t dwell_cycles = 0;  ///< carrier periods until 90 % of the pressure is there: spread, load and ring-up
 };
 
-[[nodiscard]] FocusAnalysis analyze(const Array& array, Drives drives, Vec3 focus);
+[[nodiscard]] FocusAnalysis analyze(const Array& array, const Core& core, Drives drives, Vec3 focus);
 
 /// The pressure amplitude at every point when the array focuses on it with exact phases, Pa: Σ source·D(θ)/R·e^{−αR}.
 /// NaN where no focal point may lie (Array::unreachable).

@@ -1,13 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptogram/analysis/focus_check.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "haptogram/acoustics/propagation.hpp"
+#include "haptogram/solve/drives.hpp"
 
 namespace haptogram {
+
+std::vector<std::complex<double>> exact_drives(const Array& array, std::span<const Focus> foci) {
+    if (foci.size() == 1) return ideal_drives(array, foci.front().position);
+    std::vector<std::complex<double>> drives = superposed_drives(array, foci);
+    for (std::complex<double>& drive : drives)
+        if (drive != 0.0) drive *= array.transducer.source_pa_m / std::abs(drive);
+    return drives;
+}
 
 Vec3 lateral_peak(const Array& array, std::span<const std::complex<double>> drives, Vec3 start) {
     constexpr double first_step = 0.5e-3;
@@ -31,15 +42,31 @@ Vec3 lateral_peak(const Array& array, std::span<const std::complex<double>> driv
     return best;
 }
 
-FocusCheck check_focus(const Array& array, std::span<const std::complex<double>> drives, Vec3 focus) {
-    const auto ideal = ideal_drives(array, focus);
-    // The duty that the timer can make is the image's choice, not an error of its phases: compare at the same one.
-    const double duty_amplitude = std::sin(std::numbers::pi * array.duty);
+FocusCheck check_focus(const Array& array, std::span<const std::complex<double>> drives,
+                       std::span<const std::complex<double>> reference, Vec3 focus) {
     FocusCheck check;
     check.pressure_pa = std::abs(pressure(array, drives, focus));
-    check.pressure_kept = check.pressure_pa / (duty_amplitude * std::abs(pressure(array, ideal, focus)));
-    check.peak_offset_m = distance(lateral_peak(array, drives, focus), lateral_peak(array, ideal, focus));
+    check.pressure_kept = check.pressure_pa / std::abs(pressure(array, reference, focus));
+    check.peak_offset_m = distance(lateral_peak(array, drives, focus), lateral_peak(array, reference, focus));
     return check;
+}
+
+FocusCheck check_record(const Manifest& manifest, const RecordMeaning& record,
+                        std::span<const std::complex<double>> drives) {
+    // The pulse that the timer can make is the image's choice, not an error of its phases: compare at the same one.
+    const double duty = static_cast<double>(pulse_ticks(manifest.timer, record.amplitude)) / manifest.timer.cycle_ticks;
+    std::vector<std::complex<double>> reference = exact_drives(manifest.array, record.foci);
+    for (std::complex<double>& drive : reference) drive *= std::sin(std::numbers::pi * duty);
+    FocusCheck worst{0.0, std::numeric_limits<double>::infinity(), 0.0};
+    for (const Focus& focus : record.foci) {
+        const FocusCheck one = check_focus(manifest.array, drives, reference, focus.position);
+        if (one.pressure_kept < worst.pressure_kept) {
+            worst.pressure_pa = one.pressure_pa;
+            worst.pressure_kept = one.pressure_kept;
+        }
+        worst.peak_offset_m = std::max(worst.peak_offset_m, one.peak_offset_m);
+    }
+    return worst;
 }
 
 }  // namespace haptogram

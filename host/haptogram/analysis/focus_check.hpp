@@ -2,23 +2,36 @@
 #pragma once
 #include <complex>
 #include <span>
+#include <vector>
 
+#include "haptogram/image/manifest.hpp"
 #include "haptogram/model/array.hpp"
+#include "haptogram/render/path.hpp"
 
 namespace haptogram {
 
-/// What a set of drives makes of the focus it was asked for.
+/// What a set of drives makes of a focus, beside what exact phases of the same duty would.
 struct FocusCheck {
     double pressure_pa = 0.0;    ///< amplitude at the asked point
-    double pressure_kept = 0.0;  ///< over that of exact phases and the same duty
+    double pressure_kept = 0.0;  ///< over that of exact phases
     double peak_offset_m = 0.0;  ///< between the peak in the asked plane and that of exact phases
 };
+
+/// The drives that a record is to have: exact phases for its foci, every element at full strength, as all channels of a
+/// record have pulses of one length.
+[[nodiscard]] std::vector<std::complex<double>> exact_drives(const Array& array, std::span<const Focus> foci);
 
 /// The point of largest pressure in the plane z = start.z, climbed to from `start` in shrinking steps; finds the peak
 /// of the main lobe that `start` lies in, to a micrometre.
 [[nodiscard]] Vec3 lateral_peak(const Array& array, std::span<const std::complex<double>> drives, Vec3 start);
 
-/// @param drives  one an element, Pa·m
-[[nodiscard]] FocusCheck check_focus(const Array& array, std::span<const std::complex<double>> drives, Vec3 focus);
+/// @param drives     one an element, Pa·m
+/// @param reference  what they should be, with exact phases
+[[nodiscard]] FocusCheck check_focus(const Array& array, std::span<const std::complex<double>> drives,
+                                     std::span<const std::complex<double>> reference, Vec3 focus);
+
+/// The worst of a record's foci, at the duty that the timer and the record's amplitude make.
+[[nodiscard]] FocusCheck check_record(const Manifest& manifest, const RecordMeaning& record,
+                                      std::span<const std::complex<double>> drives);
 
 }  // namespace haptogram

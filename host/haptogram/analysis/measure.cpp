@@ -36,15 +36,15 @@ std::vector<MeasuredRecord> measure(const Manifest& manifest, const std::vector<
                 where,
                 fmt::format("a pulse on channel {}, but the array has {} elements; these pulses are another array's",
                             pulse.channel, elements));
-        if (pulse.index == 0 || pulse.index > manifest.foci.size())
+        if (pulse.index == 0 || pulse.index > manifest.records.size())
             throw bad_input(
                 where, fmt::format("a pulse of record {}, but the manifest has {}; these pulses are another image's",
-                                   pulse.index, manifest.foci.size()));
+                                   pulse.index, manifest.records.size()));
         by_channel[pulse.channel].push_back(pulse);
     }
     const double clock_s = 1.0 / manifest.timer.clock_hz;
     const double period_s = manifest.timer.period_s();
-    std::vector<MeasuredRecord> records(manifest.foci.size());
+    std::vector<MeasuredRecord> records(manifest.records.size());
     for (auto& record : records) record.drives.resize(elements);
     // How long a record played is counted whole; its drives are the mean of what was not left out.
     for (std::size_t channel = 0; channel < elements; ++channel) {
@@ -76,10 +76,9 @@ std::vector<std::complex<double>> drives_of(const Manifest& manifest, const Reco
     for (std::size_t m = 0; m < manifest.array.elements.size(); ++m) {
         const std::uint16_t tick = record.timings.at(m);
         const DrivePulse pulse{tick * tick_s, (tick + record.pulse_length) * tick_s};
-        const bool fires = tick < record.cycle_length && tick != interface::silent_timing && record.pulse_length > 0;
-        drives.push_back(fires ? manifest.array.transducer.source_pa_m *
-                                     carrier_component({&pulse, 1}, 1.0 / period_s, period_s)
-                               : 0.0);
+        drives.push_back(record.fires(m) ? manifest.array.transducer.source_pa_m *
+                                               carrier_component({&pulse, 1}, 1.0 / period_s, period_s)
+                                         : 0.0);
     }
     return drives;
 }

@@ -30,6 +30,8 @@ public:
 
     [[nodiscard]] ErrorCode code() const noexcept { return code_; }
     [[nodiscard]] const std::string& where() const noexcept { return where_; }
+    /// Whether `where` is the name of a setting, and not that of a file or a thing.
+    [[nodiscard]] bool names_setting() const noexcept { return names_setting_; }
     /// Without `where`, which what() puts in front.
     [[nodiscard]] const std::string& message() const noexcept { return message_; }
     [[nodiscard]] const std::vector<std::string>& remedies() const noexcept { return remedies_; }
@@ -38,6 +40,10 @@ private:
     ErrorCode code_;
     std::string where_, message_;
     std::vector<std::string> remedies_;
+    bool names_setting_ = false;
+
+    friend Error bad_argument(std::string setting, const std::string& message, std::vector<std::string> remedies);
+    friend Error impossible(std::string setting, const std::string& message, std::vector<std::string> remedies);
 };
 
 [[nodiscard]] inline Error bad_input(std::string where, const std::string& message,
@@ -48,7 +54,17 @@ private:
 /// A setting that makes no sense. @param setting  its name in the option struct, or the setting's place in a file
 [[nodiscard]] inline Error bad_argument(std::string setting, const std::string& message,
                                         std::vector<std::string> remedies = {}) {
-    return {ErrorCode::bad_argument, std::move(setting), message, std::move(remedies)};
+    Error error(ErrorCode::bad_argument, std::move(setting), message, std::move(remedies));
+    error.names_setting_ = true;
+    return error;
+}
+
+/// A setting that makes sense, but cannot be met by what else was given: an input that does not suit it.
+[[nodiscard]] inline Error impossible(std::string setting, const std::string& message,
+                                      std::vector<std::string> remedies = {}) {
+    Error error(ErrorCode::bad_input, std::move(setting), message, std::move(remedies));
+    error.names_setting_ = true;
+    return error;
 }
 
 }  // namespace haptogram

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/base/shipped.hpp"
 
 namespace haptogram {
 namespace {
@@ -93,6 +94,7 @@ void StagedFile::commit() {
 void StagedFile::fail() const { throw cannot_write(path_); }
 
 std::string read_file(const std::filesystem::path& path) {
+    if (const auto shipped = shipped_file(path.string())) return std::string(*shipped);
     const bool standard = path == "-";
     const Descriptor file(standard ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC));
     if (file.get() < 0) throw bad_input(path.string(), fmt::format("cannot be opened: {}; check the path", reason()));

@@ -8,7 +8,7 @@
 
 namespace haptogram {
 
-/// The whole of a file. "-" is standard input.
+/// The whole of a file. "-" is standard input; "shipped:…" is a file of the library (shipped.hpp).
 /// @throws Error{bad_input} naming the path and the system's reason
 [[nodiscard]] std::string read_file(const std::filesystem::path& path);
 

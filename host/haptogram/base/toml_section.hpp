@@ -13,39 +13,45 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 
-/// What the readers of array and transducer files share.
+/// What the readers of TOML files share. Not installed: no public header includes it.
 namespace haptogram::section {
 
 inline std::string place(const std::string& file, const toml::node& node) {
     return fmt::format("{}:{}", file, node.source().begin.line);
 }
 
-/// The value as the file has it.
+/// The value as the file has it, or what it is when that would fill a page.
 inline std::string found(const toml::node& node) {
+    if (node.is_table()) return "a table";
+    if (const toml::array* list = node.as_array(); list != nullptr) return fmt::format("a list of {}", list->size());
     std::ostringstream text;
     node.visit([&text](const auto& value) { text << value; });
     return text.str();
 }
 
+/// @param file  names the text in messages
 /// @throws Error{bad_input} naming the line
-inline toml::table parse(const std::filesystem::path& path) {
-    const std::string text = read_file(path);
+inline toml::table parse_text(std::string_view text, const std::string& file) {
     try {
         return toml::parse(text);
     } catch (const toml::parse_error& error) {
-        throw bad_input(fmt::format("{}:{}", path.string(), error.source().begin.line),
+        throw bad_input(fmt::format("{}:{}", file, error.source().begin.line),
                         fmt::format("not valid TOML: {}", error.description()));
     }
 }
 
-/// One table of the file: typed, range-checked, and it knows which keys nobody asked for.
+inline toml::table parse(const std::filesystem::path& path) { return parse_text(read_file(path), path.string()); }
+
+/// One table of a file: typed, range-checked, and it refuses keys that nobody asked for. Each value may be missing;
+/// required() is for those that may not.
 class Section {
 public:
-    /// A table named `name`, which may be missing.
+    /// The table named `name`, which may be missing.
     Section(std::string file, const toml::table& root, const std::string& name)
         : file_(std::move(file)), prefix_(name + ".") {
         const toml::node* node = root.get(name);
@@ -59,15 +65,26 @@ public:
     Section(std::string file, const toml::table& root) : file_(std::move(file)), table_(&root) {}
 
     [[nodiscard]] const std::string& file() const { return file_; }
+    [[nodiscard]] bool exists() const { return table_ != nullptr; }
+    [[nodiscard]] std::string full(std::string_view key) const { return prefix_ + std::string(key); }
 
     [[nodiscard]] const toml::node* find(std::string_view key) const {
         return table_ == nullptr ? nullptr : table_->get(key);
     }
 
-    /// The key's line, for messages.
+    /// The key's line, for messages; the section's when the key is missing.
     [[nodiscard]] std::string at(std::string_view key) const {
         const toml::node* node = find(key);
+        if (node == nullptr) node = prefix_.empty() ? nullptr : table_;
         return node == nullptr ? file_ : place(file_, *node);
+    }
+
+    [[nodiscard]] Error missing(std::string_view key, std::string_view expected) const {
+        return bad_input(at(key), fmt::format("{} is missing; it must be {}", full(key), expected));
+    }
+
+    [[nodiscard]] Error wrong(const toml::node& node, std::string_view key, std::string_view expected) const {
+        return bad_input(place(file_, node), fmt::format("{} must be {}, found {}", full(key), expected, found(node)));
     }
 
     [[nodiscard]] std::optional<double> number(std::string_view key, double low, double high) const {
@@ -75,38 +92,89 @@ public:
         if (node == nullptr) return {};
         const std::optional<double> value = node->value<double>();
         if (!value || !std::isfinite(*value) || *value < low || *value > high)
-            throw bad_input(place(file_, *node), fmt::format("{}{} must be a number from {} to {}, found {}", prefix_,
-                                                             key, low, high, found(*node)));
+            throw wrong(*node, key, fmt::format("a number from {} to {}", low, high));
         return value;
+    }
+
+    [[nodiscard]] std::optional<std::uint64_t> whole64(std::string_view key, std::uint64_t low,
+                                                       std::uint64_t high) const {
+        const toml::node* node = find(key);
+        if (node == nullptr) return {};
+        const auto value = node->as_integer() == nullptr ? std::optional<std::int64_t>{} : node->value<std::int64_t>();
+        if (!value || *value < 0 || static_cast<std::uint64_t>(*value) < low ||
+            static_cast<std::uint64_t>(*value) > high)
+            throw wrong(*node, key, fmt::format("a whole number from {} to {}", low, high));
+        return static_cast<std::uint64_t>(*value);
     }
 
     [[nodiscard]] std::optional<std::uint32_t> whole(std::string_view key, std::uint32_t low,
                                                      std::uint32_t high) const {
-        const toml::node* node = find(key);
-        if (node == nullptr) return {};
-        const auto value = node->as_integer() == nullptr ? std::optional<std::int64_t>{} : node->value<std::int64_t>();
-        if (!value || *value < low || *value > high)
-            throw bad_input(place(file_, *node), fmt::format("{}{} must be a whole number from {} to {}, found {}",
-                                                             prefix_, key, low, high, found(*node)));
-        return static_cast<std::uint32_t>(*value);
+        const auto value = whole64(key, low, high);
+        return value ? std::optional(static_cast<std::uint32_t>(*value)) : std::nullopt;
     }
 
-    [[nodiscard]] std::optional<std::string> text(std::string_view key) const {
+    [[nodiscard]] std::optional<bool> flag(std::string_view key) const {
+        const toml::node* node = find(key);
+        if (node == nullptr) return {};
+        if (!node->is_boolean()) throw wrong(*node, key, "true or false");
+        return node->value<bool>();
+    }
+
+    /// @param fits  whether a text will do, which `expected` puts into words
+    [[nodiscard]] std::optional<std::string> text(std::string_view key, std::string_view expected = "a text in quotes",
+                                                  bool (*fits)(const std::string&) = nullptr) const {
         const toml::node* node = find(key);
         if (node == nullptr) return {};
         auto value = node->value<std::string>();
-        if (!value)
-            throw bad_input(place(file_, *node),
-                            fmt::format("{}{} must be a text in quotes, found {}", prefix_, key, found(*node)));
+        if (!node->is_string() || !value || (fits != nullptr && !fits(*value))) throw wrong(*node, key, expected);
         return value;
     }
 
-    void only(std::initializer_list<std::string_view> keys) const {
+    [[nodiscard]] std::optional<std::vector<std::string>> texts(std::string_view key,
+                                                                bool (*fits)(const std::string&) = nullptr) const {
+        constexpr std::string_view expected = "a list of texts in quotes";
+        const toml::node* node = find(key);
+        if (node == nullptr) return {};
+        if (!node->is_array()) throw wrong(*node, key, expected);
+        std::vector<std::string> result;
+        for (const toml::node& entry : *node->as_array()) {
+            auto value = entry.value<std::string>();
+            if (!entry.is_string() || !value || (fits != nullptr && !fits(*value))) throw wrong(entry, key, expected);
+            result.push_back(*std::move(value));
+        }
+        return result;
+    }
+
+    /// So many finite numbers in a list.
+    [[nodiscard]] std::optional<std::vector<double>> numbers(std::string_view key, std::size_t count) const {
+        const std::string expected = fmt::format("a list of {} numbers", count);
+        const toml::node* node = find(key);
+        if (node == nullptr) return {};
+        const toml::array* list = node->as_array();
+        if (list == nullptr || list->size() != count) throw wrong(*node, key, expected);
+        std::vector<double> result;
+        for (const toml::node& entry : *list) {
+            const auto value = entry.value<double>();
+            if (!value || !std::isfinite(*value)) throw wrong(*node, key, expected);
+            result.push_back(*value);
+        }
+        return result;
+    }
+
+    /// The value, or an error that says what must be there.
+    template <class T>
+    [[nodiscard]] T required(std::optional<T> value, std::string_view key, std::string_view expected) const {
+        if (!value) throw missing(key, expected);
+        return *std::move(value);
+    }
+
+    template <class Keys = std::initializer_list<std::string_view>>
+    void only(const Keys& keys) const {
         if (table_ == nullptr) return;
         for (const auto& [key, node] : *table_)
-            if (std::find(keys.begin(), keys.end(), key.str()) == keys.end())
-                throw bad_input(place(file_, node), fmt::format("unknown key {}{}; known are {}", prefix_, key.str(),
-                                                                fmt::join(keys, ", ")));
+            if (std::find(std::begin(keys), std::end(keys), key.str()) == std::end(keys))
+                throw bad_input(place(file_, node),
+                                fmt::format("unknown key {}; known are {}", full(key.str()), fmt::join(keys, ", ")));
     }
 
 private:

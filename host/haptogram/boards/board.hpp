@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
-#include <functional>
-#include <map>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "haptogram/model/array.hpp"
+#include "haptogram/boards/core.hpp"
 
 namespace haptogram {
 
@@ -41,15 +38,13 @@ struct Board {
     std::vector<std::string> sources;  ///< where the pins are published
     std::string array;                 ///< name or path of the array that it drives unless told otherwise
     Fpga fpga;
-    std::map<std::string, std::uint32_t, std::less<>> parameters;  ///< of haptogram_core, under their Verilog names
+    interface::CoreParameters parameters;
     Flash flash;
     Pins pins;
     std::vector<Output> outputs;  ///< output k is channel k; those beyond CHANNELS are spare
 
-    /// A parameter by its Verilog name, such as "CHANNELS". @throws std::out_of_range for a name that none has
-    [[nodiscard]] std::uint32_t parameter(std::string_view key) const;
-    /// What the compiler must know of it, as an array file's [board] would say it.
-    [[nodiscard]] BoardSpec spec() const;
+    /// What the compiler must know of it.
+    [[nodiscard]] Core core() const { return {name, parameters}; }
 };
 
 /// Reads a board file (TOML), given by its path, or by the name of a shipped board ("ice40-hx8k-breakout").
@@ -58,7 +53,6 @@ struct Board {
 [[nodiscard]] Board load_board(const std::string& name);
 
 /// Names of the shipped boards, sorted.
-/// @throws Error{bad_input} when their folder is neither beside the program nor in the source tree
 [[nodiscard]] std::vector<std::string> shipped_boards();
 
 }  // namespace haptogram

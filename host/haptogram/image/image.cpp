@@ -192,6 +192,45 @@ std::vector<std::string> problems(const Image& image) {
     return found;
 }
 
+void require_playable(const Image& image, const std::string& where) {
+    const std::vector<std::string> found = problems(image);
+    if (found.empty()) return;
+    throw bad_input(where,
+                    fmt::format("{}{}", found.front(),
+                                found.size() > 1 ? fmt::format(" (and {} more; see inspect)", found.size() - 1) : ""));
+}
+
+void require_fits(const Image& image, const interface::CoreParameters& core, const std::string& where) {
+    const auto require = [&](bool fits, const std::string& what) {
+        if (!fits)
+            throw bad_input(where, what + "; compile it for this board, or use the board it was made for",
+                            {"board", "array"});
+    };
+    require(image.channels == core.channels,
+            fmt::format("the image is for {} channels, the board has {}", image.channels, core.channels));
+    require(image.clock_hz == core.clock_hz,
+            fmt::format("the image is for a {} Hz clock, the board has {} Hz", image.clock_hz, core.clock_hz));
+    require(image.timing_bits <= core.timing_bits,
+            fmt::format("the image needs {} timing bits, the board has {}", image.timing_bits, core.timing_bits));
+    require(image.pulse_bits <= core.pulse_bits,
+            fmt::format("the image needs {} pulse bits, the board has {}", image.pulse_bits, core.pulse_bits));
+    require(image.records.size() <= core.records,
+            fmt::format("the image has {} records, the board holds {}", image.records.size(), core.records));
+    require(image.sequence.size() < core.sequence_depth,
+            fmt::format("the image has {} sequence entries, the board holds {}", image.sequence.size(),
+                        core.sequence_depth - 1));
+}
+
+std::vector<std::uint64_t> record_clocks(const Image& image) {
+    std::vector<std::uint64_t> clocks(image.records.size());
+    for (const SequenceEntry& entry : image.sequence) {
+        if (entry.index == 0 || entry.index > image.records.size()) continue;
+        const Record& record = image.records[entry.index - 1U];
+        clocks[entry.index - 1U] += std::uint64_t{entry.dwell} * record.cycle_length * record.prescaler;
+    }
+    return clocks;
+}
+
 std::string primary_readmemh(const Image& image) {
     std::string text;
     for (const std::uint16_t word : primary_words(image)) text += fmt::format("{:04x}\n", word);

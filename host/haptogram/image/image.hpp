@@ -6,17 +6,9 @@
 #include <vector>
 
 #include "haptogram/boards/interface.hpp"
+#include "haptogram/solve/record.hpp"
 
 namespace haptogram {
-
-/// One focal point as the FPGA stores it (rtl/INTERFACE.md).
-struct Record {
-    std::uint32_t cycle_length = 0;      ///< ticks, 24 bits
-    std::uint32_t prescaler = 1;         ///< clocks per tick, 24 bits
-    std::uint8_t pulse_length = 0;       ///< ticks
-    std::vector<std::uint16_t> timings;  ///< one a channel; interface::silent_timing never fires
-    friend bool operator==(const Record&, const Record&) = default;
-};
 
 /// One step of the sequence.
 struct SequenceEntry {
@@ -47,7 +39,7 @@ struct Image {
 [[nodiscard]] std::vector<std::uint32_t> sequence_words(const Image& image);
 
 /// The inverse of both: fills `image`, whose channels are known, with what the memories hold.
-/// @throws Error{bad_input} naming the record that is none
+/// @throws Error{bad_input} naming the record whose words cannot be one
 void take_words(Image& image, const std::vector<std::uint16_t>& primary, const std::vector<std::uint32_t>& sequence,
                 const std::string& where);
 
@@ -62,6 +54,15 @@ void take_words(Image& image, const std::vector<std::uint16_t>& primary, const s
 
 /// What would keep the records and the sequence from being played as they are, in words; empty when nothing does.
 [[nodiscard]] std::vector<std::string> problems(const Image& image);
+
+/// @throws Error{bad_input} with the first of the problems, naming the file
+void require_playable(const Image& image, const std::string& where);
+
+/// @throws Error{bad_input} saying why a core with these parameters cannot hold or play the image
+void require_fits(const Image& image, const interface::CoreParameters& core, const std::string& where);
+
+/// How long each record plays in one pass of the sequence, in clocks.
+[[nodiscard]] std::vector<std::uint64_t> record_clocks(const Image& image);
 
 /// `$readmemh` text of primary and sequence memory, one word a line.
 [[nodiscard]] std::string primary_readmemh(const Image& image);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "haptogram/base/error.hpp"
 
@@ -13,7 +14,18 @@ namespace {
 
 using nlohmann::ordered_json;
 
-/// Micrometre steps keep the file short and equal everywhere; they are a thousandth of a wavelength's phase step.
+/// What of the core an image depends on; the rest of its parameters is no business of a manifest.
+constexpr std::pair<const char*, std::uint32_t interface::CoreParameters::*> core_members[] = {
+    {"clock_hz", &interface::CoreParameters::clock_hz},
+    {"baud", &interface::CoreParameters::baud},
+    {"channels", &interface::CoreParameters::channels},
+    {"records", &interface::CoreParameters::records},
+    {"sequence_depth", &interface::CoreParameters::sequence_depth},
+    {"timing_bits", &interface::CoreParameters::timing_bits},
+    {"pulse_bits", &interface::CoreParameters::pulse_bits}};
+
+/// In steps of a ten-thousandth of a millimetre, so that the file is short and the same on every machine. That is some
+/// 1/86,000 of a wavelength, far below what a timer can resolve.
 ordered_json to_mm(Vec3 v) {
     const auto round = [](double metres) { return std::round(metres * 1e7) / 1e4 + 0.0; };
     return {round(v.x), round(v.y), round(v.z)};
@@ -22,6 +34,22 @@ ordered_json to_mm(Vec3 v) {
 Vec3 from_mm_json(const ordered_json& json) {
     if (json.size() != 3) throw ordered_json::other_error::create(599, "a position has three coordinates", &json);
     return from_mm(json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>());
+}
+
+/// Position, and where the element does not face along z, its normal.
+ordered_json element_to_json(const Element& element) {
+    ordered_json json = to_mm(element.position);
+    if (element.normal != Element{}.normal)
+        for (const double part : {element.normal.x, element.normal.y, element.normal.z}) json.push_back(part);
+    return json;
+}
+
+Element element_from_json(const ordered_json& json) {
+    if (json.size() != 6) return {from_mm_json(json)};
+    const Vec3 normal{json.at(3).get<double>(), json.at(4).get<double>(), json.at(5).get<double>()};
+    if (!(std::abs(norm(normal) - 1.0) < 1e-6))
+        throw ordered_json::other_error::create(599, "an element's normal has a length of 1", &json);
+    return {from_mm(json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()), normal};
 }
 
 Error bad_member(const std::string& where, const char* key, const char* expected, const ordered_json& found) {
@@ -72,6 +100,39 @@ void read_directivity(Transducer& transducer, const ordered_json& json, const st
     }
 }
 
+ordered_json record_to_json(const RecordMeaning& record, std::size_t index) {
+    ordered_json json = {{"index", index}};
+    if (record.foci.size() == 1 && record.foci.front().amplitude == 1.0) {
+        json["focus_mm"] = to_mm(record.foci.front().position);
+    } else {
+        json["foci"] = ordered_json::array();
+        for (const Focus& focus : record.foci)
+            json["foci"].push_back({{"position_mm", to_mm(focus.position)}, {"amplitude", focus.amplitude}});
+    }
+    if (record.amplitude != 1.0) json["amplitude"] = record.amplitude;
+    json["dwell_cycles"] = record.dwell_cycles;
+    return json;
+}
+
+double fraction(const ordered_json& json, const char* key, const std::string& where) {
+    const ordered_json& member = json.at(key);
+    if (!member.is_number() || !(member.get<double>() >= 0.0 && member.get<double>() <= 1.0))
+        throw bad_member(where, key, "a number from 0 to 1", member);
+    return member.get<double>();
+}
+
+RecordMeaning record_from_json(const ordered_json& json, const std::string& where) {
+    RecordMeaning record;
+    if (json.contains("foci"))
+        for (const auto& focus : json.at("foci"))
+            record.foci.push_back({from_mm_json(focus.at("position_mm")), fraction(focus, "amplitude", where)});
+    else
+        record.foci.push_back({from_mm_json(json.at("focus_mm"))});
+    if (json.contains("amplitude")) record.amplitude = fraction(json, "amplitude", where);
+    record.dwell_cycles = count(json, "dwell_cycles", 0, where);
+    return record;
+}
+
 /// The JSON library quotes what it could not read, which may be any bytes.
 std::string printable(std::string text) {
     std::replace_if(
@@ -80,6 +141,13 @@ std::string printable(std::string text) {
 }
 
 }  // namespace
+
+std::vector<Vec3> Manifest::points() const {
+    std::vector<Vec3> found;
+    for (const RecordMeaning& record : records)
+        for (const Focus& focus : record.foci) found.push_back(focus.position);
+    return found;
+}
 
 std::string version() { return HAPTOGRAM_VERSION; }
 
@@ -90,7 +158,7 @@ ordered_json to_json(const Manifest& m) {
     json["inputs_sha256"] = m.input_sha256;
     json["image_sha256"] = m.image_sha256;
     json["array"] = {{"name", m.array.name}, {"carrier_hz", m.array.carrier_hz}, {"duty", m.array.duty}};
-    for (const Vec3& element : m.array.elements) json["array"]["elements_mm"].push_back(to_mm(element));
+    for (const Element& element : m.array.elements) json["array"]["elements_mm"].push_back(element_to_json(element));
     json["medium"] = {{"speed_m_s", m.array.medium.speed_m_s},
                       {"density_kg_m3", m.array.medium.density_kg_m3},
                       {"absorption_np_m", m.array.medium.absorption_np_m}};
@@ -99,14 +167,8 @@ ordered_json to_json(const Manifest& m) {
                           {"source_pa_m", m.array.transducer.source_pa_m},
                           {"bandwidth_hz", m.array.transducer.bandwidth_hz},
                           {"directivity", directivity_to_json(m.array.transducer)}};
-    json["board"] = {{"name", m.array.board.name},
-                     {"clock_hz", m.array.board.clock_hz},
-                     {"baud", m.array.board.baud},
-                     {"channels", m.array.board.channels},
-                     {"records", m.array.board.records},
-                     {"sequence_depth", m.array.board.sequence_depth},
-                     {"timing_bits", m.array.board.timing_bits},
-                     {"pulse_bits", m.array.board.pulse_bits}};
+    json["board"] = {{"name", m.core.name}};
+    for (const auto& [key, member] : core_members) json["board"][key] = m.core.parameters.*member;
     json["timer"] = {{"tick_s", m.timer.tick_s()},
                      {"prescaler", m.timer.prescaler},
                      {"cycle_ticks", m.timer.cycle_ticks},
@@ -117,11 +179,11 @@ ordered_json to_json(const Manifest& m) {
                          {"formation_s", m.formation.formation_s},
                          {"ring_up_s", m.formation.ring_up_s}};
     json["records"] = ordered_json::array();
-    for (std::size_t i = 0; i < m.foci.size(); ++i)
-        json["records"].push_back(
-            {{"index", i + 1}, {"focus_mm", to_mm(m.foci[i])}, {"dwell_cycles", m.dwell_cycles[i]}});
+    for (std::size_t i = 0; i < m.records.size(); ++i) json["records"].push_back(record_to_json(m.records[i], i + 1));
     return json;
 }
+
+std::string to_text(const Manifest& manifest) { return to_json(manifest).dump(1) + "\n"; }
 
 Manifest manifest_from_json(std::string_view text, const std::string& where) {
     try {
@@ -137,7 +199,7 @@ Manifest manifest_from_json(std::string_view text, const std::string& where) {
         m.array.carrier_hz = positive(json.at("array"), "carrier_hz", where);
         m.array.duty = positive(json.at("array"), "duty", where);
         for (const auto& element : json.at("array").at("elements_mm"))
-            m.array.elements.push_back(from_mm_json(element));
+            m.array.elements.push_back(element_from_json(element));
         const auto& medium = json.at("medium");
         m.array.medium.speed_m_s = positive(medium, "speed_m_s", where);
         m.array.medium.density_kg_m3 = positive(medium, "density_kg_m3", where);
@@ -150,24 +212,19 @@ Manifest manifest_from_json(std::string_view text, const std::string& where) {
         m.array.transducer.bandwidth_hz = positive(transducer, "bandwidth_hz", where);
         read_directivity(m.array.transducer, transducer, where);
         const auto& board = json.at("board");
-        m.array.board = {board.at("name").get<std::string>(),   positive(board, "clock_hz", where),
-                         count(board, "baud", 1, where),        count(board, "channels", 1, where),
-                         count(board, "records", 1, where),     count(board, "sequence_depth", 2, where),
-                         count(board, "timing_bits", 1, where), count(board, "pulse_bits", 1, where)};
+        m.core.name = board.at("name").get<std::string>();
+        for (const auto& [key, member] : core_members) m.core.parameters.*member = count(board, key, 1, where);
         const auto& timer = json.at("timer");
-        m.timer = {m.array.board.clock_hz, count(timer, "prescaler", 1, where), count(timer, "cycle_ticks", 2, where),
-                   count(timer, "pulse_ticks", 1, where)};
+        m.timer = {static_cast<double>(m.core.parameters.clock_hz), count(timer, "prescaler", 1, where),
+                   count(timer, "cycle_ticks", 2, where), count(timer, "pulse_ticks", 1, where)};
         const auto& rendering = json.at("rendering");
         m.rate_hz = positive(rendering, "rate_hz", where);
         m.formation = {not_negative(rendering, "flight_spread_s", where), count(rendering, "beta_periods", 0, where),
                        not_negative(rendering, "formation_s", where), not_negative(rendering, "ring_up_s", where)};
-        for (const auto& record : json.at("records")) {
-            m.foci.push_back(from_mm_json(record.at("focus_mm")));
-            m.dwell_cycles.push_back(count(record, "dwell_cycles", 0, where));
-        }
-        if (m.array.elements.empty() || m.array.elements.size() > m.array.board.channels)
+        for (const auto& record : json.at("records")) m.records.push_back(record_from_json(record, where));
+        if (m.array.elements.empty() || m.array.elements.size() > m.core.parameters.channels)
             throw bad_input(where, fmt::format("{} elements for {} channels; compile the image again",
-                                               m.array.elements.size(), m.array.board.channels));
+                                               m.array.elements.size(), m.core.parameters.channels));
         return m;
     } catch (const nlohmann::json::exception& error) {
         throw bad_input(where, fmt::format("not a manifest that this version understands: {}; compile the image again",

@@ -1,32 +1,47 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "haptogram/boards/core.hpp"
 #include "haptogram/image/image.hpp"
 #include "haptogram/model/array.hpp"
+#include "haptogram/render/path.hpp"
 #include "haptogram/solve/formation.hpp"
 #include "haptogram/solve/timer.hpp"
 
 namespace haptogram {
 
-/// What an image means in the world, kept beside it as JSON: the array it was compiled for, the timer, and each
-/// record's focal point. Lengths are millimetres in the file.
+/// What one record means: the foci that it makes, and how strong its pulses are.
+struct RecordMeaning {
+    std::vector<Focus> foci;         ///< their amplitudes are relative to each other
+    double amplitude = 1.0;          ///< of the record's pulses, over those of the timer: 0…1
+    std::uint32_t dwell_cycles = 0;  ///< carrier periods that it lasts in one pass
+};
+
+/// What an image means in the world, kept beside it as JSON: the array and the core it was compiled for, the timer, and
+/// what each record makes. Lengths are millimetres in the file.
 struct Manifest {
-    Array array;  ///< name, elements, carrier, duty, medium, transducer, board
+    Array array;
+    Core core;
     Timer timer;
-    std::vector<Vec3> foci;                   ///< metres; record i is foci[i − 1]
-    std::vector<std::uint32_t> dwell_cycles;  ///< one a record: carrier cycles in one pass
-    double rate_hz = 0.0;                     ///< passes a second, as it came out
-    Formation formation;
-    std::string input_sha256;  ///< of every input and option that shaped the image
-    std::string image_sha256;  ///< of the HEX file's bytes
+    std::vector<RecordMeaning> records;  ///< record i of the image is records[i − 1]
+    double rate_hz = 0.0;                ///< passes a second, as it came out
+    Formation formation;                 ///< of the slowest focus
+    std::string input_sha256;            ///< of every input and setting that shaped the image
+    std::string image_sha256;            ///< of the HEX file's bytes
+
+    /// Every focal point, record by record.
+    [[nodiscard]] std::vector<Vec3> points() const;
 };
 
 [[nodiscard]] std::string version();
 
 [[nodiscard]] nlohmann::ordered_json to_json(const Manifest& manifest);
+/// The file's text.
+[[nodiscard]] std::string to_text(const Manifest& manifest);
 
 /// @param where  names the file in messages
 /// @throws Error{bad_input} for invalid JSON, and for missing or mistyped members, which it names

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "haptogram/base/shipped.hpp"
 #include "haptogram/model/transducer_keys.hpp"
 
 namespace haptogram {
@@ -17,29 +18,39 @@ using section::Section;
 
 constexpr double degree = std::numbers::pi / 180.0;
 
-std::vector<Vec3> grid(std::uint32_t rows, std::uint32_t columns, double pitch_m) {
-    std::vector<Vec3> elements;
+std::vector<Element> grid(std::uint32_t rows, std::uint32_t columns, double pitch_m) {
+    std::vector<Element> elements;
     for (std::uint32_t r = 0; r < rows; ++r)
         for (std::uint32_t q = 0; q < columns; ++q)
-            elements.push_back({(q - (columns - 1) / 2.0) * pitch_m, (r - (rows - 1) / 2.0) * pitch_m, 0.0});
+            elements.push_back({{(q - (columns - 1) / 2.0) * pitch_m, (r - (rows - 1) / 2.0) * pitch_m, 0.0}});
     return elements;
 }
 
-std::vector<Vec3> listed_elements(const std::string& file, const toml::node& node) {
+/// [x, y], [x, y, z], or [x, y, z, nx, ny, nz], where (nx, ny, nz) is the way the element faces, of any length.
+std::vector<Element> listed_elements(const std::string& file, const toml::node& node) {
     const auto fail = [&](const toml::node& at) {
         return bad_input(place(file, at),
-                         "elements_mm must be a list of [x, y] pairs of numbers, in channel order, found " + found(at));
+                         "elements_mm must be a list, in channel order, of [x, y], [x, y, z] or [x, y, z, nx, ny, nz], "
+                         "all numbers, found " +
+                             found(at));
     };
     const toml::array* list = node.as_array();
     if (list == nullptr || list->empty()) throw fail(node);
-    std::vector<Vec3> elements;
+    std::vector<Element> elements;
     for (const toml::node& entry : *list) {
-        const toml::array* pair = entry.as_array();
-        if (pair == nullptr || pair->size() != 2) throw fail(entry);
-        const auto x = (*pair)[0].value<double>();
-        const auto y = (*pair)[1].value<double>();
-        if (!x || !y || !std::isfinite(*x) || !std::isfinite(*y)) throw fail(entry);
-        elements.push_back(from_mm(*x, *y, 0.0));
+        const toml::array* row = entry.as_array();
+        if (row == nullptr || (row->size() != 2 && row->size() != 3 && row->size() != 6)) throw fail(entry);
+        double values[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 1.0};
+        for (std::size_t i = 0; i < row->size(); ++i) {
+            const auto value = (*row)[i].value<double>();
+            if (!value || !std::isfinite(*value)) throw fail(entry);
+            values[i] = *value;
+        }
+        const Vec3 normal{values[3], values[4], values[5]};
+        if (!(norm(normal) > 1e-9) || !std::isfinite(norm(normal)))
+            throw bad_input(place(file, entry), "the element faces nowhere: (nx, ny, nz) must not be zero");
+        elements.push_back(
+            {from_mm(values[0], values[1], values[2]), row->size() == 6 ? normal * (1.0 / norm(normal)) : normal});
     }
     return elements;
 }
@@ -107,25 +118,12 @@ void read_transducer(Transducer& transducer, const std::string& file, const toml
     read_transducer_keys(transducer, section);
 }
 
-void read_board(BoardSpec& board, const std::string& file, const toml::table& root) {
-    const Section section(file, root, "board");
-    section.only({"name", "clock_hz", "baud", "channels", "records", "sequence_depth", "timing_bits", "pulse_bits"});
-    assign(board.name, section.text("name"));
-    assign(board.clock_hz, section.whole("clock_hz", 1'000'000, 1'000'000'000));
-    assign(board.baud, section.whole("baud", 1200, 20'000'000));
-    assign(board.channels, section.whole("channels", 2, 1000));
-    assign(board.records, section.whole("records", 1, 65535));
-    assign(board.sequence_depth, section.whole("sequence_depth", 2, 32768));
-    assign(board.timing_bits, section.whole("timing_bits", 4, 16));
-    assign(board.pulse_bits, section.whole("pulse_bits", 1, 8));
-}
-
 }  // namespace
 
 std::string Array::unreachable(Vec3 focus) const {
     if (focus.z <= 0.0) return "on or behind the array";
     for (std::size_t m = 0; m < elements.size(); ++m) {
-        const double range = distance(focus, elements[m]);
+        const double range = distance(focus, elements[m].position);
         if (range < nearest_m)
             return fmt::format("{:.2f} mm from element {}, nearer than {:.2f} mm", range / millimetre, m,
                                nearest_m / millimetre);
@@ -136,49 +134,32 @@ std::string Array::unreachable(Vec3 focus) const {
     return {};
 }
 
-Array load_array(const std::filesystem::path& path, const std::optional<BoardSpec>& board) {
+Array load_array(const std::filesystem::path& path) {
     const std::string file = path.string();
     const toml::table root = section::parse(path);
-    for (const auto& [key, node] : root)
-        if (key != "name" && key != "array" && key != "medium" && key != "transducer" && key != "board")
-            throw bad_input(
-                place(file, node),
-                fmt::format("unknown key '{}'; known are name, array, medium, transducer, board", key.str()));
+    const Section whole(file, root);
+    whole.only({"name", "array", "medium", "transducer", "board"});
     Array array;
     array.file = file;
     array.name = path.stem().string();
-    if (const toml::node* name = root.get("name")) {
-        if (!name->is_string())
-            throw bad_input(place(file, *name), "name must be a text in quotes, found " + found(*name));
-        array.name = name->value_or(array.name);
-    }
+    assign(array.name, whole.text("name"));
     assign(array.carrier_hz, Section(file, root, "array").number("carrier_hz", 1e3, 1e6));
     read_medium(array.medium, array.carrier_hz, file, root);
     read_transducer(array.transducer, file, root);
-    read_board(array.board, file, root);
-    if (board) array.board = *board;
     read_geometry(array, file, root);
-    if (array.elements.size() > array.board.channels)
-        throw bad_input(
-            file, fmt::format("{} elements but the board has {} channels ({}); use a larger board or fewer elements",
-                              array.elements.size(), array.board.channels, array.board.name));
     for (std::size_t a = 0; a < array.elements.size(); ++a)
         for (std::size_t b = 0; b < a; ++b)
-            if (array.elements[a] == array.elements[b])
-                throw bad_input(
-                    file, fmt::format(
-                              "elements_mm: elements {} and {} are at the same place, ({}, {}) mm; each needs its own",
-                              b, a, array.elements[a].x / millimetre, array.elements[a].y / millimetre));
+            if (array.elements[a].position == array.elements[b].position)
+                throw bad_input(file, fmt::format("elements_mm: elements {} and {} are at the same place, ({}, {}, {}) "
+                                                  "mm; each needs its own",
+                                                  b, a, array.elements[a].position.x / millimetre,
+                                                  array.elements[a].position.y / millimetre,
+                                                  array.elements[a].position.z / millimetre));
     return array;
 }
 
-Array find_array(const std::string& name, const std::optional<BoardSpec>& board) {
-    if (name.find('/') != std::string::npos || name.ends_with(".toml")) return load_array(name, board);
-    const auto path = shipped_array_file(name + ".toml");
-    if (!path.empty()) return load_array(path, board);
-    throw bad_input(name,
-                    "no shipped array has this name (shipped are tile-10x10, tile-7x8 and hoshi-18x18); give the path "
-                    "of a .toml file");
-}
+Array find_array(const std::string& name) { return load_array(path_or_shipped(name, "arrays", ".toml", "array")); }
+
+std::vector<std::string> shipped_arrays() { return shipped_names("arrays", ".toml"); }
 
 }  // namespace haptogram

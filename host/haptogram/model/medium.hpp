@@ -8,6 +8,7 @@ struct Medium {
     double speed_m_s = 343.2;
     double density_kg_m3 = 1.204;
     double absorption_np_m = 0.0;  ///< of the pressure amplitude, at the carrier
+    friend bool operator==(const Medium&, const Medium&) = default;
 };
 
 inline constexpr double standard_pressure_pa = 101'325.0;

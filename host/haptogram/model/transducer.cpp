@@ -6,6 +6,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "haptogram/base/shipped.hpp"
 #include "haptogram/model/transducer_keys.hpp"
 #include "haptogram/model/vec3.hpp"
 
@@ -13,6 +14,8 @@ namespace haptogram {
 namespace {
 
 using section::Section;
+
+constexpr std::string_view transducer_folder = "arrays/transducers";
 
 struct Row {
     double angle_deg;
@@ -102,14 +105,6 @@ void read_transducer_keys(Transducer& transducer, const Section& section) {
     }
 }
 
-std::filesystem::path shipped_array_file(const std::filesystem::path& relative) {
-    std::error_code error;
-    const auto program = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
-    for (const auto& folder : {program / HAPTOGRAM_INSTALLED_ARRAYS, std::filesystem::path(HAPTOGRAM_SOURCE_ARRAYS)})
-        if (std::filesystem::exists(folder / relative, error)) return folder / relative;
-    return {};
-}
-
 Transducer load_transducer(const std::filesystem::path& path) {
     const toml::table root = section::parse(path);
     const Section section(path.string(), root);
@@ -122,12 +117,9 @@ Transducer load_transducer(const std::filesystem::path& path) {
 
 Transducer find_transducer(const std::string& name, const std::filesystem::path& folder) {
     if (name.find('/') != std::string::npos || name.ends_with(".toml")) return load_transducer(folder / name);
-    const auto path = shipped_array_file(std::filesystem::path("transducers") / (name + ".toml"));
-    if (path.empty())
-        throw bad_input(name,
-                        "no shipped transducer has this name (shipped are MA40S4S, T4010A1 and point); give the path "
-                        "of a .toml file");
-    return load_transducer(path);
+    return load_transducer(path_or_shipped(name, transducer_folder, ".toml", "transducer"));
 }
+
+std::vector<std::string> shipped_transducers() { return shipped_names(transducer_folder, ".toml"); }
 
 }  // namespace haptogram

@@ -22,6 +22,7 @@ struct Transducer {
     double bandwidth_hz = 2000.0;  ///< half-power; gives the ring-up time
     Pattern pattern = Pattern::piston;
     std::vector<double> table;  ///< of Pattern::table: amplitudes at even steps of angle from 0 to 90°, 1 on the axis
+    friend bool operator==(const Transducer&, const Transducer&) = default;
 };
 
 /// Reads a transducer file (TOML); see host/arrays/README.md for its keys.
@@ -31,6 +32,7 @@ struct Transducer {
 /// Finds `name` as a path, relative to `folder`, when it has a slash or ends in .toml, or else among the shipped
 /// transducers.
 [[nodiscard]] Transducer find_transducer(const std::string& name, const std::filesystem::path& folder = {});
+[[nodiscard]] std::vector<std::string> shipped_transducers();
 
 /// Reads a measured pattern: CSV with the columns angle_deg,amplitude, angles rising from 0 to 90, amplitude 1 at 0.
 /// Angles at uneven steps are interpolated linearly to even ones no wider than the narrowest, nor narrower than 0.1°.

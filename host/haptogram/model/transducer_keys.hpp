@@ -8,7 +8,4 @@ namespace haptogram {
 /// Puts a section's keys, which the transducer file and an array file's [transducer] share, over `transducer`.
 void read_transducer_keys(Transducer& transducer, const section::Section& section);
 
-/// A file that is shipped in host/arrays: beside the program, or in the source; empty when there is none.
-[[nodiscard]] std::filesystem::path shipped_array_file(const std::filesystem::path& relative);
-
 }  // namespace haptogram

@@ -88,7 +88,7 @@ std::vector<std::uint16_t> focal_law(const Array& array, const Timer& timer, std
     float* z = y + padded;
     float* scratch = z + padded;
     for (std::size_t m = 0; m < padded; ++m) {
-        const Vec3& element = array.elements[m < elements ? m : elements - 1];
+        const Vec3& element = array.elements[m < elements ? m : elements - 1].position;
         x[m] = static_cast<float>(element.x);
         y[m] = static_cast<float>(element.y);
         z[m] = static_cast<float>(element.z);

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <span>
 
+#include "haptogram/boards/core.hpp"
 #include "haptogram/model/array.hpp"
 
 namespace haptogram {
@@ -21,10 +22,10 @@ struct Formation {
 [[nodiscard]] constexpr std::uint32_t load_clocks(std::uint32_t channels) { return channels + 7; }
 
 /// @param focus  metres, array frame
-[[nodiscard]] Formation formation(const Array& array, Vec3 focus);
+[[nodiscard]] Formation formation(const Array& array, const Core& core, Vec3 focus);
 
 /// The slowest of several, field by field.
-[[nodiscard]] Formation slowest_formation(const Array& array, std::span<const Vec3> foci);
+[[nodiscard]] Formation slowest_formation(const Array& array, const Core& core, std::span<const Vec3> foci);
 
 /// The largest number of focal points that each get their full pressure at a rendering rate (eq. 13): ⌊1/(f_R·T_f)⌋.
 [[nodiscard]] std::uint32_t most_points(double rate_hz, double formation_s);

@@ -9,12 +9,13 @@
 
 namespace haptogram {
 
-Timer choose_timer(const Array& array) {
+Timer choose_timer(const Array& array, const Core& core) {
+    const interface::CoreParameters& board = core.parameters;
     constexpr double carrier_tolerance = 100e-6;
-    const double clocks = array.board.clock_hz / array.carrier_hz;
-    const std::uint32_t longest_pulse = (1U << array.board.pulse_bits) - 1U;
+    const double clocks = board.clock_hz / array.carrier_hz;
+    const std::uint32_t longest_pulse = (1U << board.pulse_bits) - 1U;
     // The last tick of a cycle that a channel may start in is one less than this, so never all ones, which is silence.
-    const std::uint32_t longest_cycle = (1U << array.board.timing_bits) - 1U;
+    const std::uint32_t longest_cycle = (1U << board.timing_bits) - 1U;
     for (std::uint32_t prescaler = 1; prescaler * 8.0 <= clocks; ++prescaler) {
         const double ticks = clocks / prescaler;
         const double cycle = std::round(ticks);
@@ -22,14 +23,15 @@ Timer choose_timer(const Array& array) {
         if (std::abs(cycle / ticks - 1.0) > carrier_tolerance || cycle > longest_cycle || pulse > longest_pulse ||
             pulse < 1.0)
             continue;
-        return {array.board.clock_hz, prescaler, static_cast<std::uint32_t>(cycle), static_cast<std::uint32_t>(pulse)};
+        return {static_cast<double>(board.clock_hz), prescaler, static_cast<std::uint32_t>(cycle),
+                static_cast<std::uint32_t>(pulse)};
     }
-    throw bad_input(array.file,
+    throw bad_input(array.file.empty() ? array.name : array.file,
                     fmt::format("no timer of at least 8 ticks makes a {} Hz carrier with {:.1f} % duty from a {} Hz "
                                 "clock with {} timing bits (at most {} ticks a cycle) and {} pulse bits; "
                                 "choose a clock that is a multiple of the carrier, or a smaller duty",
-                                array.carrier_hz, 100.0 * array.duty, array.board.clock_hz, array.board.timing_bits,
-                                longest_cycle, array.board.pulse_bits));
+                                array.carrier_hz, 100.0 * array.duty, board.clock_hz, board.timing_bits, longest_cycle,
+                                board.pulse_bits));
 }
 
 }  // namespace haptogram

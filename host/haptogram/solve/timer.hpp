@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 
+#include "haptogram/boards/core.hpp"
 #include "haptogram/model/array.hpp"
 
 namespace haptogram {
@@ -18,12 +19,13 @@ struct Timer {
     [[nodiscard]] double carrier_hz() const { return 1.0 / period_s(); }
     [[nodiscard]] double duty() const { return static_cast<double>(pulse_ticks) / cycle_ticks; }
     [[nodiscard]] std::uint32_t cycle_clocks() const { return cycle_ticks * prescaler; }
+    friend bool operator==(const Timer&, const Timer&) = default;
 };
 
 /// The finest timer, that is, the smallest prescaler, whose carrier is within 100 ppm of the array's, whose pulse
 /// counter can hold the wanted duty to half a tick, and whose every tick is a timing that the board's timing bits can
 /// hold.
 /// @throws Error{bad_input} when no prescaler does
-[[nodiscard]] Timer choose_timer(const Array& array);
+[[nodiscard]] Timer choose_timer(const Array& array, const Core& core);
 
 }  // namespace haptogram

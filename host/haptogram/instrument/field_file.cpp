@@ -1,21 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "field_file.hpp"
+#include "haptogram/instrument/field_file.hpp"
 
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
 
-#include <array>
 #include <bit>
-#include <cstdlib>
 #include <filesystem>
 #include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/base/process.hpp"
 
-namespace haptogram::cli {
+namespace haptogram {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "the files say little-endian");
@@ -31,7 +28,9 @@ void append(std::string& bytes, const Value& value) {
     bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-std::string to_csv(const FieldFile& field) {
+}  // namespace
+
+std::string to_csv(const Field& field) {
     fmt::memory_buffer text;
     for (const char axis : field.region.axes) fmt::format_to(std::back_inserter(text), "{}_mm,", axis);
     if (field.parts.size() == 1)
@@ -53,9 +52,7 @@ std::string to_csv(const FieldFile& field) {
     return fmt::to_string(text);
 }
 
-/// NumPy's format 1.0: float32 or complex64, C order, the last axis fastest; (z, y, x) without the axes of one
-/// coordinate.
-std::string to_npy(const FieldFile& field) {
+std::string to_npy(const Field& field) {
     std::string shape;
     for (auto axis = field.region.axes.rbegin(); axis != field.region.axes.rend(); ++axis)
         shape += fmt::format("{},", axis_of(field.region.grid, *axis).size());
@@ -73,8 +70,7 @@ std::string to_npy(const FieldFile& field) {
     return bytes;
 }
 
-/// VTK image data, XML with raw appended arrays; millimetres. ParaView opens it.
-std::string to_vti(const FieldFile& field) {
+std::string to_vti(const Field& field) {
     const Grid& grid = field.region.grid;
     const auto spacing = [](const std::vector<double>& axis) {
         return axis.size() < 2 ? 1.0 : (axis.back() - axis.front()) / static_cast<double>(axis.size() - 1) / millimetre;
@@ -102,34 +98,10 @@ std::string to_vti(const FieldFile& field) {
     return text + "\n</AppendedData>\n</VTKFile>\n";
 }
 
-std::filesystem::path plotter() {
-    std::error_code error;
-    const auto program = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
-    const auto installed = program / HAPTOGRAM_INSTALLED_PLOTTER;
-    return std::filesystem::exists(installed) ? installed : std::filesystem::path(HAPTOGRAM_SOURCE_PLOTTER);
-}
+namespace {
 
-/// A folder for what one program hands to another, gone at the end.
-class Handover {
-public:
-    Handover() {
-        std::error_code error;
-        std::string name = (std::filesystem::temp_directory_path(error) / "haptogram-XXXXXX").string();
-        if (error || ::mkdtemp(name.data()) == nullptr)
-            throw bad_input(name, "no temporary folder can be made; set TMPDIR to a place where one can");
-        folder = name;
-    }
-    Handover(const Handover&) = delete;
-    Handover& operator=(const Handover&) = delete;
-    ~Handover() {
-        std::error_code error;
-        std::filesystem::remove_all(folder, error);
-    }
-    std::filesystem::path folder;
-};
-
-void draw(const std::string& path, const FieldFile& field) {
-    const Handover handover;
+void draw(const std::string& path, const Field& field) {
+    const TemporaryFolder handover;
     nlohmann::json about = {{"axes", field.region.axes},
                             {"region", field.region.text},
                             {"label", field.label},
@@ -141,41 +113,43 @@ void draw(const std::string& path, const FieldFile& field) {
     }
     for (const Vec3& mark : field.marks)
         about["marks_mm"].push_back({mark.x / millimetre, mark.y / millimetre, mark.z / millimetre});
-    write_file(handover.folder / "field.npy", to_npy(field));
-    write_file(handover.folder / "about.json", about.dump());
+    write_file(handover.path() / "field.npy", to_npy(field));
+    write_file(handover.path() / "about.json", about.dump());
     StagedFile staged(path);
     const std::string target = staged.beside().empty() ? path : staged.beside().string();
-    const std::string script = plotter().string();
-    const std::string folder = handover.folder.string();
-    const char* const python =
-        std::filesystem::exists(HAPTOGRAM_PYTHON) ? HAPTOGRAM_PYTHON : "python3";  // with matplotlib
-    std::array<const char*, 5> arguments = {python, script.c_str(), folder.c_str(), target.c_str(), nullptr};
-    pid_t child = 0;
-    int status = -1;
-    if (::posix_spawnp(&child, python, nullptr, nullptr, const_cast<char* const*>(arguments.data()), environ) != 0 ||
-        ::waitpid(child, &status, 0) != child || status != 0)
-        throw bad_input(path,
-                        "the picture could not be drawn; it needs python3 with matplotlib, and room for the file; "
-                        ".csv, .npy and .vti need neither");
+    write_file(handover.path() / "plot_field.py", read_file("shipped:tools/plot_field.py"));
+    const auto drawn = [&] {
+        const std::string python = std::filesystem::exists(HAPTOGRAM_PYTHON) ? HAPTOGRAM_PYTHON : "python3";
+        try {
+            return run_process(std::filesystem::current_path(), {python, (handover.path() / "plot_field.py").string(),
+                                                                 handover.path().string(), target});
+        } catch (const Error& error) {
+            return ProcessResult{false, error.what()};
+        }
+    }();
+    if (!drawn.succeeded)
+        throw bad_input(path, fmt::format("the picture could not be drawn; it needs python3 with matplotlib, and room "
+                                          "for the file; .csv, .npy and .vti need neither{}{}",
+                                          drawn.said.empty() ? "" : "\n", drawn.said));
     staged.commit();
 }
 
 }  // namespace
 
-void check_field_path(const std::string& path, const Region& region, bool complex_values) {
+void check_field_path(const std::string& path, const Region& region, Quantity quantity) {
     const std::string kind = ending(path);
     if (!kind.empty() && kind != ".csv" && kind != ".npy" && kind != ".vti" && kind != ".png")
-        throw Error(
-            ErrorCode::bad_argument, "--output",
+        throw bad_argument(
+            "output",
             fmt::format("'{}' is no ending that is known; .csv, .npy, .vti and .png are, and none means CSV", kind));
-    if (kind == ".png" && (region.axes.size() == 3 || complex_values))
-        throw Error(
-            ErrorCode::bad_argument, "--output",
+    if (kind == ".png" && (region.axes.size() == 3 || (quantity == Quantity::complex)))
+        throw bad_argument(
+            "output",
             fmt::format("{} has no picture; take a plane or a line and a real quantity, or a .vti file for ParaView",
-                        complex_values ? "a complex field" : "a volume"));
+                        (quantity == Quantity::complex) ? "a complex field" : "a volume"));
 }
 
-void write_field(const std::string& path, const FieldFile& field) {
+void write_field(const std::string& path, const Field& field) {
     const std::string kind = ending(path);
     if (kind == ".png")
         draw(path, field);
@@ -183,4 +157,4 @@ void write_field(const std::string& path, const FieldFile& field) {
         write_file(path, kind == ".npy" ? to_npy(field) : kind == ".vti" ? to_vti(field) : to_csv(field));
 }
 
-}  // namespace haptogram::cli
+}  // namespace haptogram

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "command.hpp"
+
+#include <fmt/core.h>
+
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <system_error>
+
+#include "haptogram/base/error.hpp"
+
+namespace haptogram::cli {
+
+void complain(const std::string& message) {
+    // Not fmt::print, which throws when stderr is closed.
+    std::fputs(fmt::format("haptogram: {}\n", message).c_str(), stderr);
+}
+
+void require_distinct(const std::vector<NamedPath>& inputs, const std::vector<NamedPath>& outputs) {
+    const auto same = [](const std::string& a, const std::string& b) {
+        std::error_code error;  // of files that do not exist yet
+        const auto place = [&error](const std::string& path) {
+            return std::filesystem::weakly_canonical(std::filesystem::absolute(path, error), error);
+        };
+        return a == b || place(a) == place(b) || std::filesystem::equivalent(a, b, error);
+    };
+    const auto clash = [](const NamedPath& a, const NamedPath& b) {
+        return Error(ErrorCode::bad_argument, b.option,
+                     fmt::format("{} is already {}; give each its own file", b.path == "-" ? "standard output" : b.path,
+                                 a.option));
+    };
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
+        for (const NamedPath& input : inputs)
+            if (outputs[i].path != "-" && same(input.path, outputs[i].path)) throw clash(input, outputs[i]);
+        for (std::size_t j = 0; j < i; ++j)
+            if (same(outputs[j].path, outputs[i].path)) throw clash(outputs[j], outputs[i]);
+    }
+}
+
+CLI::Validator positive() {
+    return {[](std::string& text) {
+                double value = 0.0;
+                if (CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0.0) return std::string();
+                return fmt::format("must be a positive number, found '{}'", text);
+            },
+            "POSITIVE"};
+}
+
+CLI::Validator not_negative() {
+    return {[](std::string& text) {
+                double value = 0.0;
+                if (CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value >= 0.0)
+                    return std::string();
+                return fmt::format("must be a number, and not negative, found '{}'", text);
+            },
+            "NUMBER"};
+}
+
+CLI::Validator whole(std::uint64_t low, std::uint64_t high) {
+    return {[low, high](std::string& text) {
+                std::uint64_t value = 0;
+                const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+                if (error == std::errc() && end == text.data() + text.size() && value >= low && value <= high)
+                    return std::string();
+                return fmt::format("must be a whole number from {} to {}, found '{}'", low, high, text);
+            },
+            "WHOLE"};
+}
+
+}  // namespace haptogram::cli

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace haptogram::cli {
+
+/// What a command tells at its end, written once: as lines for a person, or as one JSON object for a program.
+class Report {
+public:
+    /// @param line  for a person, without its newline; empty for what only programs want
+    Report& add(const std::string& key, nlohmann::ordered_json value, std::string line = {}) {
+        json_[key] = std::move(value);
+        return tell(std::move(line));
+    }
+    /// A line that programs need not see, as its numbers have keys of their own.
+    Report& tell(std::string line) {
+        if (!line.empty()) lines_.push_back(std::move(line));
+        return *this;
+    }
+
+    /// On standard output.
+    void print(bool as_json) const;
+    [[nodiscard]] const nlohmann::ordered_json& json() const { return json_; }
+
+private:
+    nlohmann::ordered_json json_ = nlohmann::ordered_json::object();
+    std::vector<std::string> lines_;
+};
+
+}  // namespace haptogram::cli

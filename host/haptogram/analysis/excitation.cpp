@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/analysis/excitation.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "haptogram/acoustics/propagation.hpp"
+#include "haptogram/analysis/focus_check.hpp"
+#include "haptogram/analysis/measure.hpp"
+#include "haptogram/base/error.hpp"
+
+namespace haptogram {
+namespace {
+
+void require_record(std::uint32_t record, std::size_t records, const char* owner) {
+    if (record > records) throw bad_argument("record", fmt::format("the {} has {}, not {}", owner, records, record));
+}
+
+std::vector<Vec3> positions(const std::vector<Focus>& foci) {
+    std::vector<Vec3> found;
+    for (const Focus& focus : foci) found.push_back(focus.position);
+    return found;
+}
+
+}  // namespace
+
+std::vector<WeightedDrives> Excitation::sequence() const {
+    std::vector<WeightedDrives> found;
+    for (std::size_t i = 0; i < drives.size(); ++i) found.push_back({weights[i], drives[i]});
+    return found;
+}
+
+Excitation excitation_of(const Array& array, Vec3 focus) {
+    if (const std::string why = array.unreachable(focus); !why.empty()) throw bad_argument("focus", why);
+    return {array,
+            {ideal_drives(array, focus)},
+            {1.0},
+            {focus},
+            fmt::format("{}, exact phases for ({:g},{:g},{:g}) mm", array.name, focus.x / millimetre,
+                        focus.y / millimetre, focus.z / millimetre)};
+}
+
+Excitation excitation_of(const Bundle& bundle, std::uint32_t record) {
+    const Image& image = bundle.image;
+    require_record(record, image.records.size(), "image");
+    Excitation found{bundle.manifest.array, {}, {}, {}, {}};
+    if (record > 0) {
+        found.drives = {drives_of(bundle.manifest, image.records[record - 1])};
+        found.weights = {1.0};
+        found.foci = positions(bundle.manifest.records[record - 1].foci);
+        found.title = fmt::format("{}, record {}", bundle.name, record);
+        return found;
+    }
+    for (const std::uint64_t clocks : record_clocks(image)) found.weights.push_back(static_cast<double>(clocks));
+    for (const Record& each : image.records) found.drives.push_back(drives_of(bundle.manifest, each));
+    found.foci = bundle.manifest.points();
+    found.title = fmt::format("{}, {} points in turn", bundle.name, image.records.size());
+    return found;
+}
+
+Excitation excitation_of(const Manifest& manifest, const std::string& name, std::uint32_t record) {
+    require_record(record, manifest.records.size(), "manifest");
+    Excitation found{manifest.array, {}, {}, manifest.points(), name + ", exact phases"};
+    const double full = std::sin(std::numbers::pi * manifest.timer.duty());
+    for (std::size_t i = 0; i < manifest.records.size(); ++i) {
+        if (record > 0 && i + 1 != record) continue;
+        const RecordMeaning& meaning = manifest.records[i];
+        found.drives.push_back(exact_drives(manifest.array, meaning.foci));
+        for (std::complex<double>& drive : found.drives.back()) drive *= full * meaning.amplitude;
+        found.weights.push_back(meaning.dwell_cycles);
+    }
+    if (record > 0) found.foci = positions(manifest.records[record - 1].foci);
+    return found;
+}
+
+Excitation excitation_of(const Manifest& manifest, const std::vector<Pulse>& pulses, const std::string& name) {
+    if (pulses.empty()) throw bad_input(name, "no pulses in it; expected what a simulation measured");
+    Excitation found{manifest.array, {}, {}, manifest.points(), name + ", as measured at the pins"};
+    for (MeasuredRecord& record : measure(manifest, pulses, name)) {
+        if (record.cycles == 0) continue;
+        found.drives.push_back(std::move(record.drives));
+        found.weights.push_back(static_cast<double>(record.cycles));
+    }
+    return found;
+}
+
+}  // namespace haptogram

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <complex>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "haptogram/acoustics/field.hpp"
+#include "haptogram/image/bundle.hpp"
+#include "haptogram/image/pulses.hpp"
+
+namespace haptogram {
+
+/// What makes a sound field: sets of drives, each for its share of the time.
+struct Excitation {
+    Array array;
+    std::vector<std::vector<std::complex<double>>> drives;  ///< one an element, Pa·m
+    std::vector<double> weights;                            ///< of each set; only their ratios matter
+    std::vector<Vec3> foci;                                 ///< that were asked for, metres
+    std::string title;                                      ///< in words, for pictures
+
+    /// The same as the field's functions take it; valid as long as this is.
+    [[nodiscard]] std::vector<WeightedDrives> sequence() const;
+};
+
+/// One focal point, exact phases, full strength.
+/// @throws Error{bad_argument} when the array cannot reach it
+[[nodiscard]] Excitation excitation_of(const Array& array, Vec3 focus);
+
+/// An image: each record as its pulses would be measured, for the time that it plays in one pass.
+/// @param record  only this one; 0: all
+/// @throws Error{bad_argument} when there is no such record
+[[nodiscard]] Excitation excitation_of(const Bundle& bundle, std::uint32_t record = 0);
+
+/// What a manifest asks for: exact phases, in the shares of its dwells.
+[[nodiscard]] Excitation excitation_of(const Manifest& manifest, const std::string& name, std::uint32_t record = 0);
+
+/// What was measured at the pins while the manifest's image played.
+/// @param name  of the pulse file, for messages
+[[nodiscard]] Excitation excitation_of(const Manifest& manifest, const std::vector<Pulse>& pulses,
+                                       const std::string& name);
+
+}  // namespace haptogram

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "haptogram/boards/interface.hpp"
+#include "haptogram/model/array.hpp"
+
+namespace haptogram {
+
+/// The instrument's core as an FPGA holds it, or will hold it: what an image is made for.
+struct Core {
+    std::string name;  ///< of the board, or of the configuration (tools/interface.toml)
+    interface::CoreParameters parameters;
+
+    /// Focal points that one image can play, each as a record and an entry of the sequence, whose first word is its
+    /// header.
+    [[nodiscard]] std::uint32_t most_points() const {
+        return std::min(parameters.records, parameters.sequence_depth - 1);
+    }
+    friend bool operator==(const Core&, const Core&) = default;
+};
+
+/// A named configuration of the core, such as "tile-100".
+/// @throws Error{bad_input} naming those that there are
+[[nodiscard]] Core find_configuration(const std::string& name);
+
+/// A board by the name or path that load_board() takes, or a configuration.
+[[nodiscard]] Core find_core(const std::string& name);
+
+/// The core that an array file's table [board] describes; "tile-100" where the file has none.
+/// @param name  path or shipped array, as find_array() takes it
+/// @throws Error{bad_input} naming the file, the line and the key
+[[nodiscard]] Core core_of_array(const std::string& name);
+
+/// The array that a board drives unless told otherwise.
+/// @throws Error{bad_argument} for a configuration, which is for no particular array
+[[nodiscard]] std::string array_of_board(const std::string& name);
+
+/// @throws Error{bad_input} when the array has more elements than the core has channels
+void require_channels(const Array& array, const Core& core);
+
+}  // namespace haptogram

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <filesystem>
+#include <string>
+
+#include "haptogram/image/image.hpp"
+#include "haptogram/image/manifest.hpp"
+
+namespace haptogram {
+
+/// An image with its manifest, known to speak of each other.
+struct Bundle {
+    Image image;
+    Manifest manifest;
+    std::string hex;   ///< the image's file
+    std::string name;  ///< of that file, for messages
+};
+
+/// Where an image's manifest lies unless somebody says otherwise: beside it, with the ending ".json".
+[[nodiscard]] std::string manifest_path(const std::string& image);
+
+/// Puts the two together. Everything that is made of an image and its manifest begins here, so that there is one rule:
+/// the manifest has the image's hash, and agrees with it in channels, clock, records, timer, pulses, dwells, and in the
+/// channels that stay silent.
+/// @param name           of the image, for messages
+/// @param manifest_name  of the manifest, for messages
+/// @throws Error{bad_input} naming the first disagreement
+[[nodiscard]] Bundle bundle_of(std::string hex, Manifest manifest, const std::string& name,
+                               const std::string& manifest_name);
+
+/// Reads both files. @param manifest  empty for the one beside the image
+[[nodiscard]] Bundle load_bundle(const std::string& image, const std::string& manifest = {});
+
+}  // namespace haptogram

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "haptogram/analysis/focus_analysis.hpp"
+#include "haptogram/base/progress.hpp"
+#include "haptogram/image/bundle.hpp"
+
+namespace haptogram {
+
+/// About the least force that a palm felt: 0.06 gf (Multimodal, Table III).
+inline constexpr double least_felt_n = 0.58e-3;
+/// What Hoshi 2.4 recommends for ears, and calls safe in tissue; of the latter skin takes in 0.1 %.
+inline constexpr double recommended_for_ears_db = 110.0;
+inline constexpr double safe_in_tissue_w_m2 = 1000.0;
+
+/// One focus of an image.
+struct PointAnalysis {
+    std::size_t record = 0;  ///< counted from 1
+    FocusAnalysis focus;
+    std::uint32_t dwell_cycles = 0;  ///< that its record has in one pass
+    bool too_weak = false;           ///< less than the least force
+};
+
+struct ImageAnalysis {
+    std::vector<PointAnalysis> points;
+    std::vector<std::string> warnings;
+    Loudness loudness;  ///< information computed from a model, no certification
+};
+
+/// What each focus of an image is like, and how loud the whole is.
+/// @param least_force_n  a focus with less force in it is called too weak to feel
+[[nodiscard]] ImageAnalysis analyze(const Bundle& bundle, double least_force_n = least_felt_n,
+                                    const Progress& progress = {});
+
+}  // namespace haptogram

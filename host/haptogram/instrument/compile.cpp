@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/instrument/compile.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <map>
+#include <numeric>
+#include <utility>
+
+#include "haptogram/base/error.hpp"
+#include "haptogram/base/file.hpp"
+#include "haptogram/boards/board.hpp"
+#include "haptogram/render/schedule.hpp"
+#include "haptogram/shape/import.hpp"
+#include "haptogram/solve/drives.hpp"
+
+namespace haptogram {
+namespace {
+
+constexpr std::uint32_t most_dwell = interface::sequence_entry_field::dwell.most();
+
+double metres_per_unit(const std::string& unit) {
+    if (unit == "mm") return millimetre;
+    if (unit == "cm") return 0.01;
+    if (unit == "m") return 1.0;
+    throw bad_argument("unit", fmt::format("must be mm, cm or m, found '{}'", unit));
+}
+
+/// The union of a project's shapes.
+/// @param hashes  gets the hash of every file's content
+Shape gather(const Project& project, std::string& hashes) {
+    Shape shape;
+    for (const ShapeSource& source : project.shapes) {
+        Shape part;
+        if (source.file.empty() && !source.content) {
+            part = make_primitive(source.primitive);
+        } else {
+            std::string hash;
+            const std::filesystem::path path = source.file == "-" ? "-" : project.folder / source.file;
+            part = load_shape(path, metres_per_unit(source.unit), &hash);
+            hashes += hash;
+        }
+        std::move(part.pieces.begin(), part.pieces.end(), std::back_inserter(shape.pieces));
+    }
+    if (shape.pieces.empty())
+        throw bad_argument("shape", fmt::format("there is nothing to compile: give a file, or one of the built-in "
+                                                "shapes {}",
+                                                fmt::join(primitive_kinds(), ", ")));
+    return shape;
+}
+
+Placement placement(const Project& project) {
+    Placement result = project.placement;
+    const bool built_in = std::all_of(project.shapes.begin(), project.shapes.end(),
+                                      [](const ShapeSource& s) { return s.file.empty() && !s.content; });
+    if (!result.center && built_in) result.center = from_mm(0.0, 0.0, 130.0);  // where the paper shows its shapes
+    return result;
+}
+
+/// A project's settings without names of files, which say nothing of what is in them.
+std::string settings_text(Project project) {
+    for (ShapeSource& source : project.shapes) {
+        source.content.reset();
+        if (!source.file.empty()) source.file = "file";
+    }
+    project.array.reset();
+    project.board.reset();
+    const std::uint64_t seed = std::exchange(project.seed, Project{}.seed);  // a file cannot hold the largest ones
+    return fmt::format("{}seed {}\n", to_toml(project), seed);
+}
+
+/// Which record each stretch of the path plays, and for how long.
+struct Timeline {
+    std::vector<PathStep> steps;     ///< one a record
+    std::vector<double> amplitudes;  ///< factor of the modulation, one a record
+    std::vector<SequenceEntry> entries;
+};
+
+class TimelineMaker {
+public:
+    TimelineMaker(const Path& path, const Timer& timer, const Core& core) : path_(path), timer_(timer), core_(core) {}
+
+    Timeline make() {
+        const std::uint64_t length = path_.periods();
+        const auto& samples = path_.modulation.samples;
+        const std::uint64_t cycle = samples.size() * path_.modulation.periods_a_sample;
+        const std::uint64_t end = samples.empty() ? length : std::lcm(length, cycle);
+        std::uint64_t now = 0;
+        for (std::size_t step = 0; now < end; step = (step + 1) % path_.steps.size()) {
+            const std::uint64_t until = now + path_.steps[step].periods;
+            while (now < until) {
+                std::uint64_t next = until;
+                double factor = 1.0;
+                if (!samples.empty()) {
+                    const std::uint64_t at = now / path_.modulation.periods_a_sample;
+                    factor = samples[at % samples.size()];
+                    next = std::min(until, (at + 1) * path_.modulation.periods_a_sample);
+                }
+                play(record_of(path_.steps[step], factor), next - now);
+                now = next;
+            }
+        }
+        return std::move(timeline_);
+    }
+
+private:
+    /// Index of the record with these foci at this strength, made when there is none yet; 0 for silence.
+    std::uint16_t record_of(const PathStep& step, double factor) {
+        double largest = 0.0;
+        for (const Focus& focus : step.foci) largest = std::max(largest, focus.amplitude);
+        const std::uint32_t pulse = pulse_ticks(timer_, largest * factor);
+        if (pulse == 0) return 0;
+        std::string key(reinterpret_cast<const char*>(step.foci.data()), step.foci.size() * sizeof(Focus));
+        key += fmt::format(" {}", pulse);
+        const auto [entry, fresh] = records_.try_emplace(key, timeline_.steps.size() + 1);
+        if (fresh) {
+            timeline_.steps.push_back(step);
+            timeline_.amplitudes.push_back(factor);
+            if (timeline_.steps.size() > core_.parameters.records)
+                throw bad_input(core_.name,
+                                fmt::format("the path needs more records than the board's {}: every set of foci, and "
+                                            "every strength of it, is one; take fewer points or a coarser modulation",
+                                            core_.parameters.records),
+                                {"points", "board", "array"});
+        }
+        return static_cast<std::uint16_t>(entry->second);
+    }
+
+    void play(std::uint16_t index, std::uint64_t periods) {
+        auto& entries = timeline_.entries;
+        while (periods > 0) {
+            const auto dwell = static_cast<std::uint16_t>(std::min<std::uint64_t>(periods, most_dwell));
+            if (entries.size() + 1 >= core_.parameters.sequence_depth)
+                throw bad_input(core_.name,
+                                fmt::format("the path needs more sequence entries than the board's {}; take fewer "
+                                            "points or a coarser modulation",
+                                            core_.parameters.sequence_depth - 1),
+                                {"points", "board", "array"});
+            entries.push_back({index, dwell});
+            periods -= dwell;
+        }
+    }
+
+    const Path& path_;
+    const Timer& timer_;
+    const Core& core_;
+    Timeline timeline_;
+    std::map<std::string, std::size_t> records_;
+};
+
+void warn_of_short_dwells(Compiled& compiled) {
+    const Formation& formation = compiled.bundle.manifest.formation;
+    const double dwell_s = compiled.shortest_dwell_s();
+    if (dwell_s >= formation.with_ring_up_s()) return;
+    const bool geometry = dwell_s < formation.formation_s;
+    compiled.warnings.push_back(
+        fmt::format("a point lasts {:.1f} µs, shorter than the {:.1f} µs {}; it will not reach its full pressure",
+                    dwell_s * 1e6, (geometry ? formation.formation_s : formation.with_ring_up_s()) * 1e6,
+                    geometry ? "in which all waves arrive at a focus" : "that the transducers' ring-up takes as well"));
+}
+
+Compiled compile_path(Path path, const Array& array, const Core& core, std::uint16_t loops, const std::string& name,
+                      const std::string& settings) {
+    require_sound(path);
+    require_channels(array, core);
+    Manifest manifest;
+    manifest.array = array;
+    manifest.core = core;
+    manifest.timer = choose_timer(array, core);
+    const Timeline timeline = TimelineMaker(path, manifest.timer, core).make();
+    if (timeline.steps.empty()) throw bad_argument("path", "every step is silent; there is nothing to play");
+
+    Image image;
+    image.channels = core.parameters.channels;
+    image.clock_hz = core.parameters.clock_hz;
+    image.timing_bits = core.parameters.timing_bits;
+    image.pulse_bits = core.parameters.pulse_bits;
+    image.loops = loops;
+    image.records = records_of(array, manifest.timer, image.channels, timeline.steps, timeline.amplitudes);
+    image.sequence = timeline.entries;
+
+    std::vector<std::uint32_t> dwells(image.records.size());
+    std::uint64_t periods = 0;
+    for (const SequenceEntry& entry : image.sequence) {
+        periods += entry.dwell;
+        if (entry.index > 0) dwells[entry.index - 1U] += entry.dwell;
+    }
+    for (std::size_t i = 0; i < timeline.steps.size(); ++i) {
+        RecordMeaning meaning{timeline.steps[i].foci, timeline.amplitudes[i], dwells[i]};
+        double largest = 0.0;
+        for (const Focus& focus : meaning.foci) largest = std::max(largest, focus.amplitude);
+        for (Focus& focus : meaning.foci) focus.amplitude /= largest;
+        meaning.amplitude *= largest;
+        manifest.records.push_back(std::move(meaning));
+    }
+    manifest.rate_hz = manifest.timer.carrier_hz() / static_cast<double>(periods);
+    manifest.formation = slowest_formation(array, core, manifest.points());
+    Manifest before;  // what is settled before any point is known
+    before.array = array;
+    before.core = core;
+    before.timer = manifest.timer;
+    manifest.input_sha256 = sha256(fmt::format("{} {} {}", version(), settings, to_text(before)));
+    std::string hex = to_intel_hex(image);
+    manifest.image_sha256 = sha256(hex);
+    Compiled compiled{{std::move(image), std::move(manifest), std::move(hex), name}, std::move(path), {}, {}};
+    warn_of_short_dwells(compiled);
+    return compiled;
+}
+
+}  // namespace
+
+double Compiled::shortest_dwell_s() const {
+    std::uint32_t least = most_dwell;
+    for (const SequenceEntry& entry : bundle.image.sequence) least = std::min<std::uint32_t>(least, entry.dwell);
+    return least * bundle.manifest.timer.period_s();
+}
+
+ProjectInstrument instrument_of(const Project& project) {
+    const auto beside = [&](const std::string& name) {
+        const bool path = name.ends_with(".toml");
+        return path ? (project.folder / name).string() : name;
+    };
+    ProjectInstrument found;
+    if (project.board) {
+        const std::string board = beside(*project.board);
+        found.core = find_core(board);
+        const std::string drives = project.array ? beside(*project.array) : array_of_board(board);
+        found.array = find_array(drives);
+    } else {
+        const std::string array = project.array ? beside(*project.array) : "tile-10x10";
+        found.array = find_array(array);
+        found.core = core_of_array(array);
+    }
+    require_channels(found.array, found.core);
+    return found;
+}
+
+Compiled compile(const Project& project, const std::string& name, const Progress& progress) {
+    const ProjectInstrument instrument = instrument_of(project);
+    const Timer timer = choose_timer(instrument.array, instrument.core);
+    std::string hashes;
+    progress(0.0, "reading shapes");
+    const Shape shape = place(gather(project, hashes), placement(project));
+    progress(0.3, "sampling");
+    const interface::CoreParameters& core = instrument.core.parameters;
+    const ShapePathOptions options{
+        project.points,       project.seed,
+        project.clip,         instrument.core.most_points(),
+        instrument.core.name, fmt::format("{} records, {} sequence entries", core.records, core.sequence_depth - 1)};
+    TouredPoints points = tour_of(shape, instrument.array, options);
+    progress(0.8, "focusing");
+    Path path =
+        path_through(points.points, even_dwells(timer.carrier_hz(), project.rate_hz, points.points.size(), most_dwell));
+    Compiled compiled = compile_path(std::move(path), instrument.array, instrument.core, project.loops, name,
+                                     settings_text(project) + hashes);
+    compiled.points = std::move(points);
+    progress(1.0, "focusing");
+    return compiled;
+}
+
+Compiled compile(const Path& path, const Array& array, const Core& core, std::uint16_t loops, const std::string& name) {
+    std::string settings = fmt::format("path {}", loops);
+    for (const PathStep& step : path.steps) {
+        settings += fmt::format("\n{}", step.periods);
+        for (const Focus& f : step.foci)
+            settings += fmt::format(" {} {} {} {}", f.position.x, f.position.y, f.position.z, f.amplitude);
+    }
+    settings += fmt::format("\n{} {}", path.modulation.periods_a_sample, fmt::join(path.modulation.samples, " "));
+    return compile_path(path, array, core, loops, name, settings);
+}
+
+}  // namespace haptogram

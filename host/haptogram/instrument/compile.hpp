@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <string>
+#include <vector>
+
+#include "haptogram/base/progress.hpp"
+#include "haptogram/image/bundle.hpp"
+#include "haptogram/instrument/project.hpp"
+#include "haptogram/render/path.hpp"
+#include "haptogram/render/shape_path.hpp"
+
+namespace haptogram {
+
+/// An image with its manifest, and what became of the shape on the way.
+struct Compiled {
+    Bundle bundle;
+    Path path;                          ///< what the image plays
+    TouredPoints points;                ///< of a shape; empty for a path
+    std::vector<std::string> warnings;  ///< whole sentences
+
+    /// The least time that any focus lasts, s.
+    [[nodiscard]] double shortest_dwell_s() const;
+};
+
+/// Array and core that a project is for.
+struct ProjectInstrument {
+    Array array;
+    Core core;
+};
+/// @throws Error{bad_input} for files that cannot be read, or an array that is too large for the board
+[[nodiscard]] ProjectInstrument instrument_of(const Project& project);
+
+/// From shapes to the memories' contents: reads and places the shapes, samples them, orders the points into a short
+/// tour, gives each its share of the time, and focuses the array on each.
+/// @param name  of the image, for messages
+/// @throws Error naming what is wrong with the project, and the settings that would mend it
+[[nodiscard]] Compiled compile(const Project& project, const std::string& name = "image",
+                               const Progress& progress = {});
+
+/// The same from a path on. Steps with the same foci share a record; amplitudes and the modulation become pulse lengths
+/// of whole records, so that each strength of a focus that occurs is a record of its own. When the modulation does not
+/// end with the path, one pass of the image is as many passes of the path as it takes until both end together.
+/// @param loops  passes of the image when it is played by itself; 0 is for ever
+/// @throws Error{bad_argument} for a path that makes no sense, Error{bad_input} naming the numbers when the core cannot
+/// hold the records or the sequence
+[[nodiscard]] Compiled compile(const Path& path, const Array& array, const Core& core, std::uint16_t loops = 0,
+                               const std::string& name = "image");
+
+}  // namespace haptogram

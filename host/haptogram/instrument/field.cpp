@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/instrument/field.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+
+#include "haptogram/acoustics/quantities.hpp"
+#include "haptogram/analysis/focus_analysis.hpp"
+#include "haptogram/base/error.hpp"
+
+namespace haptogram {
+namespace {
+
+/// In double precision, point by point.
+std::vector<float> rms_velocity(const Excitation& excitation, const Grid& grid, const Progress& progress) {
+    double total = 0.0;
+    for (const double weight : excitation.weights) total += weight;
+    std::vector<float> found;
+    for (std::size_t i = 0; i < grid.size(); ++i) {
+        double square = 0.0;
+        for (std::size_t r = 0; r < excitation.drives.size(); ++r) {
+            const ComplexVec3 v = particle_velocity(excitation.array, excitation.drives[r], grid.point(i));
+            square += excitation.weights[r] / total * (std::norm(v.x) + std::norm(v.y) + std::norm(v.z)) / 2.0;
+        }
+        found.push_back(static_cast<float>(std::sqrt(square)));
+        progress(static_cast<double>(i + 1) / static_cast<double>(grid.size()));
+    }
+    return found;
+}
+
+}  // namespace
+
+Quantity quantity_of(std::string_view name) {
+    std::string known;
+    for (const QuantityName& one : quantity_names) {
+        if (one.name == name) return one.quantity;
+        known += fmt::format("{}{}", known.empty() ? "" : ", ", one.name);
+    }
+    throw bad_argument("quantity", fmt::format("must be one of {}, found '{}'", known, name));
+}
+
+Field field(const Excitation& excitation, const Region& region, Quantity quantity, unsigned threads,
+            const Progress& progress) {
+    Field found{region, {}, {}, {}, excitation.foci, excitation.title};
+    const FieldOptions options{threads == 0 ? std::max(1U, std::thread::hardware_concurrency()) : threads, progress};
+    if (quantity == Quantity::complex) {
+        if (excitation.drives.size() != 1)
+            throw bad_argument("quantity",
+                               fmt::format("complex is of one set of phases, and this plays {}; choose one record",
+                                           excitation.drives.size()),
+                               {"record"});
+        found.quantity = "pressure_pa";
+        found.parts.resize(2);
+        for (const std::complex<float> value :
+             pressure_on(excitation.array, excitation.drives.front(), region.grid, options)) {
+            found.parts[0].push_back(value.real());
+            found.parts[1].push_back(value.imag());
+        }
+        return found;
+    }
+    if (quantity == Quantity::velocity) {
+        found.quantity = "rms_velocity_m_s";
+        found.label = "rms particle velocity / (m/s)";
+        found.parts = {rms_velocity(excitation, region.grid, progress)};
+        return found;
+    }
+    found.parts = {mean_square_pressure(excitation.array, excitation.sequence(), region.grid, options)};
+    const Medium& medium = excitation.array.medium;
+    const auto each = [&](const char* name, const char* label, auto make) {
+        found.quantity = name;
+        found.label = label;
+        for (float& value : found.parts.front()) value = static_cast<float>(make(static_cast<double>(value)));
+    };
+    if (quantity == Quantity::radiation)
+        each("radiation_pressure_pa", "time-averaged radiation pressure / Pa",
+             [&](double square) { return radiation_pressure(std::sqrt(2.0 * square), medium); });
+    else if (quantity == Quantity::rms)
+        each("rms_pressure_pa", "rms sound pressure / Pa", [](double square) { return std::sqrt(square); });
+    else
+        each("spl_db", "sound pressure level / dB re 20 µPa",
+             [](double square) { return sound_level_db(std::sqrt(2.0 * square)); });
+    return found;
+}
+
+Field workspace_field(const Array& array, const Region& region) {
+    return {region,
+            "reachable_pressure_pa",
+            "pressure amplitude that a focus can have / Pa",
+            {workspace(array, region.grid)},
+            {},
+            array.name + ", focused on each point"};
+}
+
+}  // namespace haptogram

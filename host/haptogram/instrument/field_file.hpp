@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <string>
+
+#include "haptogram/instrument/field.hpp"
+
+namespace haptogram {
+
+/// @throws Error{bad_argument} when a path's ending is none of .csv, .npy, .vti and .png, or cannot show what is to be
+/// written
+void check_field_path(const std::string& path, const Region& region, Quantity quantity);
+
+/// CSV: a column an axis in millimetres, then the value.
+[[nodiscard]] std::string to_csv(const Field& field);
+/// NumPy's format 1.0: float32 or complex64, C order, axes (z, y, x) without those of one coordinate.
+[[nodiscard]] std::string to_npy(const Field& field);
+/// VTK image data in millimetres, for ParaView.
+[[nodiscard]] std::string to_vti(const Field& field);
+
+/// Writes the field in the format that the path's ending names; "-" and paths that are no files get CSV. A picture is
+/// drawn by python3 with matplotlib, which must be there.
+/// @throws Error{bad_input} when it cannot be written
+void write_field(const std::string& path, const Field& field);
+
+}  // namespace haptogram

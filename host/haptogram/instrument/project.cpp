@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/instrument/project.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <sstream>
+
+#include "haptogram/base/toml_section.hpp"
+
+namespace haptogram {
+namespace {
+
+using section::assign;
+using section::Section;
+
+constexpr std::string_view format_name = "haptogram-project-1";
+constexpr double longest_mm = 1e6;
+
+bool is_unit(const std::string& text) { return text == "mm" || text == "cm" || text == "m"; }
+
+std::optional<double> length(const Section& section, std::string_view key) {
+    const auto millimetres = section.number(key, 1e-6, longest_mm);
+    return millimetres ? std::optional(*millimetres * millimetre) : std::nullopt;
+}
+
+ShapeSource read_shape(const std::string& file, const toml::table& table) {
+    const Section section(file, table);
+    section.only({"file", "unit", "kind", "diameter_mm", "length_mm", "height_mm", "sides", "turns"});
+    ShapeSource source;
+    assign(source.file, section.text("file"));
+    assign(source.primitive.kind, section.text("kind"));
+    const std::string where = section::place(file, table);
+    if (source.file.empty() == source.primitive.kind.empty())
+        throw bad_input(where, "a [[shape]] has either 'file', a shape file, or 'kind', a built-in shape");
+    assign(source.unit, section.text("unit", "\"mm\", \"cm\" or \"m\"", is_unit));
+    source.primitive.diameter = length(section, "diameter_mm");
+    source.primitive.size = length(section, "length_mm");
+    source.primitive.height = length(section, "height_mm");
+    source.primitive.sides = section.whole("sides", 3, 1000);
+    source.primitive.turns = section.number("turns", 1e-3, 1e3);
+    const PrimitiveSpec& p = source.primitive;
+    if (!source.file.empty() && (p.diameter || p.size || p.height || p.sides || p.turns))
+        throw bad_input(where, "diameter_mm, length_mm, height_mm, sides and turns measure built-in shapes, not files");
+    if (source.file.empty() && section.find("unit") != nullptr)
+        throw bad_input(section.at("unit"), "unit is that of a file's coordinates; a built-in shape has none");
+    return source;
+}
+
+void read_placement(Placement& placement, const Section& section) {
+    section.only({"scale", "size_mm", "rotate_deg", "center_mm"});
+    assign(placement.scale, section.number("scale", 1e-9, 1e9));
+    placement.size_m = length(section, "size_mm");
+    if (const auto angles = section.numbers("rotate_deg", 3))
+        std::copy(angles->begin(), angles->end(), placement.rotate_deg.begin());
+    if (const auto center = section.numbers("center_mm", 3))
+        placement.center = from_mm((*center)[0], (*center)[1], (*center)[2]);
+}
+
+/// A text as TOML writes it.
+std::string quoted(const std::string& text) {
+    std::ostringstream out;
+    out << toml::value<std::string>(text);
+    return out.str();
+}
+
+/// The shortest digits that read back as the same number, and with a point so that TOML takes it as one.
+std::string number(double value) {
+    std::string text = fmt::format("{}", value);
+    if (text.find_first_of(".en") == std::string::npos) text += ".0";
+    return text;
+}
+
+/// Millimetres that read back as the same metres.
+std::string in_mm(double metres) {
+    double millimetres = metres / millimetre;
+    for (const double near : {millimetres, std::nextafter(millimetres, 0.0), std::nextafter(millimetres, 1e300)})
+        if (near * millimetre == metres) millimetres = near;
+    return number(millimetres);
+}
+
+std::string to_toml(const ShapeSource& source) {
+    if (source.content)
+        throw bad_argument("shapes", fmt::format("'{}' is only in memory; save it as a file first", source.file));
+    std::string text = "\n[[shape]]\n";
+    if (!source.file.empty()) {
+        text += fmt::format("file = {}\n", quoted(source.file));
+        if (source.unit != ShapeSource{}.unit) text += fmt::format("unit = {}\n", quoted(source.unit));
+        return text;
+    }
+    const PrimitiveSpec& p = source.primitive;
+    text += fmt::format("kind = {}\n", quoted(p.kind));
+    if (p.diameter) text += fmt::format("diameter_mm = {}\n", in_mm(*p.diameter));
+    if (p.size) text += fmt::format("length_mm = {}\n", in_mm(*p.size));
+    if (p.height) text += fmt::format("height_mm = {}\n", in_mm(*p.height));
+    if (p.sides) text += fmt::format("sides = {}\n", *p.sides);
+    if (p.turns) text += fmt::format("turns = {}\n", number(*p.turns));
+    return text;
+}
+
+}  // namespace
+
+Project project_from_toml(std::string_view text, const std::string& where) {
+    const toml::table root = section::parse_text(text, where);
+    const Section whole(where, root);
+    whole.only({"format", "array", "board", "points", "seed", "clip", "rate_hz", "loops", "place", "shape"});
+    const auto format = whole.required(whole.text("format"), "format", fmt::format("\"{}\"", format_name));
+    if (format != format_name)
+        throw whole.wrong(*whole.find("format"), "format", fmt::format("\"{}\" for this version", format_name));
+    Project project;
+    project.array = whole.text("array");
+    project.board = whole.text("board");
+    assign(project.points, whole.whole("points", 1, 65535));
+    assign(project.seed, whole.whole64("seed", 0, std::numeric_limits<std::int64_t>::max()));
+    assign(project.clip, whole.flag("clip"));
+    assign(project.rate_hz, whole.number("rate_hz", 1e-6, 1e6));
+    if (const auto loops = whole.whole("loops", 0, 65535)) project.loops = static_cast<std::uint16_t>(*loops);
+    read_placement(project.placement, Section(where, root, "place"));
+    if (const toml::node* shapes = root.get("shape")) {
+        const toml::array* list = shapes->as_array();
+        if (list == nullptr || !list->is_array_of_tables())
+            throw bad_input(section::place(where, *shapes), "shapes are tables of their own, each under [[shape]]");
+        for (const toml::node& shape : *list) project.shapes.push_back(read_shape(where, *shape.as_table()));
+    }
+    if (project.shapes.empty())
+        throw bad_input(where, "it has no [[shape]]; add one with a 'file' or the 'kind' of a built-in shape");
+    return project;
+}
+
+Project load_project(const std::filesystem::path& path) {
+    Project project = project_from_toml(read_file(path), path.string());
+    project.folder = path.parent_path();
+    return project;
+}
+
+std::string to_toml(const Project& project) {
+    const Project standard;
+    std::string text = fmt::format("format = \"{}\"\n", format_name);
+    if (project.array) text += fmt::format("array = {}\n", quoted(*project.array));
+    if (project.board) text += fmt::format("board = {}\n", quoted(*project.board));
+    if (project.points != standard.points) text += fmt::format("points = {}\n", project.points);
+    if (project.seed > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()))
+        throw bad_argument("seed", fmt::format("{} is more than a project file can hold; take at most {}", project.seed,
+                                               std::numeric_limits<std::int64_t>::max()));
+    if (project.seed != standard.seed) text += fmt::format("seed = {}\n", project.seed);
+    if (project.clip) text += "clip = true\n";
+    if (project.rate_hz != standard.rate_hz) text += fmt::format("rate_hz = {}\n", number(project.rate_hz));
+    if (project.loops != standard.loops) text += fmt::format("loops = {}\n", project.loops);
+    const Placement& place = project.placement;
+    std::string placed;
+    if (place.scale != 1.0) placed += fmt::format("scale = {}\n", number(place.scale));
+    if (place.size_m) placed += fmt::format("size_mm = {}\n", in_mm(*place.size_m));
+    if (place.rotate_deg != Placement{}.rotate_deg)
+        placed += fmt::format("rotate_deg = [{}, {}, {}]\n", number(place.rotate_deg[0]), number(place.rotate_deg[1]),
+                              number(place.rotate_deg[2]));
+    if (place.center)
+        placed += fmt::format("center_mm = [{}, {}, {}]\n", in_mm(place.center->x), in_mm(place.center->y),
+                              in_mm(place.center->z));
+    if (!placed.empty()) text += "\n[place]\n" + placed;
+    for (const ShapeSource& shape : project.shapes) text += to_toml(shape);
+    return text;
+}
+
+bool is_project(const std::string& path) { return path.ends_with(".toml"); }
+
+}  // namespace haptogram

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "haptogram/shape/place.hpp"
+#include "haptogram/shape/primitives.hpp"
+
+namespace haptogram {
+
+/// Where a shape comes from: a file, a file's content that is already in memory, or a built-in shape.
+struct ShapeSource {
+    std::string file;                    ///< path; with `content`, a name for messages whose ending tells the format
+    std::optional<std::string> content;  ///< takes the place of reading the file
+    std::string unit = "mm";             ///< of the file's coordinates: mm, cm or m
+    PrimitiveSpec primitive;             ///< when `file` is empty; metres
+};
+
+/// A tactile object and how it is played: all that shapes an image. Command line options, a project file and a page are
+/// three ways to fill one in; the same settings give the same bytes.
+struct Project {
+    std::vector<ShapeSource> shapes;   ///< their union
+    Placement placement;               ///< of the whole; built-in shapes alone stand at (0, 0, 130 mm) unless told
+    std::size_t points = 200;          ///< focal points to take from a surface, a curve or a larger cloud
+    std::uint64_t seed = 1;            ///< of the sampling
+    bool clip = false;                 ///< leave out points that the array cannot reach
+    double rate_hz = 10.0;             ///< passes over the shape a second
+    std::uint16_t loops = 0;           ///< passes when the image is played by itself; 0 is for ever
+    std::optional<std::string> array;  ///< file or shipped array; by default the board's, or tile-10x10
+    std::optional<std::string> board;  ///< file, shipped board or configuration; by default what the array's file says
+    std::filesystem::path folder;      ///< that relative paths start from; empty: the present one
+};
+
+/// Reads a project file (TOML); host/haptogram/instrument/README.md describes its keys.
+/// @throws Error{bad_input} naming the file, the line and the key, also for unknown keys
+[[nodiscard]] Project load_project(const std::filesystem::path& path);
+/// @param where  names the text in messages
+[[nodiscard]] Project project_from_toml(std::string_view text, const std::string& where);
+
+/// The file's text: what project_from_toml() reads back. Settings that have their default are left out.
+/// @throws Error{bad_argument} for a shape whose content is only in memory
+[[nodiscard]] std::string to_toml(const Project& project);
+
+/// Whether a name is that of a project file rather than of an image.
+[[nodiscard]] bool is_project(const std::string& path);
+
+}  // namespace haptogram

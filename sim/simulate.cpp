@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "simulate.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "haptogram/analysis/measure.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/base/file.hpp"
+
+namespace haptogram::sim {
+namespace {
+
+constexpr std::uint32_t steady_cycles = 3;
+
+std::vector<RecordResult> check_records(const Bundle& bundle, const std::vector<Pulse>& pulses,
+                                        const Progress& progress) {
+    const Manifest& manifest = bundle.manifest;
+    const auto measured = measure(manifest, pulses, bundle.name);
+    std::vector<RecordResult> results;
+    for (std::size_t i = 0; i < measured.size(); ++i) {
+        RecordResult result;
+        result.cycles = measured[i].cycles;
+        result.steady = manifest.records[i].dwell_cycles >= steady_cycles;
+        if (result.cycles > 0) result.check = check_record(manifest, manifest.records[i], measured[i].drives);
+        results.push_back(result);
+        progress(static_cast<double>(i + 1) / static_cast<double>(measured.size()), "focus check");
+    }
+    return results;
+}
+
+}  // namespace
+
+Simulation simulate(const Bundle& bundle, const PlaybackOptions& options) {
+    require_playable(bundle.image, bundle.name);
+    Simulation result;
+    result.playback = play(bundle.image, options, bundle.name);
+    result.records = check_records(bundle, result.playback.pulses, options.progress);
+    for (std::size_t i = 0; i < result.records.size(); ++i) {
+        const RecordResult& record = result.records[i];
+        if (record.cycles == 0) continue;
+        if (!record.steady) {
+            ++result.unsteady;
+            continue;
+        }
+        ++result.checked;
+        const FocusCheck& check = record.check;
+        result.least_kept = std::min(result.least_kept, check.pressure_kept);
+        result.mean_kept += check.pressure_kept;
+        result.worst_offset_m = std::max(result.worst_offset_m, check.peak_offset_m);
+        if (check.pressure_kept < least_pressure_kept || check.peak_offset_m > most_peak_offset_m)
+            result.off.push_back(i + 1);
+    }
+    if (result.checked > 0) result.mean_kept /= static_cast<double>(result.checked);
+    return result;
+}
+
+void require_compiled_for(const Bundle& bundle, const Array& array, const Core& core) {
+    const Array& other = bundle.manifest.array;
+    const interface::CoreParameters& a = core.parameters;
+    const interface::CoreParameters& b = bundle.manifest.core.parameters;
+    const auto near = [](double p, double q) { return std::abs(p - q) <= 1e-6 * std::abs(q); };
+    const auto same_place = [](const Element& p, const Element& q) {
+        return distance(p, q.position) < 1e-6 && distance(p.normal, q.normal) < 1e-6;
+    };
+    if (near(array.medium.speed_m_s, other.medium.speed_m_s) && near(array.duty, other.duty) &&
+        near(array.transducer.radius_m, other.transducer.radius_m) && a.channels == b.channels &&
+        a.clock_hz == b.clock_hz && array.carrier_hz == other.carrier_hz &&
+        std::equal(array.elements.begin(), array.elements.end(), other.elements.begin(), other.elements.end(),
+                   same_place))
+        return;
+    throw bad_input(bundle.name,
+                    fmt::format("it was compiled for {} ({} elements, {} channels, {} Hz), not for {} ({} elements, {} "
+                                "channels, {} Hz); compile it for {}",
+                                other.name, other.elements.size(), b.channels, b.clock_hz, array.name,
+                                array.elements.size(), a.channels, a.clock_hz, array.name),
+                    {"array"});
+}
+
+/// An FST file is a chain of blocks, each a type and its length; the chain must end where the file does.
+void require_whole_trace(const std::filesystem::path& file, const std::string& name) {
+    const std::string content = read_file(file);
+    std::uint64_t at = 0;
+    while (at + 9 <= content.size()) {
+        std::uint64_t length = 0;
+        for (std::size_t i = 1; i <= 8; ++i) length = length << 8 | static_cast<unsigned char>(content[at + i]);
+        if (length < 8 || length > content.size()) break;
+        at += 1 + length;
+    }
+    if (content.empty() || at != content.size())
+        throw bad_input(name, "cannot be written whole; make room, nothing was left behind");
+}
+
+}  // namespace haptogram::sim

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "haptogram/analysis/focus_check.hpp"
+#include "haptogram/base/progress.hpp"
+#include "haptogram/image/bundle.hpp"
+#include "playback.hpp"
+
+namespace haptogram::sim {
+
+/// What a focus must keep to be called on target.
+inline constexpr double least_pressure_kept = 0.999;
+inline constexpr double most_peak_offset_m = 0.2e-3;
+
+/// What the pulses of one record made of its focal points.
+struct RecordResult {
+    std::uint64_t cycles = 0;  ///< that it played; 0: not at all, and `check` says nothing
+    FocusCheck check;
+    bool steady = false;  ///< played long enough that its own pulses could be told from its neighbours'
+};
+
+/// What a run of an image on the Verilated core showed.
+struct Simulation {
+    Playback playback;
+    std::vector<RecordResult> records;
+    std::size_t checked = 0, unsteady = 0;  ///< records
+    std::vector<std::size_t> off;           ///< records, counted from 1, that missed their target
+    double least_kept = 1.0, mean_kept = 0.0, worst_offset_m = 0.0;
+
+    /// No contract was broken, and every focus is where it was asked.
+    [[nodiscard]] bool good() const { return playback.violation_count == 0 && off.empty(); }
+};
+
+/// Plays an image on the Verilated core and checks, from the pulses measured at its pins, the contracts and every
+/// focus.
+/// @throws Error{bad_input} when the image would not play or no Verilated core can play it
+[[nodiscard]] Simulation simulate(const Bundle& bundle, const PlaybackOptions& options);
+
+/// @throws Error{bad_input} unless the bundle was compiled for such an array on such a core: same channels, clock,
+/// carrier, duty, air, transducers, and every element at the same place to a micrometre
+void require_compiled_for(const Bundle& bundle, const Array& array, const Core& core);
+
+/// Verilator's trace writer does not say when the disk is full; this does.
+/// @param name  of the file that the user asked for, for messages
+/// @throws Error{bad_input} when the FST file is cut short
+void require_whole_trace(const std::filesystem::path& file, const std::string& name);
+
+}  // namespace haptogram::sim
