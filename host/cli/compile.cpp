@@ -68,7 +68,7 @@ Shape gather(const CompileOptions& options, std::string& hashed) {
     for (const std::string& kind : options.shapes) {
         PrimitiveSpec spec = options.primitive;
         spec.kind = kind;
-        for (std::optional<double>* length : {&spec.diameter, &spec.size, &spec.height})
+        for (std::optional<double>* length : {&spec.diameter, &spec.length, &spec.height})
             if (*length) **length *= millimetre;
         add(make_primitive(spec));
     }
@@ -237,7 +237,7 @@ void warn_short_dwell(const Manifest& m) {
 void check_options(CompileOptions& options) {
     const PrimitiveSpec& measures = options.primitive;
     if (options.shapes.empty() &&
-        (measures.diameter || measures.size || measures.height || measures.sides || measures.turns))
+        (measures.diameter || measures.length || measures.height || measures.sides || measures.turns))
         throw Error(ErrorCode::bad_argument, "--diameter, --length, --height, --sides, --turns",
                     "measure a built-in shape, and there is none; add --shape, or scale files with --size");
     if (options.output.empty()) throw Error(ErrorCode::bad_argument, "--output", "the name is empty; name the image");
@@ -262,7 +262,7 @@ void check_options(CompileOptions& options) {
 std::string everything_that_shapes_the_image(const CompileOptions& o, const Manifest& m) {
     const PrimitiveSpec& p = o.primitive;
     return fmt::format("{} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {} ", version(), fmt::join(o.shapes, ","),
-                       p.diameter.value_or(0.0), p.size.value_or(0.0), p.height.value_or(0.0), p.sides.value_or(0),
+                       p.diameter.value_or(0.0), p.length.value_or(0.0), p.height.value_or(0.0), p.sides.value_or(0),
                        p.turns.value_or(0.0), o.unit, o.points, o.seed, o.rate_hz, o.loops, fmt::join(o.center_mm, ","),
                        fmt::join(o.rotate_deg, ","), o.size_mm, o.scale, o.clip) +
            to_json(Manifest{.array = m.array,
@@ -344,7 +344,7 @@ void add_compile(CLI::App& app, Action& action) {
     sub->add_option("--shape", options->shapes,
                     fmt::format("Built-in shape, may be repeated: {}", fmt::join(primitive_kinds(), ", ")));
     sub->add_option("--diameter", options->primitive.diameter, "Of a built-in round shape, mm")->check(positive());
-    sub->add_option("--length", options->primitive.size,
+    sub->add_option("--length", options->primitive.length,
                     "Of a built-in line or plus, or the edge of a built-in straight-edged shape, mm")
         ->check(positive());
     sub->add_option("--height", options->primitive.height, "Of a built-in cone, cylinder or helix, mm")
