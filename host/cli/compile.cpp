@@ -37,7 +37,7 @@ struct CompileOptions {
 Project project_of(const CompileOptions& options) {
     const PrimitiveSpec& measures = options.primitive;
     if (options.shapes.empty() &&
-        (measures.diameter || measures.size || measures.height || measures.sides || measures.turns))
+        (measures.diameter || measures.length || measures.height || measures.sides || measures.turns))
         throw bad_argument("--diameter, --length, --height, --sides, --turns",
                            "measure a built-in shape, and there is none; add --shape, or scale files with --size");
     Project project;
@@ -57,7 +57,7 @@ Project project_of(const CompileOptions& options) {
         source.primitive = options.primitive;
         source.primitive.kind = kind;
         for (std::optional<double>* length :
-             {&source.primitive.diameter, &source.primitive.size, &source.primitive.height})
+             {&source.primitive.diameter, &source.primitive.length, &source.primitive.height})
             if (*length) **length *= millimetre;
         project.shapes.push_back(source);
     }
@@ -183,7 +183,7 @@ void add_compile(CLI::App& app, Action& action) {
     sub->add_option("--shape", options->shapes,
                     fmt::format("Built-in shape, may be repeated: {}", fmt::join(primitive_kinds(), ", ")));
     sub->add_option("--diameter", options->primitive.diameter, "Of a built-in round shape, mm")->check(positive());
-    sub->add_option("--length", options->primitive.size,
+    sub->add_option("--length", options->primitive.length,
                     "Of a built-in line or plus, or the edge of a built-in straight-edged shape, mm")
         ->check(positive());
     sub->add_option("--height", options->primitive.height, "Of a built-in cone, cylinder or helix, mm")

@@ -51,9 +51,9 @@ void pulses(const std::string& content) {
 
 void manifest(const std::string& content) { static_cast<void>(to_json(manifest_from_json(content, "fuzz"))); }
 
-void ply(const std::string& content) { static_cast<void>(import_checked(check_ply(content, "fuzz"), "ply", "fuzz")); }
-void obj(const std::string& content) { static_cast<void>(import_checked(check_obj(content, "fuzz"), "obj", "fuzz")); }
-void stl(const std::string& content) { static_cast<void>(import_checked(check_stl(content, "fuzz"), "stl", "fuzz")); }
+void ply(const std::string& content) { static_cast<void>(as_piece(read_ply(content, "fuzz"), "fuzz")); }
+void obj(const std::string& content) { static_cast<void>(as_piece(read_obj(content, "fuzz"), "fuzz")); }
+void stl(const std::string& content) { static_cast<void>(as_piece(read_stl(content, "fuzz"), "fuzz")); }
 void xyz(const std::string& content) { static_cast<void>(read_xyz(content, "fuzz")); }
 void csv(const std::string& content) { static_cast<void>(read_csv(content, "fuzz")); }
 

@@ -78,12 +78,13 @@ TEST_CASE("the box of a curve is exact at its corners and crests", "[shape][plac
     const double angle = GENERATE(0.0, 7.0, 29.0, 45.0, 123.0);
     const double r = angle * 0.017453292519943295;
     const Box square =
-        bounding_box(place(make_primitive({.kind = "square", .size = 0.1}), {.rotate_deg = {0, 0, angle}}));
+        bounding_box(place(make_primitive({.kind = "square", .length = 0.1}), {.rotate_deg = {0, 0, angle}}));
     CHECK(square.extent().x == Approx(0.1 * (std::abs(std::cos(r)) + std::abs(std::sin(r)))).epsilon(1e-8));
     const Box circle =
         bounding_box(place(make_primitive({.kind = "circle", .diameter = 0.1}), {.rotate_deg = {angle, 0, angle}}));
     CHECK(circle.extent().z == Approx(0.1 * std::abs(std::sin(r))).epsilon(1e-8));
-    const Box line = bounding_box(place(make_primitive({.kind = "line", .size = 0.1}), {.rotate_deg = {0, 0, angle}}));
+    const Box line =
+        bounding_box(place(make_primitive({.kind = "line", .length = 0.1}), {.rotate_deg = {0, 0, angle}}));
     CHECK(line.extent().y == Approx(0.1 * std::abs(std::sin(r))).epsilon(1e-8));
 }
 

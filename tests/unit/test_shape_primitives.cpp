@@ -56,13 +56,13 @@ TEST_CASE("the defaults are the paper's, centred on the origin", "[shape][primit
 }
 
 TEST_CASE("options set the extents", "[shape][primitives]") {
-    check_extent({.kind = "line", .size = 0.03}, from_mm(30, 0, 0));
-    check_extent({.kind = "square", .size = 0.03}, from_mm(30, 30, 0));
+    check_extent({.kind = "line", .length = 0.03}, from_mm(30, 0, 0));
+    check_extent({.kind = "square", .length = 0.03}, from_mm(30, 30, 0));
     check_extent({.kind = "polygon", .diameter = 0.08, .sides = 6}, from_mm(80, 40 * std::sqrt(3.0), 0));
     check_extent({.kind = "polygon", .diameter = 0.08, .sides = 4},
                  from_mm(40 * std::sqrt(2.0), 40 * std::sqrt(2.0), 0));
     check_extent({.kind = "sphere", .diameter = 0.06}, from_mm(60, 60, 60));
-    check_extent({.kind = "cube", .size = 0.06}, from_mm(60, 60, 60));
+    check_extent({.kind = "cube", .length = 0.06}, from_mm(60, 60, 60));
     check_extent({.kind = "cone", .diameter = 0.06, .height = 0.02}, from_mm(60, 60, 20));
     check_extent({.kind = "cylinder", .diameter = 0.06, .height = 0.02}, from_mm(60, 60, 20));
     check_extent({.kind = "helix", .diameter = 0.06, .height = 0.02, .turns = 2.0}, from_mm(60, 60, 20));
@@ -127,13 +127,13 @@ TEST_CASE("surfaces have their true area", "[shape][primitives]") {
 
 TEST_CASE("what a shape cannot use is an error that says what it takes", "[shape][primitives]") {
     CHECK_THAT(refusal({.kind = "blob"}), Contains("blob") && Contains("circle") && Contains("helix"));
-    CHECK_THAT(refusal({.kind = "circle", .size = 0.1}), Contains("size") && Contains("expected diameter"));
+    CHECK_THAT(refusal({.kind = "circle", .length = 0.1}), Contains("length") && Contains("expected diameter"));
     CHECK_THAT(refusal({.kind = "point", .diameter = 0.1}), Contains("diameter") && Contains("none"));
     CHECK_THAT(refusal({.kind = "cone", .sides = 4}), Contains("sides") && Contains("diameter, height"));
     for (const double bad :
          {0.0, -0.1, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
         CHECK_THAT(refusal({.kind = "circle", .diameter = bad}), Contains("diameter"));
-        CHECK_THAT(refusal({.kind = "cube", .size = bad}), Contains("size"));
+        CHECK_THAT(refusal({.kind = "cube", .length = bad}), Contains("length"));
         CHECK_THAT(refusal({.kind = "cone", .height = bad}), Contains("height"));
         CHECK_THAT(refusal({.kind = "helix", .turns = bad}), Contains("turns"));
     }

@@ -68,7 +68,7 @@ TEST_CASE("curves are divided into equal arc lengths", "[shape][sample]") {
             CHECK(distance(points[i], points[(i + 1) % 200]) == Approx(chord).epsilon(1e-9));
     }
     SECTION("open, with both ends") {
-        const auto points = sample(make_primitive({.kind = "line", .size = 0.1}), 101, 1).points;
+        const auto points = sample(make_primitive({.kind = "line", .length = 0.1}), 101, 1).points;
         REQUIRE(points.size() == 101);
         for (std::size_t i = 0; i < 101; ++i)
             CHECK(points[i].x == Approx(-0.05 + 0.001 * static_cast<double>(i)).margin(1e-15));
@@ -77,7 +77,7 @@ TEST_CASE("curves are divided into equal arc lengths", "[shape][sample]") {
         CHECK(norm(sample(make_primitive({.kind = "line"}), 1, 1).points.at(0)) < 1e-12);
     }
     SECTION("by length") {
-        Shape shape = make_primitive({.kind = "line", .size = 0.1});
+        Shape shape = make_primitive({.kind = "line", .length = 0.1});
         shape.pieces.push_back(make_primitive({.kind = "circle", .diameter = 0.3 / std::numbers::pi}).pieces.front());
         const auto points = sample(shape, 41, 1).points;  // 10.25 and 30.75 points: the larger remainder gets the last
         CHECK(std::count_if(points.begin(), points.end(),

@@ -36,12 +36,12 @@ ShapeSource read_shape(const std::string& file, const toml::table& table) {
         throw bad_input(where, "a [[shape]] has either 'file', a shape file, or 'kind', a built-in shape");
     assign(source.unit, section.text("unit", "\"mm\", \"cm\" or \"m\"", is_unit));
     source.primitive.diameter = length(section, "diameter_mm");
-    source.primitive.size = length(section, "length_mm");
+    source.primitive.length = length(section, "length_mm");
     source.primitive.height = length(section, "height_mm");
     source.primitive.sides = section.whole("sides", 3, 1000);
     source.primitive.turns = section.number("turns", 1e-3, 1e3);
     const PrimitiveSpec& p = source.primitive;
-    if (!source.file.empty() && (p.diameter || p.size || p.height || p.sides || p.turns))
+    if (!source.file.empty() && (p.diameter || p.length || p.height || p.sides || p.turns))
         throw bad_input(where, "diameter_mm, length_mm, height_mm, sides and turns measure built-in shapes, not files");
     if (source.file.empty() && section.find("unit") != nullptr)
         throw bad_input(section.at("unit"), "unit is that of a file's coordinates; a built-in shape has none");
@@ -92,7 +92,7 @@ std::string to_toml(const ShapeSource& source) {
     const PrimitiveSpec& p = source.primitive;
     text += fmt::format("kind = {}\n", quoted(p.kind));
     if (p.diameter) text += fmt::format("diameter_mm = {}\n", in_mm(*p.diameter));
-    if (p.size) text += fmt::format("length_mm = {}\n", in_mm(*p.size));
+    if (p.length) text += fmt::format("length_mm = {}\n", in_mm(*p.length));
     if (p.height) text += fmt::format("height_mm = {}\n", in_mm(*p.height));
     if (p.sides) text += fmt::format("sides = {}\n", *p.sides);
     if (p.turns) text += fmt::format("turns = {}\n", number(*p.turns));

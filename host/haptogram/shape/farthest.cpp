@@ -20,8 +20,8 @@ bool is_farther(const Candidate& a, const Candidate& b) {
     return a.gap2 > b.gap2 || (a.gap2 == b.gap2 && a.index < b.index);
 }
 
-/// Neighbouring candidates, with the box around them. A chosen point too far from the box to come nearer to any of
-/// them costs one comparison instead of one for each.
+/// Neighbouring candidates, with the box around them. When a newly chosen point is far from the box, no candidate in
+/// it changes, and one comparison with the box replaces one with each candidate.
 struct Group {
     std::span<Candidate> members;
     Vec3 low, high;
@@ -30,7 +30,8 @@ struct Group {
 
 double square(double a) { return a * a; }
 
-/// Not above the `gap2` of any member to `p`, also after rounding, because every step of both is monotonic.
+/// Square of the distance from `p` to the box. It never exceeds that to any member, even after rounding, because every
+/// step of both calculations is monotonic.
 double box_gap2(const Group& group, Vec3 p) {
     const auto outside = [](double low, double high, double v) { return std::max({low - v, v - high, 0.0}); };
     return square(outside(group.low.x, group.high.x, p.x)) + square(outside(group.low.y, group.high.y, p.y)) +

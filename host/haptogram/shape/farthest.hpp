@@ -7,9 +7,9 @@
 
 namespace haptogram {
 
-/// Farthest-point sampling: beginning with `first`, chooses again and again the candidate farthest from all chosen
-/// ones, the lowest index among equals (Gonzalez 1985; the least distance between two chosen points is at least half of
-/// the best possible). Ends early when every place is taken, so it returns fewer than `count` when candidates coincide.
+/// Farthest-point sampling (Gonzalez 1985). It begins with `first` and then chooses, again and again, the candidate
+/// that is farthest from all chosen ones; among equals the one with the lowest index. The least distance between two
+/// chosen points is at least half of the best possible. It ends early when every candidate coincides with a chosen one.
 /// @return indices in the order of choice
 [[nodiscard]] std::vector<std::size_t> farthest_points(const std::vector<Vec3>& candidates, std::size_t count,
                                                        std::size_t first);

@@ -3,6 +3,8 @@
 
 #include <fmt/core.h>
 
+#include <array>
+#include <cmath>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -15,39 +17,57 @@
 namespace haptogram {
 namespace {
 
-Piece read_piece(std::string content, const std::string& format, const std::string& file) {
-    if (format == "xyz") return read_xyz(content, file);
-    if (format == "csv") return read_csv(content, file);
-    if (format == "ply") return import_checked(check_ply(content, file), format, file);
-    if (format == "obj") return import_checked(check_obj(content, file), format, file);
-    return import_checked(check_stl(std::move(content), file), format, file);
+Piece read_piece(std::string_view content, ShapeFormat format, const std::string& name) {
+    switch (format) {
+        case ShapeFormat::csv: return read_csv(content, name);
+        case ShapeFormat::obj: return as_piece(read_obj(content, name), name);
+        case ShapeFormat::ply: return as_piece(read_ply(content, name), name);
+        case ShapeFormat::stl: return as_piece(read_stl(content, name), name);
+        case ShapeFormat::xyz: return read_xyz(content, name);
+    }
+    throw bad_argument("format", "is none of the shape formats; choose one of ShapeFormat");
 }
 
 }  // namespace
 
-Shape load_shape(const std::filesystem::path& path, double metres_per_unit, std::string* content_sha256) {
-    const std::string file = path.string();
-    const std::string extension = lower_case(path.extension().string());
-    std::error_code ignored;  // what else is wrong with the path, read_file says
-    if (std::filesystem::is_directory(path, ignored)) throw bad_input(file, "is a directory; name a shape file in it");
-    bool known = false;
-    for (const char* const name : {".csv", ".obj", ".ply", ".stl", ".xyz"}) known = known || extension == name;
-    if (!known)
-        throw bad_input(
-            file,
-            fmt::format(
-                "found the extension {}, expected .csv, .obj, .ply, .stl or .xyz; export the shape in one of these "
-                "formats and name the file so",
-                shown(extension)));
-    std::string content = read_file(path);
-    if (content_sha256 != nullptr) *content_sha256 = sha256(content);
-    if (content.empty())
-        throw bad_input(file, fmt::format("is empty, expected a shape in {} format; export it again", extension));
-    Piece piece = read_piece(std::move(content), extension.substr(1), file);
+ShapeFormat shape_format(const std::string& file_name) {
+    constexpr std::array<std::pair<std::string_view, ShapeFormat>, 5> formats{{{".csv", ShapeFormat::csv},
+                                                                               {".obj", ShapeFormat::obj},
+                                                                               {".ply", ShapeFormat::ply},
+                                                                               {".stl", ShapeFormat::stl},
+                                                                               {".xyz", ShapeFormat::xyz}}};
+    const std::string extension = lower_case(std::filesystem::path(file_name).extension().string());
+    for (const auto& [known, format] : formats)
+        if (extension == known) return format;
+    throw bad_input(
+        file_name,
+        fmt::format("found the extension {}, expected .csv, .obj, .ply, .stl or .xyz; export the shape in one of these "
+                    "formats and name the file so",
+                    shown(extension)));
+}
+
+Shape load_shape(std::string_view content, ShapeFormat format, const std::string& name, double metres_per_unit) {
+    if (!(metres_per_unit > 0.0) || !std::isfinite(metres_per_unit))
+        throw bad_argument("metres_per_unit",
+                           fmt::format("found {}, expected a positive number; correct it", metres_per_unit));
+    if (content.empty()) throw bad_input(name, "is empty, expected a shape; export it again");
+    Piece piece = read_piece(content, format, name);
     std::vector<Vec3>& points =
         std::holds_alternative<Mesh>(piece) ? std::get<Mesh>(piece).vertices : std::get<Cloud>(piece).points;
     for (Vec3& point : points) point = point * metres_per_unit;
-    return {{std::move(piece)}};
+    Shape shape;
+    shape.pieces.push_back(std::move(piece));
+    return shape;
+}
+
+Shape load_shape(const std::filesystem::path& path, double metres_per_unit, std::string* content_sha256) {
+    const std::string name = path.string();
+    std::error_code ignored;  // what else is wrong with the path, read_file says
+    if (std::filesystem::is_directory(path, ignored)) throw bad_input(name, "is a directory; name a shape file in it");
+    const ShapeFormat format = shape_format(name);
+    const std::string content = read_file(path);
+    if (content_sha256 != nullptr) *content_sha256 = sha256(content);
+    return load_shape(content, format, name, metres_per_unit);
 }
 
 }  // namespace haptogram

@@ -2,18 +2,33 @@
 #pragma once
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "haptogram/shape/shape.hpp"
 
 namespace haptogram {
 
-/// Reads a shape file, its format told by the extension in any case: .ply, .obj, .stl, .xyz or .csv. A file with faces
-/// becomes one Mesh, several objects in it joined and polygons cut into triangles; a file without becomes one Cloud.
-/// PLY, OBJ and STL pass through single precision: 7 significant digits.
-/// @param metres_per_unit  what a 1 in the file means, for example 1e-3
-/// @param content_sha256   when given, gets the hash of what was read; the file, which may be a pipe, is read once
-/// @throws Error{bad_input} naming the file and the line or record, for a file that is missing, empty, cut short or
-///         garbled, has no points, a coordinate that is not finite, a corner that is no vertex, or faces without area
+enum class ShapeFormat { csv, obj, ply, stl, xyz };
+
+/// The format that a file's name tells by its extension, in any case.
+/// @throws Error{bad_input} for any other extension, naming those that are known
+[[nodiscard]] ShapeFormat shape_format(const std::string& file_name);
+
+/// Reads a shape from memory, for example one that a browser sent. Files with faces become one Mesh: several objects
+/// are joined and polygons are cut into triangles. Files without faces become one Cloud. Numbers keep double precision.
+/// @param content          the bytes of the file
+/// @param name             what messages call the shape
+/// @param metres_per_unit  what a 1 in the file means, for example 1e-3; positive and finite
+/// @throws Error{bad_input} naming the shape and the line or record, for content that is empty, cut short or garbled,
+///         has no points, a coordinate that is not finite, a corner that is no vertex, faces without area, or a face
+///         that crosses itself
+/// @throws Error{bad_argument} for a `metres_per_unit` that makes no sense
+[[nodiscard]] Shape load_shape(std::string_view content, ShapeFormat format, const std::string& name,
+                               double metres_per_unit);
+
+/// Reads a shape file; its extension tells the format, and its path is its name in messages.
+/// @param content_sha256  when given, receives the hash of what was read, because a pipe can be read only once
+/// @throws Error{bad_input} for a path that cannot be read, too
 [[nodiscard]] Shape load_shape(const std::filesystem::path& path, double metres_per_unit,
                                std::string* content_sha256 = nullptr);
 

@@ -13,8 +13,8 @@
 namespace haptogram {
 namespace {
 
-Error bad_option(const char* name, double found, const char* expected) {
-    return {ErrorCode::bad_argument, name, fmt::format("found {}, expected {}; correct the option", found, expected)};
+Error bad_setting(const char* name, double found, const char* expected) {
+    return bad_argument(name, fmt::format("found {}, expected {}; correct it", found, expected), {name});
 }
 
 /// p → turn · (scale · p) + shift, where `turn` is a rotation given by the images of the axes.
@@ -46,7 +46,7 @@ Shape moved(Shape shape, const Motion& motion) {
     return shape;
 }
 
-/// The motion, whatever it does else, that leaves `center` where it is.
+/// The same turn and scale as `motion`, but about `center`, which stays where it is.
 Motion about(Vec3 center, Motion motion) {
     motion.shift = {};
     motion.shift = center - motion(center);
@@ -66,8 +66,9 @@ Vec3 rotated(Vec3 p, const std::array<double, 3>& degrees) {
     return p;
 }
 
-/// The largest of `sign` · coordinate on a curve. Between two neighbours of evenly spaced points no coordinate rises by
-/// more than their distance along the curve, so a search is due only around points that come that near to the largest.
+/// The largest value of `sign` · coordinate on a curve. It is found at evenly spaced points first. Between two of them
+/// a coordinate cannot rise by more than their distance along the curve, so the exact search runs only around points
+/// that come that near to the largest value found.
 double furthest(const Curve& curve, double Vec3::*axis, double sign) {
     constexpr int steps = 256;
     const double step = curve.length / steps;
@@ -114,29 +115,27 @@ Box bounding_box(const Shape& shape) {
         }
     }
     if (box.low.x > box.high.x)
-        throw Error(ErrorCode::bad_argument, "shape",
-                    "found nothing, expected a curve, a surface or points; name a shape");
+        throw bad_argument("shape", "found nothing, expected a curve, a surface or points; name a shape", {"shape"});
     return box;
 }
 
 Shape place(const Shape& shape, const Placement& placement) {
     const auto check_positive = [](const char* name, double value) {
-        if (!(value > 0.0) || !std::isfinite(value)) throw bad_option(name, value, "a positive number");
+        if (!(value > 0.0) || !std::isfinite(value)) throw bad_setting(name, value, "a positive number");
     };
     check_positive("scale", placement.scale);
     if (placement.size_m) check_positive("size", *placement.size_m);
     for (const double angle : placement.rotate_deg)
-        if (!std::isfinite(angle)) throw bad_option("rotate", angle, "three angles in degrees");
+        if (!std::isfinite(angle)) throw bad_setting("rotate", angle, "three angles in degrees");
     if (placement.center && !is_finite(*placement.center))
-        throw Error(ErrorCode::bad_argument, "center", "expected three finite numbers; correct the option");
+        throw bad_argument("center", "expected three finite numbers; correct it", {"center"});
 
     Shape placed = moved(shape, {.scale = placement.scale});
     if (placement.size_m) {
         const Box box = bounding_box(placed);
         const double largest = std::max({box.extent().x, box.extent().y, box.extent().z});
         if (largest == 0.0)
-            throw Error(ErrorCode::bad_argument, "size",
-                        "found a single point, which has no size; leave the option out");
+            throw bad_argument("size", "found a single point, which has no size; leave it out", {"size"});
         placed = moved(placed, about(box.center(), {.scale = *placement.size_m / largest}));
     }
     if (const auto& angles = placement.rotate_deg; angles != std::array<double, 3>{}) {

@@ -14,22 +14,20 @@ struct Box {
     [[nodiscard]] Vec3 extent() const { return high - low; }
 };
 
-/// How a shape is put into the array frame; the steps in the order of the members.
+/// Where a shape goes in the array frame. The steps are taken in the order of the members.
 struct Placement {
-    double scale = 1.0;              ///< about the origin
-    std::optional<double> size_m{};  ///< the largest extent of the bounding box, which keeps its centre
-    std::array<double, 3>
-        rotate_deg{};              ///< about the bounding box' centre: about the x, then y, then z axis, right-handed
-    std::optional<Vec3> center{};  ///< where the bounding box' centre goes, metres
+    double scale = 1.0;                  ///< about the origin
+    std::optional<double> size_m{};      ///< wanted largest extent of the bounding box, whose centre stays
+    std::array<double, 3> rotate_deg{};  ///< about the x, then the y, then the z axis through the centre, right-handed
+    std::optional<Vec3> center{};        ///< where the centre of the bounding box goes, metres
 };
 
 /// The smallest box along the axes that holds the shape, metres; curves to 1e-9 of their length.
 /// @throws Error{bad_argument} for a shape without points
 [[nodiscard]] Box bounding_box(const Shape& shape);
 
-/// @throws Error{bad_argument} when a scale or size is not positive and finite, an angle or centre is not finite, or a
-/// shape
-///         without extent is to get a size
+/// @throws Error{bad_argument} that names the setting: `scale` or `size` that is not positive and finite, `rotate` or
+///         `center` that is not finite, or `size` for a shape without extent
 [[nodiscard]] Shape place(const Shape& shape, const Placement& placement);
 
 }  // namespace haptogram

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <utility>
 
 #include "haptogram/shape/text.hpp"
 
@@ -42,7 +43,7 @@ std::optional<PlyProperty> parse_property(std::string_view rest) {
     std::string_view word = take_word(rest);
     if (word == "list") {
         property.count_type = type_named(take_word(rest));
-        if (!property.count_type || *property.count_type >= PlyType::float32) return std::nullopt;
+        if (!property.count_type) return std::nullopt;
         word = take_word(rest);
     }
     const auto type = type_named(word);
@@ -74,58 +75,78 @@ bool take_line(std::string_view line, bool& has_format, PlyHeader& header) {
     return property.has_value();
 }
 
-}  // namespace
-
-std::size_t PlyHeader::count(std::string_view name) const {
-    std::size_t total = 0;
-    for (const PlyElement& element : elements)
-        if (element.name == name) total += element.count;
-    return total;
+/// Gives `role` to the one property of `element` that `is_it` finds.
+/// @param wanted  what to call the property in a message
+template <class IsIt>
+void assign(PlyElement& element, PlyRole role, const IsIt& is_it, std::string_view wanted, const std::string& name) {
+    const auto found = std::find_if(element.properties.begin(), element.properties.end(), is_it);
+    if (found == element.properties.end() || std::any_of(found + 1, element.properties.end(), is_it))
+        throw bad_input(
+            name, fmt::format("the PLY header gives the element {} not exactly one property {}; export the shape again",
+                              shown(element.name), wanted));
+    found->role = role;
 }
 
-PlyHeader parse_ply_header(std::string_view content, const std::string& file) {
+void assign_roles(PlyElement& element, const std::string& name) {
+    if (element.name == "vertex")
+        for (const auto& [axis, role] : {std::pair{"x", PlyRole::x}, {"y", PlyRole::y}, {"z", PlyRole::z}})
+            assign(
+                element, role, [axis = axis](const PlyProperty& p) { return p.name == axis && !p.count_type; }, axis,
+                name);
+    if ((element.name == "face" || element.name == "tristrips") && element.count > 0)
+        assign(
+            element, element.name == "face" ? PlyRole::face : PlyRole::strips,
+            [](const PlyProperty& p) {
+                return (p.name == "vertex_indices" || p.name == "vertex_index") && p.count_type;
+            },
+            "list ... vertex_indices", name);
+}
+
+void check_elements(PlyHeader& header, const std::string& name) {
+    for (auto element = header.elements.begin(); element != header.elements.end(); ++element) {
+        if (element->properties.empty() && element->count > 0)
+            throw bad_input(name, fmt::format("the PLY header gives its {} elements {} no property; export the shape "
+                                              "again",
+                                              element->count, shown(element->name)));
+        if (std::any_of(header.elements.begin(), element,
+                        [&](const PlyElement& other) { return other.name == element->name; }))
+            throw bad_input(name, fmt::format("the PLY header names the element {} twice; export the shape again",
+                                              shown(element->name)));
+        assign_roles(*element, name);
+        if (element->name == "vertex") header.vertices = element->count;
+    }
+}
+
+}  // namespace
+
+PlyHeader parse_ply_header(std::string_view content, const std::string& name) {
     PlyHeader header;
-    Lines lines(content);
-    if (!lines.next() || lines.line() != "ply")
-        throw bad_input(at_line(file, 1),
+    // The format's author speaks of lines that end with a carriage return; today's programs write LF or CRLF.
+    if (content.starts_with("ply\r") && !content.starts_with("ply\r\n")) header.line_end = '\r';
+    Lines lines(content, 0, header.line_end);
+    const auto line = [&lines] { return lines.line().substr(0, lines.line().find_last_not_of(" \t") + 1); };
+    if (!lines.next() || line() != "ply")
+        throw bad_input(at_line(name, 1),
                         fmt::format("found {}, expected \"ply\"; this is no PLY file", shown(lines.line())));
     bool has_format = false;
     bool ended = false;
     while (!ended && lines.next()) {
-        ended = lines.line() == "end_header";
-        // The importer library would take a zero for the end of a name, and so another property for this one.
+        ended = line() == "end_header";
+        // A zero byte is a sign of damage; other programs take it for the end of a name.
         if (lines.line().find('\0') != std::string_view::npos)
             throw bad_input(
-                at_line(file, lines.number()),
+                at_line(name, lines.number()),
                 fmt::format("found {}, expected text without zero bytes; the header is damaged", shown(lines.line())));
-        if (!ended && !take_line(lines.line(), has_format, header))
+        if (!ended && !take_line(line(), has_format, header))
             throw bad_input(
-                at_line(file, lines.number()),
+                at_line(name, lines.number()),
                 fmt::format("found {}, expected a line of a PLY header; export the shape again", shown(lines.line())));
     }
     if (!ended || !has_format)
-        throw bad_input(at_line(file, lines.number()),
+        throw bad_input(at_line(name, lines.number()),
                         fmt::format("the PLY header has no {}; the file is cut short or damaged",
                                     ended ? "format line" : "end_header line"));
-    for (const PlyElement& element : header.elements) {
-        if (element.properties.empty() && element.count > 0)
-            throw bad_input(file, fmt::format("the PLY header gives its {} elements {} no property; export the shape "
-                                              "again",
-                                              element.count, shown(element.name)));
-        if (element.name == "tristrips")
-            throw bad_input(file, "found triangle strips, expected faces; export the shape with faces");
-        for (const std::string_view axis : {"x", "y", "z"}) {
-            const auto is_axis = [&](const PlyProperty& property) {
-                return property.name == axis && !property.count_type;
-            };
-            if (element.name == "vertex" &&
-                std::count_if(element.properties.begin(), element.properties.end(), is_axis) != 1)
-                throw bad_input(
-                    file,
-                    fmt::format("the PLY header gives its vertices not exactly one property {}; export the shape again",
-                                axis));
-        }
-    }
+    check_elements(header, name);
     header.lines = lines.number();
     header.bytes = content.size() - lines.rest().size();
     return header;

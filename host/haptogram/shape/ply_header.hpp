@@ -11,10 +11,14 @@ namespace haptogram {
 
 enum class PlyType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 
+/// What a property means for the shape.
+enum class PlyRole { none, x, y, z, face, strips };
+
 struct PlyProperty {
     std::string name;
     PlyType type{};
-    std::optional<PlyType> count_type;  ///< set when the property is a list
+    std::optional<PlyType> count_type{};  ///< set when the property is a list
+    PlyRole role = PlyRole::none;
 };
 
 struct PlyElement {
@@ -25,16 +29,18 @@ struct PlyElement {
 
 /// What stands before the data of a PLY file.
 struct PlyHeader {
-    std::optional<std::endian> binary;  ///< byte order; none when the data are text
-    std::vector<PlyElement> elements;
+    std::optional<std::endian> binary;  ///< byte order; nothing when the data are text
+    std::vector<PlyElement> elements;   ///< in the order of the data
+    std::size_t vertices = 0;           ///< how many the data hold
+    char line_end = '\n';
     std::size_t lines = 0;
     std::size_t bytes = 0;
-
-    /// Number of `name`d elements, 0 when the header does not speak of them.
-    [[nodiscard]] std::size_t count(std::string_view name) const;
 };
 
-/// @throws Error{bad_input} naming the file and the line that is not of a PLY header with x, y and z of vertices
-[[nodiscard]] PlyHeader parse_ply_header(std::string_view content, const std::string& file);
+/// Reads the header and finds the properties that make the shape: x, y and z of `vertex`, and the list
+/// `vertex_indices` or `vertex_index` of `face` and `tristrips`.
+/// @throws Error{bad_input} naming the file, and the line that does not belong to a PLY header, or the property that is
+///         absent or there twice
+[[nodiscard]] PlyHeader parse_ply_header(std::string_view content, const std::string& name);
 
 }  // namespace haptogram

@@ -64,7 +64,7 @@ Mesh revolve(const std::vector<Ring>& profile) {
     return mesh;
 }
 
-/// Of a sphere, from the top down.
+/// The part of a sphere, from the top down, that is within `angle` of the top as seen from the centre.
 Mesh dome(double radius, double angle) {
     std::vector<Ring> profile{{0.0, radius}};
     const auto rings = static_cast<unsigned>(std::lround(segments * angle / (2.0 * pi)));
@@ -99,7 +99,7 @@ Curve helix(double diameter, double height, double turns) {
             length, false};
 }
 
-/// A kind of shape: the options it takes are those that have a default.
+/// A kind of shape. It takes the measures that have a default here.
 struct Kind {
     PrimitiveSpec defaults;
     Shape (*make)(const PrimitiveSpec&);
@@ -110,25 +110,25 @@ std::vector<Kind> kinds() {
     using Spec = const PrimitiveSpec&;
     return {
         {{.kind = "point"}, [](Spec) { return Shape{{Cloud{{Vec3{}}}}}; }},
-        {{.kind = "line", .size = wide},
+        {{.kind = "line", .length = wide},
          [](Spec s) {
-             return Shape{{polyline({{0, 0, 0}, {*s.size, 0, 0}}, false)}};
+             return Shape{{polyline({{0, 0, 0}, {*s.length, 0, 0}}, false)}};
          }},
         {{.kind = "circle", .diameter = 0.07}, [](Spec s) { return Shape{{circle(*s.diameter)}}; }},
-        {{.kind = "triangle", .size = wide},
-         [](Spec s) { return Shape{{regular_polygon(*s.size * 2.0 / std::sqrt(3.0), 3)}}; }},
-        {{.kind = "square", .size = wide},
-         [](Spec s) { return Shape{{regular_polygon(*s.size * std::sqrt(2.0), 4)}}; }},
-        {{.kind = "plus", .size = wide},
+        {{.kind = "triangle", .length = wide},
+         [](Spec s) { return Shape{{regular_polygon(*s.length * 2.0 / std::sqrt(3.0), 3)}}; }},
+        {{.kind = "square", .length = wide},
+         [](Spec s) { return Shape{{regular_polygon(*s.length * std::sqrt(2.0), 4)}}; }},
+        {{.kind = "plus", .length = wide},
          [](Spec s) {
-             const double arm = 0.5 * *s.size;
+             const double arm = 0.5 * *s.length;
              return Shape{{polyline({{-arm, 0, 0}, {arm, 0, 0}}, false), polyline({{0, -arm, 0}, {0, arm, 0}}, false)}};
          }},
         {{.kind = "polygon", .diameter = wide, .sides = 6},
          [](Spec s) { return Shape{{regular_polygon(*s.diameter, *s.sides)}}; }},
         {{.kind = "sphere", .diameter = wide}, [](Spec s) { return Shape{{dome(0.5 * *s.diameter, pi)}}; }},
         {{.kind = "hemisphere", .diameter = wide}, [](Spec s) { return Shape{{dome(0.5 * *s.diameter, 0.5 * pi)}}; }},
-        {{.kind = "cube", .size = wide}, [](Spec s) { return Shape{{box_mesh(*s.size)}}; }},
+        {{.kind = "cube", .length = wide}, [](Spec s) { return Shape{{box_mesh(*s.length)}}; }},
         {{.kind = "cone", .diameter = wide, .height = wide},
          [](Spec s) {
              return Shape{{revolve({{0, *s.height}, {0.5 * *s.diameter, 0}, {0, 0}})}};
@@ -148,7 +148,7 @@ std::string listed(const std::vector<std::string>& words) {
     return list;
 }
 
-/// `given`, completed from `defaults`, where each option may only be given if it has a default.
+/// `given` with the defaults of what it leaves out. A measure without a default is one that the shape does not take.
 PrimitiveSpec completed(PrimitiveSpec given, const PrimitiveSpec& defaults) {
     std::vector<std::string> takes;
     std::vector<std::string> strange;
@@ -158,25 +158,27 @@ PrimitiveSpec completed(PrimitiveSpec given, const PrimitiveSpec& defaults) {
         if (!value) value = preset;
     };
     complete("diameter", given.diameter, defaults.diameter);
-    complete("size", given.size, defaults.size);
+    complete("length", given.length, defaults.length);
     complete("height", given.height, defaults.height);
     complete("sides", given.sides, defaults.sides);
     complete("turns", given.turns, defaults.turns);
-    const std::string where = "shape " + given.kind;
     if (!strange.empty())
-        throw Error(ErrorCode::bad_argument, where,
-                    fmt::format("found the option {}, expected {}; leave it out", listed(strange),
-                                takes.empty() ? "none" : listed(takes)));
+        throw bad_argument(strange.front(),
+                           fmt::format("found {} for a {}, expected {}; leave it out", listed(strange), given.kind,
+                                       takes.empty() ? "none" : listed(takes)),
+                           strange);
     for (const auto& [name, value] : {std::pair{"diameter", given.diameter},
-                                      {"size", given.size},
+                                      {"length", given.length},
                                       {"height", given.height},
                                       {"turns", given.turns}})
         if (value && (!(*value > 0.0) || !std::isfinite(*value)))
-            throw Error(ErrorCode::bad_argument, where,
-                        fmt::format("found {} {}, expected a positive number; correct the option", name, *value));
+            throw bad_argument(
+                name, fmt::format("found {} for a {}, expected a positive number; correct it", *value, given.kind),
+                {name});
     if (given.sides && (*given.sides < 3 || *given.sides > 1000))
-        throw Error(ErrorCode::bad_argument, where,
-                    fmt::format("found sides {}, expected 3 to 1000; correct the option", *given.sides));
+        throw bad_argument("sides",
+                           fmt::format("found {} for a {}, expected 3 to 1000; correct it", *given.sides, given.kind),
+                           {"sides"});
     return given;
 }
 
@@ -192,8 +194,9 @@ Shape make_primitive(const PrimitiveSpec& spec) {
     for (const Kind& kind : kinds())
         if (kind.defaults.kind == spec.kind)
             return place(kind.make(completed(spec, kind.defaults)), {.center = Vec3{}});
-    throw Error(ErrorCode::bad_argument, "shape " + spec.kind,
-                fmt::format("is not known, expected one of {}; choose one", listed(primitive_kinds())));
+    throw bad_argument(
+        "shape", fmt::format("found \"{}\", expected one of {}; choose one", spec.kind, listed(primitive_kinds())),
+        {"shape"});
 }
 
 }  // namespace haptogram

@@ -63,8 +63,8 @@ void along(const std::vector<const Curve*>& curves, std::size_t count, std::vect
         if (shares[i] > 0) along(*curves[i], shares[i], out);
 }
 
-/// Random points, as many on an area as on any other of its size: the surface is laid out as one strip of area, and
-/// stepped along evenly from a random start.
+/// Random points, equally dense everywhere on the surface. The triangles are laid out in a row by their areas; even
+/// steps along the row, from a random start, choose the triangle of each point.
 void over(const std::vector<const Mesh*>& meshes, std::size_t count, std::mt19937_64& random, std::vector<Vec3>& out) {
     struct Triangle {
         Vec3 corner, side, other_side;
@@ -97,8 +97,8 @@ void over(const std::vector<const Mesh*>& meshes, std::size_t count, std::mt1993
 
 Sampled sample(const Shape& shape, std::size_t count, std::uint64_t seed) {
     if (count == 0)
-        throw Error(ErrorCode::bad_argument, "points",
-                    "found 0, expected at least 1; ask for as many points as the hand shall feel");
+        throw bad_argument("points", "found 0, expected at least 1; ask for as many points as the hand shall feel",
+                           {"points"});
     const auto curves = pieces_of<Curve>(shape);
     const auto meshes = pieces_of<Mesh>(shape);
     const auto clouds = pieces_of<Cloud>(shape);
@@ -113,8 +113,7 @@ Sampled sample(const Shape& shape, std::size_t count, std::uint64_t seed) {
     over(meshes, dense, random, candidates);
     for (const Cloud* cloud : clouds) candidates.insert(candidates.end(), cloud->points.begin(), cloud->points.end());
     if (candidates.empty())
-        throw Error(ErrorCode::bad_argument, "shape",
-                    "found nothing, expected a curve, a surface or points; name a shape");
+        throw bad_argument("shape", "found nothing, expected a curve, a surface or points; name a shape", {"shape"});
 
     const auto first = static_cast<std::size_t>(uniform(random) * static_cast<double>(candidates.size()));
     std::vector<std::size_t> chosen = farthest_points(candidates, count, first);

@@ -30,7 +30,7 @@ struct Cloud {
 
 using Piece = std::variant<Curve, Mesh, Cloud>;
 
-/// What a hand is to feel: the union of its pieces.
+/// What a hand shall feel: all of its pieces together.
 struct Shape {
     std::vector<Piece> pieces;
 };

@@ -12,14 +12,15 @@
 namespace haptogram {
 namespace {
 
-constexpr std::string_view blanks = " \t\r\f\v\n";
+bool is_blank(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+
 constexpr double largest_coordinate = 1e12;
 
 }  // namespace
 
 bool Lines::next() {
     if (rest_.empty()) return false;
-    const std::size_t end = rest_.find('\n');
+    const std::size_t end = rest_.find(end_);
     line_ = rest_.substr(0, end);
     rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
     if (line_.ends_with('\r')) line_.remove_suffix(1);
@@ -28,7 +29,6 @@ bool Lines::next() {
 }
 
 std::string_view take_word(std::string_view& rest) {
-    const auto is_blank = [](char c) { return blanks.find(c) != std::string_view::npos; };
     const auto* const begin = std::find_if_not(rest.begin(), rest.end(), is_blank);
     const auto* const end = std::find_if(begin, rest.end(), is_blank);
     const std::string_view word(begin, end);

@@ -9,10 +9,12 @@
 
 namespace haptogram {
 
-/// Walks over the lines of a text; line ends (LF or CRLF) are not part of a line, and lines count from 1.
+/// Walks over the lines of a text. A line ends with LF or CRLF, which are not part of it. Lines count from 1.
 class Lines {
 public:
-    explicit Lines(std::string_view text, std::size_t lines_before = 0) : rest_(text), number_(lines_before) {}
+    /// @param end  what ends a line when it is not LF: CR, as on very old computers
+    explicit Lines(std::string_view text, std::size_t lines_before = 0, char end = '\n')
+        : rest_(text), number_(lines_before), end_(end) {}
 
     /// Moves to the next line; false at the end of the text.
     bool next();
@@ -25,20 +27,23 @@ private:
     std::string_view rest_;
     std::string_view line_;
     std::size_t number_;
+    char end_;
 };
 
 /// Takes the next word, ended by white space, off the front of `rest`; empty when there is none.
 [[nodiscard]] std::string_view take_word(std::string_view& rest);
 
-/// A whole word as a number with a decimal point, whatever the locale; "nan" and "inf" are numbers here.
+/// A whole word as a number with a decimal point, whatever the locale. Nothing when the word is no number; "nan" and
+/// "inf" are numbers here.
 [[nodiscard]] std::optional<double> parse_number(std::string_view word);
 
-/// A coordinate that can be reckoned with: finite, and no larger than any unit of length can make sense of.
+/// True for a coordinate that is finite and at most 1e12, which is more than any shape needs in any unit. Larger ones
+/// are damage, and their products would overflow.
 [[nodiscard]] bool is_coordinate(double value);
 
 [[nodiscard]] std::string lower_case(std::string_view text);
 
-/// `text` in quotation marks, fit for a message: shortened, and without control characters.
+/// `text` in quotation marks for a message: shortened, and with "?" for control characters.
 [[nodiscard]] std::string shown(std::string_view text);
 
 [[nodiscard]] std::string at_line(const std::string& file, std::size_t line);

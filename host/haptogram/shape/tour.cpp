@@ -91,7 +91,7 @@ public:
 
     [[nodiscard]] const std::vector<std::size_t>& order() const { return order_; }
 
-    /// Makes the first move found that shortens the tour at one of `a`'s two edges.
+    /// Makes the first move found that replaces one of the two edges at `a` and shortens the tour.
     /// @return the points whose edges changed; none when there was no such move
     std::vector<std::size_t> improve(std::size_t a, const std::vector<std::size_t>& neighbours) {
         for (const bool forward : {true, false}) {
@@ -108,7 +108,7 @@ private:
         const std::size_t last = order_.size() - 1;
         return forward ? order_[i == last ? 0 : i + 1] : order_[i == 0 ? last : i - 1];
     }
-    /// Rounding must not pass for a gain, or moves would follow each other in a ring.
+    /// A difference that may be rounding is no gain; otherwise moves could undo each other for ever.
     static bool is_gain(double removed, double added) { return removed - added > 1e-9 * removed; }
 
     /// The edge from `a` to b, and one from a neighbour c of `a` to d in the same direction, become a–c and b–d.
@@ -158,8 +158,8 @@ private:
         return {};
     }
 
-    /// The edge a–b, and that from c to a d in the same direction, become a–c and b–d: the path from b to c turns
-    /// round.
+    /// Replaces the edge a–b, and the edge from c to its neighbour d in the same direction, by a–c and b–d. The path
+    /// from b to c is reversed by this.
     void exchange(std::size_t a, std::size_t b, std::size_t c) {
         if (next(a) == b)
             reverse(b, c);
@@ -167,7 +167,8 @@ private:
             reverse(c, b);
     }
 
-    /// Turns the path from `from` on to `to` round, or the rest of the tour, whichever is shorter.
+    /// Reverses the path from `from` on to `to`, or the rest of the tour, which gives the same closed tour; whichever
+    /// is shorter.
     void reverse(std::size_t from, std::size_t to) {
         const std::size_t n = order_.size();
         std::size_t i = position_[from];

@@ -7,10 +7,10 @@
 
 namespace haptogram {
 
-/// A short closed tour through all points, so that the focus jumps little (small jumps are less audible): from the
-/// nearest-neighbour tour by 2-opt and Or-opt moves among each point's nearest neighbours (Bentley 1992), until none
-/// shortens it. The same points give the same tour.
-/// @return indices into `points`, beginning with 0; each once
+/// A short closed tour through all points. Short, because small jumps of the focus are less audible. The tour to the
+/// nearest unvisited neighbour is shortened by 2-opt and Or-opt moves among each point's nearest neighbours (Bentley
+/// 1992), until no move shortens it. The same points give the same tour.
+/// @return indices into `points`, each once, beginning with 0
 [[nodiscard]] std::vector<std::size_t> closed_tour(const std::vector<Vec3>& points);
 
 /// Length of the closed tour in the order given, metres.

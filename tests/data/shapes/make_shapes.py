@@ -49,6 +49,45 @@ def write_with_plyfile():
         PlyData([cloud, mesh], text=text, byte_order=order).write(HERE / f"plyfile_{name}.ply")
 
 
+def lists(name, rows, of, counts="u1"):
+    """One element that has one list property, vertex_indices, of `rows`."""
+    table = np.empty(len(rows), dtype=[("vertex_indices", "O")])
+    for i, row in enumerate(rows):
+        table["vertex_indices"][i] = np.array(row, dtype=of)
+    return PlyElement.describe(table, name, val_types={"vertex_indices": of}, len_types={"vertex_indices": counts})
+
+
+def odd_forms(order):
+    """What the format allows and few programs write. plyfile 1.1.5 does not swap the bytes of numbers that stand beside lists, so that is
+    done here."""
+    plain = np.array([tuple(corner) for corner in CORNERS], dtype=[("x", "f8"), ("y", "f4"), ("z", "f8")])
+    halves = np.array([tuple(corner) for corner in 2 * CORNERS], dtype=[("x", "u1"), ("y", "i2"), ("z", "u4")])
+    tails = np.empty(len(CORNERS), dtype=[("neighbours", "O"), ("z", "f4"), ("y", "f4"), ("more", "O"), ("x", "f4")])
+    for i, corner in enumerate(CORNERS.astype("f4")):
+        x, y, z = corner.byteswap() if order == ">" else corner
+        tails[i] = (np.arange(i, dtype="i2"), z, y, np.full(3, 0.5, dtype="f8"), x)
+    camera = PlyElement.describe(np.array([(1.5, 7)], dtype=[("view_x", "f4"), ("x", "i1")]), "camera")
+    groups = lists("group", [[], [0, 3], [1]], "i2", "u2")
+    edges = PlyElement.describe(np.array([(0, 1), (2, 3)], dtype=[("vertex1", "i4"), ("vertex2", "i4")]), "edge")
+    tailed = PlyElement.describe(tails, "vertex", val_types={"neighbours": "i2", "more": "f8"}, len_types={"neighbours": "u1", "more": "i4"})
+    strips = lists("tristrips", [[0, 1, 2, 3], [], [2, 3, 0, 0, 1]], "i4", "i4")
+    one_strip = lists("tristrips", [[0, 1, 2, 3, -1, 2, 3, 0, 1]], "i4", "i4")
+    return {
+        "faces_first": [lists("face", FACES, "i1"), PlyElement.describe(plain, "vertex")],
+        "integers": [PlyElement.describe(halves, "vertex"), lists("face", FACES, "u2", "u4")],
+        "float_corners": [PlyElement.describe(plain, "vertex"), lists("face", FACES, "f4", "i2")],
+        "more_elements": [camera, groups, lists("face", FACES, "u4"), edges, tailed],
+        "strips": [PlyElement.describe(plain, "vertex"), one_strip],
+        "many_strips": [strips, PlyElement.describe(plain, "vertex")],
+    }
+
+
+def write_odd_forms_with_plyfile():
+    for order, name in {"=": "ascii", "<": "little", ">": "big"}.items():
+        for form, elements in odd_forms(order).items():
+            PlyData(elements, text=name == "ascii", byte_order=order, obj_info=["as few programs write it"]).write(HERE / f"odd_{form}_{name}.ply")
+
+
 def write_with_meshio():
     mesh = meshio.Mesh(CORNERS, [("triangle", FACES)])
     mesh.write(HERE / "meshio.obj")
@@ -66,5 +105,6 @@ def write_with_numpy():
 if __name__ == "__main__":
     write_with_trimesh()
     write_with_plyfile()
+    write_odd_forms_with_plyfile()
     write_with_meshio()
     write_with_numpy()

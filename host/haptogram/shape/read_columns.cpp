@@ -66,7 +66,7 @@ std::optional<Columns> named_columns(const Fields& fields, const std::string& wh
 /// Turns rows into points. Every row must be as long as the first, or a row cut short would pass for a point.
 class Rows {
 public:
-    explicit Rows(const std::string& file) : file_(file) {}
+    explicit Rows(const std::string& name) : name_(name) {}
 
     void choose(const Columns& columns, std::size_t width) {
         columns_ = columns;
@@ -76,7 +76,7 @@ public:
     void add(const Fields& fields, std::size_t line) {
         if (width_ == 0) width_ = std::max<std::size_t>(fields.size(), 3);
         if (fields.size() != width_)
-            throw bad_input(at_line(file_, line),
+            throw bad_input(at_line(name_, line),
                             fmt::format("found {} columns, expected {} as in the rows before (at least x, y, z); "
                                         "the row is damaged or the file was cut short",
                                         fields.size(), width_));
@@ -84,7 +84,7 @@ public:
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const std::string_view field = fields[columns_.at(axis)];
             const auto value = parse_number(field);
-            if (!value || !is_coordinate(*value)) throw bad_coordinate(at_line(file_, line), field);
+            if (!value || !is_coordinate(*value)) throw bad_coordinate(at_line(name_, line), field);
             point.at(axis) = *value;
         }
         cloud_.points.push_back({point[0], point[1], point[2]});
@@ -92,12 +92,12 @@ public:
 
     Cloud finish() {
         if (cloud_.points.empty())
-            throw bad_input(file_, "found no points, expected one row with x, y, z per point; export the shape again");
+            throw bad_input(name_, "found no points, expected one row with x, y, z per point; export the shape again");
         return std::move(cloud_);
     }
 
 private:
-    const std::string& file_;
+    const std::string& name_;
     Columns columns_{0, 1, 2};
     std::size_t width_ = 0;
     Cloud cloud_;
@@ -110,8 +110,8 @@ std::string_view without_byte_order_mark(std::string_view text) {
 
 }  // namespace
 
-Cloud read_xyz(std::string_view content, const std::string& file) {
-    Rows rows(file);
+Cloud read_xyz(std::string_view content, const std::string& name) {
+    Rows rows(name);
     Fields fields;
     for (Lines lines(without_byte_order_mark(content)); lines.next();) {
         split_words(lines.line().substr(0, lines.line().find('#')), fields);
@@ -120,8 +120,8 @@ Cloud read_xyz(std::string_view content, const std::string& file) {
     return rows.finish();
 }
 
-Cloud read_csv(std::string_view content, const std::string& file) {
-    Rows rows(file);
+Cloud read_csv(std::string_view content, const std::string& name) {
+    Rows rows(name);
     Fields fields;
     char separator = 0;
     for (Lines lines(without_byte_order_mark(content)); lines.next();) {
@@ -130,7 +130,7 @@ Cloud read_csv(std::string_view content, const std::string& file) {
         const bool first = separator == 0;
         if (first) separator = separator_of(lines.line());
         split_at(separator, lines.line(), fields);
-        if (const auto columns = first ? named_columns(fields, at_line(file, lines.number())) : std::nullopt)
+        if (const auto columns = first ? named_columns(fields, at_line(name, lines.number())) : std::nullopt)
             rows.choose(*columns, fields.size());
         else
             rows.add(fields, lines.number());

@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: Apache-2.0
+// Forms that the formats allow and few programs write.
+#include <bit>
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <set>
+
+#include "haptogram/base/error.hpp"
+#include "haptogram/base/file.hpp"
+#include "haptogram/shape/import.hpp"
+
+using namespace haptogram;
+using Catch::Contains;
+
+namespace {
+
+const std::filesystem::path data = std::filesystem::path(HAPTOGRAM_TEST_DATA) / "shapes";
+
+Piece read(const std::string& content, ShapeFormat format, double unit = 1.0) {
+    const Shape shape = load_shape(content, format, "a shape", unit);
+    REQUIRE(shape.pieces.size() == 1);
+    return shape.pieces.front();
+}
+
+Mesh read_mesh(const std::string& content, ShapeFormat format, double unit = 1.0) {
+    const Piece piece = read(content, format, unit);
+    REQUIRE(std::holds_alternative<Mesh>(piece));
+    return std::get<Mesh>(piece);
+}
+
+Error refusal(const std::string& content, ShapeFormat format) {
+    try {
+        (void)load_shape(content, format, "a shape", 1.0);
+    } catch (const Error& error) {
+        CHECK(error.code() == ErrorCode::bad_input);
+        CHECK_THAT(error.what(), Catch::StartsWith("a shape"));
+        return error;
+    }
+    FAIL("no error for " << content);
+    return bad_input("", "");
+}
+
+double area(const Mesh& mesh) {
+    double sum = 0.0;
+    for (const auto& [a, b, c] : mesh.triangles)
+        sum += 0.5 * norm(cross(mesh.vertices.at(b) - mesh.vertices.at(a), mesh.vertices.at(c) - mesh.vertices.at(a)));
+    return sum;
+}
+
+using Faces = std::multiset<std::set<std::uint32_t>>;
+
+Faces faces_of(const Mesh& mesh) {
+    Faces faces;
+    for (const auto& triangle : mesh.triangles) faces.insert({triangle.begin(), triangle.end()});
+    return faces;
+}
+
+const Faces tetrahedron{{0, 1, 2}, {0, 1, 3}, {0, 2, 3}, {1, 2, 3}};
+
+/// A header with `lines` between the format and its end.
+std::string header(const std::string& lines, const std::string& format = "ascii") {
+    return "ply\nformat " + format + " 1.0\n" + lines + "end_header\n";
+}
+
+const std::string three_vertices = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+const std::string one_face = "element face 1\nproperty list uchar int vertex_indices\n";
+const std::vector<Vec3> corners{{1, 2, 3}, {4, 5, 6}, {7, 8, 9.5}};
+
+std::string all_replaced(std::string text, const std::string& what, const std::string& with) {
+    for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + with.size()))
+        text.replace(at, what.size(), with);
+    return text;
+}
+
+}  // namespace
+
+TEST_CASE("odd forms of PLY that another program wrote", "[shape][forms]") {
+    const std::string form =
+        GENERATE("faces_first", "integers", "float_corners", "more_elements", "strips", "many_strips");
+    const std::string order = GENERATE("ascii", "little", "big");
+    CAPTURE(form, order);
+    const bool halves = form == "integers";  // of a millimetre
+    const Mesh mesh = read_mesh(read_file(data / ("odd_" + form + "_" + order + ".ply")), ShapeFormat::ply,
+                                halves ? 0.5 * millimetre : millimetre);
+    CHECK(mesh.vertices ==
+          std::vector<Vec3>{from_mm(0, 0, 0), from_mm(10, 0, 0), from_mm(0, 20, 0), from_mm(0, 0, 40.5)});
+    if (form == "many_strips")
+        CHECK(faces_of(mesh) == Faces{{0, 1, 2}, {1, 2, 3}, {0, 2, 3}});
+    else
+        CHECK(faces_of(mesh) == tetrahedron);
+}
+
+TEST_CASE("coordinates of PLY may have any scalar type", "[shape][forms]") {
+    const auto [type, bytes] =
+        GENERATE(table<std::string, std::string>({{"char", "\x05"},
+                                                  {"int8", "\x05"},
+                                                  {"uchar", "\x05"},
+                                                  {"uint8", "\x05"},
+                                                  {"short", std::string("\0\x05", 2)},
+                                                  {"uint16", std::string("\0\x05", 2)},
+                                                  {"int", std::string("\0\0\0\x05", 4)},
+                                                  {"uint32", std::string("\0\0\0\x05", 4)},
+                                                  {"float", std::string("\x40\xa0\0\0", 4)},
+                                                  {"float64", std::string("\x40\x14\0\0\0\0\0\0", 8)}}));
+    CAPTURE(type);
+    const std::string lines =
+        "element vertex 2\nproperty " + type + " x\nproperty " + type + " y\nproperty " + type + " z\n";
+    const Cloud cloud{{{5, 5, 5}, {5, 5, 5}}};
+    std::string body;
+    for (int i = 0; i < 6; ++i) body += bytes;
+    CHECK(std::get<Cloud>(read(header(lines, "binary_big_endian") + body, ShapeFormat::ply)).points == cloud.points);
+    CHECK(std::get<Cloud>(read(header(lines) + "5 5 5\n5 5 5\n", ShapeFormat::ply)).points == cloud.points);
+    CHECK_THAT(refusal(header(lines, "binary_big_endian") + body.substr(1), ShapeFormat::ply).what(),
+               Contains("vertex 2 of 2") && Contains("cut short"));
+}
+
+TEST_CASE("PLY keeps double precision", "[shape][forms]") {
+    const double exact = 0.1234567890123456;
+    const std::string lines = "element vertex 1\nproperty double x\nproperty double y\nproperty double z\n";
+    CHECK(std::get<Cloud>(read(header(lines) + "0.1234567890123456 1 2", ShapeFormat::ply)).points.at(0).x == exact);
+    std::string body(24, '\0');
+    const auto raw = std::bit_cast<std::array<char, 8>>(exact);
+    std::copy(raw.begin(), raw.end(), body.begin());
+    if constexpr (std::endian::native == std::endian::little)
+        CHECK(std::get<Cloud>(read(header(lines, "binary_little_endian") + body, ShapeFormat::ply)).points.at(0).x ==
+              exact);
+}
+
+TEST_CASE("numbers of a text PLY may share lines and fill several", "[shape][forms]") {
+    const std::string body =
+        GENERATE("1 2 3\n4 5 6\n7 8 9.5\n", "1 2 3 4 5 6 7 8 9.5\n", "1\n2\n3\n4\n5\n6\n7\n8\n9.5",
+                 "1 2\n3\n4 5 6 7 8 9.5", "1 2 3\t4 5 6 \n\n 7\n\n8 9.5\n\n", "1\r\n2 3\r\n4 5 6 7 8 9.5\r\n");
+    CAPTURE(body);
+    CHECK(std::get<Cloud>(read(header(three_vertices) + body, ShapeFormat::ply)).points == corners);
+    const Mesh mesh = read_mesh(header(one_face + three_vertices) + "3 0\n1 2\n" + body, ShapeFormat::ply);
+    CHECK(mesh.vertices == corners);
+    CHECK(faces_of(mesh) == Faces{{0, 1, 2}});
+}
+
+TEST_CASE("a number that is lost or added does not shift the others", "[shape][forms]") {
+    const auto [body, place] = GENERATE(table<std::string, std::string>(
+        {{"1 2 3\n4 5\n6 7 8 9.5\n", "vertex 2 of 3 (line 9)"},      // this makes up for the number that is absent
+         {"1 2 3\n4 5 6 7\n8 9.5\n", "vertex 2 of 3 (line 9)"},      // and this for the one that is too many
+         {"1 2 3 4\n5 6\n7 8 9.5\n", "vertex 1 of 3 (line 8)"},      // a line break inside the second of two
+         {"1\n2\n3 4\n5 6\n7 8 9.5\n", "vertex 1 of 3 (line 8)"},    // an element of several lines ends in a line
+         {"1 2 3\n4 5 red\n7 8 9.5\n", "vertex 2 of 3 (line 9)"},    //
+         {"1 2 3\n4 5 6 red\n7 8 9.5\n", "vertex 2 of 3 (line 9)"},  //
+         {"1 2 3 4 5 6 7 8\n", "vertex 2 of 3 (line 8)"},            //
+         {"1\n2\n3\n4\n5\n6\n7\n8\n", "vertex 3 of 3 (line 14)"}}));
+    CAPTURE(body);
+    CHECK_THAT(refusal(header(three_vertices) + body, ShapeFormat::ply).what(), Contains(place));
+}
+
+TEST_CASE("a PLY header may hold comments anywhere, and end its lines in three ways", "[shape][forms]") {
+    const std::string line_end = GENERATE("\n", "\r\n", "\r", " \n");
+    CAPTURE(line_end);
+    const std::string text =
+        "ply\ncomment before the format\nformat binary_little_endian 1.0\nobj_info num_cols 3\ncomment\nelement vertex "
+        "3\ncomment element face 9\nproperty uchar x\nobj_info property uchar w\nproperty uchar y\nproperty uchar "
+        "z\ncomment end_header of the vertices\nelement face 1\ncomment property list uchar int "
+        "vertex_indices\nproperty list uchar uchar vertex_index\ncomment end_header\nend_header\n";
+    const std::string body("\x01\x02\x03\x04\n\r\x07\x08\x09\x03\x00\x01\x02", 13);
+    const Mesh mesh = read_mesh(all_replaced(text, "\n", line_end) + body, ShapeFormat::ply);
+    CHECK(mesh.vertices == std::vector<Vec3>{{1, 2, 3}, {4, 10, 13}, {7, 8, 9}});
+    CHECK(faces_of(mesh) == Faces{{0, 1, 2}});
+    const Piece cloud =
+        read(all_replaced(header(three_vertices) + "1 2 3\n4 5 6\n7 8 9.5\n", "\n", line_end), ShapeFormat::ply);
+    CHECK(std::get<Cloud>(cloud).points == corners);
+    CHECK_THAT(
+        refusal(all_replaced(header(three_vertices) + "1 2 3\n4 x 6\n7 8 9.5\n", "\n", line_end), ShapeFormat::ply)
+            .what(),
+        Contains("line 9"));
+}
+
+TEST_CASE("strips are wound alike, and joins in them are no surface", "[shape][forms]") {
+    const std::string lines =
+        "element vertex 6\nproperty int x\nproperty int y\nproperty int z\nelement tristrips 1\nproperty list int int "
+        "vertex_indices\n";
+    const std::string body = "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n1 2 0\n";
+    const Mesh mesh = read_mesh(header(lines) + body + "11 -1 0 1 2 2 3 3 4 5 -1 -1\n", ShapeFormat::ply);
+    CHECK(faces_of(mesh) == Faces{{0, 1, 2}, {3, 4, 5}});
+    const Mesh grid = read_mesh(header(lines) + body + "6 0 1 2 3 4 5\n", ShapeFormat::ply);
+    CHECK(area(grid) == 2.0);
+    for (const auto& [a, b, c] : grid.triangles)
+        CHECK(cross(grid.vertices[b] - grid.vertices[a], grid.vertices[c] - grid.vertices[a]) == Vec3{0, 0, 1});
+    const auto [strip, message] = GENERATE(table<std::string, std::string>({{"5 0 1 2 -1 3", "strip of 1 corners"},
+                                                                            {"5 0 1 -1 2 3", "strip of 2 corners"},
+                                                                            {"4 0 1 2 6", "corner 6"},
+                                                                            {"4 0 1 2 -2", "corner -2"},
+                                                                            {"4 0 1 2 1.5", "corner 1.5"},
+                                                                            {"-1", "list of -1 values"},
+                                                                            {"4 0 1 2", "cut short"}}));
+    CHECK_THAT(refusal(header(lines) + body + strip, ShapeFormat::ply).what(),
+               Contains("tristrips 1 of 1") && Contains(message));
+}
+
+TEST_CASE("a PLY header that does not say what is what is refused", "[shape][forms]") {
+    const auto [lines, message] = GENERATE(table<std::string, std::string>({
+        {three_vertices + "property float x\n", "property x"},
+        {"element vertex 3\nproperty list uchar float x\nproperty float y\nproperty float z\n", "property x"},
+        {three_vertices + "element face 1\nproperty list uchar int corners\n", "vertex_indices"},
+        {three_vertices + "element face 1\nproperty int vertex_indices\n", "vertex_indices"},
+        {three_vertices + one_face + "property list uchar int vertex_index\n", "vertex_indices"},
+        {three_vertices + "element tristrips 1\nproperty int length\n", "vertex_indices"},
+        {three_vertices + three_vertices, "\"vertex\" twice"},
+        {three_vertices + "property int64 time\n", "line 7"},
+        {three_vertices + "property list uchar list int w\n", "line 7"},
+        {"property float x\n" + three_vertices, "line 3"},
+    }));
+    CAPTURE(lines);
+    CHECK_THAT(refusal(header(lines) + "1 2 3\n4 5 6\n7 8 9\n3 0 1 2\n", ShapeFormat::ply).what(), Contains(message));
+    CHECK_THAT(refusal(header(one_face) + "3 0 1 2\n", ShapeFormat::ply).what(), Contains("0 vertices"));
+}
+
+TEST_CASE("statements of OBJ may go on in the next line", "[shape][forms]") {
+    const std::string line_end = GENERATE("\n", "\r\n");
+    const std::string text =
+        "# a comment ends with its line \\\nv 0 \\\n0 0\nv 2 0 0\nv 2 2 0\\\n\nv 0 2 0 # not here \\\ng one \\\n "
+        "two\nf "
+        "1 2 \\\n  3 \\\n 4 # four\n";
+    const Mesh mesh = read_mesh(all_replaced(text, "\n", line_end), ShapeFormat::obj);
+    CHECK(mesh.vertices == std::vector<Vec3>{{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}});
+    CHECK(area(mesh) == 4.0);
+}
+
+TEST_CASE("a line of OBJ that goes on wrongly is refused by its number", "[shape][forms]") {
+    const std::string square = "v 0 0 0\nv 2 0 0\nv 2 2 0\n";
+    const auto [text, message] = GENERATE(table<std::string, std::string>({
+        {"f 1 2 \\", "end of the file"},
+        {"f 1 2 \\\n", "end of the file"},
+        {"f 1 2 \\\n\n", "line 4"},
+        {"f 1 \\\n2 9\n", "line 4"},
+        {"mtllib C:\\\nv 1 1 1\nf 1 2 3\n", "line 5"},
+        {"f 1 2 3\\\nf 1 2 3\n", "line 5"},
+        {"f 1 2 \\ 3\n", "line 4"},
+    }));
+    CAPTURE(text);
+    CHECK_THAT(refusal(square + text, ShapeFormat::obj).what(), Contains(message));
+}
+
+TEST_CASE("polygons with holes, straight corners and many corners are cut rightly", "[shape][forms]") {
+    const auto [text, triangles, expected] = GENERATE(table<std::string, std::size_t, double>({
+        // A square of 4 with a square hole of 2, joined by a cut from corner 1 to corner 5.
+        {"v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nv 1 1 0\nv 1 3 0\nv 3 3 0\nv 3 1 0\nf 1 2 3 4 1 5 6 7 8 5\n", 8, 12.0},
+        // The same, standing upright and wound the other way.
+        {"v 0 0 0\nv 0 0 4\nv 0 4 4\nv 0 4 0\nv 0 1 1\nv 0 3 1\nv 0 3 3\nv 0 1 3\nf 5 8 7 6 5 1 4 3 2 1\n", 8, 12.0},
+        {"v 0 0 0\nv 1 0 0\nv 2 0 0\nv 2 2 0\nv 1 2 0\nv 0 2 0\nf 1 2 3 4 5 6\n", 4, 4.0},  // straight corners
+        {"v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nf 1 1 2 3 3 4\n", 4, 4.0},                    // corners twice
+        {"v 0 0 0\nv 4 0 0\nv 1 1 0\nv 0 4 0\nf 2 3 4 1\n", 2, 4.0},                        // an arrow head
+        // A comb.
+        {"v 0 0 0\nv 5 0 0\nv 5 3 0\nv 4 3 0\nv 4 1 0\nv 3 1 0\nv 3 3 0\nv 2 3 0\nv 2 1 0\nv 1 1 0\nv 1 3 0\nv 0 3 0\n"
+         "f 1 2 3 4 5 6 7 8 9 10 11 12\n",
+         10, 11.0},
+    }));
+    CAPTURE(text);
+    const Mesh mesh = read_mesh(text, ShapeFormat::obj);
+    CHECK(mesh.triangles.size() == triangles);
+    CHECK(area(mesh) == Approx(expected).epsilon(1e-12));
+}
+
+TEST_CASE("a polygon that crosses itself is refused by its number", "[shape][forms]") {
+    const std::string square = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nf 1 2 3 4\n";
+    const std::string crossing = GENERATE("f 1 3 2 4\n",                                          // a bow tie
+                                          "v 1 5 0\nv 3 0 0\nv 0 3 0\nv 3 3 0\nf 1 6 7 5 8 3\n",  // no ear is left
+                                          "v 0 10 0\nv 6 -8 0\nv -9 3 0\nv 9 3 0\nv -6 -8 0\nf 5 6 7 8 9\n");  // a star
+    CHECK_THAT(refusal(square + crossing, ShapeFormat::obj).what(), Contains("face 2 of 2") && Contains("crossing"));
+}
+
+TEST_CASE("shapes are read from memory under a name of the caller's", "[shape][forms]") {
+    CHECK(shape_format("Cat.PLY") == ShapeFormat::ply);
+    CHECK(shape_format("folder.csv/dog.obj") == ShapeFormat::obj);
+    for (const char* const name : {"cat", "cat.step", "", ".ply"}) CHECK_THROWS_AS(shape_format(name), Error);
+    for (const char* const name :
+         {"trimesh_little.ply", "trimesh.obj", "trimesh_binary.stl", "trimesh_cloud.xyz", "numpy_header.csv"}) {
+        CAPTURE(name);
+        const Shape here = load_shape(read_file(data / name), shape_format(name), "an upload", millimetre);
+        const Shape there = load_shape(data / name, millimetre);
+        REQUIRE(here.pieces.size() == 1);
+        CHECK(here.pieces.front().index() == there.pieces.front().index());
+        if (const auto* const mesh = std::get_if<Mesh>(&here.pieces.front())) {
+            CHECK(mesh->vertices == std::get<Mesh>(there.pieces.front()).vertices);
+            CHECK(mesh->triangles == std::get<Mesh>(there.pieces.front()).triangles);
+        } else {
+            CHECK(std::get<Cloud>(here.pieces.front()).points == std::get<Cloud>(there.pieces.front()).points);
+        }
+    }
+    CHECK(refusal("", ShapeFormat::obj).where() == "a shape");
+    CHECK(refusal("1 2 3\n1 2\n", ShapeFormat::xyz).where() == "a shape, line 2");
+    for (const double unit : {0.0, -1e-3, std::numeric_limits<double>::infinity()}) {
+        try {
+            (void)load_shape("1 2 3\n", ShapeFormat::xyz, "a shape", unit);
+            FAIL("no error for " << unit);
+        } catch (const Error& error) {
+            CHECK(error.code() == ErrorCode::bad_argument);
+            CHECK(error.where() == "metres_per_unit");
+        }
+    }
+}
