@@ -25,7 +25,9 @@ int main(int argc, char** argv) try {
     const Array array = find_array(argc > 1 ? argv[1] : "tile-10x10");
 
     // The shape, 12 cm above the array, and the order in which its points are played.
-    const Shape circle = place(make_primitive({.kind = "circle", .diameter = 0.04}), {.center = Vec3{0.0, 0.0, 0.12}});
+    Placement placement;
+    placement.center = Vec3{0.0, 0.0, 0.12};
+    const Shape circle = place(make_primitive({.kind = "circle", .diameter = 0.04}), placement);
     const std::vector<Vec3> foci = sample(circle, 40, 1).points;
 
     // The drives: for each focal point, when each element emits.
@@ -34,17 +36,22 @@ int main(int argc, char** argv) try {
 
     // The image that a board plays, and the manifest that says what it means.
     const std::size_t channels = array.elements.size();
-    Image image{.channels = static_cast<std::uint32_t>(channels)};
+    Image image;
+    image.channels = static_cast<std::uint32_t>(channels);
     for (std::size_t i = 0; i < foci.size(); ++i) {
-        Record record{.cycle_length = timer.cycle_ticks,
-                      .prescaler = timer.prescaler,
-                      .pulse_length = static_cast<std::uint8_t>(timer.pulse_ticks)};
+        Record record;
+        record.cycle_length = timer.cycle_ticks;
+        record.prescaler = timer.prescaler;
+        record.pulse_length = static_cast<std::uint8_t>(timer.pulse_ticks);
         const auto first = ticks.begin() + static_cast<std::ptrdiff_t>(i * channels);
         record.timings.assign(first, first + static_cast<std::ptrdiff_t>(channels));
         image.records.push_back(record);
         image.sequence.push_back({.index = static_cast<std::uint16_t>(i + 1), .dwell = 100});
     }
-    const Manifest manifest{.array = array, .timer = timer, .foci = foci};
+    Manifest manifest;
+    manifest.array = array;
+    manifest.timer = timer;
+    manifest.foci = foci;
 
     // The field of the first record, at its focal point and a centimetre beside it.
     const std::vector<std::complex<double>> drives = drives_of(manifest, image.records.front());
