@@ -7,7 +7,7 @@ PYTHON := $(firstword $(wildcard build/venv/bin/python3) python3)
 
 # An empty environment has neither, and ccache wants both.
 PATH := $(or $(PATH),/usr/local/bin:/usr/bin:/bin)
-HOME := $(or $(HOME),$(shell getent passwd $$(id -u) | cut -d: -f6))
+HOME := $(or $(HOME),$(shell { getent passwd $$(id -u) | cut -d: -f6; } 2>/dev/null))
 export PATH HOME
 
 .DEFAULT_GOAL := help
