@@ -2,32 +2,50 @@
 # Short names for what CMake and the tools do. `make help` lists them.
 PRESET ?= release
 BUILD := build/$(PRESET)
-PYTHON := build/venv/bin/python3
+# What tools/setup made, or any Python with the modules that CMake asks for.
+PYTHON := $(firstword $(wildcard build/venv/bin/python3) python3)
+
+# An empty environment has neither, and ccache wants both.
+PATH := $(or $(PATH),/usr/local/bin:/usr/bin:/bin)
+HOME := $(or $(HOME),$(shell { getent passwd $$(id -u) | cut -d: -f6; } 2>/dev/null))
+export PATH HOME
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build demo test bitstream bitstreams flash soak formal bench figures lint format install clean
+.PHONY: help setup build deep demo test bitstream bitstreams flash soak formal bench figures lint format install fresh clean
 
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-10s %s\n", $$1, $$2}' Makefile
 
-setup: ## install what is missing (Debian packages, build/venv); nothing when all is there
+setup: ## install what is missing on Debian 12 (packages, build/venv); nothing when all is there. No other target installs anything
 	@tools/setup
 
-build: setup ## configure and build everything
-	@cmake --preset $(PRESET) $(DEEP) >build/configure.log 2>&1 || { cat build/configure.log; exit 1; }
+# $(call need,PROGRAMS): one line when some are missing. What the libraries need, CMake says, in one line, too.
+need = for program in $(1); do command -v $$program >/dev/null || missing="$$missing $$program"; done; \
+  [ -z "$$missing" ] || { echo "make: missing:$$missing. On Debian 12 tools/setup installs all that is needed; elsewhere install it by the system's own means." >&2; exit 1; }
+# $(call configure,PRESET)
+configure = $(call need,cmake ninja c++ python3); mkdir -p build; cmake --preset $(1) >build/configure-$(1).log 2>&1 \
+  || { grep '^haptogram: missing' build/configure-$(1).log >&2 || cat build/configure-$(1).log >&2; exit 1; }
+
+build: ## configure and build everything; PRESET=dev with debugger and sanitizers, in build/dev
+	@$(call configure,$(PRESET))
 	@cmake --build --preset $(PRESET)
 
 demo: build ## shape → image → simulated FPGA → focus in the air: table and pictures in build/demo
 	@$(PYTHON) tools/demo.py --program $(BUILD)/host/cli/haptogram --output build/demo
 
-# What needs no netlist is built beside the placing of the one that is tested.
+# What needs no netlist is built beside the placing of the one that is tested. The deep tests have a folder of their own, build/deep.
 test: ## every test: units, co-simulation on RTL and netlists, command line, proofs, budgets, lint
-	@$(MAKE) --no-print-directory -j 2 build build/boards/ice40-hx8k-breakout/report.json DEEP=-DHAPTOGRAM_DEEP_TESTS=OFF
-	@$(MAKE) --no-print-directory build DEEP=-DHAPTOGRAM_DEEP_TESTS=ON
-	@ctest --preset $(PRESET) -j 2
+	@$(MAKE) --no-print-directory -j 2 build build/boards/ice40-hx8k-breakout/report.json
+	@$(MAKE) --no-print-directory deep
+	@failed=0; ctest --preset $(PRESET) -j 2 || failed=1; ctest --preset deep -j 2 || failed=1; exit $$failed
+
+deep: build/boards/ice40-hx8k-breakout/report.json ## build the netlist, mutation, coverage and fuzz tests; `ctest --preset deep` runs them
+	@$(call configure,deep)
+	@cmake --build --preset deep
 
 BITSTREAM_INPUTS := $(wildcard rtl/*.v rtl/*.vh rtl/boards/*.v constraints/*.toml) tools/bitstream.py tools/budgets.toml
-build/boards/%/report.json: $(BITSTREAM_INPUTS) | setup
+build/boards/%/report.json: $(BITSTREAM_INPUTS)
+	@$(call need,yosys)
 	@$(PYTHON) tools/bitstream.py $*
 
 BOARD ?= ice40-hx8k-breakout
@@ -47,7 +65,8 @@ soak: build ## torture of the link and fuzzers at full size: hours; FUZZ_RUNS=10
 	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/test_torture --rng-seed time --durations yes
 	@$(PYTHON) tests/fuzz/run.py --program $(BUILD)/host/cli/haptogram --runs $(or $(FUZZ_RUNS),10000000)
 
-formal: build ## the proofs alone, with a line each
+formal: ## the proofs alone, with a line each
+	@$(call need,yosys z3)
 	@$(PYTHON) tests/formal/run.py --build build/formal
 
 bench: build ## the project's numbers beside their targets, as a table and build/bench.json
@@ -60,11 +79,15 @@ figures: build ## the papers' figures, computed, beside the papers' numbers: bui
 lint: build ## RTL lint, formatting, generated files, clang-tidy
 	@tools/lint --all
 
-format: setup ## format the C++ sources in place
+format: ## format the C++ sources in place
+	@$(call need,clang-format)
 	@git ls-files '*.cpp' '*.hpp' | grep -v host/haptogram/boards/interface.hpp | xargs clang-format -i
 
-install: build ## install the program and its arrays (DESTDIR and CMAKE_INSTALL_PREFIX as usual)
+install: build ## install the program, the libraries and their headers (DESTDIR and CMAKE_INSTALL_PREFIX as usual)
 	@cmake --install $(BUILD)
+
+fresh: ## the set-up, the demo and every test on a bare Debian in a folder: needs root and debootstrap, takes most of an hour
+	@tools/fresh-machine
 
 clean: ## remove everything that was built, but for the Python environment
 	@find build -mindepth 1 -maxdepth 1 ! -name venv -exec rm -rf {} + 2>/dev/null || true

@@ -115,7 +115,7 @@ def run(options):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    build = ROOT / "build" / "release" / "tests" / "coverage"
+    build = ROOT / "build" / "deep" / "tests" / "coverage"
     parser.add_argument("--program", metavar="FILE", type=Path, default=build / "test_cosim_coverage", help="test_cosim on the core that counts")
     parser.add_argument("--build", metavar="DIR", type=Path, default=build, help="where the data and the reports go")
     options = parser.parse_args()

@@ -124,7 +124,7 @@ def run(options):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    build = ROOT / "build" / "release" / "tests" / "mutation"
+    build = ROOT / "build" / "deep" / "tests" / "mutation"
     parser.add_argument("--program", metavar="FILE", type=Path, default=build / "test_cosim_mutants", help="test_cosim on the mutants")
     parser.add_argument("--build", metavar="DIR", type=Path, default=build, help="where netlist.py wrote, and where the report goes")
     parser.add_argument("--only", metavar="N", type=int, action="append", help="this mutant (may be repeated)")

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
@@ -28,7 +30,8 @@ std::string refusal(const std::filesystem::path& path) {
 }
 
 std::string refusal_of(const std::string& content, const std::string& extension) {
-    const auto path = std::filesystem::temp_directory_path() / ("haptogram_bad." + extension);
+    const auto path =
+        std::filesystem::temp_directory_path() / ("haptogram_bad_" + std::to_string(getpid()) + "." + extension);
     std::ofstream(path, std::ios::binary) << content;
     const std::string message = refusal(path);
     std::filesystem::remove(path);

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// In place of simulate.cpp and board_run.cpp in a build without Verilator (HAPTOGRAM_SIMULATION=OFF): the commands are
+// known, and say why they do nothing.
+#include "command.hpp"
+#include "haptogram/base/error.hpp"
+
+namespace haptogram::cli {
+namespace {
+
+void add_absent(CLI::App& app, const std::string& name, Action& action) {
+    CLI::App* sub = app.add_subcommand(name, "Not in this build, which has no simulated board");
+    sub->allow_extras();
+    sub->callback([name, &action] {
+        action = [name]() -> int {
+            throw bad_argument(
+                name, "this build has no simulated board; build with HAPTOGRAM_SIMULATION=ON, which needs Verilator");
+        };
+    });
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& app, Action& action) { add_absent(app, "simulate", action); }
+
+void add_board_run(CLI::App& board, Action& action) { add_absent(board, "run", action); }
+
+}  // namespace haptogram::cli

@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: Apache-2.0
+# What the tests need beside what they test; included by the project's CMakeLists.txt.
+haptogram_need(Catch2 "catch2, version 2" 2)
+haptogram_need_program(yosys yosys)
+if(HAPTOGRAM_TESTS)
+  if(HAPTOGRAM_SIMULATION AND HAPTOGRAM_FTDI AND PkgConfig_FOUND)
+    pkg_check_modules(UMOCKDEV QUIET IMPORTED_TARGET umockdev-1.0)
+    if(NOT UMOCKDEV_FOUND)
+      list(APPEND HAPTOGRAM_MISSING "umockdev (libumockdev-dev)")
+    endif()
+    haptogram_need_program(umockdev-wrapper umockdev)
+  endif()
+  haptogram_need_program(git git)
+  haptogram_need_program(z3 z3)
+  haptogram_need_program(iverilog iverilog)
+  haptogram_need_program(clang-format clang-format)
+  haptogram_need_modules(pytest python3-pytest numpy python3-numpy intelhex python3-intelhex serial python3-serial
+    cobs "PyPI's cobs" setuptools python3-setuptools wheel python3-wheel matplotlib python3-matplotlib)
+endif()
+if(HAPTOGRAM_DEEP_TESTS)
+  haptogram_need_program(clang++ clang)
+endif()

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Other people's projects, out of the tree: with the installed package, by find_package and by pkg-config, and with the sources."""
+import re
+import subprocess
+from pathlib import Path
+
+from conftest import ROOT, cached, like_the_build, run
+
+CONSUMER = Path(__file__).parent / "consumer"
+EXAMPLES = ROOT / "host"
+
+
+def check_examples(folder):
+    """Both programs run: one computes a field, the other says what it misses."""
+    said = run(folder / "field_at_a_point").stdout
+    assert re.match(r"40 records of 100 channels\n", said), said
+    at, beside = (float(number) for number in re.findall(r"(\d+) Pa", said))
+    assert at > 1000 and beside < 0.7 * at, said
+    assert subprocess.run([folder / "play_image"], capture_output=True, text=True).stderr == "haptogram_example: expected a port and an image\n"
+
+
+def consume(folder, *options):
+    run("cmake", "-S", CONSUMER, "-B", folder, f"-DEXAMPLES={EXAMPLES}", *like_the_build(), *options)
+    run("cmake", "--build", folder, "-j", "2")
+    check_examples(folder)
+
+
+def public_headers(package):
+    return sorted((package / "include/haptogram").rglob("*.hpp"))
+
+
+def test_headers_need_only_public_dependencies(package):
+    """A user has the standard library and what haptogramConfig.cmake calls public, and every header of ours that one includes."""
+    headers = public_headers(package)
+    assert len(headers) > 20
+    for header in headers:
+        for kind, name in re.findall(r'^#include ([<"])([^>"]+)', header.read_text(), re.MULTILINE):
+            if kind == '"':
+                assert (package / "include" / name).exists(), f"{header} includes {name}, which is not installed"
+            else:
+                assert "/" not in name and "." not in name or name == "nlohmann/json.hpp" or name.startswith("nlohmann/"), f"{header} includes <{name}>"
+
+
+def test_find_package(package, work):
+    consume(work / "find_package", f"-DCMAKE_PREFIX_PATH={package}", f"-DHEADERS={package / 'include'}")
+
+
+def test_pkg_config(package, work):
+    folder = work / "pkg_config"
+    folder.mkdir()
+    environment = {"PKG_CONFIG_PATH": str(next(package.rglob("haptogram.pc")).parent)}
+    flags = run("pkg-config", "--cflags", "--libs", "haptogram", environment=environment).stdout.split()
+    compiler = cached("CMAKE_CXX_COMPILER")
+    run(compiler, "-std=c++20", EXAMPLES / "example/field_at_a_point.cpp", "-o", folder / "field_at_a_point", *flags)
+    run(compiler, "-std=c++20", EXAMPLES / "haptogram/link/example.cpp", "-o", folder / "play_image", *flags)
+    check_examples(folder)
+    assert run("pkg-config", "--modversion", "haptogram", environment=environment).stdout.strip() == cached("CMAKE_PROJECT_VERSION")
+
+
+def test_add_subdirectory(work):
+    consume(work / "add_subdirectory", f"-DHAPTOGRAM_SOURCE={ROOT}", "-DHAPTOGRAM_WERROR=ON")
+    names = run("cmake", "--build", work / "add_subdirectory", "--target", "help").stdout
+    assert "haptogram_link:" in names
+    for absent in ("test_unit", "haptogram_models", "interface:", "haptogram_figures"):
+        assert absent not in names, f"{absent} is built in a project that only wants the libraries"
+
+
+def test_fetch_content(work):
+    """Configured alone: what it builds is what add_subdirectory does."""
+    run("cmake", "-S", CONSUMER, "-B", work / "fetch_content", f"-DEXAMPLES={EXAMPLES}", f"-DHAPTOGRAM_SOURCE={ROOT}", "-DFETCH=ON", *like_the_build())
+
+
+def test_the_installed_program_works(package, work):
+    said = run(package / "bin/haptogram", "compile", "--shape", "circle", "--points", "8", "-o", "image.hex", cwd=work)
+    assert (work / "image.hex").exists() and said.returncode == 0

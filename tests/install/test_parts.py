@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Builds that leave parts out, and what a build says that misses something. One folder, so that only what differs is built again."""
+import shutil
+
+import pytest
+from conftest import ROOT, like_the_build, run
+
+USAGE = 2
+# As if neither were installed.
+NO_VERILATOR = "-DCMAKE_DISABLE_FIND_PACKAGE_verilator=ON"
+NO_PKG_CONFIG = "-DCMAKE_DISABLE_FIND_PACKAGE_PkgConfig=ON"
+
+
+def configure(folder, *options, expect=0):
+    return run("cmake", "-S", ROOT, "-B", folder, *like_the_build(), *options, expect=expect)
+
+
+def build(folder, *targets):
+    run("cmake", "--build", folder, "-j", "2", *(word for target in targets for word in ("--target", target)))
+    return folder / "host/cli/haptogram"
+
+
+def says(program, folder, *arguments, expect):
+    """Nothing on standard output, and one line of complaint, which is returned."""
+    done = run(program, *arguments, cwd=folder, expect=expect)
+    assert done.stdout == "" and done.stderr.count("\n") == 1, (done.stdout, done.stderr)
+    return done.stderr
+
+
+@pytest.fixture(scope="module")
+def folder(work):
+    return work / "parts"
+
+
+@pytest.fixture(scope="module")
+def without_both(folder):
+    """The program with neither the simulated board nor FTDI, on a machine that has the packages of neither."""
+    configure(folder, "-DHAPTOGRAM_SIMULATION=OFF", "-DHAPTOGRAM_FTDI=OFF", "-DHAPTOGRAM_TESTS=OFF", NO_VERILATOR, NO_PKG_CONFIG)
+    program = folder.parent / "haptogram-without-both"
+    shutil.copy(build(folder), program)
+    return program
+
+
+def test_without_simulation_and_ftdi_the_rest_works(without_both, work):
+    run(without_both, "compile", "--shape", "point", "--center", "0,0,100", "-o", "point.hex", cwd=work)
+    run(without_both, "inspect", "point.hex", cwd=work)
+    run(without_both, "analyze", "point.hex", cwd=work)
+    run(without_both, "field", "point.hex", "--line", "z@x=0,y=0", "-o", "line.csv", cwd=work)
+    assert "colorlight" in run(without_both, "board", "list").stdout
+    for command in ("upload", "play", "stream", "bitstream", "device", "download"):
+        assert "Usage" in run(without_both, command, "--help").stdout
+
+
+def test_simulation_that_is_left_out_says_so(without_both, work):
+    for command in (["simulate", "point.hex", "--pulses", "p.csv"], ["simulate"], ["board", "run", "--pty", "port"]):
+        assert "HAPTOGRAM_SIMULATION=ON" in says(without_both, work, *command, expect=USAGE)
+
+
+def test_ftdi_that_is_left_out_says_so(without_both, work):
+    assert "HAPTOGRAM_FTDI=ON" in says(without_both, work, "device", "info", "--port", "ftdi:", expect=USAGE)
+
+
+def test_tests_without_simulation(without_both, folder):
+    """The unit tests do not need it."""
+    configure(folder, "-DHAPTOGRAM_SIMULATION=OFF", "-DHAPTOGRAM_FTDI=ON", "-DHAPTOGRAM_TESTS=ON", NO_VERILATOR, "-UCMAKE_DISABLE_FIND_PACKAGE_PkgConfig")
+    build(folder, "test_unit", "haptogram")
+    listed = run("ctest", "--test-dir", folder, "-N").stdout
+    assert " unit/" in listed and " cosim/" not in listed and " cli" not in listed
+
+
+@pytest.mark.parametrize("options", [["-DHAPTOGRAM_FTDI=OFF"], ["-DHAPTOGRAM_TESTS=OFF"], ["-DHAPTOGRAM_PROGRAM=OFF"],
+                                     ["-DHAPTOGRAM_PROGRAM=OFF", "-DHAPTOGRAM_SIMULATION=OFF"]])
+def test_other_combinations_configure(work, options):
+    configure(work / "configured", "--fresh", *options)
+
+
+def test_a_missing_package_is_one_line(work):
+    done = configure(work / "missing", "-DCMAKE_DISABLE_FIND_PACKAGE_fmt=ON", "-DCMAKE_DISABLE_FIND_PACKAGE_hwy=ON", "-DHAPTOGRAM_SIMULATION=OFF", expect=1)
+    (line,) = [line for line in done.stderr.splitlines() if line.startswith("haptogram: missing")]
+    assert "fmt (libfmt-dev), hwy (libhwy-dev)" in line and "tools/setup" in line
+
+
+def test_make_names_missing_programs_in_one_line(work):
+    """A path on which there is make, a shell and nothing else."""
+    path = work / "bare_path"
+    path.mkdir()
+    for program in ("make", "sh"):
+        (path / program).symlink_to(shutil.which(program))
+    copy = work / "bare_tree"
+    copy.mkdir()
+    shutil.copy(ROOT / "Makefile", copy)
+    done = run(path / "make", "-C", copy, "build", expect=2, environment={"PATH": str(path), "MAKEFLAGS": "", "MAKELEVEL": ""})
+    said = [line for line in done.stderr.splitlines() if "***" not in line]
+    assert len(said) == 1 and "cmake ninja" in said[0] and "tools/setup" in said[0], done.stderr
+
+
+def test_make_asks_for_no_package_manager():
+    """Whatever make would do for these, it is neither the set-up nor apt."""
+    for target in ("build", "demo", "test", "lint", "bench", "install"):
+        told = run("make", "-n", target, cwd=ROOT, environment={"MAKEFLAGS": "", "MAKELEVEL": ""}).stdout
+        commands = [line for line in told.splitlines() if "missing" not in line]
+        assert commands and not any("tools/setup" in line or "apt" in line.split() for line in commands)
