@@ -106,11 +106,13 @@ std::string_view model_for(const Image& image, const std::string& where) {
     for (const auto& [name, p, about] : available_models())
         known += fmt::format("\n  {}: {} channels, {} records, {} sequence entries, {} timing bits, {} Hz", name,
                              p.channels, p.records, p.sequence_depth - 1, p.timing_bits, p.clock_hz);
-    throw bad_input(where, fmt::format("no simulated board has {} channels, {} records, {} sequence entries, {} timing "
-                                       "bits at {} Hz; there are:{}\n"
-                                       "compile for one of these, or add a configuration to tools/interface.toml and its name to sim/models.cmake",
-                                       image.channels, image.records.size(), image.sequence.size(), image.timing_bits,
-                                       image.clock_hz, known));
+    throw bad_input(
+        where,
+        fmt::format(
+            "no simulated board has {} channels, {} records, {} sequence entries, {} timing "
+            "bits at {} Hz; there are:{}\n"
+            "compile for one of these, or add a configuration to tools/interface.toml and its name to sim/models.cmake",
+            image.channels, image.records.size(), image.sequence.size(), image.timing_bits, image.clock_hz, known));
 }
 
 void load_directly(Board& board, const Image& image) {
