@@ -133,7 +133,7 @@ module memory_controller #(
     wire unused = &{1'b0, first_word};
 
 `ifdef FORMAL
-    `include "../tests/formal/memory_controller_properties.vh"
+    `include "formal/memory_controller.vh"
 `endif
 endmodule
 `default_nettype wire

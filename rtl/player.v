@@ -74,13 +74,7 @@ module player #(
     assign {o_cycle_start, o_index} = beside_1_q;
 
 `ifdef FORMAL
-    // Everything its parts assert about each other is to hold here, whatever is in memory.
-    reg f_reset_seen_q;
-    initial f_reset_seen_q = 1'b0;
-    always @(posedge clk) begin
-        f_reset_seen_q <= f_reset_seen_q || rst;
-        cover (f_reset_seen_q && !rst && commit && !silent && index != present);
-    end
+    `include "formal/player.vh"
 `endif
 endmodule
 `default_nettype wire

@@ -99,7 +99,7 @@ module pulse_generators #(
     end
 
 `ifdef FORMAL
-    `include "../tests/formal/pulse_generators_properties.vh"
+    `include "formal/pulse_generators.vh"
 `endif
 endmodule
 `default_nettype wire

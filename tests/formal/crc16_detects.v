@@ -14,7 +14,7 @@ module crc16_detects (
     input wire [2:0]  i_offset  // bits before the burst in its first byte
 );
     `include "crc16.vh"
-    `include "../tests/formal/crc16_bitwise.vh"
+    `include "formal/crc16_bitwise.vh"
 
     wire [23:0] error = {i_burst, 8'd0} >> i_offset;
     wire [15:0] after = crc16(crc16(crc16(16'd0, error[23:16]), error[15:8]), error[7:0]);
