@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Indices from the link, waiting to be played: a FIFO of (index, dwell) whose writer commits or takes back a whole frame
-// at once, so that a refused frame pushes nothing. o_valid/i_take is the reading side, data held while it waits.
-// i_clear empties it. DEPTH is a power of two, 4…32768.
+// Holds the indices that arrived over the link and wait to be played: a FIFO of (dwell, index).
+//
+// A frame may carry many indices, and a refused frame must push none. So i_push only adds provisionally; i_keep makes all that
+// was pushed readable, and i_take_back removes it again. o_valid/i_take is the reading side; its data stays until it is taken.
+// An entry can be read two clocks after i_keep at the latest. i_clear empties everything.
+// DEPTH is how many indices can wait: a power of two from 4 to 32768, so that its pointers wrap by themselves.
 `default_nettype none
 module live_fifo #(
     parameter DEPTH = 256
@@ -10,7 +13,7 @@ module live_fifo #(
     input  wire        clk,
     input  wire        rst,
     input  wire        i_clear,
-    input  wire        i_push,      // provisional until i_keep; only while o_free > 0
+    input  wire        i_push,      // provisional until i_keep; only while o_free is not 0
     input  wire [31:0] i_entry,
     input  wire        i_keep,
     input  wire        i_take_back,
@@ -27,10 +30,10 @@ module live_fifo #(
         if (DEPTH < 4 || DEPTH > 32768 || DEPTH != (1 << BITS)) depth_out_of_range error();
     endgenerate
 
-    (* no_rw_check *) reg [31:0] entries [0:DEPTH-1];  // what is written can be read a clock later at the earliest
-    // One bit more than the address tells full from empty.
-    reg [BITS:0] kept_q;   // end of what may be read
-    reg [BITS:0] write_q;  // end of what has been pushed
+    (* no_rw_check *) reg [31:0] entries [0:DEPTH-1];  // an entry is never read in the clock in which it is written
+    // The pointers have one bit more than an address, which tells a full FIFO from an empty one.
+    reg [BITS:0] kept_q;   // after the last entry that may be read
+    reg [BITS:0] write_q;  // after the last entry that has been pushed
     reg [BITS:0] read_q;
 
     wire [BITS:0] read_d = read_q + {{BITS{1'b0}}, o_valid && i_take};
@@ -55,7 +58,7 @@ module live_fifo #(
             else if (i_push) write_q <= write_q + 1'b1;
             if (i_keep) kept_q <= write_q;
             read_q  <= read_d;
-            o_valid <= read_d != kept_q;  // the kept entry was written at least one clock ago
+            o_valid <= read_d != kept_q;  // so an entry is read one clock after it was written, or later
         end
     end
 

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Strobes o_expired when no frame was accepted for i_milliseconds while outputs are enabled; 0 turns it off.
-// i_kick restarts the time. One clock from expiry to strobe.
+// Strobes o_expired when outputs are enabled and no frame has been accepted for i_milliseconds. So a host that has died, or a
+// cable that was pulled, cannot leave the ultrasound on.
+//
+// i_kick starts the time anew. i_set takes a new time; 0 turns the watchdog off. The strobe comes one clock after the time is
+// up.
+// CLOCK_HZ (2 kHz to 1 GHz) says how long a millisecond is. DEFAULT_MS (0 to 65535) holds after reset.
 `default_nettype none
 module watchdog #(
     parameter CLOCK_HZ   = 50000000,
@@ -9,7 +13,7 @@ module watchdog #(
 ) (
     input  wire        clk,
     input  wire        rst,
-    input  wire        i_running,  // outputs are enabled
+    input  wire        i_running,  // the outputs are enabled
     input  wire        i_kick,
     input  wire        i_set,
     input  wire [15:0] i_milliseconds,

@@ -33,10 +33,7 @@ struct Bench {
     link::Client client;
 
     explicit Bench(std::string_view model = "small-16", const sim::BoardOptions& options = {})
-        : board(model_or_netlist(model), options),
-          recorder(board),
-          line(board),
-          client(line) {}
+        : board(model_or_netlist(model), options), recorder(board), line(board), client(line) {}
 
     [[nodiscard]] std::uint32_t channels() const { return board.parameters().channels; }
 
