@@ -1,18 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a board says of itself: the identity and status blocks (rtl/INTERFACE.md)."""
-import struct
 from dataclasses import dataclass
 
 from .errors import device_error
-from .interface import IDENTITY_WORDS, NAME, STATUS_WORDS, VERSION
+from .interface import IDENTITY_FIELDS, IDENTITY_WORDS, NAME, STATUS_FIELDS, STATUS_WORDS, VERSION, BitField, Mode, unpack
 
-MODES = ("idle", "single", "sequence", "live")
+MODES = tuple(mode.name.lower() for mode in Mode)
 
 
-def _words(names: list[str], data: bytes) -> dict[str, int]:
-    if len(data) < 2 * len(names):
+def _unpack(fields: dict[str, BitField], words: list[str], data: bytes) -> dict[str, int]:
+    if len(data) < 2 * len(words):
         raise device_error("board", "its reply is too short; it speaks another version of the protocol")
-    return dict(zip(names, struct.unpack_from(f"<{len(names)}H", data), strict=True))
+    return unpack(fields, data)
 
 
 @dataclass(frozen=True)
@@ -33,17 +32,12 @@ class Identity:
 
     @classmethod
     def parse(cls, data: bytes) -> "Identity":
-        words = _words(IDENTITY_WORDS, data)
+        fields = _unpack(IDENTITY_FIELDS, IDENTITY_WORDS, data)
         name = data[:16].split(b"\0")[0].decode("ascii", "backslashreplace")
-        major, minor = divmod(words["version"], 256)
+        major, minor = fields.pop("version_major"), fields.pop("version_minor")
         if name != NAME or major != VERSION[0]:
             raise device_error("board", f"it says it is '{name}' {major}.{minor}, expected '{NAME}' {VERSION[0]}.x")
-        pulse_bits, timing_bits = divmod(words["bits"], 256)
-        return cls(
-            name=name, version=(major, minor), channels=words["channels"], records=words["records"],
-            sequence_depth=words["sequence_depth"], live_depth=words["live_depth"], timing_bits=timing_bits, pulse_bits=pulse_bits,
-            clock_hz=words["clock_hz_low"] | words["clock_hz_high"] << 16, features=words["features"], frame_bytes=words["frame_bytes"],
-        )  # fmt: skip
+        return cls(name=name, version=(major, minor), **fields)
 
 
 @dataclass(frozen=True)
@@ -66,6 +60,5 @@ class BoardStatus:
 
     @classmethod
     def parse(cls, data: bytes) -> "BoardStatus":
-        words = _words(STATUS_WORDS, data)
-        flags = words.pop("flags")
-        return cls(enabled=bool(flags & 1), mode=MODES[flags >> 1 & 3], **words)
+        fields = _unpack(STATUS_FIELDS, STATUS_WORDS, data)
+        return cls(enabled=bool(fields.pop("enabled")), mode=MODES[fields.pop("mode")], **fields)
