@@ -17,7 +17,7 @@ module cobs_decoder (
     output wire       o_intact
 );
     reg [7:0] left_q;  // data bytes before the next code byte
-    reg       zero_q;  // the group before this one stood for a zero at its end, too
+    reg       zero_q;  // a zero byte of the frame follows the data of this group
 
     wire is_code = left_q == 8'd0;
     assign o_end    = i_valid && i_byte == 8'd0;

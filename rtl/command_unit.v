@@ -63,7 +63,7 @@ module command_unit #(
     reg [LENGTH_BITS-1:0] length_q;         // of the frame, in bytes
     reg [LENGTH_BITS-1:0] words_q;          // words of it that are still to be taken
     reg [LENGTH_BITS-1:0] payload_words_q;  // words after the header
-    reg [LENGTH_BITS-1:0] tail_words_q;     // words after the arguments; right from o_settle on
+    reg [LENGTH_BITS-1:0] tail_words_q;     // words after the arguments; valid from o_settle on
     reg [7:0]  command_q;
     reg [15:0] argument_q [0:2];
     reg [1:0]  count_q;                     // arguments taken

@@ -20,7 +20,7 @@ module haptogram_core #(
     parameter BAUD            = `HG_DEFAULT_BAUD,
     parameter WATCHDOG_MS     = `HG_DEFAULT_WATCHDOG_MS,
     parameter MAX_HIGH_CLOCKS = `HG_DEFAULT_MAX_HIGH_CLOCKS,
-    parameter CARRIER_HZ      = 40000,  // of the idle cycles before the first record, so that it is not waited for long
+    parameter CARRIER_HZ      = 40000,  // of the cycles before the first record, which starts at the end of one
     parameter PRIMARY_FILE    = "",     // $readmemh files: the memories' contents at power-up
     parameter SEQUENCE_FILE   = ""
 ) (

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whatever came before, a delimiter makes the next frame understood.
+// After a zero byte the next frame is decoded rightly, whatever came before.
 reg f_reset_seen_q;
 initial f_reset_seen_q = 1'b0;
 always @(posedge clk) begin

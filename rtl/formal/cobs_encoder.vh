@@ -4,7 +4,7 @@ initial f_reset_seen_q = 1'b0;
 always @(posedge clk) begin
     f_reset_seen_q <= f_reset_seen_q || rst;
     if (f_reset_seen_q) begin
-        // A pause on either side holds everything.
+        // While either side pauses, nothing changes.
         assert (!o_valid || (state_q == SEND && o_byte == frame[read_q]));
         if ($past(!rst && o_valid && !i_ready)) begin
             assert (o_valid && o_byte == $past(o_byte));

@@ -29,7 +29,7 @@ always @(posedge clk) begin
         assert (count_q < cycle_length_q && phase_q < prescaler_q && f_left_q == f_ticks * prescaler_q[7:0] - phase_q[7:0]);
         assert (preempt_q == f_asked_q && dwell_q == (f_dwell_q == 0 ? 16'd0 : f_due ? 16'd1 : f_dwell_q - f_played_q));
         assert (f_asked_q || late_q == (f_dwell_q != 0 && f_played_q >= f_dwell_q));
-        // No dead time, and a cycle ends where its length says.
+        // A cycle starts right after the last one, and ends where its length says.
         assert (o_cycle_start == ($past(boundary) || $past(rst)));
         assert (!boundary || f_left_q == 8'd1);
         assert (o_commit == (boundary && i_ready && i_settled && f_change));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 `include "formal/crc16_bitwise.vh"
-// Any one place in the ring, and any one word of a frame (0 is its length).
+// Any one place in the ring, and any one word of a frame (word 0 is its length), are followed.
 `ifdef FORMAL_FRAME_RECEIVER
 (* anyconst *) wire [BITS-1:0] f_at;
 (* anyconst *) wire [BITS:0]   f_number;
@@ -32,7 +32,7 @@ always @(posedge clk) begin
         assert (full_q || (f_crc_q == crc_q && f_bytes_q == f_count && place_q == start_q + ONE + f_pairs[BITS:0]));
         assert (f_bytes_q >= f_count && (f_bytes_q == 16'd0 || f_pairs <= {{(15-BITS){1'b0}}, used} || full_q));
         assert ((used <= WORDS[BITS:0] || place_q == start_q + ONE) && (!full_q || f_count != 16'd0));
-        // Whole or not at all.
+        // A frame is kept whole, or not at all.
         assert (!o_good || (i_end && i_intact && f_crc_q == 16'd0 && f_bytes_q >= 16'd4));
         assert (!o_good || place_q == start_q + ONE + f_pairs[BITS:0]);
         assert (!i_end || o_good || o_damaged || (i_intact && f_bytes_q == 16'd0));

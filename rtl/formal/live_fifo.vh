@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 reg f_reset_seen_q;
 initial f_reset_seen_q = 1'b0;
-// Any one place: what was pushed there is what comes out, when its turn comes.
+// Any one place is followed: what was pushed there is what comes out when its turn comes.
 `ifdef FORMAL_LIVE_FIFO
 (* anyconst *) wire [BITS:0] f_place;
 `else
@@ -29,7 +29,7 @@ always @(posedge clk) begin
         if (f_ahead < used) assert (entries[f_place[BITS-1:0]] == f_entry_q);
         if (o_valid) assert (o_entry == entries[read_q[BITS-1:0]]);
         if (o_valid && read_q == f_place) assert (o_entry == f_entry_q);
-        // A provisional entry is never read; keeping shows it, taking back removes it, in the next clock.
+        // A provisional entry is never read. i_keep makes it readable, i_take_back removes it, both in the next clock.
         if ($past(rst || i_clear)) begin
             assert (used == 0 && !o_valid);
         end else begin

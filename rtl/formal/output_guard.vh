@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Proved with pulse_generators as its pins, which is where contract 4 holds as a whole.
+// Proved together with pulse_generators, which drives the pins: contract 4 is about both (tests/formal/guarded_pulses.v).
 localparam [WINDOW_BITS-1:0] F_WINDOW = WINDOW[WINDOW_BITS-1:0];
 localparam [WINDOW_BITS-1:0] F_BOUND  = MAX_HIGH_CLOCKS[WINDOW_BITS-1:0];
 reg f_past_valid_q, f_reset_seen_q, f_wanted_q, f_any_q, f_off_q;

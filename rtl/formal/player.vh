@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything its parts assert about each other is to hold here, whatever is in memory.
+// The assertions of its parts do the work: here each part is given what the others make, and memory may hold anything.
 reg f_reset_seen_q;
 initial f_reset_seen_q = 1'b0;
 always @(posedge clk) begin

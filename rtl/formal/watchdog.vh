@@ -8,7 +8,7 @@ always @(posedge clk) begin
     f_reset_seen_q <= f_reset_seen_q || rst;
     f_expired_q    <= o_expired && !rst;
     f_quiet_q      <= rst || i_set || i_kick || !i_running || o_milliseconds == 16'd0 ? 36'd0 : f_quiet_q + 1'b1;
-    // An expiry stops what is watched, in the next clock.
+    // After an expiry the outputs are disabled in the next clock.
 `ifdef FORMAL_WATCHDOG
     assume (!i_set || i_milliseconds < 16'd4);
     if (f_reset_seen_q && f_expired_q) assume (!i_running);
