@@ -316,6 +316,8 @@ def python(table):
     out.append(f"RECORD_HEADER_WORDS = {table['record']['header_words']}")
     out.append(f"SILENT_TIMING = 0x{table['record']['silent_timing']:04x}")
     description = next(b for b in table["block"] if b["region"] == "description")
+    autostart = next(f for f in table["sequence_header"]["fields"] if f["name"] == "autostart")
+    out.append(f"AUTOSTART_BIT = 1 << {autostart['low']}  # of the sequence header")
     out += [f"DESCRIPTION_MAGIC = 0x{description['magic']:04x}", f"DESCRIPTION_FORMAT = {description['format']}"]
     out.append(f"LONGEST_CYCLE_S = {table['image']['longest_cycle_s']}")
     for name, words in blocks(table).items():

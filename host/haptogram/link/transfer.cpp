@@ -136,15 +136,16 @@ std::string compare(Client& client, const Image& image, const Progress& progress
 
 Image download(Client& client, const Identity& board, std::uint32_t records, const std::string& where,
                const Progress& progress) {
-    const std::uint32_t length = interface::sequence_header_field::length.get(client.read(interface::sequence_base, 4));
+    const auto header = words_of<std::uint32_t>(client.read(interface::sequence_base, 4)).front();
+    const std::uint32_t length = header & ~interface::autostart_bit & 0xffffU;
     if (length >= board.sequence_depth || (length == 0 && records == 0))
         throw Error(ErrorCode::device, where,
                     fmt::format("the sequence header in its memory says {} entries; upload an image first", length));
     auto sequence =
         words_of<std::uint32_t>(contents(client, board, interface::sequence_base, 4 * (length + std::size_t{1}), {}));
-    interface::sequence_header_field::autostart.set(sequence, 0);  // only a bitstream may hold it
+    sequence.front() &= ~interface::autostart_bit;
     for (std::size_t i = 1; i < sequence.size() && records != board.records; ++i)
-        records = std::min(std::max(records, interface::sequence_entry_field::index.get(&sequence[i])), board.records);
+        records = std::min(std::max(records, sequence[i] & 0xffffU), board.records);
     Image image;
     image.channels = board.channels;
     image.clock_hz = board.clock_hz;

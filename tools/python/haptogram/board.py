@@ -1,17 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a board says of itself: the identity and status blocks (rtl/INTERFACE.md)."""
+import struct
 from dataclasses import dataclass
 
 from .errors import device_error
-from .interface import IDENTITY_FIELDS, IDENTITY_WORDS, NAME, STATUS_FIELDS, STATUS_WORDS, VERSION, BitField, Mode, unpack
+from .interface import IDENTITY_WORDS, NAME, STATUS_WORDS, VERSION
 
-MODES = tuple(mode.name.lower() for mode in Mode)
+MODES = ("idle", "single", "sequence", "live")
 
 
-def _unpack(fields: dict[str, BitField], words: list[str], data: bytes) -> dict[str, int]:
-    if len(data) < 2 * len(words):
+def _words(names: list[str], data: bytes) -> dict[str, int]:
+    if len(data) < 2 * len(names):
         raise device_error("board", "its reply is too short; it speaks another version of the protocol")
-    return unpack(fields, data)
+    return dict(zip(names, struct.unpack_from(f"<{len(names)}H", data), strict=True))
 
 
 @dataclass(frozen=True)
@@ -32,12 +33,17 @@ class Identity:
 
     @classmethod
     def parse(cls, data: bytes) -> "Identity":
-        fields = _unpack(IDENTITY_FIELDS, IDENTITY_WORDS, data)
+        words = _words(IDENTITY_WORDS, data)
         name = data[:16].split(b"\0")[0].decode("ascii", "backslashreplace")
-        major, minor = fields.pop("version_major"), fields.pop("version_minor")
+        major, minor = divmod(words["version"], 256)
         if name != NAME or major != VERSION[0]:
             raise device_error("board", f"it says it is '{name}' {major}.{minor}, expected '{NAME}' {VERSION[0]}.x")
-        return cls(name=name, version=(major, minor), **fields)
+        pulse_bits, timing_bits = divmod(words["bits"], 256)
+        return cls(
+            name=name, version=(major, minor), channels=words["channels"], records=words["records"],
+            sequence_depth=words["sequence_depth"], live_depth=words["live_depth"], timing_bits=timing_bits, pulse_bits=pulse_bits,
+            clock_hz=words["clock_hz_low"] | words["clock_hz_high"] << 16, features=words["features"], frame_bytes=words["frame_bytes"],
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -60,5 +66,6 @@ class BoardStatus:
 
     @classmethod
     def parse(cls, data: bytes) -> "BoardStatus":
-        fields = _unpack(STATUS_FIELDS, STATUS_WORDS, data)
-        return cls(enabled=bool(fields.pop("enabled")), mode=MODES[fields.pop("mode")], **fields)
+        words = _words(STATUS_WORDS, data)
+        flags = words.pop("flags")
+        return cls(enabled=bool(flags & 1), mode=MODES[flags >> 1 & 3], **words)
