@@ -54,7 +54,7 @@ bitstream: build ## synthesise, place and route BOARD=… into build/boards, SEE
 
 bitstreams: build ## the same for every board, and the core with 256 channels; their table goes to constraints/builds.md
 	@$(PYTHON) tools/bitstream.py --seeds $(or $(SEEDS),1) --program $(BUILD)/host/cli/haptogram --table constraints/builds.md
-	@$(PYTHON) tools/bitstream.py colorlight-5a-75e-v7.1 --channels 256 --records 160 --table constraints/builds.md
+	@$(PYTHON) tools/bitstream.py colorlight-5a-75e-v7.1 --configuration wide-256 --table constraints/builds.md
 
 # With IMAGE, the image is in the bitstream and plays at power-up with AUTOSTART=1; FLASH=write keeps it when power is cut.
 flash: ## load BOARD=… through openFPGALoader, with IMAGE=… in it if given; DRY_RUN=1 only says how

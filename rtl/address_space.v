@@ -1,32 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Primary and sequence memory, and who may use them: what plays comes first, a reply waits for its word (o_granted), and a
-// writer waits for the one clock in which its word is being read (o_hold). Words arrive two clocks after their address.
+// Holds primary and sequence memory and shares each between its three users: what plays, replies, and writes.
+//
+// Each memory has one port to read and one to write. The player's reads always go first. A reply waits until o_granted. A write
+// waits while o_hold is high, that is in a clock in which its word is being read, because the memories do not say what such a
+// read returns. A word arrives two clocks after its address.
+// PRIMARY_WORDS is RECORDS · (CHANNELS + 4) of the core. WORD_BITS is as wide as the address of a 16-bit word in the largest
+// region. PRIMARY_FILE and SEQUENCE_FILE fill the memories at power-up ($readmemh); empty leaves them as the device does.
 `default_nettype none
 `include "interface.vh"
 module address_space #(
     parameter PRIMARY_WORDS  = 41600,
     parameter SEQUENCE_DEPTH = 1024,
-    parameter WORD_BITS      = 16,  // of a 16-bit word's address in any region
+    parameter WORD_BITS      = 16,
     parameter PRIMARY_FILE   = "",
     parameter SEQUENCE_FILE  = "",
-    parameter PRIMARY_BITS   = $clog2(PRIMARY_WORDS),  // follow from the others
+    parameter PRIMARY_BITS   = $clog2(PRIMARY_WORDS),  // these two follow from the others
     parameter SEQUENCE_BITS  = $clog2(SEQUENCE_DEPTH)
 ) (
     input  wire                     clk,
-    input  wire [3:0]               i_region,           // of both writes and replies
-    input  wire                     i_write,            // only while not o_hold
+    input  wire [3:0]               i_region,           // of the write and of the reply
+    input  wire                     i_write,            // held off while o_hold is high
     input  wire [WORD_BITS-1:0]     i_write_address,
     input  wire [15:0]              i_write_word,
     output wire                     o_hold,
-    input  wire [WORD_BITS-1:0]     i_read_address,     // for a reply
-    input  wire [15:0]              i_register_word,    // of the identity and status blocks
+    input  wire [WORD_BITS-1:0]     i_read_address,     // of a reply's word
+    input  wire [15:0]              i_register_word,    // a reply's word, when it is of the identity or status block
     output wire                     o_granted,
     output wire [15:0]              o_read_word,
-    input  wire                     i_loading,          // a record: i_load_address is in use
+    input  wire                     i_loading,          // a record is being read, at i_load_address
     input  wire [PRIMARY_BITS-1:0]  i_load_address,
     output wire [15:0]              o_primary_word,
-    input  wire                     i_fetching,         // a sequence entry
+    input  wire                     i_fetching,         // a sequence entry is being read, at i_sequence_address
     input  wire [SEQUENCE_BITS-1:0] i_sequence_address,
     output wire [31:0]              o_sequence_word
 );
@@ -36,17 +41,20 @@ module address_space #(
     reg  [15:0] register_q;
     always @(posedge clk) {high_half_q, register_q} <= {high_half_q[0], i_read_address[0], i_register_word};
 
-    assign o_hold      = in_primary ? i_loading && i_load_address == i_write_address[PRIMARY_BITS-1:0] : in_sequence && i_fetching;
+    assign o_hold      = in_primary ? i_loading && i_load_address == i_write_address[PRIMARY_BITS-1:0]
+                                    : in_sequence && i_fetching;
     assign o_granted   = in_primary ? !i_loading : !in_sequence || !i_fetching;
     assign o_read_word = in_primary ? o_primary_word
                        : !in_sequence ? register_q
                        : high_half_q[1] ? o_sequence_word[31:16] : o_sequence_word[15:0];
 
     primary_memory #(.WORDS(PRIMARY_WORDS), .INIT_FILE(PRIMARY_FILE)) primary (
-        .clk(clk), .i_write(i_write && in_primary), .i_write_address(i_write_address[PRIMARY_BITS-1:0]), .i_write_word(i_write_word),
+        .clk(clk),
+        .i_write(i_write && in_primary), .i_write_address(i_write_address[PRIMARY_BITS-1:0]), .i_write_word(i_write_word),
         .i_read_address(i_loading ? i_load_address : i_read_address[PRIMARY_BITS-1:0]), .o_word(o_primary_word));
     sequence_memory #(.WORDS(SEQUENCE_DEPTH), .INIT_FILE(SEQUENCE_FILE)) sequence_words (
-        .clk(clk), .i_write(i_write && in_sequence), .i_write_address(i_write_address[SEQUENCE_BITS:0]), .i_write_half(i_write_word),
+        .clk(clk),
+        .i_write(i_write && in_sequence), .i_write_address(i_write_address[SEQUENCE_BITS:0]), .i_write_half(i_write_word),
         .i_read_address(i_fetching ? i_sequence_address : i_read_address[SEQUENCE_BITS:1]), .o_word(o_sequence_word));
 endmodule
 `default_nettype wire

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Takes the zero-delimited COBS bytes of the line apart. Combinational from i_valid to the outputs, one byte in, at most
-// one byte out: o_valid with o_byte for data, o_end at a delimiter, with o_intact when the code ended where it should.
+// Turns COBS-encoded bytes back into the bytes of frames.
+//
+// COBS leaves no zero byte within a frame, so a zero always ends one, and a receiver that has lost its place finds it again at
+// the next zero. Each byte in gives at most one byte out, in the same clock (combinational): o_valid with o_byte for data, or
+// o_end at the end of a frame. o_intact says, together with o_end, that the code ended where it should. It has no parameters.
 `default_nettype none
 module cobs_decoder (
     input  wire       clk,
@@ -13,8 +16,8 @@ module cobs_decoder (
     output wire       o_end,
     output wire       o_intact
 );
-    reg [7:0] left_q;  // data bytes until the next code byte
-    reg       zero_q;  // a zero stands between the last group and the next
+    reg [7:0] left_q;  // data bytes before the next code byte
+    reg       zero_q;  // a zero byte of the frame follows the data of this group
 
     wire is_code = left_q == 8'd0;
     assign o_end    = i_valid && i_byte == 8'd0;
@@ -33,19 +36,7 @@ module cobs_decoder (
     end
 
 `ifdef FORMAL
-    // Whatever came before, a delimiter makes the next frame understood.
-    reg f_reset_seen_q;
-    initial f_reset_seen_q = 1'b0;
-    always @(posedge clk) begin
-        f_reset_seen_q <= f_reset_seen_q || rst;
-        assert (!(o_valid && o_end));
-        if (f_reset_seen_q) begin
-            if ($past(rst || o_end)) assert (o_intact && !o_valid);
-            if ($past(!rst && i_valid && i_byte > 8'd1 && o_intact)) assert (!o_intact);
-            cover (o_end && !o_intact);
-            cover (o_end && o_intact && !$past(rst || o_end));
-        end
-    end
+    `include "formal/cobs_decoder.vh"
 `endif
 endmodule
 `default_nettype wire

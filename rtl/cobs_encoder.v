@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Collects one frame, COBS-encoding it in place, and then sends it to the UART with its zero delimiter. A code byte says
-// how far the next zero is, which is only known later: its place is kept open and filled when the run ends, one memory
-// write a clock. The next frame is taken when this one has left. BYTES is a power of two, more than the longest
-// frame + its CRC + one byte in 254 + 2.
+// Collects one frame, encodes it by COBS, and then sends it to the UART with a zero byte at its end.
+//
+// A COBS code byte says how far away the next zero is, which is only known when that zero comes. So the frame is written into
+// memory with a place kept open for each code byte, which is filled in when its run of bytes ends. Both sides are valid/ready
+// streams; i_last marks the frame's last byte. o_ready stays low from then until the whole frame has been sent.
+// BYTES is the size of that memory: a power of two, more than the longest frame with its CRC, one byte in 254, and 2.
 `default_nettype none
 module cobs_encoder #(
     parameter BYTES = 256
@@ -22,7 +24,7 @@ module cobs_encoder #(
     localparam [BITS-1:0] ONE = {{(BITS-1){1'b0}}, 1'b1};
     localparam [1:0] COLLECT = 2'd0, CLOSE_RUN = 2'd1, DELIMIT = 2'd2, SEND = 2'd3;
 
-    (* no_rw_check *) reg [7:0] frame [0:BYTES-1];  // nothing is written while it is sent
+    (* no_rw_check *) reg [7:0] frame [0:BYTES-1];  // a frame is written or sent, never both in one clock
     reg [1:0]      state_q;
     reg            last_q;   // the frame is complete
     reg [BITS-1:0] code_q;   // place kept for the present run's code byte
@@ -84,26 +86,7 @@ module cobs_encoder #(
     end
 
 `ifdef FORMAL
-    reg f_reset_seen_q;
-    initial f_reset_seen_q = 1'b0;
-    always @(posedge clk) begin
-        f_reset_seen_q <= f_reset_seen_q || rst;
-        if (f_reset_seen_q) begin
-            // A pause on either side holds everything.
-            assert (!o_valid || (state_q == SEND && o_byte == frame[read_q]));
-            if ($past(!rst && o_valid && !i_ready)) begin
-                assert (o_valid && o_byte == $past(o_byte));
-            end
-            if ($past(!rst && o_ready && !i_valid)) begin
-                assert (o_ready && {code_q, place_q, run_q} == $past({code_q, place_q, run_q}));
-            end
-            if ($past(!rst && o_valid && i_ready)) begin
-                assert (o_ready || (o_valid && read_q == $past(read_q) + ONE));
-            end
-            cover (o_valid && $past(o_valid && !i_ready));
-            cover (o_ready && $past(o_valid));
-        end
-    end
+    `include "formal/cobs_encoder.vh"
 `endif
 endmodule
 `default_nettype wire

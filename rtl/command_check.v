@@ -1,16 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Judges a command's arguments before anything is changed. The verdict, a status code, follows i_settle by one clock.
+// Judges the arguments of a command before anything is changed by it.
+//
+// A command that is refused must leave no trace, so all its arguments are checked first. o_status is a status code of
+// interface.vh; it is valid one clock after i_settle and stays so while the arguments do.
+// CHANNELS, RECORDS and SEQUENCE_DEPTH are the core's; they bound addresses, indices and sequence entries. WORD_BITS is as wide
+// as the address of a 16-bit word in the largest region.
 `default_nettype none
 `include "interface.vh"
 module command_check #(
     parameter CHANNELS       = 100,
     parameter RECORDS        = 400,
     parameter SEQUENCE_DEPTH = 1024,
-    parameter WORD_BITS      = 16  // of a word's address within a region
+    parameter WORD_BITS      = 16
 ) (
     input  wire        clk,
-    input  wire        i_settle,  // strobe: the arguments are complete
+    input  wire        i_settle,  // strobe: all arguments are in place
     input  wire [7:0]  i_command,
     input  wire [15:0] i_argument_0,
     input  wire [15:0] i_argument_1,
@@ -35,12 +40,12 @@ module command_check #(
     wire [27:0] words_28 = {12'd0, words};
     wire        odd    = first[0] || (!writes && i_argument_2[0]);
     reg  [WORD_BITS:0] region_words, region_words_q;
-    reg  [WORD_BITS:0] beyond_q;  // word address after the last word
-    reg                far_q;     // the first word is beyond all of them
+    reg  [WORD_BITS:0] beyond_q;  // address of the word after the last one
+    reg                far_q;     // the addresses are too large to be compared
     reg  [ENTRY_BITS:0] beyond_entry_q;  // number of the entry after the last one
     reg                far_entry_q;
     reg         misaligned_q, zero_words_q, too_many_q;
-    reg  [15:0] live_free_q;  // a clock ago; meanwhile there can only be more
+    reg  [15:0] live_free_q;  // as it was a clock ago; the number of free places has not become smaller since
     always @(posedge clk) live_free_q <= i_live_free;
 
     always @(posedge clk) if (i_settle) begin

@@ -1,88 +1,115 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Carries out one frame at a time: reads its words, puts it in order by its sequence number, has its arguments judged,
-// applies it, and has reply_unit answer. Nothing is changed before the whole frame has been found good, but for PUSH,
-// whose indices are provisional until the last one has been seen.
-// After reset only IDENTIFY is taken. A frame with the expected sequence number is applied; an earlier one was applied before
-// and is only answered (reads are read again); a later one is refused and does not count: its number stays expected. Writes
-// go out one word a clock, with no pause but for i_hold; memory_controller.v relies on it.
+// Carries out one frame at a time: reads its words, checks its order and its arguments, applies it, and has it answered.
+//
+// Frames may be lost, damaged or repeated on the line. So each carries a sequence number, and this module takes each once and
+// in order: the expected one is applied; an earlier one has been applied before and is only answered (a read reads again); a
+// later one is refused, and its number stays expected. After reset only IDENTIFY is taken, which says where the numbers begin.
+// Nothing changes before the whole frame has been found good. PUSH is the exception: its indices wait in the live FIFO until
+// o_keep or o_take_back. Writes go out one word a clock and pause only for i_hold; memory_controller.v relies on that.
+// Frames arrive on a valid/take stream from frame_receiver: the length in bytes, then the words. An answer starts with the
+// o_answer strobe, and what it is about stays until i_answered.
+// RECORDS is the core's: the highest index that PUSH may name. WORD_BITS is as wide as the address of a 16-bit word in the
+// largest region. LENGTH_BITS is as wide as the length of a frame in bytes.
 `default_nettype none
 `include "interface.vh"
 module command_unit #(
     parameter RECORDS     = 400,
-    parameter WORD_BITS   = 16,  // of a word's address within a region
-    parameter LENGTH_BITS = 10   // of a frame's length in bytes
+    parameter WORD_BITS   = 16,
+    parameter LENGTH_BITS = 10
 ) (
     input  wire        clk,
     input  wire        rst,
-    input  wire        i_valid,        // words of good frames, from frame_receiver
+    // Words of good frames, from frame_receiver
+    input  wire        i_valid,
     output wire        o_take,
     input  wire [15:0] i_word,
-    output wire [7:0]  o_command,      // arguments of the present command, for command_check and for o_execute
+    // The present command, for command_check and for all that o_execute is for
+    output wire [7:0]  o_command,
     output wire [15:0] o_argument_0,
     output wire [15:0] o_argument_1,
     output wire [15:0] o_argument_2,
-    output wire [15:0] o_tail_words,
-    output wire        o_settle,       // strobe: the arguments are complete
-    input  wire [7:0]  i_status,       // command_check's verdict
-    output reg         o_execute,      // strobe: o_command is applied
-    output reg         o_repeated,     // strobe
-    output reg         o_refused,      // strobe
-    output wire        o_write,        // a word for o_address
-    input  wire        i_hold,         // which is being read in this clock: not now
-    output wire        o_push,         // an index for the live FIFO
+    output wire [15:0] o_tail_words,        // words that follow the arguments
+    output wire        o_settle,            // strobe: all arguments are in place
+    input  wire [7:0]  i_status,            // command_check's verdict
+    // Strobes, one of them for each frame
+    output reg         o_execute,           // o_command is applied
+    output reg         o_repeated,          // it was applied before
+    output reg         o_refused,
+    // WRITE: each word for o_address in o_region
+    output wire        o_write,
+    input  wire        i_hold,              // this word is being read, write it later
+    output reg  [WORD_BITS-1:0] o_address,
+    output reg  [3:0]  o_region,
+    // PUSH: indices for the live FIFO, and what becomes of them
+    output wire        o_push,
     output wire        o_keep,
     output wire        o_take_back,
-    output reg  [WORD_BITS-1:0] o_address,  // word address within o_region
-    output reg  [3:0]  o_region,
-    output reg         o_answer,       // strobe; what follows is stable until i_answered
+    // The answer
+    output reg         o_answer,            // strobe
     output reg  [7:0]  o_status,
     output reg  [7:0]  o_sequence,
-    output reg  [7:0]  o_expected,     // the next sequence number that would be applied
-    output wire [15:0] o_read_words,   // of data to answer with, from o_address
+    output reg  [7:0]  o_expected,          // the next sequence number that would be applied
+    output wire [15:0] o_read_words,        // words to answer with, from o_address
     input  wire        i_answered
 );
     localparam [3:0] LENGTH = 4'd0, HEADER = 4'd1, ARGUMENTS = 4'd2, SETTLE = 4'd3, JUDGE = 4'd4, TAIL = 4'd5,
                      DRAIN = 4'd6, CLOSE = 4'd7, ANSWER = 4'd8;
     localparam [15:0] TOP_INDEX = RECORDS[15:0];
 
+    // ---- The frame
+
     reg [3:0]  state_q;
-    reg [LENGTH_BITS-1:0] length_q, words_q;  // of the frame: bytes; words still to be taken
-    reg [LENGTH_BITS-1:0] tail_words_q;  // that follow the arguments; right from o_settle on
+    reg [LENGTH_BITS-1:0] length_q;         // of the frame, in bytes
+    reg [LENGTH_BITS-1:0] words_q;          // words of it that are still to be taken
+    reg [LENGTH_BITS-1:0] payload_words_q;  // words after the header
+    reg [LENGTH_BITS-1:0] tail_words_q;     // words after the arguments; valid from o_settle on
     reg [7:0]  command_q;
     reg [15:0] argument_q [0:2];
-    reg [1:0]  count_q;           // arguments taken
-    reg        bad_index_q, session_q;  // session: since reset a host has said where its numbers begin
+    reg [1:0]  count_q;                     // arguments taken
+    reg        bad_index_q;                 // a PUSH has named an index above RECORDS
+    reg        session_q;                   // since reset a host has said where its numbers begin
 
+    // What command_table says of this command.
     wire [5:0] shape_d;
-    command_table shapes (.i_command(i_word[15:8]), .o_shape(shape_d));
     reg        known_q, tail_q;
     reg  [1:0] args_q, reply_q;
-    reg  [LENGTH_BITS-1:0] payload_words_q;
+    command_table shapes (.i_command(i_word[15:8]), .o_shape(shape_d));
+
     wire [LENGTH_BITS-1:0] payload_d = {1'b0, length_q[LENGTH_BITS-1:1]} - 1'b1;
     wire [LENGTH_BITS-1:0] arg_words = {{(LENGTH_BITS-2){1'b0}}, args_q};
     wire bad_length = length_q[0] || (tail_q ? payload_words_q <= arg_words : payload_words_q != arg_words);
+    wire done = words_q == {LENGTH_BITS{1'b0}};
+
+    // ---- Its place among the frames
+
     wire [7:0] ahead = o_sequence - o_expected;
     wire in_order = (ahead == 8'd0 && session_q) || command_q == `HG_COMMAND_IDENTIFY;
     wire repeated = !in_order && ahead[7] && session_q;
-    wire [26:0] argument_address = {argument_q[1][11:0], argument_q[0][15:1]};  // of a word; the check sees to the rest
+
+    // ---- Outputs
+
+    wire [26:0] argument_address = {argument_q[1][11:0], argument_q[0][15:1]};  // of a word; command_check checks the other bits
     wire unused = &{1'b0, argument_address};
-    wire done = words_q == {LENGTH_BITS{1'b0}};
     wire hold = i_hold && command_q == `HG_COMMAND_WRITE;
     wire reads = reply_q != 2'd0 && o_status <= `HG_REPLY_REPEATED;
+    wire takes_argument = state_q == ARGUMENTS && !bad_length && count_q != args_q;
+    wire takes_rest     = (state_q == TAIL && !hold) || state_q == DRAIN;
 
     assign {o_command, o_argument_2, o_argument_1, o_argument_0} = {command_q, argument_q[2], argument_q[1], argument_q[0]};
     assign o_settle      = state_q == SETTLE;
     assign o_tail_words  = {{(16-LENGTH_BITS){1'b0}}, tail_words_q};
-    assign o_take        = i_valid && (state_q == LENGTH || state_q == HEADER
-                                       || (!done && ((state_q == TAIL && !hold) || state_q == DRAIN
-                                                     || (state_q == ARGUMENTS && !bad_length && count_q != args_q))));
+    assign o_take        = i_valid && (state_q == LENGTH || state_q == HEADER || (!done && (takes_rest || takes_argument)));
     assign o_write       = state_q == TAIL && !done && !hold && command_q == `HG_COMMAND_WRITE;
     assign o_push        = state_q == TAIL && !done && command_q == `HG_COMMAND_PUSH;
     assign o_keep        = state_q == CLOSE && command_q == `HG_COMMAND_PUSH && o_status == `HG_REPLY_OK;
     assign o_take_back   = state_q == CLOSE && command_q == `HG_COMMAND_PUSH && o_status != `HG_REPLY_OK;
-    assign o_read_words  = !reads ? 16'd0 : reply_q == 2'd1 ? `HG_IDENTITY_WORDS : reply_q == 2'd2 ? `HG_STATUS_WORDS
+    assign o_read_words  = !reads ? 16'd0
+                         : reply_q == 2'd1 ? `HG_IDENTITY_WORDS
+                         : reply_q == 2'd2 ? `HG_STATUS_WORDS
                          : {1'b0, argument_q[2][15:1]};
+
+    // ---- The steps of a frame
 
     initial {o_execute, session_q} = 2'b00;
     always @(posedge clk) begin
@@ -90,40 +117,51 @@ module command_unit #(
         tail_words_q <= payload_words_q - arg_words;
         if (o_take && state_q != LENGTH && state_q != HEADER) words_q <= words_q - 1'b1;
         if (o_write) o_address <= o_address + 1'b1;
+
         case (state_q)
             LENGTH: if (i_valid) begin
                 length_q <= i_word[LENGTH_BITS-1:0];
                 state_q  <= HEADER;
             end
+
             HEADER: begin
                 {command_q, o_sequence} <= i_word;
-                {known_q, args_q, tail_q, reply_q, payload_words_q} <= {shape_d, payload_d};
+                {known_q, args_q, tail_q, reply_q} <= shape_d;
+                payload_words_q <= payload_d;
                 words_q <= payload_d + {{(LENGTH_BITS-1){1'b0}}, length_q[0]};
                 count_q <= 2'd0;
                 state_q <= ARGUMENTS;
             end
-            ARGUMENTS: if (!known_q) finish(`HG_REPLY_UNKNOWN_COMMAND);
+
+            ARGUMENTS:
+                if (!known_q) finish(`HG_REPLY_UNKNOWN_COMMAND);
                 else if (bad_length) finish(`HG_REPLY_BAD_LENGTH);
                 else if (count_q != args_q) begin
                     argument_q[count_q] <= i_word;
                     count_q             <= count_q + 1'b1;
                 end else state_q <= SETTLE;
-            SETTLE: begin
+
+            SETTLE: begin  // the blocks that IDENTIFY and STATUS answer with have no address among their arguments
                 o_region  <= reply_q == 2'd1 ? `HG_REGION_IDENTITY : reply_q == 2'd2 ? `HG_REGION_STATUS : argument_q[1][15:12];
                 o_address <= reply_q == 2'd1 || reply_q == 2'd2 ? {WORD_BITS{1'b0}} : argument_address[WORD_BITS-1:0];
                 bad_index_q <= 1'b0;
                 state_q     <= JUDGE;
             end
-            JUDGE: if (!in_order && !repeated) finish(`HG_REPLY_OUT_OF_ORDER);
+
+            JUDGE:
+                if (!in_order && !repeated) finish(`HG_REPLY_OUT_OF_ORDER);
                 else if (repeated && reply_q == 2'd0) finish(`HG_REPLY_REPEATED);
                 else if (i_status != `HG_REPLY_OK) finish(i_status);
                 else if (tail_q) state_q <= TAIL;
                 else finish(repeated ? `HG_REPLY_REPEATED : `HG_REPLY_OK);
+
             TAIL: begin
                 if (o_push && i_word > TOP_INDEX) bad_index_q <= 1'b1;
                 if (done) finish(bad_index_q ? `HG_REPLY_BAD_INDEX : `HG_REPLY_OK);
             end
-            DRAIN: if (done) state_q <= CLOSE;
+
+            DRAIN: if (done) state_q <= CLOSE;  // what is left of a refused frame
+
             CLOSE: begin
                 o_execute  <= o_status == `HG_REPLY_OK;
                 o_repeated <= o_status == `HG_REPLY_REPEATED;
@@ -132,8 +170,10 @@ module command_unit #(
                 o_answer <= 1'b1;
                 state_q  <= ANSWER;
             end
-            default: if (i_answered) state_q <= LENGTH;
+
+            default: if (i_answered) state_q <= LENGTH;  // ANSWER
         endcase
+
         if (rst) begin
             state_q <= LENGTH;
             {session_q, o_execute, o_repeated, o_refused, o_answer} <= 5'd0;

@@ -1,27 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Counts ticks through the carrier cycle and decides, at each cycle's last clock, whether to repeat the present record
-// or to commit the next one: 24-bit counter, 24-bit prescaler, as in Haptogram III-C.
+// Counts the ticks of the carrier cycle, and decides at each cycle's last clock whether the present record goes on or the next
+// one is committed. It has a 24-bit counter and a 24-bit prescaler, as in Haptogram III-C.
 //
-// A cycle is i_cycle_length ticks of i_prescaler clocks. o_tick is high in the first clock of each tick. o_commit is
-// high in a cycle's last clock, and the next clock is tick 0 of the new record: there is no dead time.
-// A record plays for i_dwell cycles; 0 repeats it until the next is ready. i_preempt asks for a change at the next
-// boundary, whatever is left of the dwell. A change that is due but not ready is an underrun, counted once; so is one that
-// would come while a pulse from before the last change is under way, which takes a cycle shorter than that pulse.
+// A cycle is i_cycle_length ticks of i_prescaler clocks. o_tick is high in the first clock of each tick. o_commit is high in
+// the last clock of a cycle; the next clock is tick 0 of the new record, so a change of focus takes no time.
+// A record plays for i_dwell cycles; 0 repeats it until the next one is ready. i_preempt asks for a change at the end of this
+// cycle, whatever is left of the dwell. o_underrun strobes once for each change that is due but cannot happen: because the next
+// record is not ready, or because a pulse from before the last change still runs, which takes a cycle shorter than that pulse.
+// PULSE_BITS and TIMING_BITS are the core's. IDLE_CLOCKS is the length of the cycle before the first record, in clocks.
 `default_nettype none
 module cycle_controller #(
     parameter PULSE_BITS   = 8,
     parameter TIMING_BITS  = 16,
-    parameter IDLE_CLOCKS  = 1250  // cycle before the first record
+    parameter IDLE_CLOCKS  = 1250
 ) (
     input  wire                   clk,
     input  wire                   rst,
     input  wire                   i_preempt,  // strobe
-    input  wire                   i_settled,  // no pulse from before the last commit is under way
-    input  wire                   i_ready,    // the fields below and the channels' shadow registers are complete
+    input  wire                   i_settled,  // every pulse from before the last commit has ended
+    input  wire                   i_ready,    // the next record: its fields below, and its timings in the shadow registers
     input  wire [15:0]            i_index,
     input  wire [15:0]            i_dwell,
-    input  wire                   i_silent,   // no pulses; keeps the present cycle length and prescaler
+    input  wire                   i_silent,   // it has no pulses, and keeps the present cycle length and prescaler
     input  wire [23:0]            i_cycle_length,
     input  wire [23:0]            i_prescaler,
     input  wire [PULSE_BITS-1:0]  i_pulse_length,
@@ -36,13 +37,13 @@ module cycle_controller #(
 );
     localparam [23:0] IDLE_CYCLE = IDLE_CLOCKS[23:0];
 
-    reg [23:0] last_count_q;  // cycle length and prescaler, less one
-    reg [23:0] last_phase_q;
+    reg [23:0] last_count_q;  // the cycle length less one
+    reg [23:0] last_phase_q;  // the prescaler less one
     reg [23:0] count_q;
     reg [23:0] phase_q;      // clocks into the present tick
-    reg [15:0] dwell_q;      // cycles left; 0 repeats
+    reg [15:0] dwell_q;      // cycles left to play; 0 repeats
     reg        preempt_q;
-    reg        late_q;       // this underrun has been counted
+    reg        late_q;       // the underrun that is under way has been counted
 
     wire tick_ends = phase_q == last_phase_q;
     wire boundary  = tick_ends && count_q == last_count_q;
@@ -52,7 +53,7 @@ module cycle_controller #(
     assign o_commit      = boundary && ready && (due || dwell_q == 16'd0 || preempt_q);
     assign o_underrun    = boundary && due && !ready && !preempt_q && !late_q;
     assign o_count       = count_q[TIMING_BITS-1:0];
-    // A timing of all ones never matches, whatever the cycle length: it silences its channel.
+    // A count of all ones matches no channel, whatever the cycle length, so a timing of all ones silences its channel.
     assign o_can_match   = o_pulse_length != {PULSE_BITS{1'b0}} && count_q < {{(24-TIMING_BITS){1'b0}}, {TIMING_BITS{1'b1}}};
 
     always @(posedge clk) begin
@@ -95,52 +96,7 @@ module cycle_controller #(
     end
 
 `ifdef FORMAL
-    reg        f_reset_seen_q;
-    reg [7:0]  f_left_q;    // clocks left in this cycle, modulo 256
-    reg [15:0] f_dwell_q;   // as it was offered
-    reg [15:0] f_played_q;  // whole cycles since the last commit
-    reg        f_asked_q;
-    initial f_reset_seen_q = 1'b0;
-    wire [23:0] cycle_length_q = last_count_q + 1'b1;
-    wire [23:0] prescaler_q = last_phase_q + 1'b1;
-    wire [7:0] f_ticks  = cycle_length_q[7:0] - count_q[7:0];
-    wire       f_due    = f_dwell_q != 16'd0 && f_played_q >= f_dwell_q - 1'b1;
-    wire       f_change = f_due || f_asked_q || f_dwell_q == 16'd0;
-    always @(posedge clk) begin
-        f_reset_seen_q <= f_reset_seen_q || rst;
-        f_left_q       <= f_left_q - 1'b1;
-        if (boundary) f_left_q <= o_commit && !i_silent ? i_cycle_length[7:0] * i_prescaler[7:0] : cycle_length_q[7:0] * prescaler_q[7:0];
-        if (boundary && f_played_q != 16'hffff) f_played_q <= f_played_q + 1'b1;
-        if (o_commit) {f_dwell_q, f_played_q} <= {i_dwell, 16'd0};
-        if (i_preempt || o_commit) f_asked_q <= i_preempt;
-        if (rst) {f_left_q, f_dwell_q, f_played_q, f_asked_q} <= {IDLE_CYCLE[7:0], 33'd0};
-`ifdef FORMAL_CYCLE_CONTROLLER
-        if (i_ready && !i_silent) assume (i_cycle_length >= 1 && i_cycle_length < 8 && i_prescaler >= 1 && i_prescaler < 4);
-        if (f_reset_seen_q) assert (cycle_length_q < 8 && prescaler_q < 4 && boundary == (f_left_q == 8'd1));
-`else
-        if (f_reset_seen_q && i_ready && !i_silent) assert (i_cycle_length != 0 && i_prescaler != 0);
-`endif
-        if (f_reset_seen_q) begin
-            assert (o_tick == (phase_q == 24'd0) && o_cycle_start == (o_tick && count_q == 24'd0));
-            assert (count_q < cycle_length_q && phase_q < prescaler_q && f_left_q == f_ticks * prescaler_q[7:0] - phase_q[7:0]);
-            assert (preempt_q == f_asked_q && dwell_q == (f_dwell_q == 0 ? 16'd0 : f_due ? 16'd1 : f_dwell_q - f_played_q));
-            assert (f_asked_q || late_q == (f_dwell_q != 0 && f_played_q >= f_dwell_q));
-            // No dead time, and a cycle ends where its length says.
-            assert (o_cycle_start == ($past(boundary) || $past(rst)));
-            assert (!boundary || f_left_q == 8'd1);
-            assert (o_commit == (boundary && i_ready && i_settled && f_change));
-            assert (o_underrun == (boundary && !(i_ready && i_settled) && !f_asked_q && f_due && f_played_q == f_dwell_q - 1'b1));
-            if ($past(o_commit) && !$past(rst)) begin
-                assert (o_index == $past(i_index) && o_pulse_length == ($past(i_silent) ? 0 : $past(i_pulse_length)));
-                assert ({cycle_length_q, prescaler_q} == ($past(i_silent) ? $past({cycle_length_q, prescaler_q})
-                                                                          : $past({i_cycle_length, i_prescaler})));
-            end else if (!$past(rst)) assert ($past({o_index, o_pulse_length, cycle_length_q, prescaler_q})
-                                              == {o_index, o_pulse_length, cycle_length_q, prescaler_q});
-            cover (o_commit && f_dwell_q == 16'd2 && !f_asked_q && prescaler_q == 24'd2 && cycle_length_q == 24'd3);
-            cover (o_commit && f_asked_q && !f_due && f_dwell_q != 16'd0);
-            cover (o_commit && late_q);
-        end
-    end
+    `include "formal/cycle_controller.vh"
 `endif
 endmodule
 `default_nettype wire

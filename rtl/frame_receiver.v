@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Keeps decoded bytes until their frame has proved whole, and drops the frame otherwise: nothing behind this module
-// ever sees a damaged, truncated or over-long frame. A ring of 16-bit words, so that the next frame can arrive while
-// the last one is worked on. Reading side: for each good frame one word with its length in bytes (without CRC), then
-// its bytes in pairs, low byte first, as a valid/take stream that never pauses within a frame.
-// WORDS is a power of two, at least twice the longest frame.
+// Keeps the bytes of a frame until its CRC has shown that it is whole, and drops the frame if it is not. So nothing behind this
+// module ever sees a damaged, truncated or over-long frame.
+//
+// Bytes come from cobs_decoder, as they arrive, without a handshake. They go into a ring of 16-bit words, so that the next
+// frame can arrive while the last one is carried out. At the other side each good frame is one word with its length in bytes
+// (without the CRC) and then its bytes in pairs, low byte first: a valid/take stream that never pauses within a frame. o_good
+// or o_damaged strobes with i_end. The length word of a good frame can be read two clocks after it.
+// WORDS is the size of the ring: a power of two, at least twice the longest frame, so that two frames fit.
 `default_nettype none
 module frame_receiver #(
     parameter WORDS = 256
@@ -18,20 +21,20 @@ module frame_receiver #(
     output reg         o_valid,
     output reg  [15:0] o_word,
     input  wire        i_take,
-    output wire        o_good,    // strobes
-    output wire        o_damaged
+    output wire        o_good,    // strobe
+    output wire        o_damaged  // strobe
 );
     localparam BITS = $clog2(WORDS);
     localparam [BITS:0] ONE = {{BITS{1'b0}}, 1'b1};
     localparam [BITS+1:0] TWO = 2, SHORTEST = 4;  // sequence number, command, CRC
 
-    (* no_rw_check *) reg [15:0] ring [0:WORDS-1];  // what is written can be read a clock later at the earliest
-    reg [BITS:0] start_q;  // of the frame being received: its length goes there
+    (* no_rw_check *) reg [15:0] ring [0:WORDS-1];  // a word is never read in the clock in which it is written
+    reg [BITS:0] start_q;  // where the length of the frame being received goes
     reg [BITS:0] place_q;  // where the next pair of bytes goes
     reg [BITS:0] read_q;
-    reg [BITS+1:0] count_q;  // bytes of this frame so far; the ring is full before it is
+    reg [BITS+1:0] count_q;  // bytes of this frame so far; it cannot overflow before the ring does
     reg [7:0]    low_q;
-    reg          full_q;   // a pair found no room
+    reg          full_q;   // a pair of bytes found no room
     reg [15:0]   crc_q;
 
     `include "crc16.vh"
@@ -50,11 +53,11 @@ module frame_receiver #(
     wire [15:0]   write_word    = o_good ? {{(14-BITS){1'b0}}, length} : {i_byte, low_q};
     wire [BITS:0] length_words  = length[BITS+1:1] + {{BITS{1'b0}}, length[0]};
     wire [BITS:0] start_d       = o_good ? start_q + ONE + length_words : start_q;
-    // Both outcomes are worked out before i_take, which comes late, chooses.
+    // i_take arrives late in the clock. So the results for both of its values are computed, and it only chooses.
     wire          takes         = o_valid && i_take;
     wire [BITS:0] read_next     = read_q + ONE;
     wire [BITS:0] read_d        = takes ? read_next : read_q;
-    // What lies before start_q was written at least one clock ago.
+    // All words before start_q were written at least one clock ago.
     wire          valid_d       = takes ? read_next != start_q : read_q != start_q;
 
     always @(posedge clk) begin
@@ -87,54 +90,7 @@ module frame_receiver #(
     end
 
 `ifdef FORMAL
-    `include "../tests/formal/crc16_bitwise.vh"
-    // Any one place in the ring, and any one word of a frame (0 is its length).
-`ifdef FORMAL_FRAME_RECEIVER
-    (* anyconst *) wire [BITS-1:0] f_at;
-    (* anyconst *) wire [BITS:0]   f_number;
-`else
-    wire [BITS-1:0] f_at     = {BITS{1'b0}};
-    wire [BITS:0]   f_number = ONE;
-`endif
-    reg          f_reset_seen_q;
-    reg [15:0]   f_crc_q, f_bytes_q, f_pair_q, f_kept_q, f_word_q;
-    reg [BITS:0] f_kept_place_q;
-    initial f_reset_seen_q = 1'b0;
-    wire [15:0]   f_count   = {{(14-BITS){1'b0}}, count_q};
-    wire [15:0]   f_pairs   = f_bytes_q >> 1;
-    wire [15:0]   f_wanted  = {{(15-BITS){1'b0}}, f_number};
-    wire [BITS:0] f_readable = start_q - read_q;
-    wire [BITS-1:0] f_from_read = f_at - read_q[BITS-1:0];
-    wire          f_visible = {1'b0, f_from_read} < f_readable;
-    wire [15:0]   f_word    = ring[f_at];
-    wire [BITS:0] f_place   = start_q + f_number;
-    always @(posedge clk) begin
-        f_reset_seen_q <= f_reset_seen_q || rst;
-        f_word_q       <= f_word;
-        if (rst || i_end) {f_crc_q, f_bytes_q} <= {16'hffff, 16'd0};
-        else if (i_valid && f_bytes_q != 16'hffff) {f_crc_q, f_bytes_q} <= {crc16_bitwise(f_crc_q, i_byte), f_bytes_q + 16'd1};
-        if (i_valid && f_bytes_q[0] && f_pairs + 16'd1 == f_wanted) f_pair_q <= {i_byte, low_q};
-        if (o_good) {f_kept_place_q, f_kept_q} <= {f_place, f_number == 0 ? f_bytes_q - 16'd2 : f_pair_q};
-        if (f_reset_seen_q) begin
-            assert (f_readable <= WORDS[BITS:0] && used <= WORDS[BITS:0] + ONE && place_q - start_q <= used);
-            assert (full_q || (f_crc_q == crc_q && f_bytes_q == f_count && place_q == start_q + ONE + f_pairs[BITS:0]));
-            assert (f_bytes_q >= f_count && (f_bytes_q == 16'd0 || f_pairs <= {{(15-BITS){1'b0}}, used} || full_q));
-            assert ((used <= WORDS[BITS:0] || place_q == start_q + ONE) && (!full_q || f_count != 16'd0));
-            // Whole or not at all.
-            assert (!o_good || (i_end && i_intact && f_crc_q == 16'd0 && f_bytes_q >= 16'd4));
-            assert (!o_good || place_q == start_q + ONE + f_pairs[BITS:0]);
-            assert (!i_end || o_good || o_damaged || (i_intact && f_bytes_q == 16'd0));
-            assert ($past(rst) ? start_q == 0 && !o_valid : $past(o_good) || start_q == $past(start_q));
-            if (f_visible && $past(f_visible) && !$past(rst)) assert (f_word == f_word_q);
-            if (o_valid) assert (f_readable != 0 && o_word == ring[read_q[BITS-1:0]]);
-            if (!full_q && f_number != 0 && f_pairs >= f_wanted) assert (ring[f_place[BITS-1:0]] == f_pair_q);
-            if ($past(o_good && f_wanted <= (f_count - 16'd1) >> 1) && !$past(rst)) assert (ring[f_kept_place_q[BITS-1:0]] == f_kept_q);
-            cover (o_good && f_bytes_q == 16'd5);
-            cover (o_damaged && f_bytes_q == 16'd4 && i_intact);
-            cover (o_damaged && full_q && f_crc_q == 16'd0);
-            cover (o_valid && i_take && read_q == f_kept_place_q && f_number == 2 && !o_good);
-        end
-    end
+    `include "formal/frame_receiver.vh"
 `endif
 endmodule
 `default_nettype wire

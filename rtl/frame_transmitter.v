@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Turns a reply, a valid/ready stream of 16-bit words with a last mark, into bytes with their CRC for the COBS encoder.
+// Turns a reply of 16-bit words into bytes and appends their CRC.
+//
+// It stands before cobs_encoder, so that the CRC covers the plain bytes. Both sides are valid/ready streams; i_last marks the
+// reply's last word, o_last the last byte of the CRC. A word is sent low byte first, the CRC high byte first. A byte is offered
+// in the clock in which its word is. It has no parameters.
 `default_nettype none
 module frame_transmitter (
     input  wire        clk,

@@ -2,10 +2,13 @@
 //
 // Says what to play next: a stream of (index, dwell) from one selected index, from sequence memory, or from the live FIFO.
 //
-// Each command strobe changes the mode at once and raises o_preempt for one clock, which makes the memory controller
-// drop what it has prepared and the cycle controller change at the next boundary. When a selected index or a sequence has
-// had its time, one last entry, silence for ever, is offered. Sequence entries are fetched ahead: 3 clocks each.
-// Once, at power-up, the sequence header is looked at without a command: its bit 15 starts the sequence (o_autostart).
+// A command strobe changes the mode at once and raises o_preempt for one clock. Then the memory controller drops what it has
+// prepared, and the cycle controller changes at the next cycle boundary. When a selected index or a sequence has ended, one
+// last entry is offered: silence for ever. Sequence entries are fetched ahead and take 3 clocks each. o_entry/i_take is
+// valid/ready.
+// At power-up, once, the sequence header is read without a command: if its autostart bit is set, the sequence starts and
+// o_autostart strobes. That is how a bitstream with an image plays without a host.
+// SEQUENCE_DEPTH is the core's: the number of words of sequence memory.
 `default_nettype none
 `include "interface.vh"
 module index_source #(
@@ -14,13 +17,13 @@ module index_source #(
 ) (
     input  wire        clk,
     input  wire        rst,
-    input  wire        i_select,  // strobes; arguments valid with them
+    input  wire        i_select,  // strobes of commands; their arguments are valid in the same clock
     input  wire        i_start,
     input  wire        i_stop,
-    input  wire        i_live,    // indices were pushed
-    input  wire [15:0] i_argument_0,  // index   | first entry
-    input  wire [15:0] i_argument_1,  // dwell   | length, 0: as the sequence header says
-    input  wire [15:0] i_argument_2,  //         | loops, 0: for ever
+    input  wire        i_live,    // strobe: indices were pushed
+    input  wire [15:0] i_argument_0,  // select: index; start: first entry
+    input  wire [15:0] i_argument_1,  // select: dwell; start: length, 0 as the sequence header says
+    input  wire [15:0] i_argument_2,  // start: loops, 0 for ever
     output wire        o_fetching,    // o_sequence_address is in use
     output wire [BITS-1:0] o_sequence_address,
     input  wire [31:0] i_sequence_word,
@@ -36,20 +39,20 @@ module index_source #(
     output wire [1:0]  o_mode,
     output wire        o_autostart   // strobe
 );
-    localparam [1:0] IDLE = 2'd0, SINGLE = 2'd1, SEQUENCE = 2'd2, LIVE = 2'd3;
+    localparam [1:0] IDLE = `HG_MODE_IDLE, SINGLE = `HG_MODE_SINGLE, SEQUENCE = `HG_MODE_SEQUENCE, LIVE = `HG_MODE_LIVE;
     localparam [14:0] TOP_ENTRY = SEQUENCE_DEPTH[14:0] - 15'd1;
     localparam [BITS-1:0] ONE = 1;
 
     reg [1:0]      mode_q;
-    reg            offer_q;      // single, sequence, or the last silence: entry_q holds an entry
+    reg            offer_q;      // entry_q holds an entry to be played (not used in live mode)
     reg [31:0]     entry_q;
-    reg [2:0]      fetch_q;      // one-hot: address out, being read, word in
+    reg [2:0]      fetch_q;      // one-hot: the address is out, the word is being read, the word is here
     reg            header_q;     // the word being fetched is the sequence header
-    reg [BITS-1:0] first_q, last_q, number_q;  // of the sequence's entries; the one to be fetched
+    reg [BITS-1:0] first_q, last_q, number_q;  // first and last entry of the sequence; the one to be fetched
     reg [15:0]     loops_q;
-    reg            power_up_q;   // since the memories were filled by the bitstream no header has been looked at
+    reg            power_up_q;   // no header has been looked at since power-up
 
-    // Arriving words, and what becomes of them
+    // The word that arrives, and what becomes of it.
     wire        header    = fetch_q[2] && header_q;
     wire        fetched   = fetch_q[2] && !header_q;
     wire [14:0] length    = i_sequence_word[14:0];
@@ -59,7 +62,7 @@ module index_source #(
     wire        taken     = offer_q && i_take && !fetch_q[2];
     wire        at_last   = number_q == last_q;
     wire        sequence_ends = mode_q == SEQUENCE && at_last && loops_q == 16'd1;
-    // Offer silence once; nothing follows it.
+    // Silence is offered as the last entry.
     wire        finish    = i_stop || (!commanded && !enter_live && ((header && !plays)
                             || (taken && ((mode_q == SINGLE && entry_q[31:16] != 16'd0) || sequence_ends))));
     wire [BITS-1:0] first_d = header ? ONE : i_argument_0[BITS-1:0];
@@ -73,7 +76,7 @@ module index_source #(
     assign o_live_clear       = commanded;
     assign o_autostart        = power_up_q && header && i_sequence_word[`HG_AUTOSTART_BIT] && !rst;
 
-    initial {power_up_q, fetch_q} = 4'b1000;  // so that no chance word can start anything before reset
+    initial {power_up_q, fetch_q} = 4'b1000;  // so nothing starts before reset, whatever the registers wake up with
     always @(posedge clk) begin
         o_preempt <= !rst && (commanded || enter_live);
         fetch_q   <= {fetch_q[1:0], 1'b0};
@@ -98,7 +101,7 @@ module index_source #(
         end
     end
 
-    // What no state machine looks at before it says so needs no reset.
+    // These registers need no reset: they are read only after they have been written.
     always @(posedge clk) begin
         if (finish) entry_q <= 32'd0;
         else if (i_select) entry_q <= {i_argument_1, i_argument_0};

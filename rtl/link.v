@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The serial line to words and back: UART, COBS, CRC. Towards the line a whole frame goes in or out; towards the
-// instrument there are only words of good frames.
+// The serial line: bytes in and out at one end, words of good frames at the other.
+//
+// In: synchronizer, uart_rx, cobs_decoder, frame_receiver. Out: frame_transmitter, cobs_encoder, uart_tx. Frames come out on
+// the valid/take stream o_valid, o_word, i_take; replies go in on a valid/ready stream. o_good and o_damaged strobe once a
+// frame.
+// CHANNELS is the core's: a reply can carry one record. RING_BITS sets the room for what arrives, 2^RING_BITS words, at least
+// twice the longest frame. CLOCK_HZ and BAUD set the bit clock. BAUD is at most CLOCK_HZ / 8, so that a bit has 8 clocks, and
+// at least CLOCK_HZ / 20000, where the rounded step of the bit clock is off by 1 %.
 `default_nettype none
 `include "interface.vh"
 module link #(
     parameter CHANNELS  = 100,
-    parameter RING_BITS = 8,  // of what is received: 2^RING_BITS words, at least twice the longest frame
-    parameter CLOCK_HZ = 50000000,
-    parameter BAUD     = 1000000
+    parameter RING_BITS = 8,
+    parameter CLOCK_HZ  = 50000000,
+    parameter BAUD      = 1000000
 ) (
     input  wire        clk,
     input  wire        rst,
@@ -25,17 +31,17 @@ module link #(
     input  wire        i_reply_last
 );
     localparam RECORD_WORDS = CHANNELS + `HG_RECORD_HEADER_WORDS;
-    // A reply with a record or the identity, its CRC and COBS bytes.
+    // The longest reply carries a record or the identity block; its CRC and the COBS bytes come on top.
     localparam REPLY_WORDS = RECORD_WORDS > `HG_IDENTITY_WORDS ? RECORD_WORDS : `HG_IDENTITY_WORDS;
     localparam REPLY_BYTES = 1 << $clog2(6 + 2 * REPLY_WORDS + 2 + REPLY_WORDS / 127 + 3);
-    // Parameters are unsized or 32 bits wide, as they were given; an argument is always the latter.
+    // 2^20 · baud / clock, rounded. A parameter has the width that it was given with; an argument always has 32 bits.
     function [63:0] phase_step(input [31:0] clock_hz, input [31:0] baud);
         phase_step = (({32'd0, baud} << 20) + {33'd0, clock_hz[31:1]}) / {32'd0, clock_hz};
     endfunction
     localparam [63:0] STEP_64 = phase_step(CLOCK_HZ, BAUD);
 
     generate
-        if (BAUD < CLOCK_HZ / 20000 || CLOCK_HZ / BAUD < 8) baud_out_of_range error();  // off by 1 % at the most
+        if (BAUD < CLOCK_HZ / 20000 || CLOCK_HZ / BAUD < 8) baud_out_of_range error();
     endgenerate
 
     wire       line, rx_valid, data_valid, data_end, data_intact;

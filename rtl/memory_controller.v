@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Takes the next (index, dwell), reads that record out of primary memory, one word a clock, into the cycle controller's
-// fields and the channels' shadow registers, and holds it ready until it is committed.
+// Reads the next record out of primary memory while the present one plays, and holds it ready until it is committed.
 //
-// i_entry/o_take is a valid/ready stream, taken when the last record's pulses have left the shadow registers. From the clock
-// that takes an entry to the one in which o_ready is first high, and the last word arrives, are CHANNELS + 7 clocks; index 0
-// (silence) is ready after 2. A record that cannot be played (index above RECORDS, prescaler 0, a pulse not shorter than its
-// cycle) is refused: o_refused strobes and silence takes its place and dwell.
-// The memory is read without pause in ascending order; writers do the same, so whoever starts first stays first and a
-// record written meanwhile is seen whole or not at all. i_preempt drops whatever is loading or loaded.
+// i_entry/o_take is a valid/ready stream of (index, dwell), taken when i_settled says that the shadow registers are free. The
+// record's header goes into the fields below; its timings go into the shadow registers, one a clock. o_ready is first high, and
+// the last timing arrives, CHANNELS + 7 clocks after the clock that takes the entry; index 0 (silence) is ready after 2.
+// A record that cannot be played is refused: an index above RECORDS, a prescaler of 0, a pulse that is not shorter than its
+// cycle, or reserved bits. Then o_refused strobes, and silence takes its place and dwell. i_preempt drops whatever is loading
+// or loaded.
+// The memory is read without pause in ascending order, and writers write in that order, too. So whoever starts first stays
+// first, and a record that is written meanwhile is seen whole or not at all.
+// CHANNELS and RECORDS are the core's: a load of up to 1000 channels fits in a 40 kHz period at 50 MHz, and an index has 16
+// bits.
+// TIMING_BITS is the width of a channel's comparator, PULSE_BITS that of the pulse length.
 `default_nettype none
 `include "interface.vh"
 module memory_controller #(
@@ -16,18 +20,18 @@ module memory_controller #(
     parameter RECORDS      = 400,
     parameter TIMING_BITS  = 16,
     parameter PULSE_BITS   = 8,
-    parameter ADDRESS_BITS = $clog2(RECORDS * (CHANNELS + 4))  // follows from the others
+    parameter ADDRESS_BITS = $clog2(RECORDS * (CHANNELS + `HG_RECORD_HEADER_WORDS))  // follows from the others
 ) (
     input  wire                    clk,
     input  wire                    rst,
     input  wire                    i_preempt,
     input  wire                    i_entry,
-    input  wire                    i_settled,  // the shadow registers are free
+    input  wire                    i_settled,  // the shadow registers may be overwritten
     output wire                    o_take,
     input  wire [15:0]             i_index,
     input  wire [15:0]             i_dwell,
-    output wire                    o_reading,  // o_address is in use
-    output reg  [ADDRESS_BITS-1:0] o_address,  // word
+    output wire                    o_reading,  // the word at o_address is being read
+    output reg  [ADDRESS_BITS-1:0] o_address,  // of a word
     input  wire [15:0]             i_word,     // two clocks after o_address
     output wire                    o_shift,
     output wire [TIMING_BITS-1:0]  o_timing,
@@ -54,17 +58,17 @@ module memory_controller #(
     endgenerate
 
     reg [1:0]            state_q;
-    reg [WORD_BITS-1:0]  asked_q;    // number of the word whose address is out
-    reg [WORD_BITS-1:0]  comes_q;    // the one before it
-    reg [WORD_BITS-1:0]  arrived_q;  // the one before that, in i_word
-    reg                  coming_q, arrives_q;  // they belong to the record being loaded
-    reg                  places_q;   // the index is looked at, the record's place worked out
+    reg [WORD_BITS-1:0]  asked_q;    // number of the word whose address is at o_address
+    reg [WORD_BITS-1:0]  comes_q;    // number of the word that is being read
+    reg [WORD_BITS-1:0]  arrived_q;  // number of the word in i_word
+    reg                  coming_q, arrives_q;  // those two words are of the record that is being loaded
+    reg                  places_q;   // in this clock the index is checked and the record's address computed
     reg [7:0]            pulse_field_q;
     reg                  unplayable_q;
 
-    wire [26:0] first_word = {11'd0, o_index - 16'd1} * STRIDE;  // of an index in range, so the upper bits are 0
+    wire [26:0] first_word = {11'd0, o_index - 16'd1} * STRIDE;  // the upper bits are 0, because the index is in range
     wire refuse_index = o_index > TOP_INDEX;
-    // Looked at when the header's last word is in i_word: the prescaler's upper bits, and bits that this version gives no meaning.
+    // Used in the clock in which i_word holds the header's last word: the prescaler's upper bits and the reserved bits.
     wire [24:0] pulse_limit = 25'd1 << PULSE_BITS;
     wire unplayable = {i_word[7:0], o_prescaler[15:0]} == 24'd0 || {17'd0, pulse_field_q} >= pulse_limit || i_word[15:8] != 8'd0
                       || (o_cycle_length[23:8] == 16'd0 && pulse_field_q >= o_cycle_length[7:0]);
@@ -73,7 +77,7 @@ module memory_controller #(
     wire   ends      = coming_q && comes_q == LAST;  // the last word arrives in the next clock
     assign o_reading = state_q == LOAD && !places_q;
     assign o_ready   = state_q == READY;
-    // A timing too wide for the channel becomes all ones, which never matches.
+    // A timing that does not fit the channel's comparator becomes all ones, which never matches: the channel stays silent.
     wire too_wide;
     generate
         if (TIMING_BITS < 16) begin : narrow
@@ -108,7 +112,7 @@ module memory_controller #(
         endcase
     end
 
-    // The data path needs no reset: nothing looks at it before the state machine says so.
+    // The data path needs no reset: the state machine says when its contents count.
     always @(posedge clk) begin
         places_q <= o_take;
         if (o_take) begin
@@ -133,7 +137,7 @@ module memory_controller #(
     wire unused = &{1'b0, first_word};
 
 `ifdef FORMAL
-    `include "../tests/formal/memory_controller_properties.vh"
+    `include "formal/memory_controller.vh"
 `endif
 endmodule
 `default_nettype wire

@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// From the next (index, dwell) to the pins: memory controller, cycle controller, pulse generators, output guard. The only
-// ways in are entries, a memory to read, and the guard's three strobes, so that everything contracts 1, 2 and 4 speak of
-// is in here and can be built, proved and measured by itself.
+// From the next (index, dwell) to the pins: memory controller, cycle controller, pulse generators and output guard.
+//
+// It is a module of its own because everything that contracts 1, 2 and 4 promise happens in here. Its only inputs are entries,
+// a memory to read, and the guard's three strobes, so it can be built, proved and measured by itself. i_entry/o_take is a
+// valid/ready stream. A pin rises two clocks after the tick that its timing names; o_index and o_cycle_start are delayed alike.
+// CHANNELS, RECORDS, TIMING_BITS, PULSE_BITS and MAX_HIGH_CLOCKS are the core's. PULSE_BITS must not exceed TIMING_BITS,
+// because the end of a pulse is found by comparing the lowest PULSE_BITS of its timing. IDLE_CLOCKS is the cycle before the
+// first record.
 `default_nettype none
+`include "interface.vh"
 module player #(
     parameter CHANNELS        = 100,
     parameter RECORDS         = 400,
@@ -11,7 +17,7 @@ module player #(
     parameter PULSE_BITS      = 8,
     parameter IDLE_CLOCKS     = 1250,
     parameter MAX_HIGH_CLOCKS = 10000,
-    parameter ADDRESS_BITS    = $clog2(RECORDS * (CHANNELS + 4))  // follows from the others
+    parameter ADDRESS_BITS    = $clog2(RECORDS * (CHANNELS + `HG_RECORD_HEADER_WORDS))  // follows from the others
 ) (
     input  wire                clk,
     input  wire                rst,
@@ -48,24 +54,39 @@ module player #(
     memory_controller #(
         .CHANNELS(CHANNELS), .RECORDS(RECORDS), .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS)
     ) memory (
-        .clk(clk), .rst(rst), .i_preempt(i_preempt), .i_entry(i_entry), .i_settled(settled), .o_take(o_take), .i_index(i_index),
-        .i_dwell(i_dwell), .o_reading(o_reading), .o_address(o_address), .i_word(i_word), .o_shift(shift), .o_timing(timing),
-        .i_commit(commit), .o_ready(ready), .o_silent(silent), .o_index(index), .o_dwell(dwell), .o_cycle_length(cycle_length),
-        .o_prescaler(prescaler), .o_pulse_length(next_pulse_length), .o_refused(o_refused));
-    cycle_controller #(.PULSE_BITS(PULSE_BITS), .TIMING_BITS(TIMING_BITS), .IDLE_CLOCKS(IDLE_CLOCKS)) cycle (
-        .clk(clk), .rst(rst), .i_preempt(i_preempt), .i_settled(settled), .i_ready(ready), .i_index(index), .i_dwell(dwell),
-        .i_silent(silent), .i_cycle_length(cycle_length), .i_prescaler(prescaler), .i_pulse_length(next_pulse_length), .o_commit(commit),
-        .o_tick(tick), .o_count(count), .o_can_match(can_match), .o_pulse_length(pulse_length), .o_index(present),
-        .o_cycle_start(cycle_start), .o_underrun(o_underrun));
-    pulse_generators #(.CHANNELS(CHANNELS), .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS)) generators (
-        .clk(clk), .rst(rst), .i_allow(allow), .i_shift(shift), .i_timing(timing), .i_commit(commit), .i_tick(tick),
-        .i_cycle_start(cycle_start), .i_can_match(can_match), .i_count(count), .i_pulse_length(pulse_length), .o_settled(settled),
-        .o_pins(o_pins));
-    output_guard #(.CHANNELS(CHANNELS), .MAX_HIGH_CLOCKS(MAX_HIGH_CLOCKS)) guard (
-        .clk(clk), .rst(rst), .i_enable(i_enable), .i_disable(i_disable), .i_expired(i_expired), .i_pins(o_pins), .o_allow(allow),
-        .o_enabled(o_enabled), .o_trip(o_guard_trip));
+        .clk(clk), .rst(rst),
+        .i_preempt(i_preempt), .i_entry(i_entry), .i_settled(settled), .o_take(o_take), .i_index(i_index), .i_dwell(i_dwell),
+        .o_reading(o_reading), .o_address(o_address), .i_word(i_word),
+        .o_shift(shift), .o_timing(timing),
+        .i_commit(commit), .o_ready(ready), .o_silent(silent), .o_index(index), .o_dwell(dwell),
+        .o_cycle_length(cycle_length), .o_prescaler(prescaler), .o_pulse_length(next_pulse_length), .o_refused(o_refused));
 
-    // What is seen beside the pins takes as long as the pins do.
+    cycle_controller #(
+        .PULSE_BITS(PULSE_BITS), .TIMING_BITS(TIMING_BITS), .IDLE_CLOCKS(IDLE_CLOCKS)
+    ) cycle (
+        .clk(clk), .rst(rst),
+        .i_preempt(i_preempt), .i_settled(settled),
+        .i_ready(ready), .i_index(index), .i_dwell(dwell), .i_silent(silent),
+        .i_cycle_length(cycle_length), .i_prescaler(prescaler), .i_pulse_length(next_pulse_length),
+        .o_commit(commit), .o_tick(tick), .o_count(count), .o_can_match(can_match), .o_pulse_length(pulse_length),
+        .o_index(present), .o_cycle_start(cycle_start), .o_underrun(o_underrun));
+
+    pulse_generators #(
+        .CHANNELS(CHANNELS), .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS)
+    ) generators (
+        .clk(clk), .rst(rst), .i_allow(allow),
+        .i_shift(shift), .i_timing(timing), .i_commit(commit),
+        .i_tick(tick), .i_cycle_start(cycle_start), .i_can_match(can_match), .i_count(count), .i_pulse_length(pulse_length),
+        .o_settled(settled), .o_pins(o_pins));
+
+    output_guard #(
+        .CHANNELS(CHANNELS), .MAX_HIGH_CLOCKS(MAX_HIGH_CLOCKS)
+    ) guard (
+        .clk(clk), .rst(rst),
+        .i_enable(i_enable), .i_disable(i_disable), .i_expired(i_expired), .i_pins(o_pins),
+        .o_allow(allow), .o_enabled(o_enabled), .o_trip(o_guard_trip));
+
+    // The two clocks by which the pins are late, for the signals beside them.
     reg [16:0] beside_0_q, beside_1_q;
     always @(posedge clk) begin
         if (rst) {beside_0_q, beside_1_q} <= 34'd0;
@@ -74,13 +95,7 @@ module player #(
     assign {o_cycle_start, o_index} = beside_1_q;
 
 `ifdef FORMAL
-    // Everything its parts assert about each other is to hold here, whatever is in memory.
-    reg f_reset_seen_q;
-    initial f_reset_seen_q = 1'b0;
-    always @(posedge clk) begin
-        f_reset_seen_q <= f_reset_seen_q || rst;
-        cover (f_reset_seen_q && !rst && commit && !silent && index != present);
-    end
+    `include "formal/player.vh"
 `endif
 endmodule
 `default_nettype wire

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Holds rst from configuration until the PLL has been locked for 2^BITS clocks without a break, and again when it loses the
-// lock. The wait also covers what an iCE40 needs after configuration before its block RAM can be read.
+// Makes the reset of a board: rst stays high until the PLL has been locked for 2^BITS clocks without a break, and comes back
+// whenever the lock is lost.
+//
+// Before the lock the clock is not fit to count on. The wait after it is for the iCE40, whose block RAM cannot be read for some
+// microseconds after configuration.
+// BITS: 12 is 85 µs at 48 MHz.
 `default_nettype none
 module power_on #(
-    parameter BITS = 12  // 85 µs at 48 MHz
+    parameter BITS = 12
 ) (
     input  wire clk,
-    input  wire i_locked,  // from the PLL, at any time
+    input  wire i_locked,  // from the PLL, not synchronous to clk
     output wire rst
 );
     reg [BITS:0] count_q;

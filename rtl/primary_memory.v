@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Every record of every focal point, in 16-bit words: one write port, one read port. Data two clocks after the address: large
-// memories are many block RAMs, whose words are chosen from in the first and kept in the second.
-// A word must not be read in the clock in which it is written: the core makes the writer wait, which costs far less than
-// what synthesis would add to a memory that promises an answer (no_rw_check). INIT_FILE, when not empty, is a $readmemh file.
+// Holds all records, in 16-bit words, with one port to write and one to read.
+//
+// A word arrives two clocks after its address. A large memory is made of many block RAMs; the second clock leaves time to
+// choose between their outputs.
+// A word must not be read in the clock in which it is written. address_space makes the writer wait, which costs far fewer cells
+// than what synthesis adds to a memory that must answer rightly in that case; no_rw_check says that it need not.
+// WORDS is RECORDS · (CHANNELS + 4). INIT_FILE is a $readmemh file for power-up; empty leaves the contents open.
 `default_nettype none
 module primary_memory #(
     parameter WORDS     = 41600,

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// One pulse generator per transducer and the register before its pin: high for i_pulse_length ticks, once per cycle, from
-// the tick that equals the channel's timing.
+// One pulse generator a transducer, and the register before its pin: high for i_pulse_length ticks, once a cycle, from the tick
+// that equals the channel's timing.
 //
-// No channel counts: fall_q, the count one pulse length late, says for all of them which timing's pulse ends, so a channel
-// that is low looks for the count, and one that is high for fall_q. Timings arrive in one chain of shadow registers, fed at the
-// last channel's end. A commit swaps them with the compared ones, all on one clock edge, so a pulse under way finds its
-// end by its old timing: it completes, and a new one within it merges. Until o_settled the shadow registers must stay.
-// While i_allow is low the pins are low, from the next clock on, and nothing starts, so the first pulse after enabling is
-// whole. A pin follows its tick by two clocks. TIMING_BITS 4…16, PULSE_BITS 1…8, no more than TIMING_BITS.
+// Channels have no counters of their own, which would not fit a small FPGA. A low channel compares its timing with the tick
+// count, and rises on a match. A high channel compares its timing with fall_q, the same count delayed by one pulse length, and
+// falls on a match. Timings arrive in a chain of shadow registers, fed at the last channel's end. A commit swaps them with the
+// compared ones in one clock; a pulse that is under way then finds its end by its old timing in the shadow registers, so it
+// completes, and a new pulse that overlaps it merges with it. Until o_settled the shadow registers must not change.
+// While i_allow is low the pins are low, from the next clock on, and no pulse starts, so the first one after enabling is whole.
+// A pin follows its tick by two clocks.
+// CHANNELS is the core's. TIMING_BITS (4 to 16) is how late in a cycle a pulse can start, in ticks, and sets most of the cells.
+// PULSE_BITS (1 to 8, at most TIMING_BITS) sets the longest pulse: every channel compares so many bits to find its end.
 `default_nettype none
 module pulse_generators #(
     parameter CHANNELS    = 100,
@@ -18,26 +21,27 @@ module pulse_generators #(
     input  wire                   clk,
     input  wire                   rst,
     input  wire                   i_allow,         // from output_guard
-    input  wire                   i_shift,         // not before o_settled; the last one may come with i_commit
+    input  wire                   i_shift,         // while settled; the last timing may come with i_commit
     input  wire [TIMING_BITS-1:0] i_timing,
     input  wire                   i_commit,        // in a cycle's last clock, while o_settled
-    input  wire                   i_tick,          // one clock, at the start of each tick
+    input  wire                   i_tick,          // strobe at the start of each tick
     input  wire                   i_cycle_start,   // with the first tick of a cycle
-    input  wire                   i_can_match,     // pulses are wanted and the count fits TIMING_BITS
+    input  wire                   i_can_match,     // the record has pulses, and i_count is one that a timing can equal
     input  wire [TIMING_BITS-1:0] i_count,
     input  wire [PULSE_BITS-1:0]  i_pulse_length,  // ticks, less than a cycle; changes with commits
     output wire                   o_settled,
     output reg  [CHANNELS-1:0]    o_pins
 );
     localparam [PULSE_BITS-1:0] NONE = 0, ONE = 1;
-    localparam [TIMING_BITS-1:0] NEVER = {TIMING_BITS{1'b1}};  // no channel that starts has this timing
+    localparam [TIMING_BITS-1:0] NEVER = {TIMING_BITS{1'b1}};  // the timing of a silent channel
 
-    // What all channels look at, one clock after the tick. fall_q is the count one pulse length late: nothing until the first
-    // pulse of a record can end, then it runs on over the cycle's end. old_fall_q goes on where fall_q was at the commit.
+    // What all channels compare with, one clock after the tick. fall_q is the count delayed by one pulse length: NEVER until the
+    // first pulse of a record can end; then it keeps counting over the cycle's end. A commit hands its value to old_fall_q, by
+    // which the pulses from before that commit end.
     reg                   start_q, commit_q, moves_q;
     reg [TIMING_BITS-1:0] count_q, fall_q;
-    reg [PULSE_BITS-1:0]  old_fall_q;  // pulses from before a commit end within 2^PULSE_BITS ticks
-    reg [PULSE_BITS-1:0]  old_left_q;  // how many more ticks that can be
+    reg [PULSE_BITS-1:0]  old_fall_q;  // its low bits are enough: those pulses end within 2^PULSE_BITS ticks
+    reg [PULSE_BITS-1:0]  old_left_q;  // ticks until the last of them has ended
     reg [PULSE_BITS-1:0]  lead_q;      // ticks until the first pulse of this cycle can end
     wire [TIMING_BITS-1:0] fall_next = fall_q + 1'b1;
     assign o_settled = old_left_q == NONE || (i_tick && old_left_q == ONE);
@@ -49,7 +53,7 @@ module pulse_generators #(
         if (rst) old_left_q <= NONE;
         else if (i_commit) old_left_q <= i_pulse_length;
         else if (i_tick && old_left_q != NONE) old_left_q <= old_left_q - ONE;
-        if (i_tick) begin  // the first tick of a record comes with commit_q
+        if (i_tick) begin  // commit_q is high in the first tick of a record
             count_q    <= i_count;
             lead_q     <= i_cycle_start ? i_pulse_length : lead_q == NONE ? NONE : lead_q - ONE;
             old_fall_q <= commit_q ? fall_next[PULSE_BITS-1:0] : old_fall_q + ONE;
@@ -61,7 +65,7 @@ module pulse_generators #(
 
     reg [CHANNELS*TIMING_BITS-1:0] shadow_q;
     reg [CHANNELS*TIMING_BITS-1:0] timings_q;
-    // The bits by which a pulse under way finds its end; the others need not change places.
+    // Only the low bits, by which a pulse finds its end, are swapped. The others are not needed any more after a commit.
     localparam [TIMING_BITS-1:0] LOW_BITS = {TIMING_BITS{1'b1}} >> (TIMING_BITS - PULSE_BITS);
     localparam [CHANNELS*TIMING_BITS-1:0] LOW = {CHANNELS{LOW_BITS}};
     always @(posedge clk) begin
@@ -69,10 +73,10 @@ module pulse_generators #(
         else if (i_shift) shadow_q <= {i_timing, shadow_q[CHANNELS*TIMING_BITS-1:TIMING_BITS]};
     end
 
-    reg  [CHANNELS-1:0] new_q;  // within a pulse of the present record
-    reg  [CHANNELS-1:0] old_q;  // within one from before the last commit, whose timing is in the shadow register
-    // Kept apart, else synthesis mixes the three comparisons and needs a fifth more cells. Saying when nobody looks at them
-    // costs no cell, and spares a simulator most of its work.
+    reg  [CHANNELS-1:0] new_q;  // the channel is in a pulse of the present record
+    reg  [CHANNELS-1:0] old_q;  // it is in a pulse from before the last commit, whose timing is in the shadow register
+    // (* keep *) stops synthesis from mixing the three comparisons, which would take a fifth more cells. In clocks in which a
+    // result is not used it is left at x: that costs nothing in hardware, and a simulator can skip the comparison.
     (* keep *) reg [CHANNELS-1:0] begins, ends, old_ends;
     integer k;
     always @* begin
@@ -99,7 +103,7 @@ module pulse_generators #(
     end
 
 `ifdef FORMAL
-    `include "../tests/formal/pulse_generators_properties.vh"
+    `include "formal/pulse_generators.vh"
 `endif
 endmodule
 `default_nettype wire

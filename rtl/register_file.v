@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The identity and status blocks of the address space: constants, present values, and counters that run modulo 65,536.
-// o_word follows i_read by one clock.
+// The identity and status blocks of the address space: what this instrument is, what it does now, and counters of events.
+//
+// A host reads them to learn what it may send, and to see what went wrong. o_word follows i_read by one clock. The counters run
+// modulo 65,536 and start at 0 after reset.
+// All parameters are the core's, only to be told to the host.
 `default_nettype none
 `include "interface.vh"
 module register_file #(
@@ -17,14 +20,14 @@ module register_file #(
     input  wire        rst,
     input  wire        i_read,
     input  wire        i_is_identity,
-    input  wire [4:0]  i_address,  // word
+    input  wire [4:0]  i_address,  // number of the word
     output reg  [15:0] o_word,
     input  wire        i_enabled,
     input  wire [1:0]  i_mode,
     input  wire [15:0] i_present_index,
     input  wire [15:0] i_live_level,
     input  wire [15:0] i_watchdog_ms,
-    input  wire        i_underrun,  // strobes, one for each counter
+    input  wire        i_underrun,  // from here on strobes, one for each counter
     input  wire        i_record_refused,
     input  wire        i_frame_good,
     input  wire        i_frame_damaged,
@@ -36,13 +39,15 @@ module register_file #(
     localparam [15:0] CHANNELS_16 = CHANNELS[15:0], RECORDS_16 = RECORDS[15:0], SEQUENCE_16 = SEQUENCE_DEPTH[15:0],
                       LIVE_16 = LIVE_DEPTH[15:0], TIMING_16 = TIMING_BITS[15:0], PULSE_16 = PULSE_BITS[15:0];
     localparam [31:0] CLOCK_32 = CLOCK_HZ;
-    localparam FRAME = 6 + 2 * (CHANNELS + `HG_RECORD_HEADER_WORDS);  // a WRITE of one record
+    // A WRITE of one whole record, in bytes: 2 of head, 4 of address, and the record.
+    localparam FRAME = 6 + 2 * (CHANNELS + `HG_RECORD_HEADER_WORDS);
     localparam [127:0] NAME = `HG_NAME;
 
     reg [15:0] underruns_q, records_refused_q, good_q, damaged_q, repeated_q, refused_q, watchdog_q, guard_q;
     wire counts = i_underrun || i_record_refused || i_frame_good || i_frame_damaged || i_frame_repeated || i_frame_refused
                   || i_watchdog_trip || i_guard_trip;
-    always @(posedge clk) if (rst || counts) begin  // one condition in front spares a simulator eight
+    // `counts` in front spares a simulator eight tests in most clocks.
+    always @(posedge clk) if (rst || counts) begin
         if (rst) begin
             {underruns_q, records_refused_q, good_q, damaged_q} <= 64'd0;
             {repeated_q, refused_q, watchdog_q, guard_q} <= 64'd0;

@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Answers one frame: three header words, then i_words words read from the address space, or their digest, as a valid/ready
-// stream with a last mark. o_read is held until i_granted; i_read_word follows two clocks later. o_answered strobes at the
-// end. The digest is the CRC-32 of IEEE 802.3, which takes bits in the order in which they leave here: 16 clocks a word.
+// Answers a frame: three header words, then words from the address space, or their digest instead of them.
+//
+// i_answer starts it; the fields beside it must stay until o_answered strobes. The reply is a valid/ready stream whose last
+// word has o_last. To read a word, o_read is held until i_granted; i_read_word follows two clocks later.
+// The digest is the CRC-32 of IEEE 802.3. It lets a host find out which records differ without reading them all. It is computed
+// bit by bit, 16 clocks a word, because the line is much slower than that.
+// WORD_BITS is as wide as the address of a 16-bit word in the largest region.
 `default_nettype none
 module reply_unit #(
-    parameter WORD_BITS = 16  // of a word's address
+    parameter WORD_BITS = 16
 ) (
     input  wire        clk,
     input  wire        rst,
-    input  wire        i_answer,      // strobe; the fields below are stable until o_answered
+    input  wire        i_answer,      // strobe; the fields below stay until o_answered
     input  wire [7:0]  i_sequence,
     input  wire [7:0]  i_command,
     input  wire [7:0]  i_status,
@@ -32,7 +36,7 @@ module reply_unit #(
                      DIGEST = 4'd8, SEND = 4'd9;
 
     reg [3:0]  state_q;
-    reg [15:0] words_q;  // still to be read
+    reg [15:0] words_q;  // words still to be read
     reg [31:0] crc_q;
     reg [3:0]  bit_q;
     wire       none = words_q == 16'd0;
@@ -74,7 +78,7 @@ module reply_unit #(
                 bit_q  <= bit_q + 4'd1;
                 if (bit_q == 4'd15) state_q <= none ? DIGEST : ASK;
             end
-            DIGEST: begin  // twice: bit_q is 0 and then 1
+            DIGEST: begin  // comes twice, for the two halves: bit_q is 0 and then 1
                 o_word      <= ~crc_q[15:0];
                 crc_q[15:0] <= crc_q[31:16];
                 words_q     <= {15'd0, !bit_q[0]};

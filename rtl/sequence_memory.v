@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The order of play, in 32-bit words: word 0 is {loops, length}, the others are {dwell, index}. Written in halves, low
-// half first; the word changes when its high half arrives. Data two clocks after the address.
-// A word must not be read in the clock in which it changes: the core makes the writer wait.
+// Holds the order of play, in 32-bit words: word 0 is the header, the others are entries (INTERFACE.md says their fields).
+//
+// The link writes halves, low half first; the word changes when its high half arrives, so a reader never sees half a change.
+// A word arrives two clocks after its address. It must not be read in the clock in which it changes; address_space makes the
+// writer wait.
+// WORDS is the core's SEQUENCE_DEPTH, 2 to 32768: the header's length has 15 bits. INIT_FILE is a $readmemh file for power-up;
+// empty means all zeros.
 `default_nettype none
 module sequence_memory #(
     parameter WORDS     = 1024,
@@ -23,7 +27,7 @@ module sequence_memory #(
     generate
         if (INIT_FILE != "") begin : initialised
             initial $readmemh(INIT_FILE, words);
-        end else begin : empty  // a bitstream without an image must not look like one that starts by itself
+        end else begin : empty  // so that a bitstream without an image cannot have the autostart bit
             integer i;
             initial for (i = 0; i < WORDS; i = i + 1) words[i] = 32'd0;
         end

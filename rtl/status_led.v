@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a board's LED says: off without a clock, slow blink idle, on while playing, fast blink after a watchdog or guard trip.
-// Counts carrier cycles, which are 25 µs when nothing else was loaded: 0.6 and 9.8 blinks a second.
+// Drives a board's one LED, so that a person sees the state without a host: off without a clock, slow blink when idle, on while
+// playing, fast blink after a watchdog or guard trip.
+//
+// It counts carrier cycles instead of clocks, which saves a 24-bit counter.
+// SLOW_BIT and FAST_BIT are the bits of that count that blink: at 40 kHz, 15 and 11 are 0.6 and 9.8 blinks a second.
 `default_nettype none
 module status_led #(
     parameter SLOW_BIT = 15,

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The only place where a signal from outside the clock domain is sampled: two registers. Latency: 2 clocks.
+// Samples a signal from outside of the clock domain, with two registers against metastability. It is the only module that may.
+//
+// Latency: 2 clocks, and up to one more until the first edge.
+// RESET_VALUE is what it shows during reset: 1 for an idle serial line.
 `default_nettype none
 module synchronizer #(
     parameter RESET_VALUE = 1'b1

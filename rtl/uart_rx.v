@@ -1,24 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Receives 8N1 bytes. o_valid strobes in the middle of a good stop bit; a byte whose stop bit is low is dropped.
+// Receives bytes from a serial line: 8 data bits, no parity, 1 stop bit.
 //
-// The bit clock is a 20-bit phase accumulator, so the baud rate need not divide the clock: it is off by less than one
-// 2^21-th of the clock rate, 24 Hz at 50 MHz. A bit is at least 8 clocks.
+// o_valid strobes in the middle of a good stop bit. A byte whose stop bit is low is dropped. The bit clock is a 20-bit phase
+// accumulator, so that the baud rate need not divide the clock. The line must have been synchronised.
+// STEP is 2^20 · baud / clock, rounded; the rate is then off by less than 2^-21 of the clock rate, 24 Hz at 50 MHz. A bit must
+// have at least 8 clocks, so that its middle is found.
 `default_nettype none
 module uart_rx #(
-    parameter [19:0] STEP = 20'd20972  // 2^20 · baud / clock, rounded
+    parameter [19:0] STEP = 20'd20972
 ) (
     input  wire       clk,
     input  wire       rst,
-    input  wire       i_line,  // synchronised
+    input  wire       i_line,  // synchronous to clk
     output reg  [7:0] o_byte,
     output reg        o_valid
 );
     localparam [19:0] HALF_BIT = 20'h80000;
 
     reg [19:0] phase_q;
-    reg [3:0]  bits_left_q;  // 10 while the start bit is awaited in its middle, 0 when idle
-    reg        high_seen_q;  // a start bit begins with a falling edge
+    reg [3:0]  bits_left_q;  // 10 until the middle of the start bit; 0 when idle
+    reg        high_seen_q;  // the line has been high, so that low now is a falling edge
     wire [20:0] phase_d = {1'b0, phase_q} + {1'b0, STEP};
 
     always @(posedge clk) begin
@@ -35,7 +37,7 @@ module uart_rx #(
             if (phase_d[20]) begin
                 bits_left_q <= bits_left_q - 1'b1;
                 high_seen_q <= i_line;
-                if (bits_left_q == 4'd10 && i_line) bits_left_q <= 4'd0;  // a glitch, no start bit
+                if (bits_left_q == 4'd10 && i_line) bits_left_q <= 4'd0;  // too short for a start bit
                 else if (bits_left_q == 4'd1) o_valid <= i_line;
                 else o_byte <= {i_line, o_byte[7:1]};
             end

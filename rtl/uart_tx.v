@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Sends 8N1 bytes from a valid/ready stream. The bit clock is uart_rx's.
+// Sends bytes over a serial line: 8 data bits, no parity, 1 stop bit.
+//
+// The bytes come on a valid/ready stream; o_ready is high between bytes. A byte's start bit begins one clock after it is taken.
+// STEP is 2^20 · baud / clock, rounded, as in uart_rx.
 `default_nettype none
 module uart_tx #(
-    parameter [19:0] STEP = 20'd20972  // 2^20 · baud / clock, rounded
+    parameter [19:0] STEP = 20'd20972
 ) (
     input  wire       clk,
     input  wire       rst,
@@ -12,7 +15,6 @@ module uart_tx #(
     input  wire [7:0] i_byte,
     output reg        o_line
 );
-
     reg [19:0] phase_q;
     reg [3:0]  bits_left_q;
     reg [8:0]  shift_q;  // data, then the stop bit

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Strobes o_expired when no frame was accepted for i_milliseconds while outputs are enabled; 0 turns it off.
-// i_kick restarts the time. One clock from expiry to strobe.
+// Strobes o_expired when outputs are enabled and no frame has been accepted for i_milliseconds. So a host that has died, or a
+// cable that was pulled, cannot leave the ultrasound on.
+//
+// i_kick starts the time anew. i_set takes a new time; 0 turns the watchdog off. The strobe comes one clock after the time is
+// up.
+// CLOCK_HZ (2 kHz to 1 GHz) says how long a millisecond is. DEFAULT_MS (0 to 65535) holds after reset.
 `default_nettype none
 module watchdog #(
     parameter CLOCK_HZ   = 50000000,
@@ -9,7 +13,7 @@ module watchdog #(
 ) (
     input  wire        clk,
     input  wire        rst,
-    input  wire        i_running,  // outputs are enabled
+    input  wire        i_running,  // the outputs are enabled
     input  wire        i_kick,
     input  wire        i_set,
     input  wire [15:0] i_milliseconds,
@@ -47,32 +51,7 @@ module watchdog #(
     end
 
 `ifdef FORMAL
-    localparam [35:0] F_CLOCKS_PER_MS = {4'd0, CLOCKS_PER_MS[31:0]};
-    reg        f_reset_seen_q, f_expired_q;
-    reg [35:0] f_quiet_q;  // clocks since the last kick, or since there was anything to watch
-    initial f_reset_seen_q = 1'b0;
-    wire [35:0] f_limit = {20'd0, o_milliseconds} * F_CLOCKS_PER_MS;
-    always @(posedge clk) begin
-        f_reset_seen_q <= f_reset_seen_q || rst;
-        f_expired_q    <= o_expired && !rst;
-        f_quiet_q      <= rst || i_set || i_kick || !i_running || o_milliseconds == 16'd0 ? 36'd0 : f_quiet_q + 1'b1;
-        // An expiry stops what is watched, in the next clock.
-`ifdef FORMAL_WATCHDOG
-        assume (!i_set || i_milliseconds < 16'd4);
-        if (f_reset_seen_q && f_expired_q) assume (!i_running);
-        if (f_reset_seen_q) assert (o_milliseconds < 16'd4);
-`else
-        if (f_reset_seen_q && f_expired_q) assert (!i_running);
-`endif
-        if (f_reset_seen_q) begin
-            assert (o_expired == (f_quiet_q != 36'd0 && f_quiet_q == f_limit));
-            assert (f_quiet_q <= f_limit + {35'd0, f_expired_q} && clock_q <= LAST_CLOCK);
-            assert (f_quiet_q == {20'd0, o_milliseconds - left_q} * F_CLOCKS_PER_MS + {{(36-CLOCK_BITS){1'b0}}, clock_q});
-            assert (left_q <= o_milliseconds && (left_q != 16'd0 || o_expired || f_expired_q || o_milliseconds == 16'd0));
-            cover (o_expired && o_milliseconds == 16'd3);
-            cover (i_kick && f_quiet_q == f_limit - 1'b1 && f_limit > 36'd2);
-        end
-    end
+    `include "formal/watchdog.vh"
 `endif
 endmodule
 `default_nettype wire

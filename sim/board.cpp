@@ -9,17 +9,17 @@
 namespace haptogram::sim {
 namespace {
 
-double clocks_per_bit(const ModelParameters& p) {
+double clocks_per_bit(const interface::CoreParameters& p) {
     return static_cast<double>(p.clock_hz) / static_cast<double>(p.baud);
 }
 
 }  // namespace
 
-Board::Board(std::size_t model, const BoardOptions& options)
+Board::Board(std::string_view model, const BoardOptions& options)
     : model_(make_model(model, options.power_up_seed)),
-      sender_(clocks_per_bit(model_->parameters())),
-      receiver_(clocks_per_bit(model_->parameters())) {
-    const std::size_t words = (model_->parameters().channels + 31) / 32;
+      sender_(clocks_per_bit(parameters())),
+      receiver_(clocks_per_bit(parameters())) {
+    const std::size_t words = (parameters().channels + 31) / 32;
     outputs_.pins.assign(words, 0);
     last_pins_.assign(words, 0);
     reset(options.reset_clocks);
@@ -68,16 +68,13 @@ bool Board::any_pin() const {
 
 std::vector<std::uint8_t> Board::receive() { return std::exchange(arrived_, {}); }
 
-std::optional<std::size_t> find_model(double clock_hz, std::uint32_t channels, std::uint32_t records,
-                                      std::uint32_t sequence_words, std::uint32_t timing_bits) {
-    const auto& models = available_models();
-    const auto fits = [&](const ModelParameters& p) {
-        return std::abs(p.clock_hz - clock_hz) < 0.5 && p.channels == channels && p.records >= records &&
-               p.sequence_depth >= sequence_words && p.timing_bits >= timing_bits;
-    };
-    const auto found = std::find_if(models.begin(), models.end(), fits);
-    if (found == models.end()) return {};
-    return static_cast<std::size_t>(found - models.begin());
+std::optional<std::string_view> find_model(double clock_hz, std::uint32_t channels, std::uint32_t records,
+                                           std::uint32_t sequence_words, std::uint32_t timing_bits) {
+    for (const auto& [name, p, about] : available_models())
+        if (std::abs(p.clock_hz - clock_hz) < 0.5 && p.channels == channels && p.records >= records &&
+            p.sequence_depth >= sequence_words && p.timing_bits >= timing_bits)
+            return name;
+    return {};
 }
 
 }  // namespace haptogram::sim

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "model.hpp"
@@ -36,8 +37,8 @@ struct BoardOptions {
 /// The simulated FPGA board: a Verilated core, its clock and reset, a serial line at its baud rate, and observers.
 class Board {
 public:
-    /// @param model  index into available_models()
-    explicit Board(std::size_t model, const BoardOptions& options = {});
+    /// @param model  name of a configuration in available_models(), such as "tile-100"
+    explicit Board(std::string_view model, const BoardOptions& options = {});
 
     /// Runs this many clocks.
     void run(std::uint64_t clocks);
@@ -46,7 +47,9 @@ public:
     void reset(unsigned clocks = 4);
 
     [[nodiscard]] std::uint64_t now() const { return now_; }
-    [[nodiscard]] const ModelParameters& parameters() const { return model_->parameters(); }
+    /// Name of the configuration, as it was asked for.
+    [[nodiscard]] std::string_view name() const { return model_->configuration().name; }
+    [[nodiscard]] const interface::CoreParameters& parameters() const { return model_->configuration().parameters; }
     [[nodiscard]] const Model::Outputs& outputs() const { return outputs_; }
     [[nodiscard]] bool pin(std::uint32_t channel) const {
         return ((outputs_.pins[channel / 32] >> (channel % 32)) & 1U) != 0;
@@ -89,8 +92,8 @@ private:
     bool in_reset_ = true;
 };
 
-/// The first model that has this clock and these channels, and enough records, sequence words and timing bits.
-[[nodiscard]] std::optional<std::size_t> find_model(double clock_hz, std::uint32_t channels, std::uint32_t records,
-                                                    std::uint32_t sequence_words, std::uint32_t timing_bits);
+/// Name of the first model that has this clock and these channels, and enough records, sequence words and timing bits.
+[[nodiscard]] std::optional<std::string_view> find_model(double clock_hz, std::uint32_t channels, std::uint32_t records,
+                                                         std::uint32_t sequence_words, std::uint32_t timing_bits);
 
 }  // namespace haptogram::sim

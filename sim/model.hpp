@@ -5,15 +5,12 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
-namespace haptogram::sim {
+#include "haptogram/boards/interface.hpp"
 
-/// The parameters that a Verilated core was built with (rtl/haptogram_core.v).
-struct ModelParameters {
-    std::uint32_t channels, records, sequence_depth, live_depth, timing_bits, pulse_bits, clock_hz, baud, watchdog_ms,
-        max_high_clocks;
-};
+namespace haptogram::sim {
 
 /// One Verilated core, without Verilator's types.
 class Model {
@@ -32,7 +29,8 @@ public:
 
     /// One rising clock edge with these inputs; `outputs` is what follows it.
     virtual void clock(bool reset, bool rx, Outputs& outputs) = 0;
-    [[nodiscard]] virtual const ModelParameters& parameters() const = 0;
+    /// Its name and the parameters that it was built with.
+    [[nodiscard]] virtual const interface::CoreConfiguration& configuration() const = 0;
     /// The memories' words, to read and to write beside the link; empty where they cannot be reached, as in a netlist.
     [[nodiscard]] virtual std::span<std::uint16_t> primary_memory() = 0;
     [[nodiscard]] virtual std::span<std::uint32_t> sequence_memory() = 0;
@@ -41,11 +39,12 @@ public:
     virtual void end_trace() = 0;
 };
 
-/// The parameters of every core that was Verilated into this build (sim/models.cmake).
-[[nodiscard]] const std::vector<ModelParameters>& available_models();
+/// Every core that was Verilated into this build (sim/models.cmake); images are tried on them in this order.
+[[nodiscard]] const std::vector<interface::CoreConfiguration>& available_models();
 
-/// @param model          index into available_models()
+/// @param name           of a configuration in available_models(), such as "tile-100"
 /// @param power_up_seed  when given, every register without an initial value starts at random
-[[nodiscard]] std::unique_ptr<Model> make_model(std::size_t model, std::optional<std::uint32_t> power_up_seed = {});
+/// @throws std::invalid_argument when no model has this name
+[[nodiscard]] std::unique_ptr<Model> make_model(std::string_view name, std::optional<std::uint32_t> power_up_seed = {});
 
 }  // namespace haptogram::sim

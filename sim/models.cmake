@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-# The cores that are Verilated: name channels records sequence_depth live_depth timing_bits pulse_bits clock_hz baud
-# watchdog_ms max_high_clocks, and options for Verilator, which may be empty: the small core, on which most contract tests run,
-# checks in every clock what the proofs assert. An image runs on the first one with its clock and channels, and enough of all else.
-set(HAPTOGRAM_MODELS
-  "Vtile100:100:400:1024:256:16:8:50000000:1000000:500:10000:"
-  "Vsmall16:16:40:64:16:12:8:50000000:3000000:5:4000:--assert -DFORMAL"
-  "Varray324:324:400:1024:256:16:8:50000000:1000000:500:10000:")
+# The configurations of the core (tools/interface.toml) that are Verilated. An image runs on the first one with its clock and
+# channels, and enough of all else.
+include(${CMAKE_CURRENT_LIST_DIR}/configurations.cmake)
+set(HAPTOGRAM_MODELS tile-100 small-16 hoshi-324)
+# Further options of Verilator for a model. The small core, on which most contract tests run, checks in every clock what the
+# proofs assert.
+set(HAPTOGRAM_MODEL_OPTIONS_small-16 --assert -DFORMAL)

@@ -98,19 +98,21 @@ std::pair<std::uint64_t, std::uint64_t> comparable(const std::vector<CycleStart>
 
 }  // namespace
 
-std::size_t model_for(const Image& image, const std::string& where) {
+std::string_view model_for(const Image& image, const std::string& where) {
     const auto model = find_model(image.clock_hz, image.channels, static_cast<std::uint32_t>(image.records.size()),
                                   static_cast<std::uint32_t>(image.sequence.size() + 1), image.timing_bits);
     if (model) return *model;
     std::string known;
-    for (const ModelParameters& p : available_models())
-        known += fmt::format("\n  {} channels, {} records, {} sequence entries, {} timing bits, {} Hz", p.channels,
-                             p.records, p.sequence_depth - 1, p.timing_bits, p.clock_hz);
-    throw bad_input(where, fmt::format("no simulated board has {} channels, {} records, {} sequence entries, {} timing "
-                                       "bits at {} Hz; there are:{}\n"
-                                       "compile for one of these, or add yours to sim/models.cmake",
-                                       image.channels, image.records.size(), image.sequence.size(), image.timing_bits,
-                                       image.clock_hz, known));
+    for (const auto& [name, p, about] : available_models())
+        known += fmt::format("\n  {}: {} channels, {} records, {} sequence entries, {} timing bits, {} Hz", name,
+                             p.channels, p.records, p.sequence_depth - 1, p.timing_bits, p.clock_hz);
+    throw bad_input(
+        where,
+        fmt::format(
+            "no simulated board has {} channels, {} records, {} sequence entries, {} timing "
+            "bits at {} Hz; there are:{}\n"
+            "compile for one of these, or add a configuration to tools/interface.toml and its name to sim/models.cmake",
+            image.channels, image.records.size(), image.sequence.size(), image.timing_bits, image.clock_hz, known));
 }
 
 void load_directly(Board& board, const Image& image) {

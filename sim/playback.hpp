@@ -36,10 +36,10 @@ struct Playback {
     double playing_seconds = 0.0;
 };
 
-/// The Verilated core that can play an image, as an index into available_models().
+/// The Verilated core that can play an image, by the name of its configuration.
 /// @param where  names the image in messages
 /// @throws Error{bad_input} when there is none
-[[nodiscard]] std::size_t model_for(const Image& image, const std::string& where);
+[[nodiscard]] std::string_view model_for(const Image& image, const std::string& where);
 
 /// Puts an image straight into a board's memories, as a bitstream does.
 void load_directly(Board& board, const Image& image);

@@ -4,8 +4,8 @@
 
 Leaves in OUTPUT/BOARD/: BOARD.bin or .bit with empty memories, what `haptogram bitstream` needs to put an image into it
 (placed.asc or placed.config, primary.hex, sequence.hex), core.v (the netlist of haptogram_core that was placed, for tests/netlist), the tools'
-logs, and report.json. With --channels the core alone, for a question of size: placed and routed in OUTPUT/BOARD-CHANNELS, without
-pins or a bitstream. Exit code 0, 1 when a tool fails or a budget of tools/budgets.toml is exceeded, 2 on wrong usage.
+logs, and report.json. With --configuration the core alone in that configuration, for a question of size: placed and routed in
+OUTPUT/BOARD-CONFIGURATION, without pins or a bitstream. Exit code 0, 1 when a tool fails or a budget of tools/budgets.toml is exceeded, 2 on wrong usage.
 """
 import argparse
 import json
@@ -19,10 +19,12 @@ import tomllib
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import configurations
+
 ROOT = Path(__file__).resolve().parent.parent
 BOARDS = ROOT / "constraints"
 VENV = ROOT / "build" / "venv" / "bin"
-RECORD_HEADER_WORDS = tomllib.loads((ROOT / "tools" / "interface.toml").read_text())["record"]["header_words"]
+RECORD_HEADER_WORDS = configurations.load()["record"]["header_words"]
 BLOCK_WORDS = 256  # of icebram
 
 
@@ -56,7 +58,9 @@ def load(name):
     if not path.exists():
         known = ", ".join(board_names())
         raise Failed(f"no board {name}; there are {known}")
-    return tomllib.loads(path.read_text())
+    board = tomllib.loads(path.read_text())
+    board["parameters"] = configurations.parameters_of(board)
+    return board
 
 
 def board_names():
@@ -112,6 +116,8 @@ def state_cells(folder, board):
     modules = json.loads((folder / f"{board['fpga']['top']}.json").read_text())["modules"]
     core = next(m for name, m in modules.items() if "haptogram_core" in name)
     nets = {bit for name, net in core["netnames"].items() if name.startswith("play.generators.") for bit in net["bits"]}
+    if not nets:
+        raise Failed("the netlist has no instance play.generators; when it was renamed in rtl/, rename it here, too")
     return sum(1 for cell in core["cells"].values() if ("DFF" in cell["type"] or cell["type"] == "TRELLIS_FF") and cell["connections"]["Q"][0] in nets)
 
 
@@ -157,36 +163,37 @@ def cells(utilisation, family):
 def build(name, options):
     board, start = load(name), time.monotonic()
     folder = options.output.resolve() / name
-    if options.channels:
+    alone = options.configuration is not None
+    if alone:
         board["fpga"]["top"] = "haptogram_core"
-        board["parameters"] |= {"CHANNELS": options.channels} | ({"RECORDS": options.records} if options.records else {})
-        folder = folder.with_name(f"{name}-{options.channels}")
+        board["parameters"] = configurations.configuration(options.configuration)
+        folder = folder.with_name(f"{name}-{options.configuration}")
     folder.mkdir(parents=True, exist_ok=True)
     family, clock_mhz = board["fpga"]["family"], board["parameters"]["CLOCK_HZ"] / 1e6
     budget = tomllib.loads((ROOT / "tools" / "budgets.toml").read_text())[family]
-    goal = clock_mhz * (1.0 if options.channels else budget["clock_margin"])  # of size only, not of a board's margin
+    goal = clock_mhz * (1.0 if alone else budget["clock_margin"])  # of size only, not of a board's margin
     fingerprint(folder, board)
     print(f"{folder.name}: synthesised in {synthesise(folder, board):.0f} s", file=sys.stderr, flush=True)
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
         outcomes = list(pool.map(lambda seed: place(folder, board, seed, goal), range(1, options.seeds + 1)))
     fmax, placed, best = max(outcomes, key=lambda outcome: outcome[0])
-    if not options.channels:
+    if not alone:
         os.replace(folder / placed, folder / f"placed.{placed.split('.')[1]}")
     for _, spare, _ in outcomes:
         (folder / spare).unlink(missing_ok=True)
-    if options.program and not options.channels:
+    if options.program and not alone:
         run(folder, "pack.log", options.program.resolve(), "bitstream", "--board", BOARDS / f"{name}.toml", "--placed",
             options.output.resolve(), "--empty", "-o", f"{name}.{'bin' if family == 'ice40' else 'bit'}")
     used, available, rams, ram_available = cells(best["utilization"], family)
     channels = board["parameters"]["CHANNELS"]
-    result = {"board": name, "core_alone": bool(options.channels), "fpga": board["fpga"], "parameters": board["parameters"], "cells": used,
+    result = {"board": name, "core_alone": alone, "fpga": board["fpga"], "parameters": board["parameters"], "cells": used,
               "cells_available": available, "state_cells_per_channel": state_cells(folder, board) / channels,
               "block_rams": rams, "block_rams_available": ram_available, "clock_mhz": clock_mhz,
               "fmax_mhz": {"lowest": min(outcome[0] for outcome in outcomes), "highest": fmax, "seeds": options.seeds, "goal": goal},
               "seconds": time.monotonic() - start}
     (folder / "report.json").write_text(json.dumps(result, indent=2) + "\n")
     problems = []
-    if used > budget["cells"] and not options.channels:
+    if used > budget["cells"] and not alone:
         problems.append(f"{used} cells, the budget is {budget['cells']}")
     if result["fmax_mhz"]["lowest"] < goal:
         problems.append(f"{result['fmax_mhz']['lowest']:.1f} MHz, the budget is {goal:.1f} MHz")
@@ -211,8 +218,7 @@ def main():
     parser.add_argument("--output", type=Path, default=ROOT / "build" / "boards")
     parser.add_argument("--seeds", type=int, default=1, help="place and route with this many seeds and take the fastest (1)")
     parser.add_argument("--program", type=Path, help="haptogram, to pack the bitstream with; without it there is none")
-    parser.add_argument("--channels", type=int, metavar="N", help="another number of channels: the core alone")
-    parser.add_argument("--records", type=int, metavar="N", help="with --channels: as many records")
+    parser.add_argument("--configuration", metavar="NAME", help="of tools/interface.toml: the core alone, in this configuration")
     parser.add_argument("--table", type=Path, metavar="FILE", help="writes the table of all reports in OUTPUT to a Markdown file")
     options = parser.parse_args()
     results, failed = [], False
@@ -223,7 +229,7 @@ def main():
             failed |= bool(problems)
             for problem in problems:
                 print(f"{name}: over budget: {problem}", file=sys.stderr)
-    except Failed as error:
+    except (Failed, configurations.Wrong) as error:
         print(f"bitstream: {error}", file=sys.stderr)
         failed = True
     if results:

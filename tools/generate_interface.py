@@ -345,7 +345,7 @@ def page(table):
         for field, first, width, about in rows:
             word, low = divmod(first, word_bits)
             last, high = divmod(first + width - 1, word_bits)
-            where = (f"{high}…{low}" if high != low else f"{low}") if last == word else f"{low} of word {word} … {high} of word {last}"
+            where = (f"{high}…{low}" if high != low else f"{low}") if last == word else f"bit {high} of word {last} … bit {low} of word {word}"
             lines.append(f"| {word if last == word else f'{word}…{last}'} | {where} | {field} | {about} |")
         return lines
 

@@ -98,12 +98,11 @@ std::optional<Image> read_image(const std::string& path) {
     return image;
 }
 
-std::size_t model_of(std::uint32_t channels) {
-    const auto& models = sim::available_models();
+std::string_view model_of(std::uint32_t channels) {
     std::string known;
-    for (std::size_t i = 0; i < models.size(); ++i) {
-        if (models[i].channels == channels) return i;
-        known += fmt::format("{}{}", i == 0 ? "" : ", ", models[i].channels);
+    for (const auto& [name, parameters, about] : sim::available_models()) {
+        if (parameters.channels == channels) return name;
+        known += fmt::format("{}{}", known.empty() ? "" : ", ", parameters.channels);
     }
     throw Error(ErrorCode::bad_argument, "--channels",
                 fmt::format("no simulated board has {}; there are {}", channels, known));
@@ -171,7 +170,7 @@ int run_board(const RunOptions& options) {
     if (image) sim::load_directly(board, *image);
     catch_interrupts();
     sim::PseudoTerminal terminal(options.pty);
-    const sim::ModelParameters& p = board.parameters();
+    const interface::CoreParameters& p = board.parameters();
     if (options.json)
         fmt::print("{}\n", nlohmann::ordered_json{{"port", terminal.name()},
                                                   {"channels", p.channels},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// 50 MHz from a board's 25 MHz on an ECP5: the oscillator at 600 MHz, divided by 12.
+// Makes 50 MHz from a board's 25 MHz with the PLL of an ECP5: its oscillator runs at 600 MHz, divided by 12.
+// o_locked is not synchronous to clk; power_on takes care of that.
 `default_nettype none
 module ecp5_50mhz (
     input  wire i_clk,

@@ -1,19 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The boards with an ECP5: 25 MHz in, 50 MHz from the PLL. The parameters, and whether there is an LED (HG_LED) or pins to be
-// held high (HG_HIGH, their number), come from the board's file in constraints/ through tools/bitstream.py.
+// The top of every board with an ECP5: 25 MHz in, 50 MHz from the PLL, reset, LED and pins around the core.
+//
+// tools/bitstream.py sets the parameters to the configuration that the board's file in constraints/ names. It also defines
+// HG_LED when the board has an LED, and HG_HIGH as the number of pins that must be held high for the rest of the board to work.
 `default_nettype none
+`include "interface.vh"
 module ecp5_board #(
-    parameter CHANNELS        = 56,
-    parameter RECORDS         = 400,
-    parameter SEQUENCE_DEPTH  = 1024,
-    parameter LIVE_DEPTH      = 256,
-    parameter TIMING_BITS     = 16,
-    parameter PULSE_BITS      = 8,
-    parameter CLOCK_HZ        = 50000000,
-    parameter BAUD            = 115200,
-    parameter WATCHDOG_MS     = 500,
-    parameter MAX_HIGH_CLOCKS = 10000,
+    parameter CHANNELS        = `HG_DEFAULT_CHANNELS,
+    parameter RECORDS         = `HG_DEFAULT_RECORDS,
+    parameter SEQUENCE_DEPTH  = `HG_DEFAULT_SEQUENCE_DEPTH,
+    parameter LIVE_DEPTH      = `HG_DEFAULT_LIVE_DEPTH,
+    parameter TIMING_BITS     = `HG_DEFAULT_TIMING_BITS,
+    parameter PULSE_BITS      = `HG_DEFAULT_PULSE_BITS,
+    parameter CLOCK_HZ        = `HG_DEFAULT_CLOCK_HZ,
+    parameter BAUD            = `HG_DEFAULT_BAUD,
+    parameter WATCHDOG_MS     = `HG_DEFAULT_WATCHDOG_MS,
+    parameter MAX_HIGH_CLOCKS = `HG_DEFAULT_MAX_HIGH_CLOCKS,
     parameter PRIMARY_FILE    = "",
     parameter SEQUENCE_FILE   = ""
 ) (

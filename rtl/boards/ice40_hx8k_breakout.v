@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Lattice iCE40HX8K-B-EVN: 12 MHz in, 48 MHz from the PLL, LED and pins active high. The parameters come from
-// constraints/ice40-hx8k-breakout.toml through tools/bitstream.py.
+// The top of the Lattice iCE40HX8K-B-EVN: 12 MHz in, 48 MHz from the PLL, reset, LED and pins (active high) around the core.
+//
+// tools/bitstream.py sets the parameters to the configuration that constraints/ice40-hx8k-breakout.toml names.
 `default_nettype none
+`include "interface.vh"
 module ice40_hx8k_breakout #(
-    parameter CHANNELS        = 100,
-    parameter RECORDS         = 64,
-    parameter SEQUENCE_DEPTH  = 256,
-    parameter LIVE_DEPTH      = 256,
-    parameter TIMING_BITS     = 8,
-    parameter PULSE_BITS      = 8,
-    parameter CLOCK_HZ        = 48000000,
-    parameter BAUD            = 3000000,
-    parameter WATCHDOG_MS     = 500,
-    parameter MAX_HIGH_CLOCKS = 10000,
+    parameter CHANNELS        = `HG_DEFAULT_CHANNELS,
+    parameter RECORDS         = `HG_DEFAULT_RECORDS,
+    parameter SEQUENCE_DEPTH  = `HG_DEFAULT_SEQUENCE_DEPTH,
+    parameter LIVE_DEPTH      = `HG_DEFAULT_LIVE_DEPTH,
+    parameter TIMING_BITS     = `HG_DEFAULT_TIMING_BITS,
+    parameter PULSE_BITS      = `HG_DEFAULT_PULSE_BITS,
+    parameter CLOCK_HZ        = `HG_DEFAULT_CLOCK_HZ,
+    parameter BAUD            = `HG_DEFAULT_BAUD,
+    parameter WATCHDOG_MS     = `HG_DEFAULT_WATCHDOG_MS,
+    parameter MAX_HIGH_CLOCKS = `HG_DEFAULT_MAX_HIGH_CLOCKS,
     parameter PRIMARY_FILE    = "",
     parameter SEQUENCE_FILE   = ""
 ) (

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Boards: the shipped files against the arrays they drive, files that cannot be used, and images compiled for a board."""
 import csv
+import functools
 import io
 import json
 import re
@@ -15,6 +16,15 @@ LARGE, SMALL = "colorlight-5a-75e-v6.0", "ulx3s-85f"
 
 def board_file(name):
     return tomllib.loads((ROOT / f"constraints/{name}.toml").read_text(encoding="utf-8"))
+
+
+@functools.cache
+def parameters(name):
+    """Of the core that a board file asks for, by its configuration's name."""
+    table = tomllib.loads((ROOT / "tools/interface.toml").read_text(encoding="utf-8"))
+    file = board_file(name)["parameters"]
+    (differs,) = [row["parameters"] for row in table["configuration"] if row["name"] == file["configuration"]]
+    return {p["name"]: p["default"] for p in table["parameter"]} | differs | {k: v for k, v in file.items() if k != "configuration"}
 
 
 def array_file(name):
@@ -87,7 +97,8 @@ def test_the_list_names_every_board():
     assert [b["board"] for b in listed] == BOARDS and len(BOARDS) >= 5
     for entry in listed:
         file = board_file(entry["board"])
-        assert entry["channels"] == file["parameters"]["CHANNELS"] and entry["clock_hz"] == file["parameters"]["CLOCK_HZ"]
+        p = parameters(entry["board"])
+        assert entry["channels"] == p["CHANNELS"] and entry["clock_hz"] == p["CLOCK_HZ"]
         assert entry["description"] == file["description"] and entry["array"] == file["array"]
     lines = text(succeed(["board", "list"]).stdout).splitlines()
     assert [line.split()[0] for line in lines] == ["board", *BOARDS]
@@ -99,7 +110,7 @@ def test_a_shipped_board_drives_its_array(board):
     array = array_file(file["array"])["array"]
     rows, columns, pitch = array["rows"], array["columns"], array["pitch_mm"]
     outputs = shown["outputs"]
-    assert len(outputs) == file["parameters"]["CHANNELS"] == rows * columns
+    assert len(outputs) == parameters(board)["CHANNELS"] == rows * columns
     for k, output in enumerate(outputs):
         assert [output[key] for key in ("connector", "pin", "net", "ball")] == file["outputs"][k]
         row, column = divmod(k, columns)
@@ -116,8 +127,9 @@ def test_a_shipped_board_drives_its_array(board):
 @pytest.mark.parametrize("board", BOARDS)
 def test_the_pinout_says_what_the_file_says(board):
     file, shown = board_file(board), pinout(board)
-    for key in ("description", "sources", "array", "flash", "parameters"):
+    for key in ("description", "sources", "array", "flash"):
         assert shown[key] == file[key], key
+    assert shown["parameters"] == parameters(board)
     assert shown["board"] == board
     assert shown["fpga"] == {"speed": None, **file["fpga"]}
     assert shown["pins"] == {"led": None, **file["pins"]}
@@ -126,7 +138,7 @@ def test_the_pinout_says_what_the_file_says(board):
 @pytest.mark.parametrize("board", BOARDS)
 def test_a_shipped_board_makes_its_carrier(board, tmp_path):
     """With timings that its bits hold, all ones left for silence, and a pulse that its counter holds."""
-    p = board_file(board)["parameters"]
+    p = parameters(board)
     succeed(["compile", "--shape", "circle", "--points", "8", "--board", board, "-o", "image.hex"], cwd=tmp_path)
     image = Image(tmp_path / "image.hex")
     for record in image.records():
@@ -224,7 +236,7 @@ def test_files_that_are_not_there(folder):
 
 
 REQUIRED = ["description", "sources", "array", *(f"fpga.{k}" for k in ("family", "device", "package", "speed", "top")),
-            *(f"parameters.{k}" for k in board_file(LARGE)["parameters"]), *(f"flash.{k}" for k in ("load", "write", "note")),
+            *(f"parameters.{k}" for k in parameters(LARGE)), *(f"flash.{k}" for k in ("load", "write", "note")),
             *(f"pins.{k}" for k in ("clk", "rx", "tx", "high"))]  # fmt: skip
 
 
@@ -254,6 +266,7 @@ BAD = {
     "unknown key": ("array =", 'colour = "red"\narray =', ["colour", "known are", "sources"]),
     "unknown table": ("[flash]", "[flashes]", ["flashes", "known are", "flash"]),
     "unknown FPGA key": ("speed = 6", "speeed = 6", [r"fpga\.speeed", "speed"]),
+    "unknown configuration": ("CHANNELS = 3", 'configuration = "tile-99"', ["tile-99"]),
     "unknown parameter": ("RECORDS", "RECORD", [r"parameters\.RECORD\b", "RECORDS"]),
     "unknown flash key": ("note =", "notes =", [r"flash\.notes", "note"]),
     "unknown pin": ("rx =", "rxd =", [r"pins\.rxd", "rx"]),
@@ -337,7 +350,7 @@ def compiled(folder, *arguments):
 def test_the_timer_is_the_finest_that_the_timing_bits_hold(bits, timer, tmp_path):
     """On the iCE40 board, whatever it is built with."""
     board = (ROOT / "constraints/ice40-hx8k-breakout.toml").read_text(encoding="utf-8")
-    board = re.sub(r"(?m)^(TIMING_BITS = )\d+", rf"\g<1>{bits}", re.sub(r"(?m)^(PULSE_BITS = )\d+", rf"\g<1>{min(bits, 8)}", board))
+    board = board.replace("[parameters]\n", f"[parameters]\nTIMING_BITS = {bits}\nPULSE_BITS = {min(bits, 8)}\n")
     (tmp_path / "board.toml").write_text(board, encoding="utf-8")
     manifest, image = compiled(tmp_path, "--points", "20", "--board", "board.toml", "--array", "tile-10x10")
     assert tuple(manifest["timer"][key] for key in ("prescaler", "cycle_ticks", "pulse_ticks")) == timer
@@ -347,8 +360,14 @@ def test_the_timer_is_the_finest_that_the_timing_bits_hold(bits, timer, tmp_path
     assert len(timings) == 2000 and 0.95 * timer[1] < max(timings) < timer[1]
 
 
+def test_a_parameter_beside_a_configuration_takes_the_place_of_its_value(folder):
+    begin, end = GOOD.index("CHANNELS = 3"), GOOD.index("[flash]")
+    (folder / "board.toml").write_text(GOOD[:begin] + 'configuration = "ulx3s-85f"\nCHANNELS = 3\n' + GOOD[end:])
+    assert pinout("board.toml", cwd=folder)["parameters"] == {**parameters("ulx3s-85f"), "CHANNELS": 3}
+
+
 def test_the_largest_image_of_the_ice40_board(tmp_path):
-    most = str(board_file("ice40-hx8k-breakout")["parameters"]["RECORDS"])
+    most = str(parameters("ice40-hx8k-breakout")["RECORDS"])
     assert compiled(tmp_path, "--points", most, "--board", "ice40-hx8k-breakout")[1].count == int(most)
     assert json.loads(succeed(["inspect", "image.hex", "--json"], cwd=tmp_path).stdout)["problems"] == []
 

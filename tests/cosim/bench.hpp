@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <random>
+#include <string_view>
 #include <vector>
 
 #include "board.hpp"
@@ -19,9 +20,11 @@ namespace haptogram::test {
 
 using link::Bytes;
 
-// Of the models of sim/models.cmake; a netlist is the only one of its executable and stands for both.
-inline constexpr std::size_t tile100 = 0;  // 100 channels, 16 timing bits, 1 Mbaud
-inline constexpr std::size_t small16 = 1;  // 16 channels, 12 timing bits, 3 Mbaud, watchdog 5 ms
+/// The model of this name. An executable with a netlist has no other model, so its tests run on that one.
+inline std::string_view model_or_netlist(std::string_view name) {
+    const auto& models = sim::available_models();
+    return models.size() == 1 ? models.front().name : name;
+}
 
 struct Bench {
     sim::Board board;
@@ -29,11 +32,8 @@ struct Bench {
     sim::BoardTransport line;
     link::Client client;
 
-    explicit Bench(std::size_t model = small16, const sim::BoardOptions& options = {})
-        : board(std::min(model, sim::available_models().size() - 1), options),
-          recorder(board),
-          line(board),
-          client(line) {}
+    explicit Bench(std::string_view model = "small-16", const sim::BoardOptions& options = {})
+        : board(model_or_netlist(model), options), recorder(board), line(board), client(line) {}
 
     [[nodiscard]] std::uint32_t channels() const { return board.parameters().channels; }
 

@@ -16,7 +16,7 @@ struct Alternation {
 
 Alternation alternate(std::uint32_t cycle_clocks, std::uint16_t loops, std::uint8_t pulse) {
     auto g = generator();
-    Bench bench(tile100);
+    Bench bench("tile-100");
     const Image image =
         image_of(100, {random_record(g, 100, cycle_clocks, 1, pulse), random_record(g, 100, cycle_clocks, 1, pulse)});
     bench.load(image);

@@ -35,7 +35,7 @@ TEST_CASE("contract 4: outputs are low from power-up until enabled, whatever the
           "[contract4][power-up]") {
     const std::uint32_t seed = GENERATE(1U, 7U, 0x1234567U, 0xdeadbeefU, 0xfffffff1U);
     CAPTURE(seed);
-    Bench bench(small16, {.power_up_seed = seed, .reset_clocks = 4});
+    Bench bench("small-16", {.power_up_seed = seed, .reset_clocks = 4});
     bool was_high = false;
     bench.board.on_edge([&](const sim::Edge& edge) { was_high = was_high || edge.rises; });
     bench.board.run(200'000);
@@ -123,7 +123,7 @@ TEST_CASE("contract 4: registers that hold anything cannot enable outputs before
           "[contract4][power-up]") {
     const std::uint32_t seed = GENERATE(range(1U, 65U));
     CAPTURE(seed);
-    Bench bench(small16, {.power_up_seed = seed, .reset_clocks = 0});
+    Bench bench("small-16", {.power_up_seed = seed, .reset_clocks = 0});
     for (int i = 0; i < 500; ++i) {
         bench.board.run(1);
         REQUIRE_FALSE(bench.board.any_pin());

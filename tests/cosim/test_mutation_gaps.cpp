@@ -155,10 +155,10 @@ TEST_CASE("contract 4: the bound holds for a board that starts by itself, whatev
     std::size_t started = 0;
     for (std::uint32_t seed = 1; seed <= 24; ++seed) {
         CAPTURE(seed);
-        Bench bench(small16, {.power_up_seed = seed, .reset_clocks = 4});
+        Bench bench("small-16", {.power_up_seed = seed, .reset_clocks = 4});
         if (bench.board.sequence_memory().empty()) return;  // a netlist's memories cannot be filled before it starts
         bench.load(too_long(5));
-        bench.board.sequence_memory()[0] |= interface::autostart_bit;
+        interface::sequence_header_field::autostart.set(bench.board.sequence_memory(), 1);
         bench.board.run(20'000);
         for (const Pulse& p : bench.recorder.pulses()) REQUIRE(p.fall - p.rise <= 4000);
         started += bench.recorder.pulses().size();

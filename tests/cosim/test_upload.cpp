@@ -9,7 +9,7 @@ using namespace haptogram::test;
 TEST_CASE("an image of 20 points, uploaded over the line, plays as it was compiled", "[whole]") {
     constexpr std::uint16_t points = 20;
     auto g = generator();
-    Bench bench(tile100);
+    Bench bench("tile-100");
     const auto& p = bench.board.parameters();
     const std::uint32_t cycle = p.clock_hz / 5 / 40'000;  // ticks of five clocks: 40 kHz
     REQUIRE(cycle < (1U << p.timing_bits));

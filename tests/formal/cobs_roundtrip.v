@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What goes into cobs_encoder comes out of cobs_decoder: every byte (any one is watched), no more, no fewer, and intact.
-// Frames of 1 to LONGEST bytes, back to back. That pauses change nothing is cobs_encoder's own proof.
+// Proves that what goes into cobs_encoder comes out of cobs_decoder: every byte (any one is followed), no more and no fewer. Frames
+// have 1 to LONGEST bytes and follow each other without a pause; another proof, of cobs_encoder, says that pauses change nothing.
 `default_nettype none
 module cobs_roundtrip #(
     parameter BYTES   = 8,

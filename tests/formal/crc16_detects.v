@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The byte-wise CRC is the bit-wise one, and it detects every burst of up to 16 bits in a frame of any length. The argument,
-// each step of which is asserted below: a step is linear, so the CRC of (frame xor error) is the frame's xor the error's own
-// from state 0; a burst of 16 bits touches at most 3 bytes and leaves a state other than 0; and bytes without error after it never
-// bring a state other than 0 back to 0.
+// Proves that the CRC computed a byte at a time equals the one computed a bit at a time, and that it detects every burst of up to
+// 16 wrong bits in a frame of any length. The argument for bursts has three steps, each of which is asserted below:
+// 1. The CRC is linear, so the CRC of a damaged frame is that of the frame xor that of the error alone, started from 0.
+// 2. A burst of 16 bits touches at most 3 bytes, and leaves a state other than 0.
+// 3. Bytes without an error never bring a state other than 0 back to 0.
 `default_nettype none
 module crc16_detects (
     input wire [15:0] i_crc,
@@ -14,7 +15,7 @@ module crc16_detects (
     input wire [2:0]  i_offset  // bits before the burst in its first byte
 );
     `include "crc16.vh"
-    `include "../tests/formal/crc16_bitwise.vh"
+    `include "formal/crc16_bitwise.vh"
 
     wire [23:0] error = {i_burst, 8'd0} >> i_offset;
     wire [15:0] after = crc16(crc16(crc16(16'd0, error[23:16]), error[15:8]), error[7:0]);

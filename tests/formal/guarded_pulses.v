@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Contract 4 as a whole: the guard and the pulse generators as player wires them, everything else free.
+// Proves contract 4: the guard and the pulse generators are wired as in player; every other signal may take any value.
 `default_nettype none
 module guarded_pulses #(
     parameter CHANNELS        = 2,

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Contract 3: memory_controller reads a record while one frame, from any word to any other, is written as command_unit does
-// it: one word a clock, ascending, without pause. Of the memory only this is modelled: bit 0 of a word says whether the
-// frame had written it (1) in a clock before the one in which its address was out (0, old; in that same clock nothing is
-// written); a load takes its clocks whatever the words say, so the other bits are 0. Of the frame's words
-// in a record a load sees the old ones or the new ones, never some of each. Loads follow each other and may be preempted.
-// One frame is enough: what is promised, is promised of each frame.
+// Proves contract 3: a load sees all of a frame's words in its record as they were before the frame, or all as they are after it,
+// never some of each.
+//
+// memory_controller reads records while one frame is written as command_unit writes it: from any word to any other, ascending, one
+// word a clock, without pause. Loads follow each other and may be preempted. One frame is enough, because the promise is about
+// each frame. The memory is modelled by one bit: bit 0 of a word that arrives is 1 when the frame had written that word before the
+// clock of its address. The other bits are 0, because how long a load takes does not depend on the words.
 `default_nettype none
-// Without their own assertions, which would find the planted bugs first.
+// The modules' own assertions are left out, because they would find the planted bugs first.
 `undef FORMAL
 `include "memory_controller.v"
 `default_nettype none

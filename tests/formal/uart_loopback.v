@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What uart_tx is given is what uart_rx returns, each byte once, also when the two clocks disagree about the baud rate. Bytes
+// Proves that uart_rx receives each byte that uart_tx sends, once, also when their baud rates differ a little. Bytes
 // are sent without a pause, which is the hardest case: both bit clocks start anew with every start bit.
 `default_nettype none
 module uart_loopback #(

@@ -20,7 +20,7 @@ using Catch::Contains;
 
 namespace {
 
-constexpr std::size_t small16 = 1;  // its UART runs at 3 Mbaud
+constexpr std::string_view small16 = "small-16";  // its UART runs at 3 Mbaud
 constexpr std::chrono::milliseconds patience{300};
 constexpr std::chrono::seconds most_patience{10};
 

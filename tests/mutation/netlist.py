@@ -20,6 +20,8 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
+sys.path.insert(0, str(ROOT / "tools"))
+import configurations  # noqa: E402
 
 
 class Wrong(Exception):
@@ -37,15 +39,6 @@ def found(pattern, file):
     return match[1]
 
 
-def parameters(model):
-    """haptogram_core's, from the model's row in sim/models.cmake."""
-    fields = found(r"set\(FIELDS MODEL ([^)]*?)\s+OPTIONS\)", ROOT / "sim" / "CMakeLists.txt").split()
-    values = found(rf'"{model}:([^"]*):[^":]*"', ROOT / "sim" / "models.cmake").split(":")
-    if len(fields) != len(values):
-        raise Wrong(f"sim/models.cmake: {model} has {len(values)} parameters, sim/CMakeLists.txt names {len(fields)}")
-    return dict(zip(fields, values))
-
-
 def yosys(script, folder, name):
     (folder / f"{name}.ys").write_text("\n".join(script) + "\n")
     done = subprocess.run(["yosys", "-q", "-l", f"{name}.log", f"{name}.ys"], cwd=folder, capture_output=True, text=True)
@@ -55,7 +48,7 @@ def yosys(script, folder, name):
 
 def elaborate(modules, model, folder):
     """Leaves the core's netlist in all.il. Returns what yosys calls each module, and the module."""
-    chparam = " ".join(f"-chparam {k} {v}" for k, v in parameters(model).items())
+    chparam = " ".join(f"-chparam {k} {v}" for k, v in configurations.configuration(model).items())
     yosys([f"read_verilog -defer -I{ROOT}/rtl {' '.join(str(f) for f in sorted((ROOT / 'rtl').glob('*.v')))}",
            f"hierarchy -check -top haptogram_core {chparam}",
            "prep",
@@ -208,7 +201,7 @@ def main():
     folder.mkdir(parents=True, exist_ok=True)
     try:
         write(folder)
-    except (Wrong, OSError, KeyError) as error:
+    except (Wrong, configurations.Wrong, OSError, KeyError) as error:
         print(f"netlist.py: {error}", file=sys.stderr)
         return 2
     return 0

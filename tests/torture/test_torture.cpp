@@ -210,7 +210,7 @@ TEST_CASE("torture: a record written while it plays is old or new") {
 
 TEST_CASE("torture: a host killed at any moment leaves the outputs low in time, and the next session works") {
     const std::size_t kills = size(200, 12);
-    constexpr std::uint64_t timeout = 250'000;  // small16's watchdog: 5 ms
+    constexpr std::uint64_t timeout = 250'000;  // small-16's watchdog: 5 ms
     constexpr std::uint64_t last_frame = 300;   // a frame whose last byte had arrived is still carried out
     auto g = generator();
     std::uint64_t latest = 0;

@@ -20,8 +20,10 @@ namespace {
 using namespace haptogram;
 using Json = nlohmann::ordered_json;
 
+constexpr std::string_view tile = "tile-100";
+
 /// Focal points of one pulse a cycle at 40 kHz whose first element fires at tick 0, as the focal law makes them.
-Image image_of(const sim::ModelParameters& p, std::uint16_t points) {
+Image image_of(const interface::CoreParameters& p, std::uint16_t points) {
     std::mt19937 generator(3);
     Image image;
     image.channels = p.channels;
@@ -37,12 +39,12 @@ Image image_of(const sim::ModelParameters& p, std::uint16_t points) {
 }
 
 /// Payload over what 8N1 allows: of the writing alone, with the window open, and of the whole upload with its digests.
-Json upload_shares(std::size_t model) {
+Json upload_shares(std::string_view model) {
     sim::Board board(model);
     sim::BoardTransport line(board);
     link::Client client(line);
     client.identify();
-    const sim::ModelParameters& p = board.parameters();
+    const interface::CoreParameters& p = board.parameters();
     const Image image = image_of(p, 200);
     const double bits = 10.0 * static_cast<double>(2 * primary_words(image).size() + 4 * sequence_words(image).size());
     const std::uint64_t begun = board.now();
@@ -60,7 +62,7 @@ Json upload_shares(std::size_t model) {
 }
 
 /// Indices at one carrier cycle each, through the live FIFO.
-Json stream(std::size_t model, std::uint64_t count) {
+Json stream(std::string_view model, std::uint64_t count) {
     sim::Board board(model);
     const Image image = image_of(board.parameters(), 200);
     sim::load_directly(board, image);
@@ -104,9 +106,9 @@ Json stream(std::size_t model, std::uint64_t count) {
 }
 
 /// Clocks from the end of a SELECT frame's last bit to the first rising edge of the new focus, over random phases.
-Json select_latency(std::size_t model, std::size_t count) {
+Json select_latency(std::string_view model, std::size_t count) {
     sim::Board board(model);
-    const sim::ModelParameters& p = board.parameters();
+    const interface::CoreParameters& p = board.parameters();
     sim::load_directly(board, image_of(p, 2));
     sim::BoardTransport line(board);
     link::Client client(line);
@@ -143,9 +145,9 @@ Json select_latency(std::size_t model, std::size_t count) {
 }  // namespace
 
 int main() try {
-    fmt::print("{}\n", Json{{"upload", {upload_shares(0), upload_shares(1)}},
-                            {"stream", stream(0, 20'000)},
-                            {"select", select_latency(0, 10'000)}}
+    fmt::print("{}\n", Json{{"upload", {upload_shares(tile), upload_shares("tile-100-3m")}},
+                            {"stream", stream(tile, 20'000)},
+                            {"select", select_latency(tile, 10'000)}}
                            .dump());
     return 0;
 } catch (const std::exception& error) {

@@ -43,7 +43,7 @@ double focal_law_ms() {
 
 /// Underruns when two records of 100 channels with pulses of one tick alternate every `cycle_clocks`.
 unsigned underruns(std::uint32_t cycle_clocks) {
-    sim::Board board(0);
+    sim::Board board("tile-100");
     sim::BoardTransport line(board);
     link::Client client(line);
     client.identify();

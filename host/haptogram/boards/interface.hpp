@@ -93,10 +93,10 @@ inline constexpr BitField dwell = {"dwell", 16, 16};  // for so many carrier cyc
 namespace identity_field {  // words of 16 bits
 inline constexpr BitField version_minor = {"version_minor", 128, 8};  // a change that old hosts need not know
 inline constexpr BitField version_major = {"version_major", 136, 8};  // a change that breaks old hosts
-inline constexpr BitField channels = {"channels", 144, 16};
-inline constexpr BitField records = {"records", 160, 16};
-inline constexpr BitField sequence_depth = {"sequence_depth", 176, 16};
-inline constexpr BitField live_depth = {"live_depth", 192, 16};
+inline constexpr BitField channels = {"channels", 144, 16};  // CHANNELS
+inline constexpr BitField records = {"records", 160, 16};  // RECORDS
+inline constexpr BitField sequence_depth = {"sequence_depth", 176, 16};  // SEQUENCE_DEPTH
+inline constexpr BitField live_depth = {"live_depth", 192, 16};  // LIVE_DEPTH
 inline constexpr BitField timing_bits = {"timing_bits", 208, 8};  // TIMING_BITS
 inline constexpr BitField pulse_bits = {"pulse_bits", 216, 8};  // PULSE_BITS
 inline constexpr BitField clock_hz = {"clock_hz", 224, 32};  // CLOCK_HZ
@@ -107,23 +107,23 @@ inline constexpr BitField frame_bytes = {"frame_bytes", 272, 16};  // longest fr
 namespace status_field {  // words of 16 bits
 inline constexpr BitField enabled = {"enabled", 0, 1};  // pulses reach the pins
 inline constexpr BitField mode = {"mode", 1, 2};  // where the next record comes from, see the modes
-inline constexpr BitField present_index = {"present_index", 16, 16};
-inline constexpr BitField underruns = {"underruns", 32, 16};
-inline constexpr BitField refused_records = {"refused_records", 48, 16};
-inline constexpr BitField frames_good = {"frames_good", 64, 16};
+inline constexpr BitField present_index = {"present_index", 16, 16};  // record at the pins; 0 is silence
+inline constexpr BitField underruns = {"underruns", 32, 16};  // changes that were due before their record was ready
+inline constexpr BitField refused_records = {"refused_records", 48, 16};  // records that could not be played; silence took their place
+inline constexpr BitField frames_good = {"frames_good", 64, 16};  // frames that arrived whole
 inline constexpr BitField frames_damaged = {"frames_damaged", 80, 16};  // frames dropped: CRC or framing wrong, too short, too long, or no room
-inline constexpr BitField frames_repeated = {"frames_repeated", 96, 16};
-inline constexpr BitField watchdog_trips = {"watchdog_trips", 112, 16};
-inline constexpr BitField guard_trips = {"guard_trips", 128, 16};
-inline constexpr BitField live_level = {"live_level", 144, 16};
-inline constexpr BitField watchdog_ms = {"watchdog_ms", 160, 16};
-inline constexpr BitField frames_refused = {"frames_refused", 176, 16};
+inline constexpr BitField frames_repeated = {"frames_repeated", 96, 16};  // frames that had been applied before
+inline constexpr BitField watchdog_trips = {"watchdog_trips", 112, 16};  // times the host was silent for too long
+inline constexpr BitField guard_trips = {"guard_trips", 128, 16};  // times a pin was high for too long
+inline constexpr BitField live_level = {"live_level", 144, 16};  // indices that wait in the live FIFO
+inline constexpr BitField watchdog_ms = {"watchdog_ms", 160, 16};  // the watchdog's time; 0 is off
+inline constexpr BitField frames_refused = {"frames_refused", 176, 16};  // whole frames whose command was refused
 }  // namespace status_field
 
 namespace description_field {  // words of 16 bits
 inline constexpr BitField magic = {"magic", 0, 16};  // 0x4748, the letters HG
-inline constexpr BitField format = {"format", 16, 16};  // 1
-inline constexpr BitField channels = {"channels", 32, 16};
+inline constexpr BitField format = {"format", 16, 16};  // of this block
+inline constexpr BitField channels = {"channels", 32, 16};  // the board's CHANNELS
 inline constexpr BitField records = {"records", 48, 16};  // records in this image
 inline constexpr BitField sequence_words = {"sequence_words", 64, 16};  // 32-bit words, with the header
 inline constexpr BitField timing_bits = {"timing_bits", 80, 8};  // the board needs at least as many TIMING_BITS
@@ -338,7 +338,7 @@ inline constexpr std::array<ParameterDescription, 10> core_parameters = {{
      "The cells of a channel grow with it. A carrier period of 1250 ticks needs 11; a small FPGA takes 8 and a prescaler."},
     {"PULSE_BITS", &CoreParameters::pulse_bits, 1, 8, {}, {&CoreParameters::timing_bits, 1}, false,
      "bits", "how long a pulse can be, in ticks",
-     "One shared delay line of this length ends the pulses of all channels. The record's field has 8 bits."},
+     "Each channel compares so many bits of its timing to find the end of a pulse. The record's field has 8 bits."},
     {"CLOCK_HZ", &CoreParameters::clock_hz, 1000000, 1000000000, {}, {}, false,
      "Hz", "frequency of clk",
      "Ticks, baud rate and watchdog are counted from it. 50 MHz is 1250 clocks a 40 kHz period."},

@@ -12,11 +12,10 @@
 namespace haptogram {
 namespace {
 
-using interface::DescriptionWord;
-
-constexpr std::uint16_t magic = 0x4748;
-constexpr std::uint16_t format_version = 1;
-constexpr double longest_cycle_s = 1.0;
+namespace description_field = interface::description_field;
+namespace entry_field = interface::sequence_entry_field;
+namespace header_field = interface::sequence_header_field;
+namespace record_field = interface::record_field;
 
 template <class Word>
 std::vector<std::uint8_t> little_endian(const std::vector<Word>& words) {
@@ -38,17 +37,14 @@ std::vector<Word> from_little_endian(const std::vector<std::uint8_t>& bytes) {
 
 std::vector<std::uint16_t> description_words(const Image& image) {
     std::vector<std::uint16_t> words(interface::description_words);
-    const auto put = [&](DescriptionWord word, std::uint32_t value) {
-        words[static_cast<std::size_t>(word)] = static_cast<std::uint16_t>(value);
-    };
-    put(DescriptionWord::magic, magic);
-    put(DescriptionWord::format, format_version);
-    put(DescriptionWord::channels, image.channels);
-    put(DescriptionWord::records, static_cast<std::uint32_t>(image.records.size()));
-    put(DescriptionWord::sequence_words, static_cast<std::uint32_t>(image.sequence.size() + 1));
-    put(DescriptionWord::bits, image.pulse_bits << 8 | image.timing_bits);
-    put(DescriptionWord::clock_hz_low, image.clock_hz);
-    put(DescriptionWord::clock_hz_high, image.clock_hz >> 16);
+    description_field::magic.set(words, interface::description_magic);
+    description_field::format.set(words, interface::description_format);
+    description_field::channels.set(words, image.channels);
+    description_field::records.set(words, image.records.size());
+    description_field::sequence_words.set(words, image.sequence.size() + 1);
+    description_field::timing_bits.set(words, image.timing_bits);
+    description_field::pulse_bits.set(words, image.pulse_bits);
+    description_field::clock_hz.set(words, image.clock_hz);
     return words;
 }
 
@@ -75,11 +71,11 @@ std::vector<std::uint16_t> primary_words(const Image& image) {
     std::vector<std::uint16_t> words;
     words.reserve(image.records.size() * record_words(image.channels));
     for (const Record& record : image.records) {
-        words.push_back(static_cast<std::uint16_t>(record.cycle_length));
-        words.push_back(static_cast<std::uint16_t>((record.cycle_length >> 16 & 0xffU) |
-                                                   static_cast<unsigned>(record.pulse_length) << 8));
-        words.push_back(static_cast<std::uint16_t>(record.prescaler));
-        words.push_back(static_cast<std::uint16_t>(record.prescaler >> 16 & 0xffU));
+        std::array<std::uint16_t, interface::record_header_words> header{};
+        record_field::cycle_length.set(header, record.cycle_length);
+        record_field::pulse_length.set(header, record.pulse_length);
+        record_field::prescaler.set(header, record.prescaler);
+        words.insert(words.end(), header.begin(), header.end());
         words.insert(words.end(), record.timings.begin(), record.timings.end());
         words.insert(words.end(), image.channels - record.timings.size(), interface::silent_timing);
     }
@@ -87,10 +83,13 @@ std::vector<std::uint16_t> primary_words(const Image& image) {
 }
 
 std::vector<std::uint32_t> sequence_words(const Image& image) {
-    std::vector<std::uint32_t> words = {static_cast<std::uint32_t>(image.sequence.size()) |
-                                        static_cast<std::uint32_t>(image.loops) << 16};
-    for (const SequenceEntry& entry : image.sequence)
-        words.push_back(entry.index | static_cast<std::uint32_t>(entry.dwell) << 16);
+    std::vector<std::uint32_t> words(image.sequence.size() + 1);
+    header_field::length.set(words, image.sequence.size());
+    header_field::loops.set(words, image.loops);
+    for (std::size_t i = 0; i < image.sequence.size(); ++i) {
+        entry_field::index.set(&words[i + 1], image.sequence[i].index);
+        entry_field::dwell.set(&words[i + 1], image.sequence[i].dwell);
+    }
     return words;
 }
 
@@ -105,18 +104,18 @@ void take_words(Image& image, const std::vector<std::uint16_t>& primary, const s
     const std::size_t stride = record_words(image.channels);
     for (std::size_t r = 0; r < primary.size() / stride; ++r) {
         const std::uint16_t* word = primary.data() + r * stride;
-        if (word[3] >> 8 != 0)
+        if (record_field::reserved.get(word) != 0)
             throw bad_input(where,
                             fmt::format("record {}: reserved bits are set in its header; the image is garbled", r + 1));
-        image.records.push_back({word[0] | (word[1] & 0xffU) << 16,
-                                 word[2] | (word[3] & 0xffU) << 16,
-                                 static_cast<std::uint8_t>(word[1] >> 8),
+        image.records.push_back({record_field::cycle_length.get(word),
+                                 record_field::prescaler.get(word),
+                                 static_cast<std::uint8_t>(record_field::pulse_length.get(word)),
                                  {word + interface::record_header_words, word + stride}});
     }
-    image.loops = static_cast<std::uint16_t>(sequence.front() >> 16);
+    image.loops = static_cast<std::uint16_t>(header_field::loops.get(sequence));
     for (std::size_t i = 1; i < sequence.size(); ++i)
-        image.sequence.push_back(
-            {static_cast<std::uint16_t>(sequence[i]), static_cast<std::uint16_t>(sequence[i] >> 16)});
+        image.sequence.push_back({static_cast<std::uint16_t>(entry_field::index.get(&sequence[i])),
+                                  static_cast<std::uint16_t>(entry_field::dwell.get(&sequence[i]))});
 }
 
 Image from_intel_hex(std::string_view text, const std::string& where) {
@@ -131,19 +130,20 @@ Image from_intel_hex(std::string_view text, const std::string& where) {
     const auto described = from_little_endian<std::uint16_t>(region(segments, interface::description_base,
                                                                     std::size_t{2} * interface::description_words,
                                                                     "the description", where));
-    const auto get = [&](DescriptionWord word) { return std::uint32_t{described[static_cast<std::size_t>(word)]}; };
-    if (get(DescriptionWord::magic) != magic || get(DescriptionWord::format) != format_version)
+    const std::uint32_t magic = description_field::magic.get(described);
+    const std::uint32_t format = description_field::format.get(described);
+    if (magic != interface::description_magic || format != interface::description_format)
         throw bad_input(where,
                         fmt::format("the description says magic {:04X}, format {}; expected {:04X}, format {}; compile "
                                     "it with this version",
-                                    get(DescriptionWord::magic), get(DescriptionWord::format), magic, format_version));
+                                    magic, format, interface::description_magic, interface::description_format));
     Image image;
-    image.channels = get(DescriptionWord::channels);
-    image.clock_hz = get(DescriptionWord::clock_hz_low) | get(DescriptionWord::clock_hz_high) << 16;
-    image.timing_bits = get(DescriptionWord::bits) & 0xffU;
-    image.pulse_bits = get(DescriptionWord::bits) >> 8;
-    const std::uint32_t records = get(DescriptionWord::records);
-    const std::uint32_t words = get(DescriptionWord::sequence_words);
+    image.channels = description_field::channels.get(described);
+    image.clock_hz = description_field::clock_hz.get(described);
+    image.timing_bits = description_field::timing_bits.get(described);
+    image.pulse_bits = description_field::pulse_bits.get(described);
+    const std::uint32_t records = description_field::records.get(described);
+    const std::uint32_t words = description_field::sequence_words.get(described);
     if (image.channels == 0 || records == 0 || words == 0)
         throw bad_input(
             where, fmt::format("the description says {} channels, {} records and {} sequence words; none may be zero",
@@ -153,10 +153,14 @@ Image from_intel_hex(std::string_view text, const std::string& where) {
         region(segments, interface::primary_base, 2 * stride * records, "primary memory", where));
     const auto sequence = from_little_endian<std::uint32_t>(
         region(segments, interface::sequence_base, 4UL * words, "sequence memory", where));
-    if ((sequence.front() & 0xffffU) != words - 1)
+    if (header_field::length.get(sequence) != words - 1)
         throw bad_input(where,
                         fmt::format("the sequence header says {} entries, the description {}; the image is garbled",
-                                    sequence.front() & 0xffffU, words - 1));
+                                    header_field::length.get(sequence), words - 1));
+    if (header_field::autostart.get(sequence) != 0)
+        throw bad_input(where,
+                        "the sequence header has the autostart bit, which only a bitstream may hold; compile the image "
+                        "again and use 'haptogram bitstream --autostart'");
     take_words(image, primary, sequence, where);
     return image;
 }
@@ -169,11 +173,11 @@ std::vector<std::string> problems(const Image& image) {
             found.push_back(fmt::format("record {}: prescaler 0; the board will refuse it", r + 1));
         const double cycle_s =
             static_cast<double>(record.cycle_length) * record.prescaler / std::max(image.clock_hz, 1U);
-        if (cycle_s > longest_cycle_s)
+        if (cycle_s > interface::longest_cycle_s)
             found.push_back(
                 fmt::format("record {}: a cycle lasts {:.3g} s, and until it ends the board changes to nothing "
                             "else, not even to silence; at most {} s",
-                            r + 1, cycle_s, longest_cycle_s));
+                            r + 1, cycle_s, interface::longest_cycle_s));
         if (record.pulse_length >= record.cycle_length)
             found.push_back(fmt::format(
                 "record {}: a pulse of {} ticks is not shorter than its cycle of {}; the board will refuse it", r + 1,

@@ -8,10 +8,23 @@ from typing import NamedTuple
 from . import hexfile
 from .board import Identity
 from .errors import bad_input
-from .interface import DESCRIPTION_BASE, DESCRIPTION_WORDS, PRIMARY_BASE, RECORD_HEADER_WORDS, SEQUENCE_BASE
+from .interface import (
+    DESCRIPTION_BASE,
+    DESCRIPTION_FIELDS,
+    DESCRIPTION_FORMAT,
+    DESCRIPTION_MAGIC,
+    DESCRIPTION_WORDS,
+    LONGEST_CYCLE_S,
+    PRIMARY_BASE,
+    RECORD_FIELDS,
+    RECORD_HEADER_WORDS,
+    SEQUENCE_BASE,
+    SEQUENCE_HEADER_FIELDS,
+    pack,
+    unpack,
+)
 
-MAGIC, FORMAT = 0x4748, 1
-LONGEST_CYCLE_S = 1.0
+HEADER_BYTES = 2 * RECORD_HEADER_WORDS
 
 
 class Piece(NamedTuple):
@@ -30,12 +43,15 @@ class Record(NamedTuple):
     timings: Sequence[int]  # one a channel; SILENT_TIMING never fires
 
     def pack(self) -> bytes:
-        return struct.pack(f"<2I{len(self.timings)}H", self.cycle_length | self.pulse_length << 24, self.prescaler, *self.timings)
+        header = pack(RECORD_FIELDS, HEADER_BYTES, cycle_length=self.cycle_length, prescaler=self.prescaler, pulse_length=self.pulse_length)
+        return header + struct.pack(f"<{len(self.timings)}H", *self.timings)
 
     @classmethod
     def unpack(cls, data: bytes) -> "Record":
-        cycle, prescaler, *timings = struct.unpack(f"<2I{len(data) // 2 - RECORD_HEADER_WORDS}H", data)
-        return cls(cycle & 0xFFFFFF, prescaler, cycle >> 24, timings)
+        header = unpack(RECORD_FIELDS, data)
+        # Reserved bits stand above the prescaler; with them it is out of range, which require_playable says.
+        header["prescaler"] |= header.pop("reserved") << RECORD_FIELDS["prescaler"].width
+        return cls(**header, timings=list(struct.unpack_from(f"<{len(data) // 2 - RECORD_HEADER_WORDS}H", data, HEADER_BYTES)))
 
 
 @dataclass(frozen=True)
@@ -82,8 +98,9 @@ class Image:
     def require_playable(self, where: str) -> None:
         """Raises HaptogramError saying what would keep it from being played as it is."""
         for index, record in enumerate(self.records, 1):
-            if record.prescaler == 0 or record.prescaler >> 24:
-                raise bad_input(where, f"record {index}: prescaler {record.prescaler:#x}, expected 1 to 0xffffff")
+            most = (1 << RECORD_FIELDS["prescaler"].width) - 1
+            if not 0 < record.prescaler <= most:
+                raise bad_input(where, f"record {index}: prescaler {record.prescaler:#x}, expected 1 to {most:#x}")
             if record.pulse_length >= record.cycle_length:
                 raise bad_input(where, f"record {index}: a pulse of {record.pulse_length} ticks is not shorter than its cycle of "
                                 f"{record.cycle_length}; the board will refuse it")  # fmt: skip
@@ -108,8 +125,10 @@ class Image:
 
     def save(self, path: str) -> None:
         """As Intel HEX. `-` is standard output."""
-        words = (MAGIC, FORMAT, self.channels, len(self.records), len(self.sequence) // 4, self.timing_bits | self.pulse_bits << 8)
-        description = struct.pack("<6HI", *words, self.clock_hz)
+        description = pack(
+            DESCRIPTION_FIELDS, 2 * len(DESCRIPTION_WORDS), magic=DESCRIPTION_MAGIC, format=DESCRIPTION_FORMAT, channels=self.channels,
+            records=len(self.records), sequence_words=len(self.sequence) // 4, timing_bits=self.timing_bits, pulse_bits=self.pulse_bits,
+            clock_hz=self.clock_hz)  # fmt: skip
         regions = {PRIMARY_BASE: self.primary, SEQUENCE_BASE: self.sequence, DESCRIPTION_BASE: description}
         hexfile.write_file(path, hexfile.format(regions))
 
@@ -127,17 +146,18 @@ def _from_regions(regions: dict[int, bytes], where: str) -> Image:
         return found
 
     described = region(DESCRIPTION_BASE, 2 * len(DESCRIPTION_WORDS), "the description")
-    magic, version, channels, records, words, bits, clock_hz = struct.unpack("<6HI", described)
-    if (magic, version) != (MAGIC, FORMAT):
-        raise bad_input(where, f"the description says magic {magic:04X}, format {version}; expected {MAGIC:04X}, format {FORMAT}; compile "
-                        "it with this version")  # fmt: skip
+    says = unpack(DESCRIPTION_FIELDS, described)
+    if (says["magic"], says["format"]) != (DESCRIPTION_MAGIC, DESCRIPTION_FORMAT):
+        raise bad_input(where, f"the description says magic {says['magic']:04X}, format {says['format']}; expected {DESCRIPTION_MAGIC:04X}, "
+                        f"format {DESCRIPTION_FORMAT}; compile it with this version")  # fmt: skip
+    channels, records, words = says["channels"], says["records"], says["sequence_words"]
     if 0 in (channels, records, words):
         raise bad_input(where, f"the description says {channels} channels, {records} records and {words} sequence words; none may be zero")
     primary = region(PRIMARY_BASE, 2 * (channels + RECORD_HEADER_WORDS) * records, "primary memory")
     sequence = region(SEQUENCE_BASE, 4 * words, "sequence memory")
     for address, data in regions.items():
         raise bad_input(where, f"{len(data)} bytes at {address:08X} belong to no region; the image is garbled")
-    (length,) = struct.unpack_from("<H", sequence)
+    length = SEQUENCE_HEADER_FIELDS["length"].get(sequence)
     if length != words - 1:
         raise bad_input(where, f"the sequence header says {length} entries, the description {words - 1}; the image is garbled")
-    return Image(channels, clock_hz, bits & 0xFF, bits >> 8, primary, sequence)
+    return Image(channels, says["clock_hz"], says["timing_bits"], says["pulse_bits"], primary, sequence)

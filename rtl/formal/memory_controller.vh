@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What memory_controller promises, told from the clock that took the entry and from the addresses that were read, not from
-// its state machine. Included by it under FORMAL (it has no room for this within its 150 lines).
+// What memory_controller promises. It is derived from the clock that took the entry and from the addresses that were read, not
+// from the state machine.
 localparam [15:0] F_CHANNELS = CHANNELS[15:0];
 localparam [15-WORD_BITS:0] F_PAD = 0;  // makes 16 bits of a word's number
 localparam [15:0] F_HEADER = `HG_RECORD_HEADER_WORDS;
@@ -9,7 +9,7 @@ reg        f_reset_seen_q, f_taken_q, f_reading_q, f_read_q, f_ready_q;
 reg [15:0] f_since_q;   // clocks since the one after the entry was taken
 reg [15:0] f_shifts_q;  // since then
 reg [15:0] f_index_q, f_dwell_q;
-reg [ADDRESS_BITS-1:0] f_base_q, f_address_q, f_arrived_q;  // of words, as wide as the memory's: the solver cannot do with wider products
+reg [ADDRESS_BITS-1:0] f_base_q, f_address_q, f_arrived_q;  // of words; the solver cannot handle wider products
 reg [15:0] f_header_0_q, f_header_1_q, f_header_2_q, f_header_3_q;
 initial f_reset_seen_q = 1'b0;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What pulse_generators promises, told without its falls and halves: every tick that starts a pulse marks the ticks that the
-// pulse is to be high for, and the union of pulses is an or of marks. Included by it under FORMAL.
+// What pulse_generators promises, said another way than the module does it: a tick that starts a pulse marks the next ticks in which
+// the pin must be high. Overlapping pulses then merge by themselves, as an OR of marks.
 localparam F_TICKS = (1 << PULSE_BITS) - 1;  // the longest pulse
 localparam [15:0] F_CHANNELS = CHANNELS[15:0];
 `ifdef FORMAL_PULSE_GENERATORS
@@ -13,12 +13,12 @@ reg f_reset_seen_q, f_off_q;
 initial f_reset_seen_q = 1'b0;
 always @(posedge clk) {f_reset_seen_q, f_off_q} <= {f_reset_seen_q || rst, off};
 
-// The cycle as its controller gives it: f_next_q is the number of the next tick, f_first_q before the first one of a record.
+// The cycle as cycle_controller drives it. f_next_q is the number of the next tick; f_first_q says that it is a record's first.
 reg [F_BITS-1:0] f_next_q;
 reg              f_first_q;
 wire [F_BITS-1:0] f_next = i_cycle_start ? {F_BITS{1'b0}} : f_next_q;
-// Of the tick that the channels look at: its number, its record's pulse length and last cycle's length, if there was one;
-// f_tick_q in the clock in which they do.
+// About the tick that the channels compare with: its number, its record's pulse length, and the length of the last cycle if there
+// was one. f_tick_q is high in the clock in which they compare.
 reg [F_BITS-1:0]     f_count_q, f_length_q;
 reg [PULSE_BITS-1:0] f_pulse_length_q;
 reg                  f_repeats_q, f_tick_q, f_known_q;
@@ -58,7 +58,7 @@ always @(posedge clk) begin
 end
 `undef F_EXPECT
 
-// How the falls follow from it.
+// What fall_q and lead_q must therefore be.
 wire [F_BITS-1:0] f_pulse_length = {{(F_BITS-PULSE_BITS){1'b0}}, f_pulse_length_q};
 wire              f_leads = f_count_q < f_pulse_length;
 wire [F_BITS-1:0] f_fall  = !f_leads ? f_count_q - f_pulse_length : f_repeats_q ? f_length_q + f_count_q - f_pulse_length : F_NEVER;
@@ -73,7 +73,7 @@ always @(posedge clk) if (f_known_q) begin
     cover (f_repeats_q && f_count_q == {F_BITS{1'b0}} && f_pulse_length_q == ONE + ONE && !f_off_q);
 end
 
-// Any one word on its way through the chain: f_word_q was shifted in f_age_q shifts ago (0: none is watched).
+// Follows any one word through the chain: f_word_q was shifted in f_age_q shifts ago; 0 means that no word is followed.
 `ifdef FORMAL_PULSE_GENERATORS
 (* anyseq *) wire f_watch;
 `else
@@ -93,13 +93,13 @@ genvar f_k;
 generate
     for (f_k = 0; f_k < CHANNELS; f_k = f_k + 1) begin : f_channel
         wire [TIMING_BITS-1:0] f_timing = timings_q[f_k*TIMING_BITS +: TIMING_BITS];
-        // Bit j: high in the j-th tick from here. So the union of pulses is an or, and there is nothing to compare.
+        // Bit j: the pin is high in the j-th tick from now.
         reg [F_TICKS-1:0]     f_future_q;
-        reg                   f_pin_past_q;  // as $past of a wide vector's part does not build
+        reg                   f_pin_past_q;  // because Yosys does not build $past of a part of a wide vector
         reg [TIMING_BITS-1:0] f_timing_q;
         wire [F_TICKS-1:0]    f_pulse  = ~({F_TICKS{1'b1}} << f_pulse_length_q);
         wire                  f_starts = start_q && count_q == f_timing;
-        // The same from the falls: what new_q and old_q have left.
+        // The same, computed from fall_q and old_fall_q: how long new_q and old_q stay high.
         wire [F_BITS-1:0]     f_start  = {{(F_BITS-TIMING_BITS){1'b0}}, f_timing};  // its tick, in the cycle's numbers
         wire                  f_ahead  = f_leads && (fall_q == NEVER || f_timing < fall_q);
         wire [F_BITS-1:0]     f_new    = (f_ahead ? {{(F_BITS-PULSE_BITS){1'b0}}, lead_q} + f_start
