@@ -157,7 +157,10 @@ int main(int argc, char** argv) {
                         ErrorCode::bad_input);
         return code;
     } catch (const haptogram::Error& error) {
-        return fail(error.what(), error.code());
+        // Libraries name a setting of theirs; here it is the option of the same name.
+        const bool is_setting =
+            error.code() == ErrorCode::bad_argument && (error.where() == "rate" || error.where() == "channels");
+        return fail((is_setting ? "--" : "") + std::string(error.what()), error.code());
     } catch (const std::bad_alloc&) {
         return fail("out of memory; take fewer points or a coarser step", ErrorCode::failed);
     } catch (const std::system_error& error) {  // from {fmt}, when printing fails

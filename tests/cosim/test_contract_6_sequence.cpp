@@ -126,7 +126,7 @@ TEST_CASE("contract 6: live indices play in order, their level is in every ackno
     bench.open();
     bench.client.push({5, 6, 7, 8}, 40);  // 4,000 clocks each, longer than a reply takes
     bench.client.push({9, 10}, 3);
-    const link::BoardStatus status = bench.client.status();
+    const link::Status status = bench.client.status();
     REQUIRE(status.mode == 3);
     REQUIRE(status.live_level > 0);
     REQUIRE(status.live_level < 6);

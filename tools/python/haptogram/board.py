@@ -47,7 +47,7 @@ class Identity:
 
 
 @dataclass(frozen=True)
-class BoardStatus:
+class Status:
     """Counters run modulo 65,536."""
 
     enabled: bool
@@ -65,7 +65,7 @@ class BoardStatus:
     frames_refused: int
 
     @classmethod
-    def parse(cls, data: bytes) -> "BoardStatus":
+    def parse(cls, data: bytes) -> "Status":
         words = _words(STATUS_WORDS, data)
         flags = words.pop("flags")
         return cls(enabled=bool(flags & 1), mode=MODES[flags >> 1 & 3], **words)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A board and its commands."""
+"""A board behind a port, and its commands."""
 import contextlib
 import os
 import struct
@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from types import TracebackType
 from typing import Self
 
-from .board import BoardStatus, Identity
+from .board import Identity, Status
 from .errors import HaptogramError, bad_input, device_error
 from .frame import Reply, Request
 from .image import Image, Piece
@@ -50,10 +50,11 @@ class Client:
     def identify(self) -> Identity:
         """Starts the session anew."""
         self.identity = Identity.parse(self._session.begin())
+        self._session.make_room(self.identity.frame_bytes)
         return self.identity
 
-    def status(self) -> BoardStatus:
-        return BoardStatus.parse(self._ask(Command.STATUS).data)
+    def status(self) -> Status:
+        return Status.parse(self._ask(Command.STATUS).data)
 
     def enable(self) -> None:
         self._ask(Command.ENABLE)
