@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a board says of itself: the identity and status blocks (rtl/INTERFACE.md)."""
+"""What a board says of itself: Identity, what it is, and Status, what it is doing (rtl/INTERFACE.md)."""
 import struct
 from dataclasses import dataclass
 
@@ -17,7 +17,7 @@ def _words(names: list[str], data: bytes) -> dict[str, int]:
 
 @dataclass(frozen=True)
 class Identity:
-    """Fixed at synthesis."""
+    """What a board says it is; fixed when its FPGA was synthesised."""
 
     name: str
     version: tuple[int, int]
@@ -48,7 +48,7 @@ class Identity:
 
 @dataclass(frozen=True)
 class Status:
-    """Counters run modulo 65,536."""
+    """What a board says it is doing. Counters begin at 0 again after 65,535."""
 
     enabled: bool
     mode: str  # one of MODES: where the next record comes from

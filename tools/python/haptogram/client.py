@@ -92,7 +92,8 @@ class Client:
 
     @contextlib.contextmanager
     def outputs(self, watchdog_ms: int = 500) -> Iterator[None]:
-        """Outputs are on inside and off after it, whatever ended it; if this program dies the board's watchdog does that."""
+        """The outputs are on inside the block and off after it, whatever ended it. If this program dies, the board's watchdog
+        turns them off."""
         self.set_watchdog(watchdog_ms)
         try:
             self.enable()
@@ -106,7 +107,7 @@ class Client:
         self._silence()
 
     def different(self, pieces: Sequence[Piece]) -> list[Piece]:
-        """Those which the board does not hold, by their digests."""
+        """The pieces that the board does not hold, told by their digests."""
         replies = self._session.exchange([_about(Command.DIGEST, piece.address, len(piece.data)) for piece in pieces])
         return [piece for piece, reply in zip(pieces, replies, strict=True) if _digest(reply) != zlib.crc32(piece.data)]
 

@@ -34,7 +34,7 @@ def keep_alive_pause(watchdog_ms: int) -> float:
 
 
 def _watch(board: Client) -> Status:
-    """The status, with the outputs on."""
+    """The board's status. Raises HaptogramError when the board has turned its outputs off by itself."""
     now = board.status()
     if not now.enabled:
         raise device_error("board", "it has turned its outputs off: its watchdog or guard tripped")
@@ -97,7 +97,7 @@ def stream(board: Client, batches: Iterable[Sequence[Entry]], *, watchdog_ms: in
                 sent += len(run)
             if stopped():
                 break
-        # Silence for good at the end: running out of indices would be an underrun.
+        # Silence for good comes last: running out of indices would count as an underrun.
         silent = False
         now = _watch(board)
         while not stopped() and not (silent and now.live_level == 0 and now.present_index == 0):
