@@ -27,61 +27,54 @@ Bytes payload_of(Words... words) {
     return bytes;
 }
 
-template <class Word>
-std::uint16_t word_of(const Bytes& block, Word word) {
-    const std::size_t at = 2 * static_cast<std::size_t>(word);
-    if (at + 1 >= block.size()) throw device_error("its reply is too short; it speaks another version of the protocol");
-    return static_cast<std::uint16_t>(block[at] | block[at + 1] << 8);
+/// @throws Error{device} when a block is too short to be taken apart
+void require_words(const Bytes& block, unsigned words) {
+    if (block.size() < std::size_t{2} * words)
+        throw device_error("its reply is too short; it speaks another version of the protocol");
 }
 
 }  // namespace
 
-std::string_view to_string(Mode mode) {
-    constexpr std::string_view names[] = {"idle", "single", "sequence", "live"};
-    return names[static_cast<unsigned>(mode) & 3U];
-}
-
 Identity to_identity(const Bytes& block) {
-    using interface::IdentityWord;
+    namespace field = interface::identity_field;
+    require_words(block, interface::identity_words);
     Identity identity;
-    for (std::size_t i = 0; i < 16 && i < block.size() && block[i] != 0; ++i)
-        identity.name += static_cast<char>(block[i]);
-    const std::uint16_t version = word_of(block, IdentityWord::version);
-    identity.version_major = version >> 8U;
-    identity.version_minor = version & 0xffU;
+    for (std::size_t i = 0; i < 16 && block[i] != 0; ++i) identity.name += static_cast<char>(block[i]);
+    identity.version_major = field::version_major.get(block);
+    identity.version_minor = field::version_minor.get(block);
     if (identity.name != interface::name || identity.version_major != interface::version_major)
         throw device_error(fmt::format("it says it is '{}' {}.{}, expected '{}' {}.x", identity.name,
                                        identity.version_major, identity.version_minor, interface::name,
                                        interface::version_major));
-    identity.channels = word_of(block, IdentityWord::channels);
-    identity.records = word_of(block, IdentityWord::records);
-    identity.sequence_depth = word_of(block, IdentityWord::sequence_depth);
-    identity.live_depth = word_of(block, IdentityWord::live_depth);
-    identity.timing_bits = word_of(block, IdentityWord::bits) & 0xffU;
-    identity.pulse_bits = word_of(block, IdentityWord::bits) >> 8U;
-    identity.clock_hz = word_of(block, IdentityWord::clock_hz_low) |
-                        static_cast<std::uint32_t>(word_of(block, IdentityWord::clock_hz_high)) << 16;
-    identity.features = word_of(block, IdentityWord::features);
-    identity.frame_bytes = word_of(block, IdentityWord::frame_bytes);
+    identity.channels = field::channels.get(block);
+    identity.records = field::records.get(block);
+    identity.sequence_depth = field::sequence_depth.get(block);
+    identity.live_depth = field::live_depth.get(block);
+    identity.timing_bits = field::timing_bits.get(block);
+    identity.pulse_bits = field::pulse_bits.get(block);
+    identity.clock_hz = field::clock_hz.get(block);
+    identity.features = field::features.get(block);
+    identity.frame_bytes = field::frame_bytes.get(block);
     return identity;
 }
 
 Status to_status(const Bytes& block) {
-    using interface::StatusWord;
-    const std::uint16_t flags = word_of(block, StatusWord::flags);
-    return {.enabled = (flags & 1U) != 0,
-            .mode = static_cast<Mode>(flags >> 1U & 3U),
-            .present_index = word_of(block, StatusWord::present_index),
-            .underruns = word_of(block, StatusWord::underruns),
-            .refused_records = word_of(block, StatusWord::refused_records),
-            .frames_good = word_of(block, StatusWord::frames_good),
-            .frames_damaged = word_of(block, StatusWord::frames_damaged),
-            .frames_repeated = word_of(block, StatusWord::frames_repeated),
-            .frames_refused = word_of(block, StatusWord::frames_refused),
-            .watchdog_trips = word_of(block, StatusWord::watchdog_trips),
-            .guard_trips = word_of(block, StatusWord::guard_trips),
-            .live_level = word_of(block, StatusWord::live_level),
-            .watchdog_ms = word_of(block, StatusWord::watchdog_ms)};
+    namespace field = interface::status_field;
+    require_words(block, interface::status_words);
+    const auto word = [&block](const interface::BitField& f) { return static_cast<std::uint16_t>(f.get(block)); };
+    return {.enabled = field::enabled.get(block) != 0,
+            .mode = static_cast<Mode>(field::mode.get(block)),
+            .present_index = word(field::present_index),
+            .underruns = word(field::underruns),
+            .refused_records = word(field::refused_records),
+            .frames_good = word(field::frames_good),
+            .frames_damaged = word(field::frames_damaged),
+            .frames_repeated = word(field::frames_repeated),
+            .frames_refused = word(field::frames_refused),
+            .watchdog_trips = word(field::watchdog_trips),
+            .guard_trips = word(field::guard_trips),
+            .live_level = word(field::live_level),
+            .watchdog_ms = word(field::watchdog_ms)};
 }
 
 Reply Commands::request(Request request) {

@@ -26,9 +26,7 @@ struct Identity {
     friend bool operator==(const Identity&, const Identity&) = default;
 };
 
-/// Where the next record comes from.
-enum class Mode : unsigned { idle = 0, single = 1, sequence = 2, live = 3 };
-[[nodiscard]] std::string_view to_string(Mode mode);
+using interface::Mode;
 
 /// What a device says it is doing. Counters begin at 0 again after 65,535.
 struct Status {

@@ -11,8 +11,8 @@ namespace haptogram::link {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// CRC-16/IBM-3740: polynomial 0x1021, start 0xFFFF, most significant bit first. The CRC of data that is followed by its
-/// own CRC, high byte first, is 0.
+/// CRC-16/IBM-3740: polynomial 0x1021, start 0xFFFF, most significant bit first. The CRC of data that is followed by
+/// its own CRC, high byte first, is 0.
 [[nodiscard]] std::uint16_t crc16(std::span<const std::uint8_t> data);
 
 /// Consistent-overhead byte stuffing (COBS), without the delimiter: the result holds no zero byte.

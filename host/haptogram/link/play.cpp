@@ -77,8 +77,8 @@ Played play(Commands& device, const PlaySettings& settings, const Watch& watch) 
     const Status before = device.status();
     std::uint16_t length = 0;
     if (settings.index == 0) {
-        const Bytes header = device.read(interface::sequence_base, 4);
-        length = static_cast<std::uint16_t>((header.at(0) | header.at(1) << 8) & ~interface::autostart_bit);
+        const Bytes header = device.read(interface::sequence_base, interface::sequence_word_bits / 8);
+        length = static_cast<std::uint16_t>(interface::sequence_header_field::length.get(header));
         if (length == 0)
             throw Error(ErrorCode::device, "board",
                         "there is no sequence in the board's memory; upload an image first");
@@ -117,9 +117,9 @@ Played play(Commands& device, const PlaySettings& settings, const Watch& watch) 
 double record_carrier_hz(Commands& device, std::uint16_t index) {
     const Identity& identity = device.identity();
     const std::uint32_t place = 2 * record_words(identity.channels) * (index - 1U);
-    const Bytes b = device.read(interface::primary_base + place, 2 * interface::record_header_words);
-    const double cycle = b.at(0) | b.at(1) << 8 | b.at(2) << 16;
-    const double prescaler = b.at(4) | b.at(5) << 8 | b.at(6) << 16;
+    const Bytes header = device.read(interface::primary_base + place, 2 * interface::record_header_words);
+    const double cycle = interface::record_field::cycle_length.get(header);
+    const double prescaler = interface::record_field::prescaler.get(header);
     if (cycle == 0.0 || prescaler == 0.0)
         throw Error(ErrorCode::device, "board",
                     fmt::format("record {} in its memory has no carrier; upload an image first", index));

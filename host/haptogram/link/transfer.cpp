@@ -157,16 +157,18 @@ std::string compare(Commands& device, const Image& image, const Progress& progre
 
 Image download(Commands& device, const Identity& identity, std::uint32_t records, const std::string& where,
                const Progress& progress) {
-    const auto header = words_of<std::uint32_t>(device.read(interface::sequence_base, 4)).front();
-    const std::uint32_t length = header & ~interface::autostart_bit & 0xffffU;
+    namespace header = interface::sequence_header_field;
+    const std::uint32_t length =
+        header::length.get(device.read(interface::sequence_base, interface::sequence_word_bits / 8));
     if (length >= identity.sequence_depth || (length == 0 && records == 0))
         throw Error(ErrorCode::device, where,
                     fmt::format("the sequence header in its memory says {} entries; upload an image first", length));
     auto sequence = words_of<std::uint32_t>(
         contents(device, identity, interface::sequence_base, 4 * (length + std::size_t{1}), {}));
-    sequence.front() &= ~interface::autostart_bit;
+    header::autostart.set(sequence, 0);  // only a bitstream may hold it
     for (std::size_t i = 1; i < sequence.size() && records != identity.records; ++i)
-        records = std::min(std::max(records, sequence[i] & 0xffffU), identity.records);
+        records =
+            std::min(std::max(records, interface::sequence_entry_field::index.get(&sequence[i])), identity.records);
     Image image;
     image.channels = identity.channels;
     image.clock_hz = identity.clock_hz;
