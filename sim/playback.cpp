@@ -75,7 +75,7 @@ void check_dwells(const Image& image, const std::vector<Dwell>& dwells, std::uin
     }
 }
 
-void check_status(const link::BoardStatus& status, Playback& playback) {
+void check_status(const link::Status& status, Playback& playback) {
     const auto expect_none = [&](std::uint16_t count, const char* what) {
         if (count == 0) return;
         playback.violation_count += count;

@@ -27,7 +27,7 @@ struct Playback {
     std::vector<Pulse> pulses;
     std::vector<Dwell> dwells;
     PulseReport pulse_report;
-    link::BoardStatus status;
+    link::Status status;
     std::vector<std::string> violations;  ///< broken contracts in words; empty when all is well
     std::uint64_t violation_count = 0;
     std::uint64_t clocks = 0;  ///< simulated, loading included

@@ -21,7 +21,7 @@ constexpr std::size_t most_waiting = 1U << 20;
 
 std::string reason() { return std::generic_category().message(errno); }
 
-/// Bytes as they are, both ways, as on a serial line; that lasts as long as our end is open.
+/// Has bytes pass unchanged in both directions, as on a serial line; the setting lasts while our end is open.
 bool make_raw(const std::string& device) {
     const int descriptor = ::open(device.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
     termios settings{};
@@ -54,7 +54,7 @@ PseudoTerminal::PseudoTerminal(const std::filesystem::path& link)
 }
 
 PseudoTerminal::~PseudoTerminal() {
-    std::error_code error;  // somebody may have removed it, or put something else there
+    std::error_code error;  // somebody may have removed the link, or put something else in its place
     if (!link_.empty() && std::filesystem::read_symlink(link_, error) == device_) std::filesystem::remove(link_, error);
     ::close(descriptor_);
 }
@@ -63,7 +63,8 @@ std::vector<std::uint8_t> PseudoTerminal::read(std::chrono::milliseconds patienc
     pollfd wait{descriptor_, POLLIN, 0};
     if (patience.count() > 0 && ::poll(&wait, 1, static_cast<int>(patience.count())) > 0 &&
         (wait.revents & POLLIN) == 0)
-        ::poll(nullptr, 0, static_cast<int>(patience.count()));  // nobody has it open: it would say so at once
+        ::poll(nullptr, 0,
+               static_cast<int>(patience.count()));  // while nobody has it open, poll() returns at once, so sleep
     std::array<std::uint8_t, 4096> buffer{};
     const ssize_t count = ::read(descriptor_, buffer.data(), buffer.size());
     if (count <= 0) return {};

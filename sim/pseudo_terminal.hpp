@@ -9,21 +9,21 @@
 
 namespace haptogram::sim {
 
-/// The end that stays with us of a pseudo-terminal, which any program can open as a serial port.
+/// Our end of a pseudo-terminal. Any program can open the other end as a serial port.
 class PseudoTerminal {
 public:
-    /// @param link  a name of its own for it: a symbolic link, removed again at the end; empty for none
+    /// @param link  where to make a symbolic link to the other end, which is removed again at the end; empty for none
     /// @throws Error{device} when there are no pseudo-terminals, Error{bad_input} when `link` cannot be made
     explicit PseudoTerminal(const std::filesystem::path& link = {});
     PseudoTerminal(const PseudoTerminal&) = delete;
     PseudoTerminal& operator=(const PseudoTerminal&) = delete;
     ~PseudoTerminal();
 
-    /// Where others open it: the link if there is one.
+    /// The name under which others open it: the link if there is one.
     [[nodiscard]] std::string name() const { return link_.empty() ? device_ : link_.string(); }
     /// What others have written; waits at most this long for it.
     [[nodiscard]] std::vector<std::uint8_t> read(std::chrono::milliseconds patience);
-    /// What nobody takes is kept, and lost when the others have closed it, as on a wire.
+    /// Bytes that nobody takes are kept, and are lost when no program has the other end open, as on a wire.
     void write(std::span<const std::uint8_t> bytes);
 
 private:

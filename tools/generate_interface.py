@@ -223,6 +223,8 @@ def cpp(table):
         out += ["", f"namespace {name}_field {{  // words of {word_bits} bits"]
         out += [f'inline constexpr BitField {field} = {{"{field}", {first}, {width}}};' + (f"  // {about}" if about else "") for field, first, width, about in rows]
         out += [f"}}  // namespace {name}_field"]
+    out += ["", "/// How a host deals with a line that loses bytes; rtl/INTERFACE.md says what each number means.", "namespace link_policy {"]
+    out += [f"inline constexpr unsigned {row['name']} = {row['value']};" for row in table["link"]] + ["}  // namespace link_policy"]
     for name, words in blocks(table).items():
         out += ["", f"enum class {name.capitalize()}Word : unsigned {{"]
         out += [f"    {word} = {position}," for position, word in enumerate(words)]
@@ -320,6 +322,8 @@ def python(table):
     out.append(f"AUTOSTART_BIT = 1 << {autostart['low']}  # of the sequence header")
     out += [f"DESCRIPTION_MAGIC = 0x{description['magic']:04x}", f"DESCRIPTION_FORMAT = {description['format']}"]
     out.append(f"LONGEST_CYCLE_S = {table['image']['longest_cycle_s']}")
+    out += ["", "# How a host deals with a line that loses bytes; rtl/INTERFACE.md says what each number means."]
+    out += [f"LINK_{row['name'].upper()} = {row['value']}" for row in table["link"]] + [""]
     for name, words in blocks(table).items():
         out.append(f"{name.upper()}_WORDS = {words!r}".replace("'", '"'))
     out += ["", "", PYTHON_TYPES, ""]
@@ -374,6 +378,10 @@ def page(table):
         out.append(f"| {c['name']} | 0x{c['code']:02X} | {', '.join(c['args']) or '–'} | {'yes' if c.get('tail') else '–'} | {c.get('reply', '–')} | {c['about']} |")
     out += ["", "| status | code | what |", "|---|---|---|"]
     out += [f"| {s['name']} | 0x{s['code']:02X} | {s['about']} |" for s in table["status"]]
+    out += ["", "## A line that loses bytes", "", "The board answers each good frame and drops every damaged one without a word. The host sends again what is not",
+            "answered, from the first missing frame on; the board applies each sequence number once. This project's hosts all do so:", ""]
+    out += ["| number | value | what |", "|---|---|---|"]
+    out += [f"| {row['name']} | {row['value']} | {row['about']} |" for row in table["link"]]
     out += ["", "## Parameters of the core", "", "| parameter | range | unit | default | what | why |", "|---|---|---|---|---|---|"]
     for p in table["parameter"]:
         bounds = [f"{p['low']}…{p['high']}"] + [f"{sign} {p[key]}" for key, sign in (("at_least", "≥"), ("at_most", "≤")) if key in p]

@@ -1,134 +1,70 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "haptogram/link/device.hpp"
+
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
-#include <string_view>
-#include <system_error>
-#include <vector>
 
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/link/ftdi_port.hpp"
+#include "haptogram/link/to_json.hpp"
 #include "port.hpp"
+#include "report.hpp"
 
 namespace haptogram::cli {
 namespace {
 
-using nlohmann::ordered_json;
-
 struct DeviceOptions {
-    PortOptions port;
+    link::PortSettings port;
     std::uint16_t watchdog_ms = 0;
     bool has_watchdog = false;
     bool json = false;
 };
 
-/// As "name  value" lines, or as JSON.
-void print(const ordered_json& values, bool as_json) {
-    if (as_json) {
-        fmt::print("{}\n", values.dump(1));
-        return;
-    }
-    for (const auto& [name, value] : values.items())
-        fmt::print("{:16} {}\n", name, value.is_string() ? value.get<std::string>() : value.dump());
-}
-
 int info(const DeviceOptions& options) {
-    Device device(options.port);
-    const link::Identity& i = device.identity();
-    print({{"name", i.name},
-           {"version", fmt::format("{}.{}", i.version_major, i.version_minor)},
-           {"channels", i.channels},
-           {"records", i.records},
-           {"sequence_depth", i.sequence_depth},
-           {"live_depth", i.live_depth},
-           {"timing_bits", i.timing_bits},
-           {"pulse_bits", i.pulse_bits},
-           {"clock_hz", i.clock_hz},
-           {"frame_bytes", i.frame_bytes}},
-          options.json);
+    const link::Device device(options.port);
+    tell(to_json(device.identity()), options.json);
     return 0;
-}
-
-void tell_status(Device& device, bool as_json) {
-    const link::BoardStatus s = device.client().status();
-    constexpr std::string_view modes[] = {"idle", "single", "sequence", "live"};
-    print({{"outputs", s.enabled ? "on" : "off"},
-           {"mode", modes[s.mode & 3U]},
-           {"index", s.present_index},
-           {"live_level", s.live_level},
-           {"watchdog_ms", s.watchdog_ms},
-           {"underruns", s.underruns},
-           {"refused_records", s.refused_records},
-           {"frames_good", s.frames_good},
-           {"frames_damaged", s.frames_damaged},
-           {"frames_repeated", s.frames_repeated},
-           {"frames_refused", s.frames_refused},
-           {"watchdog_trips", s.watchdog_trips},
-           {"guard_trips", s.guard_trips}},
-          as_json);
 }
 
 int status(const DeviceOptions& options) {
-    Device device(options.port);
-    tell_status(device, options.json);
+    link::Device device(options.port);
+    tell(to_json(device.status()), options.json);
     return 0;
 }
 
-/// A command that changes something says what is so after it when a program asks.
-int then_tell(Device& device, const DeviceOptions& options) {
-    if (options.json) tell_status(device, true);
+/// A command that changes something prints nothing, or for a program the status after it.
+int after_change(link::Device& device, const DeviceOptions& options) {
+    if (options.json) tell(to_json(device.status()), true);
     return 0;
 }
 
 int enable(const DeviceOptions& options) {
-    Device device(options.port);
-    if (options.has_watchdog) device.client().set_watchdog(options.watchdog_ms);
-    device.client().enable();
-    return then_tell(device, options);
+    link::Device device(options.port);
+    if (options.has_watchdog) device.set_watchdog(options.watchdog_ms);
+    device.enable();
+    return after_change(device, options);
 }
 
 int disable(const DeviceOptions& options) {
-    Device device(options.port);
-    device.client().disable();
-    return then_tell(device, options);
+    link::Device device(options.port);
+    device.disable();
+    return after_change(device, options);
 }
 
 int stop(const DeviceOptions& options) {
-    Device device(options.port);
-    device.client().stop();
-    return then_tell(device, options);
+    link::Device device(options.port);
+    device.stop();
+    return after_change(device, options);
 }
 
-/// Serial ports by the names that do not change with the order of plugging, then those without one, and FTDI chips.
 int list(bool as_json) {
-    ordered_json ports = ordered_json::array();
-    std::vector<std::filesystem::path> named;
-    std::error_code error;  // a folder that is not there has no ports
-    const auto add = [&](const std::filesystem::path& path, const std::string& name) {
-        ports.push_back({{"port", path.string()}, {"name", name}});
-    };
-    for (const auto& entry : std::filesystem::directory_iterator("/dev/serial/by-id", error)) {
-        const std::filesystem::path target = std::filesystem::canonical(entry.path(), error);
-        named.push_back(target);
-        add(target, entry.path().filename().string());
+    const std::vector<link::PortInfo> ports = link::available_ports();
+    if (as_json) {
+        tell(link::to_json(ports), true);
+        return 0;
     }
-    for (const auto& entry : std::filesystem::directory_iterator("/dev", error)) {
-        const std::string name = entry.path().filename().string();
-        if ((name.starts_with("ttyUSB") || name.starts_with("ttyACM")) &&
-            std::find(named.begin(), named.end(), entry.path()) == named.end())
-            add(entry.path(), "");
-    }
-    for (const link::FtdiDevice& device : link::ftdi_devices()) add(device.name, device.product);
-    std::sort(ports.begin(), ports.end());
-    if (as_json)
-        fmt::print("{}\n", ports.dump(1));
-    else
-        for (const auto& port : ports)
-            fmt::print("{} {}\n", port["port"].get<std::string>(), port["name"].get<std::string>());
+    for (const link::PortInfo& port : ports) fmt::print("{} {}\n", port.port, port.name);
     return 0;
 }
 

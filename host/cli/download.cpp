@@ -2,47 +2,43 @@
 #include <fmt/format.h>
 
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/image/image.hpp"
+#include "haptogram/link/device.hpp"
 #include "haptogram/link/transfer.hpp"
 #include "port.hpp"
 #include "progress_line.hpp"
+#include "report.hpp"
 
 namespace haptogram::cli {
 namespace {
 
 struct DownloadOptions {
     std::string output;
-    PortOptions port;
+    link::PortSettings port;
     std::uint32_t records = 0;
     bool json = false;
 };
 
 int download(const DownloadOptions& options) {
-    Device device(options.port);
+    link::Device device(options.port);
     if (options.records > device.identity().records)
         throw Error(ErrorCode::bad_argument, "--records",
                     fmt::format("the board holds {}, not {}", device.identity().records, options.records));
     ProgressLine progress("download");
     const Image image =
-        link::download(device.client(), device.identity(), options.records, options.port.port, progress.callback());
+        link::download(device, device.identity(), options.records, options.port.port, progress.callback());
     if (image.records.empty())
         throw Error(ErrorCode::device, options.port.port, "its sequence plays no record; ask for some by --records");
     write_file(options.output, to_intel_hex(image));
     const std::vector<std::string> found = problems(image);
     for (const std::string& problem : found) complain(fmt::format("{}: {}", options.port.port, problem));
     if (options.output == "-") return 0;
-    if (options.json)
-        fmt::print("{}\n", nlohmann::ordered_json{{"records", image.records.size()},
-                                                  {"sequence_entries", image.sequence.size()},
-                                                  {"problems", found}}
-                               .dump(1));
-    else
-        fmt::print("{} records and {} sequence entries\n", image.records.size(), image.sequence.size());
+    tell({{"records", image.records.size()}, {"sequence_entries", image.sequence.size()}, {"problems", found}},
+         options.json, fmt::format("{} records and {} sequence entries", image.records.size(), image.sequence.size()));
     return 0;
 }
 

@@ -7,7 +7,10 @@
 
 namespace haptogram::cli {
 
-/// What a command tells at its end, written once: as lines for a person, or as one JSON object for a program.
+/// Prints values: as JSON, or as a sentence, or without one as a line "name  value" for each of them.
+void tell(const nlohmann::ordered_json& report, bool as_json, const std::string& sentence = {});
+
+/// What a command with more to say tells at its end, written once: as lines for a person, or as one JSON object.
 class Report {
 public:
     /// @param line  for a person, without its newline; empty for what only programs want

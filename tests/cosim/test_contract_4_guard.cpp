@@ -247,7 +247,7 @@ TEST_CASE("contract 4: a record whose pulse is not shorter than its cycle is ref
     bench.open();
     bench.client.start(1, 3, 2);
     bench.board.run(3000);
-    const link::BoardStatus status = bench.client.status();
+    const link::Status status = bench.client.status();
     REQUIRE(status.refused_records == 2);
     REQUIRE(status.underruns == 0);
     // Silence took its place and its time, at the present cycle length.

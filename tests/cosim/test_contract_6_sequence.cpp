@@ -126,8 +126,8 @@ TEST_CASE("contract 6: live indices play in order, their level is in every ackno
     bench.open();
     bench.client.push({5, 6, 7, 8}, 40);  // 4,000 clocks each, longer than a reply takes
     bench.client.push({9, 10}, 3);
-    const link::BoardStatus status = bench.client.status();
-    REQUIRE(status.mode == 3);
+    const link::Status status = bench.client.status();
+    REQUIRE(status.mode == link::Mode::live);
     REQUIRE(status.live_level > 0);
     REQUIRE(status.live_level < 6);
     bench.board.run(60'000);
@@ -177,23 +177,24 @@ TEST_CASE("modes: each command takes over from any other at the next cycle bound
             case 0:
                 bench.client.select(7, static_cast<std::uint16_t>(forever ? 0 : 1000));
                 REQUIRE((bench.board.run(250), bench.board.outputs().index) == 7);
-                REQUIRE(bench.client.status().mode == (forever ? 1 : 0));  // the silence after it is already waiting
+                REQUIRE(bench.client.status().mode ==
+                        (forever ? link::Mode::single : link::Mode::idle));  // the silence after it is already waiting
                 break;
             case 1:
                 bench.client.start(1, 2, 0);
                 REQUIRE((bench.board.run(250), bench.board.outputs().index) <= 2);
                 REQUIRE(bench.board.outputs().index >= 1);
-                REQUIRE(bench.client.status().mode == 2);
+                REQUIRE(bench.client.status().mode == link::Mode::sequence);
                 break;
             case 2:
                 bench.client.push({9}, 0);
                 REQUIRE((bench.board.run(250), bench.board.outputs().index) == 9);
-                REQUIRE(bench.client.status().mode == 3);
+                REQUIRE(bench.client.status().mode == link::Mode::live);
                 break;
             default:
                 bench.client.stop();
                 REQUIRE((bench.board.run(250), bench.board.outputs().index) == 0);
-                REQUIRE(bench.client.status().mode == 0);
+                REQUIRE(bench.client.status().mode == link::Mode::idle);
         }
     }
     require_equal(bench.check(image), 1000);

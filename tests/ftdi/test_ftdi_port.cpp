@@ -90,7 +90,7 @@ TEST_CASE("an image goes to the board behind an FTDI chip and comes back", "[ftd
         REQUIRE_THAT(link::compare(client, other), Contains("differs"));
         client.set_watchdog(0);
         client.enable();
-        const link::BoardStatus status = client.status();
+        const link::Status status = client.status();
         REQUIRE(status.enabled);
         REQUIRE(status.frames_damaged == 0);
         REQUIRE(client.retransmissions() == 0);

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The window against a board that is played here: what is lost, late, refused or forgotten."""
+import random
+
 import pytest
 from haptogram import HaptogramError, session
 from haptogram.frame import Request
@@ -86,7 +88,7 @@ def test_one_frame_or_its_answer_is_lost(fate, number):
     board, client = begun(fate=lambda n, _: fate if n == number else "")
     client.exchange(WRITES)
     assert board.written() == [r.payload for r in WRITES]
-    assert 0 < client.retransmissions <= session.WINDOW
+    assert 0 < client.retransmissions <= session.LINK_WINDOW
     assert board.waits == (number == 21)  # only at the end nothing follows that tells of the gap
     assert client.patience == 0.3
 
@@ -96,7 +98,42 @@ def test_a_board_that_answers_late_is_given_more_time():
     for n in range(4):
         client.exchange(WRITES[n : n + 1])
     assert board.written() == [r.payload for r in WRITES[:4]]
-    assert client.patience == 1.2
+    doubled_twice = client.patience
+    assert 1.0 < doubled_twice <= 1.2  # an answer in time between them took a sixteenth back
+    for n in range(4, 20):
+        client.exchange(WRITES[n : n + 1])
+    assert client.patience == pytest.approx(max(0.3, doubled_twice * (15 / 16) ** 16))
+    client.exchange(WRITES * 5)
+    assert client.patience == 0.3
+    assert board.written() == [r.payload for r in WRITES + WRITES * 5]
+
+
+def test_no_more_requests_for_data_are_under_way_than_the_board_has_room_for():
+    board, client = begun()
+    client.make_room(214)
+    under_way = []
+    write, read = board.write, board.read
+    board.write = lambda data: (under_way.append(len(data) > 1), write(data))
+    board.read = lambda patience: (most.append(sum(under_way)), under_way.clear(), read(patience))[-1]
+    most = []
+    assert len(client.exchange([Request(Command.STATUS)] * 40)) == 40
+    assert max(most) == min(session.LINK_WINDOW, 214 // session.LINK_ASKING_BYTES)
+    client.make_room(40)
+    most.clear()
+    client.exchange([Request(Command.STATUS)] * 40)
+    assert max(most) == 3
+    most.clear()
+    client.exchange(WRITES)
+    assert max(most) == session.LINK_WINDOW
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_all_in_order_and_once_on_a_line_that_loses_one_frame_in_four(seed):
+    generator = random.Random(seed)
+    board, client = begun(fate=lambda n, _: generator.choice(["lost", "unanswered", "late"]) if n > 1 and generator.random() < 0.25 else "")
+    client.exchange(WRITES * 10)
+    assert board.written() == [r.payload for r in WRITES * 10]
+    assert client.retransmissions > 0
 
 
 def test_what_is_refused_is_told_and_those_after_it_are_not_applied():
@@ -113,7 +150,7 @@ def test_no_answer():
     board, client = begun(fate=lambda n, _: "lost" if n > 1 else "")
     with pytest.raises(HaptogramError, match="no answer to write after 32 tries; check the cable"):
         client.exchange(WRITES)
-    assert board.waits == session.MOST_TRIES + 1
+    assert board.waits == session.LINK_TRIES + 1
 
 
 def test_after_a_reset_the_session_is_lost_and_then_begun_anew():
@@ -127,7 +164,7 @@ def test_after_a_reset_the_session_is_lost_and_then_begun_anew():
 
 def test_after_an_exchange_cut_short_no_request_is_taken_for_an_old_one():
     """Its frame is applied, its answer never seen; the next request with the same number would be ignored as repeated."""
-    board, client = begun(fate=lambda n, _: "unanswered" if 2 <= n <= 2 + session.MOST_TRIES else "")
+    board, client = begun(fate=lambda n, _: "unanswered" if 2 <= n <= 2 + session.LINK_TRIES else "")
     with pytest.raises(HaptogramError, match="no answer"):
         client.exchange([Request(Command.STATUS)])
     client.exchange([Request(Command.DISABLE)])

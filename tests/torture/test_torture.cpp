@@ -122,7 +122,7 @@ TEST_CASE("torture: random bytes break no contract, and the next good frame is u
         static_cast<void>(bench.board.receive());
         link::Client fresh(bench.line);
         fresh.identify();
-        const link::BoardStatus status = fresh.status();
+        const link::Status status = fresh.status();
         damaged += status.frames_damaged;
         // identify, watchdog, enable, select; and identify, status of this client. Any more fitted its CRC by chance.
         if (status.frames_good != 6) {

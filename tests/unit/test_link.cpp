@@ -15,7 +15,6 @@ using namespace haptogram;
 using namespace haptogram::link;
 using Catch::Contains;
 using interface::Command;
-using interface::Status;
 
 namespace {
 
@@ -57,13 +56,13 @@ public:
         const auto frame = cobs_decode(bytes.first(bytes.size() - 1));
         REQUIRE(frame);
         REQUIRE(crc16(*frame) == 0);
-        Reply reply{(*frame)[0], static_cast<Command>((*frame)[1]), Status::ok, 0, 0, {}};
+        Reply reply{(*frame)[0], static_cast<Command>((*frame)[1]), interface::Status::ok, 0, 0, {}};
         const auto ahead = static_cast<std::uint8_t>(reply.sequence - expected_);
         if (ahead == 0) {
             applied.push_back(Bytes(frame->begin() + 2, frame->end() - 2));
             ++expected_;
         } else {
-            reply.status = ahead >= 128 ? Status::repeated : Status::out_of_order;
+            reply.status = ahead >= 128 ? interface::Status::repeated : interface::Status::out_of_order;
         }
         reply.expected = expected_;
         if (!lost()) {
@@ -123,7 +122,7 @@ TEST_CASE("cobs: what is no code is said to be none", "[link]") {
 }
 
 TEST_CASE("replies: whole ones are understood, damaged ones counted and dropped", "[link]") {
-    const Reply reply{7, Command::status, Status::ok, 8, 300, {1, 0, 2}};
+    const Reply reply{7, Command::status, interface::Status::ok, 8, 300, {1, 0, 2}};
     const Bytes good = reply_frame(reply);
     for (std::size_t bit = 0; bit < 8 * (good.size() - 1); ++bit) {
         Bytes bytes = good;
@@ -164,6 +163,27 @@ TEST_CASE("client: a line on which nothing answers is a device error that says w
     } catch (const Error& error) {
         REQUIRE(error.code() == ErrorCode::device);
     }
+}
+
+TEST_CASE("client: the number of tries is the policy's, fewer before a board has answered at all", "[link]") {
+    LossyBoard deaf(1);
+    REQUIRE_THROWS_WITH(Client(deaf).identify(), Contains("after 8 tries"));
+    REQUIRE_THROWS_WITH(Client(deaf).enable(), Contains("after 32 tries"));
+    REQUIRE_THROWS_AS(Client(deaf).enable(), LinkLost);
+}
+
+TEST_CASE("client: work that is cancelled leaves a session that goes on", "[link]") {
+    LossyBoard board(0);
+    Client client(board);
+    std::vector<Request> requests;
+    for (std::uint8_t i = 0; i < 100; ++i) requests.push_back({Command::write, {i, 0, 0, 0, i, i}});
+    std::size_t told = 0;
+    REQUIRE_THROWS_WITH(client.pipeline(requests, [&](double, std::string_view) { return ++told < 30; }), "cancelled");
+    REQUIRE(told == 30);
+    REQUIRE(board.applied.size() < 60);  // what was under way still arrives, the rest never does
+    client.disable();
+    REQUIRE(board.applied.back().empty());
+    REQUIRE(told == 30);
 }
 
 TEST_CASE("client: an image is checked against the board before anything is written", "[link]") {

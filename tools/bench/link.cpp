@@ -50,9 +50,10 @@ Json upload_shares(std::string_view model) {
     const std::uint64_t begun = board.now();
     std::uint64_t writes = 0;
     std::uint64_t written = 0;
-    link::upload(client, image, [&](double fraction) {
+    link::upload(client, image, [&](double fraction, std::string_view) {
         if (fraction <= 0.05) writes = board.now();
         if (fraction <= 0.95) written = board.now();
+        return true;
     });
     const auto share = [&](std::uint64_t clocks) { return bits * p.clock_hz / p.baud / static_cast<double>(clocks); };
     return {{"baud", p.baud},

@@ -131,6 +131,19 @@ inline constexpr BitField pulse_bits = {"pulse_bits", 88, 8};  // the board need
 inline constexpr BitField clock_hz = {"clock_hz", 96, 32};  // the board's CLOCK_HZ
 }  // namespace description_field
 
+/// How a host deals with a line that loses bytes; rtl/INTERFACE.md says what each number means.
+namespace link_policy {
+inline constexpr unsigned window = 16;
+inline constexpr unsigned patience_ms = 300;
+inline constexpr unsigned most_patience_ms = 10000;
+inline constexpr unsigned tries = 32;
+inline constexpr unsigned first_tries = 8;
+inline constexpr unsigned most_strange = 4;
+inline constexpr unsigned asking_bytes = 12;
+inline constexpr unsigned keep_alive_ms = 100;
+inline constexpr unsigned keep_alive_share = 5;
+}  // namespace link_policy
+
 enum class IdentityWord : unsigned {
     name_0 = 0,
     name_1 = 1,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A file of its own: the kernel's termios, which knows rates without a name, cannot be included beside the library's.
+// This is a file of its own because the kernel's termios, which takes any rate, and the C library's cannot both be
+// included in one.
 #include "haptogram/link/baud_rate.hpp"
 
 #include <asm/termbits.h>

@@ -11,16 +11,16 @@ namespace haptogram::link {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// CRC-16/IBM-3740: polynomial 0x1021, start 0xFFFF, most significant bit first. Over data followed by its CRC, high
-/// byte first, it is 0.
+/// CRC-16/IBM-3740: polynomial 0x1021, start 0xFFFF, most significant bit first. The CRC of data that is followed by
+/// its own CRC, high byte first, is 0.
 [[nodiscard]] std::uint16_t crc16(std::span<const std::uint8_t> data);
 
-/// Consistent-overhead byte stuffing without the delimiter: no zero in the result.
+/// Consistent-overhead byte stuffing (COBS), without the delimiter: the result holds no zero byte.
 [[nodiscard]] Bytes cobs_encode(std::span<const std::uint8_t> data);
-/// Empty optional when the bytes are no COBS code.
+/// @return empty when the bytes are no COBS code
 [[nodiscard]] std::optional<Bytes> cobs_decode(std::span<const std::uint8_t> code);
 
-/// A request as it goes on the line, delimiter included (rtl/INTERFACE.md).
+/// A request as it goes on the line, with its delimiter (rtl/INTERFACE.md).
 [[nodiscard]] Bytes encode_request(std::uint8_t sequence, interface::Command command,
                                    std::span<const std::uint8_t> payload);
 
@@ -29,12 +29,12 @@ struct Reply {
     std::uint8_t sequence = 0;
     interface::Command command {};
     interface::Status status {};
-    std::uint8_t expected = 0;     ///< the next sequence number that the board would apply
+    std::uint8_t expected = 0;     ///< the next sequence number that the device will apply
     std::uint16_t live_level = 0;  ///< entries in the live FIFO
     Bytes data;
 };
 
-/// Takes a byte stream apart into replies; whatever is damaged is counted and dropped, as the board does.
+/// Takes a stream of bytes apart into replies. Damaged ones are counted and dropped, as the device does with requests.
 class ReplyDecoder {
 public:
     void feed(std::span<const std::uint8_t> bytes, std::vector<Reply>& replies);

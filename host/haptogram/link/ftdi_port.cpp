@@ -30,14 +30,14 @@ using Transfer = std::unique_ptr<libusb_transfer, Releaser<libusb_free_transfer>
 
 constexpr std::uint16_t ftdi_vendor = 0x0403;
 constexpr std::array<std::uint16_t, 5> known_products = {0x6001, 0x6010, 0x6011, 0x6014, 0x6015};  // FT232R to FT231X
-constexpr std::size_t status_bytes = 2;          // of the modem, at the beginning of every packet
-constexpr std::size_t packets_per_transfer = 8;  // 4 KiB of an FT2232H, as much as it can hold back
+constexpr std::size_t status_bytes = 2;          // every packet begins with the state of the modem lines
+constexpr std::size_t packets_per_transfer = 8;  // 4 KiB with an FT2232H, which is all that its buffer holds
 constexpr std::size_t name_length = std::char_traits<char>::length("ftdi:0403:6010");
 
-/// A device that has a name, or is asked for by its numbers.
+/// A device that was found.
 struct Found : FtdiDevice {
     Device device;
-    int opened;  ///< what libusb said to opening it
+    int opened;  ///< libusb's result of opening it
 };
 
 std::string text(libusb_device_handle* handle, std::uint8_t index) {
@@ -46,7 +46,8 @@ std::string text(libusb_device_handle* handle, std::uint8_t index) {
     return {ascii.begin(), ascii.begin() + std::max(length, 0)};
 }
 
-/// The known devices, and such as `wanted` begins with the numbers of.
+/// The plugged-in devices with FTDI's own numbers, and those with the vendor and product numbers that `wanted` begins
+/// with: boards may carry numbers of their own maker.
 std::vector<Found> find(libusb_context* usb, const std::string& wanted) {
     std::vector<Found> found;
     libusb_device** list = nullptr;
@@ -72,7 +73,7 @@ std::vector<Found> find(libusb_context* usb, const std::string& wanted) {
 
 bool is_meant(const Found& found, const std::string& wanted) {
     return wanted == "ftdi:" || found.name == wanted || found.name.starts_with(wanted + ":") ||
-           (found.opened != 0 && wanted.starts_with(found.name));  // whose serial number nobody could read
+           (found.opened != 0 && wanted.starts_with(found.name));  // its serial number could not be read
 }
 
 std::string names_of(const std::vector<Found>& all) {
@@ -81,7 +82,8 @@ std::string names_of(const std::vector<Found>& all) {
     return names.empty() ? "none" : names;
 }
 
-/// What the chip makes of a rate: it divides its clock by eighths, and below 2 only by 1 and 1.5 (FTDI AN_120).
+/// The rate that the chip makes when it is asked for `baud`. It divides its clock by a multiple of 1/8; below 2 it can
+/// only divide by 1 and by 1.5 (FTDI AN_120).
 std::uint32_t rate_of(const ftdi_context& ftdi, std::uint32_t baud) {
     const bool high_speed = ftdi.type == TYPE_2232H || ftdi.type == TYPE_4232H || ftdi.type == TYPE_232H;
     const double eighths = high_speed ? 8 * 12e6 : 8 * 3e6;
@@ -94,7 +96,8 @@ std::uint32_t rate_of(const ftdi_context& ftdi, std::uint32_t baud) {
 struct FtdiPort::Port {
     std::string name;
     Context ftdi{ftdi_new()};
-    // Several, so that the chip always has one to fill: it holds little back, and nothing stops the board's sender.
+    // Several are always under way. The chip's buffer is small and nothing can stop the board from sending, so the chip
+    // must never wait for a transfer to fill.
     std::array<Transfer, 4> reads;
     std::vector<unsigned char> buffer;
     std::vector<std::uint8_t> arrived;
@@ -154,16 +157,16 @@ void FtdiPort::Port::open(const Found& found) {
 }
 
 void FtdiPort::Port::set_up(std::uint32_t baud) {
-    require(ftdi_set_bitmode(ftdi.get(), 0, BITMODE_RESET));  // whatever its last user made of it
+    require(ftdi_set_bitmode(ftdi.get(), 0, BITMODE_RESET));  // its last user may have left it in another mode
     require(ftdi_set_line_property(ftdi.get(), BITS_8, STOP_BIT_1, NONE));
     require(ftdi_setflowctrl(ftdi.get(), SIO_DISABLE_FLOW_CTRL));
-    require(ftdi_set_latency_timer(ftdi.get(), 1));  // ms for which it holds back what does not fill a packet
+    require(ftdi_set_latency_timer(ftdi.get(), 1));  // after so many ms it sends on a packet that is not full
     const std::uint32_t rate = rate_of(*ftdi, baud);
-    // 8N1 stands an error of some 4 % between both ends.
+    // An 8N1 line works while the rates of both ends differ by less than some 4 %.
     if (rate < baud - baud / 50 || rate > baud + baud / 50)
         throw error(fmt::format("it makes {} baud of {}; ask for a rate that it can do", rate, baud));
     require(ftdi_set_baudrate(ftdi.get(), static_cast<int>(baud)));
-    require(ftdi_tcioflush(ftdi.get()));  // answers to somebody else's questions
+    require(ftdi_tcioflush(ftdi.get()));  // answers to the questions of an earlier user
 }
 
 void FtdiPort::Port::listen() {
@@ -171,7 +174,7 @@ void FtdiPort::Port::listen() {
     buffer.resize(reads.size() * length);
     for (std::size_t i = 0; i < reads.size(); ++i) {
         reads[i].reset(libusb_alloc_transfer(0));
-        // libftdi names the end points as the chip sees them.
+        // libftdi names the end points from the chip's point of view: its output is our input.
         libusb_fill_bulk_transfer(reads[i].get(), ftdi->usb_dev, static_cast<unsigned char>(ftdi->out_ep),
                                   &buffer[i * length], static_cast<int>(length), take, this, 0);
         submit(*reads[i]);
@@ -213,6 +216,8 @@ void FtdiPort::write(std::span<const std::uint8_t> bytes) {
     const int written = ftdi_write_data(port_->ftdi.get(), bytes.data(), static_cast<int>(bytes.size()));
     if (written < 0) throw port_->gone(written);
 }
+
+void FtdiPort::discard_output() { ftdi_tcoflush(port_->ftdi.get()); }
 
 std::vector<std::uint8_t> FtdiPort::read(std::chrono::microseconds patience) {
     using Clock = std::chrono::steady_clock;

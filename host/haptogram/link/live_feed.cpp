@@ -6,10 +6,10 @@
 
 namespace haptogram::link {
 
-// A quarter of the FIFO a frame, so that one can be on the line and one be answered while two are played; and a frame
-// holds at most as many indices as a record has words.
-LiveFeed::LiveFeed(Client& client, const Identity& board)
-    : client_(client), depth_(board.live_depth), frame_(std::min(board.live_depth / 4, board.channels)) {
+// A frame fills a quarter of the FIFO: while two quarters play, one frame can be on the line and another be answered.
+// No frame may carry more indices than there are channels, because a record is the longest that a device must take.
+LiveFeed::LiveFeed(Commands& device, const Identity& identity)
+    : device_(device), depth_(identity.live_depth), frame_(std::min(identity.live_depth / 4, identity.channels)) {
     refresh();
 }
 
@@ -20,19 +20,19 @@ void LiveFeed::push(const std::vector<std::uint16_t>& indices, std::uint16_t dwe
     for (const std::uint16_t index : indices)
         for (const unsigned shift : {0U, 8U}) payload.push_back(static_cast<std::uint8_t>(index >> shift));
     fifo_->under_way += indices.size();
-    client_.submit({interface::Command::push, std::move(payload)},
+    device_.submit({interface::Command::push, std::move(payload)},
                    [fifo = fifo_, count = indices.size()](const Reply& reply) {
                        fifo->under_way -= count;
                        fifo->level = reply.live_level;
                    });
-    client_.flush();
+    device_.flush();
 }
 
 void LiveFeed::refresh() {
-    if (client_.unanswered() > 0)
-        client_.wait(client_.unanswered() - 1);
+    if (device_.unanswered() > 0)
+        device_.wait(device_.unanswered() - 1);
     else
-        fifo_->level = client_.status().live_level;
+        fifo_->level = device_.status().live_level;
 }
 
 }  // namespace haptogram::link

@@ -3,13 +3,30 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "haptogram/link/transport.hpp"
 
 namespace haptogram::link {
 
-/// The port of that name: an FTDI chip when it begins with "ftdi:", else a serial port.
-/// @throws Error{device} as FtdiPort and SerialPort do
+/// Where a device is.
+struct PortSettings {
+    std::string port;                ///< a serial port such as /dev/ttyUSB0, or ftdi:[VID:PID[:SERIAL]]
+    std::uint32_t baud = 1'000'000;  ///< the rate, which the build of the FPGA fixes
+};
+
+/// Opens the port of that name: an FTDI chip when the name begins with "ftdi:", else a serial port.
+/// @throws Error{device} as FtdiPort and SerialPort do, and when this build leaves FTDI out
 [[nodiscard]] std::unique_ptr<Transport> open_port(const std::string& name, std::uint32_t baud);
+
+/// A port that a device may be behind.
+struct PortInfo {
+    std::string port;  ///< what PortSettings take
+    std::string name;  ///< what the chip behind it says it is; may be empty
+    friend auto operator<=>(const PortInfo&, const PortInfo&) = default;
+};
+
+/// The serial ports that lead to USB, and the FTDI chips, sorted.
+[[nodiscard]] std::vector<PortInfo> available_ports();
 
 }  // namespace haptogram::link

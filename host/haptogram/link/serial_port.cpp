@@ -2,13 +2,13 @@
 #include "haptogram/link/serial_port.hpp"
 
 #include <fmt/core.h>
+#include <poll.h>
 #include <sys/file.h>
 #include <termios.h>
 
 #include <array>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/serial_port.hpp>
-#include <boost/asio/write.hpp>
 #include <cerrno>
 #include <system_error>
 
@@ -17,6 +17,11 @@
 
 namespace haptogram::link {
 namespace asio = boost::asio;
+namespace {
+
+constexpr std::chrono::seconds most_wait{10};  // for the port to take bytes
+
+}  // namespace
 
 struct SerialPort::Port {
     std::string path;
@@ -38,7 +43,7 @@ SerialPort::SerialPort(const std::string& path, std::uint32_t baud) : port_(std:
     if (error)
         throw port_->error(
             fmt::format("cannot be opened: {}; 'haptogram device list' shows the ports", error.message()));
-    // Until it is closed, or its process ends in whatever way.
+    // The lock lasts until the port is closed or this process ends, in whatever way.
     if (::flock(serial.native_handle(), LOCK_EX | LOCK_NB) != 0)
         throw port_->error("another program is using it; end that one first");
     using Base = asio::serial_port_base;
@@ -50,9 +55,9 @@ SerialPort::SerialPort(const std::string& path, std::uint32_t baud) : port_(std:
     } catch (const boost::system::system_error& refused) {
         throw port_->error(fmt::format("it cannot be set to 8N1: {}; is it a serial port?", refused.code().message()));
     }
-    ::tcflush(serial.native_handle(), TCIOFLUSH);  // answers to somebody else's questions
+    ::tcflush(serial.native_handle(), TCIOFLUSH);  // answers to the questions of an earlier user
     const std::uint32_t rate = set_baud_rate(serial.native_handle(), baud);
-    // 8N1 stands an error of some 4 % between both ends.
+    // An 8N1 line works while the rates of both ends differ by less than some 4 %.
     if (rate == 0 || rate < baud - baud / 50 || rate > baud + baud / 50)
         throw port_->error(rate == 0
                                ? fmt::format("it refuses {} baud: {}", baud, std::generic_category().message(errno))
@@ -62,10 +67,22 @@ SerialPort::SerialPort(const std::string& path, std::uint32_t baud) : port_(std:
 SerialPort::~SerialPort() = default;
 
 void SerialPort::write(std::span<const std::uint8_t> bytes) {
-    boost::system::error_code error;
-    asio::write(port_->serial, asio::buffer(bytes.data(), bytes.size()), error);
-    if (error) throw port_->gone(error);
+    const auto deadline = std::chrono::steady_clock::now() + most_wait;
+    while (!bytes.empty()) {
+        boost::system::error_code error;
+        const std::size_t count = port_->serial.write_some(asio::buffer(bytes.data(), bytes.size()), error);
+        if (error && error != asio::error::would_block) throw port_->gone(error);
+        bytes = bytes.subspan(count);
+        if (bytes.empty()) return;
+        if (std::chrono::steady_clock::now() > deadline)
+            throw LinkLost(port_->path,
+                           fmt::format("it took no bytes for {} s; is a board behind it?", most_wait.count()));
+        pollfd wait{port_->serial.native_handle(), POLLOUT, 0};
+        ::poll(&wait, 1, 100);
+    }
 }
+
+void SerialPort::discard_output() { ::tcflush(port_->serial.native_handle(), TCOFLUSH); }
 
 std::vector<std::uint8_t> SerialPort::read(std::chrono::microseconds patience) {
     std::array<std::uint8_t, 4096> buffer{};
@@ -80,7 +97,7 @@ std::vector<std::uint8_t> SerialPort::read(std::chrono::microseconds patience) {
     port_->context.run_for(patience);
     if (!port_->context.stopped()) {
         port_->serial.cancel();
-        port_->context.run();  // the read ends now, with what came after all or with nothing
+        port_->context.run();  // the read ends now, with what came in the last moment or with nothing
     }
     if (outcome && outcome != asio::error::operation_aborted) throw port_->gone(outcome);
     return {buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(count)};

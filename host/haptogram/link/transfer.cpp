@@ -5,6 +5,8 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <chrono>
+#include <thread>
 #include <utility>
 
 #include "haptogram/base/error.hpp"
@@ -20,7 +22,7 @@ struct Piece {
     Bytes bytes;
 };
 
-/// An image in frames: a record each, and the sequence in pieces as long.
+/// An image in frames: a record in each, then the sequence in pieces of the same length.
 std::vector<Piece> pieces_of(const Image& image) {
     std::vector<Piece> pieces;
     const std::size_t stride = record_words(image.channels);
@@ -47,7 +49,7 @@ Bytes place_of(const Piece& piece) {
     return payload;
 }
 
-/// READ and DIGEST name the length of what they ask for; WRITE brings it.
+/// A READ or DIGEST names the length of what it asks for; a WRITE carries the bytes themselves.
 Request asking(Command command, const Piece& piece) {
     Request request{command, place_of(piece)};
     for (const unsigned shift : {0U, 8U})
@@ -61,12 +63,12 @@ Request writing(const Piece& piece) {
     return request;
 }
 
-/// Those whose digest is not what the board says of their place.
-std::vector<Piece> differing(Client& client, const std::vector<Piece>& pieces, const Progress& progress) {
+/// The pieces that the device does not hold, told by their digests.
+std::vector<Piece> differing(Commands& device, const std::vector<Piece>& pieces, const Progress& progress) {
     std::vector<Request> requests;
     requests.reserve(pieces.size());
     for (const Piece& piece : pieces) requests.push_back(asking(Command::digest, piece));
-    const std::vector<Reply> replies = client.pipeline(std::move(requests), progress);
+    const std::vector<Reply> replies = device.pipeline(std::move(requests), progress);
     std::vector<Piece> found;
     for (std::size_t i = 0; i < pieces.size(); ++i) {
         const auto digest = static_cast<std::uint32_t>(
@@ -78,16 +80,16 @@ std::vector<Piece> differing(Client& client, const std::vector<Piece>& pieces, c
     return found;
 }
 
-/// What the board holds at a place, in frames of at most a record.
-Bytes contents(Client& client, const Identity& board, std::uint32_t address, std::size_t bytes,
+/// What the device holds from an address on, read in frames of at most a record.
+Bytes contents(Commands& device, const Identity& identity, std::uint32_t address, std::size_t bytes,
                const Progress& progress) {
-    const std::size_t most = std::size_t{2} * record_words(board.channels) / 4 * 4;  // whole words of either memory
+    const std::size_t most = std::size_t{2} * record_words(identity.channels) / 4 * 4;  // whole words of either memory
     std::vector<Request> requests;
     for (std::size_t at = 0; at < bytes; at += most)
         requests.push_back(
             asking(Command::read, {address + static_cast<std::uint32_t>(at), Bytes(std::min(most, bytes - at))}));
     Bytes found;
-    for (const Reply& reply : client.pipeline(std::move(requests), progress))
+    for (const Reply& reply : device.pipeline(std::move(requests), progress))
         found.insert(found.end(), reply.data.begin(), reply.data.end());
     return found;
 }
@@ -101,16 +103,35 @@ std::vector<Word> words_of(const Bytes& bytes) {
     return words;
 }
 
+/// Connects again after a loss, for as long as is left of `wait_s`. @return empty when the device did not come back
+std::unique_ptr<Commands> connect_again(const Connect& connect, double& wait_s, const Progress& progress) {
+    constexpr std::chrono::milliseconds pause{200};
+    while (wait_s > 0.0) {
+        const auto begun = std::chrono::steady_clock::now();
+        std::unique_ptr<Commands> device;
+        progress(0.0, "waiting");
+        std::this_thread::sleep_for(pause);
+        try {
+            device = connect();
+        } catch (const Error& error) {
+            if (error.code() != ErrorCode::device) throw;
+        }
+        wait_s -= std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+        if (device) return device;
+    }
+    return {};
+}
+
 }  // namespace
 
-Uploaded upload(Client& client, const Image& image, const Progress& progress) {
+Uploaded upload(Commands& device, const Image& image, const Progress& progress) {
     const std::vector<Piece> pieces = pieces_of(image);
-    const std::vector<Piece> wrong = differing(client, pieces, progress.between(0.0, 0.05));
+    const std::vector<Piece> wrong = differing(device, pieces, progress.between(0.0, 0.05));
     std::vector<Request> requests;
     requests.reserve(wrong.size());
     for (const Piece& piece : wrong) requests.push_back(writing(piece));
-    client.pipeline(std::move(requests), progress.between(0.05, 0.95));
-    const std::vector<Piece> still = differing(client, wrong, progress.between(0.95, 1.0));
+    device.pipeline(std::move(requests), progress.between(0.05, 0.95));
+    const std::vector<Piece> still = differing(device, wrong, progress.between(0.95, 1.0));
     if (!still.empty())
         throw Error(ErrorCode::device, "board",
                     fmt::format("its memory differs from what was written, from address {:#010x} on; does another "
@@ -119,12 +140,12 @@ Uploaded upload(Client& client, const Image& image, const Progress& progress) {
     return {pieces.size(), wrong.size()};
 }
 
-std::string compare(Client& client, const Image& image, const Progress& progress) {
+std::string compare(Commands& device, const Image& image, const Progress& progress) {
     const std::vector<Piece> pieces = pieces_of(image);
     std::vector<Request> requests;
     requests.reserve(pieces.size());
     for (const Piece& piece : pieces) requests.push_back(asking(Command::read, piece));
-    const std::vector<Reply> replies = client.pipeline(std::move(requests), progress);
+    const std::vector<Reply> replies = device.pipeline(std::move(requests), progress);
     for (std::size_t i = 0; i < pieces.size(); ++i) {
         const auto [expected, found] = std::ranges::mismatch(pieces[i].bytes, replies[i].data);
         if (expected == pieces[i].bytes.end() && found == replies[i].data.end()) continue;
@@ -134,47 +155,84 @@ std::string compare(Client& client, const Image& image, const Progress& progress
     return {};
 }
 
-Image download(Client& client, const Identity& board, std::uint32_t records, const std::string& where,
+Image download(Commands& device, const Identity& identity, std::uint32_t records, const std::string& where,
                const Progress& progress) {
-    const auto header = words_of<std::uint32_t>(client.read(interface::sequence_base, 4)).front();
-    const std::uint32_t length = header & ~interface::autostart_bit & 0xffffU;
-    if (length >= board.sequence_depth || (length == 0 && records == 0))
+    namespace header = interface::sequence_header_field;
+    const std::uint32_t length =
+        header::length.get(device.read(interface::sequence_base, interface::sequence_word_bits / 8));
+    if (length >= identity.sequence_depth || (length == 0 && records == 0))
         throw Error(ErrorCode::device, where,
                     fmt::format("the sequence header in its memory says {} entries; upload an image first", length));
-    auto sequence =
-        words_of<std::uint32_t>(contents(client, board, interface::sequence_base, 4 * (length + std::size_t{1}), {}));
-    sequence.front() &= ~interface::autostart_bit;
-    for (std::size_t i = 1; i < sequence.size() && records != board.records; ++i)
-        records = std::min(std::max(records, sequence[i] & 0xffffU), board.records);
+    auto sequence = words_of<std::uint32_t>(
+        contents(device, identity, interface::sequence_base, 4 * (length + std::size_t{1}), {}));
+    header::autostart.set(sequence, 0);  // only a bitstream may hold it
+    for (std::size_t i = 1; i < sequence.size() && records != identity.records; ++i)
+        records =
+            std::min(std::max(records, interface::sequence_entry_field::index.get(&sequence[i])), identity.records);
     Image image;
-    image.channels = board.channels;
-    image.clock_hz = board.clock_hz;
-    image.timing_bits = board.timing_bits;
-    image.pulse_bits = board.pulse_bits;
-    const std::size_t bytes = std::size_t{2} * record_words(board.channels) * records;
-    take_words(image, words_of<std::uint16_t>(contents(client, board, interface::primary_base, bytes, progress)),
+    image.channels = identity.channels;
+    image.clock_hz = identity.clock_hz;
+    image.timing_bits = identity.timing_bits;
+    image.pulse_bits = identity.pulse_bits;
+    const std::size_t bytes = std::size_t{2} * record_words(identity.channels) * records;
+    take_words(image, words_of<std::uint16_t>(contents(device, identity, interface::primary_base, bytes, progress)),
                sequence, where);
     return image;
 }
 
-void require_fits(const Image& image, const Identity& board, const std::string& where) {
+void require_fits(const Image& image, const Identity& identity, const std::string& where) {
     const auto require = [&](bool fits, const std::string& what) {
         if (!fits)
-            throw bad_input(where, what + "; compile it for this board (--array), or use the board it was made for");
+            throw bad_input(where, what + "; compile it for this board, or use the board it was made for", {"array"});
     };
-    require(image.channels == board.channels,
-            fmt::format("the image is for {} channels, the board has {}", image.channels, board.channels));
-    require(image.clock_hz == board.clock_hz,
-            fmt::format("the image is for a {} Hz clock, the board has {} Hz", image.clock_hz, board.clock_hz));
-    require(image.timing_bits <= board.timing_bits,
-            fmt::format("the image needs {} timing bits, the board has {}", image.timing_bits, board.timing_bits));
-    require(image.pulse_bits <= board.pulse_bits,
-            fmt::format("the image needs {} pulse bits, the board has {}", image.pulse_bits, board.pulse_bits));
-    require(image.records.size() <= board.records,
-            fmt::format("the image has {} records, the board holds {}", image.records.size(), board.records));
-    require(image.sequence.size() < board.sequence_depth,
+    require(image.channels == identity.channels,
+            fmt::format("the image is for {} channels, the board has {}", image.channels, identity.channels));
+    require(image.clock_hz == identity.clock_hz,
+            fmt::format("the image is for a {} Hz clock, the board has {} Hz", image.clock_hz, identity.clock_hz));
+    require(image.timing_bits <= identity.timing_bits,
+            fmt::format("the image needs {} timing bits, the board has {}", image.timing_bits, identity.timing_bits));
+    require(image.pulse_bits <= identity.pulse_bits,
+            fmt::format("the image needs {} pulse bits, the board has {}", image.pulse_bits, identity.pulse_bits));
+    require(image.records.size() <= identity.records,
+            fmt::format("the image has {} records, the board holds {}", image.records.size(), identity.records));
+    require(image.sequence.size() < identity.sequence_depth,
             fmt::format("the image has {} sequence entries, the board holds {}", image.sequence.size(),
-                        board.sequence_depth - 1));
+                        identity.sequence_depth - 1));
+}
+
+UploadReport upload(const Connect& connect, const Image& image, const UploadSettings& settings) {
+    std::unique_ptr<Commands> device = connect();
+    require_fits(image, device->identity(), settings.image);
+    const auto begun = std::chrono::steady_clock::now();
+    UploadReport report{.records = image.records.size(), .sequence_entries = image.sequence.size()};
+    double wait_s = settings.wait_s;
+    for (bool done = false; !done;) {
+        try {
+            const Uploaded uploaded = upload(*device, image, settings.progress);
+            report.frames = uploaded.pieces;
+            report.frames_written = uploaded.written;
+            done = true;
+        } catch (const LinkLost& lost) {
+            report.retransmissions += device->retransmissions();
+            device.reset();
+            ++report.link_losses;
+            if (settings.lost) settings.lost(lost, wait_s);
+            device = connect_again(connect, wait_s, settings.progress);
+            if (!device)
+                throw Error(ErrorCode::device, settings.port,
+                            "it did not come back; the same command goes on where this one stopped");
+            require_fits(image, device->identity(), settings.image);
+        }
+    }
+    report.retransmissions += device->retransmissions();
+    report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+    if (settings.verify) {
+        const std::string difference = compare(*device, image, settings.progress.in_stage("verify"));
+        if (!difference.empty())
+            throw Error(ErrorCode::device, settings.image, difference + "; does another program write to this board?");
+        report.verified = true;
+    }
+    return report;
 }
 
 }  // namespace haptogram::link

@@ -2,37 +2,68 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <string>
 
 #include "haptogram/base/progress.hpp"
 #include "haptogram/image/image.hpp"
-#include "haptogram/link/client.hpp"
+#include "haptogram/link/commands.hpp"
+#include "haptogram/link/transport.hpp"
 
 namespace haptogram::link {
 
-/// What an upload found and did, in frames: a record each, and the sequence in pieces as long.
+/// What an upload found and did, in frames. A frame carries one record, or as many bytes of the sequence.
 struct Uploaded {
-    std::size_t pieces = 0;   ///< that the image has
-    std::size_t written = 0;  ///< that the board did not hold already
+    std::size_t pieces = 0;   ///< frames that the image has
+    std::size_t written = 0;  ///< those that the device did not hold already
 };
 
-/// @throws Error{bad_input} saying why the image does not fit the board
-void require_fits(const Image& image, const Identity& board, const std::string& where);
+/// @throws Error{bad_input} saying why the image does not fit the device
+void require_fits(const Image& image, const Identity& identity, const std::string& where);
 
-/// Brings an image into a board's memories. Asks for the digest of each piece first and writes only those that differ,
-/// so that an upload which was cut off goes on where it was; then asks again. The caller has checked that the image
-/// fits.
-/// @throws Error{device} when the board's digests are still others after writing
-Uploaded upload(Client& client, const Image& image, const Progress& progress = {});
+/// Brings an image into a device's memories. It asks for the digest of each piece first and writes only those that
+/// differ, so that an upload which was cut off goes on where it stopped; in the end it asks for the digests again. The
+/// caller has checked that the image fits.
+/// @throws Error{device} when the digests still differ after writing
+Uploaded upload(Commands& device, const Image& image, const Progress& progress = {});
 
-/// Reads an image's places back, byte by byte. @return empty when they hold it, else the first difference in words
-std::string compare(Client& client, const Image& image, const Progress& progress = {});
+/// Reads the memory that an image fills back, byte by byte. @return empty when it holds the image, else the first
+/// difference in words
+std::string compare(Commands& device, const Image& image, const Progress& progress = {});
 
-/// The image that a board's memories hold: its sequence, and as many records as that plays or as are asked for, if
-/// more.
-/// @param where  names the board in messages
-/// @throws Error{device} when there is no sequence, Error{bad_input} when a record is none
-Image download(Client& client, const Identity& board, std::uint32_t records, const std::string& where,
+/// The image that a device's memories hold: its sequence, and the records up to the highest that the sequence plays.
+/// @param records  at least so many records
+/// @param where    names the device in messages
+/// @throws Error{device} when there is no sequence, Error{bad_input} when what should be a record is none
+Image download(Commands& device, const Identity& identity, std::uint32_t records, const std::string& where,
                const Progress& progress = {});
+
+/// Begins a session with a device, perhaps after its link was lost. @throws Error{device} when it cannot be reached
+using Connect = std::function<std::unique_ptr<Commands>()>;
+
+struct UploadSettings {
+    std::string image;     ///< its name in messages
+    std::string port;      ///< the device's name in messages
+    bool verify = false;   ///< read all of it back and compare, beyond the digests
+    double wait_s = 30.0;  ///< for how long, in all, a lost device may stay away
+    /// Told that the link was lost, and for how long the upload will wait for it.
+    std::function<void(const LinkLost& lost, double wait_s)> lost{};
+    Progress progress{};  ///< stages: none, "waiting" after a loss, "verify"
+};
+
+/// What has become of it.
+struct UploadReport {
+    std::size_t records = 0, sequence_entries = 0;
+    std::size_t frames = 0, frames_written = 0;  ///< of the last attempt, which finds what came through before a loss
+    double seconds = 0.0;                        ///< without the reading back
+    std::uint64_t retransmissions = 0;
+    unsigned link_losses = 0;
+    bool verified = false;
+};
+
+/// The whole of an upload: connects, checks that the image fits, writes what differs, goes on after an unplug, and
+/// reads back if asked to.
+UploadReport upload(const Connect& connect, const Image& image, const UploadSettings& settings);
 
 }  // namespace haptogram::link

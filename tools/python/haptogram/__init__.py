@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Drives a Haptogram board over its serial line: see Client."""
-from .board import BoardStatus, Identity
+from .board import Identity, Status
 from .client import Client
 from .driving import play, stream
 from .errors import ErrorCode, HaptogramError
 from .image import Image, Record
 
 __version__ = "0.1.0"
-__all__ = ["BoardStatus", "Client", "ErrorCode", "HaptogramError", "Identity", "Image", "Record", "play", "stream"]
+__all__ = ["Client", "ErrorCode", "HaptogramError", "Identity", "Image", "Record", "Status", "play", "stream"]

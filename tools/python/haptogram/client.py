@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A board and its commands."""
+"""A board behind a port, and its commands."""
 import contextlib
 import os
 import struct
@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from types import TracebackType
 from typing import Self
 
-from .board import BoardStatus, Identity
+from .board import Identity, Status
 from .errors import HaptogramError, bad_input, device_error
 from .frame import Reply, Request
 from .image import Image, Piece
@@ -50,10 +50,11 @@ class Client:
     def identify(self) -> Identity:
         """Starts the session anew."""
         self.identity = Identity.parse(self._session.begin())
+        self._session.make_room(self.identity.frame_bytes)
         return self.identity
 
-    def status(self) -> BoardStatus:
-        return BoardStatus.parse(self._ask(Command.STATUS).data)
+    def status(self) -> Status:
+        return Status.parse(self._ask(Command.STATUS).data)
 
     def enable(self) -> None:
         self._ask(Command.ENABLE)
@@ -91,7 +92,8 @@ class Client:
 
     @contextlib.contextmanager
     def outputs(self, watchdog_ms: int = 500) -> Iterator[None]:
-        """Outputs are on inside and off after it, whatever ended it; if this program dies the board's watchdog does that."""
+        """The outputs are on inside the block and off after it, whatever ended it. If this program dies, the board's watchdog
+        turns them off."""
         self.set_watchdog(watchdog_ms)
         try:
             self.enable()
@@ -105,7 +107,7 @@ class Client:
         self._silence()
 
     def different(self, pieces: Sequence[Piece]) -> list[Piece]:
-        """Those which the board does not hold, by their digests."""
+        """The pieces that the board does not hold, told by their digests."""
         replies = self._session.exchange([_about(Command.DIGEST, piece.address, len(piece.data)) for piece in pieces])
         return [piece for piece, reply in zip(pieces, replies, strict=True) if _digest(reply) != zlib.crc32(piece.data)]
 

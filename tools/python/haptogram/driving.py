@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Playing: outputs on, what is to be played, outputs off. Asking for the status tells the board's watchdog that this host
-is alive."""
+"""Playing: outputs on, what is to be played, outputs off. Asking for the status also keeps the board's watchdog quiet."""
 import time
 from collections.abc import Callable, Iterable, Sequence
 from itertools import groupby
 from operator import itemgetter
 from typing import NamedTuple
 
-from .board import BoardStatus
+from .board import Status
 from .client import Client
 from .errors import device_error
+from .interface import LINK_KEEP_ALIVE_MS, LINK_KEEP_ALIVE_SHARE
 
 Entry = tuple[int, int]  # index; dwell in cycles, 0 until the next
 FULL_PAUSE_S = 0.001  # until a full live FIFO is looked at again
@@ -28,19 +28,20 @@ def never() -> bool:
 
 
 def keep_alive_pause(watchdog_ms: int) -> float:
-    """Seconds between signs of life."""
-    return 0.001 * (min(100, watchdog_ms // 5 + 1) if watchdog_ms else 100)
+    """Seconds within which a host must say something while outputs are on."""
+    within_watchdog = watchdog_ms // LINK_KEEP_ALIVE_SHARE + 1
+    return 0.001 * (min(LINK_KEEP_ALIVE_MS, within_watchdog) if watchdog_ms else LINK_KEEP_ALIVE_MS)
 
 
-def _watch(board: Client) -> BoardStatus:
-    """The status, with the outputs on."""
+def _watch(board: Client) -> Status:
+    """The board's status. Raises HaptogramError when the board has turned its outputs off by itself."""
     now = board.status()
     if not now.enabled:
         raise device_error("board", "it has turned its outputs off: its watchdog or guard tripped")
     return now
 
 
-def _outcome(before: BoardStatus, now: BoardStatus, interrupted: bool) -> Outcome:
+def _outcome(before: Status, now: Status, interrupted: bool) -> Outcome:
     def since(name: str) -> int:
         return int(getattr(now, name) - getattr(before, name)) % 65536
 
@@ -96,7 +97,7 @@ def stream(board: Client, batches: Iterable[Sequence[Entry]], *, watchdog_ms: in
                 sent += len(run)
             if stopped():
                 break
-        # Silence for good at the end: running out of indices would be an underrun.
+        # Silence for good comes last: running out of indices would count as an underrun.
         silent = False
         now = _watch(board)
         while not stopped() and not (silent and now.live_level == 0 and now.present_index == 0):

@@ -16,6 +16,18 @@ AUTOSTART_BIT = 1 << 15  # of the sequence header
 DESCRIPTION_MAGIC = 0x4748
 DESCRIPTION_FORMAT = 1
 LONGEST_CYCLE_S = 1.0
+
+# How a host deals with a line that loses bytes; rtl/INTERFACE.md says what each number means.
+LINK_WINDOW = 16
+LINK_PATIENCE_MS = 300
+LINK_MOST_PATIENCE_MS = 10000
+LINK_TRIES = 32
+LINK_FIRST_TRIES = 8
+LINK_MOST_STRANGE = 4
+LINK_ASKING_BYTES = 12
+LINK_KEEP_ALIVE_MS = 100
+LINK_KEEP_ALIVE_SHARE = 5
+
 IDENTITY_WORDS = ["name_0", "name_1", "name_2", "name_3", "name_4", "name_5", "name_6", "name_7", "version", "channels", "records", "sequence_depth", "live_depth", "bits", "clock_hz_low", "clock_hz_high", "features", "frame_bytes"]
 STATUS_WORDS = ["flags", "present_index", "underruns", "refused_records", "frames_good", "frames_damaged", "frames_repeated", "watchdog_trips", "guard_trips", "live_level", "watchdog_ms", "frames_refused"]
 DESCRIPTION_WORDS = ["magic", "format", "channels", "records", "sequence_words", "bits", "clock_hz_low", "clock_hz_high"]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Indices to be streamed, from the lines of a file, a pipe or a terminal, as they come: nothing waits for a full buffer."""
+"""Indices to be streamed, from the lines of a file, a pipe or a terminal. Each line is taken as soon as it is there."""
 import re
 import select
 from collections.abc import Iterator, Sequence

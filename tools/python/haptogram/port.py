@@ -13,8 +13,8 @@ FAILURES = (OSError, termios.error, ValueError)  # what pyserial lets out
 
 
 class Port:
-    """8N1 at any rate that its driver makes. One program at a time, by flock, as the C++ program does: TIOCEXCL would
-    stay on a pseudo-terminal for as long as the virtual board lives."""
+    """8N1 at any rate that the port's driver can make. flock keeps other programs of ours out, as it does in the C++
+    program. TIOCEXCL would not do: on a pseudo-terminal it stays until the virtual board ends."""
 
     def __init__(self, path: str, baud: int = 1_000_000) -> None:
         self.path = path

@@ -1,18 +1,27 @@
 # SPDX-License-Identifier: Apache-2.0
 """Requests in a window, each acknowledged. What is lost is sent again from the first missing one on; the board applies
-each exactly once and in order."""
+each exactly once and in order. How often and how soon, and when a link counts as lost, is one policy for all hosts of
+this project: see "A line that loses bytes" in rtl/INTERFACE.md."""
 from collections.abc import Sequence
 from typing import Protocol
 
 from .errors import device_error
 from .frame import Reply, ReplyDecoder, Request, encode_request
-from .interface import Command, Status
+from .interface import (
+    LINK_ASKING_BYTES,
+    LINK_FIRST_TRIES,
+    LINK_MOST_PATIENCE_MS,
+    LINK_MOST_STRANGE,
+    LINK_PATIENCE_MS,
+    LINK_TRIES,
+    LINK_WINDOW,
+    Command,
+    Status,
+)
 
-WINDOW = 8  # frames under way
-FIRST_TRIES = 8  # until somebody answers at all
-MOST_TRIES = 32  # without any progress: ten seconds, in which a busy machine runs its virtual board again
-MOST_STRANGE = 4
-MOST_PATIENCE_S = 10.0
+PATIENCE_S = LINK_PATIENCE_MS / 1000
+MOST_PATIENCE_S = LINK_MOST_PATIENCE_MS / 1000
+ASKING = (Command.IDENTIFY, Command.READ, Command.STATUS, Command.DIGEST)  # their replies carry data
 
 
 class Line(Protocol):
@@ -30,14 +39,15 @@ class Line(Protocol):
 
 
 class Session:
-    def __init__(self, line: Line, patience: float = 0.3) -> None:
-        self.patience = patience  # seconds to wait for an answer before sending again
+    def __init__(self, line: Line, patience: float = PATIENCE_S) -> None:
+        self.patience = self._least_patience = patience  # seconds to wait for an answer before sending again
         self.retransmissions = 0
+        self.most_asking = 1  # requests under way whose replies carry data: the board keeps room for so many
         self._line = line
         self._decoder = ReplyDecoder()
         self._next = 0
-        self._in_step = False  # the board's next number is ours
-        self._ran_out = False  # of patience, since the last answer that came too late
+        self._in_step = False  # the board expects the number that we send next
+        self._late = False  # something was sent again because no answer came, and what became of it is not known yet
 
     def begin(self) -> bytes:
         """Starts the numbers anew, far from those of frames that may still be under way. Returns the identity block."""
@@ -45,6 +55,10 @@ class Session:
         self._line.drain()
         self._line.write(b"\0")  # ends whatever half frame the line left
         return self._exchange([Request(Command.IDENTIFY)])[0].data
+
+    def make_room(self, frame_bytes: int) -> None:
+        """Learns from the identity block how long a frame the board always has room for."""
+        self.most_asking = max(1, frame_bytes // LINK_ASKING_BYTES)
 
     def exchange(self, requests: Sequence[Request]) -> list[Reply]:
         """Replies in order. Raises HaptogramError when the board refuses a request; those after it are not applied."""
@@ -56,10 +70,14 @@ class Session:
         replies: list[Reply] = []
         first, sent, farthest = self._next, 0, 0
         tries = strange = 0
-        gap = False  # it was sent again because of a gap; more answers that tell of the same one are on their way
+        gap = False  # all was sent again because of a gap, and more answers that tell of the same gap are on their way
         self._in_step = False
         while len(replies) < len(requests):
-            while sent < min(len(requests), len(replies) + WINDOW):
+            asking = sum(request.command in ASKING for request in requests[len(replies) : sent])
+            while sent < min(len(requests), len(replies) + LINK_WINDOW):
+                asking += requests[sent].command in ASKING
+                if asking > self.most_asking:
+                    break
                 self._line.write(encode_request((first + sent) % 256, requests[sent]))
                 self.retransmissions += sent < farthest
                 sent += 1
@@ -67,7 +85,13 @@ class Session:
             data = self._line.read(self.patience)
             again = not data
             if again:
-                gap, self._ran_out = False, True
+                gap, self._late = False, True
+                command = requests[len(replies)].command
+                tries += 1
+                most = LINK_FIRST_TRIES if command == Command.IDENTIFY else LINK_TRIES
+                if tries > most:
+                    raise device_error("board", f"no answer to {command.name.lower()} after {most} tries; "
+                                       "check the cable, the baud rate and that the board runs Haptogram")  # fmt: skip
             for reply in self._decoder.feed(data):
                 if len(replies) == len(requests):
                     break
@@ -76,6 +100,8 @@ class Session:
                 mine = ahead == 0 and reply.command == request.command
                 if mine and reply.status in (Status.OK, Status.REPEATED):
                     replies.append(reply)
+                    if not self._late:
+                        self.patience = max(self.patience * 15 / 16, self._least_patience)
                     tries = strange = 0
                     again = gap = False
                 elif mine and reply.status != Status.OUT_OF_ORDER:
@@ -83,22 +109,16 @@ class Session:
                     raise device_error(f"command {request.command.name.lower()}", f"the board refused it: {reply.why()}")
                 elif mine:
                     # A frame before it is missing. But before the first that is not acknowledged there is none: one such
-                    # answer may be left over from an earlier round, several mean that the board knows nothing of us.
+                    # answer may be left over from an earlier round, several mean that the board has forgotten us.
                     strange += 1
-                    if strange > MOST_STRANGE:
+                    if strange > LINK_MOST_STRANGE:
                         raise device_error("board", "it has lost the session, as after a reset; identify it again")
                     again = True
                 elif 0 < ahead < sent - len(replies) and not gap:  # the frame that we wait for was lost, or its answer
                     again = gap = True
-                elif ahead >= 128 and reply.status == Status.REPEATED and self._ran_out:  # answered twice: it only came late
-                    self.patience, self._ran_out = min(2 * self.patience, MOST_PATIENCE_S), False
+                elif ahead >= 128 and reply.status == Status.REPEATED and self._late:  # answered twice: it only came late
+                    self.patience, self._late = min(2 * self.patience, MOST_PATIENCE_S), False
             if again:
-                tries += 1
-                command = requests[len(replies)].command
-                most = FIRST_TRIES if command == Command.IDENTIFY else MOST_TRIES
-                if tries > most:
-                    raise device_error("board", f"no answer to {command.name.lower()} after {most} tries; "
-                                       "check the cable, the baud rate and that the board runs Haptogram")  # fmt: skip
                 sent = len(replies)
                 self._line.drain()
                 self._line.write(b"\0")

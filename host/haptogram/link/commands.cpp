@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/link/commands.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "haptogram/base/error.hpp"
+
+namespace haptogram::link {
+namespace {
+
+using interface::Command;
+
+Error device_error(const std::string& message) { return {ErrorCode::device, "board", message}; }
+
+void append(Bytes& bytes, std::uint32_t word) {
+    bytes.push_back(static_cast<std::uint8_t>(word));
+    bytes.push_back(static_cast<std::uint8_t>(word >> 8));
+}
+
+template <class... Words>
+Bytes payload_of(Words... words) {
+    Bytes bytes;
+    (append(bytes, static_cast<std::uint32_t>(words)), ...);
+    return bytes;
+}
+
+/// @throws Error{device} when a block is too short to be taken apart
+void require_words(const Bytes& block, unsigned words) {
+    if (block.size() < std::size_t{2} * words)
+        throw device_error("its reply is too short; it speaks another version of the protocol");
+}
+
+}  // namespace
+
+Identity to_identity(const Bytes& block) {
+    namespace field = interface::identity_field;
+    require_words(block, interface::identity_words);
+    Identity identity;
+    for (std::size_t i = 0; i < 16 && block[i] != 0; ++i) identity.name += static_cast<char>(block[i]);
+    identity.version_major = field::version_major.get(block);
+    identity.version_minor = field::version_minor.get(block);
+    if (identity.name != interface::name || identity.version_major != interface::version_major)
+        throw device_error(fmt::format("it says it is '{}' {}.{}, expected '{}' {}.x", identity.name,
+                                       identity.version_major, identity.version_minor, interface::name,
+                                       interface::version_major));
+    identity.channels = field::channels.get(block);
+    identity.records = field::records.get(block);
+    identity.sequence_depth = field::sequence_depth.get(block);
+    identity.live_depth = field::live_depth.get(block);
+    identity.timing_bits = field::timing_bits.get(block);
+    identity.pulse_bits = field::pulse_bits.get(block);
+    identity.clock_hz = field::clock_hz.get(block);
+    identity.features = field::features.get(block);
+    identity.frame_bytes = field::frame_bytes.get(block);
+    return identity;
+}
+
+Status to_status(const Bytes& block) {
+    namespace field = interface::status_field;
+    require_words(block, interface::status_words);
+    const auto word = [&block](const interface::BitField& f) { return static_cast<std::uint16_t>(f.get(block)); };
+    return {.enabled = field::enabled.get(block) != 0,
+            .mode = static_cast<Mode>(field::mode.get(block)),
+            .present_index = word(field::present_index),
+            .underruns = word(field::underruns),
+            .refused_records = word(field::refused_records),
+            .frames_good = word(field::frames_good),
+            .frames_damaged = word(field::frames_damaged),
+            .frames_repeated = word(field::frames_repeated),
+            .frames_refused = word(field::frames_refused),
+            .watchdog_trips = word(field::watchdog_trips),
+            .guard_trips = word(field::guard_trips),
+            .live_level = word(field::live_level),
+            .watchdog_ms = word(field::watchdog_ms)};
+}
+
+Reply Commands::request(Request request) {
+    make_ready();
+    Reply answer;
+    try {
+        submit(std::move(request), [&answer](const Reply& reply) { answer = reply; });
+        wait();
+    } catch (...) {
+        drop();  // nobody may tell of answers to variables that are gone
+        throw;
+    }
+    return answer;
+}
+
+std::vector<Reply> Commands::pipeline(std::vector<Request> requests, const Progress& progress) {
+    make_ready();
+    std::vector<Reply> replies(requests.size());
+    std::size_t done = 0;
+    try {
+        for (Request& request : requests) {
+            submit(std::move(request), [&](const Reply& reply) {
+                replies[done++] = reply;
+                progress(static_cast<double>(done) / static_cast<double>(replies.size()));
+            });
+        }
+        wait();
+    } catch (...) {
+        drop();
+        throw;
+    }
+    return replies;
+}
+
+Status Commands::status() { return to_status(request({Command::status, {}}).data); }
+
+void Commands::select(std::uint16_t index, std::uint16_t dwell) {
+    request({Command::select, payload_of(index, dwell)});
+}
+
+std::uint16_t Commands::push(const std::vector<std::uint16_t>& indices, std::uint16_t dwell) {
+    Bytes payload = payload_of(dwell);
+    for (const std::uint16_t index : indices) append(payload, index);
+    return request({Command::push, std::move(payload)}).live_level;
+}
+
+void Commands::start(std::uint16_t first, std::uint16_t length, std::uint16_t loops) {
+    request({Command::start, payload_of(first, length, loops)});
+}
+
+void Commands::set_watchdog(std::uint16_t milliseconds) { request({Command::watchdog, payload_of(milliseconds)}); }
+
+void Commands::write(std::uint32_t address, const Bytes& bytes) {
+    Bytes payload = payload_of(address, address >> 16);
+    payload.insert(payload.end(), bytes.begin(), bytes.end());
+    request({Command::write, std::move(payload)});
+}
+
+Bytes Commands::read(std::uint32_t address, std::uint16_t bytes) {
+    return request({Command::read, payload_of(address, address >> 16, bytes)}).data;
+}
+
+std::chrono::milliseconds keep_alive_pause(std::uint16_t watchdog_ms) {
+    using namespace interface::link_policy;
+    const unsigned within_watchdog = watchdog_ms / keep_alive_share + 1;
+    return std::chrono::milliseconds(watchdog_ms == 0 ? keep_alive_ms : std::min(keep_alive_ms, within_watchdog));
+}
+
+}  // namespace haptogram::link

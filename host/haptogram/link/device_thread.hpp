@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "haptogram/link/client.hpp"
+#include "haptogram/link/transport.hpp"
+
+namespace haptogram::link {
+
+/// How the connection to a device is.
+enum class Connection { connecting, connected, lost };
+[[nodiscard]] std::string_view to_string(Connection connection);
+
+/// What a DeviceThread knows of its device.
+struct DeviceState {
+    Connection connection = Connection::connecting;
+    Identity identity;            ///< of the present or last session
+    Status status;                ///< as the device said last; old when the connection is lost
+    std::string trouble;          ///< why there is no connection, or what went wrong last; empty when all is well
+    std::uint64_t shut_offs = 0;  ///< how often shut_off() was called
+    std::uint64_t confirmed = 0;  ///< how many of these the device has confirmed, by a status with its outputs off
+};
+
+/// Owns a port in a thread of its own, so that a program can do other things while a device works: a server, a window,
+/// a script's prompt.
+///
+/// Work reaches the device through channels, of which there may be many, each for one thread at a time: an upload may
+/// run beside a stream. The thread takes requests from the channels in turn. It asks for the status often enough to
+/// keep the watchdog quiet, tells the caller of each, and connects again after the link was lost.
+///
+/// shut_off() overtakes everything: what any channel has queued is dropped, bytes that have not left the port are taken
+/// back, and disable goes out as the next frame but one (the first begins a new session, so that no frame lost before
+/// can be in the way). Channels that were opened before it fail from then on with Error{cancelled}, so no work of
+/// before can turn the outputs on again. After a loss their error is LinkLost, and the thread turns the outputs off as
+/// soon as it has the device back.
+class DeviceThread {
+public:
+    struct Settings {
+        /// Opens the port; called in the thread, again after a loss.
+        std::function<std::unique_ptr<Transport>()> open;
+        /// Told in the thread, without a lock held, of each status and each change; it must return soon. When it
+        /// throws, the outputs are shut off and the message becomes the state's trouble.
+        std::function<void(const DeviceState&)> told{};
+        std::chrono::milliseconds reconnect_pause{200};
+    };
+
+    /// Starts the thread and returns at once.
+    explicit DeviceThread(Settings settings);
+    DeviceThread(const DeviceThread&) = delete;
+    DeviceThread& operator=(const DeviceThread&) = delete;
+    /// Shuts the outputs off, waiting some two seconds at most for the device to confirm it, and closes the port.
+    ~DeviceThread();
+
+    /// Opens a channel. Waits for the connection at most so long; work may then be done through it in any one thread,
+    /// and it may outlive this object, after which it fails with Error{cancelled}.
+    /// @throws Error{device} saying why there is no connection
+    [[nodiscard]] std::unique_ptr<Commands> channel(std::chrono::milliseconds patience = std::chrono::seconds(3));
+
+    /// Turns the outputs off ahead of everything. Returns at once; may be called from any thread, also from `told`.
+    /// @return for wait_off()
+    std::uint64_t shut_off();
+    /// Whether the device has confirmed that its outputs are off, waiting for it at most so long. When it has not: the
+    /// watchdog should have turned them off; who must be sure switches the power off.
+    bool wait_off(std::uint64_t shut_off, std::chrono::milliseconds patience);
+
+    [[nodiscard]] DeviceState state() const;
+
+private:
+    class Core;
+    class Channel;
+    std::shared_ptr<Core> core_;
+};
+
+}  // namespace haptogram::link

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/link/to_json.hpp"
+
+#include <fmt/core.h>
+
+namespace haptogram::link {
+
+using nlohmann::ordered_json;
+
+ordered_json to_json(const Identity& i) {
+    return {{"name", i.name},
+            {"version", fmt::format("{}.{}", i.version_major, i.version_minor)},
+            {"channels", i.channels},
+            {"records", i.records},
+            {"sequence_depth", i.sequence_depth},
+            {"live_depth", i.live_depth},
+            {"timing_bits", i.timing_bits},
+            {"pulse_bits", i.pulse_bits},
+            {"clock_hz", i.clock_hz},
+            {"frame_bytes", i.frame_bytes}};
+}
+
+ordered_json to_json(const Status& s) {
+    return {{"outputs", s.enabled ? "on" : "off"},
+            {"mode", to_string(s.mode)},
+            {"index", s.present_index},
+            {"live_level", s.live_level},
+            {"watchdog_ms", s.watchdog_ms},
+            {"underruns", s.underruns},
+            {"refused_records", s.refused_records},
+            {"frames_good", s.frames_good},
+            {"frames_damaged", s.frames_damaged},
+            {"frames_repeated", s.frames_repeated},
+            {"frames_refused", s.frames_refused},
+            {"watchdog_trips", s.watchdog_trips},
+            {"guard_trips", s.guard_trips}};
+}
+
+ordered_json to_json(const std::vector<PortInfo>& ports) {
+    ordered_json json = ordered_json::array();
+    for (const PortInfo& port : ports) json.push_back({{"port", port.port}, {"name", port.name}});
+    return json;
+}
+
+ordered_json to_json(const UploadReport& r) {
+    return {{"records", r.records},         {"sequence_entries", r.sequence_entries},
+            {"frames", r.frames},           {"frames_written", r.frames_written},
+            {"seconds", r.seconds},         {"retransmissions", r.retransmissions},
+            {"link_losses", r.link_losses}, {"verified", r.verified}};
+}
+
+ordered_json played_to_json(const Played& p) {
+    return {{"underruns", p.underruns},
+            {"refused_records", p.refused_records},
+            {"watchdog_trips", p.watchdog_trips},
+            {"guard_trips", p.guard_trips},
+            {"interrupted", p.interrupted}};
+}
+
+ordered_json streamed_to_json(const Played& p) {
+    return {{"sent", p.sent}, {"underruns", p.underruns}, {"interrupted", p.interrupted}};
+}
+
+}  // namespace haptogram::link

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// What this library finds, as JSON objects for programs: the same for the command line and a server.
+#pragma once
+#include <nlohmann/json.hpp>
+
+#include "haptogram/link/play.hpp"
+#include "haptogram/link/port.hpp"
+#include "haptogram/link/transfer.hpp"
+
+namespace haptogram::link {
+
+[[nodiscard]] nlohmann::ordered_json to_json(const Identity& identity);
+[[nodiscard]] nlohmann::ordered_json to_json(const Status& status);
+[[nodiscard]] nlohmann::ordered_json to_json(const std::vector<PortInfo>& ports);
+[[nodiscard]] nlohmann::ordered_json to_json(const UploadReport& report);
+/// Of playing from the device's memories.
+[[nodiscard]] nlohmann::ordered_json played_to_json(const Played& played);
+/// Of indices that went over the link.
+[[nodiscard]] nlohmann::ordered_json streamed_to_json(const Played& played);
+
+}  // namespace haptogram::link

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <span>
+
+#include "board.hpp"
+#include "haptogram/link/frame.hpp"
+#include "pseudo_terminal.hpp"
+
+namespace haptogram::sim {
+
+/// What goes over a board's line, counted from outside the board: a frame that nobody answers was damaged or cut off.
+class LinkCounters {
+public:
+    void in(std::span<const std::uint8_t> bytes);
+    void out(std::span<const std::uint8_t> bytes);
+
+    std::uint64_t bytes_in = 0, bytes_out = 0;
+    std::uint64_t frames = 0;                              ///< that came in
+    std::uint64_t applied = 0, repeated = 0, refused = 0;  ///< those that were answered
+
+private:
+    bool in_frame_ = false;
+    link::ReplyDecoder decoder_;
+};
+
+struct ServeOptions {
+    bool real_time = true;  ///< run no faster than a real board; otherwise as fast as this machine can
+    double seconds = 0.0;   ///< end after so much simulated time; 0: no limit
+};
+
+/// What a simulated board was asked and did while it was served.
+struct Served {
+    LinkCounters link;
+    double simulated_s = 0.0;
+    double wall_s = 0.0;               ///< time that passed meanwhile
+    std::uint64_t playing_clocks = 0;  ///< simulated while it played
+    double playing_s = 0.0;            ///< that simulating these took, without waiting for real time
+    std::uint16_t index = 0;           ///< the record at the pins
+    bool enabled = false;              ///< its outputs
+};
+
+/// Runs a simulated board behind a pseudo-terminal: what others write there reaches its line, and the other way round.
+/// @param watch  told many times a second what was done so far; false ends the serving
+Served serve(Board& board, PseudoTerminal& terminal, const ServeOptions& options,
+             const std::function<bool(const Served&)>& watch);
+
+/// The first simulated board with so many channels, as an index into available_models().
+/// @throws Error{bad_argument} for "channels" when there is none; the message lists those that there are
+[[nodiscard]] std::size_t model_with_channels(std::uint32_t channels);
+
+}  // namespace haptogram::sim

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: Apache-2.0
+// A serial line in real time with a board of a hundred lines at its end, for tests of threads and latencies.
+#pragma once
+#include <algorithm>
+#include <atomic>
+#include <boost/crc.hpp>
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <random>
+#include <thread>
+#include <vector>
+
+#include "haptogram/link/frame.hpp"
+#include "haptogram/link/transport.hpp"
+
+namespace haptogram::test {
+
+using link::Bytes;
+using Clock = std::chrono::steady_clock;
+
+/// What a device does of which the link must take care: sessions and sequence numbers, memories and their digests,
+/// outputs and their watchdog. Its live FIFO plays everything at once.
+class FakeDevice {
+public:
+    struct Taken {
+        interface::Command command;
+        Clock::time_point when;
+        bool applied;
+    };
+
+    /// A frame whose last byte arrived `when`; damaged ones get no answer. @return the reply, COBS-encoded
+    Bytes take(std::span<const std::uint8_t> code, Clock::time_point when) {
+        const std::lock_guard lock(mutex_);
+        const auto frame = link::cobs_decode(code);
+        if (!frame || frame->size() < 4 || link::crc16(*frame) != 0) return {};
+        using interface::Command;
+        using interface::Status;
+        const std::uint8_t sequence = (*frame)[0];
+        const auto command = static_cast<Command>((*frame)[1]);
+        const Bytes payload(frame->begin() + 2, frame->end() - 2);
+        if (enabled_ && watchdog_ms_ > 0 && when - alive_ > std::chrono::milliseconds(watchdog_ms_)) {
+            enabled_ = false;
+            ++trips_;
+        }
+        if (command == Command::identify) {
+            expected_ = sequence;
+            in_session_ = true;
+        }
+        const auto ahead = static_cast<std::uint8_t>(sequence - expected_);
+        Status status = !in_session_ || (ahead != 0 && ahead < 128) ? Status::out_of_order
+                        : ahead != 0                                ? Status::repeated
+                        : refuses(command, payload)                 ? Status::bad_index
+                                                                    : Status::ok;
+        const bool applied = status == Status::ok;
+        if (applied) apply(command, payload), ++expected_;
+        if (applied || status == Status::repeated) alive_ = when;
+        log_.push_back({command, when, applied});
+        Bytes reply = {sequence,
+                       static_cast<std::uint8_t>(static_cast<unsigned>(command) | 0x80U),
+                       static_cast<std::uint8_t>(status),
+                       expected_,
+                       0,
+                       0};
+        if (applied || status == Status::repeated) {
+            const Bytes data = data_of(command, payload);
+            reply.insert(reply.end(), data.begin(), data.end());
+        }
+        const std::uint16_t crc = link::crc16(reply);
+        reply.push_back(static_cast<std::uint8_t>(crc >> 8));
+        reply.push_back(static_cast<std::uint8_t>(crc));
+        Bytes out = link::cobs_encode(reply);
+        out.push_back(0);
+        return out;
+    }
+
+    void reset() {
+        const std::lock_guard lock(mutex_);
+        in_session_ = enabled_ = false;
+    }
+    [[nodiscard]] bool enabled() const {
+        const std::lock_guard lock(mutex_);
+        return enabled_;
+    }
+    [[nodiscard]] unsigned trips() const {
+        const std::lock_guard lock(mutex_);
+        return trips_;
+    }
+    [[nodiscard]] std::vector<Taken> log() const {
+        const std::lock_guard lock(mutex_);
+        return log_;
+    }
+    [[nodiscard]] std::uint16_t watchdog_ms() const {
+        const std::lock_guard lock(mutex_);
+        return watchdog_ms_;
+    }
+
+private:
+    static std::uint32_t address_of(const Bytes& p) {
+        return static_cast<std::uint32_t>(p[0] | p[1] << 8 | p[2] << 16) | static_cast<std::uint32_t>(p[3]) << 24;
+    }
+    static bool refuses(interface::Command command, const Bytes& payload) {
+        return command == interface::Command::select && (payload[0] | payload[1] << 8) > 400;
+    }
+    void apply(interface::Command command, const Bytes& payload) {
+        if (command == interface::Command::enable) enabled_ = true;
+        if (command == interface::Command::disable) enabled_ = false;
+        if (command == interface::Command::watchdog)
+            watchdog_ms_ = static_cast<std::uint16_t>(payload[0] | payload[1] << 8);
+        if (command == interface::Command::write)
+            for (std::size_t i = 4; i < payload.size(); ++i)
+                memory_[address_of(payload) + static_cast<std::uint32_t>(i) - 4] = payload[i];
+    }
+    Bytes data_of(interface::Command command, const Bytes& payload) {
+        Bytes data;
+        const auto word = [&](unsigned value) {
+            data.push_back(static_cast<std::uint8_t>(value));
+            data.push_back(static_cast<std::uint8_t>(value >> 8));
+        };
+        using interface::Command;
+        if (command == Command::identify) {
+            data.assign(16, 0);
+            std::ranges::copy(interface::name, data.begin());
+            for (const unsigned value : {unsigned{interface::version_major} << 8, 100U, 400U, 1024U, 256U,
+                                         8U << 8 | 16U, 50'000'000U & 0xffffU, 50'000'000U >> 16, 15U, 214U})
+                word(value);
+        } else if (command == Command::status) {
+            for (const unsigned value :
+                 {enabled_ ? 1U : 0U, 0U, 0U, 0U, 0U, 0U, 0U, trips_, 0U, 0U, unsigned{watchdog_ms_}, 0U})
+                word(value);
+        } else if (command == Command::digest || command == Command::read) {
+            Bytes held(static_cast<std::size_t>(payload[4] | payload[5] << 8));
+            for (std::size_t i = 0; i < held.size(); ++i)
+                held[i] = memory_[address_of(payload) + static_cast<std::uint32_t>(i)];
+            if (command == Command::read) return held;
+            boost::crc_32_type crc;
+            crc.process_bytes(held.data(), held.size());
+            word(crc.checksum() & 0xffffU);
+            word(crc.checksum() >> 16);
+        }
+        return data;
+    }
+
+    mutable std::mutex mutex_;
+    std::map<std::uint32_t, std::uint8_t> memory_;
+    std::vector<Taken> log_;
+    Clock::time_point alive_{};
+    unsigned trips_ = 0;
+    std::uint16_t watchdog_ms_ = 500;
+    std::uint8_t expected_ = 0;
+    bool in_session_ = false, enabled_ = false;
+};
+
+/// The line: every byte takes ten bits' time. Bytes wait in a buffer of the operating system, from which they can be
+/// taken back, and in one of the chip, from which they cannot.
+class TimedLine final : public link::Transport {
+public:
+    struct Settings {
+        double baud = 1'000'000;
+        std::size_t chip = 128;                    ///< bytes that cannot be taken back
+        std::size_t system = 4096;                 ///< bytes that fit before a write has to wait
+        unsigned lose_one_in = 0;                  ///< bytes, in both directions; 0: none
+        std::shared_ptr<std::atomic<bool>> cut{};  ///< the cable is pulled while it is true
+    };
+
+    TimedLine(FakeDevice& device, const Settings& settings) : device_(device), settings_(settings) {}
+
+    void write(std::span<const std::uint8_t> bytes) override {
+        require_cable();
+        for (const std::uint8_t byte : bytes) {
+            while (out_.size() > settings_.system) {
+                std::this_thread::sleep_for(std::chrono::microseconds(200));
+                run();
+            }
+            free_ = std::max(free_, Clock::now()) + byte_time();
+            out_.push_back({byte, free_});
+        }
+    }
+
+    std::vector<std::uint8_t> read(std::chrono::microseconds patience) override {
+        const auto deadline = Clock::now() + patience;
+        for (;;) {
+            require_cable();
+            run();
+            Bytes arrived;
+            while (!in_.empty() && in_.front().when <= Clock::now()) {
+                arrived.push_back(in_.front().byte);
+                in_.pop_front();
+            }
+            if (!arrived.empty() || Clock::now() >= deadline) return arrived;
+            std::this_thread::sleep_for(std::chrono::microseconds(200));
+        }
+    }
+
+    void discard_output() override {
+        run();
+        if (out_.size() > settings_.chip) out_.resize(settings_.chip);
+        free_ = out_.empty() ? Clock::now() : out_.back().when;
+    }
+
+private:
+    struct Byte {
+        std::uint8_t byte = 0;
+        Clock::time_point when{};
+    };
+
+    [[nodiscard]] Clock::duration byte_time() const {
+        return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(10.0 / settings_.baud));
+    }
+    bool lost() { return settings_.lose_one_in != 0 && g_() % settings_.lose_one_in == 0; }
+    void require_cable() const {
+        if (settings_.cut && *settings_.cut) throw link::LinkLost("line", "the port is gone (pulled)");
+    }
+
+    void run() {
+        while (!out_.empty() && out_.front().when <= Clock::now()) {
+            const Byte next = out_.front();
+            out_.pop_front();
+            if (lost()) continue;
+            if (next.byte != 0) {
+                frame_.push_back(next.byte);
+                continue;
+            }
+            Clock::time_point when = std::max(next.when, in_.empty() ? next.when : in_.back().when);
+            for (const std::uint8_t byte : device_.take(frame_, next.when)) {
+                when += byte_time();
+                if (!lost()) in_.push_back({byte, when});
+            }
+            frame_.clear();
+        }
+    }
+
+    FakeDevice& device_;
+    Settings settings_;
+    std::mt19937 g_{7};
+    std::deque<Byte> out_, in_;
+    Clock::time_point free_{};  // when the line has sent what was written
+    Bytes frame_;
+};
+
+}  // namespace haptogram::test
