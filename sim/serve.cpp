@@ -66,12 +66,11 @@ Served serve(Board& board, PseudoTerminal& terminal, const ServeOptions& options
     return served;
 }
 
-std::size_t model_with_channels(std::uint32_t channels) {
-    const auto& models = available_models();
+std::string_view model_with_channels(std::uint32_t channels) {
     std::string known;
-    for (std::size_t i = 0; i < models.size(); ++i) {
-        if (models[i].channels == channels) return i;
-        known += fmt::format("{}{}", i == 0 ? "" : ", ", models[i].channels);
+    for (const auto& [name, parameters, about] : available_models()) {
+        if (parameters.channels == channels) return name;
+        known += fmt::format("{}{}", known.empty() ? "" : ", ", parameters.channels);
     }
     throw bad_argument("channels", fmt::format("no simulated board has {}; there are {}", channels, known));
 }

@@ -46,8 +46,8 @@ struct Served {
 Served serve(Board& board, PseudoTerminal& terminal, const ServeOptions& options,
              const std::function<bool(const Served&)>& watch);
 
-/// The first simulated board with so many channels, as an index into available_models().
+/// The first simulated board with so many channels, by its name in available_models().
 /// @throws Error{bad_argument} for "channels" when there is none; the message lists those that there are
-[[nodiscard]] std::size_t model_with_channels(std::uint32_t channels);
+[[nodiscard]] std::string_view model_with_channels(std::uint32_t channels);
 
 }  // namespace haptogram::sim

@@ -66,18 +66,8 @@ private:
 std::optional<Image> read_image(const std::string& path) {
     if (path.empty()) return {};
     Image image = from_intel_hex(read_file(path), path);
-    const std::vector<std::string> found = problems(image);
-    if (!found.empty()) throw bad_input(path, found.front());
+    require_playable(image, path);
     return image;
-}
-
-std::string_view model_of(std::uint32_t channels) {
-    std::string known;
-    for (const auto& [name, parameters, about] : sim::available_models()) {
-        if (parameters.channels == channels) return name;
-        known += fmt::format("{}{}", known.empty() ? "" : ", ", parameters.channels);
-    }
-    throw bad_argument("channels", fmt::format("no simulated board has {}; there are {}", channels, known));
 }
 
 /// One line, so that a program can read it while the board runs.

@@ -117,7 +117,7 @@ TEST_CASE("focus check: quantised phases keep what theory says", "[acoustics]") 
             const Vec3 focus = from_mm(x, y, 150.0 + x / 3.0);
             auto drives = ideal_drives(array, focus);
             for (auto& d : drives) d = std::polar(std::abs(d), std::round(std::arg(d) / step) * step);
-            mean += check_focus(array, drives, focus).pressure_kept;
+            mean += check_focus(array, drives, ideal_drives(array, focus), focus).pressure_kept;
             ++count;
         }
     REQUIRE(mean / count == Approx(kept).margin((1.0 - kept) * 0.05 + 1e-6));
@@ -126,10 +126,11 @@ TEST_CASE("focus check: quantised phases keep what theory says", "[acoustics]") 
 TEST_CASE("focus check: a focus that is elsewhere is found to be elsewhere", "[acoustics]") {
     const Array array = find_array("tile-10x10");
     const auto drives = ideal_drives(array, from_mm(1.0, 0, 130));
-    const FocusCheck check = check_focus(array, drives, from_mm(0, 0, 130));
+    const auto ideal = ideal_drives(array, from_mm(0, 0, 130));
+    const FocusCheck check = check_focus(array, drives, ideal, from_mm(0, 0, 130));
     REQUIRE(check.peak_offset_m == Approx(1e-3).margin(0.05e-3));
     REQUIRE(check.pressure_kept < 0.995);
-    const FocusCheck exact = check_focus(array, ideal_drives(array, from_mm(0, 0, 130)), from_mm(0, 0, 130));
+    const FocusCheck exact = check_focus(array, ideal, ideal, from_mm(0, 0, 130));
     REQUIRE(exact.pressure_kept == Approx(1.0).epsilon(1e-12));
     REQUIRE(exact.peak_offset_m < 1e-6);
 }
@@ -138,8 +139,7 @@ TEST_CASE("measure: a record's drives from its pulses, edges of a stretch left o
     Manifest manifest;
     manifest.array = find_array("tile-10x10");
     manifest.array.elements.resize(2);
-    manifest.foci = {from_mm(0, 0, 100), from_mm(0, 0, 110)};
-    manifest.dwell_cycles = {5, 1};
+    manifest.records = {{{{from_mm(0, 0, 100)}}, 1.0, 5}, {{{from_mm(0, 0, 110)}}, 1.0, 1}};
     std::vector<Pulse> pulses;
     for (std::uint64_t i = 0; i < 5; ++i) {
         pulses.push_back({1250 * i, 1250 * i + 625, 0, 1});

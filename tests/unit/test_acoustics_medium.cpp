@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <numbers>
 
+#include <nlohmann/json.hpp>
+
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
@@ -192,8 +194,8 @@ TEST_CASE("manifest: pattern and absorption are kept, and older manifests withou
     m.array = find_array(GENERATE("hoshi-18x18", "tile-10x10"));
     m.array.medium.absorption_np_m = 0.15;
     m.timer = {50e6, 5, 250, 125};
-    m.foci = {from_mm(1, 2, 130)};
-    m.dwell_cycles = {20};
+    m.core = find_configuration("hoshi-324");
+    m.records = {{{{from_mm(1, 2, 130)}}, 1.0, 20}};
     m.rate_hz = 10;
     const Manifest back = manifest_from_json(to_json(m).dump(), "m");
     REQUIRE(back.array.transducer.pattern == m.array.transducer.pattern);

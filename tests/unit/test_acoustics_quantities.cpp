@@ -127,7 +127,7 @@ TEST_CASE("quantities: the gradient is that of the pressure, and velocity obeys 
 
 TEST_CASE("quantities: far from one source the impedance is that of a plane wave", "[quantities]") {
     Array array = find_array("tile-10x10");
-    array.elements = {{0, 0, 0}};
+    array.elements = {Element{}};
     const std::vector<Complex> drives = {2.0};
     const Vec3 at = from_mm(0, 0, 2000);
     const ComplexVec3 v = particle_velocity(array, drives, at);
@@ -158,7 +158,7 @@ TEST_CASE("quantities: the power of an array of monopoles, through planes, a hem
     double paper = 0.0;
     for (std::size_t a = 0; a < drives.size(); ++a)
         for (std::size_t b = 0; b < drives.size(); ++b) {
-            const double kd = k * distance(array.elements[a], array.elements[b]);
+            const double kd = k * distance(array.elements[a], array.elements[b].position);
             paper += std::real(drives[a] * std::conj(drives[b])) * (kd == 0.0 ? 1.0 : std::sin(kd) / kd) * pi / rho_c;
         }
     const auto through_plane = [&](double z, double half, int cells) {

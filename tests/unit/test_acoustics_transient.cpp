@@ -188,8 +188,8 @@ TEST_CASE("transient: rise times: Hoshi's 0.5 ms, and a focus 10 cm above the ti
     // One element: 366 µs for a modulated sine; a train from 0 starts with its mean's step, 1/Q of the amplitude.
     REQUIRE(up.ring_up_s == Approx(366e-6).margin(9e-6));
     // Together: later than one element, sooner than the last to arrive.
-    REQUIRE(up.formation_s > up.ring_up_s);
-    REQUIRE(up.formation_s < up.ring_up_s + up.flight_spread_s + period);
+    REQUIRE(up.rise_s > up.ring_up_s);
+    REQUIRE(up.rise_s < up.ring_up_s + up.flight_spread_s + period);
     // Within Hoshi's 0.5 ms the amplitude is at 1 − e^(−π) = 95.7 %.
     const RingUp hoshi = ring_up(array, resonator, from_mm(0, 0, 100), 1.0 - std::exp(-pi));
     REQUIRE(hoshi.ring_up_s == Approx(0.5e-3).margin(9e-6));
@@ -202,15 +202,15 @@ TEST_CASE("transient: rise times: Hoshi's 0.5 ms, and a focus 10 cm above the ti
         for (const Element& e : array.elements) {
             const double range = distance(e, focus);
             const double late = (range - distance(array.elements[44], focus)) / 340.0;
-            const double weight = piston_directivity(omega / 340.0 * 4.5e-3 * std::hypot(e.x, e.y) / range) / range;
+            const double weight = piston_directivity(omega / 340.0 * 4.5e-3 * std::hypot(e.position.x, e.position.y) / range) / range;
             full += weight;
             if (t > late) sum += weight * (1.0 - std::exp(-(t - late) * pi * 2000.0));
         }
         return sum / full;
     };
     while (reached() < 0.9) t += 1e-7;
-    CAPTURE(t, up.formation_s);
-    REQUIRE(up.formation_s == Approx(t).margin(period / 2 + 9e-6));  // trains start half a period apart at most
+    CAPTURE(t, up.rise_s);
+    REQUIRE(up.rise_s == Approx(t).margin(period / 2 + 9e-6));  // trains start half a period apart at most
 }
 
 TEST_CASE("transient: what alternating between two foci keeps", "[transient]") {
@@ -278,7 +278,7 @@ TEST_CASE("transient: silence before the wave arrives; a train for every element
     for (std::size_t i = 0; i < 293; ++i) REQUIRE(samples[i] == 0.0);  // 99.8 mm to the nearest, 293 µs
     REQUIRE(*std::max_element(samples.begin(), samples.end()) > 10.0);
     REQUIRE_THROWS_AS(pressure_over_time(array, second_order(array), {}, focus, {0.0, 1e-6, 4}), Error);
-    REQUIRE_THROWS_AS(pressure_over_time(array, second_order(array), trains, array.elements[5], {0.0, 1e-6, 4}), Error);
+    REQUIRE_THROWS_AS(pressure_over_time(array, second_order(array), trains, array.elements[5].position, {0.0, 1e-6, 4}), Error);
     REQUIRE(output(second_order(array), {}, {0.0, 1e-6, 3}) == std::vector<double>(3));
     REQUIRE(envelope(std::vector<double>(8), 8) == std::vector<Complex>(8));
 }

@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include <nlohmann/json.hpp>
+
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/image/manifest.hpp"
@@ -88,10 +90,10 @@ TEST_CASE("files: permissions and symbolic links survive a rewrite", "[files]") 
 TEST_CASE("array files: the shipped ones", "[array]") {
     const Array tile = find_array("tile-10x10");
     REQUIRE(tile.elements.size() == 100);
-    REQUIRE(tile.elements[0].x == Approx(-0.045));
-    REQUIRE(tile.elements[0].y == Approx(-0.045));
-    REQUIRE(tile.elements[1].x == Approx(-0.035));  // channel = row · columns + column
-    REQUIRE(tile.elements[10].y == Approx(-0.035));
+    REQUIRE(tile.elements[0].position.x == Approx(-0.045));
+    REQUIRE(tile.elements[0].position.y == Approx(-0.045));
+    REQUIRE(tile.elements[1].position.x == Approx(-0.035));  // channel = row · columns + column
+    REQUIRE(tile.elements[10].position.y == Approx(-0.035));
     REQUIRE(tile.medium.speed_m_s == Approx(343.2).margin(0.05));
     REQUIRE(find_array("hoshi-18x18").elements.size() == 324);
     REQUIRE_THROWS_WITH(find_array("nonesuch"), Contains("tile-10x10"));
@@ -109,7 +111,7 @@ TEST_CASE("array files: explicit elements, and every mistake named with its line
     write_file(file, "[array]\nelements_mm = [[0, 0], [1.5, -2]]\n");
     const Array array = load_array(file);
     REQUIRE(array.elements.size() == 2);
-    REQUIRE(array.elements[1] == from_mm(1.5, -2, 0));
+    REQUIRE(array.elements[1] == Element{from_mm(1.5, -2, 0)});
     REQUIRE(array.nearest_m == Approx(10.0 * 81e-6 / (4.0 * array.wavelength_m())));
     const auto [text, message] = GENERATE(table<std::string, std::string>({
         {"", "must have rows, columns and pitch_mm"},
@@ -123,14 +125,18 @@ TEST_CASE("array files: explicit elements, and every mistake named with its line
         {array_text("[medium]\nspeed_m_s = 340\ntemperature_c = 20\n"), "not both"},
         {array_text("[board]\nchannels = 3\n"), "4 elements but the board has 3 channels"},
         {array_text("[board]\nclock_hz = 50.5\n"), "board.clock_hz must be a whole number"},
-        {array_text("[boards]\n"), "unknown key 'boards'"},
+        {array_text("[boards]\n"), "unknown key boards"},
         {"array = 3\n", "'array' must be a table"},
-        {"[array]\nelements_mm = [[0, 0], [1]]\n", ":2: elements_mm must be a list of [x, y] pairs"},
+        {"[array]\nelements_mm = [[0, 0], [1]]\n", ":2: elements_mm must be a list, in channel order, of [x, y]"},
         {"[array]\nelements_mm = []\n", "elements_mm must be a list"},
     }));
     CAPTURE(text);
     write_file(file, text);
-    REQUIRE_THROWS_WITH(load_array(file), Contains("a.toml") && Contains(message));
+    const auto load = [&] {
+        const Array read = load_array(file);
+        require_channels(read, core_of_array(file.string()));
+    };
+    REQUIRE_THROWS_WITH(load(), Contains("a.toml") && Contains(message));
 }
 
 TEST_CASE("array: reach", "[array]") {
@@ -146,8 +152,11 @@ TEST_CASE("manifest: what is written is read back; what is missing is named", "[
     Manifest m;
     m.array = find_array("hoshi-18x18");
     m.timer = {50e6, 5, 250, 125};
-    m.foci = {from_mm(1, 2, 130), from_mm(-1.25, 0, 140)};
-    m.dwell_cycles = {20, 21};
+    m.core = find_configuration("hoshi-324");
+    m.records = {{{{from_mm(1, 2, 130)}}, 1.0, 20},
+                 {{{from_mm(-1.25, 0, 140), 0.5}, {from_mm(0, 3, 140)}}, 0.25, 21},
+                 {{{from_mm(2, 0, 140)}}, 0.5, 1}};
+    m.array.elements[5].normal = {0.6, 0.0, 0.8};
     m.rate_hz = 10;
     m.formation = {1e-4, 4, 1.1e-4, 3.6e-4};
     m.input_sha256 = "aa";
@@ -155,7 +164,10 @@ TEST_CASE("manifest: what is written is read back; what is missing is named", "[
     const std::string text = to_json(m).dump(1);
     const Manifest back = manifest_from_json(text, "m");
     REQUIRE(to_json(back).dump(1) == text);
-    REQUIRE(back.foci == m.foci);
+    REQUIRE(back.points() == m.points());
+    REQUIRE(back.records[1].foci == m.records[1].foci);
+    REQUIRE(back.records[1].amplitude == 0.25);
+    REQUIRE(back.array.elements[5] == m.array.elements[5]);
     REQUIRE_THROWS_WITH(manifest_from_json("{", "m.json"), Contains("m.json"));
     REQUIRE_THROWS_WITH(manifest_from_json("[]", "m"), Contains("not a manifest"));
     for (const char* key : {"format", "timer", "array", "records", "image_sha256", "board"}) {

@@ -11,9 +11,10 @@ using namespace haptogram;
 using Catch::Contains;
 
 TEST_CASE("focal law: waves arrive together, by flight time and emission tick", "[focus]") {
+    const Core core;
     // The check is what the law is for, not its formula: emission time + flight time must agree modulo the period.
     const Array array = find_array(GENERATE("tile-10x10", "hoshi-18x18"));
-    const Timer timer = choose_timer(array);
+    const Timer timer = choose_timer(array, core);
     std::mt19937_64 g(Catch::rngSeed());
     std::uniform_real_distribution<double> lateral(-0.08, 0.08);
     std::uniform_real_distribution<double> height(0.03, 0.3);
@@ -26,12 +27,12 @@ TEST_CASE("focal law: waves arrive together, by flight time and emission tick", 
     for (std::size_t f = 0; f < foci.size(); ++f) {
         double arrival = 0.0;
         for (const Element& e : array.elements)
-            arrival = std::max(arrival, distance(foci[f], e) / array.medium.speed_m_s / timer.tick_s());
+            arrival = std::max(arrival, distance(e, foci[f]) / array.medium.speed_m_s / timer.tick_s());
         for (std::size_t m = 0; m < elements; ++m) {
             const std::uint16_t tick = ticks[f * elements + m];
             REQUIRE(tick < timer.cycle_ticks);
             const double late =
-                tick + distance(foci[f], array.elements[m]) / array.medium.speed_m_s / timer.tick_s() - arrival;
+                tick + distance(array.elements[m], foci[f]) / array.medium.speed_m_s / timer.tick_s() - arrival;
             worst = std::max(worst, std::abs(std::remainder(late, timer.cycle_ticks)));
         }
     }
@@ -40,8 +41,9 @@ TEST_CASE("focal law: waves arrive together, by flight time and emission tick", 
 }
 
 TEST_CASE("focal law: symmetric foci give mirrored ticks, and the axis gives one ring one tick", "[focus]") {
+    const Core core;
     const Array array = find_array("tile-10x10");
-    const Timer timer = choose_timer(array);
+    const Timer timer = choose_timer(array, core);
     const std::vector<Vec3> foci = {{0.01, 0.02, 0.13}, {-0.01, 0.02, 0.13}, {0.0, 0.0, 0.13}};
     const auto ticks = focal_law(array, timer, foci);
     for (std::size_t r = 0; r < 10; ++r)
@@ -54,8 +56,9 @@ TEST_CASE("focal law: symmetric foci give mirrored ticks, and the axis gives one
 }
 
 TEST_CASE("focal law: any number of elements and foci, also fewer than a vector", "[focus]") {
+    const Core core;
     Array array = find_array("tile-10x10");
-    const Timer timer = choose_timer(array);
+    const Timer timer = choose_timer(array, core);
     const std::vector<Vec3> foci = {{0.013, -0.02, 0.11}};
     const auto all = focal_law(array, timer, foci);
     const auto elements = array.elements;
@@ -72,8 +75,9 @@ TEST_CASE("focal law: any number of elements and foci, also fewer than a vector"
 }
 
 TEST_CASE("timer: the finest that carries the duty at the exact carrier", "[focus]") {
+    Core core;
     Array array;
-    array.elements = {{0, 0, 0}};
+    array.elements = {Element{}};
     const auto [clock, duty, prescaler, cycle, pulse] = GENERATE(table<double, double, unsigned, unsigned, unsigned>({
         {50e6, 0.5, 5, 250, 125},
         {50e6, 0.2, 1, 1250, 250},
@@ -82,9 +86,9 @@ TEST_CASE("timer: the finest that carries the duty at the exact carrier", "[focu
         {25e6, 0.5, 5, 125, 63},
         {25.6e6, 0.5, 2, 320, 160},
     }));
-    array.board.clock_hz = clock;
+    core.parameters.clock_hz = static_cast<std::uint32_t>(clock);
     array.duty = duty;
-    const Timer timer = choose_timer(array);
+    const Timer timer = choose_timer(array, core);
     REQUIRE(timer.prescaler == prescaler);
     REQUIRE(timer.cycle_ticks == cycle);
     REQUIRE(timer.pulse_ticks == pulse);
@@ -92,18 +96,20 @@ TEST_CASE("timer: the finest that carries the duty at the exact carrier", "[focu
 }
 
 TEST_CASE("timer: a clock that cannot make the carrier is an error", "[focus]") {
+    Core core;
     Array array;
-    array.elements = {{0, 0, 0}};
-    array.board.clock_hz = 200e3;
-    REQUIRE_THROWS_WITH(choose_timer(array), Contains("no timer"));
-    array.board.clock_hz = 48e6;
-    array.board.timing_bits = 8;
-    REQUIRE(choose_timer(array).prescaler == 5);  // 240 ticks: the finest that 8 bits can hold
+    array.elements = {Element{}};
+    core.parameters.clock_hz = 200'000;
+    REQUIRE_THROWS_WITH(choose_timer(array, core), Contains("no timer"));
+    core.parameters.clock_hz = 48'000'000;
+    core.parameters.timing_bits = 8;
+    REQUIRE(choose_timer(array, core).prescaler == 5);  // 240 ticks: the finest that 8 bits can hold
 }
 
 TEST_CASE("timer: every tick of the cycle is a timing that the board can hold", "[focus]") {
+    Core core;
     Array array;
-    array.elements = {{0, 0, 0}};
+    array.elements = {Element{}};
     array.duty = 0.2;  // so that the pulse counter does not bound it first
     const auto [clock, bits, prescaler, cycle] = GENERATE(table<double, unsigned, unsigned, unsigned>({
         {48e6, 16, 1, 1200},
@@ -114,36 +120,38 @@ TEST_CASE("timer: every tick of the cycle is a timing that the board can hold", 
         {40e3 * 511, 9, 1, 511},  // the last tick is 510; 511 is all ones, which is silence
         {40e3 * 512, 9, 2, 256},
     }));
-    array.board.clock_hz = clock;
-    array.board.timing_bits = bits;
-    const Timer timer = choose_timer(array);
+    core.parameters.clock_hz = static_cast<std::uint32_t>(clock);
+    core.parameters.timing_bits = bits;
+    const Timer timer = choose_timer(array, core);
     REQUIRE(timer.prescaler == prescaler);
     REQUIRE(timer.cycle_ticks == cycle);
     REQUIRE(timer.cycle_ticks - 1U < (1U << bits) - 1U);
 }
 
 TEST_CASE("timer: too few timing bits is an error that says so", "[focus]") {
+    Core core;
     Array array;
-    array.elements = {{0, 0, 0}};
-    array.board.clock_hz = 40e3 * 17 * 19;  // 17 and 19 ticks are what a whole prescaler leaves, and 323
-    array.board.timing_bits = 4;
-    REQUIRE_THROWS_WITH(choose_timer(array), Contains("4 timing bits (at most 15 ticks a cycle)"));
-    array.board.timing_bits = 5;
-    REQUIRE(choose_timer(array).cycle_ticks == 19);
+    array.elements = {Element{}};
+    core.parameters.clock_hz = 40'000 * 17 * 19;  // 17 and 19 ticks are what a whole prescaler leaves, and 323
+    core.parameters.timing_bits = 4;
+    REQUIRE_THROWS_WITH(choose_timer(array, core), Contains("4 timing bits (at most 15 ticks a cycle)"));
+    core.parameters.timing_bits = 5;
+    REQUIRE(choose_timer(array, core).cycle_ticks == 19);
 }
 
 TEST_CASE("formation: the paper's geometry, as recomputed", "[focus]") {
+    const Core core;
     Array array = find_array("tile-10x10");
     array.medium.speed_m_s = 340.0;
     // 10 cm above the centre: 53.8 µs, not the paper's 643 µs (which is what it measured, ring-up included).
-    const Formation above = formation(array, from_mm(0, 0, 100));
+    const Formation above = formation(array, core, from_mm(0, 0, 100));
     REQUIRE(above.flight_spread_s == Approx(53.8e-6).margin(0.1e-6));
     REQUIRE(above.periods == 3);
     REQUIRE(above.formation_s == Approx(3.0 / 40e3 + 107.0 / 50e6));
     REQUIRE(above.ring_up_s == Approx(366e-6).margin(1e-6));
-    REQUIRE(formation(array, from_mm(200, 200, 100)).flight_spread_s == Approx(352e-6).margin(3e-6));
+    REQUIRE(formation(array, core, from_mm(200, 200, 100)).flight_spread_s == Approx(352e-6).margin(3e-6));
     // The paper's eq. 13 with its own numbers: 26 periods, 30 Hz.
     REQUIRE(most_points(30.0, 26.0 / 40e3 + 108.0 / 50e6) == 51);
     const std::vector<Vec3> foci = {from_mm(0, 0, 100), from_mm(50, 0, 100)};
-    REQUIRE(slowest_formation(array, foci).flight_spread_s == formation(array, foci[1]).flight_spread_s);
+    REQUIRE(slowest_formation(array, core, foci).flight_spread_s == formation(array, core, foci[1]).flight_spread_s);
 }

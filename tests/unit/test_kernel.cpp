@@ -60,7 +60,7 @@ Array grid_array(std::uint32_t columns, std::uint32_t rows, double pitch_x = 0.0
 
 Array random_array(std::size_t elements) {
     Array array;
-    for (std::size_t m = 0; m < elements; ++m) array.elements.push_back(random_point(0.06, -0.01, 0.01));
+    for (std::size_t m = 0; m < elements; ++m) array.elements.push_back({random_point(0.06, -0.01, 0.01)});
     return array;
 }
 
@@ -120,7 +120,7 @@ TEST_CASE("kernel: equal to the double sum for every pattern, with and without a
     auto points = random_points(2500, 0.15, -0.1, 0.3);
     for (Vec3& p : points)  // a table jumps at 90°
         for (const Element& e : array.elements)
-            if (std::abs(p.z - e.z) < 1e-6) p.z = 0.2;
+            if (std::abs(p.z - e.position.z) < 1e-6) p.z = 0.2;
     const Record drives = random_drives(array);
     for (const double absorption : {0.0, 0.115, 3.0}) {
         array.medium.absorption_np_m = absorption;
@@ -167,7 +167,7 @@ TEST_CASE("kernel: a table on its axis, at 90° and behind", "[kernel]") {
     array.transducer.pattern = Pattern::table;
     array.transducer.table = measured_table;
     const Record drives{{2.0, -1.0}};
-    const Vec3 e = array.elements[0];
+    const Vec3 e = array.elements[0].position;
     const std::vector<Vec3> points{e + Vec3{0, 0, 0.1}, e + Vec3{0.1, 0, 0}, e + Vec3{0, 0.07, 0}, e + Vec3{0, 0, -0.1},
                                    e + Vec3{0.1, 0.1, -0.001}};
     REQUIRE(error(array, drives, points) <= tight);
@@ -262,7 +262,7 @@ TEST_CASE("kernel: near field, down to micrometres from an element", "[kernel]")
     for (const double height : {1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 0.01}) {
         CAPTURE(height);
         auto points = random_points(1500, 0.06, height, height);
-        for (const Element& e : array.elements) points.push_back(e + Vec3{random(-height, height), 0.0, height});
+        for (const Element& e : array.elements) points.push_back(e.position + Vec3{random(-height, height), 0.0, height});
         // Each point against what can be heard there: an element nearby makes the peak thousands of times higher.
         const Field found = pressure_at(array, drives, points);
         for (std::size_t i = 0; i < points.size(); ++i) REQUIRE(error(array, drives, {points[i]}, {found[i]}) <= 3e-5);
@@ -281,7 +281,7 @@ TEST_CASE("kernel: far field, and far from the origin", "[kernel]") {
         REQUIRE(error(array, drives, points) <= tight);
         const Vec3 move{far, -2.0 * far, 3.0 * far};
         Array moved = array;
-        for (Element& e : moved.elements) e = e + move;
+        for (Element& e : moved.elements) e.position = e.position + move;
         points = random_points(1200, 0.1, 0.05, 0.2);
         for (Vec3& p : points) p = p + move;
         REQUIRE(error(moved, drives, points) <= tight);
@@ -303,24 +303,24 @@ TEST_CASE("kernel: a point on an element is refused", "[kernel]") {
     for (const std::size_t at : {0U, 1023U, 2999U}) {
         for (const double off : {0.0, 0.9e-9}) {
             auto bad = points;
-            bad[at] = array.elements[55] + Vec3{0.0, off, 0.0};
+            bad[at] = array.elements[55].position + Vec3{0.0, off, 0.0};
             for (const unsigned threads : {1U, 2U}) {
                 const FieldOptions options{.threads = threads};
                 REQUIRE_THROWS_WITH(pressure_at(array, drives, bad, options), Contains("coincides with an element"));
             }
         }
     }
-    points[5] = array.elements[55] + Vec3{0.0, 2e-9, 0.0};
+    points[5] = array.elements[55].position + Vec3{0.0, 2e-9, 0.0};
     REQUIRE(error(array, drives, points) <= tight);
 
     const WeightedDrives entry{1.0, drives};
     for (const double step : {1e-3, 2.5e-3, 9e-3}) {
-        const Grid grid{axis(array.elements[0].x, step, 30), axis(array.elements[0].y, step, 30), {-0.1, 0.0, 0.1}};
+        const Grid grid{axis(array.elements[0].position.x, step, 30), axis(array.elements[0].position.y, step, 30), {-0.1, 0.0, 0.1}};
         REQUIRE_THROWS_WITH(pressure_on(array, drives, grid), Contains("coincides with an element"));
         REQUIRE_THROWS_WITH(mean_square_pressure(array, {&entry, 1}, grid), Contains("coincides with an element"));
     }
     try {
-        (void)pressure_at(array, drives, array.elements);
+        (void)pressure_at(array, drives, std::vector<Vec3>{array.elements[7].position});
         FAIL("no error");
     } catch (const Error& e) {
         REQUIRE(e.code() == ErrorCode::bad_input);
@@ -349,7 +349,7 @@ TEST_CASE("kernel: shifts are found where they are, to the nanometre", "[kernel]
     REQUIRE_FALSE(find_shifts(array, uneven));
     for (int part = 0; part < 3; ++part) {
         Array bent = array;
-        (part == 0 ? bent.elements[33].x : part == 1 ? bent.elements[33].y : bent.elements[33].z) += 2e-8;
+        (part == 0 ? bent.elements[33].position.x : part == 1 ? bent.elements[33].position.y : bent.elements[33].position.z) += 2e-8;
         REQUIRE_FALSE(find_shifts(bent, square(-0.05, 1e-3, 100)));
     }
     Array listed = array;
@@ -383,7 +383,7 @@ TEST_CASE("kernel: shifted fields equal the direct sum", "[kernel]") {
     };
     for (const Case& c : cases) {
         Array array = grid_array(c.columns, c.rows, c.pitch_x, c.pitch_y);
-        for (Element& e : array.elements) e = e + Vec3{0.003, -0.002, 0.0};  // the array need not be centred
+        for (Element& e : array.elements) e.position = e.position + Vec3{0.003, -0.002, 0.0};  // the array need not be centred
         const Record drives = random_drives(array);
         Array listed = array;
         listed.columns = 0;
@@ -497,19 +497,19 @@ TEST_CASE("kernel: moving everything changes nothing", "[kernel]") {
     SECTION("translated") {
         Array moved = array;
         const Vec3 move{0.37, -1.2, 0.05};
-        for (Element& e : moved.elements) e = e + move;
+        for (Element& e : moved.elements) e.position = e.position + move;
         for (Vec3& p : points) p = p + move;
         unchanged(moved, 1.0F);
     }
     SECTION("rotated by 90° about z") {
         Array turned = array;
-        for (Element& e : turned.elements) e = {-e.y, e.x, e.z};
+        for (Element& e : turned.elements) e.position = {-e.position.y, e.position.x, e.position.z};
         for (Vec3& p : points) p = {-p.y, p.x, p.z};
         unchanged(turned, 1.0F);
     }
     SECTION("mirrored") {
         Array mirrored = array;
-        for (Element& e : mirrored.elements) e.x = -e.x;
+        for (Element& e : mirrored.elements) e.position.x = -e.position.x;
         for (Vec3& p : points) p.x = -p.x;
         unchanged(mirrored, 1.0F);
     }
@@ -517,7 +517,7 @@ TEST_CASE("kernel: moving everything changes nothing", "[kernel]") {
         Array large = array;
         large.carrier_hz /= 2.0;
         large.transducer.radius_m *= 2.0;
-        for (Element& e : large.elements) e = e * 2.0;
+        for (Element& e : large.elements) e.position = e.position * 2.0;
         for (Vec3& p : points) p = p * 2.0;
         unchanged(large, 2.0F);
     }

@@ -31,7 +31,7 @@ double median_ms(int repeats, Call call) {
 
 double focal_law_ms() {
     const Array array = find_array("tile-10x10");
-    const Timer timer = choose_timer(array);
+    const Timer timer = choose_timer(array, core_of_array("tile-10x10"));
     std::mt19937 generator(1);
     std::uniform_real_distribution<double> lateral(-0.05, 0.05);
     std::vector<Vec3> foci(100'000);

@@ -27,7 +27,7 @@ Json to_json(const RingUp& up) {
     return {{"first_arrival_us", up.first_arrival_s / microsecond},
             {"flight_spread_us", up.flight_spread_s / microsecond},
             {"ring_up_90_us", up.ring_up_s / microsecond},
-            {"formation_90_us", up.formation_s / microsecond}};
+            {"formation_90_us", up.rise_s / microsecond}};
 }
 
 /// The pressure at a point and its envelope, from when the trains begin to play.
@@ -47,7 +47,7 @@ Json formation_over_time(const Array& tile) {
     Json found;
     for (const double height : {100.0, 150.0}) {
         const Vec3 focus{0.0, 0.0, height * millimetre};
-        const Formation law = formation(tile, focus);
+        const Formation law = formation(tile, core_of_array(tile.file), focus);
         found["foci"].push_back({{"elevation_mm", height},
                                  {"beta", law.periods},
                                  {"t_f_us", law.formation_s / microsecond},

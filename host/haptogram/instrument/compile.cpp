@@ -37,9 +37,14 @@ Shape gather(const Project& project, std::string& hashes) {
         if (source.file.empty() && !source.content) {
             part = make_primitive(source.primitive);
         } else {
+            const double metres = metres_per_unit(source.unit);
             std::string hash;
-            const std::filesystem::path path = source.file == "-" ? "-" : project.folder / source.file;
-            part = load_shape(path, metres_per_unit(source.unit), &hash);
+            if (source.content) {
+                part = load_shape(*source.content, shape_format(source.file), source.file, metres);
+                hash = sha256(*source.content);
+            } else {
+                part = load_shape(project.folder / source.file, metres, &hash);
+            }
             hashes += hash;
         }
         std::move(part.pieces.begin(), part.pieces.end(), std::back_inserter(shape.pieces));
