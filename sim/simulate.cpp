@@ -34,7 +34,6 @@ std::vector<RecordResult> check_records(const Bundle& bundle, const std::vector<
 }  // namespace
 
 Simulation simulate(const Bundle& bundle, const PlaybackOptions& options) {
-    require_playable(bundle.image, bundle.name);
     Simulation result;
     result.playback = play(bundle.image, options, bundle.name);
     result.records = check_records(bundle, result.playback.pulses, options.progress);

@@ -47,6 +47,7 @@ Project project_of(const CompileOptions& options) {
         files.clear();
     }
     for (const std::string& file : files) {
+        if (file.empty()) throw bad_input("\"\"", "an input's name is empty; name a shape file or a project");
         ShapeSource source;
         source.file = file;
         source.unit = options.unit.value_or(source.unit);

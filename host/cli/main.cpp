@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -114,6 +116,11 @@ int run(int argc, char** argv) {
 }  // namespace haptogram::cli
 
 int main(int argc, char** argv) {
+    // A file that is opened must never become standard error: messages would end up in it.
+    for (int opened = 0; opened >= 0 && opened <= STDERR_FILENO;) {
+        opened = ::open("/dev/null", O_RDONLY);  // so that data written to a closed standard output are missed
+        if (opened > STDERR_FILENO) ::close(opened);
+    }
     // A closed pipe and a file that may not grow are errors to be told of, not silent deaths.
     std::signal(SIGPIPE, SIG_IGN);
     std::signal(SIGXFSZ, SIG_IGN);

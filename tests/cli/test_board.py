@@ -396,14 +396,14 @@ def test_an_array_larger_than_its_own_board_on_a_board_that_is_large_enough(fold
 
 def test_more_points_than_the_board_has_records(folder):
     circle = ["compile", "--shape", "circle", "--diameter", "20", "--center", "0,0,80", "--board", "board.toml", "-o", "image.hex"]
-    refuse(folder, [*circle, "--points", "6"], BAD_INPUT, "board: 6 points", "holds 5", "5 records", "7 sequence entries", "--points 5", "--board")
+    refuse(folder, [*circle, "--points", "6"], BAD_INPUT, "board: 6 points", "holds 5", "5 records", "7 sequence entries", "at most 5", "--points", "--board")
     assert compiled(folder, "--points", "5", "--board", "board.toml")[1].count == 5
 
 
 def test_more_points_than_the_boards_sequence_holds(folder):
     (folder / "board.toml").write_text(GOOD.replace("RECORDS = 5", "RECORDS = 50"))
     circle = ["compile", "--shape", "circle", "--diameter", "20", "--center", "0,0,80", "--board", "board.toml", "-o", "image.hex"]
-    refuse(folder, [*circle, "--points", "8"], BAD_INPUT, "8 points", "holds 7", "50 records", "7 sequence entries", "--points 7")
+    refuse(folder, [*circle, "--points", "8"], BAD_INPUT, "8 points", "holds 7", "50 records", "7 sequence entries", "at most 7", "--points")
     assert compiled(folder, "--points", "7", "--board", "board.toml")[1].count == 7
 
 

@@ -16,7 +16,7 @@ namespace {
 constexpr double bytes_a_point = 16.0;  // the field and what is made of it
 
 Error usage(const std::string& option, const std::string& message) {
-    return {ErrorCode::bad_argument, option, message};
+    return bad_argument(option, message);
 }
 
 /// The number that all of `text` is.
@@ -67,7 +67,7 @@ Region parse_region(const std::string& option, const std::string& text, const Re
                                 text));
     };
     if (!(reach.step_m > 0.0) || !(reach.extent_m >= reach.step_m))
-        throw usage("--step", fmt::format("must be positive and no more than --extent, found {} mm and {} mm",
+        throw usage("step", fmt::format("must be positive and no more than the extent, found {} mm and {} mm",
                                           reach.step_m / millimetre, reach.extent_m / millimetre));
     Region region;
     region.text = text;
@@ -95,7 +95,7 @@ Region parse_region(const std::string& option, const std::string& text, const Re
         static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGE_SIZE));
     if (!(points * bytes_a_point < 0.8 * memory))
         throw usage(
-            "--step",
+            "step",
             fmt::format("{:.4g} points are too many: they need {:.3g} GB, this machine has {:.3g}; take a larger step "
                         "or a smaller region",
                         points, points * bytes_a_point / 1e9, memory / 1e9));

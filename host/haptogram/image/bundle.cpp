@@ -45,6 +45,7 @@ void require_agreement(const Manifest& manifest, const Image& image, const std::
 
 Bundle assemble(Image image, std::string hex, Manifest manifest, const std::string& name,
                 const std::string& manifest_name) {
+    require_playable(image, name);
     if (const std::string hash = sha256(hex); manifest.image_sha256 != hash)
         throw bad_input(manifest_name,
                         fmt::format("it belongs to another image than {} (hash {}…, expected {}…); compile the two "

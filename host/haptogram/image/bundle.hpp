@@ -20,11 +20,11 @@ struct Bundle {
 [[nodiscard]] std::string manifest_path(const std::string& image);
 
 /// Puts the two together. Everything that is made of an image and its manifest begins here, so that there is one rule:
-/// the manifest has the image's hash, and agrees with it in channels, clock, records, timer, pulses, dwells, and in the
+/// the image would play, and the manifest has its hash and agrees with it in channels, clock, records, timer, pulses, dwells, and in the
 /// channels that stay silent.
 /// @param name           of the image, for messages
 /// @param manifest_name  of the manifest, for messages
-/// @throws Error{bad_input} naming the first disagreement
+/// @throws Error{bad_input} naming what would not play, or the first disagreement
 [[nodiscard]] Bundle bundle_of(std::string hex, Manifest manifest, const std::string& name,
                                const std::string& manifest_name);
 
