@@ -216,8 +216,6 @@ def cpp(table):
     out.append(f"inline constexpr std::uint16_t description_magic = 0x{description['magic']:04x};")
     out.append(f"inline constexpr std::uint16_t description_format = {description['format']};")
     out.append(f"inline constexpr double longest_cycle_s = {table['image']['longest_cycle_s']};")
-    autostart = next(f for f in table["sequence_header"]["fields"] if f["name"] == "autostart")
-    out.append(f"inline constexpr std::uint32_t autostart_bit = 1U << {autostart['low']};  // of the sequence header")
     out += ["", CPP_TYPES.rstrip("\n")]
     for name, rows, word_bits in layouts(table):
         out += ["", f"namespace {name}_field {{  // words of {word_bits} bits"]
@@ -318,8 +316,6 @@ def python(table):
     out.append(f"RECORD_HEADER_WORDS = {table['record']['header_words']}")
     out.append(f"SILENT_TIMING = 0x{table['record']['silent_timing']:04x}")
     description = next(b for b in table["block"] if b["region"] == "description")
-    autostart = next(f for f in table["sequence_header"]["fields"] if f["name"] == "autostart")
-    out.append(f"AUTOSTART_BIT = 1 << {autostart['low']}  # of the sequence header")
     out += [f"DESCRIPTION_MAGIC = 0x{description['magic']:04x}", f"DESCRIPTION_FORMAT = {description['format']}"]
     out.append(f"LONGEST_CYCLE_S = {table['image']['longest_cycle_s']}")
     out += ["", "# How a host deals with a line that loses bytes; rtl/INTERFACE.md says what each number means."]

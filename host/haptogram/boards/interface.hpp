@@ -31,7 +31,6 @@ inline constexpr std::uint16_t silent_timing = 0xffff;  // a channel that never 
 inline constexpr std::uint16_t description_magic = 0x4748;
 inline constexpr std::uint16_t description_format = 1;
 inline constexpr double longest_cycle_s = 1.0;
-inline constexpr std::uint32_t autostart_bit = 1U << 15;  // of the sequence header
 
 /// Some bits of a block of little-endian words of any width: `width` bits from bit `offset` on, counted from the block's
 /// beginning. A field may reach over several words.

@@ -141,7 +141,7 @@ Patched patch(const PatchOptions& options, const Progress& progress) {
         const Image image = image_for(board, *options.image);
         for (const std::uint16_t word : primary_words(image)) memories[0].words.push_back(word);
         memories[1].words = sequence_words(image);
-        if (options.autostart) memories[1].words[0] |= interface::autostart_bit;
+        if (options.autostart) interface::sequence_header_field::autostart.set(memories[1].words, 1);
         manifest["image"] = *options.image;
         manifest["image_sha256"] = sha256(read_file(*options.image));
     }

@@ -12,7 +12,7 @@ from .board import Identity, Status
 from .errors import HaptogramError, bad_input, device_error
 from .frame import Reply, Request
 from .image import Image, Piece
-from .interface import AUTOSTART_BIT, PRIMARY_BASE, RECORD_HEADER_WORDS, SEQUENCE_BASE, Command
+from .interface import PRIMARY_BASE, RECORD_HEADER_WORDS, SEQUENCE_BASE, SEQUENCE_HEADER_FIELDS, Command, pack, unpack
 from .port import Port
 from .session import Line, Session
 
@@ -132,8 +132,7 @@ class Client:
 
     def sequence_length(self) -> int:
         """Entries of the sequence in the board's memory. Raises HaptogramError when there is none."""
-        (header,) = struct.unpack("<H", self.read(SEQUENCE_BASE, 4)[:2])
-        length: int = header & ~AUTOSTART_BIT
+        length = SEQUENCE_HEADER_FIELDS["length"].get(self.read(SEQUENCE_BASE, 4))
         if not 0 < length < self.identity.sequence_depth:
             raise device_error("board", "there is no sequence in its memory; upload an image first")
         return length
@@ -145,7 +144,7 @@ class Client:
         words = self.sequence_length() + 1
         size = 2 * (identity.channels + RECORD_HEADER_WORDS)
         sequence = bytearray(self._read_long(SEQUENCE_BASE, 4 * words, size // 4 * 4))
-        sequence[1] &= ~AUTOSTART_BIT >> 8 & 0xFF
+        sequence[:4] = pack(SEQUENCE_HEADER_FIELDS, 4, **{**unpack(SEQUENCE_HEADER_FIELDS, sequence), "autostart": 0})
         records = max(index for index, _ in struct.iter_unpack("<HH", sequence[4:]))
         if not 0 < records <= identity.records:
             raise device_error("board", f"its sequence plays record {records} of {identity.records}; upload an image first")
