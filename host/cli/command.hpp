@@ -24,6 +24,7 @@ void add_upload(CLI::App& app, Action& action);
 void add_download(CLI::App& app, Action& action);
 void add_play(CLI::App& app, Action& action);
 void add_stream(CLI::App& app, Action& action);
+void add_completion(CLI::App& app, Action& action);
 void add_bitstream(CLI::App& app, Action& action);
 
 /// A line on stderr, with the program's name in front; never throws for want of a stderr.

@@ -5,9 +5,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <filesystem>
-#include <numbers>
-
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/base/error.hpp"

@@ -202,7 +202,8 @@ TEST_CASE("transient: rise times: Hoshi's 0.5 ms, and a focus 10 cm above the ti
         for (const Element& e : array.elements) {
             const double range = distance(e, focus);
             const double late = (range - distance(array.elements[44], focus)) / 340.0;
-            const double weight = piston_directivity(omega / 340.0 * 4.5e-3 * std::hypot(e.position.x, e.position.y) / range) / range;
+            const double weight =
+                piston_directivity(omega / 340.0 * 4.5e-3 * std::hypot(e.position.x, e.position.y) / range) / range;
             full += weight;
             if (t > late) sum += weight * (1.0 - std::exp(-(t - late) * pi * 2000.0));
         }
@@ -278,7 +279,8 @@ TEST_CASE("transient: silence before the wave arrives; a train for every element
     for (std::size_t i = 0; i < 293; ++i) REQUIRE(samples[i] == 0.0);  // 99.8 mm to the nearest, 293 µs
     REQUIRE(*std::max_element(samples.begin(), samples.end()) > 10.0);
     REQUIRE_THROWS_AS(pressure_over_time(array, second_order(array), {}, focus, {0.0, 1e-6, 4}), Error);
-    REQUIRE_THROWS_AS(pressure_over_time(array, second_order(array), trains, array.elements[5].position, {0.0, 1e-6, 4}), Error);
+    REQUIRE_THROWS_AS(
+        pressure_over_time(array, second_order(array), trains, array.elements[5].position, {0.0, 1e-6, 4}), Error);
     REQUIRE(output(second_order(array), {}, {0.0, 1e-6, 3}) == std::vector<double>(3));
     REQUIRE(envelope(std::vector<double>(8), 8) == std::vector<Complex>(8));
 }

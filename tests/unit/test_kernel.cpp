@@ -262,7 +262,8 @@ TEST_CASE("kernel: near field, down to micrometres from an element", "[kernel]")
     for (const double height : {1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 0.01}) {
         CAPTURE(height);
         auto points = random_points(1500, 0.06, height, height);
-        for (const Element& e : array.elements) points.push_back(e.position + Vec3{random(-height, height), 0.0, height});
+        for (const Element& e : array.elements)
+            points.push_back(e.position + Vec3{random(-height, height), 0.0, height});
         // Each point against what can be heard there: an element nearby makes the peak thousands of times higher.
         const Field found = pressure_at(array, drives, points);
         for (std::size_t i = 0; i < points.size(); ++i) REQUIRE(error(array, drives, {points[i]}, {found[i]}) <= 3e-5);
@@ -315,7 +316,9 @@ TEST_CASE("kernel: a point on an element is refused", "[kernel]") {
 
     const WeightedDrives entry{1.0, drives};
     for (const double step : {1e-3, 2.5e-3, 9e-3}) {
-        const Grid grid{axis(array.elements[0].position.x, step, 30), axis(array.elements[0].position.y, step, 30), {-0.1, 0.0, 0.1}};
+        const Grid grid{axis(array.elements[0].position.x, step, 30),
+                        axis(array.elements[0].position.y, step, 30),
+                        {-0.1, 0.0, 0.1}};
         REQUIRE_THROWS_WITH(pressure_on(array, drives, grid), Contains("coincides with an element"));
         REQUIRE_THROWS_WITH(mean_square_pressure(array, {&entry, 1}, grid), Contains("coincides with an element"));
     }
@@ -349,7 +352,9 @@ TEST_CASE("kernel: shifts are found where they are, to the nanometre", "[kernel]
     REQUIRE_FALSE(find_shifts(array, uneven));
     for (int part = 0; part < 3; ++part) {
         Array bent = array;
-        (part == 0 ? bent.elements[33].position.x : part == 1 ? bent.elements[33].position.y : bent.elements[33].position.z) += 2e-8;
+        (part == 0   ? bent.elements[33].position.x
+         : part == 1 ? bent.elements[33].position.y
+                     : bent.elements[33].position.z) += 2e-8;
         REQUIRE_FALSE(find_shifts(bent, square(-0.05, 1e-3, 100)));
     }
     Array listed = array;
@@ -383,7 +388,8 @@ TEST_CASE("kernel: shifted fields equal the direct sum", "[kernel]") {
     };
     for (const Case& c : cases) {
         Array array = grid_array(c.columns, c.rows, c.pitch_x, c.pitch_y);
-        for (Element& e : array.elements) e.position = e.position + Vec3{0.003, -0.002, 0.0};  // the array need not be centred
+        for (Element& e : array.elements)
+            e.position = e.position + Vec3{0.003, -0.002, 0.0};  // the array need not be centred
         const Record drives = random_drives(array);
         Array listed = array;
         listed.columns = 0;

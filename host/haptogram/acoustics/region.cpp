@@ -15,9 +15,7 @@ namespace {
 
 constexpr double bytes_a_point = 16.0;  // the field and what is made of it
 
-Error usage(const std::string& option, const std::string& message) {
-    return bad_argument(option, message);
-}
+Error usage(const std::string& option, const std::string& message) { return bad_argument(option, message); }
 
 /// The number that all of `text` is.
 std::optional<double> number(std::string_view text) {
@@ -68,7 +66,7 @@ Region parse_region(const std::string& option, const std::string& text, const Re
     };
     if (!(reach.step_m > 0.0) || !(reach.extent_m >= reach.step_m))
         throw usage("step", fmt::format("must be positive and no more than the extent, found {} mm and {} mm",
-                                          reach.step_m / millimetre, reach.extent_m / millimetre));
+                                        reach.step_m / millimetre, reach.extent_m / millimetre));
     Region region;
     region.text = text;
     region.axes = text.substr(0, text.find('@'));

@@ -20,8 +20,8 @@ public:
 
     Progress() = default;
     template <class F>
-        requires std::is_invocable_r_v<bool, F&, double, std::string_view>
-    Progress(F callback) : callback_(std::move(callback)) {}
+    requires std::is_invocable_r_v<bool, F&, double, std::string_view> Progress(F callback)
+        : callback_(std::move(callback)) {}
 
     /// @throws Error{cancelled} when the caller wants the work to end
     void operator()(double fraction, std::string_view stage = {}) const {
@@ -31,9 +31,8 @@ public:
     /// The same work as one stage of larger work.
     [[nodiscard]] Progress in_stage(std::string_view stage) const {
         if (!callback_) return {};
-        return Progress([callback = callback_, stage](double fraction, std::string_view) {
-            return callback(fraction, stage);
-        });
+        return Progress(
+            [callback = callback_, stage](double fraction, std::string_view) { return callback(fraction, stage); });
     }
 
     /// The same work as a part of its stage, which it brings from one fraction to another.

@@ -20,8 +20,8 @@ struct Bundle {
 [[nodiscard]] std::string manifest_path(const std::string& image);
 
 /// Puts the two together. Everything that is made of an image and its manifest begins here, so that there is one rule:
-/// the image would play, and the manifest has its hash and agrees with it in channels, clock, records, timer, pulses, dwells, and in the
-/// channels that stay silent.
+/// the image would play, and the manifest has its hash and agrees with it in channels, clock, records, timer, pulses,
+/// dwells, and in the channels that stay silent.
 /// @param name           of the image, for messages
 /// @param manifest_name  of the manifest, for messages
 /// @throws Error{bad_input} naming what would not play, or the first disagreement

@@ -15,7 +15,9 @@ namespace haptogram {
 Bundle open_bundle(const std::string& path, const std::string& manifest, const Progress& progress) {
     if (!is_project(path)) return load_bundle(path, manifest);
     if (!manifest.empty()) throw bad_argument("manifest", "a project makes its own; give one only with an image");
-    return compile(load_project(path), path, progress).bundle;
+    const Compiled compiled = compile(load_project(path), path, progress);
+    // Through the manifest's text, which rounds, so that a project gives the same numbers as its image does.
+    return bundle_of(compiled.bundle.hex, manifest_from_json(to_text(compiled.bundle.manifest), path), path, path);
 }
 
 Excitation open_excitation(const Source& source, const Progress& progress) {
