@@ -73,7 +73,7 @@ public:
     [[nodiscard]] std::span<std::uint16_t> primary_memory() { return model_->primary_memory(); }
     [[nodiscard]] std::span<std::uint32_t> sequence_memory() { return model_->sequence_memory(); }
     void trace(const std::filesystem::path& file) { model_->trace(file); }
-    /// Its file is whole after this.
+    /// Ends the trace; its file is complete after this.
     void end_trace() { model_->end_trace(); }
 
 private:

@@ -57,7 +57,7 @@ void check_dwells(const Image& image, const std::vector<Dwell>& dwells, std::uin
         while (!seen.empty() && seen.front().index == 0) seen.erase(seen.begin());
     for (std::size_t i = 0; i < expected.size(); ++i) {
         if (expected[i].index == 0 && (i == 0 || i + 1 == expected.size()))
-            continue;  // cannot be told from not playing
+            continue;  // silence between entries looks the same as not playing
         if (i < seen.size() && seen[i].index == expected[i].index && seen[i].cycles == cycles[i]) continue;
         ++playback.violation_count;
         playback.violations.push_back(
@@ -65,7 +65,7 @@ void check_dwells(const Image& image, const std::vector<Dwell>& dwells, std::uin
                 ? fmt::format("step {} of the sequence: expected record {} for {} cycles, measured record {} for {}",
                               i + 1, expected[i].index, cycles[i], seen[i].index, seen[i].cycles)
                 : fmt::format("step {} of the sequence: record {} was not played", i + 1, expected[i].index));
-        return;  // what follows is shifted and would only repeat it
+        return;  // the entries after a wrong one are shifted, and would be reported for the same reason
     }
     for (std::size_t i = expected.size(); i < seen.size(); ++i) {
         if (seen[i].index == 0) continue;
@@ -146,7 +146,7 @@ Playback play(const Image& image, const PlaybackOptions& options, const std::str
     const std::uint64_t begun = board.now();
     const Stopwatch playing;
     client.start(1, entries, options.duration_s ? std::uint16_t{0} : static_cast<std::uint16_t>(options.passes));
-    // A host that is alive says so: the watchdog stays on as it would on a desk.
+    // The watchdog stays on, as with a real board. So the host gives signs of life while the sequence plays.
     const double watchdog_s = 1e-3 * board.parameters().watchdog_ms;
     const auto slice =
         static_cast<std::uint64_t>(clock_hz * (watchdog_s > 0.0 ? std::min(0.1, watchdog_s / 4.0) : 0.1));

@@ -38,7 +38,7 @@ Served serve(Board& board, PseudoTerminal& terminal, const ServeOptions& options
     const auto begun = Clock::now();
     const auto wall = [begun] { return std::chrono::duration<double>(Clock::now() - begun).count(); };
     Served served;
-    double given_up_s = 0.0;  // real time that a slow simulation is not to catch up with
+    double given_up_s = 0.0;  // real time that a slow simulation has lost, and does not try to make up for
     const auto go_on = [&] {
         served.simulated_s = static_cast<double>(board.now()) / clock_hz;
         served.wall_s = wall();

@@ -10,7 +10,8 @@
 
 namespace haptogram::sim {
 
-/// What goes over a board's line, counted from outside the board: a frame that nobody answers was damaged or cut off.
+/// Counts what goes over a board's line, from outside the board. A frame that the board does not answer was damaged or
+/// cut off.
 class LinkCounters {
 public:
     void in(std::span<const std::uint8_t> bytes);

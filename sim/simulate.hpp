@@ -12,7 +12,7 @@
 
 namespace haptogram::sim {
 
-/// What a focus must keep to be called on target.
+/// A focus is on target when it keeps so much of its pressure, and its peak is no farther off than this.
 inline constexpr double least_pressure_kept = 0.999;
 inline constexpr double most_peak_offset_m = 0.2e-3;
 
@@ -44,7 +44,7 @@ struct Simulation {
 /// carrier, duty, air, transducers, and every element at the same place to a micrometre
 void require_compiled_for(const Bundle& bundle, const Array& array, const Core& core);
 
-/// Verilator's trace writer does not say when the disk is full; this does.
+/// Verilator's trace writer does not notice when the disk is full. This function does.
 /// @param name  of the file that the user asked for, for messages
 /// @throws Error{bad_input} when the FST file is cut short
 void require_whole_trace(const std::filesystem::path& file, const std::string& name);

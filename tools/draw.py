@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Draws block pictures: `tools/draw.py` writes each NAME.svg from the NAME.blocks.toml beside it; --check only says what is stale.
+"""Draws pictures: `tools/draw.py` writes each NAME.svg from the NAME.blocks.toml or NAME.waves.toml beside it; --check only says what is stale.
 
-A picture is boxes on a grid, groups around boxes, and arrows between boxes with right angles:
+A block picture is boxes on a grid, groups around boxes, and arrows between boxes with right angles:
 
     title   = "…"
     columns = 140          # of the grid, in pixels, with gap = 60 between them; likewise rows
@@ -10,6 +10,14 @@ A picture is boxes on a grid, groups around boxes, and arrows between boxes with
     [[group]]   text, boxes = ["…"]
     [[arrow]]   from, to, text; out and in are the places on the boxes' sides (0.5 is the middle); sides = "right left" when the
                 two sides that face each other are not meant; two_way = true
+
+A picture of waves is a row for each signal over a common time:
+
+    title   = "…"
+    end     = 1000         # of the time, which begins at 0; width = 900 pixels
+    [[row]]     text, high = [[from, to], …] of a signal that is low or high, or values = [[from, to, "text"], …] of one with a name for each time
+    [[mark]]    at, text: a line through all rows
+    [[span]]    from, to, row (counted from 0), text: an arrow with two heads above a row
 """
 import argparse
 import subprocess
@@ -23,6 +31,9 @@ STYLE = """text { font: 12px sans-serif; fill: #1b1b1b; text-anchor: middle } .b
 .note { font-size: 11px; fill: #3a3a3a } .halo { stroke: #ffffff; stroke-width: 4px; paint-order: stroke }
 rect.box { fill: #eaf1fb; stroke: #2f5d9b; stroke-width: 1.2 } rect.group { fill: #f7f7f4; stroke: #8a8a80; stroke-dasharray: 5 4 }
 .group { text-anchor: start; fill: #5b5b52 } path { fill: none; stroke: #333333; stroke-width: 1.2; marker-end: url(#tip) }"""
+WAVE_STYLE = """
+.start { text-anchor: start } path.wave { stroke: #2f5d9b; stroke-width: 1.6; marker-end: none }
+path.mark { stroke: #b04a2f; stroke-dasharray: 4 3; marker-end: none }"""
 OPPOSITE = {"right": "left", "left": "right", "top": "bottom", "bottom": "top"}
 LINE = 15  # of text
 
@@ -111,31 +122,91 @@ class Picture:
             for i, text in enumerate(lines):
                 kind = ' class="bold"' if i == 0 else ' class="note"'
                 body.append(f'<text{kind} x="{x + w / 2:g}" y="{y + h / 2 + 4 + LINE * (i - (len(lines) - 1) / 2):g}">{escape(text)}</text>')
-        return "\n".join([
-            f"<!-- Generated from {source} by tools/draw.py; edit the source, not this file. SPDX-License-Identifier: Apache-2.0 -->",
-            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {right:g} {bottom:g}" width="{right:g}" height="{bottom:g}" role="img">',
-            f"<title>{escape(self.table['title'])}</title>", f"<style>{STYLE}</style>",
-            '<defs><marker id="tip" viewBox="0 0 8 8" refX="8" refY="4" markerWidth="8" markerHeight="8" orient="auto-start-reverse">'
-            '<polygon points="0 0.5 8 4 0 7.5" fill="#333333"/></marker></defs>',
-            '<rect width="100%" height="100%" fill="#ffffff"/>',
-            f'<text class="bold title" x="{right / 2:g}" y="22">{escape(self.table["title"])}</text>', *body, "</svg>", ""])  # fmt: skip
+        return svg(self.table["title"], source, right, bottom, body)
+
+
+class Waves:
+    LEFT, TOP, HIGH, PITCH = 190, 78, 26, 56  # pixels: before the waves, above them, of a pulse, from row to row
+
+    def __init__(self, table):
+        self.table = table
+        self.scale = table.get("width", 900) / table["end"]
+
+    def x(self, time):
+        if not 0 <= time <= self.table["end"]:
+            raise Wrong(f"time {time} is not within 0…{self.table['end']}")
+        return self.LEFT + time * self.scale
+
+    def row(self, number, row):
+        top = self.TOP + number * self.PITCH
+        low = top + self.HIGH
+        lines = [f'<text class="start" x="16" y="{top + 17:g}">{escape(row["text"])}</text>']
+        for begin, end, text in row.get("values", []):
+            x0, x1 = self.x(begin), self.x(end)
+            lines.append(f'<rect class="box" x="{x0:g}" y="{top:g}" width="{x1 - x0:g}" height="{self.HIGH}" rx="4"/>')
+            lines.append(f'<text class="note" x="{(x0 + x1) / 2:g}" y="{top + 17:g}">{escape(text)}</text>')
+        if "high" in row:
+            times = [time for pulse in row["high"] for time in pulse]
+            level, edges = low, ""
+            for time in times:
+                level = top if level == low else low
+                if time == 0:  # high from the beginning
+                    edges += f" M {self.x(0):g} {top:g}"
+                elif time < self.table["end"]:
+                    edges += f" H {self.x(time):g} V {level:g}"
+            lines.append(f'<path class="wave" d="M {self.x(0):g} {low:g}{edges} H {self.x(self.table["end"]):g}"/>')
+        return lines
+
+    def svg(self, source):
+        rows = self.table["row"]
+        right, bottom = self.x(self.table["end"]) + 24, self.TOP + len(rows) * self.PITCH
+        body = []
+        for mark in self.table.get("mark", []):
+            x = self.x(mark["at"])
+            body.append(f'<path class="mark" d="M {x:g} {self.TOP - 22:g} V {bottom - 14:g}"/>')
+            body.append(f'<text class="note" x="{x:g}" y="{self.TOP - 28:g}">{escape(mark["text"])}</text>')
+        for number, row in enumerate(rows):
+            body += self.row(number, row)
+        for span in self.table.get("span", []):
+            y = self.TOP + span["row"] * self.PITCH - 8
+            x0, x1 = self.x(span["from"]), self.x(span["to"])
+            body.append(f'<path marker-start="url(#tip)" d="M {x0:g} {y:g} H {x1:g}"/>')
+            body.append(f'<text class="note halo" x="{(x0 + x1) / 2:g}" y="{y - 4:g}">{escape(span["text"])}</text>')
+        return svg(self.table["title"], source, right, bottom, body, STYLE + WAVE_STYLE)
+
+
+def svg(title, source, right, bottom, body, style=STYLE):
+    return "\n".join([
+        f"<!-- Generated from {source} by tools/draw.py; edit the source, not this file. SPDX-License-Identifier: Apache-2.0 -->",
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {right:g} {bottom:g}" width="{right:g}" height="{bottom:g}" role="img">',
+        f"<title>{escape(title)}</title>", f"<style>{style}</style>",
+        '<defs><marker id="tip" viewBox="0 0 8 8" refX="8" refY="4" markerWidth="8" markerHeight="8" orient="auto-start-reverse">'
+        '<polygon points="0 0.5 8 4 0 7.5" fill="#333333"/></marker></defs>',
+        '<rect width="100%" height="100%" fill="#ffffff"/>',
+        f'<text class="bold title" x="{right / 2:g}" y="22">{escape(title)}</text>', *body, "</svg>", ""])  # fmt: skip
+
+
+KINDS = {".blocks.toml": Picture, ".waves.toml": Waves}
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0], epilog="\n".join(__doc__.splitlines()[2:]),
                                      formatter_class=argparse.RawDescriptionHelpFormatter)  # fmt: skip
-    parser.add_argument("sources", metavar="FILE.blocks.toml", nargs="*", type=Path, help="none: all of the repository")
+    parser.add_argument("sources", metavar="FILE", nargs="*", type=Path, help="none: all of the repository")
     parser.add_argument("--check", action="store_true", help="write nothing; exit code 1 when a picture is stale")
     options = parser.parse_args()
     sources = options.sources
     if not sources:
-        listed = subprocess.run(["git", "-C", ROOT, "ls-files", "-co", "--exclude-standard", "*.blocks.toml"], capture_output=True, text=True, check=True)
+        listed = subprocess.run(["git", "-C", ROOT, "ls-files", "-co", "--exclude-standard", *(f"*{kind}" for kind in KINDS)], capture_output=True, text=True, check=True)
         sources = [ROOT / name for name in listed.stdout.splitlines()]
     stale = []
     for source in sources:
-        target = source.with_name(source.name.removesuffix(".blocks.toml") + ".svg")
+        kind = next((kind for kind in KINDS if source.name.endswith(kind)), None)
+        if kind is None:
+            sys.exit(f"{source}: the name must end in {' or '.join(KINDS)}")
+        target = source.with_name(source.name.removesuffix(kind) + ".svg")
         try:
-            text = Picture(tomllib.loads(source.read_text(encoding="utf-8"))).svg(source.name)
+            text = KINDS[kind](tomllib.loads(source.read_text(encoding="utf-8"))).svg(source.name)
         except (Wrong, KeyError, ValueError, tomllib.TOMLDecodeError) as error:
             sys.exit(f"{source}: {error!r}" if isinstance(error, KeyError) else f"{source}: {error}")
         if not target.exists() or target.read_text(encoding="utf-8") != text:

@@ -123,10 +123,9 @@ void add_analyze(CLI::App& app, Action& action) {
         sub->add_option("image", options->image, "Intel HEX image, with its manifest beside it, or a project (.toml)");
     auto* array =
         sub->add_option("--array", options->array, "Map the workspace of this array instead")->excludes(image);
-    sub->add_option(
-           "--least-force", options->least_mn,
-           "Warn of points with less in their focus, mN (default: 0.06 gf, about the least that a palm felt in the "
-           "Multimodal paper's Table III)")
+    sub->add_option("--least-force", options->least_mn,
+                    "Warn of points with less in their focus, mN (default: 0.06 gf, about the least that a palm felt "
+                    "in Table III of doi:10.1109/JSEN.2022.3144888)")
         ->check(positive())
         ->capture_default_str();
     sub->add_option("--plane", options->plane, "Of the map: xy@z=MM, xz@y=MM or yz@x=MM")

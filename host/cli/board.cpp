@@ -47,7 +47,7 @@ std::string fpga_name(const Board::Fpga& fpga) {
                        fpga.speed ? fmt::format(", speed grade {}", *fpga.speed) : "");
 }
 
-/// In steps of a ten-thousandth of a millimetre, as in a manifest.
+/// Rounded to a ten-thousandth of a millimetre, as in a manifest.
 double to_mm(double metres) { return std::round(metres * 1e7) / 1e4 + 0.0; }
 
 ordered_json to_json(const Pinout& pinout) {
@@ -155,7 +155,7 @@ int list(bool as_json) {
 
 void add_board(CLI::App& app, Action& action) {
     CLI::App* sub = app.add_subcommand("board", "The FPGA boards, and which of their pins drives which element");
-    // When the line has been read, so that a word that is no subcommand is named first.
+    // Checked after parsing, so that an unknown subcommand is reported first.
     sub->callback([sub, &action] {
         if (sub->get_subcommands().empty())
             action = []() -> int {

@@ -17,11 +17,11 @@
 namespace haptogram::cli {
 namespace {
 
-/// What was given; the rest is the project's, or its default.
+/// The options that were given. What is not given comes from the project file, or is the default.
 struct CompileOptions {
     std::vector<std::string> inputs;  ///< shape files, or one project file
     std::vector<std::string> shapes;
-    PrimitiveSpec primitive;  ///< but for its kind: the measures of every --shape, in mm
+    PrimitiveSpec primitive;  ///< the measures of every --shape, in mm; its kind is not used
     std::optional<std::string> board, array, unit;
     std::optional<std::size_t> points;
     std::optional<std::uint64_t> seed;

@@ -33,7 +33,7 @@ int status(const DeviceOptions& options) {
     return 0;
 }
 
-/// A command that changes something prints nothing, or for a program the status after it.
+/// A command that changes something prints nothing; with --json it prints the status after the change.
 int after_change(link::Device& device, const DeviceOptions& options) {
     if (options.json) tell(to_json(device.status()), true);
     return 0;

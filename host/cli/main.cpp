@@ -121,7 +121,8 @@ int main(int argc, char** argv) {
         opened = ::open("/dev/null", O_RDONLY);  // so that data written to a closed standard output are missed
         if (opened > STDERR_FILENO) ::close(opened);
     }
-    // A closed pipe and a file that may not grow are errors to be told of, not silent deaths.
+    // Without these two lines, writing to a closed pipe or beyond a limit of file size would end the program without a
+    // message.
     std::signal(SIGPIPE, SIG_IGN);
     std::signal(SIGXFSZ, SIG_IGN);
     return haptogram::cli::run(argc, argv);

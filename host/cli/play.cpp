@@ -20,7 +20,7 @@ namespace {
 struct PlayOptions {
     link::PortSettings port;
     link::PlaySettings play{.warn = complain};
-    bool sequence = false;  ///< asks for what is done anyway
+    bool sequence = false;  ///< the default, which may be asked for
     bool json = false;
 };
 

@@ -7,9 +7,9 @@
 
 namespace haptogram::cli {
 
-/// The options that say where the board is.
+/// Adds the options that say where the board is.
 void add_port_options(CLI::App& sub, link::PortSettings& settings);
-/// The option of a command that plays: for how long the board waits for a sign of life from it.
+/// Adds the option for the watchdog, for commands that play: how long the board waits for a sign of life from the host.
 void add_watchdog_option(CLI::App& sub, std::uint16_t& milliseconds);
 
 }  // namespace haptogram::cli

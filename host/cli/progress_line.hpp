@@ -19,10 +19,10 @@ public:
     /// @param fraction  0…1
     void update(double fraction, const std::string& note = {});
 
-    /// What to give to a function of the library; it must not outlive this.
+    /// The callback for a function of a library. It must not outlive this object.
     [[nodiscard]] Progress callback();
 
-    /// Of work whose end nobody knows.
+    /// For work whose end is not known in advance.
     void note(const std::string& text);
 
 private:

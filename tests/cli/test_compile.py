@@ -289,7 +289,7 @@ def test_elements_in_an_order_of_their_own_and_silent_channels(tmp_path):
     (tmp_path / "ring.toml").write_text("[array]\nelements_mm = [[30, 0], [0, 30.5], [-30, 0]]\n[medium]\ntemperature_c = 30\n[board]\nchannels = 16\n")
     manifest = manifest_of(tmp_path, "--shape", "point", "--array", "./ring.toml")
     assert manifest["array"]["elements_mm"] == [[30, 0, 0], [0, 30.5, 0], [-30, 0, 0]]
-    assert manifest["medium"]["speed_m_s"] == pytest.approx(349.0, abs=0.1)  # reference.md §7
+    assert manifest["medium"]["speed_m_s"] == pytest.approx(349.0, abs=0.1)  # 331.3·√(1 + 30/273.15)
     timings = Image(tmp_path / "image.hex").records()[0]["timings"]
     assert len(timings) == 16 and timings[3:] == [0xFFFF] * 13 and max(timings[:3]) < 250
 

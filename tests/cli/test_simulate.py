@@ -108,7 +108,7 @@ def test_the_report(played):
 
 
 def test_the_pressure_is_that_of_the_piston_model(played):
-    """Absolute pressure at each point from the image's ticks: A·Σ D(θ)/R·e^{j…}, A for the whole duty (reference.md §2)."""
+    """Absolute pressure at each point from the image's ticks: A·Σ D(θ)/R·e^{j…}, A for the whole duty (Haptogram eq. 6 and 9)."""
     manifest = read_json(played / "image.json")
     image = Image(played / "image.hex")
     ticks = np.array([r["timings"] for r in image.records()])

@@ -19,7 +19,8 @@ struct Excitation {
     std::vector<Vec3> foci;                                 ///< that were asked for, metres
     std::string title;                                      ///< in words, for pictures
 
-    /// The same as the field's functions take it; valid as long as this is.
+    /// The same in the form that the functions of acoustics/field.hpp take. It refers to this object, and is valid as
+    /// long as this object is.
     [[nodiscard]] std::vector<WeightedDrives> sequence() const;
 };
 
@@ -32,7 +33,7 @@ struct Excitation {
 /// @throws Error{bad_argument} when there is no such record
 [[nodiscard]] Excitation excitation_of(const Bundle& bundle, std::uint32_t record = 0);
 
-/// What a manifest asks for: exact phases, in the shares of its dwells.
+/// What a manifest asks for: exact phases for each record's foci, each for the share of its dwell.
 [[nodiscard]] Excitation excitation_of(const Manifest& manifest, const std::string& name, std::uint32_t record = 0);
 
 /// What was measured at the pins while the manifest's image played.

@@ -44,7 +44,7 @@ Lobe main_lobe(const std::vector<float>& line, std::size_t start) {
     return lobe;
 }
 
-/// Between the two points of half the peak, which lie between the line's.
+/// The distance between the two places of half the peak, interpolated between the points of the line.
 double width(const std::vector<float>& line, const Lobe& lobe) {
     const auto crossing = [&](std::size_t below, std::size_t above) {
         const float half = line[lobe.peak] / 2;

@@ -15,12 +15,12 @@ struct FocusAnalysis {
     Vec3 focus;
     Formation formation;        ///< flight-time spread, β, T_f, ring-up (Haptogram III-G)
     double pressure_pa = 0.0;   ///< amplitude at the asked point
-    double radiation_pa = 0.0;  ///< radiation pressure on skin there (Hoshi eq. 1)
+    double radiation_pa = 0.0;  ///< radiation pressure on skin there (Hoshi et al. 2010, eq. 1)
     double width_m = 0.0;       ///< full width at half maximum of the radiation pressure, the wider of x and y
     double depth_m =
-        0.0;  ///< the same along z, as far as it is seen (from λ above the array to three times the height)
+        0.0;  ///< the same along z, within what is looked at: from λ above the array to three times the height
     double side_lobe = 0.0;  ///< highest radiation pressure beside the main lobe, along x and y, over that at the peak
-    double force_n = 0.0;    ///< through the square of the width around it (Hoshi eq. 5)
+    double force_n = 0.0;    ///< through the square of the width around it (Hoshi et al. 2010, eq. 5)
     std::uint32_t dwell_cycles = 0;  ///< carrier periods until 90 % of the pressure is there: spread, load and ring-up
 };
 
@@ -30,7 +30,8 @@ struct FocusAnalysis {
 /// NaN where no focal point may lie (Array::unreachable).
 [[nodiscard]] std::vector<float> workspace(const Array& array, const Grid& grid);
 
-/// Where a sequence is loudest for an ear, time-averaged: on the axis from λ on, and at 300 mm. dB SPL.
+/// How loud a sequence is for an ear, averaged over time, in dB SPL: at the loudest place of the axis farther than λ
+/// from the array, and at 300 mm.
 struct Loudness {
     double highest_db = 0.0;
     double highest_at_m = 0.0;

@@ -53,7 +53,8 @@ FocusCheck check_focus(const Array& array, std::span<const std::complex<double>>
 
 FocusCheck check_record(const Manifest& manifest, const RecordMeaning& record,
                         std::span<const std::complex<double>> drives) {
-    // The pulse that the timer can make is the image's choice, not an error of its phases: compare at the same one.
+    // The length of the pulses is what the timer can make, and no error of the phases. So both sides of the comparison
+    // have the same length.
     const double duty = static_cast<double>(pulse_ticks(manifest.timer, record.amplitude)) / manifest.timer.cycle_ticks;
     std::vector<std::complex<double>> reference = exact_drives(manifest.array, record.foci);
     for (std::complex<double>& drive : reference) drive *= std::sin(std::numbers::pi * duty);

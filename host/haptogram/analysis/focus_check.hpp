@@ -10,10 +10,10 @@
 
 namespace haptogram {
 
-/// What a set of drives makes of a focus, beside what exact phases of the same duty would.
+/// How good a focus some drives make, compared with exact phases at the same duty.
 struct FocusCheck {
     double pressure_pa = 0.0;    ///< amplitude at the asked point
-    double pressure_kept = 0.0;  ///< over that of exact phases
+    double pressure_kept = 0.0;  ///< as a fraction of that of exact phases
     double peak_offset_m = 0.0;  ///< between the peak in the asked plane and that of exact phases
 };
 

@@ -46,7 +46,8 @@ std::vector<MeasuredRecord> measure(const Manifest& manifest, const std::vector<
     const double period_s = manifest.timer.period_s();
     std::vector<MeasuredRecord> records(manifest.records.size());
     for (auto& record : records) record.drives.resize(elements);
-    // How long a record played is counted whole; its drives are the mean of what was not left out.
+    // `cycles` counts all of the time that a record played. Its drives are the mean of the pulses that were not left
+    // out.
     for (std::size_t channel = 0; channel < elements; ++channel) {
         std::vector<std::uint64_t> cycles(records.size());
         std::vector<std::uint64_t> measured(records.size());
@@ -55,7 +56,7 @@ std::vector<MeasuredRecord> measure(const Manifest& manifest, const std::vector<
             for (const Pulse& p : inner)
                 train.push_back({static_cast<double>(p.rise) * clock_s, static_cast<double>(p.fall) * clock_s});
             const std::size_t r = stretch.front().index - 1U;
-            // Weighted by its length: a record may play in several stretches.
+            // A record may play in several stretches, and each counts by its length.
             records[r].drives[channel] += carrier_component(train, manifest.timer.carrier_hz(), period_s);
             cycles[r] += stretch.size();
             measured[r] += inner.size();

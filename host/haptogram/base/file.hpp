@@ -12,7 +12,7 @@ namespace haptogram {
 /// @throws Error{bad_input} naming the path and the system's reason
 [[nodiscard]] std::string read_file(const std::filesystem::path& path);
 
-/// A file that is written beside its place and renamed into it at the end; removed when it never comes to that.
+/// A file that is written beside its final place. commit() renames it into that place; without commit(), it is removed.
 /// Standard output ("-"), devices and pipes, which cannot be renamed onto, are written directly.
 class StagedFile {
 public:

@@ -6,7 +6,7 @@
 
 namespace haptogram {
 
-/// A folder for what one program hands to another; it goes with its owner.
+/// A temporary folder, in which one program leaves files for another. It is removed together with this object.
 class TemporaryFolder {
 public:
     /// @throws Error{bad_input} when none can be made

@@ -9,8 +9,8 @@
 
 namespace haptogram {
 
-/// How long work says how far it has come, and how its caller ends it early. Every function that takes one may be
-/// called without; all of them tell it from the caller's own thread.
+/// How long work tells how far it has come, and how its caller ends it early. Every function that takes one can be
+/// called without it. The callback runs in the caller's own thread.
 class Progress {
 public:
     /// @param fraction  0…1, of the present stage
@@ -28,14 +28,14 @@ public:
         if (callback_ && !callback_(fraction, stage)) throw Error(ErrorCode::cancelled, {}, "cancelled");
     }
 
-    /// The same work as one stage of larger work.
+    /// For work that is one stage of larger work: its progress is told under the name of that stage.
     [[nodiscard]] Progress in_stage(std::string_view stage) const {
         if (!callback_) return {};
         return Progress(
             [callback = callback_, stage](double fraction, std::string_view) { return callback(fraction, stage); });
     }
 
-    /// The same work as a part of its stage, which it brings from one fraction to another.
+    /// For work that is a part of a stage: while it goes from 0 to 1, the stage goes from `from` to `to`.
     [[nodiscard]] Progress between(double from, double to) const {
         if (!callback_) return {};
         return Progress([callback = callback_, from, to](double fraction, std::string_view stage) {

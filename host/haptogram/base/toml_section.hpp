@@ -25,7 +25,7 @@ inline std::string place(const std::string& file, const toml::node& node) {
     return fmt::format("{}:{}", file, node.source().begin.line);
 }
 
-/// The value as the file has it, or what it is when that would fill a page.
+/// The value as the file has it. Of a table or a list, which could fill a page, only that it is one.
 inline std::string found(const toml::node& node) {
     if (node.is_table()) return "a table";
     if (const toml::array* list = node.as_array(); list != nullptr) return fmt::format("a list of {}", list->size());
@@ -47,8 +47,8 @@ inline toml::table parse_text(std::string_view text, const std::string& file) {
 
 inline toml::table parse(const std::filesystem::path& path) { return parse_text(read_file(path), path.string()); }
 
-/// One table of a file: typed, range-checked, and it refuses keys that nobody asked for. Each value may be missing;
-/// required() is for those that may not.
+/// One table of a file. Its functions check types and ranges, and only() refuses unknown keys. A value may be missing;
+/// required() is for those that must be there.
 class Section {
 public:
     /// The table named `name`, which may be missing.
@@ -120,7 +120,7 @@ public:
         return node->value<bool>();
     }
 
-    /// @param fits  whether a text will do, which `expected` puts into words
+    /// @param fits  tells whether a text is acceptable; `expected` says the same in words
     [[nodiscard]] std::optional<std::string> text(std::string_view key, std::string_view expected = "a text in quotes",
                                                   bool (*fits)(const std::string&) = nullptr) const {
         const toml::node* node = find(key);
@@ -145,7 +145,7 @@ public:
         return result;
     }
 
-    /// So many finite numbers in a list.
+    /// A list of exactly `count` finite numbers.
     [[nodiscard]] std::optional<std::vector<double>> numbers(std::string_view key, std::size_t count) const {
         const std::string expected = fmt::format("a list of {} numbers", count);
         const toml::node* node = find(key);

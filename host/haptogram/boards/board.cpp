@@ -24,7 +24,7 @@ bool is_line(const std::string& text) {
            std::none_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
 }
 
-/// Fit for a cell of a table, of CSV and of a pin file.
+/// Whether a text can stand in a cell of a table, in CSV and in a pin file.
 bool is_word(const std::string& text) {
     return !text.empty() && std::all_of(text.begin(), text.end(),
                                         [](unsigned char c) { return c > 0x20 && c < 0x7f && c != ',' && c != '"'; });
@@ -42,7 +42,7 @@ std::string ball(const Section& section, std::string_view key) {
     return section.required(section.text(key, a_ball, is_word), key, a_ball);
 }
 
-/// @param fits  what each text must be; balls are words, all else are lines
+/// @param fits  checks each text: is_word for balls, is_line for all else
 std::vector<std::string> list(const Section& section, std::string_view key, bool (*fits)(const std::string&)) {
     return section.required(section.texts(key, fits), key, a_list);
 }
@@ -69,8 +69,8 @@ Board::Fpga read_fpga(const Section& section) {
     return fpga;
 }
 
-/// A configuration by its name, or every parameter under its Verilog name; parameters beside a configuration take the
-/// place of its own.
+/// The parameters: those of a named configuration, or all of them one by one. Parameters that stand beside a
+/// configuration replace its own.
 interface::CoreParameters read_core(const Section& section) {
     std::vector<std::string> known = {"configuration"};
     for (const auto& one : interface::core_parameters) known.emplace_back(one.name);
@@ -107,7 +107,8 @@ Board::Pins read_pins(const Section& section) {
     return pins;
 }
 
-/// Outputs, and that no ball has two uses; the LED and what is held may take spare outputs.
+/// Reads the outputs, and checks that no ball has two uses. The LED and the pins that are held high may use the balls
+/// of spare outputs.
 std::vector<Board::Output> read_outputs(const Section& root, const std::string& file, std::uint32_t channels,
                                         const Board::Pins& pins) {
     constexpr const char* expected = "a list of [connector, pin, net, ball]";
@@ -117,7 +118,7 @@ std::vector<Board::Output> read_outputs(const Section& root, const std::string& 
     const toml::node& node = *root.find("outputs");
     const toml::array* rows = node.as_array();
     if (rows == nullptr) throw root.wrong(node, "outputs", expected);
-    std::map<std::string, std::string> used;  // ball → by what
+    std::map<std::string, std::string> used;  // ball → what uses it
     const auto use = [&](const std::string& at, const std::string& ball, const std::string& what) {
         const auto [entry, fresh] = used.emplace(ball, what);
         if (!fresh)

@@ -17,16 +17,16 @@ struct Board {
         std::optional<std::uint32_t> speed;  ///< grade; an ecp5 has one
         std::string top;                     ///< Verilog module in rtl/boards/
     };
-    /// Arguments of openFPGALoader but for the bitstream's name, which comes last.
+    /// Arguments of openFPGALoader. The name of the bitstream comes after them.
     struct Flash {
         std::vector<std::string> load;   ///< until power is cut
-        std::vector<std::string> write;  ///< for good
+        std::vector<std::string> write;  ///< it stays when power is cut
         std::string note;                ///< what a person must connect first
     };
     struct Pins {
         std::string clk, rx, tx;
         std::optional<std::string> led;
-        std::vector<std::string> high;  ///< held so, that the rest of the board works
+        std::vector<std::string> high;  ///< held high, which the rest of the board needs in order to work
     };
     struct Output {
         std::string connector, pin, net, ball;

@@ -10,13 +10,13 @@
 
 namespace haptogram {
 
-/// The instrument's core as an FPGA holds it, or will hold it: what an image is made for.
+/// The core that an image is made for: the parameters with which it is built into an FPGA.
 struct Core {
     std::string name;  ///< of the board, or of the configuration (tools/interface.toml)
     interface::CoreParameters parameters;
 
-    /// Focal points that one image can play, each as a record and an entry of the sequence, whose first word is its
-    /// header.
+    /// The most focal points that one image can play. Each takes a record and an entry of the sequence memory, whose
+    /// first word is the header and no entry.
     [[nodiscard]] std::uint32_t most_points() const {
         return std::min(parameters.records, parameters.sequence_depth - 1);
     }

@@ -8,10 +8,11 @@
 
 namespace haptogram {
 
-/// Board files write the parameters as the Verilog does, array files as everything else in them.
+/// Board files write the names of parameters in upper case, as the Verilog does. Array files write them in lower case,
+/// like all their keys.
 enum class KeyStyle { verilog, lower_case };
 
-/// Puts those of the core's parameters that a section has over `parameters`, and checks the whole set.
+/// Stores those of the core's parameters that a section has in `parameters`, and checks the whole set.
 /// @throws Error{bad_input} naming the line, for a value that the Verilog would not take
 void read_parameters(interface::CoreParameters& parameters, const section::Section& section, KeyStyle style);
 

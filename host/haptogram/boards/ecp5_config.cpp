@@ -48,7 +48,7 @@ struct Slice {
     Place place;             ///< the last of them
 };
 
-/// Where the memory is if its words are `stride` rows each, or `packed` of them in a row.
+/// Where the memory is, if each of its words takes `stride` rows, or if a row holds `packed` words.
 struct Layout {
     std::size_t stride = 1;
     std::size_t packed = 1;
@@ -130,7 +130,7 @@ Layout find_memory(const std::vector<Section>& sections, const std::vector<std::
                 if (!fresh) entry->second.has_twin = true;
                 ++layout.wanted;
             } else if (slice_of(to, first, layout, bit).any()) {
-                ++layout.wanted;  // and nothing tells where it is
+                ++layout.wanted;  // but it cannot be found: a slice of zeros looks like any empty column
             }
         }
     for (Place place; place.section < sections.size(); ++place.section)

@@ -24,8 +24,8 @@ struct Pinout {
 };
 
 /// @param array  name or file; empty for the one that the board's file names
-/// @throws Error{bad_input} unless array and board have equally many elements and channels, as a cable that is made by
-/// the table would otherwise be another's
+/// @throws Error{bad_input} unless the array has as many elements as the board has channels: otherwise a cable that is
+/// made by this table would not fit
 [[nodiscard]] Pinout pinout(const std::string& board, const std::string& array = {});
 
 }  // namespace haptogram

@@ -8,7 +8,7 @@
 
 namespace haptogram {
 
-/// An image with its manifest, known to speak of each other.
+/// An image with its manifest, which was checked to belong to it.
 struct Bundle {
     Image image;
     Manifest manifest;
@@ -16,7 +16,7 @@ struct Bundle {
     std::string name;  ///< of that file, for messages
 };
 
-/// Where an image's manifest lies unless somebody says otherwise: beside it, with the ending ".json".
+/// The path of an image's manifest, unless another is given: beside the image, with the ending ".json".
 [[nodiscard]] std::string manifest_path(const std::string& image);
 
 /// Puts the two together. Everything that is made of an image and its manifest begins here, so that there is one rule:

@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-/// What of the core an image depends on; the rest of its parameters is no business of a manifest.
+/// The parameters of the core on which an image depends. A manifest does not hold the others.
 constexpr std::pair<const char*, std::uint32_t interface::CoreParameters::*> core_members[] = {
     {"clock_hz", &interface::CoreParameters::clock_hz},
     {"baud", &interface::CoreParameters::baud},
@@ -24,8 +24,8 @@ constexpr std::pair<const char*, std::uint32_t interface::CoreParameters::*> cor
     {"timing_bits", &interface::CoreParameters::timing_bits},
     {"pulse_bits", &interface::CoreParameters::pulse_bits}};
 
-/// In steps of a ten-thousandth of a millimetre, so that the file is short and the same on every machine. That is some
-/// 1/86,000 of a wavelength, far below what a timer can resolve.
+/// Rounded to a ten-thousandth of a millimetre, so that the file is short and the same on every machine. That is
+/// 1/86,000 of a wavelength, far less than a timer can resolve.
 ordered_json to_mm(Vec3 v) {
     const auto round = [](double metres) { return std::round(metres * 1e7) / 1e4 + 0.0; };
     return {round(v.x), round(v.y), round(v.z)};
@@ -83,7 +83,7 @@ ordered_json directivity_to_json(const Transducer& transducer) {
     return transducer.pattern == Pattern::point ? "point" : "piston";
 }
 
-/// Manifests of before transducer files have none: a piston.
+/// Manifests that are older than transducer files name no pattern. They mean a piston.
 void read_directivity(Transducer& transducer, const ordered_json& json, const std::string& where) {
     const auto member = json.find("directivity");
     if (member == json.end() || *member == "piston") {
@@ -133,7 +133,8 @@ RecordMeaning record_from_json(const ordered_json& json, const std::string& wher
     return record;
 }
 
-/// The JSON library quotes what it could not read, which may be any bytes.
+/// The message of the JSON library quotes the input that it could not read, which may be bytes that no terminal should
+/// get.
 std::string printable(std::string text) {
     std::replace_if(
         text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c > 0x7e; }, '?');

@@ -17,7 +17,7 @@ namespace haptogram {
 /// What one record means: the foci that it makes, and how strong its pulses are.
 struct RecordMeaning {
     std::vector<Focus> foci;         ///< their amplitudes are relative to each other
-    double amplitude = 1.0;          ///< of the record's pulses, over those of the timer: 0…1
+    double amplitude = 1.0;          ///< of the record's pulses, as a fraction of that of the timer's pulses: 0…1
     std::uint32_t dwell_cycles = 0;  ///< carrier periods that it lasts in one pass
 };
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::string_view header = "channel,rise_clk,fall_clk,index";
 
-/// Takes one number and the mark after it off the front of `line`.
+/// Removes one number, and the separator after it, from the front of `line`.
 template <class T>
 bool take(std::string_view& line, T& value, bool last) {
     const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), value);

@@ -10,9 +10,10 @@
 
 namespace haptogram {
 
-/// About the least force that a palm felt: 0.06 gf (Multimodal, Table III).
+/// About the least force that a palm felt: 0.06 gf (the paper “Multimodal”, Table III; see docs/references.md).
 inline constexpr double least_felt_n = 0.58e-3;
-/// What Hoshi 2.4 recommends for ears, and calls safe in tissue; of the latter skin takes in 0.1 %.
+/// From Hoshi et al. 2010, section 2.4: the level that is recommended as a limit for ears, and the intensity that is
+/// safe inside tissue. Skin absorbs 0.1 % of the ultrasound that meets it.
 inline constexpr double recommended_for_ears_db = 110.0;
 inline constexpr double safe_in_tissue_w_m2 = 1000.0;
 

@@ -60,11 +60,13 @@ Placement placement(const Project& project) {
     Placement result = project.placement;
     const bool built_in = std::all_of(project.shapes.begin(), project.shapes.end(),
                                       [](const ShapeSource& s) { return s.file.empty() && !s.content; });
-    if (!result.center && built_in) result.center = from_mm(0.0, 0.0, 130.0);  // where the paper shows its shapes
+    // This is where the Haptogram paper shows its shapes.
+    if (!result.center && built_in) result.center = from_mm(0.0, 0.0, 130.0);
     return result;
 }
 
-/// A project's settings without names of files, which say nothing of what is in them.
+/// A project's settings as text, for the hash of all inputs. It has no names of files: their contents are hashed
+/// instead.
 std::string settings_text(Project project) {
     for (ShapeSource& source : project.shapes) {
         source.content.reset();
@@ -72,7 +74,8 @@ std::string settings_text(Project project) {
     }
     project.array.reset();
     project.board.reset();
-    const std::uint64_t seed = std::exchange(project.seed, Project{}.seed);  // a file cannot hold the largest ones
+    // Written apart, because a project file cannot hold the largest seeds.
+    const std::uint64_t seed = std::exchange(project.seed, Project{}.seed);
     return fmt::format("{}seed {}\n", to_toml(project), seed);
 }
 
@@ -202,7 +205,7 @@ Compiled compile_path(Path path, const Array& array, const Core& core, std::uint
     }
     manifest.rate_hz = manifest.timer.carrier_hz() / static_cast<double>(periods);
     manifest.formation = slowest_formation(array, core, manifest.points());
-    Manifest before;  // what is settled before any point is known
+    Manifest before;  // the members that do not depend on the points
     before.array = array;
     before.core = core;
     before.timer = manifest.timer;

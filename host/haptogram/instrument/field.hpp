@@ -37,8 +37,8 @@ inline constexpr QuantityName quantity_names[] = {{Quantity::radiation, "radiati
 /// A field over a region.
 struct Field {
     Region region;
-    std::string quantity;                   ///< as a column and an array are called, such as "radiation_pressure_pa"
-    std::string label;                      ///< as an axis is, such as "radiation pressure / Pa"
+    std::string quantity;                   ///< its name in files, such as "radiation_pressure_pa"
+    std::string label;                      ///< its name in pictures, such as "radiation pressure / Pa"
     std::vector<std::vector<float>> parts;  ///< one, or the real and the imaginary part; a value a point each
     std::vector<Vec3> marks;                ///< focal points that were asked for, metres
     std::string title;

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 Error failed(const std::string& where, const std::string& what) { return {ErrorCode::failed, where, what}; }
 
-/// A tool from PATH, or the project's PyPI build of it beside the placed boards.
+/// The path of a tool: from PATH, or from the Python environment of tools/setup, which is beside the placed boards.
 std::string find_tool(const std::string& name, const fs::path& placed) {
     if (const fs::path found = find_program(name); !found.empty()) return found.string();
     const fs::path own = fs::absolute(placed).parent_path() / "venv" / "bin" / ("yowasp-" + name);
@@ -152,7 +152,7 @@ Patched patch(const PatchOptions& options, const Progress& progress) {
     patched.bitstream =
         board.fpga.family == "ice40" ? patched_ice40(board, options, memories) : patched_ecp5(board, options, memories);
     manifest["autostart"] = options.autostart;
-    // A stand-alone board has no host that could fall silent.
+    // A board that starts by itself has no host, so nothing for the watchdog to watch.
     manifest["watchdog_ms"] = options.autostart ? 0 : board.parameters.watchdog_ms;
     manifest["bitstream_sha256"] = sha256(patched.bitstream);
     patched.manifest = manifest.dump(2) + "\n";

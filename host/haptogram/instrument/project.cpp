@@ -65,7 +65,8 @@ std::string quoted(const std::string& text) {
     return out.str();
 }
 
-/// The shortest digits that read back as the same number, and with a point so that TOML takes it as one.
+/// The shortest digits that read back as the same number, with a decimal point so that TOML takes it for a
+/// floating-point number.
 std::string number(double value) {
     std::string text = fmt::format("{}", value);
     if (text.find_first_of(".en") == std::string::npos) text += ".0";

@@ -20,17 +20,18 @@ struct Element {
 
 [[nodiscard]] inline double distance(const Element& element, Vec3 point) { return distance(element.position, point); }
 
-/// Transducers that play together: where they are, in channel order, what they are, and the air before them. The array
-/// frame has its origin at the array's centre; the array's axis is z.
+/// Transducers that play together: where they are, in channel order, what they are, and the air in front of them. The
+/// array frame has its origin at the array's centre; the array's axis is z.
 struct Array {
     std::string name;
     std::string file;               ///< where it was read from, for messages
-    std::vector<Element> elements;  ///< metres; of a grid, element row · columns + column
-    std::uint32_t columns = 0;      ///< of a grid; 0 when the elements form none
+    std::vector<Element> elements;  ///< metres; in a grid, number row · columns + column
+    std::uint32_t columns = 0;      ///< of the grid; 0 when the elements form no grid
     double carrier_hz = 40e3;
     double duty = 0.5;             ///< of the carrier period, (0, 0.5]
     double reach_angle_rad = 1.0;  ///< a focal point lies within this angle of the axis, seen from the origin
-    double nearest_m = 0.0;  ///< and no nearer to any element: the far field, by default 10·d²/4λ (Haptogram eq. 10)
+    double nearest_m = 0.0;        ///< and no nearer than this to any element; by default where the far field begins,
+                                   ///< 10·d²/4λ (Haptogram eq. 10)
     Medium medium;
     Transducer transducer;
 
@@ -39,8 +40,8 @@ struct Array {
     [[nodiscard]] std::string unreachable(Vec3 focus) const;
 };
 
-/// Reads an array file (TOML); host/arrays/README.md describes its keys. Its table [board], if there is one, is not of
-/// the model: boards/core.hpp reads it.
+/// Reads an array file (TOML); host/arrays/README.md describes its keys. If it has a table [board], boards/core.hpp
+/// reads that.
 /// @throws Error{bad_input} naming the file, the line and the key, also for unknown keys
 [[nodiscard]] Array load_array(const std::filesystem::path& path);
 

@@ -7,15 +7,15 @@
 
 namespace haptogram {
 
-/// Where something is and how it is turned: its own axes and its own origin, in the frame around it.
+/// Where something is and how it is turned: its origin and its axes, given in the surrounding frame.
 struct Pose {
     Vec3 origin;
     Vec3 x{1.0, 0.0, 0.0}, y{0.0, 1.0, 0.0}, z{0.0, 0.0, 1.0};  ///< of length 1, right-handed
 
-    /// A point of its own frame in the frame around it, and the way back.
+    /// From its own coordinates of a point to those in the surrounding frame; inwards() does the reverse.
     [[nodiscard]] Vec3 outwards(Vec3 p) const { return origin + turned(p); }
     [[nodiscard]] Vec3 inwards(Vec3 p) const;
-    /// A direction.
+    /// The same for a direction.
     [[nodiscard]] Vec3 turned(Vec3 d) const { return d.x * x + d.y * y + d.z * z; }
 };
 
@@ -28,7 +28,8 @@ struct PosedArray {
     Pose pose;
 };
 
-/// Several arrays that play together. Their elements count through: the first array's, then the second's.
+/// Several arrays that play together. Their elements are numbered through: first those of the first array, then those
+/// of the second.
 struct Rig {
     std::string name;
     std::vector<PosedArray> arrays;
@@ -38,8 +39,8 @@ struct Rig {
     [[nodiscard]] std::string unreachable(Vec3 focus) const;
 };
 
-/// All of a rig's elements as one array in the rig's frame, for everything that computes with elements. Its own reach
-/// is that of its first array and of no use; ask the rig.
+/// All of a rig's elements as one array in the rig's frame, for everything that computes with elements. Its reach is
+/// that of the first array alone, so ask the rig what can be reached.
 /// @throws Error{bad_argument} when the rig is empty, or its arrays differ in carrier, duty, air or transducer
 [[nodiscard]] Array joined(const Rig& rig);
 

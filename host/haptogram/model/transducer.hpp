@@ -9,7 +9,7 @@ namespace haptogram {
 /// How a transducer's far field depends on the angle from its axis.
 enum class Pattern {
     piston,  ///< 2·J1(ka·sin θ)/(ka·sin θ) (Haptogram eq. 9)
-    point,   ///< the same in every direction (eq. 6)
+    point,   ///< the same in every direction (Haptogram eq. 6)
     table,   ///< as it was measured
 };
 

@@ -5,7 +5,8 @@
 
 namespace haptogram {
 
-/// Puts a section's keys, which the transducer file and an array file's [transducer] share, over `transducer`.
+/// Reads the keys that a transducer file shares with the table [transducer] of an array file, and stores their values
+/// in `transducer`. Members without a key keep their values.
 void read_transducer_keys(Transducer& transducer, const section::Section& section);
 
 }  // namespace haptogram

@@ -10,11 +10,11 @@ namespace haptogram {
 /// A focal point and how strong it is to be.
 struct Focus {
     Vec3 position;           ///< metres, array frame
-    double amplitude = 1.0;  ///< of the pressure, over the most that the array can make there: 0…1
+    double amplitude = 1.0;  ///< of the pressure, as a fraction of the most that the array can make there: 0…1
     friend constexpr bool operator==(const Focus&, const Focus&) = default;
 };
 
-/// Foci that exist at the same time. None is silence.
+/// Foci that exist at the same time. A step without foci is silence.
 struct PathStep {
     std::vector<Focus> foci;
     std::uint32_t periods = 1;  ///< of the carrier, for which they last
@@ -28,7 +28,8 @@ struct Modulation {
     friend bool operator==(const Modulation&, const Modulation&) = default;
 };
 
-/// What a renderer makes and everything behind it plays: foci in time. It says nothing of arrays, boards or records.
+/// What a renderer makes: foci in time. Everything that comes after rendering takes a path. It knows nothing of arrays,
+/// boards or records.
 struct Path {
     std::vector<PathStep> steps;
     Modulation modulation;

@@ -10,7 +10,7 @@ namespace haptogram {
 
 /// Carrier periods for each of `count` points, as even as whole numbers allow, so that a pass over all of them takes
 /// 1 / rate_hz.
-/// @param most_periods  that a point may last; the core's sequence entries hold 65,535
+/// @param most_periods  the most that a point may last; an entry of the core's sequence can hold 65,535
 /// @throws Error{bad_input} when a point would last less than one period or more than `most_periods`, saying which
 /// rates and numbers of points can be had
 [[nodiscard]] std::vector<std::uint32_t> even_dwells(double carrier_hz, double rate_hz, std::size_t count,

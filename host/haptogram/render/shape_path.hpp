@@ -15,8 +15,8 @@ struct ShapePathOptions {
     std::size_t points = 200;          ///< to take from a surface, a curve or a larger cloud
     std::uint64_t seed = 1;            ///< of the sampling
     bool clip = false;                 ///< leave out points that the array cannot reach, instead of refusing the shape
-    std::size_t most_points = 65'535;  ///< that can be held
-    std::string holder, capacity;      ///< by what, and why no more, for messages: "tile-100", "400 records"
+    std::size_t most_points = 65'535;  ///< the most that can be played
+    std::string holder, capacity;  ///< what plays them, and its limit in words, for messages: "tile-100", "400 records"
 };
 
 /// Points in the order in which the focus visits them, and what became of the shape.

@@ -80,7 +80,8 @@ std::vector<std::uint16_t> focal_law(const Array& array, const Timer& timer, std
     const std::size_t elements = array.elements.size();
     std::vector<std::uint16_t> ticks(foci.size() * elements);
     if (ticks.empty()) return ticks;
-    constexpr std::size_t most_lanes = 64;  // of any target: HWY_MAX_BYTES is only this one's
+    // The most of all instruction sets that may be chosen; HWY_MAX_BYTES knows only the one that this is compiled for.
+    constexpr std::size_t most_lanes = 64;
     const std::size_t padded = (elements + most_lanes - 1) / most_lanes * most_lanes;
     const auto buffer = hwy::AllocateAligned<float>(4 * padded);
     float* x = buffer.get();

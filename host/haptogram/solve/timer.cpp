@@ -14,7 +14,7 @@ Timer choose_timer(const Array& array, const Core& core) {
     constexpr double carrier_tolerance = 100e-6;
     const double clocks = board.clock_hz / array.carrier_hz;
     const std::uint32_t longest_pulse = (1U << board.pulse_bits) - 1U;
-    // The last tick of a cycle that a channel may start in is one less than this, so never all ones, which is silence.
+    // The last tick of the longest cycle is one less than this. So no tick has all bits set, which would mean silence.
     const std::uint32_t longest_cycle = (1U << board.timing_bits) - 1U;
     for (std::uint32_t prescaler = 1; prescaler * 8.0 <= clocks; ++prescaler) {
         const double ticks = clocks / prescaler;
