@@ -28,15 +28,15 @@ def says(program, folder, *arguments, expect):
 
 
 @pytest.fixture(scope="module")
-def folder(work):
-    return work / "parts"
+def folder(beside):
+    return beside("parts")
 
 
 @pytest.fixture(scope="module")
-def without_both(folder):
+def without_both(folder, work):
     """The program with neither the simulated board nor FTDI, on a machine that has the packages of neither."""
     configure(folder, "-DHAPTOGRAM_SIMULATION=OFF", "-DHAPTOGRAM_FTDI=OFF", "-DHAPTOGRAM_TESTS=OFF", NO_VERILATOR, NO_PKG_CONFIG)
-    program = folder.parent / "haptogram-without-both"
+    program = work / "haptogram-without-both"
     shutil.copy(build(folder), program)
     return program
 
