@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A shape, the path of a focus over it, the image that plays the path, and the pressure that the image makes at a point.
+// A shape, the path of a focus over it, the image that plays the path, and the pressure that the image makes at a
+// point.
 #include <cstdio>
 #include <haptogram/acoustics/field.hpp>
 #include <haptogram/analysis/excitation.hpp>
@@ -18,8 +19,8 @@ int main() {
         project.rate_hz = 100.0;
 
         const haptogram::Compiled compiled = haptogram::compile(project, "circle.hex");
-        haptogram::write_files({{"circle.hex", compiled.bundle.hex},
-                                {"circle.json", haptogram::to_text(compiled.bundle.manifest)}});
+        haptogram::write_files(
+            {{"circle.hex", compiled.bundle.hex}, {"circle.json", haptogram::to_text(compiled.bundle.manifest)}});
 
         // The pulses of the image's first record: the pressure where they should meet, and a centimetre beside it.
         const haptogram::Excitation first = haptogram::excitation_of(compiled.bundle, 1);
