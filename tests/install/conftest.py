@@ -41,6 +41,21 @@ def work():
 
 
 @pytest.fixture(scope="session")
+def beside():
+    """Folders beside the build, where all libraries are built again: as deep as it, so that a ccache with relative paths has them, too."""
+    made = []
+
+    def make(name):
+        made.append(BUILD.with_name(f"{BUILD.name}-{name}"))
+        shutil.rmtree(made[-1], ignore_errors=True)
+        return made[-1]
+
+    yield make
+    for folder in made:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+@pytest.fixture(scope="session")
 def package(work):
     """The installed package, in a place other than the one that it was configured for."""
     run("cmake", "--install", BUILD, "--prefix", work / "configured")

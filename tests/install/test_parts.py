@@ -6,13 +6,13 @@ import pytest
 from conftest import ROOT, like_the_build, run
 
 USAGE = 2
-# As if neither were installed.
+# As if neither were installed: libftdi1 is what pkg-config alone would find.
 NO_VERILATOR = "-DCMAKE_DISABLE_FIND_PACKAGE_verilator=ON"
-NO_PKG_CONFIG = "-DCMAKE_DISABLE_FIND_PACKAGE_PkgConfig=ON"
+NO_LIBFTDI = {"PKG_CONFIG_LIBDIR": "/nonexistent"}
 
 
-def configure(folder, *options, expect=0):
-    return run("cmake", "-S", ROOT, "-B", folder, *like_the_build(), *options, expect=expect)
+def configure(folder, *options, expect=0, environment=None):
+    return run("cmake", "-S", ROOT, "-B", folder, *like_the_build(), *options, expect=expect, environment=environment)
 
 
 def build(folder, *targets):
@@ -28,15 +28,15 @@ def says(program, folder, *arguments, expect):
 
 
 @pytest.fixture(scope="module")
-def folder(work):
-    return work / "parts"
+def folder(beside):
+    return beside("parts")
 
 
 @pytest.fixture(scope="module")
-def without_both(folder):
+def without_both(folder, work):
     """The program with neither the simulated board nor FTDI, on a machine that has the packages of neither."""
-    configure(folder, "-DHAPTOGRAM_SIMULATION=OFF", "-DHAPTOGRAM_FTDI=OFF", "-DHAPTOGRAM_TESTS=OFF", NO_VERILATOR, NO_PKG_CONFIG)
-    program = folder.parent / "haptogram-without-both"
+    configure(folder, "-DHAPTOGRAM_SIMULATION=OFF", "-DHAPTOGRAM_FTDI=OFF", "-DHAPTOGRAM_TESTS=OFF", NO_VERILATOR, environment=NO_LIBFTDI)
+    program = work / "haptogram-without-both"
     shutil.copy(build(folder), program)
     return program
 
@@ -62,7 +62,7 @@ def test_ftdi_that_is_left_out_says_so(without_both, work):
 
 def test_tests_without_simulation(without_both, folder):
     """The unit tests do not need it."""
-    configure(folder, "-DHAPTOGRAM_SIMULATION=OFF", "-DHAPTOGRAM_FTDI=ON", "-DHAPTOGRAM_TESTS=ON", NO_VERILATOR, "-UCMAKE_DISABLE_FIND_PACKAGE_PkgConfig")
+    configure(folder, "-DHAPTOGRAM_SIMULATION=OFF", "-DHAPTOGRAM_FTDI=ON", "-DHAPTOGRAM_TESTS=ON", NO_VERILATOR)
     build(folder, "test_unit", "haptogram")
     listed = run("ctest", "--test-dir", folder, "-N").stdout
     assert " unit/" in listed and " cosim/" not in listed and " cli" not in listed

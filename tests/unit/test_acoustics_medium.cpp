@@ -65,7 +65,7 @@ TEST_CASE("medium: the table of attenuation in ISO 9613-2, dB/km", "[medium]") {
     }
 }
 
-TEST_CASE("medium: decibels and nepers; thinner air absorbs otherwise", "[medium]") {
+TEST_CASE("medium: decibels and nepers, thinner air absorbs otherwise", "[medium]") {
     REQUIRE(np_to_db(1.0) == Approx(8.685889638));
     REQUIRE(db_to_np(np_to_db(0.115)) == Approx(0.115).epsilon(1e-14));
     REQUIRE(np_to_db(0.115) == Approx(1.0).epsilon(2e-3));  // Hoshi: 0.115 Np/m is 100 dB in 100 m

@@ -250,7 +250,7 @@ TEST_CASE("transient: what alternating between two foci keeps", "[transient]") {
     REQUIRE_THROWS_AS(alternate(array, resonator, focus, other, 0), Error);
 }
 
-TEST_CASE("transient: alternating with itself keeps everything; sooner than slower", "[transient]") {
+TEST_CASE("transient: alternating with itself keeps everything, sooner than slower", "[transient]") {
     const Array array = tile();
     const Resonator resonator = GENERATE(second_order(carrier, 2000.0), butterworth_van_dyke());
     const Vec3 focus = from_mm(0, 0, 100);
@@ -266,7 +266,7 @@ TEST_CASE("transient: alternating with itself keeps everything; sooner than slow
     REQUIRE(before == Approx(1.0).margin(1e-3));
 }
 
-TEST_CASE("transient: silence before the wave arrives; a train for every element", "[transient]") {
+TEST_CASE("transient: silence before the wave arrives, a train for every element", "[transient]") {
     const Array array = tile();
     const Vec3 focus = from_mm(0, 0, 100);
     const auto trains = focal_trains(array, focus, 0, 10);

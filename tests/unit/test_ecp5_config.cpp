@@ -185,7 +185,7 @@ TEST_CASE("ecp5 config: a memory in a mode narrower than 9 bits gets other conte
     REQUIRE((replace_block_ram(config(from), from, to, 16, "f") == config(to)));
 }
 
-TEST_CASE("ecp5 config: several memories one after the other; foreign block RAMs stay as they are", "[ecp5]") {
+TEST_CASE("ecp5 config: several memories one after the other, foreign block RAMs stay as they are", "[ecp5]") {
     const Example example;
     const Words deep(deep_words, 0);  // zeros may be written, though they are never found
     const Words wide = random_words(wide_words, 32, 13);

@@ -147,7 +147,7 @@ TEST_CASE("array: reach", "[array]") {
     REQUIRE_THAT(array.unreachable(from_mm(200, 0, 100)), Contains("off the axis"));
 }
 
-TEST_CASE("manifest: what is written is read back; what is missing is named", "[manifest]") {
+TEST_CASE("manifest: what is written is read back, what is missing is named", "[manifest]") {
     Manifest m;
     m.array = find_array("hoshi-18x18");
     m.timer = {50e6, 5, 250, 125};

@@ -466,7 +466,7 @@ TEST_CASE("kernel: the same bytes for any number of threads", "[kernel]") {
     }
 }
 
-TEST_CASE("kernel: progress comes from the calling thread, grows and ends at 1; its errors come through", "[kernel]") {
+TEST_CASE("kernel: progress comes from the calling thread, grows and ends at 1, its errors come through", "[kernel]") {
     CAPTURE(reseed());
     const Array array = grid_array(4, 4);
     const Record drives = random_drives(array);
