@@ -118,6 +118,9 @@ struct Sources {
         model.half_turns_per_m = static_cast<float>(half_turns_per_m);
         model.absorption_np_m = static_cast<float>(array.medium.absorption_np_m);
         model.pattern = fit_pattern(array.transducer, std::numbers::pi * half_turns_per_m);
+        model.tilted = std::any_of(elements.begin(), elements.end(), [](const Element& e) {
+            return e.normal != Vec3{0.0, 0.0, 1.0};
+        });
     }
 
     void play(Drives drives) {
@@ -153,12 +156,14 @@ public:
         elements.resize(sources.elements.size());
         for (std::size_t m = 0; m < elements.size(); ++m) {
             const Vec3 e = sources.elements[m].position - centre;
+            const Vec3 normal = sources.elements[m].normal;
             const double range = norm(e);
             const double behind = range * sources.half_turns_per_m - sources.half_turns[m];
             constexpr double round = 6755399441055744.0;  // 1.5·2⁵²: the sum's last bit is one
             const double phase = behind - 2.0 * ((behind / 2.0 + round) - round);
-            elements[m] = {static_cast<float>(e.x),   static_cast<float>(e.y),   static_cast<float>(e.z),
-                           static_cast<float>(range), static_cast<float>(phase), sources.amplitudes[m]};
+            elements[m] = {static_cast<float>(e.x),      static_cast<float>(e.y),      static_cast<float>(e.z),
+                           static_cast<float>(range),    static_cast<float>(phase),    sources.amplitudes[m],
+                           static_cast<float>(normal.x), static_cast<float>(normal.y), static_cast<float>(normal.z)};
             const Vec3 gap{std::max(0.0, std::abs(e.x) - half.x), std::max(0.0, std::abs(e.y) - half.y),
                            std::max(0.0, std::abs(e.z) - half.z)};
             if (dot(gap, gap) < near_m * near_m) find_near(sources.elements[m].position, points, near_m);
