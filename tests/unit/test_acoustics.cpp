@@ -159,25 +159,41 @@ TEST_CASE("measure: a record's drives from its pulses, edges of a stretch left o
 
 TEST_CASE("region: texts that name one, and texts that do not", "[acoustics]") {
     const Reach reach{0.02, 0.01, {}, {}, {}};
-    const Region plane = parse_region("--plane", "xz@y=-5.5", reach);
+    const Region plane = parse_region("plane", "xz@y=-5.5", reach);
     REQUIRE(plane.axes == "xz");
     REQUIRE(plane.grid.size() == 5 * 4);
     REQUIRE(plane.grid.point(3 * 5).x == Approx(-0.02));
     REQUIRE(plane.grid.point(3 * 5).y == Approx(-0.0055));
     REQUIRE(plane.grid.point(3 * 5).z == Approx(0.04));
-    REQUIRE(parse_region("--plane", "z@y=1,x=2", reach).grid.x == std::vector<double>{0.002});
-    REQUIRE(parse_region("--plane", "xyz", reach).grid.size() == 5 * 5 * 4);
+    REQUIRE(parse_region("plane", "z@y=1,x=2", reach).grid.x == std::vector<double>{0.002});
+    REQUIRE(parse_region("plane", "xyz", reach).grid.size() == 5 * 5 * 4);
     Reach ranged = reach;
-    ranged.z = parse_range("--z", "100:130");
-    REQUIRE(parse_region("--plane", "z@x=0,y=0", ranged).grid.z.size() == 4);
-    REQUIRE(parse_region("--plane", "z@x=0,y=0", ranged).grid.z.back() == Approx(0.13));
+    ranged.z = parse_range("z", "100:130");
+    REQUIRE(parse_region("plane", "z@x=0,y=0", ranged).grid.z.size() == 4);
+    REQUIRE(parse_region("plane", "z@x=0,y=0", ranged).grid.z.back() == Approx(0.13));
     for (const char* text : {"", "xy", "xy@z=", "xy@x=1", "zx@y=1", "xy@z=1mm", "xy@z=nan", "xy@z=-1", "xy@z=0",
                              "z@x=1", "@", "@x=1,y=1,z=1", "z@x=1,x=1", "xyz@z=1", "z@x=1,y=1,"})
-        REQUIRE_THROWS_AS(parse_region("--plane", text, reach), Error);
+        REQUIRE_THROWS_AS(parse_region("plane", text, reach), Error);
     for (const char* text : {"", ":", "1:", ":1", "2:1", "1:1", "a:b", "0:inf"})
-        REQUIRE_THROWS_AS(parse_range("--x", text), Error);
-    REQUIRE_THROWS_AS(parse_region("--plane", "xy@z=100", {0.02, 0.0, {}, {}, {}}), Error);
-    REQUIRE_THROWS_WITH(parse_region("--plane", "xy@z=100", {1.0, 1e-9, {}, {}, {}}),
+        REQUIRE_THROWS_AS(parse_range("x", text), Error);
+    REQUIRE_THROWS_AS(parse_region("plane", "xy@z=100", {0.02, 0.0, {}, {}, {}}), Error);
+    // Errors name the setting, which each front end shows in its own words.
+    const auto setting_at_fault = [](const char* text, const Reach& size) -> std::string {
+        try {
+            (void)parse_region("plane", text, size);
+        } catch (const Error& error) {
+            REQUIRE(error.code() == ErrorCode::bad_argument);
+            REQUIRE(error.names_setting());
+            return error.where();
+        }
+        return "none";
+    };
+    REQUIRE(setting_at_fault("xy", reach) == "plane");
+    REQUIRE(setting_at_fault("xy@z=-1", reach) == "plane");
+    REQUIRE(setting_at_fault("xy@z=100", {0.02, 0.03, {}, {}, {}}) == "step");
+    REQUIRE(setting_at_fault("xy@z=100", {1.0, 1e-9, {}, {}, {}}) == "step");
+    REQUIRE(setting_at_fault("xy@z=100", reach) == "none");
+    REQUIRE_THROWS_WITH(parse_region("plane", "xy@z=100", {1.0, 1e-9, {}, {}, {}}),
                         Contains("too many") && Contains("GB"));
 }
 

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <hwy/targets.h>
+#include <tbb/global_control.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <numbers>
 #include <random>
 #include <thread>
@@ -16,6 +20,7 @@
 #include "haptogram/acoustics/shift.hpp"
 #include "haptogram/acoustics/wave.hpp"
 #include "haptogram/base/error.hpp"
+#include "haptogram/model/rig.hpp"
 
 using namespace haptogram;
 using Catch::Contains;
@@ -62,6 +67,17 @@ Array random_array(std::size_t elements) {
     Array array;
     for (std::size_t m = 0; m < elements; ++m) array.elements.push_back({random_point(0.06, -0.01, 0.01)});
     return array;
+}
+
+/// Two to four small grids of elements, each somewhere around the origin and turned any way.
+Rig random_rig() {
+    Rig rig{"random", {}};
+    const int arrays = std::uniform_int_distribution<int>(2, 4)(randomness());
+    for (int i = 0; i < arrays; ++i) {
+        const Vec3 angles{random(-180, 180), random(-90, 90), random(-180, 180)};
+        rig.arrays.push_back({grid_array(4, 3), pose_of(random_point(0.15, -0.05, 0.05), angles)});
+    }
+    return rig;
 }
 
 Record random_drives(const Array& array) {
@@ -177,6 +193,76 @@ TEST_CASE("kernel: a table on its axis, at 90° and behind", "[kernel]") {
     REQUIRE(found[4] == 0.0F);
 }
 
+TEST_CASE("kernel: elements that face any way radiate along their normals", "[kernel]") {
+    CAPTURE(reseed());
+    for (int repeat = 0; repeat < 5; ++repeat) {
+        Array array = joined(random_rig());
+        const Record drives = random_drives(array);
+        auto points = random_points(1500, 0.25, -0.1, 0.4);
+        // At 90° a table jumps, and there rounding decides on which side a point is.
+        const auto at_the_jump = [&](Vec3 p) {
+            return std::any_of(array.elements.begin(), array.elements.end(),
+                               [&](const Element& e) { return std::abs(dot(p - e.position, e.normal)) < 1e-6; });
+        };
+        points.erase(std::remove_if(points.begin(), points.end(), at_the_jump), points.end());
+        Array upright = array;
+        for (Element& e : upright.elements) e.normal = {0.0, 0.0, 1.0};
+        for (const double absorption : {0.0, 0.115}) {
+            array.medium.absorption_np_m = upright.medium.absorption_np_m = absorption;
+            for (const Pattern pattern : {Pattern::piston, Pattern::point, Pattern::table})
+                for (const double radius : {1e-3, 4.5e-3, 0.02, 0.05}) {
+                    array.transducer.pattern = upright.transducer.pattern = pattern;
+                    array.transducer.table = upright.transducer.table = measured_table;
+                    array.transducer.radius_m = upright.transducer.radius_m = radius;
+                    const Field found = pressure_at(array, drives, points);
+                    CAPTURE(repeat, absorption, static_cast<int>(pattern), radius);
+                    REQUIRE(error(array, drives, points, found) <= tight);
+                    // Only a point source sounds the same when it faces another way.
+                    const bool same = error(upright, drives, points, found) <= tight;
+                    if (radius > 2e-3) REQUIRE(same == (pattern == Pattern::point));
+                }
+        }
+    }
+}
+
+TEST_CASE("kernel: a tilted table on its axis, beside it and behind", "[kernel]") {
+    const Pose pose = pose_of({0.02, -0.01, 0.05}, {35.0, -50.0, 20.0});
+    Array array;
+    array.elements = {{pose.origin, pose.z}};
+    array.transducer.pattern = Pattern::table;
+    array.transducer.table = measured_table;
+    const Record drives{{2.0, -1.0}};
+    const auto at = [&](double degrees) {
+        const double angle = degrees * std::numbers::pi / 180.0;
+        return pose.outwards({0.0, 0.1 * std::sin(angle), 0.1 * std::cos(angle)});
+    };
+    for (const double degrees : {0.0, 1e-3, 15.0, 45.0, 60.0, 85.0, 89.99}) {
+        CAPTURE(degrees);
+        REQUIRE(error(array, drives, {at(degrees), at(-degrees)}) <= tight);
+    }
+    for (const double degrees : {90.01, 135.0, 180.0})
+        REQUIRE(pressure_at(array, drives, std::vector{at(degrees)}) == Field{0.0F});
+}
+
+TEST_CASE("kernel: a rig turned as a whole turns its field", "[kernel]") {
+    CAPTURE(reseed());
+    for (int repeat = 0; repeat < 4; ++repeat) {
+        const Rig rig = random_rig();
+        const Pose pose =
+            pose_of(random_point(0.3, -0.3, 0.3), {random(-180, 180), random(-90, 90), random(-180, 180)});
+        Rig turned = rig;
+        for (PosedArray& part : turned.arrays)
+            part.pose = {pose.outwards(part.pose.origin), pose.turned(part.pose.x), pose.turned(part.pose.y),
+                         pose.turned(part.pose.z)};
+        const Array before = joined(rig), after = joined(turned);
+        const Record drives = random_drives(before);
+        const auto points = random_points(1200, 0.2, -0.2, 0.3);
+        std::vector<Vec3> moved;
+        for (const Vec3& p : points) moved.push_back(pose.outwards(p));
+        REQUIRE(error(before, drives, points, pressure_at(after, drives, moved)) <= tight);
+    }
+}
+
 TEST_CASE("kernel: any number of points and elements", "[kernel]") {
     CAPTURE(reseed());
     for (const std::size_t elements : {1U, 3U, 100U}) {
@@ -191,11 +277,13 @@ TEST_CASE("kernel: any number of points and elements", "[kernel]") {
 
 TEST_CASE("kernel: every instruction set of this processor", "[kernel]") {
     CAPTURE(reseed());
-    Array array = grid_array(6, 5);
-    const Record drives = random_drives(array);
-    const WeightedDrives entry{1.0, drives};
-    const auto points = random_points(1100, 0.1, 0.05, 0.2);
     const Grid grid{axis(-0.05, 1e-3, 77), axis(-0.05, 1e-3, 31), {0.1}};
+    const auto points = random_points(1100, 0.1, 0.05, 0.2);
+    // Upright elements and tilted ones take different ways through the kernel.
+    const Rig facing{"facing",
+                     {{grid_array(4, 3), pose_of({-0.1, 0.0, 0.02}, {0.0, 50.0, 0.0})},
+                      {grid_array(4, 3), pose_of({0.02, 0.01, 0.3}, {170.0, 0.0, 30.0})}}};
+    const Array arrays[] = {grid_array(6, 5), joined(facing)};
     int tested = 0;
     const struct AllTargets {
         ~AllTargets() {
@@ -210,17 +298,21 @@ TEST_CASE("kernel: every instruction set of this processor", "[kernel]") {
         hwy::GetChosenTarget().Update(hwy::SupportedTargets());
         if (std::string(wave_target()) != hwy::TargetName(target)) continue;  // not compiled for
         ++tested;
-        for (const Pattern pattern : {Pattern::piston, Pattern::point, Pattern::table}) {
-            array.transducer.pattern = pattern;
+        for (std::size_t i = 0; i < 2 * 3; ++i) {
+            Array array = arrays[i / 3];
+            array.transducer.pattern = std::array{Pattern::piston, Pattern::point, Pattern::table}[i % 3];
             array.transducer.table = measured_table;
+            CAPTURE(i);
+            const Record drives = random_drives(array);
+            const WeightedDrives entry{1.0, drives};
             REQUIRE(error(array, drives, points) <= tight);
             const Field on = pressure_on(array, drives, grid);
             REQUIRE(error(array, drives, points_of(grid), on) <= tight);
             const auto mean = mean_square_pressure(array, {&entry, 1}, grid);
             float peak = 0.0F, worst = 0.0F;
-            for (std::size_t i = 0; i < mean.size(); ++i) {
-                peak = std::max(peak, mean[i]);
-                worst = std::max(worst, std::abs(mean[i] - std::norm(on[i]) / 2.0F));
+            for (std::size_t j = 0; j < mean.size(); ++j) {
+                peak = std::max(peak, mean[j]);
+                worst = std::max(worst, std::abs(mean[j] - std::norm(on[j]) / 2.0F));
             }
             REQUIRE(worst <= 1e-4F * peak);
         }
@@ -445,47 +537,184 @@ TEST_CASE("kernel: the mean square over a sequence", "[kernel]") {
     REQUIRE(mean_square_pressure(array, {&silent, 1}, grid) == std::vector<float>(grid.size(), 0.0F));
 }
 
+TEST_CASE("kernel: the mean square at points in any order and plane", "[kernel]") {
+    CAPTURE(reseed());
+    const Array upright = grid_array(5, 4), tilted = joined(random_rig());
+    const Grid grid{axis(-0.03, 2e-3, 31), axis(-0.03, 1.7e-3, 37), {0.0505, 0.1}};
+    for (const Array& array : {upright, tilted}) {
+        std::vector<Record> drives;
+        std::vector<WeightedDrives> sequence;
+        for (int i = 0; i < 5; ++i) drives.push_back(random_drives(array));
+        for (const Record& record : drives) sequence.push_back({random(0.1, 3.0), record});
+        double total = 0.0;
+        for (const WeightedDrives& entry : sequence) total += entry.weight;
+
+        const Pose oblique = pose_of({0.01, -0.02, 0.12}, {random(-80, 80), random(-80, 80), 30.0});
+        std::vector<Vec3> points;
+        for (const Vec3& p : points_of({axis(-0.1, 7e-3, 30), axis(-0.1, 5e-3, 41), {0.0}}))
+            points.push_back(oblique.outwards(p));
+        points.push_back(array.elements[3].position + Vec3{1e-5, 2e-5, 0.0});  // in double precision
+        const auto found = mean_square_pressure_at(array, sequence, points);
+        REQUIRE(found.size() == points.size());
+        double worst = 0.0;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            double sum = 0.0, most = 0.0;
+            for (const WeightedDrives& entry : sequence) {
+                double can = 0.0;
+                for (std::size_t m = 0; m < array.elements.size(); ++m)
+                    can += std::abs(entry.drives[m] * propagation(array, array.elements[m], points[i]));
+                most += entry.weight / total / 2.0 * can * can;
+                sum += entry.weight / total / 2.0 * std::norm(pressure(array, entry.drives, points[i]));
+            }
+            worst = std::max(worst, std::abs(static_cast<double>(found[i]) - sum) / most);
+        }
+        REQUIRE(worst <= tight);
+        REQUIRE(same_bytes(mean_square_pressure(array, sequence, grid),
+                           mean_square_pressure_at(array, sequence, points_of(grid))));
+        REQUIRE(mean_square_pressure_at(array, sequence, {}).empty());
+        REQUIRE(mean_square_pressure_at(array, {}, points) == std::vector<float>(points.size(), 0.0F));
+        points[17] = array.elements[2].position;
+        REQUIRE_THROWS_WITH(mean_square_pressure_at(array, sequence, points), Contains("coincides with an element"));
+    }
+}
+
 TEST_CASE("kernel: the same bytes for any number of threads", "[kernel]") {
     CAPTURE(reseed());
+    // A process may allow itself more threads than it has processors. Here it does, so that they really run.
+    const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism, 16);
     const Array array = grid_array(10, 10);
     Array listed = array;
     listed.columns = 0;
     const Record drives = random_drives(array), others = random_drives(array);
     const std::vector<WeightedDrives> sequence{{1.0, drives}, {2.0, others}, {0.5, drives}};
     const Grid grid{axis(-0.05, 1e-3, 100), axis(-0.05, 1e-3, 40), axis(0.05, 0.01, 7)};
+    // Its lattice is larger than the grid itself: several of them need more memory than threads may take.
+    const Grid fine{axis(-0.01003, 1e-4, 200), axis(-0.01003, 1e-4, 200), {0.1, 0.11}};
     const auto points = random_points(9001, 0.1, 0.0, 0.2);
     const Field at = pressure_at(array, drives, points), on = pressure_on(array, drives, grid);
-    const Field direct = pressure_on(listed, drives, grid);
+    const Field direct = pressure_on(listed, drives, grid), shifted = pressure_on(array, drives, fine);
     const auto mean = mean_square_pressure(array, sequence, grid);
+    const auto mean_at = mean_square_pressure_at(array, sequence, points);
+    REQUIRE_FALSE(same_bytes(shifted, pressure_on(listed, drives, fine)));  // it does take the shifts
     for (const unsigned threads : {0U, 2U, 3U, 16U}) {
         const FieldOptions options{.threads = threads};
         REQUIRE(same_bytes(at, pressure_at(array, drives, points, options)));
         REQUIRE(same_bytes(on, pressure_on(array, drives, grid, options)));
         REQUIRE(same_bytes(direct, pressure_on(listed, drives, grid, options)));
+        REQUIRE(same_bytes(shifted, pressure_on(array, drives, fine, options)));
         REQUIRE(same_bytes(mean, mean_square_pressure(array, sequence, grid, options)));
+        REQUIRE(same_bytes(mean_at, mean_square_pressure_at(array, sequence, points, options)));
     }
 }
 
-TEST_CASE("kernel: progress comes from the calling thread, grows and ends at 1, its errors come through", "[kernel]") {
+TEST_CASE("kernel: calls at the same time do not limit each other's threads", "[kernel]") {
     CAPTURE(reseed());
-    const Array array = grid_array(4, 4);
+    const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism, 4);
+    const auto limit = [] { return tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism); };
+    const Array array = grid_array(10, 10);
     const Record drives = random_drives(array);
-    const auto points = random_points(20'000, 0.1, 0.05, 0.2);
-    const auto caller = std::this_thread::get_id();
-    for (const unsigned threads : {1U, 3U}) {
-        std::atomic<int> elsewhere = 0;
-        std::vector<double> told;
-        (void)pressure_at(array, drives, points, {.threads = threads, .progress = [&](double part, std::string_view) {
-                                                      if (std::this_thread::get_id() != caller) ++elsewhere;
-                                                      told.push_back(part);
-                                                      return true;
-                                                  }});
-        REQUIRE(elsewhere == 0);
-        REQUIRE(std::is_sorted(told.begin(), told.end()));
-        REQUIRE(told.back() == 1.0);
-        const FieldOptions stops{.threads = threads, .progress = [](double, std::string_view) { return false; }};
-        REQUIRE_THROWS_WITH(pressure_at(array, drives, points, stops), Contains("cancelled"));
+    const auto points = random_points(60'000, 0.1, 0.05, 0.2);
+    const Field expected = pressure_at(array, drives, points);
+    // Each call waits, in its first report, until the other one has begun. So they do run at the same time.
+    std::atomic<int> begun = 0, wrong_limit = 0, wrong_bytes = 0;
+    const auto call = [&](unsigned threads) {
+        bool first = true;
+        const Progress progress = [&](double, std::string_view) {
+            if (first) {
+                ++begun;
+                while (begun < 2) std::this_thread::yield();
+            }
+            first = false;
+            if (limit() != 4) ++wrong_limit;
+            return true;
+        };
+        if (!same_bytes(expected, pressure_at(array, drives, points, {threads, progress}))) ++wrong_bytes;
+    };
+    std::thread other(call, 1U);
+    call(3U);
+    other.join();
+    REQUIRE(begun == 2);
+    REQUIRE(wrong_limit == 0);
+    REQUIRE(wrong_bytes == 0);
+}
+
+namespace {
+
+/// The four ways to ask for a field, each as a call with options whose result is a list of numbers.
+struct EveryField {
+    Array array = grid_array(10, 10), listed = array;
+    Record drives = random_drives(array), others = random_drives(array);
+    std::vector<WeightedDrives> sequence{{1.0, drives}, {2.0, others}};
+    Grid grid{axis(-0.05, 1e-3, 100), axis(-0.05, 1e-3, 40), axis(0.05, 0.01, 12)};
+    std::vector<Vec3> points = random_points(20'000, 0.1, 0.05, 0.2);
+    std::vector<std::function<std::vector<float>(const FieldOptions&)>> calls{
+        [&](const FieldOptions& o) { return numbers(pressure_at(array, drives, points, o)); },
+        [&](const FieldOptions& o) { return numbers(pressure_on(array, drives, grid, o)); },  // by shifts
+        [&](const FieldOptions& o) { return numbers(pressure_on(listed, drives, grid, o)); },
+        [&](const FieldOptions& o) { return mean_square_pressure(array, sequence, grid, o); },
+        [&](const FieldOptions& o) { return mean_square_pressure_at(array, sequence, points, o); },
+    };
+
+    EveryField() { listed.columns = 0; }
+    EveryField(const EveryField&) = delete;
+
+    static std::vector<float> numbers(const Field& field) {
+        std::vector<float> found;
+        for (const auto& p : field) found.insert(found.end(), {p.real(), p.imag()});
+        return found;
     }
+};
+
+}  // namespace
+
+TEST_CASE("kernel: progress comes from the calling thread, grows and ends at 1", "[kernel]") {
+    CAPTURE(reseed());
+    const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism, 4);
+    const EveryField every;
+    const auto caller = std::this_thread::get_id();
+    for (std::size_t i = 0; i < every.calls.size(); ++i)
+        for (const unsigned threads : {1U, 3U}) {
+            CAPTURE(i, threads);
+            std::atomic<int> elsewhere = 0;
+            std::vector<double> told;
+            (void)every.calls[i]({threads, [&](double part, std::string_view) {
+                                      if (std::this_thread::get_id() != caller) ++elsewhere;
+                                      told.push_back(part);
+                                      return true;
+                                  }});
+            REQUIRE(elsewhere == 0);
+            REQUIRE(told.size() >= 2);
+            REQUIRE(std::is_sorted(told.begin(), told.end()));
+            REQUIRE(told.back() == 1.0);
+        }
+}
+
+TEST_CASE("kernel: cancelling ends the work at once and leaves none behind", "[kernel]") {
+    CAPTURE(reseed());
+    const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism, 4);
+    const EveryField every;
+    for (std::size_t i = 0; i < every.calls.size(); ++i)
+        for (const unsigned threads : {1U, 3U})
+            for (const int last : {1, 2}) {
+                CAPTURE(i, threads, last);
+                std::atomic<int> told = 0;
+                double fraction = 0.0;
+                const FieldOptions stops{threads, [&](double part, std::string_view) {
+                                             fraction = part;
+                                             return ++told < last;
+                                         }};
+                try {
+                    (void)every.calls[i](stops);
+                    FAIL("not cancelled");
+                } catch (const Error& error) {
+                    REQUIRE(error.code() == ErrorCode::cancelled);
+                }
+                REQUIRE(told == last);
+                if (threads == 1) REQUIRE(fraction < 0.5);  // others may have finished theirs meanwhile
+                std::this_thread::sleep_for(std::chrono::milliseconds(5));
+                REQUIRE(told == last);
+                REQUIRE(same_bytes(every.calls[i]({}), every.calls[i]({threads, {}})));
+            }
 }
 
 TEST_CASE("kernel: moving everything changes nothing", "[kernel]") {

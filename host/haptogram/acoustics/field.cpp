@@ -23,31 +23,39 @@
 namespace haptogram {
 namespace {
 
-constexpr double coincident_m = 1e-9;
+constexpr double coincident_m = 1e-9;  ///< a point nearer than this to an element counts as being on it
 
-unsigned workers(const FieldOptions& options) { return std::max(1U, options.threads); }
+/// How many threads a call uses. The limit is TBB's own, normally one thread a processor; asking for more would only
+/// make TBB print a warning. The call reads this limit and never sets it, because it belongs to the whole process.
+unsigned workers(const FieldOptions& options) {
+    const auto most =
+        static_cast<unsigned>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+    return options.threads == 0 ? most : std::min(options.threads, most);
+}
 
-/// Calls work(worker, unit) for every unit, and the progress from the calling thread alone. What a unit computes may
-/// not depend on its worker, so that the result does not depend on the number of threads.
+/// Calls work(worker, unit) for every unit, on as many threads as `workers` says; `worker` numbers them from 0. What a
+/// unit computes may not depend on its worker, so that the result is the same for any number of threads.
+///
+/// Every call has an arena of its own, so calls from several threads do not limit each other. Progress is told from the
+/// calling thread alone. When it ends the work, units that have begun are finished, no further ones begin, and its
+/// Error{cancelled} comes out of here.
 template <class Work>
-void in_parallel(std::size_t units, const FieldOptions& options, Work work) {
+void in_parallel(std::size_t units, unsigned workers, const Progress& progress, Work work) {
     std::atomic<std::size_t> done = 0;
     const auto caller = std::this_thread::get_id();
-    // As many as were asked for, also where there are fewer processors: TBB would complain on stderr.
-    const tbb::global_control most(tbb::global_control::max_allowed_parallelism, workers(options));
-    tbb::task_arena arena(static_cast<int>(workers(options)));
+    tbb::task_arena arena(static_cast<int>(workers));
     arena.execute([&] {
         tbb::parallel_for(std::size_t{0}, units, [&](std::size_t unit) {
             work(static_cast<unsigned>(tbb::this_task_arena::current_thread_index()), unit);
             const std::size_t finished = ++done;
             if (std::this_thread::get_id() == caller)
-                options.progress(static_cast<double>(finished) / static_cast<double>(units));
+                progress(static_cast<double>(finished) / static_cast<double>(units));
         });
     });
-    options.progress(1.0);
+    progress(1.0);
 }
 
-/// Points of one block, in double as they were given, and the box around them.
+/// The points of one block, as they were asked for, and the box around them.
 struct Points {
     std::array<double, WaveBlock::most> x, y, z;
     std::size_t count = 0;
@@ -75,7 +83,8 @@ void take_block(std::span<const Vec3> from, std::size_t block, Points& points) {
     }
 }
 
-/// A grid's block row by row: one point at a time would take longer than one element's wave to it.
+/// The same of a grid. Whole rows are copied, because Grid::point() for each point takes longer than the wave of one
+/// element to it. Blocks hold the same points in the same order as if the grid's points had been listed.
 void take_block(const Grid& from, std::size_t block, Points& points) {
     const std::size_t columns = from.x.size(), rows = from.y.size();
     const std::size_t begin = block * WaveBlock::most, end = end_of_block(block, from.size());
@@ -102,10 +111,10 @@ void take_block(const Grid& from, std::size_t block, Points& points) {
     box(from.z, first / rows, last / rows, points.low.z, points.high.z);
 }
 
-/// An array's elements with what they play, in the form that blocks are made for.
+/// The elements that sound, what each of them plays, and how its wave spreads.
 struct Sources {
     std::vector<Element> elements;
-    std::vector<double> half_turns;  ///< by which each drive is ahead
+    std::vector<double> half_turns;  ///< phase of each drive, in units of π
     std::vector<float> amplitudes;
     WaveModel model;
     double half_turns_per_m = 0.0;
@@ -118,6 +127,9 @@ struct Sources {
         model.half_turns_per_m = static_cast<float>(half_turns_per_m);
         model.absorption_np_m = static_cast<float>(array.medium.absorption_np_m);
         model.pattern = fit_pattern(array.transducer, std::numbers::pi * half_turns_per_m);
+        model.tilted = std::any_of(elements.begin(), elements.end(), [](const Element& e) {
+            return e.normal != Vec3{0.0, 0.0, 1.0};
+        });
     }
 
     void play(Drives drives) {
@@ -134,31 +146,33 @@ void check(const Array& array, Drives drives) {
                                              array.elements.size()));
 }
 
-/// A block as the vector loops take it, and its points that are too near an element for single precision.
-class Prepared {
+/// A block of points and the elements around it, in single precision and relative to the block's centre.
+class PreparedBlock {
 public:
     WaveBlock block;
     std::vector<WaveElement> elements;
-    std::vector<std::size_t> near_points;
+    std::vector<std::size_t> near_points;  ///< too near to an element for single precision, in ascending order
 
     /// @throws Error{bad_input} when a point coincides with an element
     void set(const Sources& sources, const Points& points) {
         const Vec3 half = (points.high - points.low) * 0.5;
         const Vec3 centre = (points.high + points.low) * 0.5;
         centre_block(points.x.data(), points.y.data(), points.z.data(), points.count, centre, block);
-        // Coordinates are off by about 1e-7 of the block's size: nearer than a hundredth of it, a range would be off
-        // by more than 1e-5 of itself.
+        // Rounding moves a coordinate by about 1e-7 of the block's size. At a hundredth of the block's size from an
+        // element, this is 1e-5 of the range; nearer, it would be more.
         const double near_m = std::max(2.0 * coincident_m, 0.01 * norm(half));
         near_points.clear();
         elements.resize(sources.elements.size());
         for (std::size_t m = 0; m < elements.size(); ++m) {
             const Vec3 e = sources.elements[m].position - centre;
+            const Vec3 normal = sources.elements[m].normal;
             const double range = norm(e);
             const double behind = range * sources.half_turns_per_m - sources.half_turns[m];
-            constexpr double round = 6755399441055744.0;  // 1.5·2⁵²: the sum's last bit is one
+            constexpr double round = 6755399441055744.0;  // 1.5·2⁵²; adding it rounds to a whole number
             const double phase = behind - 2.0 * ((behind / 2.0 + round) - round);
-            elements[m] = {static_cast<float>(e.x),   static_cast<float>(e.y),   static_cast<float>(e.z),
-                           static_cast<float>(range), static_cast<float>(phase), sources.amplitudes[m]};
+            elements[m] = {static_cast<float>(e.x),      static_cast<float>(e.y),      static_cast<float>(e.z),
+                           static_cast<float>(range),    static_cast<float>(phase),    sources.amplitudes[m],
+                           static_cast<float>(normal.x), static_cast<float>(normal.y), static_cast<float>(normal.z)};
             const Vec3 gap{std::max(0.0, std::abs(e.x) - half.x), std::max(0.0, std::abs(e.y) - half.y),
                            std::max(0.0, std::abs(e.z) - half.z)};
             if (dot(gap, gap) < near_m * near_m) find_near(sources.elements[m].position, points, near_m);
@@ -179,20 +193,20 @@ private:
     }
 };
 
-/// What each worker needs beside the others.
+/// Working memory of one thread.
 struct Workplace {
     Points points;
-    Prepared prepared;
+    PreparedBlock prepared;
     alignas(64) std::array<float, WaveBlock::most> re, im;
 };
 
-std::vector<std::unique_ptr<Workplace>> workplaces(const FieldOptions& options) {
-    std::vector<std::unique_ptr<Workplace>> places(workers(options));
+std::vector<std::unique_ptr<Workplace>> workplaces(unsigned workers) {
+    std::vector<std::unique_ptr<Workplace>> places(workers);
     for (auto& place : places) place = std::make_unique<Workplace>();
     return places;
 }
 
-/// The field at the points of `place`, into its re and im.
+/// Pressure at place.points, into place.re and place.im.
 void sum_block(const Array& array, Drives drives, const Sources& sources, Workplace& place) {
     place.prepared.set(sources, place.points);
     sum_waves(sources.model, place.prepared.block, place.prepared.elements, place.re.data(), place.im.data());
@@ -205,13 +219,15 @@ void sum_block(const Array& array, Drives drives, const Sources& sources, Workpl
     }
 }
 
+/// Sums every element's wave at every point of a list or a grid.
 template <class Where>
 void add_directly(const Array& array, Drives drives, const Where& where, std::span<std::complex<float>> found,
                   const FieldOptions& options) {
     Sources sources(array, array.elements);
     sources.play(drives);
-    const auto places = workplaces(options);
-    in_parallel(blocks_of(where.size()), options, [&](unsigned worker, std::size_t block) {
+    const unsigned threads = workers(options);
+    const auto places = workplaces(threads);
+    in_parallel(blocks_of(where.size()), threads, options.progress, [&](unsigned worker, std::size_t block) {
         Workplace& place = *places[worker];
         take_block(where, block, place.points);
         sum_block(array, drives, sources, place);
@@ -220,8 +236,12 @@ void add_directly(const Array& array, Drives drives, const Where& where, std::sp
     });
 }
 
-/// What the grid's `row`, and with `pair` the row one pitch further on, share of one element's field: each row of the
-/// lattice is heard as from one row of elements by the first, and from the next one by the second.
+/// Lists which parts of one element's field add up to the pressure on the grid's row `row` and, with `pair`, on the row
+/// one pitch further on.
+///
+/// Two such rows need almost the same parts, because one row of points lies relative to one row of elements exactly as
+/// the second row of points lies relative to the next row of elements. So both take the same row of the lattice, with
+/// drives from neighbouring rows of elements, and what is loaded once serves both.
 void set_shares(const Array& array, Drives drives, const ShiftedGrid& shifted, std::size_t row, bool pair,
                 std::vector<ShiftedShare>& shares) {
     shares.clear();
@@ -233,7 +253,7 @@ void set_shares(const Array& array, Drives drives, const ShiftedGrid& shifted, s
     for (std::size_t i = 0; i < rows + (pair ? 1 : 0); ++i) {
         const std::size_t at = shifted.rows[row + i * shifted.step_rows] * shifted.x.size();
         for (std::size_t column = 0; column <= shifted.last_column; ++column) {
-            // Before the first row of elements this wraps around to one that there is not.
+            // Below zero the unsigned index becomes huge: there is no such row of elements, and drive() gives 0.
             const auto a = drive(shifted.last_row - i, column), b = drive(shifted.last_row + 1 - i, column);
             if (a == 0.0F && b == 0.0F) continue;
             shares.push_back({at + shifted.column(column), {{a.real(), b.real()}, {a.imag(), b.imag()}}});
@@ -241,16 +261,24 @@ void set_shares(const Array& array, Drives drives, const ShiftedGrid& shifted, s
     }
 }
 
-/// One element's field on the lattice, plane by plane, shifted under every element.
+/// The most lattice points that all threads together may hold: as many as the result has, or 2²¹, which are 16 MB.
+std::size_t most_lattice_points(const Grid& grid) { return std::max(grid.size(), std::size_t{1} << 21U); }
+
+/// Pressure on a grid that find_shifts() accepts. In each plane, one element's field is computed on the lattice once;
+/// then every element's field is that field, shifted to where the element is and multiplied by its drive.
 void add_shifted(const Array& array, Drives drives, const Grid& grid, const ShiftedGrid& shifted,
                  std::span<std::complex<float>> found, const FieldOptions& options) {
     const Sources one(array, {Element{{0.0, 0.0, array.elements[0].position.z}}});
     const std::complex<double> unit = 1.0;
     const std::size_t columns = shifted.x.size(), lattice = columns * shifted.y.size();
-    std::vector<std::vector<float>> fields(workers(options));
-    std::vector<std::vector<ShiftedShare>> shares(workers(options));
-    const auto places = workplaces(options);
-    in_parallel(grid.z.size(), options, [&](unsigned worker, std::size_t plane) {
+    // Each thread holds a lattice of its own, so memory limits the threads. It must not make pressure_on() choose the
+    // direct sum instead, or the result would depend on the number of threads.
+    const auto threads =
+        static_cast<unsigned>(std::clamp<std::size_t>(most_lattice_points(grid) / lattice, 1, workers(options)));
+    std::vector<std::vector<float>> fields(threads);
+    std::vector<std::vector<ShiftedShare>> shares(threads);
+    const auto places = workplaces(threads);
+    in_parallel(grid.z.size(), threads, options.progress, [&](unsigned worker, std::size_t plane) {
         Workplace& place = *places[worker];
         std::vector<float>& field = fields[worker];
         field.resize(2 * (lattice + shifted_tile));
@@ -264,7 +292,7 @@ void add_shifted(const Array& array, Drives drives, const Grid& grid, const Shif
             std::copy_n(place.im.begin(), place.points.count, field_im + block * WaveBlock::most);
         }
         for (std::size_t row = 0; row < grid.y.size(); ++row) {
-            if (row / shifted.step_rows % 2 == 1) continue;  // already, as a second row
+            if (row / shifted.step_rows % 2 == 1) continue;  // computed already, as the second row of a pair
             const std::size_t next = row + shifted.step_rows;
             const bool pair = next < grid.y.size();
             std::complex<float>* first = &found[(plane * grid.y.size() + row) * grid.x.size()];
@@ -275,48 +303,25 @@ void add_shifted(const Array& array, Drives drives, const Grid& grid, const Shif
     });
 }
 
-/// Room that the lattices of all workers take is held to the result's own, or to what no one minds.
-bool fits(const ShiftedGrid& shifted, const Grid& grid, const FieldOptions& options) {
-    constexpr std::size_t free_points = 1U << 21U;
-    return shifted.x.size() * shifted.y.size() * workers(options) <= std::max(grid.size(), free_points);
-}
-
-/// The shifts pay when a plane's lattice has far fewer points than there are waves to add up. A plane through the
-/// elements, or nearly, is left to the sum that knows which points are near which element.
-std::optional<ShiftedGrid> worthwhile_shifts(const Array& array, const Grid& grid, const FieldOptions& options) {
+/// The shifts of array and grid, if using them is faster than the direct sum: a plane's lattice must have far fewer
+/// points than the plane has pairs of point and element, and fit into memory. A plane within 1 mm of the elements goes
+/// to the direct sum, which computes points near an element in double precision.
+std::optional<ShiftedGrid> worthwhile_shifts(const Array& array, const Grid& grid) {
     if (grid.x.size() < 8 || array.elements.size() < 4) return {};
     for (const double z : grid.z)
         if (!(std::abs(z - array.elements[0].position.z) >= 1e-3)) return {};
     auto shifted = find_shifts(array, grid);
-    if (!shifted || !fits(*shifted, grid, options)) return {};
+    if (!shifted) return {};
+    const std::size_t lattice = shifted->x.size() * shifted->y.size();
     const std::size_t waves = grid.x.size() * grid.y.size() * array.elements.size();
-    if (shifted->x.size() * shifted->y.size() > waves / 2) return {};
+    if (lattice > most_lattice_points(grid) || lattice > waves / 2) return {};
     return shifted;
 }
 
-}  // namespace
-
-std::vector<std::complex<float>> pressure_at(const Array& array, Drives drives, std::span<const Vec3> points,
-                                             const FieldOptions& options) {
-    check(array, drives);
-    std::vector<std::complex<float>> found(points.size());
-    add_directly(array, drives, points, found, options);
-    return found;
-}
-
-std::vector<std::complex<float>> pressure_on(const Array& array, Drives drives, const Grid& grid,
-                                             const FieldOptions& options) {
-    check(array, drives);
-    std::vector<std::complex<float>> found(grid.size());
-    if (const auto shifted = worthwhile_shifts(array, grid, options))
-        add_shifted(array, drives, grid, *shifted, found, options);
-    else
-        add_directly(array, drives, grid, found, options);
-    return found;
-}
-
-std::vector<float> mean_square_pressure(const Array& array, std::span<const WeightedDrives> sequence, const Grid& grid,
-                                        const FieldOptions& options) {
+/// Σ weight·|p|²/2 over Σ weight at every point of a list or a grid.
+template <class Where>
+std::vector<float> mean_square(const Array& array, std::span<const WeightedDrives> sequence, const Where& where,
+                               const FieldOptions& options) {
     double total = 0.0;
     std::vector<WeightedDrives> played;
     for (const WeightedDrives& entry : sequence) {
@@ -324,7 +329,7 @@ std::vector<float> mean_square_pressure(const Array& array, std::span<const Weig
         total += entry.weight;
         if (entry.weight != 0.0) played.push_back(entry);
     }
-    std::vector<float> mean(grid.size());
+    std::vector<float> mean(where.size());
     const std::size_t elements = array.elements.size(), pairs = (played.size() + 1) / 2;
     std::vector<float> weights(2 * pairs);
     std::vector<DrivePair> drives(pairs * elements);
@@ -337,13 +342,14 @@ std::vector<float> mean_square_pressure(const Array& array, std::span<const Weig
         }
     }
     const Sources sources(array, array.elements);
-    const auto places = workplaces(options);
+    const unsigned threads = workers(options);
+    const auto places = workplaces(threads);
     std::vector<hwy::AlignedFreeUniquePtr<float[]>> scratch;
     for (std::size_t i = 0; i < places.size(); ++i)
         scratch.push_back(hwy::AllocateAligned<float>(std::max<std::size_t>(1, scratch_of_sum_squares(elements))));
-    in_parallel(blocks_of(grid.size()), options, [&](unsigned worker, std::size_t block) {
+    in_parallel(blocks_of(where.size()), threads, options.progress, [&](unsigned worker, std::size_t block) {
         Workplace& place = *places[worker];
-        take_block(grid, block, place.points);
+        take_block(where, block, place.points);
         place.prepared.set(sources, place.points);
         sum_squares(sources.model, place.prepared.block, place.prepared.elements, drives, weights,
                     scratch[worker].get(), place.re.data());
@@ -362,6 +368,37 @@ std::vector<float> mean_square_pressure(const Array& array, std::span<const Weig
                     mean.begin() + static_cast<std::ptrdiff_t>(block * WaveBlock::most));
     });
     return mean;
+}
+
+}  // namespace
+
+std::vector<std::complex<float>> pressure_at(const Array& array, Drives drives, std::span<const Vec3> points,
+                                             const FieldOptions& options) {
+    check(array, drives);
+    std::vector<std::complex<float>> found(points.size());
+    add_directly(array, drives, points, found, options);
+    return found;
+}
+
+std::vector<std::complex<float>> pressure_on(const Array& array, Drives drives, const Grid& grid,
+                                             const FieldOptions& options) {
+    check(array, drives);
+    std::vector<std::complex<float>> found(grid.size());
+    if (const auto shifted = worthwhile_shifts(array, grid))
+        add_shifted(array, drives, grid, *shifted, found, options);
+    else
+        add_directly(array, drives, grid, found, options);
+    return found;
+}
+
+std::vector<float> mean_square_pressure_at(const Array& array, std::span<const WeightedDrives> sequence,
+                                           std::span<const Vec3> points, const FieldOptions& options) {
+    return mean_square(array, sequence, points, options);
+}
+
+std::vector<float> mean_square_pressure(const Array& array, std::span<const WeightedDrives> sequence, const Grid& grid,
+                                        const FieldOptions& options) {
+    return mean_square(array, sequence, grid, options);
 }
 
 }  // namespace haptogram

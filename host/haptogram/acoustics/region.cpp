@@ -13,11 +13,10 @@
 namespace haptogram {
 namespace {
 
-constexpr double bytes_a_point = 16.0;  // the field and what is made of it
+/// Memory that each point takes: the field, and the quantity that is computed from it.
+constexpr double bytes_a_point = 16.0;
 
-Error usage(const std::string& option, const std::string& message) { return bad_argument(option, message); }
-
-/// The number that all of `text` is.
+/// The finite number that `text` is as a whole, or nothing.
 std::optional<double> number(std::string_view text) {
     double value = 0.0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -25,7 +24,7 @@ std::optional<double> number(std::string_view text) {
     return value;
 }
 
-/// How many steps an axis takes. In double, since it may be absurdly large.
+/// How many coordinates an axis has. A double, because settings may ask for more than any integer holds.
 double count_of(char axis, const Reach& reach) {
     const auto& range = axis == 'x' ? reach.x : axis == 'y' ? reach.y : reach.z;
     if (range) return std::floor((range->second - range->first) / reach.step_m + 1e-9) + 1.0;
@@ -36,7 +35,7 @@ double count_of(char axis, const Reach& reach) {
 std::vector<double> coordinates(char axis, const Reach& reach) {
     const auto& range = axis == 'x' ? reach.x : axis == 'y' ? reach.y : reach.z;
     const auto count = static_cast<std::size_t>(count_of(axis, reach));
-    // Whole multiples of the step where no range is given, so that the axis itself is among them.
+    // A range begins where it says. Without one, coordinates are whole multiples of the step, so that 0 is among them.
     const double first = range         ? range->first / reach.step_m
                          : axis == 'z' ? 1.0
                                        : -std::floor(static_cast<double>(count) / 2.0);
@@ -47,31 +46,37 @@ std::vector<double> coordinates(char axis, const Reach& reach) {
 
 }  // namespace
 
-std::pair<double, double> parse_range(const std::string& option, const std::string& text) {
+std::pair<double, double> parse_range(const std::string& setting, const std::string& text) {
     constexpr double none = std::numeric_limits<double>::quiet_NaN();
     const std::size_t colon = text.find(':');
     const double low = number(std::string_view(text).substr(0, colon)).value_or(none);
     const double high =
         colon == std::string::npos ? none : number(std::string_view(text).substr(colon + 1)).value_or(none);
-    if (!(low < high)) throw usage(option, fmt::format("expected LOW:HIGH in mm, such as -40:40, found '{}'", text));
+    if (!(low < high))
+        throw bad_argument(setting, fmt::format("expected LOW:HIGH in mm, such as -40:40, found '{}'", text));
     return {low * millimetre, high * millimetre};
 }
 
-Region parse_region(const std::string& option, const std::string& text, const Reach& reach) {
+Region parse_region(const std::string& setting, const std::string& text, const Reach& reach) {
     const auto fail = [&] {
-        return usage(
-            option, fmt::format("expected a line such as z@x=0,y=5, a plane such as xy@z=130, xz@y=0 or yz@x=0, or the "
-                                "volume xyz (mm), found '{}'",
-                                text));
+        return bad_argument(
+            setting,
+            fmt::format("expected a line such as z@x=0,y=5, a plane such as xy@z=130, xz@y=0 or yz@x=0, or the "
+                        "volume xyz (mm), found '{}'",
+                        text));
     };
     if (!(reach.step_m > 0.0) || !(reach.extent_m >= reach.step_m))
-        throw usage("step", fmt::format("must be positive and no more than the extent, found {} mm and {} mm",
-                                        reach.step_m / millimetre, reach.extent_m / millimetre));
+        throw bad_argument("step",
+                           fmt::format("must be positive and no more than the extent; found a step of {} mm and an "
+                                       "extent of {} mm",
+                                       reach.step_m / millimetre, reach.extent_m / millimetre),
+                           {"extent"});
     Region region;
     region.text = text;
     region.axes = text.substr(0, text.find('@'));
     std::optional<double> fixed[3];
-    for (std::size_t at = text.find('@'); at != std::string::npos;) {  // @ or , before each name=value
+    // Before each name=value stands an @ or a comma; `at` is where.
+    for (std::size_t at = text.find('@'); at != std::string::npos;) {
         const std::size_t end = text.find(',', at + 1);
         const std::string part = text.substr(at + 1, end == std::string::npos ? end : end - at - 1);
         const std::size_t axis = part.empty() ? std::string::npos : std::string("xyz").find(part[0]);
@@ -92,7 +97,7 @@ Region parse_region(const std::string& option, const std::string& text, const Re
     const double memory =
         static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGE_SIZE));
     if (!(points * bytes_a_point < 0.8 * memory))
-        throw usage(
+        throw bad_argument(
             "step",
             fmt::format("{:.4g} points are too many: they need {:.3g} GB, this machine has {:.3g}; take a larger step "
                         "or a smaller region",
@@ -103,8 +108,9 @@ Region parse_region(const std::string& option, const std::string& text, const Re
         *axes[axis] = fixed[axis] ? std::vector<double>{*fixed[axis]} : coordinates(name, reach);
     }
     if (region.grid.z.front() <= 0.0)
-        throw usage(option, fmt::format("'{}' has points on or behind the array, at z = {:.4g} mm; z must be positive",
-                                        text, region.grid.z.front() / millimetre));
+        throw bad_argument(
+            setting, fmt::format("'{}' has points on or behind the array, at z = {:.4g} mm; z must be positive", text,
+                                 region.grid.z.front() / millimetre));
     return region;
 }
 

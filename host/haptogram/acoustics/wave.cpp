@@ -67,18 +67,53 @@ HWY_INLINE Polar turn(V amplitude, V half_turns) {
     return {hn::BitCast(d, hn::Xor(hn::BitCast(du, amplitude), odd)), cosine, hn::Mul(sine, f)};
 }
 
+/// Points as an element that faces +z sees them.
+struct SeenUpright {
+    V x, y, z;  ///< from the element to the points, metres
+    HWY_INLINE SeenUpright(const WaveElement&, V dx, V dy, V dz) : x(dx), y(dy), z(dz) {}
+    /// Distance along the element's normal; negative behind the element.
+    HWY_INLINE V along() const { return z; }
+    /// Square of the distance from the line through the element along its normal.
+    HWY_INLINE V across_square() const { return hn::MulAdd(x, x, hn::Mul(y, y)); }
+};
+
+/// Points as an element that faces anywhere sees them.
+struct SeenTilted {
+    V x, y, z, nx, ny, nz;
+    HWY_INLINE SeenTilted(const WaveElement& element, V dx, V dy, V dz)
+        : x(dx),
+          y(dy),
+          z(dz),
+          nx(hn::Set(D(), element.nx)),
+          ny(hn::Set(D(), element.ny)),
+          nz(hn::Set(D(), element.nz)) {}
+    HWY_INLINE V along() const { return hn::MulAdd(x, nx, hn::MulAdd(y, ny, hn::Mul(z, nz))); }
+    /// By the cross product: range² − along² would have no correct digit near the axis.
+    HWY_INLINE V across_square() const {
+        const V cx = hn::MulSub(y, nz, hn::Mul(z, ny));
+        const V cy = hn::MulSub(z, nx, hn::Mul(x, nz));
+        const V cz = hn::MulSub(x, ny, hn::Mul(y, nx));
+        return hn::MulAdd(cx, cx, hn::MulAdd(cy, cy, hn::Mul(cz, cz)));
+    }
+};
+
 struct PointPattern {
     explicit PointPattern(const FittedPattern&) {}
-    HWY_INLINE V operator()(V /*dx*/, V /*dy*/, V /*dz*/, V /*inverse_range*/) const { return hn::Set(D(), 1.0F); }
+    template <class Seen>
+    HWY_INLINE V operator()(const Seen&, V /*inverse_range*/) const {
+        return hn::Set(D(), 1.0F);
+    }
 };
 
 template <std::size_t degree>
 struct PolynomialPattern {
     const float* c;
     explicit PolynomialPattern(const FittedPattern& pattern) : c(pattern.values.data()) {}
-    HWY_INLINE V operator()(V /*dx*/, V /*dy*/, V dz, V inverse_range) const {
+    template <class Seen>
+    HWY_INLINE V operator()(const Seen& seen, V inverse_range) const {
         const D d;
-        const V cosine = hn::Mul(hn::Mul(dz, hn::Set(d, 1.41421356F)), inverse_range);
+        // √2·cos θ, so that its square less 1 is the polynomial's variable, 2·cos²θ − 1.
+        const V cosine = hn::Mul(hn::Mul(seen.along(), hn::Set(d, 1.41421356F)), inverse_range);
         const V t = hn::MulSub(cosine, cosine, hn::Set(d, 1.0F));
         V sum = hn::MulAdd(hn::Set(d, c[degree]), t, hn::Set(d, c[degree - 1]));
         for (std::size_t i = degree - 1; i-- > 0;) sum = hn::MulAdd(sum, t, hn::Set(d, c[i]));
@@ -92,26 +127,31 @@ struct TablePattern {
     bool behind;
     explicit TablePattern(const FittedPattern& pattern)
         : values(pattern.values.data()), last(static_cast<int>(pattern.values.size()) - 1), behind(pattern.behind) {}
-    HWY_INLINE V operator()(V dx, V dy, V dz, V inverse_range) const {
+    template <class Seen>
+    HWY_INLINE V operator()(const Seen& seen, V inverse_range) const {
         const D d;
         const hn::RebindToSigned<D> di;
-        // The angle by the smaller of sine and cosine, which keeps its digits near both ends.
-        const V sine = hn::Mul(hn::Sqrt(hn::MulAdd(dx, dx, hn::Mul(dy, dy))), inverse_range);
-        const V cosine = hn::Mul(hn::Abs(dz), inverse_range);
+        const V along = seen.along();
+        // The angle follows from the smaller of its sine and cosine: the larger one hardly changes with the angle, and
+        // its rounding would be an error of many digits in the angle.
+        const V sine = hn::Mul(hn::Sqrt(seen.across_square()), inverse_range);
+        const V cosine = hn::Mul(hn::Abs(along), inverse_range);
         const V small = hn::Asin(d, hn::Min(hn::Min(sine, cosine), hn::Set(d, 0.71F)));
         const V angle = hn::IfThenElse(hn::Lt(sine, cosine), small, hn::Sub(hn::Set(d, 1.57079633F), small));
         const V place = hn::Mul(angle, hn::Set(d, static_cast<float>(last) / 1.57079633F));
-        const auto low =
-            hn::Max(hn::Min(hn::ConvertTo(di, place), hn::Set(di, last - 1)), hn::Zero(di));  // also when not a number
+        // Held inside the table even when a coordinate is not a number, because it is used as an address.
+        const auto low = hn::Max(hn::Min(hn::ConvertTo(di, place), hn::Set(di, last - 1)), hn::Zero(di));
         const V from = hn::GatherIndex(d, values, low);
         const V to = hn::GatherIndex(d, values, hn::Add(low, hn::Set(di, 1)));
         const V found = hn::MulAdd(hn::Sub(to, from), hn::Sub(place, hn::ConvertTo(d, low)), from);
-        // Rounding keeps the order of heights, so that nothing in front or beside comes to lie behind.
-        return behind ? found : hn::IfThenElseZero(hn::Ge(dz, hn::Zero(d)), found);
+        // A point exactly at 90° counts as in front. For an element that faces +z this is decided as in double
+        // precision, because rounding to float never swaps two heights. For a tilted one, rounding of the dot product
+        // decides for points within about 1e-7 of the range from its plane.
+        return behind ? found : hn::IfThenElseZero(hn::Ge(along, hn::Zero(d)), found);
     }
 };
 
-template <class PatternAt, bool absorbs>
+template <class PatternAt, class Seen, bool absorbs>
 struct Wave {
     PatternAt pattern;
     float half_turns, absorption;
@@ -127,33 +167,47 @@ struct Wave {
         const V square = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
         const V inverse = inverse_root(square);
         const V range = hn::Mul(square, inverse);
-        // r − r0 = (r² − r0²)/(r + r0), where r² − r0² loses no digits as |p|² − 2·p·e.
+        // The phase needs r − r0, the point's range less the block centre's. Subtracting two nearly equal ranges would
+        // lose digits; (r² − r0²)/(r + r0) does not, with r² − r0² written as |p|² − 2·p·e.
         const V half_growth = hn::NegMulAdd(x, ex, hn::NegMulAdd(y, ey, hn::NegMulAdd(z, ez, half_square)));
         const V half_way = quotient(half_growth, hn::Add(range, range_0));
         const V phase = hn::MulAdd(half_way, hn::Set(d, half_turns), hn::Set(d, element.phase));
-        V amplitude = hn::Mul(hn::Mul(inverse, hn::Set(d, element.amplitude)), pattern(dx, dy, dz, inverse));
+        const V directivity = pattern(Seen(element, dx, dy, dz), inverse);
+        V amplitude = hn::Mul(hn::Mul(inverse, hn::Set(d, element.amplitude)), directivity);
         if constexpr (absorbs) amplitude = hn::Mul(amplitude, hn::Exp(d, hn::Mul(hn::Set(d, absorption), range)));
         return turn(amplitude, phase);
     }
 };
 
-/// Calls with the wave that fits the model, so that its loops hold no choices.
+template <class PatternAt, class Seen, class Call>
+void with_absorption(const WaveModel& model, Call call) {
+    if (model.absorption_np_m == 0.0F)
+        call(Wave<PatternAt, Seen, false>(model));
+    else
+        call(Wave<PatternAt, Seen, true>(model));
+}
+
+template <class Seen, class Call>
+void with_pattern(const WaveModel& model, Call call) {
+    const FittedPattern& pattern = model.pattern;
+    if (pattern.kind == FittedPattern::Kind::table) return with_absorption<TablePattern, Seen>(model, call);
+    if (pattern.values.size() == polynomial_degrees[0] + 1)
+        return with_absorption<PolynomialPattern<polynomial_degrees[0]>, Seen>(model, call);
+    if (pattern.values.size() == polynomial_degrees[1] + 1)
+        return with_absorption<PolynomialPattern<polynomial_degrees[1]>, Seen>(model, call);
+    with_absorption<PolynomialPattern<polynomial_degrees[2]>, Seen>(model, call);
+}
+
+/// Calls call(wave) with the Wave type that fits the model. All choices are made here, once, so that the loops over
+/// points and elements contain none.
 template <class Call>
 void with_wave(const WaveModel& model, Call call) {
-    const auto choose = [&]<class PatternAt>() HWY_ATTR {
-        if (model.absorption_np_m == 0.0F)
-            call(Wave<PatternAt, false>(model));
-        else
-            call(Wave<PatternAt, true>(model));
-    };
-    const FittedPattern& pattern = model.pattern;
-    if (pattern.kind == FittedPattern::Kind::point) return choose.template operator()<PointPattern>();
-    if (pattern.kind == FittedPattern::Kind::table) return choose.template operator()<TablePattern>();
-    if (pattern.values.size() == polynomial_degrees[0] + 1)
-        return choose.template operator()<PolynomialPattern<polynomial_degrees[0]>>();
-    if (pattern.values.size() == polynomial_degrees[1] + 1)
-        return choose.template operator()<PolynomialPattern<polynomial_degrees[1]>>();
-    choose.template operator()<PolynomialPattern<polynomial_degrees[2]>>();
+    if (model.pattern.kind == FittedPattern::Kind::point)  // radiates alike in every direction, however it is turned
+        with_absorption<PointPattern, SeenUpright>(model, call);
+    else if (model.tilted)
+        with_pattern<SeenTilted>(model, call);
+    else
+        with_pattern<SeenUpright>(model, call);
 }
 
 /// Left to the compiler's own vectors, for not every processor has Highway's of double.

@@ -16,14 +16,16 @@ struct WaveModel {
     float half_turns_per_m = 0.0F;  ///< of the phase: 2/λ
     float absorption_np_m = 0.0F;
     FittedPattern pattern;
+    bool tilted = false;  ///< some element does not face +z; if none, normals are not looked at, which is faster
 };
 
 /// One element as a block of points sees it.
 struct WaveElement {
-    float x, y, z;    ///< from the block's centre, metres
-    float range;      ///< of the block's centre, metres
-    float phase;      ///< at the block's centre, behind, half turns in [-1, 1]
-    float amplitude;  ///< Pa·m
+    float x, y, z;     ///< from the block's centre, metres
+    float range;       ///< of the block's centre, metres
+    float phase;       ///< at the block's centre, behind, half turns in [-1, 1]
+    float amplitude;   ///< Pa·m
+    float nx, ny, nz;  ///< normal, of length 1
 };
 
 /// Points near each other. Coordinates are counted from the block's centre, so that single precision holds them to
