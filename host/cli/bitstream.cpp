@@ -32,7 +32,8 @@ void add_bitstream(CLI::App& app, Action& action) {
     auto options = std::make_shared<BitstreamOptions>();
     CLI::App* sub = app.add_subcommand("bitstream", "put an image into a board's bitstream, without placing it again");
     sub->add_option("--board", options->patch.board, "name of a shipped board, or its file")->required();
-    auto* image = sub->add_option("--image", options->image, "image made by 'haptogram compile --board'");
+    auto* image =
+        sub->add_option("--image", options->image, "image made by 'haptogram compile --board', or a project (.toml)");
     sub->add_flag("--empty", options->empty, "no image: empty memories, to be filled over the link")->excludes(image);
     sub->add_option("-o,--output", options->output, "bitstream; what is in it goes to FILE.json")->required();
     sub->add_option("--placed", options->patch.placed, "folder of what 'make bitstream' made")->capture_default_str();

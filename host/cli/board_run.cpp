@@ -14,6 +14,7 @@
 #include "haptogram/base/file.hpp"
 #include "haptogram/image/image.hpp"
 #include "haptogram/image/intel_hex.hpp"
+#include "haptogram/instrument/source.hpp"
 #include "interrupt.hpp"
 #include "playback.hpp"
 #include "pseudo_terminal.hpp"
@@ -65,7 +66,7 @@ private:
 
 std::optional<Image> read_image(const std::string& path) {
     if (path.empty()) return {};
-    Image image = from_intel_hex(read_file(path), path);
+    Image image = from_intel_hex(open_hex(path), path);
     require_playable(image, path);
     return image;
 }
@@ -147,7 +148,8 @@ void add_board_run(CLI::App& board, Action& action) {
     CLI::App* sub = board.add_subcommand("run",
                                          "Run the Verilated FPGA behind a pseudo-terminal, which any program can open "
                                          "as its serial port; prints the port");
-    auto* image = sub->add_option("--image", options->image, "Intel HEX image that is in its memories from the start");
+    auto* image = sub->add_option("--image", options->image,
+                                  "Intel HEX image, or a project (.toml), that is in its memories from the start");
     sub->add_option("--channels", options->channels, "Channels of the board, without an image")
         ->excludes(image)
         ->capture_default_str();

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
-#include "haptogram/base/file.hpp"
+#include "haptogram/instrument/source.hpp"
 
 namespace haptogram::cli {
 namespace {
@@ -66,7 +66,7 @@ void print(const Inspection& inspection) {
 }
 
 int inspect(const InspectOptions& options) {
-    const Inspection inspection = haptogram::inspect(read_file(options.image), options.image);
+    const Inspection inspection = haptogram::inspect(open_hex(options.image), options.image);
     if (options.json)
         fmt::print("{}\n", to_json(inspection).dump(1));
     else
@@ -80,7 +80,7 @@ void add_inspect(CLI::App& app, Action& action) {
     auto options = std::make_shared<InspectOptions>();
     CLI::App* sub = app.add_subcommand(
         "inspect", "Print an image's records, sequence and checks; exit code 1 when something would not play");
-    sub->add_option("image", options->image, "Intel HEX image")->required();
+    sub->add_option("image", options->image, "Intel HEX image, or a project (.toml)")->required();
     sub->add_flag("--json", options->json, "As JSON, with every timing");
     sub->callback([options, &action] { action = [options] { return inspect(*options); }; });
 }

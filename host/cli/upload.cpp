@@ -5,8 +5,8 @@
 
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/base/file.hpp"
 #include "haptogram/image/image.hpp"
+#include "haptogram/instrument/source.hpp"
 #include "haptogram/link/device.hpp"
 #include "haptogram/link/to_json.hpp"
 #include "haptogram/link/transfer.hpp"
@@ -25,9 +25,8 @@ struct UploadOptions {
 
 int upload(const UploadOptions& options) {
     link::UploadSettings settings = options.upload;
-    const Image image = from_intel_hex(read_file(settings.image), settings.image);
-    const std::vector<std::string> found = problems(image);
-    if (!found.empty()) throw bad_input(settings.image, found.front());
+    const Image image = from_intel_hex(open_hex(settings.image), settings.image);
+    require_playable(image, settings.image);
     ProgressLine progress("upload");
     settings.port = options.port.port;
     settings.progress = progress.callback();
@@ -48,7 +47,7 @@ int upload(const UploadOptions& options) {
 void add_upload(CLI::App& app, Action& action) {
     auto options = std::make_shared<UploadOptions>();
     CLI::App* sub = app.add_subcommand("upload", "Write what differs of an image into a board's memories");
-    sub->add_option("image", options->upload.image, "Intel HEX image")->required();
+    sub->add_option("image", options->upload.image, "Intel HEX image, or a project (.toml)")->required();
     add_port_options(*sub, options->port);
     sub->add_option("--wait", options->upload.wait_s, "Seconds in which a port that was unplugged may come back")
         ->check(not_negative())

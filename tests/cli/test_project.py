@@ -83,3 +83,8 @@ def test_mistakes_are_named(change, needles, folder):
 
 def test_a_manifest_is_not_for_a_project(folder):
     refuse(folder, ["simulate", "ring.toml", "--manifest", "options.json"], USAGE, "--manifest", "project")
+
+
+def test_inspect_and_bitstream_take_it_too(folder):
+    assert succeed(["inspect", "ring.toml", "--json"], cwd=folder).stdout == succeed(["inspect", "options.hex", "--json"], cwd=folder).stdout
+    refuse(folder, ["bitstream", "--board", "ulx3s-85f", "--image", "ring.toml", "-o", "x.bit"], BAD_INPUT, "ring.toml", "100 channels", "56")

@@ -160,7 +160,8 @@ Image from_intel_hex(std::string_view text, const std::string& where) {
     if (header_field::autostart.get(sequence) != 0)
         throw bad_input(where,
                         "the sequence header has the autostart bit, which only a bitstream may hold; compile the image "
-                        "again and use 'haptogram bitstream --autostart'");
+                        "again, and have the bit set where the image is put into a bitstream",
+                        {"autostart"});
     take_words(image, primary, sequence, where);
     return image;
 }

@@ -15,6 +15,7 @@
 #include "haptogram/boards/ecp5_config.hpp"
 #include "haptogram/image/image.hpp"
 #include "haptogram/image/manifest.hpp"
+#include "haptogram/instrument/source.hpp"
 
 namespace haptogram {
 namespace {
@@ -77,8 +78,8 @@ std::vector<std::uint32_t> read_words(const fs::path& file) {
     return words;
 }
 
-Image image_for(const Board& board, const std::string& file) {
-    Image image = from_intel_hex(read_file(file), file);
+Image image_for(const Board& board, const std::string& hex, const std::string& file) {
+    Image image = from_intel_hex(hex, file);
     require_fits(image, board.parameters, file);
     require_playable(image, file);
     return image;
@@ -138,12 +139,13 @@ Patched patch(const PatchOptions& options, const Progress& progress) {
                                       {"sequence", interface::sequence_word_bits, {}}};
     nlohmann::ordered_json manifest = {{"haptogram", version()}, {"board", board.name}};
     if (options.image) {
-        const Image image = image_for(board, *options.image);
+        const std::string hex = open_hex(*options.image);
+        const Image image = image_for(board, hex, *options.image);
         for (const std::uint16_t word : primary_words(image)) memories[0].words.push_back(word);
         memories[1].words = sequence_words(image);
         if (options.autostart) interface::sequence_header_field::autostart.set(memories[1].words, 1);
         manifest["image"] = *options.image;
-        manifest["image_sha256"] = sha256(read_file(*options.image));
+        manifest["image_sha256"] = sha256(hex);
     }
     memories[0].words.resize(std::size_t{board.parameters.records} * record_words(board.parameters.channels));
     memories[1].words.resize(board.parameters.sequence_depth);

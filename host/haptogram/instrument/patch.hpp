@@ -10,7 +10,7 @@ namespace haptogram {
 
 struct PatchOptions {
     std::string board;                 ///< name of a shipped board, or its file
-    std::optional<std::string> image;  ///< file; none: empty memories, to be filled over the link
+    std::optional<std::string> image;  ///< image or project; none: empty memories, to be filled over the link
     bool autostart = false;            ///< the board plays the image at power-up, with no host and no watchdog
     std::filesystem::path placed = "build/boards";  ///< folder of what tools/bitstream.py placed, a folder a board
 };

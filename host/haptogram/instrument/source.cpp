@@ -20,6 +20,10 @@ Bundle open_bundle(const std::string& path, const std::string& manifest, const P
     return bundle_of(compiled.bundle.hex, manifest_from_json(to_text(compiled.bundle.manifest), path), path, path);
 }
 
+std::string open_hex(const std::string& path, const Progress& progress) {
+    return is_project(path) ? compile(load_project(path), path, progress).bundle.hex : read_file(path);
+}
+
 Excitation open_excitation(const Source& source, const Progress& progress) {
     if (source.focus) return excitation_of(find_array(source.array), *source.focus);
     if (!source.image.empty()) {

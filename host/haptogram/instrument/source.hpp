@@ -26,6 +26,9 @@ struct Source {
 [[nodiscard]] Bundle open_bundle(const std::string& path, const std::string& manifest = {},
                                  const Progress& progress = {});
 
+/// The bytes of the Intel HEX image that a file is, or that a project file makes, for verbs that need no manifest.
+[[nodiscard]] std::string open_hex(const std::string& path, const Progress& progress = {});
+
 /// @throws Error{bad_argument} when none is given, or Error{bad_input} for files that cannot be used
 [[nodiscard]] Excitation open_excitation(const Source& source, const Progress& progress = {});
 

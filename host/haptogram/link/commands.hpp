@@ -24,6 +24,19 @@ struct Identity {
     std::uint32_t timing_bits = 0, pulse_bits = 0, clock_hz = 0, features = 0;
     std::uint32_t frame_bytes = 0;  ///< the longest frame that it always takes, decoded and without its CRC
     friend bool operator==(const Identity&, const Identity&) = default;
+
+    /// The parameters of the core that it tells; those that it does not tell have their default.
+    [[nodiscard]] interface::CoreParameters core() const {
+        interface::CoreParameters core;
+        core.channels = channels;
+        core.records = records;
+        core.sequence_depth = sequence_depth;
+        core.live_depth = live_depth;
+        core.timing_bits = timing_bits;
+        core.pulse_bits = pulse_bits;
+        core.clock_hz = clock_hz;
+        return core;
+    }
 };
 
 using interface::Mode;

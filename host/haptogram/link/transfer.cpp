@@ -181,23 +181,7 @@ Image download(Commands& device, const Identity& identity, std::uint32_t records
 }
 
 void require_fits(const Image& image, const Identity& identity, const std::string& where) {
-    const auto require = [&](bool fits, const std::string& what) {
-        if (!fits)
-            throw bad_input(where, what + "; compile it for this board, or use the board it was made for", {"array"});
-    };
-    require(image.channels == identity.channels,
-            fmt::format("the image is for {} channels, the board has {}", image.channels, identity.channels));
-    require(image.clock_hz == identity.clock_hz,
-            fmt::format("the image is for a {} Hz clock, the board has {} Hz", image.clock_hz, identity.clock_hz));
-    require(image.timing_bits <= identity.timing_bits,
-            fmt::format("the image needs {} timing bits, the board has {}", image.timing_bits, identity.timing_bits));
-    require(image.pulse_bits <= identity.pulse_bits,
-            fmt::format("the image needs {} pulse bits, the board has {}", image.pulse_bits, identity.pulse_bits));
-    require(image.records.size() <= identity.records,
-            fmt::format("the image has {} records, the board holds {}", image.records.size(), identity.records));
-    require(image.sequence.size() < identity.sequence_depth,
-            fmt::format("the image has {} sequence entries, the board holds {}", image.sequence.size(),
-                        identity.sequence_depth - 1));
+    haptogram::require_fits(image, identity.core(), where);
 }
 
 UploadReport upload(const Connect& connect, const Image& image, const UploadSettings& settings) {
