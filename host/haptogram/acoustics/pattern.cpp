@@ -29,10 +29,10 @@ std::vector<double> chebyshev_series(double ka) {
     return series;
 }
 
-/// The first terms of a Chebyshev series in powers of t.
+/// A Chebyshev series, cut off after `degree`, as coefficients of the powers of t.
 std::vector<double> powers(const std::vector<double>& series, std::size_t degree) {
     std::vector<double> sum(degree + 1), before(degree + 1), current(degree + 1);
-    before[0] = 1.0;  // T0, T1, and T(n+1) = 2t·T(n) − T(n−1)
+    before[0] = 1.0;  // T₀ = 1 and T₁ = t; the others follow by Tₙ₊₁ = 2t·Tₙ − Tₙ₋₁
     current[1] = 1.0;
     sum[0] = series[0];
     for (std::size_t n = 1; n <= degree; ++n) {
@@ -44,6 +44,7 @@ std::vector<double> powers(const std::vector<double>& series, std::size_t degree
     return sum;
 }
 
+/// The polynomial of the lowest degree that is good enough, if there is one.
 std::optional<std::vector<double>> piston_polynomial(double ka) {
     const std::vector<double> series = chebyshev_series(ka);
     for (const std::size_t degree : polynomial_degrees) {
@@ -51,12 +52,13 @@ std::optional<std::vector<double>> piston_polynomial(double ka) {
         for (std::size_t n = degree + 1; n < series.size(); ++n) rest += std::abs(series[n]);
         std::vector<double> found = powers(series, degree);
         for (const double c : found) size += std::abs(c);
-        if (rest <= 1e-6 && size <= 16.0) return found;  // larger ones lose the digits in single precision
+        if (rest <= 1e-6 && size <= 16.0) return found;  // large coefficients would cancel and lose digits
     }
     return {};
 }
 
-/// Fine enough for straight lines between: the second derivative against the angle is about ka²/4.
+/// A table of a piston's directivity. Straight lines between its entries are off by at most 1e-6, because the second
+/// derivative against the angle is at most about (ka)²/4.
 std::vector<float> piston_table(double ka) {
     const double steps = std::clamp(std::ceil(ka * std::numbers::pi / 2.0 / std::sqrt(32e-6)), 1e3, 1e6);
     std::vector<float> table(static_cast<std::size_t>(steps) + 1);

@@ -18,7 +18,7 @@ double wave_number(const Array& array) { return 2.0 * std::numbers::pi / array.w
 
 double piston_directivity(double ka_sin) {
     const double x = std::abs(ka_sin);
-    if (x < 1e-4) return 1.0 - x * x / 8.0;  // the series, where the quotient loses digits
+    if (x < 1e-4) return 1.0 - x * x / 8.0;  // the first terms of its series; the quotient would be 0/0
     return 2.0 * std::cyl_bessel_j(1.0, x) / x;
 }
 

@@ -9,12 +9,12 @@
 
 namespace haptogram {
 
-/// Amplitude of the circular piston's far field against angle, 2·J1(ka·sin θ)/(ka·sin θ), 1 on the axis (Haptogram eq.
+/// Directivity of a circular piston in its far field, 2·J1(ka·sin θ)/(ka·sin θ), which is 1 on the axis (Haptogram eq.
 /// 9).
 /// @param ka_sin  k·a·sin θ
 [[nodiscard]] double piston_directivity(double ka_sin);
 
-/// A point lies where an element is, and the pressure there is infinite. The one place where this is said.
+/// The error of every field function for a point at the position of an element, where the pressure would be infinite.
 [[nodiscard]] Error coincidence();
 
 /// The pressure that a circular piston of 1 Pa·m and phase 0 makes at a point in its far field, Pa: D(θ)/R · e^{−jkR},
@@ -24,22 +24,26 @@ namespace haptogram {
 /// @throws Error{bad_input} when the point coincides with the element
 [[nodiscard]] std::complex<double> piston_wave(const Element& element, Vec3 point, double k, double radius_m);
 
-/// Amplitude of a transducer's far field at an angle, over that on its axis; 0 behind it for a measured pattern, which
-/// ends at 90°, and linear between the table's angles.
+/// Directivity of a transducer: its far field's amplitude at an angle to its axis, over that on the axis. A measured
+/// pattern is linear between the angles of its table; it ends at 90°, and behind the transducer it is 0.
+/// @param k       wave number, rad/m
+/// @param cosine  of the angle
 [[nodiscard]] double directivity(const Transducer& transducer, double k, double cosine);
 
-/// How a wave goes from one of the array's elements to a point: its transducer's pattern around its normal, the
-/// distance, and its medium's absorption, D(θ)/R · e^{−αR} · e^{−jkR}. The source strength is the drive's.
+/// Pressure at a point that one of the array's elements makes with a drive of 1 Pa·m, 1/m: D(θ)/R · e^{−αR} · e^{−jkR}.
+/// D is the transducer's directivity, θ the angle to the element's normal, R the distance and α the medium's
+/// absorption.
 /// @throws Error{bad_input} when the point coincides with the element
 [[nodiscard]] std::complex<double> propagation(const Array& array, const Element& element, Vec3 point);
 
-/// The array's propagation to many points, to be used with many drives: points × elements, row by row.
+/// The array's propagation to many points, one row a point and one column an element. It is worth its memory when many
+/// drives are to be summed at the same points.
 [[nodiscard]] std::vector<std::complex<double>> propagation_matrix(const Array& array, std::span<const Vec3> points);
 
-/// Drives that focus on a point with full strength and exact phases: source · e^{+jkR} each.
+/// Drives that focus on a point with full strength and exact phases: source strength · e^{+jkR} for each element.
 [[nodiscard]] std::vector<std::complex<double>> ideal_drives(const Array& array, Vec3 focus);
 
-/// Complex pressure at a point, Pa.
+/// Complex pressure at a point, Pa: the sum over the elements of drive · propagation, in double precision.
 /// @param drives  one an element, Pa·m
 [[nodiscard]] std::complex<double> pressure(const Array& array, std::span<const std::complex<double>> drives,
                                             Vec3 point);

@@ -12,7 +12,7 @@
 namespace haptogram {
 namespace {
 
-/// dD/dθ of the pattern (field.hpp: directivity).
+/// dD/dθ, the slope of directivity() against the angle.
 double directivity_slope(const Transducer& transducer, double k, double cosine, double sine) {
     if (transducer.pattern == Pattern::point) return 0.0;
     if (transducer.pattern == Pattern::piston) {
@@ -63,7 +63,7 @@ double force_through_square(const std::function<std::complex<double>(Vec3)>& pre
                                                0.478628670499366, 0.236926885056189};
     const auto panels = static_cast<std::size_t>(std::max(1.0, std::ceil(side_m / panel_m)));
     const double half = side_m / static_cast<double>(panels) / 2.0;
-    const auto across = [&](std::size_t i) {  // the i-th node's distance from the square's middle
+    const auto across = [&](std::size_t i) {  // the i-th node's coordinate, from the square's centre
         const std::size_t panel = i / nodes.size();
         return (2.0 * static_cast<double>(panel) + 1.0 + nodes[i % nodes.size()]) * half - side_m / 2.0;
     };
@@ -98,7 +98,7 @@ ComplexVec3 pressure_gradient(const Array& array, std::span<const std::complex<d
         const double lateral = norm(aside);
         const double cosine = height / range;
         const std::complex<double> wave = drives[m] * std::exp(-decay * range) / range;
-        // Along the ray d/dR of e^{−(α+jk)R}/R, across it dD/dθ over R.
+        // Along the ray, the wave changes by d/dR of e^{−(α+jk)R}/R; across it, by dD/dθ over R.
         const std::complex<double> along =
             -wave * directivity(array.transducer, k, cosine) * (decay + 1.0 / range) / range;
         sum.x += along * ray.x;
@@ -107,7 +107,7 @@ ComplexVec3 pressure_gradient(const Array& array, std::span<const std::complex<d
         if (lateral == 0.0) continue;
         const double sine = lateral / range;
         const std::complex<double> across = wave * directivity_slope(array.transducer, k, cosine, sine) / range;
-        const Vec3 downwards = (cosine / lateral) * aside - sine * element.normal;  // the way θ grows
+        const Vec3 downwards = (cosine / lateral) * aside - sine * element.normal;  // the direction in which θ grows
         sum.x += across * downwards.x;
         sum.y += across * downwards.y;
         sum.z += across * downwards.z;

@@ -8,38 +8,41 @@
 
 namespace haptogram {
 
-// Pressures are complex amplitudes (peak, not rms) in Pa, convention e^{jωt}.
+// All pressures here are complex amplitudes (peak values, not rms) in Pa, in the convention e^{jωt}.
 
-/// α = 1 + R² of Hoshi eq. 1. Skin in air has R² = 0.999 (eq. 2), so α = 1.999; Hoshi's numbers, and everything here
-/// unless told otherwise, use 2, which is 0.05 % more.
+/// The factor α = 1 + R² of the radiation pressure (Hoshi eq. 1), where R² is the energy that the surface reflects.
+/// Skin in air has R² = 0.999 (Hoshi eq. 2), so α = 1.999. Hoshi's numbers use 2, which is 0.05 % more, and so do the
+/// functions below unless they are given another α.
 inline constexpr double skin_reflection = 1.999;
 inline constexpr double total_reflection = 2.0;
 
-/// R² of Hoshi eq. 2, the energy that a boundary between two media reflects: ((Z₂ − Z₁)/(Z₂ + Z₁))², impedances in
-/// N·s/m³.
+/// R², the part of the energy that a boundary between two media reflects: ((Z₂ − Z₁)/(Z₂ + Z₁))² (Hoshi eq. 2).
+/// Impedances in N·s/m³.
 [[nodiscard]] double reflected_energy(double impedance_1, double impedance_2);
 
-/// Sound pressure level, dB re 20 µPa: 20·lg(|p|/√2/20 µPa). −∞ for silence.
+/// Sound pressure level in dB re 20 µPa: 20·lg(|p|/√2/20 µPa). Silence is −∞.
 [[nodiscard]] double sound_level_db(std::complex<double> pressure);
 
-/// Radiation pressure on a surface that the wave meets head-on, Pa: α·p_rms²/(ρc²) (Hoshi eq. 1).
+/// Time-averaged radiation pressure on a surface at right angles to the wave, Pa: α·p_rms²/(ρc²) (Hoshi eq. 1).
 [[nodiscard]] double radiation_pressure(std::complex<double> pressure, const Medium& medium,
                                         double alpha = total_reflection);
 
-/// Diameter w_f = 2λr/(Nd) of the focal point of a square array of side Nd, between the main lobe's zeros, metres, and
-/// its depth w_d = 2·r·w_f/(Nd) (Hoshi 2.2).
+/// Diameter of the focal point of a square array of side D at the focal length r, between the main lobe's zeros,
+/// metres: w_f = 2λr/D (Hoshi section 2.2).
 [[nodiscard]] double focal_diameter(double wavelength_m, double focal_length_m, double side_m);
+/// The focal point's depth along the axis, metres: w_d = 2·r·w_f/D (Hoshi section 2.2).
 [[nodiscard]] double focal_depth(double wavelength_m, double focal_length_m, double side_m);
 
-/// Force of the radiation pressure through a square parallel to the array, N (Hoshi eq. 5), by Gauss-Legendre
-/// quadrature of five points a panel in each direction.
-/// @param pressure  at a point, Pa
-/// @param panel_m   the widest a panel may be; half a wavelength leaves less than 1e-6 of a focused field's force out
+/// Force of the radiation pressure on a square parallel to the xy plane, N (Hoshi eq. 5). The square is divided into
+/// panels; on each the pressure is integrated by Gauss-Legendre quadrature with five points in each direction.
+/// @param pressure  complex pressure as a function of the point
+/// @param panel_m   largest width of a panel; with half a wavelength the force of a focused field is off by less than
+/// 1e-6
 [[nodiscard]] double force_through_square(const std::function<std::complex<double>(Vec3)>& pressure,
                                           const Medium& medium, Vec3 centre, double side_m, double panel_m,
                                           double alpha = total_reflection);
 
-/// The same for an array's field, with panels of half a wavelength at most.
+/// The same for the field of an array, with panels of at most half a wavelength.
 /// @param drives  one an element, Pa·m
 [[nodiscard]] double force_through_square(const Array& array, std::span<const std::complex<double>> drives, Vec3 centre,
                                           double side_m, double alpha = total_reflection);
@@ -48,13 +51,13 @@ struct ComplexVec3 {
     std::complex<double> x, y, z;
 };
 
-/// ∇p in Pa/m, term by term of the sum over the elements: exact for what pressure() computes, with the directivity's
-/// slope and the absorption. On an element's axis, where a measured pattern may have an edge, its slope counts as 0.
+/// Gradient of the complex pressure, Pa/m: the exact derivative of what pressure() computes, with directivity and
+/// absorption. A measured pattern may have a kink on an element's axis; there its slope counts as 0.
 /// @throws Error{bad_input} when the point coincides with an element
 [[nodiscard]] ComplexVec3 pressure_gradient(const Array& array, std::span<const std::complex<double>> drives,
                                             Vec3 point);
 
-/// Particle velocity, m/s: Euler's equation jωρ·v = −∇p, so v = j∇p/(ωρ).
+/// Complex particle velocity, m/s, by Euler's equation jωρ·v = −∇p: v = j∇p/(ωρ).
 [[nodiscard]] ComplexVec3 particle_velocity(const Array& array, std::span<const std::complex<double>> drives,
                                             Vec3 point);
 

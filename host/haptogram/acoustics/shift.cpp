@@ -9,6 +9,7 @@ namespace {
 
 constexpr double tolerance_m = 1e-9;
 
+/// Whether the coordinates are evenly spaced by `step`.
 bool even(const std::vector<double>& axis, double step) {
     for (std::size_t i = 0; i < axis.size(); ++i)
         if (!(std::abs(axis[i] - axis.front() - static_cast<double>(i) * step) <= tolerance_m)) return false;
@@ -17,10 +18,10 @@ bool even(const std::vector<double>& axis, double step) {
 
 struct Steps {
     double step = 0.0;        ///< metres
-    std::size_t a_pitch = 0;  ///< steps
+    std::size_t a_pitch = 0;  ///< steps in one pitch
 };
 
-/// How many of a grid axis's steps make one pitch of the array's.
+/// The step of a grid's axis, and how many steps make one pitch of the array; nothing when no whole number does.
 std::optional<Steps> find_steps(const std::vector<double>& axis, const std::vector<double>& elements) {
     const double spread = elements.back() - elements.front();
     const double pitch = elements.size() > 1 ? spread / static_cast<double>(elements.size() - 1) : 0.0;
@@ -29,14 +30,14 @@ std::optional<Steps> find_steps(const std::vector<double>& axis, const std::vect
     const double step = (axis.back() - axis.front()) / static_cast<double>(axis.size() - 1);
     if (!(step > tolerance_m) || !even(axis, step)) return {};
     const double ratio = std::round(pitch / step);
-    // The step's own rounding must not add up over the array.
+    // A small difference between pitch and steps adds up over the array; at its far end it must still be small.
     const double drift = std::abs(pitch - ratio * step) * static_cast<double>(elements.size() - 1);
     if (ratio > 1e6 || (elements.size() > 1 && ratio < 1.0) || drift > tolerance_m) return {};
     return Steps{step, std::max<std::size_t>(1, static_cast<std::size_t>(ratio))};
 }
 
-/// The lattice's coordinates: from where the last element sees the grid's first point, to where the first element sees
-/// its last.
+/// The lattice's coordinates along one axis. It begins with the grid's first point relative to the last element, and
+/// ends with the grid's last point relative to the first element.
 std::vector<double> lattice(const std::vector<double>& axis, const std::vector<double>& elements, Steps steps) {
     const std::size_t before = (elements.size() - 1) * steps.a_pitch;
     std::vector<double> found(axis.size() + before);
@@ -71,7 +72,8 @@ std::optional<ShiftedGrid> find_shifts(const Array& array, const Grid& grid) {
     found.last_column = of_columns.size() - 1;
     found.last_row = of_rows.size() - 1;
     const std::vector<double> rows = lattice(grid.y, of_rows, *y);
-    const double mirrored = rows.front() / (y->step > 0.0 ? y->step : 1.0) * -2.0;  // the row of −y, less this one's
+    const double mirrored = rows.front() / (y->step > 0.0 ? y->step : 1.0) *
+                            -2.0;  // row i at y has its mirror image, −y, in row mirrored − i
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const double other = std::round(mirrored) - static_cast<double>(i);
         const auto mirror = static_cast<std::size_t>(std::max(0.0, other));

@@ -8,19 +8,22 @@
 
 namespace haptogram {
 
-/// A grid whose steps divide the pitch of an array that is itself a grid: every element sees the same lattice of
-/// points, shifted by whole steps, so that one element's field is enough.
+/// A short cut for a grid of points whose steps divide the pitch of an array that is itself a grid.
+///
+/// Relative to each element, the points then lie on one common lattice, only shifted by whole steps. The fields of all
+/// elements are therefore shifted copies of one field, which needs computing only once.
 struct ShiftedGrid {
-    std::vector<double> x, y;                     ///< of the lattice, from the element
-    std::vector<std::size_t> rows;                ///< which y stands for each lattice row: those of ±y are one
-    std::size_t step_columns = 0, step_rows = 0;  ///< lattice points a pitch
+    std::vector<double> x, y;  ///< coordinates of the lattice, relative to the element
+    std::vector<std::size_t>
+        rows;  ///< for each row of the lattice, which y has its field; rows at y and −y have the same
+    std::size_t step_columns = 0, step_rows = 0;  ///< lattice steps in one pitch of the array
     std::size_t last_column = 0, last_row = 0;    ///< of the array
 
-    /// Where the lattice holds the grid's first column as the array's column `of` sees it.
+    /// The lattice's column that holds the grid's first column, relative to the elements in the array's column `of`.
     [[nodiscard]] std::size_t column(std::size_t of) const { return (last_column - of) * step_columns; }
 };
 
-/// The grid's shifts, if array and grid have them to within a nanometre.
+/// Finds the lattice. Nothing when there is none to within a nanometre, or when an element does not face +z.
 [[nodiscard]] std::optional<ShiftedGrid> find_shifts(const Array& array, const Grid& grid);
 
 }  // namespace haptogram

@@ -17,15 +17,15 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double pi = std::numbers::pi;
 
-/// Samples a carrier period for what is measured from envelopes: the carrier's first alias is the 31st harmonic.
+/// Samples in a carrier period where envelopes are measured. Only the 31st harmonic and higher ones disturb them.
 constexpr std::size_t fine = 32;
 
-/// Twice its real part is a pair's contribution; a real pole has no partner.
+/// A mode's contribution to the output: its state with, for a complex pole, that of the conjugate pole.
 double share(const Resonator::Mode& mode, Complex state) {
     return mode.pole.imag() == 0.0 ? state.real() : 2.0 * state.real();
 }
 
-/// H(jω), unnormalised or not.
+/// H(jω).
 Complex transfer(const std::vector<Resonator::Mode>& modes, double frequency_hz) {
     const Complex s(0.0, 2.0 * pi * frequency_hz);
     Complex sum = 0.0;
@@ -36,7 +36,7 @@ Complex transfer(const std::vector<Resonator::Mode>& modes, double frequency_hz)
     return sum;
 }
 
-/// A 50 % train of 0 and 1 has a fundamental of 2/π.
+/// Scales the residues so that a 50 % train of 0 and 1, whose fundamental is 2/π, gives amplitude 1 at the peak.
 void normalise(Resonator& resonator) {
     const double gain = std::abs(transfer(resonator.modes, resonator.peak_hz)) * 2.0 / pi;
     for (auto& mode : resonator.modes) mode.residue /= gain;
@@ -54,7 +54,8 @@ public:
             factor_ = std::exp(mode_.pole * seconds);
         }
         const Complex goal = high ? rest_ : 0.0;
-        const Complex off = state_ - goal;  // written out: std::complex's product checks for infinities
+        const Complex off =
+            state_ - goal;  // multiplied by hand, because std::complex checks each product for infinities
         state_ = goal + Complex(off.real() * factor_.real() - off.imag() * factor_.imag(),
                                 off.real() * factor_.imag() + off.imag() * factor_.real());
     }
@@ -63,18 +64,18 @@ public:
 
 private:
     Resonator::Mode mode_;
-    Complex rest_;  ///< where a lasting 1 leads
+    Complex rest_;  ///< the state after the drive has been 1 for long
     Complex state_;
     double step_s_ = 0.0;
     Complex factor_ = 1.0;
 };
 
-/// Adds `gain` times the output to `sum`.
+/// Adds `gain` times the resonator's output to `sum`.
 void add_output(const Resonator& resonator, std::span<const DrivePulse> pulses, const Sampling& sampling, double gain,
                 std::vector<double>& sum) {
     for (const auto& mode : resonator.modes) {
         ModeState state(mode);
-        std::size_t edge = 0;  // rises are even, falls odd
+        std::size_t edge = 0;  // the next edge; rises have even numbers, falls odd ones
         const auto time_of = [&](std::size_t e) { return e % 2 == 0 ? pulses[e / 2].rise_s : pulses[e / 2].fall_s; };
         const std::size_t edges = 2 * pulses.size();
         double now = 0.0;
@@ -92,7 +93,7 @@ void add_output(const Resonator& resonator, std::span<const DrivePulse> pulses, 
     }
 }
 
-/// The largest, and the mean square, of envelopes from `begin` on.
+/// Largest amplitude and mean square amplitude of some envelopes.
 struct Level {
     double peak = 0.0;
     double power = 0.0;
@@ -106,7 +107,7 @@ Level level(std::span<const Complex> envelopes, std::size_t begin, std::size_t e
     return found;
 }
 
-/// When the envelope last passes `goal` upwards, linearly between samples; s after the sampling's start.
+/// When the envelope last rises above `goal`, in seconds after the first sample; linear between samples.
 double crossing_s(std::span<const Complex> envelopes, double goal, double step_s) {
     std::size_t i = envelopes.size() - fine / 2;
     while (i > 0 && std::abs(envelopes[i - 1]) >= goal) --i;
@@ -142,7 +143,8 @@ Resonator second_order(double resonance_hz, double bandwidth_hz) {
 Resonator second_order(const Array& array) { return second_order(array.carrier_hz, array.transducer.bandwidth_hz); }
 
 Resonator butterworth_van_dyke(const ButterworthVanDyke& circuit) {
-    // i/u = sC/((s²LC + sRC + 1)(1 + sR_dC_p) + sR_dC), from Kirchhoff's laws.
+    // By Kirchhoff's laws, current over voltage is sC/((s²LC + sRC + 1)(1 + sR_dC_p) + sR_dC). Newton's method finds
+    // the complex pair of the denominator's roots; the third root is real.
     const double lc = circuit.inductance_h * circuit.capacitance_f;
     const double rc = circuit.resistance_ohm * circuit.capacitance_f;
     const double lag = circuit.driver_ohm * circuit.parallel_f;
@@ -177,7 +179,8 @@ std::vector<double> pressure_over_time(const Array& array, const Resonator& reso
     std::vector<double> sum(sampling.count);
     for (std::size_t m = 0; m < trains.size(); ++m) {
         const double range = distance(array.elements[m], point);
-        // propagation() without its phase, which the delay takes the place of; its sign is the pattern's.
+        // The delay stands for the phase of propagation(). Without it propagation() is real, and negative where the
+        // directivity is.
         const Complex wave = propagation(array, array.elements[m], point) * std::polar(1.0, k * range);
         Sampling earlier = sampling;
         earlier.start_s -= range / array.medium.speed_m_s;
@@ -196,7 +199,7 @@ std::vector<std::complex<double>> envelope(std::span<const double> samples, std:
     if (samples.size() <= n) return found;
     for (std::size_t middle = n / 2; middle + n / 2 < samples.size(); ++middle) {
         const std::size_t begin = middle - n / 2;
-        // The trapezoidal rule over one period: its two ends are half each.
+        // The trapezoidal rule over one period, in which the first and the last sample count half.
         Complex sum = 0.5 * (samples[begin] + samples[begin + n]) * turn[begin % n];
         for (std::size_t i = 1; i < n; ++i) sum += samples[begin + i] * turn[(begin + i) % n];
         found[middle] = sum;
@@ -210,7 +213,7 @@ std::vector<std::vector<DrivePulse>> focal_trains(const Array& array, Vec3 focus
     std::vector<std::vector<DrivePulse>> trains;
     for (const Element& element : array.elements) {
         const double lead = distance(element, focus) / array.medium.speed_m_s;
-        // The pulse's middle is `lead` before a whole period.
+        // The pulse's middle comes before the start of a period, by the time that its wave takes to the focus.
         const double into = -lead / period_s - array.duty / 2.0;
         const double rise = (into - std::floor(into)) * period_s;
         auto& train = trains.emplace_back();
@@ -238,7 +241,8 @@ RingUp ring_up(const Array& array, const Resonator& resonator, Vec3 focus, doubl
         for (std::size_t m = 0; m < trains.size(); ++m)
             first_arrival_s = std::min(
                 first_arrival_s, trains[m].front().rise_s + distance(some.elements[m], focus) / some.medium.speed_m_s);
-        // From a period earlier, so that the first whole period is silent, to before the last pulse.
+        // Sampling begins one period before the first arrival, so that the first envelope is of silence, and ends
+        // before the last pulse.
         const double step_s = period_s / fine;
         const Sampling sampling{first_arrival_s - period_s, step_s, fine * (periods - 1)};
         const auto envelopes = envelope(pressure_over_time(some, resonator, trains, focus, sampling), fine);
@@ -270,7 +274,7 @@ Alternation alternate(const Array& array, const Resonator& resonator, Vec3 focus
     for (std::size_t m = 0; m < mixed.size(); ++m)
         for (std::size_t i = 0; i < total; ++i) {
             if (i / periods % 2 == 1) mixed[m][i] = there[m][i];
-            // A pulse that has started completes; one that starts meanwhile merges with it.
+            // A pulse that has started always completes. If the next one starts before that, the two merge.
             if (i > 0) mixed[m][i].rise_s = std::max(mixed[m][i].rise_s, mixed[m][i - 1].fall_s);
         }
     const Sampling sampling{static_cast<double>(before) * period_s, period_s / fine, fine * (both + 1) + 1};

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compiled once for each instruction set by Highway, chosen at run time.
-// Vectors whose size the compiler does not know cannot be kept in structs and arrays.
+// Highway compiles this file once for each instruction set, and picks one when the program runs.
+//
+// Instruction sets whose vectors have no size at compile time are left out: the code below keeps vectors in structs and
+// arrays.
 #undef HWY_DISABLED_TARGETS
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
@@ -9,7 +11,7 @@
 
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
-// Needs highway.h first.
+// This header must come after highway.h.
 #include <hwy/contrib/math/math-inl.h>
 
 HWY_BEFORE_NAMESPACE();
@@ -19,11 +21,12 @@ namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::ScalableTag<float>;
 using V = hn::Vec<D>;
 
-/// 1/√x, to a few units in the last place.
+/// 1/√x, with an error of a few units in the last place.
 HWY_INLINE V inverse_root(V x) {
     const D d;
 #if HWY_ARCH_X86 && HWY_TARGET != HWY_EMU128 && HWY_TARGET != HWY_SCALAR
-    const V guess = hn::ApproximateReciprocalSqrt(x);  // 12 bits or more; one round of Newton's doubles them
+    const V guess =
+        hn::ApproximateReciprocalSqrt(x);  // at least 12 correct bits; a step of Newton's method doubles them
     const V slack = hn::NegMulAdd(hn::Mul(hn::Mul(hn::Set(d, 0.5F), x), guess), guess, hn::Set(d, 0.5F));
     return hn::MulAdd(guess, slack, guess);
 #else
@@ -31,6 +34,7 @@ HWY_INLINE V inverse_root(V x) {
 #endif
 }
 
+/// a/b, with an error of a few units in the last place.
 HWY_INLINE V quotient(V a, V b) {
 #if HWY_ARCH_X86 && HWY_TARGET != HWY_EMU128 && HWY_TARGET != HWY_SCALAR
     const D d;
@@ -42,20 +46,22 @@ HWY_INLINE V quotient(V a, V b) {
 #endif
 }
 
+/// A complex number, amplitude·(cosine − j·sine).
 struct Polar {
     V amplitude, cosine, sine;
 };
 
-/// cos and sin of π·half_turns, with the sign that both share moved into the amplitude.
+/// amplitude·e^{−jπ·half_turns}. The phase is split into a whole number of half turns and a rest f, |f| ≤ 1/2. Cosine
+/// and sine are polynomials in f; an odd number of half turns changes both signs, which is done once, in the amplitude.
 HWY_INLINE Polar turn(V amplitude, V half_turns) {
     const D d;
     const hn::RebindToUnsigned<D> du;
-    const V shift = hn::Set(d, 12582912.0F);  // 1.5·2²³: the sum's last bit is one
+    const V shift = hn::Set(d, 12582912.0F);  // 1.5·2²³; adding it rounds to a whole number, whose lowest bit says odd
     const V shifted = hn::Add(half_turns, shift);
     const V f = hn::Sub(half_turns, hn::Sub(shifted, shift));
     const auto odd = hn::ShiftLeft<31>(hn::BitCast(du, shifted));
     const V u = hn::Mul(f, f);
-    // Least maximum error on |f| ≤ 1/2: 1.4e-8 and 4.7e-8.
+    // Polynomials of least maximum error on |f| ≤ 1/2, which is 1.4e-8 for the sine and 4.7e-8 for the cosine.
     V sine = hn::MulAdd(hn::Set(d, 0.07765941F), u, hn::Set(d, -0.59829216F));
     V cosine = hn::MulAdd(hn::Set(d, 0.2196968F), u, hn::Set(d, -1.33188016F));
     sine = hn::MulAdd(sine, u, hn::Set(d, 2.55007766F));
@@ -210,7 +216,7 @@ void with_wave(const WaveModel& model, Call call) {
         with_pattern<SeenUpright>(model, call);
 }
 
-/// Left to the compiler's own vectors, for not every processor has Highway's of double.
+/// A plain loop that the compiler turns into vectors: Highway has none of double for some processors.
 void centre_block_at(const double* HWY_RESTRICT x, const double* HWY_RESTRICT y, const double* HWY_RESTRICT z,
                      std::size_t count, Vec3 centre, WaveBlock& block) {
     float* HWY_RESTRICT to_x = block.x.data();
@@ -247,7 +253,7 @@ void sum_waves_to(const WaveModel& model, const WaveBlock& block, const WaveElem
 }
 
 /// The pair's weighted |p|² at two vectors of points, added to `sum`.
-/// @param field  of each element: two vectors of real parts, two of imaginary ones
+/// @param field  of each element: two vectors of real parts, then two of imaginary parts
 HWY_INLINE void add_pair(const DrivePair* drives, std::size_t elements, const float* weights, const float* field,
                          V& sum_0, V& sum_1) {
     const D d;
@@ -277,7 +283,8 @@ void sum_squares_to(const WaveModel& model, const WaveBlock& block, const WaveEl
                     const DrivePair* drives, const float* weights, std::size_t pairs, float* scratch, float* mean) {
     const D d;
     const std::size_t lanes = hn::Lanes(d);
-    constexpr std::size_t run = 32;  // pairs summed apart, that rounding does not grow with a long sequence
+    constexpr std::size_t run =
+        32;  // pairs in a partial sum; partial sums keep rounding small however long the sequence is
     with_wave(model, [&](auto wave) HWY_ATTR {
         for (std::size_t i = 0; i < block.count; i += 2 * lanes) {
             for (std::size_t half = 0; half < 2; ++half) {
@@ -305,7 +312,8 @@ void sum_squares_to(const WaveModel& model, const WaveBlock& block, const WaveEl
     });
 }
 
-/// `vectors` vectors of both rows: what is loaded of the field serves all of them.
+/// Computes `vectors` vectors of points in each of `rows` rows at once, so that each value of the field is loaded once
+/// for all rows.
 template <std::size_t rows, std::size_t vectors>
 void sum_shifted_tile(const float* field_re, const float* field_im, const ShiftedShare* shares, std::size_t count,
                       std::size_t from, float* const* out, std::size_t points) {
@@ -340,7 +348,7 @@ template <std::size_t rows>
 void sum_shifted_rows(const float* field_re, const float* field_im, const ShiftedShare* shares, std::size_t count,
                       float* const* out, std::size_t points) {
     const std::size_t lanes = hn::Lanes(D());
-    constexpr std::size_t most = HWY_TARGET <= HWY_AVX3 || !HWY_ARCH_X86 ? 4 : 2;  // as many as registers hold
+    constexpr std::size_t most = HWY_TARGET <= HWY_AVX3 || !HWY_ARCH_X86 ? 4 : 2;  // as many as fit into the registers
     static_assert(most * HWY_MAX_BYTES / sizeof(float) <= shifted_tile);
     std::size_t from = 0;
     for (; from + (most - 1) * lanes < points; from += most * lanes)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The vector loops behind kernel.hpp, in single precision; kernel.cpp prepares what they need in double.
+// The loops behind field.hpp, in single precision and with the processor's vector instructions. field.cpp prepares
+// their input in double precision.
 #pragma once
 #include <array>
 #include <complex>
@@ -11,25 +12,25 @@
 
 namespace haptogram {
 
-/// What turns a range and a direction into a wave.
+/// How the amplitude and phase of a wave follow from the range and the direction. The same for all elements.
 struct WaveModel {
-    float half_turns_per_m = 0.0F;  ///< of the phase: 2/λ
+    float half_turns_per_m = 0.0F;  ///< phase per metre, in units of π: 2/λ
     float absorption_np_m = 0.0F;
     FittedPattern pattern;
     bool tilted = false;  ///< some element does not face +z; if none, normals are not looked at, which is faster
 };
 
-/// One element as a block of points sees it.
+/// One element, relative to the centre of a block of points.
 struct WaveElement {
-    float x, y, z;     ///< from the block's centre, metres
-    float range;       ///< of the block's centre, metres
-    float phase;       ///< at the block's centre, behind, half turns in [-1, 1]
+    float x, y, z;     ///< position, from the block's centre, metres
+    float range;       ///< from the element to the block's centre, metres
+    float phase;       ///< by which the wave lags at the block's centre, in units of π, [-1, 1]
     float amplitude;   ///< Pa·m
     float nx, ny, nz;  ///< normal, of length 1
 };
 
-/// Points near each other. Coordinates are counted from the block's centre, so that single precision holds them to
-/// less than a thousandth of a degree of phase wherever the block is.
+/// Points near each other. Their coordinates are relative to the block's centre and so small that rounding them to
+/// single precision changes a phase by less than 0.001°, wherever the block is.
 struct WaveBlock {
     static constexpr std::size_t most = 1024;
     alignas(64) std::array<float, most> x{}, y{}, z{};
@@ -37,10 +38,11 @@ struct WaveBlock {
     std::size_t count = 0;
 };
 
-/// Makes a block of `count` points, up to WaveBlock::most.
+/// Makes a block of `count` points, at most WaveBlock::most.
 void centre_block(const double* x, const double* y, const double* z, std::size_t count, Vec3 centre, WaveBlock& block);
 
-/// A pair of drives for each element, side by side: two products share what is loaded of the propagation.
+/// One element's drives in two records. Records are computed in pairs, because then each value of the propagation is
+/// loaded once for two products.
 struct DrivePair {
     float re[2], im[2];
 };
@@ -50,29 +52,29 @@ struct DrivePair {
 void sum_waves(const WaveModel& model, const WaveBlock& block, std::span<const WaveElement> elements, float* re,
                float* im);
 
-/// Σ weight·|p|² at each point over many drives of the same elements, whose amplitudes are 1.
-/// @param drives   pairs × elements
-/// @param weights  two a pair
+/// Σ weight·|p|² at each point over many records of drives. The elements' own amplitudes are to be 1.
+/// @param drives   of the first pair of records, one an element; then of the second pair, and so on
+/// @param weights  of the records, two a pair
 /// @param scratch  room for scratch_of_sum_squares() floats, aligned as Highway allocates
 /// @param mean     room for WaveBlock::most
 void sum_squares(const WaveModel& model, const WaveBlock& block, std::span<const WaveElement> elements,
                  std::span<const DrivePair> drives, std::span<const float> weights, float* scratch, float* mean);
 [[nodiscard]] std::size_t scratch_of_sum_squares(std::size_t elements);
 
-/// What two rows of points share of one element's field: where in it both begin, and the drive that each hears it with.
+/// A part of one element's field that contributes to two rows of points.
 struct ShiftedShare {
-    std::size_t at;
-    DrivePair drives;
+    std::size_t at;    ///< where the part begins in the field
+    DrivePair drives;  ///< what to multiply it by, for the first row and for the second
 };
 
-/// Adds up shifted copies of one element's field: row[i] = Σ drive·field[at + i].
-/// @param field_re, field_im  readable for shifted_tile floats beyond the last one asked for
-/// @param second              none when there is only one row
+/// Adds up shifted copies of one element's field into one or two rows of points: row[i] = Σ drive·field[at + i].
+/// @param field_re, field_im  are read up to shifted_tile floats beyond the last one that is used
+/// @param second              null when there is only one row
 void sum_shifted(const float* field_re, const float* field_im, std::span<const ShiftedShare> shares,
                  std::complex<float>* first, std::complex<float>* second, std::size_t points);
-inline constexpr std::size_t shifted_tile = 256;  ///< no less than four vectors of any processor
+inline constexpr std::size_t shifted_tile = 256;  ///< at least four vectors of any processor
 
-/// The instruction set chosen, by Highway's name for it.
+/// The instruction set in use on this processor, by Highway's name for it.
 [[nodiscard]] const char* wave_target();
 
 }  // namespace haptogram
