@@ -16,6 +16,7 @@
 #include "haptogram/image/image.hpp"
 #include "haptogram/image/manifest.hpp"
 #include "haptogram/image/pulses.hpp"
+#include "haptogram/instrument/project.hpp"
 #include "haptogram/link/frame.hpp"
 #include "haptogram/model/array.hpp"
 #include "haptogram/shape/formats.hpp"
@@ -49,7 +50,7 @@ void pulses(const std::string& content) {
     require(pulses_from_csv(to_csv(found), "fuzz") == found);
 }
 
-void manifest(const std::string& content) { static_cast<void>(to_json(manifest_from_json(content, "fuzz"))); }
+void manifest(const std::string& content) { static_cast<void>(to_text(manifest_from_json(content, "fuzz"))); }
 
 void ply(const std::string& content) { static_cast<void>(as_piece(read_ply(content, "fuzz"), "fuzz")); }
 void obj(const std::string& content) { static_cast<void>(as_piece(read_obj(content, "fuzz"), "fuzz")); }
@@ -67,12 +68,18 @@ std::string as_file(const std::string& content) {
 void array(const std::string& content) { static_cast<void>(load_array(as_file(content))); }
 void board(const std::string& content) { static_cast<void>(load_board(as_file(content))); }
 
+void project(const std::string& content) {
+    const Project found = project_from_toml(content, "fuzz");
+    const std::string written = to_toml(found);
+    require(to_toml(project_from_toml(written, "fuzz")) == written);
+}
+
 const std::map<std::string, void (*)(const std::string&)> targets = {{"frame", frame},   {"intel_hex", intel_hex},
                                                                      {"pulses", pulses}, {"manifest", manifest},
                                                                      {"ply", ply},       {"obj", obj},
                                                                      {"stl", stl},       {"xyz", xyz},
                                                                      {"csv", csv},       {"array", array},
-                                                                     {"board", board}};
+                                                                     {"board", board},   {"project", project}};
 void (*target)(const std::string&) = nullptr;
 
 }  // namespace haptogram::fuzz

@@ -17,7 +17,7 @@ from pathlib import Path
 from intelhex import IntelHex
 
 ROOT = Path(__file__).resolve().parents[2]
-TARGETS = ("frame", "intel_hex", "pulses", "manifest", "ply", "obj", "stl", "xyz", "csv", "array", "board")
+TARGETS = ("frame", "intel_hex", "pulses", "manifest", "ply", "obj", "stl", "xyz", "csv", "array", "board", "project")
 CUBE = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
 
 
@@ -55,6 +55,8 @@ def seeds(program):
         "csv": [b"x,y,z\n1,2,3\n", b"a;z;y;x\n0;1;2;3\n"],
         "array": [path.read_bytes() for path in sorted((ROOT / "host/arrays").glob("*.toml"))],
         "board": [path.read_bytes() for path in sorted((ROOT / "constraints").glob("*.toml"))],
+        "project": [b'format = "haptogram-project-1"\npoints = 12\nrate_hz = 50.5\nclip = true\n[place]\ncenter_mm = [0, 1.5, 120]\nsize_mm = 40\n'
+                    b'[[shape]]\nkind = "circle"\ndiameter_mm = 40\n[[shape]]\nfile = "a b.ply"\nunit = "cm"\n'],
     }  # fmt: skip
     subprocess.run([program, "compile", "--shape", "line", "--points", "2", "--array", "tile-7x8", "-o", "seed.hex"],
                    cwd=ROOT / "build/fuzz", stdout=subprocess.DEVNULL, check=True)  # fmt: skip

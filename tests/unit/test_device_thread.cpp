@@ -49,7 +49,7 @@ class Worker {
 public:
     template <class Work>
     Worker(DeviceThread& device, Work work)
-        : thread_([this, &device, work] {
+        : device_(device), thread_([this, &device, work] {
               while (!ended_) {
                   try {
                       const auto channel = device.channel(10s);
@@ -59,16 +59,27 @@ public:
                       ++(error.code() == ErrorCode::cancelled ? cancelled : failed);
                   }
               }
+              left_ = true;
           }) {}
     void end() {
         ended_ = true;
         if (thread_.joinable()) thread_.join();
     }
-    ~Worker() { end(); }
+    /// Of work that ends only when outputs are shut off. The worker may begin once more just after that, hence again.
+    void shut_off() {
+        ended_ = true;
+        while (!left_) {
+            device_.shut_off();
+            std::this_thread::sleep_for(5ms);
+        }
+        end();
+    }
+    ~Worker() { shut_off(); }
     std::atomic<int> finished = 0, cancelled = 0, failed = 0;
 
 private:
-    std::atomic<bool> ended_ = false;
+    DeviceThread& device_;
+    std::atomic<bool> ended_ = false, left_ = false;
     std::thread thread_;
 };
 
@@ -119,8 +130,7 @@ TEST_CASE("device thread: disable is on the wire within 50 ms while an upload an
         latencies.push_back(ms(disable->when - asked));
     }
     uploads.end();
-    thread.shut_off();
-    streams.end();
+    streams.shut_off();
     // How late this machine's other programs make a thread that sleeps is not the thread's doing.
     fmt::print(
         "shut_off() to disable on the wire at {} baud: p95 {:.1f} ms, worst {:.1f}; a sleeping thread woke up to "
