@@ -136,7 +136,7 @@ def test_what_cannot_be_patched(board, image, tmp_path):
     out = tmp_path / "out.bin"
     assert "make bitstream BOARD=" in fails(BAD_INPUT, "bitstream", "--board", board, "--image", image, "-o", out, "--placed", tmp_path)
     assert "--empty" in fails(USAGE, "bitstream", "--board", board, "-o", out)
-    assert "give --image" in fails(USAGE, "bitstream", "--board", board, "--empty", "--autostart", "-o", out)
+    assert "(--image)" in fails(USAGE, "bitstream", "--board", board, "--empty", "--autostart", "-o", out)
     run("compile", "--shape", "circle", "--points", "20", "--array", "tile-10x10", "-o", tmp_path / "other.hex")
     other = "ice40-hx8k-breakout"  # another clock than the array's own board
     if board == other:
