@@ -120,20 +120,22 @@ def test_a_full_disk_leaves_the_old_file(tmp_path, image, full_device):
 
 def test_an_upload_goes_on_after_an_unplug(tmp_path):
     succeed(["compile", "--shape", "circle", "--points", 150, "--rate", 10, "-o", "big.hex"], cwd=tmp_path)
-    with virtual_board(tmp_path) as board, cable(tmp_path, board.says["port"]) as line:
-        command = [str(PROGRAM), "upload", "big.hex", "--json", "--verify", "--port", "cable"]
-        host = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-        while line.carried < 15_000 and host.poll() is None:
-            time.sleep(0.001)
-        line.pull()
-        time.sleep(1)
-        line.plug()
-        said, complaint = host.communicate(timeout=120)
-        assert host.returncode == 0, text(complaint)
-        said = json.loads(said)
-        assert (said["link_losses"], said["verified"]) == (1, True)
-        assert "cable" in text(complaint) and "waiting 30 s" in text(complaint)
-        assert line.carried < 60_000  # the image has 32,000 bytes: it was not begun anew
+    with virtual_board(tmp_path) as board:
+        with cable(tmp_path, board.says["port"]) as line:
+            command = [str(PROGRAM), "upload", "big.hex", "--json", "--verify", "--port", "cable"]
+            host = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+            while line.carried < 15_000 and host.poll() is None:
+                time.sleep(0.001)
+            line.pull()
+            time.sleep(1)
+            line.plug()
+            said, complaint = host.communicate(timeout=120)
+            assert host.returncode == 0, text(complaint)
+            said = json.loads(said)
+            assert (said["link_losses"], said["verified"]) == (1, True)
+            assert "cable" in text(complaint) and "waiting 30 s" in text(complaint)
+            assert line.carried < 60_000  # the image has 32,000 bytes: it was not begun anew
+        # The cable is gone: as long as it is there it takes replies away from whoever else opens the board's port.
         assert status(tmp_path)["outputs"] == "off"
 
 
@@ -171,7 +173,6 @@ def test_a_line_that_spoils_bytes(tmp_path):
         with cable(tmp_path, board.says["port"], spoil=spoil):
             said = upload(tmp_path, "big.hex", port="cable")
         assert said["frames_written"] >= 60 and said["retransmissions"] > 0
-        # The cable is gone: as long as it is there it takes replies away from whoever else opens the board's port.
         assert upload(tmp_path, "big.hex", "--verify")["frames_written"] == 0
 
 
