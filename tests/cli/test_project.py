@@ -2,6 +2,7 @@
 """Project files: every verb takes one, and it gives the bytes that the same options give."""
 
 import json
+import re
 
 import pytest
 
@@ -77,7 +78,7 @@ def test_mistakes_are_named(change, needles, folder):
     (folder / "ring.toml").write_text(PROJECT.replace(*change))
     result = run(["compile", "ring.toml", "-o", "x.hex"], cwd=folder)
     assert result.returncode in (BAD_INPUT, USAGE)
-    assert all(__import__("re").search(needle, text(result.stderr)) for needle in needles), text(result.stderr)
+    assert all(re.search(needle, text(result.stderr)) for needle in needles), text(result.stderr)
     assert not (folder / "x.hex").exists()
 
 

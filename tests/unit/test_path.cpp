@@ -85,6 +85,10 @@ TEST_CASE("path: steps, silence, amplitudes and repeats become records and a seq
     REQUIRE(image.records[1].pulse_length == pulse_ticks(s.timer, 0.5));
     REQUIRE(image.sequence == std::vector<SequenceEntry>{{1, 10}, {0, 3}, {2, 65'535}, {2, 4'465}, {1, 5}});
     REQUIRE(image.loops == 7);
+    REQUIRE(compiled.shortest_dwell_s() ==
+            Approx(5 * s.timer.period_s()));  // neither the silence nor a split dwell's rest
+    const Path split{{{{a}, 70'000}, {{}, 3}}, {}};
+    REQUIRE(compile(split, s.array, s.core).shortest_dwell_s() == Approx(70'000 * s.timer.period_s()));
     REQUIRE(compiled.bundle.manifest.records[0].dwell_cycles == 15);
     REQUIRE(compiled.bundle.manifest.records[1].amplitude == 0.5);
     REQUIRE(compiled.bundle.manifest.records[1].foci == std::vector<Focus>{{b.position, 1.0}});

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <utility>
@@ -220,9 +221,16 @@ Compiled compile_path(Path path, const Array& array, const Core& core, std::uint
 }  // namespace
 
 double Compiled::shortest_dwell_s() const {
-    std::uint32_t least = most_dwell;
-    for (const SequenceEntry& entry : bundle.image.sequence) least = std::min<std::uint32_t>(least, entry.dwell);
-    return least * bundle.manifest.timer.period_s();
+    // A long dwell is several entries of one record in a row; silence is no focus.
+    const std::vector<SequenceEntry>& sequence = bundle.image.sequence;
+    std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
+    for (std::size_t i = 0, next = 0; i < sequence.size(); i = next) {
+        std::uint64_t dwell = 0;
+        for (; next < sequence.size() && sequence[next].index == sequence[i].index; ++next)
+            dwell += sequence[next].dwell;
+        if (sequence[i].index != 0) least = std::min(least, dwell);
+    }
+    return static_cast<double>(least) * bundle.manifest.timer.period_s();
 }
 
 ProjectInstrument instrument_of(const Project& project) {
