@@ -8,9 +8,9 @@
 #include <cmath>
 #include <memory>
 
-#include "board_transport.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/link/transfer.hpp"
+#include "simulated_transport.hpp"
 
 namespace haptogram::sim {
 namespace {
@@ -115,17 +115,17 @@ std::string_view model_for(const Image& image, const std::string& where) {
             image.channels, image.records.size(), image.sequence.size(), image.timing_bits, image.clock_hz, known));
 }
 
-void load_directly(Board& board, const Image& image) {
+void load_directly(SimulatedBoard& board, const Image& image) {
     std::ranges::copy(primary_words(image), board.primary_memory().begin());
     std::ranges::copy(sequence_words(image), board.sequence_memory().begin());
 }
 
 Playback play(const Image& image, const PlaybackOptions& options, const std::string& where) {
     const Stopwatch whole;
-    Board board(model_for(image, where));
+    SimulatedBoard board(model_for(image, where));
     if (!options.trace.empty()) board.trace(options.trace);
     PulseRecorder recorder(board);
-    BoardTransport line(board);
+    SimulatedTransport line(board);
     link::Client client(line);
     const link::Identity identity = client.identify();
     link::require_fits(image, identity, where);

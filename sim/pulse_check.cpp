@@ -45,7 +45,7 @@ std::vector<Interval> expected_intervals(const Image& image, const std::vector<C
 
 }  // namespace
 
-PulseRecorder::PulseRecorder(Board& board)
+PulseRecorder::PulseRecorder(SimulatedBoard& board)
     : rise_(board.parameters().channels), rise_index_(board.parameters().channels) {
     board.on_edge([this](const Edge& edge) {
         if (edge.rises) {

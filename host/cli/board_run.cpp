@@ -83,7 +83,8 @@ int run_board(const RunOptions& options) {
     if (!options.trace.empty()) outputs.push_back({"--trace", options.trace});
     require_distinct({{"--image", options.image}}, outputs);
     const std::optional<Image> image = read_image(options.image);
-    sim::Board board(image ? sim::model_for(*image, options.image) : sim::model_with_channels(options.channels));
+    sim::SimulatedBoard board(image ? sim::model_for(*image, options.image)
+                                    : sim::model_with_channels(options.channels));
     std::optional<StagedFile> trace;
     std::optional<StagedFile> pulses;
     if (!options.trace.empty()) {

@@ -9,12 +9,12 @@
 #include <string_view>
 #include <vector>
 
-#include "board.hpp"
-#include "board_transport.hpp"
 #include "haptogram/image/image.hpp"
 #include "haptogram/link/client.hpp"
 #include "haptogram/link/transfer.hpp"
 #include "pulse_check.hpp"
+#include "simulated_board.hpp"
+#include "simulated_transport.hpp"
 
 namespace haptogram::test {
 
@@ -27,12 +27,12 @@ inline std::string_view model_or_netlist(std::string_view name) {
 }
 
 struct Bench {
-    sim::Board board;
+    sim::SimulatedBoard board;
     sim::PulseRecorder recorder;
-    sim::BoardTransport line;
+    sim::SimulatedTransport line;
     link::Client client;
 
-    explicit Bench(std::string_view model = "small-16", const sim::BoardOptions& options = {})
+    explicit Bench(std::string_view model = "small-16", const sim::SimulatedBoardOptions& options = {})
         : board(model_or_netlist(model), options), recorder(board), line(board), client(line) {}
 
     [[nodiscard]] std::uint32_t channels() const { return board.parameters().channels; }

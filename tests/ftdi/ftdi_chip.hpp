@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "board.hpp"
+#include "simulated_board.hpp"
 
 namespace haptogram::test {
 
@@ -30,7 +30,7 @@ struct Setup {
 /// sheets and AN_120, not from the library that the host uses.
 class FtdiChip {
 public:
-    FtdiChip(const ChipType& type, std::string serial, sim::Board* board = nullptr)
+    FtdiChip(const ChipType& type, std::string serial, sim::SimulatedBoard* board = nullptr)
         : type_(type), serial_(std::move(serial)), board_(board) {}
 
     [[nodiscard]] const ChipType& type() const { return type_; }
@@ -56,7 +56,7 @@ private:
 
     ChipType type_;
     std::string serial_;
-    sim::Board* board_;
+    sim::SimulatedBoard* board_;
 };
 
 }  // namespace haptogram::test

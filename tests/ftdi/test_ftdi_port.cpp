@@ -66,7 +66,7 @@ std::string output_of(const std::string& command) {
 
 TEST_CASE("an image goes to the board behind an FTDI chip and comes back", "[ftdi]") {
     const ChipType type = GENERATE(ft2232h, ft231x);
-    sim::Board board(small16);
+    sim::SimulatedBoard board(small16);
     FtdiChip chip(type, "HG01", &board);
     Bus bus;
     UsbSocket& socket = bus.plug(chip);
@@ -140,7 +140,7 @@ TEST_CASE("nothing comes: read waits as long as it was told, and no longer", "[f
 }
 
 TEST_CASE("pulling the cable ends reading and writing with an error that says so", "[ftdi]") {
-    sim::Board board(small16);
+    sim::SimulatedBoard board(small16);
     FtdiChip chip(ft2232h, "HG01", &board);
     Bus bus;
     UsbSocket& socket = bus.plug(chip);
@@ -219,7 +219,7 @@ TEST_CASE("names: a chip with numbers that are not FTDI's own is only found by t
 }
 
 TEST_CASE("the program lists FTDI chips and speaks to a board behind one", "[ftdi]") {
-    sim::Board board(small16);
+    sim::SimulatedBoard board(small16);
     FtdiChip chip(ft2232h, "HG01", &board);
     Bus bus;
     bus.plug(chip);

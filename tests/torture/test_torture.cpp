@@ -48,7 +48,7 @@ Image inner_image(std::mt19937& g, std::uint16_t points) {
 /// before they are sent, it knows what may be seen.
 class Watcher {
 public:
-    explicit Watcher(sim::Board& board) {
+    explicit Watcher(sim::SimulatedBoard& board) {
         board.on_edge([this](const sim::Edge& e) {
             if (!e.rises) return;
             if (e.channel < seen_.size()) seen_[e.channel] = static_cast<std::int32_t>(e.clock - start_);

@@ -8,12 +8,12 @@
 #include <random>
 #include <vector>
 
-#include "board.hpp"
-#include "board_transport.hpp"
 #include "haptogram/link/client.hpp"
 #include "haptogram/link/live_feed.hpp"
 #include "haptogram/link/transfer.hpp"
 #include "playback.hpp"
+#include "simulated_board.hpp"
+#include "simulated_transport.hpp"
 
 namespace {
 
@@ -40,8 +40,8 @@ Image image_of(const interface::CoreParameters& p, std::uint16_t points) {
 
 /// Payload over what 8N1 allows: of the writing alone, with the window open, and of the whole upload with its digests.
 Json upload_shares(std::string_view model) {
-    sim::Board board(model);
-    sim::BoardTransport line(board);
+    sim::SimulatedBoard board(model);
+    sim::SimulatedTransport line(board);
     link::Client client(line);
     client.identify();
     const interface::CoreParameters& p = board.parameters();
@@ -64,11 +64,11 @@ Json upload_shares(std::string_view model) {
 
 /// Indices at one carrier cycle each, through the live FIFO.
 Json stream(std::string_view model, std::uint64_t count) {
-    sim::Board board(model);
+    sim::SimulatedBoard board(model);
     const Image image = image_of(board.parameters(), 200);
     sim::load_directly(board, image);
     sim::PulseRecorder recorder(board);
-    sim::BoardTransport line(board);
+    sim::SimulatedTransport line(board);
     link::Client client(line);
     const link::Identity identity = client.identify();
     client.enable();
@@ -108,10 +108,10 @@ Json stream(std::string_view model, std::uint64_t count) {
 
 /// Clocks from the end of a SELECT frame's last bit to the first rising edge of the new focus, over random phases.
 Json select_latency(std::string_view model, std::size_t count) {
-    sim::Board board(model);
+    sim::SimulatedBoard board(model);
     const interface::CoreParameters& p = board.parameters();
     sim::load_directly(board, image_of(p, 2));
-    sim::BoardTransport line(board);
+    sim::SimulatedTransport line(board);
     link::Client client(line);
     client.identify();
     client.enable();

@@ -7,10 +7,10 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "board_transport.hpp"
 #include "haptogram/link/client.hpp"
 #include "haptogram/link/transfer.hpp"
 #include "haptogram/solve/focal_law.hpp"
+#include "simulated_transport.hpp"
 
 namespace {
 
@@ -43,8 +43,8 @@ double focal_law_ms() {
 
 /// Underruns when two records of 100 channels with pulses of one tick alternate every `cycle_clocks`.
 unsigned underruns(std::uint32_t cycle_clocks) {
-    sim::Board board("tile-100");
-    sim::BoardTransport line(board);
+    sim::SimulatedBoard board("tile-100");
+    sim::SimulatedTransport line(board);
     link::Client client(line);
     client.identify();
     Image image;

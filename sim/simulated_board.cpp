@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "board.hpp"
+#include "simulated_board.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -15,7 +15,7 @@ double clocks_per_bit(const interface::CoreParameters& p) {
 
 }  // namespace
 
-Board::Board(std::string_view model, const BoardOptions& options)
+SimulatedBoard::SimulatedBoard(std::string_view model, const SimulatedBoardOptions& options)
     : model_(make_model(model, options.power_up_seed)),
       sender_(clocks_per_bit(parameters())),
       receiver_(clocks_per_bit(parameters())) {
@@ -25,13 +25,13 @@ Board::Board(std::string_view model, const BoardOptions& options)
     reset(options.reset_clocks);
 }
 
-void Board::reset(unsigned clocks) {
+void SimulatedBoard::reset(unsigned clocks) {
     in_reset_ = true;
     run(clocks);
     in_reset_ = false;
 }
 
-void Board::clock() {
+void SimulatedBoard::clock() {
     const bool line = sender_.level(now_);
     model_->clock(in_reset_, forced_line_.value_or(line), outputs_);
     if (outputs_.cycle_start && on_cycle_start_) on_cycle_start_({now_, outputs_.index, outputs_.enabled});
@@ -50,11 +50,11 @@ void Board::clock() {
     ++now_;
 }
 
-void Board::run(std::uint64_t clocks) {
+void SimulatedBoard::run(std::uint64_t clocks) {
     for (std::uint64_t i = 0; i < clocks; ++i) clock();
 }
 
-bool Board::run_until(const std::function<bool()>& done, std::uint64_t limit) {
+bool SimulatedBoard::run_until(const std::function<bool()>& done, std::uint64_t limit) {
     for (const std::uint64_t end = now_ + limit; !done();) {
         if (now_ >= end) return false;
         run(16);
@@ -62,11 +62,11 @@ bool Board::run_until(const std::function<bool()>& done, std::uint64_t limit) {
     return true;
 }
 
-bool Board::any_pin() const {
+bool SimulatedBoard::any_pin() const {
     return std::any_of(outputs_.pins.begin(), outputs_.pins.end(), [](std::uint32_t word) { return word != 0; });
 }
 
-std::vector<std::uint8_t> Board::receive() { return std::exchange(arrived_, {}); }
+std::vector<std::uint8_t> SimulatedBoard::receive() { return std::exchange(arrived_, {}); }
 
 std::optional<std::string_view> find_model(double clock_hz, std::uint32_t channels, std::uint32_t records,
                                            std::uint32_t sequence_words, std::uint32_t timing_bits) {

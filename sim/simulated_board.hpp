@@ -29,16 +29,16 @@ struct CycleStart {
     bool enabled;
 };
 
-struct BoardOptions {
+struct SimulatedBoardOptions {
     std::optional<std::uint32_t> power_up_seed;  ///< random registers at power-up
     unsigned reset_clocks = 4;
 };
 
 /// The simulated FPGA board: a Verilated core, its clock and reset, a serial line at its baud rate, and observers.
-class Board {
+class SimulatedBoard {
 public:
     /// @param model  name of a configuration in available_models(), such as "tile-100"
-    explicit Board(std::string_view model, const BoardOptions& options = {});
+    explicit SimulatedBoard(std::string_view model, const SimulatedBoardOptions& options = {});
 
     /// Runs this many clocks.
     void run(std::uint64_t clocks);
