@@ -6,8 +6,8 @@
 // A focus, four words: the lower 16 bits of x, y and z (signed, 18 bits, in the same unit); then the amplitude in bits 15:8, 0 in
 // bits 7:6, and the upper bits of z, y and x in 5:4, 3:2 and 1:0. Foci are written into one of two banks while the other is played.
 // i_start/o_ready hands over the bank with foci 0 to i_last_focus. Results follow in the order of the channels, one each
-// i_last_focus + 1 clocks; the first is there 33 + i_last_focus clocks after the start, the last, with o_last, after
-// 32 + CHANNELS · (i_last_focus + 1). focus_phase.v and phasor_sum.v say what they mean; o_far: a focus was too far to count.
+// i_last_focus + 1 clocks; the first is there 34 + i_last_focus clocks after the start, the last, with o_last, after
+// 33 + CHANNELS · (i_last_focus + 1). focus_phase.v and phasor_sum.v say what they mean; o_far: a focus was too far to count.
 // i_wave_number and i_gain must not change while results come. Geometry that is written then can spoil them. rst drops all.
 // CHANNELS is the core's.
 `default_nettype none

@@ -3,12 +3,12 @@
 // Adds up amplitude · e^(j·phase) over a channel's foci, one focus a clock, and tells the phase and the length of the sum.
 //
 // i_first and i_last frame a sum of 1 to 8 foci, whose clocks need not follow each other. The sine is read from a table of a
-// quarter turn in 1,024 steps. CORDIC (Volder 1959) turns the sum until its imaginary part is gone, in 12 steps, two a clock.
-// The phase of a lone focus comes out as it came in. A focus that is i_far counts as amplitude 0.
+// quarter turn in 1,024 steps; polar.v tells the sum's angle. The phase of a lone focus comes out as it came in. A focus that is
+// i_far counts as amplitude 0.
 // o_amplitude is the length times i_gain, 65535 at most (full): a sum of amplitude 255 has full amplitude at a gain of 39953, and
 // the gain times the length is constant. With i_whole it is 65535 for every sum but one whose length rounds to 0, which is 0 then,
 // too. o_far says that one of the foci was far. Where o_amplitude is 0, o_phase means nothing.
-// Latency: 14 clocks from the last focus. i_gain must not change meanwhile; i_whole counts with i_last.
+// Latency: 15 clocks from the last focus. i_gain must not change meanwhile; i_whole counts with i_last.
 `default_nettype none
 module phasor_sum (
     input  wire        clk,
@@ -26,7 +26,7 @@ module phasor_sum (
     output reg  [15:0] o_phase,
     output reg  [15:0] o_amplitude
 );
-    localparam BITS = 21;  // of the sum's parts: 8 foci · 255 · 2^17, of which the last 8 bits are left out
+    localparam BITS = 23;  // of the sum's parts: 8 foci · 255 · 2^17, of which the last 6 bits are left out
 
     // sin((index + 1/2) · (1/4)/1024 turn) · 2^16, rounded down, by the sine's series with 30 bits. The half steps make a sine
     // of any quarter from this one: by reading backwards, and by complementing, because each word stands for a half more.
@@ -55,8 +55,8 @@ module phasor_sum (
     reg signed [25:0]      im_4_q, re_4_q;
     reg signed [BITS-1:0]  im_5_q, re_5_q;
     wire signed [8:0]      amplitude = {1'b0, amplitude_q[23:16]};
-    wire signed [BITS-1:0] im_4 = {{3{im_4_q[25]}}, im_4_q[25:8]};
-    wire signed [BITS-1:0] re_4 = {{3{re_4_q[25]}}, re_4_q[25:8]};
+    wire signed [BITS-1:0] im_4 = {{3{im_4_q[25]}}, im_4_q[25:6]};
+    wire signed [BITS-1:0] re_4 = {{3{re_4_q[25]}}, re_4_q[25:6]};
     always @(posedge clk) begin
         sine_at_q   <= i_phase[13:4] ^ {10{i_phase[14]}};
         cosine_at_q <= i_phase[13:4] ^ {10{!i_phase[14]}};
@@ -76,7 +76,7 @@ module phasor_sum (
     end
 
     // What else a sum must know: of the foci until it is there, then of itself until its length is told.
-    localparam TOLD = 12;
+    localparam TOLD = 13;
     reg [3:0]    first_q, last_q, far_q;
     reg [TOLD:0] valid_q;  // of the foci in clocks 1 to 4, then of the sums
     reg [4:0]    whole_q;
@@ -96,29 +96,29 @@ module phasor_sum (
     end
 
     wire [15:0] angle, lone_phase;
-    wire [20:0] length;
+    wire [22:0] length;
     wire        lone, far, whole;
     polar #(.BESIDE_BITS(19)) phasor (
         .clk(clk), .i_re(re_5_q), .i_im(im_5_q), .i_beside({lone_5_q, far_5_q, whole_q[4], phase_q[79:64]}),
         .o_angle(angle), .o_length(length), .o_beside({lone, far, whole, lone_phase}));
 
-    wire [17:0] rounded = length[20:3];  // as long as a factor of a multiplier
+    wire [17:0] rounded = length[22:5];  // as long as a factor of a multiplier
     wire [33:0] product = {16'd0, rounded} * {18'd0, i_gain};
     reg  [19:0] scaled_q;
     reg  [15:0] told_phase_q;
-    reg         silent_q, whole_13_q, far_13_q;
+    reg         silent_q, whole_14_q, far_14_q;
     always @(posedge clk) begin
         scaled_q     <= product[33:14];
         silent_q     <= rounded == 18'd0;
-        whole_13_q   <= whole;
-        far_13_q     <= far;
+        whole_14_q   <= whole;
+        far_14_q     <= far;
         told_phase_q <= lone ? lone_phase : angle;
         o_phase      <= told_phase_q;
-        o_far        <= far_13_q;
+        o_far        <= far_14_q;
         o_valid      <= valid_q[TOLD] && !rst;
-        o_amplitude  <= silent_q ? 16'd0 : whole_13_q || scaled_q[19:16] != 4'd0 ? 16'hffff : scaled_q[15:0];
+        o_amplitude  <= silent_q ? 16'd0 : whole_14_q || scaled_q[19:16] != 4'd0 ? 16'hffff : scaled_q[15:0];
     end
 
-    wire unused = &{1'b0, im_4_q[7:0], re_4_q[7:0], length[2:0], product[13:0]};
+    wire unused = &{1'b0, im_4_q[5:0], re_4_q[5:0], length[4:0], product[13:0]};
 endmodule
 `default_nettype wire

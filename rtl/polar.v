@@ -2,27 +2,27 @@
 //
 // The angle and the length of a vector in the plane, one a clock, by CORDIC (Volder 1959).
 //
-// A vector in the left half of the plane is first turned by half a turn. Then it is turned towards the x axis in 12 steps, by
+// A vector in the left half of the plane is first turned by half a turn. Then it is turned towards the x axis in 14 steps, by
 // arctan(2^-step) each, two steps a clock; when it lies below the axis, it is mirrored there first. The turns add up to the angle.
-// Each makes the vector longer, so o_length is 1.6468 times the length. The vector must be shorter than 2^20.
+// Each makes the vector longer, so o_length is 1.6468 times the length. The vector must be shorter than 2^22.
 // A part stands for its value and a half more, as it was rounded down: so its complement is its exact negative, without a carry.
-// o_angle is a fraction of a turn times 2^16. i_beside comes out with the result. Latency: 7 clocks.
+// o_angle is a fraction of a turn times 2^16. i_beside comes out with the result. Latency: 8 clocks.
 // BESIDE_BITS is the width of what the user wants to have beside a result.
 `default_nettype none
 module polar #(
     parameter BESIDE_BITS = 1
 ) (
     input  wire                   clk,
-    input  wire signed [20:0]     i_re,
-    input  wire signed [20:0]     i_im,
+    input  wire signed [22:0]     i_re,
+    input  wire signed [22:0]     i_im,
     input  wire [BESIDE_BITS-1:0] i_beside,
     output wire [15:0]            o_angle,
-    output wire [20:0]            o_length,
+    output wire [22:0]            o_length,
     output wire [BESIDE_BITS-1:0] o_beside
 );
-    localparam STAGES  = 6;   // of two steps
+    localparam STAGES  = 7;   // of two steps
     localparam SETTLED = 7;   // from this step on the length would grow by less than 2^-13 of it, and is left as it is
-    localparam BITS    = 21;
+    localparam BITS    = 23;
     localparam LATENCY = STAGES + 1;
 
     generate
@@ -76,7 +76,7 @@ module polar #(
     genvar s;
     generate
         for (s = 0; s < STAGES; s = s + 1) begin : stage
-            // |y| is at most 1.65 · 2^20 / 2^step after a step, so each stage drops two upper bits, which are copies of the sign.
+            // |y| is at most 1.65 · 2^22 / 2^step after a step, so each stage drops two upper bits, which are copies of the sign.
             localparam IN  = s == 0 ? BITS : BITS - 2 * s + 2;
             localparam OUT = BITS - 2 * s;
             localparam [35:0] TWICE = {arctangent(2 * s + 1) << 1, arctangent(2 * s) << 1};

@@ -32,7 +32,7 @@ std::uint16_t low_half(std::int32_t value) { return static_cast<std::uint16_t>(v
 
 // ---- What the FPGA does. Each function names the module that it follows.
 
-constexpr int cordic_steps = 12;
+constexpr int cordic_steps = 14;
 constexpr int cordic_settled = 7;
 
 struct Tables {
@@ -127,11 +127,11 @@ ChannelDrive drive_of(const GeometryWords& place, std::span<const FocusWords> fo
         drive.phase = way.phase;
         drive.far = drive.far || way.far;
         const std::int32_t amplitude = way.far ? 0 : focus[3] >> 8;
-        re += sine_of(static_cast<std::uint16_t>(way.phase + 0x4000)) * amplitude >> 8;
-        im += sine_of(way.phase) * amplitude >> 8;
+        re += sine_of(static_cast<std::uint16_t>(way.phase + 0x4000)) * amplitude >> 6;
+        im += sine_of(way.phase) * amplitude >> 6;
     }
     const Polar sum = polar_of(re, im);
-    const std::uint64_t length = sum.length >> 3U;
+    const std::uint64_t length = sum.length >> 5U;
     const std::uint64_t amplitude = length == 0 ? 0
                                     : whole     ? 0xffff
                                                 : std::min<std::uint64_t>(length * gain >> 14U, 0xffff);
@@ -174,7 +174,7 @@ std::uint32_t wave_number_word(double wavelength_m) {
 std::uint16_t gain_word(double full) {
     // What the engine finds as the length of one focus of amplitude 1: CORDIC lengthens it by the product of
     // √(1 + 2^(−2·step)) over the steps.
-    double length = 255.0 * 0x1p17 / 0x1p8 / 0x1p3;
+    double length = 255.0 * 0x1p17 / 0x1p6 / 0x1p5;
     for (int step = 0; step < cordic_steps; ++step) length *= std::sqrt(1.0 + std::ldexp(1.0, -2 * step));
     if (!(full >= 0.61 && full <= static_cast<double>(most_foci)))
         throw bad_input("focus engine",
