@@ -69,5 +69,8 @@ module square_root #(
         end
     endgenerate
 
+`ifdef FORMAL
+    `include "formal/square_root.vh"
+`endif
 endmodule
 `default_nettype wire
