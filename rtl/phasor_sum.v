@@ -5,9 +5,9 @@
 // i_first and i_last frame a sum of 1 to 8 foci, whose clocks need not follow each other. The sine is read from a table of a
 // quarter turn in 1,024 steps; polar.v tells the sum's angle. The phase of a lone focus comes out as it came in. A focus that is
 // i_far counts as amplitude 0.
-// o_amplitude is the length times i_gain, 65535 at most (full): a sum of amplitude 255 has full amplitude at a gain of 39953, and
-// the gain times the length is constant. With i_whole it is 65535 for every sum but one whose length rounds to 0, which is 0 then,
-// too. o_far says that one of the foci was far. Where o_amplitude is 0, o_phase means nothing.
+// o_amplitude is the length times i_gain, but 65535 (full) at most: one focus of amplitude 255 is full at a gain of 39953, eight
+// of them that meet in phase at an eighth of it. With i_whole every sum is full, but for one whose length rounds to 0, which stays
+// 0. o_far says that one of the foci was far. Where o_amplitude is 0, o_phase means nothing.
 // Latency: 15 clocks from the last focus. i_gain must not change meanwhile; i_whole counts with i_last.
 `default_nettype none
 module phasor_sum (

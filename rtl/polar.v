@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The angle and the length of a vector in the plane, one a clock, by CORDIC (Volder 1959).
+// The angle and the length of a vector in the plane, one a clock, by CORDIC (Volder).
 //
 // A vector in the left half of the plane is first turned by half a turn. Then it is turned towards the x axis in 14 steps, by
 // arctan(2^-step) each, two steps a clock; when it lies below the axis, it is mirrored there first. The turns add up to the angle.
