@@ -10,7 +10,8 @@
 // Words must not be shifted before o_settled. A pin is also high in a single tick between two pulses. To see that
 // gap, pins wait for a tick: a pin follows its tick by one tick and two clocks. While i_allow is low, pins are low from the next
 // clock on, and nothing waits to be settled; the first pulse afterwards is whole, unless it is early.
-// Of a word: rise and fall differ, fall − rise modulo the cycle is at most i_longest, and 0 < fall < rise if early.
+// Of a word: rise and fall differ, fall − rise modulo the cycle is at most i_longest, and 0 < fall < rise if early. In a cycle of
+// more than 2^TIMING_BITS ticks fall is cut to its low bits, and no pulse may run into the next cycle.
 // CHANNELS is the core's. TIMING_BITS (4 to 16) is how late in a cycle a pulse can start, and sets most of the cells.
 // WIDTH_BITS (1 to TIMING_BITS) sets the longest pulse, 2^WIDTH_BITS − 1 ticks.
 `default_nettype none

@@ -27,7 +27,7 @@ localparam F_TICKS = (1 << WIDTH_BITS) - 1;  // the widest pulse
 localparam F_BITS  = TIMING_BITS + 2;        // of a tick's number
 localparam [15:0] F_CHANNELS = CHANNELS[15:0];
 localparam [F_BITS-1:0] F_NEVER = {2'b00, {TIMING_BITS{1'b1}}}, F_ZERO = 0;
-localparam [F_BITS-1:0] F_ONE = 1;
+localparam [F_BITS-1:0] F_ONE = 1, F_WRAPS = {2'b01, {TIMING_BITS{1'b0}}};  // the longest cycle over whose end a pulse may run
 
 // The cycle as cycle_controller drives it, of any length, also one longer than the channels can count. f_next_q is the number of the
 // next tick, f_count_q that of the tick that the channels compare with.
@@ -38,6 +38,7 @@ reg                  f_fresh_q, f_known_q, f_off_q;
 initial f_known_q = 1'b0;
 wire f_last_tick = f_next_q + F_ONE == f_length;
 always @(posedge clk) begin
+    assert (f_reset_seen_q || !f_known_q);
     f_off_q   <= off;
     f_fresh_q <= commit_q && !rst;
     if (i_tick) begin
@@ -62,7 +63,6 @@ always @(posedge clk) begin
         assert (f_next_q == (f_count_q + F_ONE == f_length_q ? F_ZERO : f_count_q + F_ONE));
         assert ({{(F_BITS-WIDTH_BITS){1'b0}}, f_longest_q} < f_length_q);
         assert (commit_q || (f_length_q == f_length && f_longest_q == i_longest) || rst);
-        assert (!start_q || (tick_q && f_longest_q != NONE && f_count_q < F_NEVER));
         assert (start_q == (tick_q && f_longest_q != NONE && f_count_q < F_NEVER));
         assert (first_q == (f_fresh_q && f_longest_q != NONE));
         assert (!f_fresh_q || (tick_q && f_count_q == F_ZERO));
@@ -124,6 +124,7 @@ generate
                 assume (f_next_rise == F_NEVER || (f_next_width != NONE && f_next_width <= i_longest));
                 assume (f_next_rise == F_NEVER || f_next_word[TIMING_BITS-1:0] == f_next_fall[TIMING_BITS-1:0]);
                 assume (!f_next_early || (f_next_wraps && f_next_fall != F_ZERO));
+                assume (f_next_rise == F_NEVER || !f_next_wraps || f_length <= F_WRAPS);
             end
             if (f_reset_seen_q) begin
                 assert (o_pins[f_k] == (f_mark_1_q || (f_mark_2_q && f_future_q[0])));
@@ -136,6 +137,7 @@ generate
                     assert (f_silent || falls_q[f_k*TIMING_BITS +: TIMING_BITS] == f_fall_q[TIMING_BITS-1:0]);
                     assert (f_silent ? !f_early_q : f_rise_q < f_length_q && f_width_q != NONE && f_width_q <= f_longest_q);
                     assert (f_silent || f_fall_q == (f_rise_q + f_width >= f_length_q ? f_rise_q + f_width - f_length_q : f_rise_q + f_width));
+                    assert (f_silent || f_length_q <= F_WRAPS || f_rise_q + f_width < f_length_q);
                     assert (!f_early_q || (f_rise_q + f_width > f_length_q));
                 end
                 if (f_fresh_q && f_longest_q != NONE) assert (early[f_k] == f_early_q);
