@@ -12,7 +12,7 @@
 // clock on, and nothing waits to be settled; the first pulse afterwards is whole, unless it is early.
 // Of a word: rise and fall differ, fall − rise modulo the cycle is at most i_longest, and 0 < fall < rise if early. In a cycle of
 // more than 2^TIMING_BITS ticks fall is cut to its low bits, and no pulse may run into the next cycle.
-// CHANNELS is the core's. TIMING_BITS (4 to 16) is how late in a cycle a pulse can start, and sets most of the cells.
+// CHANNELS is the core's. TIMING_BITS (3 to 16) is how late in a cycle a pulse can start, and sets most of the cells.
 // WIDTH_BITS (1 to TIMING_BITS) sets the longest pulse, 2^WIDTH_BITS − 1 ticks.
 `default_nettype none
 module width_pulse_generators #(
@@ -38,7 +38,7 @@ module width_pulse_generators #(
 
     generate
         if (CHANNELS < 1) channels_out_of_range error();
-        if (TIMING_BITS < 4 || TIMING_BITS > 16) timing_bits_out_of_range error();
+        if (TIMING_BITS < 3 || TIMING_BITS > 16) timing_bits_out_of_range error();
         if (WIDTH_BITS < 1 || WIDTH_BITS > TIMING_BITS) width_bits_out_of_range error();
     endgenerate
 
