@@ -8,7 +8,7 @@
 //   1  rate: phase and amplitude move towards their targets by at most i_phase_rate and i_amplitude_rate.
 //   2  arrive: in the period with i_new_target a count starts at i_arrival_periods, and falls by 1 each period. With r of it left a
 //      word goes 1/r of the way that is left, so in the count's last period it is at its target; then it follows it as in mode 0.
-//      1/r is rounded down to 2^-17, which bends the straight way by less than i_arrival_periods / 2^17 of its length.
+//      Rounding bends the straight way of n periods by less than n / 2^17 of its length and n / e + 2 units.
 // In each mode a word keeps its place for the next period, so a limiter that is switched on starts from where the channels are.
 // i_hold lets words through untouched, and keeps the places. o_bent comes one clock after a word that is not at its target.
 `default_nettype none
@@ -67,7 +67,10 @@ module slew_limiter #(
     reg  [5:1]      writes_q;
     (* no_rw_check *) reg [31:0] places [0:(1<<BITS)-1];  // {amplitude, phase}; not written in the clock in which it is read
     integer i;
-    initial for (i = 0; i < (1 << BITS); i = i + 1) places[i] = 32'd0;
+    initial begin
+        writes_q = 5'd0;  // nothing is written before the first reset, either
+        for (i = 0; i < (1 << BITS); i = i + 1) places[i] = 32'd0;
+    end
     reg  [31:0] place_1, place_2, place_3, place_4, target_1, target_2, target_3, target_4, target_5;
     always @(posedge clk) begin
         if (rst || i_begin) channel_q <= {BITS{1'b0}};

@@ -3,6 +3,8 @@
 // computes is held against double precision in tests/unit/test_emission.cpp.
 #include <Vemission.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <vector>
 
 #include "bench.hpp"

@@ -3,9 +3,12 @@
 // and what the pins then do is measured as an instrument would: edges, and the 40 kHz component by its Fourier sum.
 #include <Vwidth_pulse_generators.h>
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <complex>
+#include <cstdlib>
 #include <numbers>
 #include <vector>
 
@@ -18,6 +21,9 @@ namespace {
 constexpr std::size_t channels = PARAMETER_CHANNELS;
 constexpr int cycle_ticks = 1250;
 constexpr int bits = PARAMETER_TIMING_BITS;
+using Pins = std::array<std::uint32_t, (channels + 31) / 32>;
+
+bool high(const Pins& pins, std::size_t k) { return (pins[k / 32] >> k % 32 & 1) != 0; }
 
 /// Plays one cycle after the other, and loads the words of each in the second half of the one before.
 class Instrument {
@@ -30,9 +36,8 @@ public:
         bench_.reset();
     }
 
-    /// One cycle with the words that were given in the cycle before; `see(tick, channel, level)` gets each pin in each
-    /// tick of this cycle, for which three clocks of the next one are needed: they come with the next call, with ticks
-    /// from 1,247 on.
+    /// One cycle with the words that were given in the cycle before. `see(tick, pins)` gets the pins in each tick. Pins
+    /// are three clocks behind, so the first three ticks that it gets, 1,247 to 1,249, are those of the cycle before.
     template <class See>
     void cycle(const std::vector<EmissionWord>& next, See see) {
         std::uint32_t longest = 0;
@@ -51,7 +56,9 @@ public:
             }
             bench_->i_commit = count == cycle_ticks - 1;
             const int shown = count < 3 ? count - 3 + cycle_ticks : count - 3;
-            for (std::size_t k = 0; k < channels; ++k) see(shown, k, (bench_->o_pins[k / 32] >> k % 32 & 1) != 0);
+            Pins pins;
+            std::copy_n(&bench_->o_pins[0], pins.size(), pins.begin());
+            see(shown, pins);
             bench_.clock();
         }
         longest_ = longest;
@@ -62,7 +69,7 @@ private:
     std::uint32_t longest_ = 0;
 };
 
-void nothing(int, std::size_t, bool) {}
+void nothing(int, const Pins&) {}
 }  // namespace
 
 TEST_CASE("contract 8: the carrier's phase does not depend on its amplitude, which is right to 0.25 %") {
@@ -85,8 +92,9 @@ TEST_CASE("contract 8: the carrier's phase does not depend on its amplitude, whi
         instrument.cycle(words, nothing);
         instrument.cycle(words, nothing);  // the last pulses of the amplitude before end in it
         std::array<std::complex<double>, channels> sum{};
-        instrument.cycle(words, [&](int tick, std::size_t k, bool high) {
-            if (high) sum[k] += turn[static_cast<std::size_t>(tick)];
+        instrument.cycle(words, [&](int tick, const Pins& pins) {
+            for (std::size_t k = 0; k < channels; ++k)
+                if (high(pins, k)) sum[k] += turn[static_cast<std::size_t>(tick)];
         });
         for (std::size_t k = 0; k < channels; ++k) {
             const double got = std::abs(sum[k]) * std::numbers::pi / cycle_ticks;  // a pulse of half the cycle has 1
@@ -122,33 +130,31 @@ TEST_CASE("amplitude modulation of full depth at 200 Hz on all channels loses no
     std::vector<Emission> emissions(channels);
     for (std::size_t k = 0; k < channels; ++k)  // the first ones around the cycle's start
         emissions[k] = {65535, static_cast<std::uint16_t>(k < 30 ? 65536 - 900 + 60 * k : 655 * k)};
-    std::vector<EmissionWord> playing(channels), next;
-    std::array<bool, channels> level{};
+    // The channels whose pulse has its middle in a tick.
+    std::vector<std::vector<std::size_t>> middles(cycle_ticks);
+    for (std::size_t k = 0; k < channels; ++k) middles[emissions[k].phase * 1250U >> 16].push_back(k);
+    std::vector<EmissionWord> before(channels), playing(channels), next(channels);
+    Pins last{};
     long wanted = 0, lost = 0, edges = 0, cut_off = 0, early = 0;
-    constexpr int cycles = 4000;
-    for (int n = 0; n < cycles; ++n) {
-        const double depth = 0.5 - 0.5 * std::cos(2 * std::numbers::pi * 200 * n / 40e3);
+    for (int n = 0; n < 3400; ++n) {
         EmissionPeriod period;
-        period.modulation = static_cast<std::uint8_t>(std::lround(255 * depth));
+        period.modulation =
+            static_cast<std::uint8_t>(std::lround(255 * (0.5 - 0.5 * std::cos(2 * std::numbers::pi * 200 * n / 40e3))));
+        before = playing;
+        playing = next;
         next = model.period(emissions, period);
         for (std::size_t k = 0; k < channels; ++k) {
             wanted += playing[k].width > 0;
             early += playing[k].early;
-            // A pulse that the old word starts for a cycle that then has none.
-            cut_off += playing[k].early && next[k].width == 0;
+            cut_off +=
+                playing[k].early && next[k].width == 0;  // its word starts a pulse for a cycle that then has none
         }
-        std::array<bool, channels> seen{};
-        std::vector<EmissionWord> due = playing;
-        instrument.cycle(next, [&](int tick, std::size_t k, bool high) {
-            edges += high && !level[k];
-            level[k] = high;
-            // The middle of a pulse, after which its tick may lie in the next call only for the last three ticks.
-            const int middle = static_cast<int>(emissions[k].phase * 1250LL >> 16);
-            if (tick == middle && middle < cycle_ticks - 3) seen[k] = high;
-            if (middle >= cycle_ticks - 3) seen[k] = true;  // looked at by its edge alone
+        instrument.cycle(next, [&](int tick, const Pins& pins) {
+            for (std::size_t i = 0; i < pins.size(); ++i) edges += std::popcount(pins[i] & ~last[i]);
+            last = pins;
+            for (const std::size_t k : middles[static_cast<std::size_t>(tick)])
+                lost += (tick < cycle_ticks - 3 ? playing : before)[k].width > 1 && !high(pins, k);
         });
-        for (std::size_t k = 0; k < channels; ++k) lost += due[k].width > 1 && !seen[k];
-        playing = next;
     }
     INFO(wanted << " pulses wanted, " << lost << " lost, " << edges << " edges, " << early << " early, " << cut_off
                 << " before a silent cycle");

@@ -45,10 +45,11 @@ public:
         bench->i_start = bench->i_stop = 0;
     }
     /// A carrier period of so many clocks, at least 4. Its sample is there after four, and stays.
-    int period(int clocks = 4) {
+    int period(int clocks = 4, bool start = false) {
         bench->i_period = 1;
+        bench->i_start = start;
         bench.clock();
-        bench->i_period = 0;
+        bench->i_period = bench->i_start = 0;
         bench->i_read_address = static_cast<std::uint8_t>(bench.number(0, depth / 2 - 1));  // replies go on meanwhile
         for (int c = 1; c < 4; ++c) bench.clock();
         const int sample = bench->o_sample;
@@ -131,9 +132,8 @@ TEST_CASE("of a start and a stop in one period the later counts, and of both at 
     CHECK(modulation.period() == modulation.samples[1]);
     modulation.strobe(true, true);
     CHECK(modulation.period() == 255);
-    modulation.bench->i_start = 1;  // with the strobe of the period itself
-    CHECK(modulation.period() == modulation.samples[0]);
-    modulation.bench->i_start = 0;
+    CHECK(modulation.period(4, true) == modulation.samples[0]);  // a start with the strobe of the period itself
+    CHECK(modulation.period() == modulation.samples[1]);
 }
 
 TEST_CASE("the memory is read back while nothing is fetched") {

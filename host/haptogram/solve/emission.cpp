@@ -73,7 +73,7 @@ void EmissionModel::check(std::span<const Emission> emissions, const EmissionPer
     const SlewLimit& slew = settings.slew;
     if (slew.mode == Slew::rate && (slew.phase_rate == 0 || slew.amplitude_rate == 0))
         throw bad_input("slew", "a rate of 0 never arrives; give at least 1, or no limit");
-    if (slew.mode == Slew::arrive && (slew.arrival_periods == 0 || slew.arrival_periods > most_arrival_periods))
+    if (slew.arrival_periods == 0 || slew.arrival_periods > most_arrival_periods)
         throw bad_input("slew", "an arrival in " + std::to_string(slew.arrival_periods) + " periods; 1 to " +
                                     std::to_string(most_arrival_periods) + " are possible");
 }
