@@ -126,11 +126,11 @@ private:
         if (expected_.empty()) FAIL("a result that nobody asked for, for channel " << int{core_->o_channel});
         const ChannelDrive want = expected_.front();
         expected_.pop_front();
-        const std::size_t channel = (CHANNELS - expected_.size() % CHANNELS - 1) % CHANNELS;
+        const std::size_t channel = (PARAMETER_CHANNELS - expected_.size() % PARAMETER_CHANNELS - 1) % PARAMETER_CHANNELS;
         ChannelDrive got{core_->o_phase, core_->o_amplitude, core_->o_far != 0};
         if (got.amplitude == 0) got.phase = 0;
         // Compared here and not by Catch, which is slow.
-        if (got != want || core_->o_channel != channel || (core_->o_last != 0) != (channel == CHANNELS - 1))
+        if (got != want || core_->o_channel != channel || (core_->o_last != 0) != (channel == PARAMETER_CHANNELS - 1))
             FAIL("result " << results_ << ", channel " << int{core_->o_channel} << " (" << channel << "): phase "
                            << got.phase << " (" << want.phase << "), amplitude " << got.amplitude << " ("
                            << want.amplitude << "), far " << got.far << " (" << want.far << ")");
@@ -138,7 +138,7 @@ private:
         if (got.amplitude == 0) ++silent_;
         if (got.far) ++far_;
         if (channel == 0) first_after_ = since_start();
-        if (channel == CHANNELS - 1) last_after_ = since_start();
+        if (channel == PARAMETER_CHANNELS - 1) last_after_ = since_start();
     }
 
     VerilatedContext context_;
@@ -182,7 +182,7 @@ FocusEngine tile() {
     for (int row = 0; row < 10; ++row)
         for (int column = 0; column < 10; ++column)
             array.elements.push_back({from_mm(10.16 * (column - 4.5), 10.16 * (row - 4.5), 0.1 * row)});
-    array.elements.resize(CHANNELS);
+    array.elements.resize(PARAMETER_CHANNELS);
     return focus_engine(array);
 }
 
@@ -240,8 +240,8 @@ TEST_CASE("focus engine: the edges of what is too far, and distance 0", "[module
                 bench.play({{focus}, false});
                 bench.drain();
                 const bool is_far = std::abs(at - static_cast<std::int16_t>(element)) >= 0x20000;
-                REQUIRE(bench.far() - far == (is_far ? CHANNELS : 0));
-                REQUIRE(bench.silent() - silent == (is_far ? CHANNELS : 0));
+                REQUIRE(bench.far() - far == (is_far ? PARAMETER_CHANNELS : 0));
+                REQUIRE(bench.silent() - silent == (is_far ? PARAMETER_CHANNELS : 0));
             }
             for (GeometryWords& place : engine.geometry) place[axis] = 0;
         }
@@ -263,7 +263,7 @@ TEST_CASE("focus engine: foci that cancel out, also where all channels are to be
         }
     }
     bench.drain();
-    CHECK(bench.silent() > 12 * CHANNELS);
+    CHECK(bench.silent() > 12 * PARAMETER_CHANNELS);
 }
 
 TEST_CASE("focus engine: the longest sums, at every phase", "[modules]") {
@@ -288,7 +288,7 @@ TEST_CASE("focus engine: clocks that a record takes", "[modules]") {
         bench.play({std::vector<FocusWords>(count, near_focus(g)), false});
         bench.drain();
         CHECK(bench.first_after() == 33 + count);
-        CHECK(bench.last_after() == 33 + CHANNELS * count);
+        CHECK(bench.last_after() == 33 + PARAMETER_CHANNELS * count);
     }
     // Records back to back: each is granted when the last one's foci have been counted through.
     const std::uint64_t before = bench.results();
@@ -301,11 +301,11 @@ TEST_CASE("focus engine: clocks that a record takes", "[modules]") {
             bench.clock();
             ++waited;
         }
-        REQUIRE(waited == 2 * CHANNELS - 1);
+        REQUIRE(waited == 2 * PARAMETER_CHANNELS - 1);
         bench.start({{{0, 0, 20'000, 0x8000}, {0, 0, 20'000, 0x8000}}, false});
     }
     bench.drain();
-    CHECK(bench.results() - before == 21 * CHANNELS);
+    CHECK(bench.results() - before == 21 * PARAMETER_CHANNELS);
 }
 
 TEST_CASE("focus engine: a reset drops what is under way, and the next record is whole", "[modules]") {

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+// 100 channels at 1,250 ticks a cycle: the words of the host's model of rtl/emission.v are committed in every cycle,
+// and what the pins then do is measured as an instrument would: edges, and the 40 kHz component by its Fourier sum.
+#include <Vwidth_pulse_generators.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <complex>
+#include <cstdlib>
+#include <numbers>
+#include <vector>
+
+#include "bench.hpp"
+#include "haptogram/solve/emission.hpp"
+
+using namespace haptogram;
+
+namespace {
+constexpr std::size_t channels = PARAMETER_CHANNELS;
+constexpr int cycle_ticks = 1250;
+constexpr int bits = PARAMETER_TIMING_BITS;
+using Pins = std::array<std::uint32_t, (channels + 31) / 32>;
+
+bool high(const Pins& pins, std::size_t k) { return (pins[k / 32] >> k % 32 & 1) != 0; }
+
+/// Plays one cycle after the other, and loads the words of each in the second half of the one before.
+class Instrument {
+public:
+    Instrument() {
+        bench_->i_allow = 1;
+        bench_->i_shift = bench_->i_commit = bench_->i_tick = bench_->i_can_match = 0;
+        bench_->i_count = bench_->i_longest = 0;
+        bench_->i_word = 0;
+        bench_.reset();
+    }
+
+    /// One cycle with the words that were given in the cycle before. `see(tick, pins)` gets the pins in each tick. Pins
+    /// are three clocks behind, so the first three ticks that it gets, 1,247 to 1,249, are those of the cycle before.
+    template <class See>
+    void cycle(const std::vector<EmissionWord>& next, See see) {
+        std::uint32_t longest = 0;
+        std::size_t shifted = 0;
+        for (const EmissionWord& word : next) longest = std::max(longest, word.width);
+        for (int count = 0; count < cycle_ticks; ++count) {
+            bench_->i_tick = 1;
+            bench_->i_count = static_cast<std::uint16_t>(count);
+            bench_->i_longest = static_cast<std::uint16_t>(longest_);
+            bench_->i_can_match = longest_ > 0;
+            bench_->i_shift = count >= 700 && shifted < channels;
+            if (bench_->i_shift) {
+                REQUIRE(bench_->o_settled);
+                const EmissionWord& word = next[shifted++];
+                bench_->i_word = static_cast<std::uint32_t>(word.early) << 2 * bits | word.rise << bits | word.fall;
+            }
+            bench_->i_commit = count == cycle_ticks - 1;
+            const int shown = count < 3 ? count - 3 + cycle_ticks : count - 3;
+            Pins pins;
+            std::copy_n(&bench_->o_pins[0], pins.size(), pins.begin());
+            see(shown, pins);
+            bench_.clock();
+        }
+        longest_ = longest;
+    }
+
+private:
+    Bench<Vwidth_pulse_generators> bench_;
+    std::uint32_t longest_ = 0;
+};
+
+void nothing(int, const Pins&) {}
+}  // namespace
+
+TEST_CASE("contract 8: the carrier's phase does not depend on its amplitude, which is right to 0.25 %") {
+    Instrument instrument;
+    EmissionModel model(channels);
+    std::vector<Emission> emissions(channels);
+    std::mt19937_64 random(Catch::rngSeed());
+    for (std::size_t k = 0; k < channels; ++k)  // also across the cycle's start
+        emissions[k].phase = static_cast<std::uint16_t>(k < 20 ? 52 * k + 65536 - 520 : random());
+    std::vector<std::complex<double>> turn(cycle_ticks);
+    for (int t = 0; t < cycle_ticks; ++t)  // the middle of a tick
+        turn[static_cast<std::size_t>(t)] = std::polar(1.0, 2 * std::numbers::pi * (t + 0.5) / cycle_ticks);
+    double worst_amplitude = 0, worst_phase = 0;
+    std::array<double, channels> first{}, spread_low{}, spread_high{};
+    bool any = false;
+    for (int step = 0; step <= 120; ++step) {
+        for (Emission& e : emissions)
+            e.amplitude = static_cast<std::uint16_t>(step == 120 ? 65535 : step * 546 + random() % 546);
+        const std::vector<EmissionWord> words = model.period(emissions, {});
+        instrument.cycle(words, nothing);
+        instrument.cycle(words, nothing);  // the last pulses of the amplitude before end in it
+        std::array<std::complex<double>, channels> sum{};
+        instrument.cycle(words, [&](int tick, const Pins& pins) {
+            for (std::size_t k = 0; k < channels; ++k)
+                if (high(pins, k)) sum[k] += turn[static_cast<std::size_t>(tick)];
+        });
+        for (std::size_t k = 0; k < channels; ++k) {
+            const double got = std::abs(sum[k]) * std::numbers::pi / cycle_ticks;  // a pulse of half the cycle has 1
+            const double wanted = emissions[k].amplitude / 65535.0;
+            worst_amplitude = std::max(worst_amplitude, std::abs(got - wanted));
+            if (std::abs(sum[k]) < 0.5) continue;  // no pulse, no phase
+            const double ticks = std::arg(sum[k]) / (2 * std::numbers::pi) * cycle_ticks;
+            const double off = std::remainder(ticks - emissions[k].phase / 65536.0 * cycle_ticks, cycle_ticks);
+            worst_phase = std::max(worst_phase, std::abs(off));
+            if (!any) spread_low[k] = spread_high[k] = off;
+            spread_low[k] = std::min(spread_low[k], off);
+            spread_high[k] = std::max(spread_high[k], off);
+        }
+        any = any || step > 1;
+    }
+    double worst_spread = 0;
+    for (std::size_t k = 0; k < channels; ++k) worst_spread = std::max(worst_spread, spread_high[k] - spread_low[k]);
+    INFO("worst amplitude " << worst_amplitude << " of full, worst phase " << worst_phase << " ticks, over amplitudes "
+                            << worst_spread);
+    CHECK(worst_amplitude <= 0.0025);
+    CHECK(worst_amplitude > 0.0005);
+    CHECK(worst_phase <= 0.501);
+    CHECK(worst_spread <= 0.501);
+    CHECK(worst_spread > 0.4);
+    if (std::getenv("HAPTOGRAM_FIGURES"))
+        WARN("worst amplitude " << worst_amplitude << " of full, worst phase " << worst_phase
+                                << " ticks, over amplitudes " << worst_spread);
+}
+
+TEST_CASE("amplitude modulation of full depth at 200 Hz on all channels loses no pulse") {
+    Instrument instrument;
+    EmissionModel model(channels);
+    std::vector<Emission> emissions(channels);
+    for (std::size_t k = 0; k < channels; ++k)  // the first ones around the cycle's start
+        emissions[k] = {65535, static_cast<std::uint16_t>(k < 30 ? 65536 - 900 + 60 * k : 655 * k)};
+    // The channels whose pulse has its middle in a tick.
+    std::vector<std::vector<std::size_t>> middles(cycle_ticks);
+    for (std::size_t k = 0; k < channels; ++k) middles[emissions[k].phase * 1250U >> 16].push_back(k);
+    std::vector<EmissionWord> before(channels), playing(channels), next(channels);
+    Pins last{};
+    long wanted = 0, lost = 0, edges = 0, cut_off = 0, early = 0;
+    for (int n = 0; n < 3400; ++n) {
+        EmissionPeriod period;
+        period.modulation =
+            static_cast<std::uint8_t>(std::lround(255 * (0.5 - 0.5 * std::cos(2 * std::numbers::pi * 200 * n / 40e3))));
+        before = playing;
+        playing = next;
+        next = model.period(emissions, period);
+        for (std::size_t k = 0; k < channels; ++k) {
+            wanted += playing[k].width > 0;
+            early += playing[k].early;
+            cut_off +=
+                playing[k].early && next[k].width == 0;  // its word starts a pulse for a cycle that then has none
+        }
+        instrument.cycle(next, [&](int tick, const Pins& pins) {
+            for (std::size_t i = 0; i < pins.size(); ++i) edges += std::popcount(pins[i] & ~last[i]);
+            last = pins;
+            for (const std::size_t k : middles[static_cast<std::size_t>(tick)])
+                lost += (tick < cycle_ticks - 3 ? playing : before)[k].width > 1 && !high(pins, k);
+        });
+    }
+    INFO(wanted << " pulses wanted, " << lost << " lost, " << edges << " edges, " << early << " early, " << cut_off
+                << " before a silent cycle");
+    CHECK(wanted >= 300'000);
+    CHECK(early > 10'000);
+    CHECK(lost == 0);
+    CHECK(std::abs(edges - wanted - cut_off) <= static_cast<long>(channels));  // those at the very end
+    if (std::getenv("HAPTOGRAM_FIGURES"))
+        WARN(wanted << " pulses wanted, " << lost << " lost, " << edges << " edges, " << early << " early, " << cut_off
+                    << " before a silent cycle");
+}
