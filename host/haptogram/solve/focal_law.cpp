@@ -58,6 +58,7 @@ inline std::uint16_t tick_of(double farthest, double range, double ticks_per_m, 
 
 HWY_BEFORE_NAMESPACE();
 namespace haptogram::HWY_NAMESPACE {
+namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 using D = hn::ScalableTag<float>;
@@ -318,6 +319,7 @@ void ticks_of_foci(const FocalLaw& law, const Vec3* foci, std::size_t count, dou
 
 const char* target_name() { return hwy::TargetName(HWY_TARGET); }
 
+}  // namespace
 }  // namespace haptogram::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
