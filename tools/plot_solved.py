@@ -43,7 +43,7 @@ def over_sets(panel, steps):
     right.set_ylim(0, 1.1)
     right.set_ylabel("efficiency")
     lines = panel.get_lines() + right.get_lines()
-    panel.legend(lines, [line.get_label() for line in lines], loc="lower right", fontsize=8)
+    panel.legend(lines, [line.get_label() for line in lines], loc="center right", fontsize=8)
     panel.grid(alpha=0.3)
 
 

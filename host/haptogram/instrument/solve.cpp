@@ -169,7 +169,9 @@ Solved solve_steps(const std::vector<std::vector<Focus>>& steps, const Array& ar
             for (std::size_t k = 0; k < step.foci.size(); ++k)
                 if (const std::string why = array.unreachable(step.foci[k].position); !why.empty())
                     throw bad_input(fmt::format("focus {}", k + 1), why);
-            step.drives = solve(array, step.foci, options, follow ? last : std::vector<std::complex<double>>{});
+            SolveOptions these = options;
+            if (follow && i == 0) these.rounds.reset();
+            step.drives = solve(array, step.foci, these, follow ? last : std::vector<std::complex<double>>{});
             step.exact = quality_of(array, step.foci, step.drives, options.level);
         } catch (const Error& error) {
             if (steps.size() == 1) throw;

@@ -42,7 +42,8 @@ struct Solved {
 [[nodiscard]] Focus parse_focus_mm(const std::string& setting, const std::string& line);
 
 /// Solves each set.
-/// @param follow  begin each set with the drives of the one before, for foci that move by a small part of a wavelength
+/// @param follow  begin each set with the drives of the one before, for foci that move by a small part of a wavelength;
+///                the first set has none before it, and takes as many rounds as by default
 /// @throws Error as solve() and choose_timer(), naming the set, and Error{bad_input} for foci out of the array's reach
 [[nodiscard]] Solved solve_steps(const std::vector<std::vector<Focus>>& steps, const Array& array, const Core& core,
                                  const SolveOptions& options, bool follow, const Progress& progress = {});
