@@ -22,6 +22,7 @@ struct SolveCommand {
     std::string level = "reachable";
     bool amplitudes = false, follow = false, json = false;
     std::optional<unsigned> rounds;
+    double rate_hz = 10.0;
     std::string output;
 };
 
@@ -69,7 +70,7 @@ int solve(const SolveCommand& command) {
     ProgressLine progress("solve");
     const Solved solved = solve_steps(foci_of(command), instrument.array, instrument.core, options_of(command),
                                       command.follow, progress.callback());
-    if (!command.output.empty()) write_solved(command.output, solved);
+    if (!command.output.empty()) write_solved(command.output, solved, command.rate_hz);
     if (command.output == "-") return 0;
     if (command.json)
         fmt::print("{}", to_json_text(solved));
@@ -113,7 +114,11 @@ void add_solve(CLI::App& app, Action& action) {
     sub->add_flag("--json", options->json, "Everything as JSON on standard output");
     sub->add_option(
         "-o,--output", options->output,
-        "A .csv file of drives, a .json file of everything, or a .png picture; - is CSV on standard output");
+        "A .csv file of drives, a .json file of everything, a .png picture, or an image (.hex) with its manifest; - "
+        "is CSV on standard output");
+    sub->add_option("--rate", options->rate_hz, "Passes over all sets a second that an image plays, Hz")
+        ->check(positive())
+        ->capture_default_str();
     sub->callback([options, &action] { action = [options] { return solve(*options); }; });
 }
 

@@ -110,6 +110,21 @@ def test_sets_of_foci_and_the_table(folder):
     assert header == "step,element,amplitude,phase_rad,tick" and len(rows) == 100
 
 
+def test_an_image_plays_the_sets(folder):
+    (folder / "two.csv").write_text("-20,0,130\n20,0,130\n\n0,-25,140\n0,25,140\n15,0,150,0.5\n")
+    succeed(["solve", "two.csv", "--solver", "weighted-gs", "--rate", "100", "-o", "two.hex"], cwd=folder)
+    asked = [step["record"] for step in solve(folder, "two.csv", "--solver", "weighted-gs")["steps"]]
+    image = json.loads(text(succeed(["inspect", "two.hex", "--json"], cwd=folder).stdout))
+    assert [r["timings"] for r in image["records"]] == [r["timings"] for r in asked]
+    assert [r["pulse_length"] for r in image["records"]] == [r["pulse_length"] for r in asked]
+    assert [e["dwell_cycles"] for e in image["sequence"]] == [200, 200]
+    manifest = json.loads((folder / "two.json").read_text())
+    assert manifest["solver"] == "weighted-gs" and len(manifest["records"][1]["foci"]) == 3
+    succeed(["field", "two.hex", "--plane", "xy@z=130", "--step", 5, "-o", "two.csv.csv"], cwd=folder)
+    refuse(folder, ["solve", "two.csv", "--follow", "-o", "x.hex"], USAGE, "--output.*each set by itself", outputs=("x.hex", "x.json"))
+    refuse(folder, ["solve", "two.csv", "--rate", "1e6", "-o", "x.hex"], BAD_INPUT, "--rate", outputs=("x.hex", "x.json"))
+
+
 def test_files(folder):
     for name in ("drives.csv", "all.json", "picture.png"):
         succeed(["solve", "foci.csv", "-o", name], cwd=folder)

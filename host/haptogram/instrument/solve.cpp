@@ -16,6 +16,7 @@
 #include "haptogram/instrument/field.hpp"
 #include "haptogram/instrument/field_file.hpp"
 #include "haptogram/instrument/picture.hpp"
+#include "haptogram/render/schedule.hpp"
 #include "haptogram/solve/drives.hpp"
 
 namespace haptogram {
@@ -159,7 +160,7 @@ Focus parse_focus_mm(const std::string& setting, const std::string& line) {
 Solved solve_steps(const std::vector<std::vector<Focus>>& steps, const Array& array, const Core& core,
                    const SolveOptions& options, bool follow, const Progress& progress) {
     require_channels(array, core);
-    Solved solved{array, core, choose_timer(array, core), options, {}};
+    Solved solved{array, core, choose_timer(array, core), options, follow, {}};
     std::vector<std::complex<double>> last;
     for (std::size_t i = 0; i < steps.size(); ++i) {
         progress(static_cast<double>(i) / static_cast<double>(steps.size()), "solving");
@@ -189,6 +190,20 @@ Solved solve_steps(const std::vector<std::vector<Focus>>& steps, const Array& ar
     return solved;
 }
 
+Compiled image_of(const Solved& solved, double rate_hz, const std::string& name) {
+    SolveOptions as_compiled;
+    as_compiled.method = solved.options.method;
+    if (solved.options != as_compiled || solved.follow)
+        throw bad_argument("output",
+                           "an image is made by phases alone, for the reachable level, with the solver's own "
+                           "number of rounds, and each set by itself; leave those options out");
+    const std::vector<std::uint32_t> dwells = even_dwells(solved.timer.carrier_hz(), rate_hz, solved.steps.size(),
+                                                          interface::sequence_entry_field::dwell.most());
+    Path path;
+    for (std::size_t i = 0; i < solved.steps.size(); ++i) path.steps.push_back({solved.steps[i].foci, dwells[i]});
+    return compile(path, solved.array, solved.core, 0, name, solved.options.method);
+}
+
 std::string to_json_text(const Solved& solved) { return to_json(solved).dump(1) + "\n"; }
 
 std::string to_csv(const Solved& solved) {
@@ -205,14 +220,18 @@ std::string to_csv(const Solved& solved) {
 
 void check_solved_path(const std::string& path) {
     const std::string kind = ending(path);
-    if (path != "-" && kind != ".csv" && kind != ".json" && kind != ".png")
-        throw bad_argument("output", fmt::format("'{}' is no ending that is known; .csv, .json and .png are", kind));
+    if (path != "-" && kind != ".csv" && kind != ".json" && kind != ".png" && kind != ".hex")
+        throw bad_argument("output",
+                           fmt::format("'{}' is no ending that is known; .csv, .json, .png and .hex are", kind));
 }
 
-void write_solved(const std::string& path, const Solved& solved) {
+void write_solved(const std::string& path, const Solved& solved, double rate_hz) {
     check_solved_path(path);
     const std::string kind = ending(path);
-    if (kind == ".png")
+    if (kind == ".hex") {
+        const Bundle image = image_of(solved, rate_hz, path).bundle;
+        write_files({{path, image.hex}, {manifest_path(path), to_text(image.manifest)}});
+    } else if (kind == ".png")
         draw(path, solved);
     else
         write_file(path, kind == ".json" ? to_json_text(solved) : to_csv(solved));

@@ -7,6 +7,7 @@
 
 #include "haptogram/base/progress.hpp"
 #include "haptogram/boards/core.hpp"
+#include "haptogram/instrument/compile.hpp"
 #include "haptogram/render/path.hpp"
 #include "haptogram/solve/record.hpp"
 #include "haptogram/solve/solver.hpp"
@@ -29,6 +30,7 @@ struct Solved {
     Core core;
     Timer timer;
     SolveOptions options;
+    bool follow = false;  ///< each set began with the drives of the one before
     std::vector<SolvedStep> steps;
 };
 
@@ -48,16 +50,24 @@ struct Solved {
 [[nodiscard]] Solved solve_steps(const std::vector<std::vector<Focus>>& steps, const Array& array, const Core& core,
                                  const SolveOptions& options, bool follow, const Progress& progress = {});
 
+/// The sets as an image that plays them in turn: compile() with the same solver, which makes the records again.
+/// @param rate_hz  passes over all sets a second
+/// @param name     of the image, for messages
+/// @throws Error{bad_argument} when the drives were made as compile() does not make them: with amplitudes, another
+/// level or number of rounds, or each from the last; and as even_dwells() and compile()
+[[nodiscard]] Compiled image_of(const Solved& solved, double rate_hz, const std::string& name);
+
 /// All of it as JSON text: millimetres, Pa, and drives as amplitude and phase in radians.
 [[nodiscard]] std::string to_json_text(const Solved& solved);
 /// Drives as CSV: step,element,amplitude,phase_rad,tick; counted from 1.
 [[nodiscard]] std::string to_csv(const Solved& solved);
 
-/// @throws Error{bad_argument} when a path's ending is none of .csv, .json and .png
+/// @throws Error{bad_argument} when a path's ending is none of .csv, .json, .png and .hex
 void check_solved_path(const std::string& path);
-/// Writes it in the format that the path's ending names; standard output ("-") gets CSV. The picture shows the pressure
-/// around the first set of foci, and how even the foci of all sets are; it is drawn by python3 with matplotlib.
+/// Writes it in the format that the path's ending names; standard output ("-") gets CSV. An image (.hex) plays the sets
+/// at `rate_hz`, and its manifest is written beside it. The picture shows the pressure around the first set of foci,
+/// and how even the foci of all sets are; it is drawn by python3 with matplotlib.
 /// @throws Error{bad_input} when it cannot be written
-void write_solved(const std::string& path, const Solved& solved);
+void write_solved(const std::string& path, const Solved& solved, double rate_hz = 10.0);
 
 }  // namespace haptogram
