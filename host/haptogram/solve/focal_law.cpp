@@ -249,10 +249,12 @@ HWY_INLINE void fast_rows(const FocalLaw& law, const Block& block, std::size_t c
         std::uint16_t* row = ticks + i * elements;
         std::uint16_t* const to = static_cast<std::size_t>(end - row) >= padded ? row : last;
         for (std::size_t m = 0; m < elements; m += step) {
-            const std::size_t next =
-                m + lanes < elements ? m + lanes : m;  // an odd number of vectors: the last one twice
             const V w0 = delays(x + m, y + m, z + m, square + m);
-            const V w1 = delays(x + next, y + next, z + next, square + next);
+            V w1 = w0;  // of an odd number of vectors, the last one is twice the same
+            if (m + lanes < elements) {
+                const std::size_t next = m + lanes;
+                w1 = delays(x + next, y + next, z + next, square + next);
+            }
             const V n0 = hn::Sub(shift, w0), n1 = hn::Sub(shift, w1);
             const V off0 = hn::Add(w0, hn::Sub(n0, shift)), off1 = hn::Add(w1, hn::Sub(n1, shift));
             std::uint8_t* bits = unsure + i * stride + m / lanes * bytes;
