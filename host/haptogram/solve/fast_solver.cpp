@@ -222,6 +222,7 @@ HWY_INLINE void equalise(const FociProblem& q) {
     const std::size_t lanes = hn::Lanes(d);
     float level = 0.0F, sum = 0.0F;
     for (std::size_t k = 0; k < q.foci; ++k) {
+        q.size[k] = std::sqrt(q.p_re[k] * q.p_re[k] + q.p_im[k] * q.p_im[k]);
         level += q.weight[k] * q.size[k];
         sum += q.weight[k];
     }
@@ -282,6 +283,11 @@ void improve(const FociProblem& q, unsigned rounds, bool follow) {
     // The weights learn from drives that have not been made equal yet; those of the next frame begin with them.
     reweigh(q);
     equalise(q);
+    // As solver.cpp does, for two or three foci may not be even yet.
+    for (int step = 1; q.foci <= 3 && step < 3; ++step) {
+        forth(q);
+        equalise(q);
+    }
 }
 
 /// −arg(x) in cycles of `cycle` ticks, rounded to the nearest tick.

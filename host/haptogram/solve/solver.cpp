@@ -262,7 +262,9 @@ Vector iterated(const Array& array, std::span<const Focus> foci, const SolveOpti
         if (options.method != Method::gs) problem.reweigh(p);
         problem.back(directions(p));
     }
-    if (options.method == Method::gauss_newton) problem.equalise();
+    // Two or three foci may not be even yet after the rounds, and a step costs little then.
+    if (options.method == Method::gauss_newton)
+        for (int step = 0; step < (foci.size() > 3 ? 1 : 3); ++step) problem.equalise();
     return problem.take();
 }
 

@@ -63,7 +63,8 @@ struct SolveOptions {
 /// With the propagation A (propagation.hpp), pressures p = A·x of drives x, target amplitudes t, and drives that are
 /// the phases of Aᴴ·c, the iterating methods differ in c. GS: t·p/|p|. Weighted GS: t·w·p/|p|, where each round
 /// multiplies w by the mean of |p|/t over |p|/t. GS-PAT: the phases y of A·Aᴴ·y, without elements. The Gauss-Newton
-/// step is the smallest change of phases that makes all |p|/t equal to first order.
+/// step is the smallest change of phases that makes all |p|/t equal to first order; for two or three foci there are
+/// three such steps.
 /// @param foci   positions in metres, array frame; those of amplitude 0 ask for nothing
 /// @param start  drives to begin with, of the last of a row of similar sets of foci, say; empty: none. Iterating
 /// methods
