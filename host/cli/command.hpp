@@ -16,6 +16,7 @@ void add_compile(CLI::App& app, Action& action);
 void add_inspect(CLI::App& app, Action& action);
 void add_simulate(CLI::App& app, Action& action);
 void add_field(CLI::App& app, Action& action);
+void add_solve(CLI::App& app, Action& action);
 void add_analyze(CLI::App& app, Action& action);
 void add_board(CLI::App& app, Action& action);
 void add_board_run(CLI::App& board, Action& action);

@@ -68,7 +68,7 @@ Excitation excitation_of(const Manifest& manifest, const std::string& name, std:
     for (std::size_t i = 0; i < manifest.records.size(); ++i) {
         if (record > 0 && i + 1 != record) continue;
         const RecordMeaning& meaning = manifest.records[i];
-        found.drives.push_back(exact_drives(manifest.array, meaning.foci));
+        found.drives.push_back(exact_drives(manifest.array, meaning.foci, manifest.solver));
         for (std::complex<double>& drive : found.drives.back()) drive *= full * meaning.amplitude;
         found.weights.push_back(meaning.dwell_cycles);
     }

@@ -12,9 +12,11 @@
 
 namespace haptogram {
 
-std::vector<std::complex<double>> exact_drives(const Array& array, std::span<const Focus> foci) {
+std::vector<std::complex<double>> exact_drives(const Array& array, std::span<const Focus> foci, Method solver) {
     if (foci.size() == 1) return ideal_drives(array, foci.front().position);
-    std::vector<std::complex<double>> drives = superposed_drives(array, foci);
+    SolveOptions options;
+    options.method = solver;
+    std::vector<std::complex<double>> drives = solve(array, foci, options);
     for (std::complex<double>& drive : drives)
         if (drive != 0.0) drive *= array.transducer.source_pa_m / std::abs(drive);
     return drives;
@@ -56,7 +58,7 @@ FocusCheck check_record(const Manifest& manifest, const RecordMeaning& record,
     // The length of the pulses is what the timer can make, and no error of the phases. So both sides of the comparison
     // have the same length.
     const double duty = static_cast<double>(pulse_ticks(manifest.timer, record.amplitude)) / manifest.timer.cycle_ticks;
-    std::vector<std::complex<double>> reference = exact_drives(manifest.array, record.foci);
+    std::vector<std::complex<double>> reference = exact_drives(manifest.array, record.foci, manifest.solver);
     for (std::complex<double>& drive : reference) drive *= std::sin(std::numbers::pi * duty);
     FocusCheck worst{0.0, std::numeric_limits<double>::infinity(), 0.0};
     for (const Focus& focus : record.foci) {

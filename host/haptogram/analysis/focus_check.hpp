@@ -19,7 +19,9 @@ struct FocusCheck {
 
 /// The drives that a record is to have: exact phases for its foci, every element at full strength, as all channels of a
 /// record have pulses of one length.
-[[nodiscard]] std::vector<std::complex<double>> exact_drives(const Array& array, std::span<const Focus> foci);
+/// @param solver  by which the phases for several foci are found
+[[nodiscard]] std::vector<std::complex<double>> exact_drives(const Array& array, std::span<const Focus> foci,
+                                                             Method solver = Method::gauss_newton);
 
 /// The point of largest pressure in the plane z = start.z, climbed to from `start` in shrinking steps; finds the peak
 /// of the main lobe that `start` lies in, to a micrometre.

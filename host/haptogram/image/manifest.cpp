@@ -100,6 +100,15 @@ void read_directivity(Transducer& transducer, const ordered_json& json, const st
     }
 }
 
+/// Older manifests name no solver. They mean superposition, which was the only one.
+Method solver_from_json(const ordered_json& json, const std::string& where) {
+    const auto member = json.find("solver");
+    if (member == json.end()) return Method::superposition;
+    for (const MethodName& one : method_names)
+        if (*member == one.name) return one.method;
+    throw bad_member(where, "solver", "a solver that this version knows", *member);
+}
+
 ordered_json record_to_json(const RecordMeaning& record, std::size_t index) {
     ordered_json json = {{"index", index}};
     if (record.foci.size() == 1 && record.foci.front().amplitude == 1.0) {
@@ -150,6 +159,10 @@ std::vector<Vec3> Manifest::points() const {
     return found;
 }
 
+bool Manifest::has_several_foci() const {
+    return std::any_of(records.begin(), records.end(), [](const RecordMeaning& r) { return r.foci.size() > 1; });
+}
+
 std::string version() { return HAPTOGRAM_VERSION; }
 
 ordered_json to_json(const Manifest& m) {
@@ -179,6 +192,7 @@ ordered_json to_json(const Manifest& m) {
                          {"beta_periods", m.formation.periods},
                          {"formation_s", m.formation.formation_s},
                          {"ring_up_s", m.formation.ring_up_s}};
+    if (m.has_several_foci()) json["solver"] = name_of(m.solver);
     json["records"] = ordered_json::array();
     for (std::size_t i = 0; i < m.records.size(); ++i) json["records"].push_back(record_to_json(m.records[i], i + 1));
     return json;
@@ -223,6 +237,7 @@ Manifest manifest_from_json(std::string_view text, const std::string& where) {
         m.formation = {not_negative(rendering, "flight_spread_s", where), count(rendering, "beta_periods", 0, where),
                        not_negative(rendering, "formation_s", where), not_negative(rendering, "ring_up_s", where)};
         for (const auto& record : json.at("records")) m.records.push_back(record_from_json(record, where));
+        m.solver = solver_from_json(json, where);
         if (m.array.elements.empty() || m.array.elements.size() > m.core.parameters.channels)
             throw bad_input(where, fmt::format("{} elements for {} channels; compile the image again",
                                                m.array.elements.size(), m.core.parameters.channels));

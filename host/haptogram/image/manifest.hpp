@@ -10,6 +10,7 @@
 #include "haptogram/model/array.hpp"
 #include "haptogram/render/path.hpp"
 #include "haptogram/solve/formation.hpp"
+#include "haptogram/solve/solver.hpp"
 #include "haptogram/solve/timer.hpp"
 
 namespace haptogram {
@@ -27,14 +28,17 @@ struct Manifest {
     Array array;
     Core core;
     Timer timer;
-    std::vector<RecordMeaning> records;  ///< record i of the image is records[i − 1]
-    double rate_hz = 0.0;                ///< passes a second, as it came out
-    Formation formation;                 ///< of the slowest focus
-    std::string input_sha256;            ///< of every input and setting that shaped the image
-    std::string image_sha256;            ///< of the HEX file's bytes
+    std::vector<RecordMeaning> records;    ///< record i of the image is records[i − 1]
+    Method solver = Method::gauss_newton;  ///< of records of several foci
+    double rate_hz = 0.0;                  ///< passes a second, as it came out
+    Formation formation;                   ///< of the slowest focus
+    std::string input_sha256;              ///< of every input and setting that shaped the image
+    std::string image_sha256;              ///< of the HEX file's bytes
 
     /// Every focal point, record by record.
     [[nodiscard]] std::vector<Vec3> points() const;
+    /// Whether any record makes several foci at the same time, so that there was something to solve.
+    [[nodiscard]] bool has_several_foci() const;
 };
 
 [[nodiscard]] std::string version();

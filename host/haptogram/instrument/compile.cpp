@@ -171,7 +171,7 @@ void warn_of_short_dwells(Compiled& compiled) {
 }
 
 Compiled compile_path(Path path, const Array& array, const Core& core, std::uint16_t loops, const std::string& name,
-                      const std::string& settings) {
+                      std::string settings, Method solver) {
     require_sound(path);
     require_channels(array, core);
     Manifest manifest;
@@ -187,7 +187,7 @@ Compiled compile_path(Path path, const Array& array, const Core& core, std::uint
     image.timing_bits = core.parameters.timing_bits;
     image.pulse_bits = core.parameters.pulse_bits;
     image.loops = loops;
-    image.records = records_of(array, manifest.timer, image.channels, timeline.steps, timeline.amplitudes);
+    image.records = records_of(array, manifest.timer, image.channels, timeline.steps, timeline.amplitudes, solver);
     image.sequence = timeline.entries;
 
     std::vector<std::uint32_t> dwells(image.records.size());
@@ -204,6 +204,9 @@ Compiled compile_path(Path path, const Array& array, const Core& core, std::uint
         meaning.amplitude *= largest;
         manifest.records.push_back(std::move(meaning));
     }
+    manifest.solver = solver;
+    // Images of single foci do not depend on it.
+    if (manifest.has_several_foci()) settings += fmt::format("\nsolver {}", name_of(solver));
     manifest.rate_hz = manifest.timer.carrier_hz() / static_cast<double>(periods);
     manifest.formation = slowest_formation(array, core, manifest.points());
     Manifest before;  // the members that do not depend on the points
@@ -270,13 +273,14 @@ Compiled compile(const Project& project, const std::string& name, const Progress
     Path path =
         path_through(points.points, even_dwells(timer.carrier_hz(), project.rate_hz, points.points.size(), most_dwell));
     Compiled compiled = compile_path(std::move(path), instrument.array, instrument.core, project.loops, name,
-                                     settings_text(project) + hashes);
+                                     settings_text(project) + hashes, Method::gauss_newton);
     compiled.points = std::move(points);
     progress(1.0, "focusing");
     return compiled;
 }
 
-Compiled compile(const Path& path, const Array& array, const Core& core, std::uint16_t loops, const std::string& name) {
+Compiled compile(const Path& path, const Array& array, const Core& core, std::uint16_t loops, const std::string& name,
+                 Method solver) {
     std::string settings = fmt::format("path {}", loops);
     for (const PathStep& step : path.steps) {
         settings += fmt::format("\n{}", step.periods);
@@ -284,7 +288,7 @@ Compiled compile(const Path& path, const Array& array, const Core& core, std::ui
             settings += fmt::format(" {} {} {} {}", f.position.x, f.position.y, f.position.z, f.amplitude);
     }
     settings += fmt::format("\n{} {}", path.modulation.periods_a_sample, fmt::join(path.modulation.samples, " "));
-    return compile_path(path, array, core, loops, name, settings);
+    return compile_path(path, array, core, loops, name, settings, solver);
 }
 
 }  // namespace haptogram

@@ -10,7 +10,7 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/base/process.hpp"
+#include "haptogram/instrument/picture.hpp"
 
 namespace haptogram {
 namespace {
@@ -98,10 +98,7 @@ std::string to_vti(const Field& field) {
     return text + "\n</AppendedData>\n</VTKFile>\n";
 }
 
-namespace {
-
-void draw(const std::string& path, const Field& field) {
-    const TemporaryFolder handover;
+std::string about(const Field& field) {
     nlohmann::json about = {{"axes", field.region.axes},
                             {"region", field.region.text},
                             {"label", field.label},
@@ -113,25 +110,16 @@ void draw(const std::string& path, const Field& field) {
     }
     for (const Vec3& mark : field.marks)
         about["marks_mm"].push_back({mark.x / millimetre, mark.y / millimetre, mark.z / millimetre});
-    write_file(handover.path() / "field.npy", to_npy(field));
-    write_file(handover.path() / "about.json", about.dump());
-    StagedFile staged(path);
-    const std::string target = staged.beside().empty() ? path : staged.beside().string();
-    write_file(handover.path() / "plot_field.py", read_file("shipped:tools/plot_field.py"));
-    const auto drawn = [&] {
-        const std::string python = std::filesystem::exists(HAPTOGRAM_PYTHON) ? HAPTOGRAM_PYTHON : "python3";
-        try {
-            return run_process(std::filesystem::current_path(), {python, (handover.path() / "plot_field.py").string(),
-                                                                 handover.path().string(), target});
-        } catch (const Error& error) {
-            return ProcessResult{false, error.what()};
-        }
-    }();
-    if (!drawn.succeeded)
-        throw bad_input(path, fmt::format("the picture could not be drawn; it needs python3 with matplotlib, and room "
-                                          "for the file; .csv, .npy and .vti need neither{}{}",
-                                          drawn.said.empty() ? "" : "\n", drawn.said));
-    staged.commit();
+    return about.dump();
+}
+
+namespace {
+
+void draw(const std::string& path, const Field& field) {
+    Picture picture("shipped:tools/plot_field.py");
+    picture.add("field.npy", to_npy(field));
+    picture.add("about.json", about(field));
+    picture.draw(path, ".csv, .npy and .vti");
 }
 
 }  // namespace

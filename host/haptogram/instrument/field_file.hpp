@@ -17,6 +17,9 @@ void check_field_path(const std::string& path, const Region& region, Quantity qu
 /// VTK image data in millimetres, for ParaView.
 [[nodiscard]] std::string to_vti(const Field& field);
 
+/// What a picture of it says in words and numbers, as JSON for tools/plot_field.py.
+[[nodiscard]] std::string about(const Field& field);
+
 /// Writes the field in the format that the path's ending names; standard output ("-"), devices and pipes get CSV. A
 /// picture is drawn by python3 with matplotlib, which must be there.
 /// @throws Error{bad_input} when it cannot be written

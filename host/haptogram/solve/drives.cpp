@@ -62,7 +62,9 @@ Record quantise(std::span<const std::complex<double>> drives, const Timer& timer
 }
 
 std::vector<Record> records_of(const Array& array, const Timer& timer, std::uint32_t channels,
-                               std::span<const PathStep> steps, std::span<const double> amplitudes) {
+                               std::span<const PathStep> steps, std::span<const double> amplitudes, Method method) {
+    SolveOptions options;
+    options.method = method;
     const std::size_t elements = array.elements.size();
     std::vector<Vec3> single;
     for (const PathStep& step : steps)
@@ -79,7 +81,7 @@ std::vector<Record> records_of(const Array& array, const Timer& timer, std::uint
                         record.timings.begin());
             records.push_back(std::move(record));
         } else {
-            Record record = quantise(superposed_drives(array, steps[i].foci), timer, channels);
+            Record record = quantise(solve(array, steps[i].foci, options), timer, channels);
             record.pulse_length = static_cast<std::uint8_t>(pulse_ticks(timer, largest * amplitudes[i]));
             records.push_back(std::move(record));
         }

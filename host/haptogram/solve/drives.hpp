@@ -8,6 +8,7 @@
 #include "haptogram/model/array.hpp"
 #include "haptogram/render/path.hpp"
 #include "haptogram/solve/record.hpp"
+#include "haptogram/solve/solver.hpp"
 #include "haptogram/solve/timer.hpp"
 
 namespace haptogram {
@@ -30,9 +31,10 @@ namespace haptogram {
 /// @param drives  one an element, 0…1
 [[nodiscard]] Record quantise(std::span<const std::complex<double>> drives, const Timer& timer, std::uint32_t channels);
 
-/// The record of each step, as quantise(superposed_drives(…)) makes it; a single focus takes the faster focal law. A
-/// record's amplitude is the largest of its foci's times the step's factor in `amplitudes`.
+/// The record of each step: of several foci as quantise(solve(…)) makes it, by phases alone, and of a single focus by
+/// the focal law. A record's amplitude is the largest of its foci's times the step's factor in `amplitudes`.
 [[nodiscard]] std::vector<Record> records_of(const Array& array, const Timer& timer, std::uint32_t channels,
-                                             std::span<const PathStep> steps, std::span<const double> amplitudes);
+                                             std::span<const PathStep> steps, std::span<const double> amplitudes,
+                                             Method method = Method::gauss_newton);
 
 }  // namespace haptogram

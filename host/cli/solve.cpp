@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/instrument/solve.hpp"
+
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "command.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/base/file.hpp"
+#include "haptogram/instrument/compile.hpp"
+#include "progress_line.hpp"
+
+namespace haptogram::cli {
+namespace {
+
+struct SolveCommand {
+    std::string foci;
+    std::vector<std::string> focus;
+    std::optional<std::string> array, board;
+    std::string solver = name_of(Method::gauss_newton);
+    std::string level = "reachable";
+    bool amplitudes = false, follow = false, json = false;
+    std::optional<unsigned> rounds;
+    double rate_hz = 10.0;
+    std::string output;
+};
+
+SolveOptions options_of(const SolveCommand& command) {
+    return {method_of(command.solver), command.amplitudes,
+            command.level == "pressure" ? Level::pressure : Level::reachable, command.rounds};
+}
+
+std::vector<std::vector<Focus>> foci_of(const SolveCommand& command) {
+    if (command.focus.empty() == command.foci.empty())
+        throw bad_argument("foci", "expected a file of foci, or --focus; see haptogram solve --help");
+    if (!command.foci.empty()) return foci_from_text(read_file(command.foci), command.foci);
+    std::vector<Focus> foci;
+    for (const std::string& text : command.focus) foci.push_back(parse_focus_mm("focus", text));
+    return {foci};
+}
+
+void print(const Solved& solved) {
+    for (std::size_t i = 0; i < solved.steps.size(); ++i) {
+        const SolvedStep& step = solved.steps[i];
+        fmt::print("{}set {}, {} foci by {}\n  focus        x        y        z mm  amplitude  exact Pa  in ticks Pa\n",
+                   i == 0 ? "" : "\n", i + 1, step.foci.size(), name_of(solved.options.method));
+        for (std::size_t k = 0; k < step.foci.size(); ++k) {
+            const auto& [p, amplitude] = step.foci[k];
+            fmt::print("  {:5} {:8.2f} {:8.2f} {:8.2f} {:13.3f} {:9.1f} {:12.1f}\n", k + 1, p.x / millimetre,
+                       p.y / millimetre, p.z / millimetre, amplitude, step.exact.pressure_pa[k],
+                       step.quantised.pressure_pa[k]);
+        }
+        for (const auto& [name, q] : {std::pair("exact", &step.exact), std::pair("in ticks", &step.quantised)})
+            fmt::print("  {:9} spread (CV) {:.5f}, least over mean {:.4f}, efficiency {:.4f}\n", name, q->spread,
+                       q->least_over_mean, q->efficiency);
+    }
+}
+
+int solve(const SolveCommand& command) {
+    if (!command.output.empty()) check_solved_path(command.output);
+    if (command.output == "-" && command.json)
+        throw bad_argument("json", "the drives would go to standard output, too; give --output a file");
+    if (!command.foci.empty() && !command.output.empty())
+        require_distinct({{"the file of foci", command.foci}}, {{"--output", command.output}});
+    Project project;
+    project.array = command.array;
+    project.board = command.board;
+    const ProjectInstrument instrument = instrument_of(project);
+    ProgressLine progress("solve");
+    const Solved solved = solve_steps(foci_of(command), instrument.array, instrument.core, options_of(command),
+                                      command.follow, progress.callback());
+    if (!command.output.empty()) write_solved(command.output, solved, command.rate_hz);
+    if (command.output == "-") return 0;
+    if (command.json)
+        fmt::print("{}", to_json_text(solved));
+    else
+        print(solved);
+    return 0;
+}
+
+}  // namespace
+
+void add_solve(CLI::App& app, Action& action) {
+    auto options = std::make_shared<SolveCommand>();
+    CLI::App* sub = app.add_subcommand(
+        "solve", "Drives that make several foci at the same time, their records, and how even and strong the foci are");
+    auto* foci =
+        sub->add_option("foci", options->foci,
+                        "File of foci: a line x,y,z or x,y,z,amplitude each (mm, 0 to 1); an empty line begins "
+                        "the next set. - is standard input");
+    sub->add_option("--focus", options->focus, "A focus x,y,z or x,y,z,amplitude instead; again for each")
+        ->excludes(foci);
+    sub->add_option("--array", options->array, "Array file or shipped array; by default the board's, or tile-10x10");
+    sub->add_option("--board", options->board, "Board file, shipped board or configuration, whose ticks are used");
+    std::vector<std::string> names;
+    std::string about;
+    for (const MethodName& one : method_names) {
+        names.emplace_back(one.name);
+        about += fmt::format("{}{} ({})", about.empty() ? "" : ", ", one.name, one.about);
+    }
+    sub->add_option("--solver", options->solver, about)->check(CLI::IsMember(names))->capture_default_str();
+    sub->add_flag("--amplitudes", options->amplitudes,
+                  "Drives may differ in amplitude; a record keeps only their phases");
+    sub->add_option("--level", options->level,
+                    "What amplitudes are fractions of: reachable (the most that the array can make at that place) or "
+                    "pressure (one for all)")
+        ->check(CLI::IsMember({"reachable", "pressure"}))
+        ->capture_default_str();
+    sub->add_option("--rounds", options->rounds, "Of an iterating solver; by default 10 of gauss-newton, 100 of others")
+        ->check(whole(0, 1'000'000));
+    sub->add_flag("--follow", options->follow,
+                  "Begin each set with the drives of the one before; the first takes the rounds of the default");
+    sub->add_flag("--json", options->json, "Everything as JSON on standard output");
+    sub->add_option(
+        "-o,--output", options->output,
+        "A .csv file of drives, a .json file of everything, a .png picture, or an image (.hex) with its manifest; - "
+        "is CSV on standard output");
+    sub->add_option("--rate", options->rate_hz, "Passes over all sets a second that an image plays, Hz")
+        ->check(positive())
+        ->capture_default_str();
+    sub->callback([options, &action] { action = [options] { return solve(*options); }; });
+}
+
+}  // namespace haptogram::cli

@@ -1,0 +1,376 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/solve/solver.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "haptogram/acoustics/propagation.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/solve/drives.hpp"
+
+namespace haptogram {
+namespace {
+
+using Complex = std::complex<double>;
+using Vector = std::vector<Complex>;
+
+double wave_number(const Array& array) { return 2.0 * std::numbers::pi / array.wavelength_m(); }
+
+Error bad_focus(std::size_t i, Vec3 at, const std::string& what) {
+    return bad_input(fmt::format("focus {}", i + 1), fmt::format("({:g}, {:g}, {:g}) mm {}", at.x / millimetre,
+                                                                 at.y / millimetre, at.z / millimetre, what));
+}
+
+/// The foci that ask for something, after all have been checked.
+std::vector<Focus> checked(const Array& array, std::span<const Focus> foci) {
+    constexpr double same_place_wavelengths = 1e-3;
+    std::vector<Focus> asked;
+    for (std::size_t i = 0; i < foci.size(); ++i) {
+        const auto [at, amplitude] = foci[i];
+        if (!is_finite(at)) throw bad_focus(i, at, "is not finite; every coordinate must be a number");
+        if (!(amplitude >= 0.0 && amplitude <= 1.0))
+            throw bad_focus(i, at, fmt::format("has the amplitude {}; expected 0 to 1", amplitude));
+        for (std::size_t m = 0; m < array.elements.size(); ++m)
+            if (distance(array.elements[m], at) == 0.0)
+                throw bad_focus(i, at, fmt::format("coincides with element {}; move it", m + 1));
+        for (std::size_t j = 0; j < i; ++j)
+            if (distance(foci[j].position, at) < same_place_wavelengths * array.wavelength_m())
+                throw bad_focus(i, at, fmt::format("is where focus {} is; leave one of them out", j + 1));
+        if (amplitude > 0.0) asked.push_back(foci[i]);
+    }
+    if (asked.empty()) throw bad_argument("foci", "there is none with an amplitude above 0; expected at least one");
+    if (asked.size() > array.elements.size())
+        throw bad_input("foci", fmt::format("{} foci for {} elements; expected at most as many foci as elements",
+                                            asked.size(), array.elements.size()));
+    return asked;
+}
+
+double largest_amplitude(std::span<const Focus> foci) {
+    return std::max_element(foci.begin(), foci.end(),
+                            [](const Focus& a, const Focus& b) { return a.amplitude < b.amplitude; })
+        ->amplitude;
+}
+
+/// a·conj(b) and a·b, without the C++ library's care for infinities, which costs most of the time.
+Complex times_conj(Complex a, Complex b) {
+    return {a.real() * b.real() + a.imag() * b.imag(), a.imag() * b.real() - a.real() * b.imag()};
+}
+Complex times(Complex a, Complex b) {
+    return {a.real() * b.real() - a.imag() * b.imag(), a.imag() * b.real() + a.real() * b.imag()};
+}
+Complex direction(Complex a) {
+    const double length = std::sqrt(a.real() * a.real() + a.imag() * a.imag());
+    return length > 0.0 ? a / length : Complex(0.0);
+}
+double size(Complex a) { return std::sqrt(a.real() * a.real() + a.imag() * a.imag()); }
+
+/// The positive definite system G·y = b by Cholesky's method; G is K × K, row by row, Hermitian, and is overwritten.
+Vector solve_positive(Vector g, Vector b) {
+    const std::size_t n = b.size();
+    for (std::size_t j = 0; j < n; ++j) {
+        for (std::size_t i = j; i < n; ++i) {
+            Complex sum = g[i * n + j];
+            for (std::size_t c = 0; c < j; ++c) sum -= times_conj(g[i * n + c], g[j * n + c]);
+            g[i * n + j] = i == j ? std::sqrt(sum.real()) : sum / g[j * n + j].real();
+        }
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+        for (std::size_t c = 0; c < i; ++c) b[i] -= times(g[i * n + c], b[c]);
+        b[i] /= g[i * n + i].real();
+    }
+    for (std::size_t i = n; i-- > 0;) {
+        for (std::size_t c = i + 1; c < n; ++c) b[i] -= times_conj(b[c], g[c * n + i]);
+        b[i] /= g[i * n + i].real();
+    }
+    return b;
+}
+
+/// The foci as equal ones: propagation over each focus' target, so that all are to have the same |p|.
+class Problem {
+public:
+    Problem(const Array& array, std::span<const Focus> foci, Level level, bool amplitudes)
+        : foci_(foci.size()), elements_(array.elements.size()), amplitudes_(amplitudes) {
+        a_.reserve(foci_ * elements_);
+        for (const Focus& focus : foci) {
+            double target = focus.amplitude;
+            const std::size_t begin = a_.size();
+            double reach = 0.0;
+            for (const Element& element : array.elements) {
+                a_.push_back(propagation(array, element, focus.position));
+                reach += size(a_.back());
+            }
+            if (reach == 0.0)
+                throw bad_focus(static_cast<std::size_t>(&focus - foci.data()), focus.position,
+                                "cannot be reached by any element: it is behind all of them");
+            if (level == Level::reachable) target *= reach;
+            for (std::size_t m = begin; m < a_.size(); ++m) a_[m] /= target;
+            // Without weights every method drives a focus in proportion to its target: t for the target, and t for the
+            // row that has been divided by it.
+            weights_.push_back(target * target);
+        }
+        const double mean = mean_of(weights_);
+        for (double& weight : weights_) weight /= mean;
+    }
+
+    /// Drives from coefficients of the foci: Aᴴ·(weight·c), to phases or as it is.
+    void back(const Vector& c) {
+        x_.assign(elements_, 0.0);
+        for (std::size_t k = 0; k < foci_; ++k) {
+            const Complex factor = weights_[k] * c[k];
+            for (std::size_t m = 0; m < elements_; ++m) x_[m] += times_conj(factor, at(k, m));
+        }
+        if (!amplitudes_)
+            for (Complex& drive : x_) drive = direction(drive);
+    }
+    void begin(std::span<const Complex> drives) { x_.assign(drives.begin(), drives.end()); }
+
+    /// Pressures over targets.
+    [[nodiscard]] Vector forth() const {
+        Vector p(foci_);
+        for (std::size_t k = 0; k < foci_; ++k)
+            for (std::size_t m = 0; m < elements_; ++m) p[k] += times(at(k, m), x_[m]);
+        return p;
+    }
+
+    /// Weights grow where |p| is below its mean. A focus that nearly vanished does not grow more than a thousandfold.
+    /// With two or three foci the drives answer to weights so strongly that |p| would swing from one side to the other,
+    /// so there they grow with half the power.
+    void reweigh(const Vector& p) {
+        double mean = 0.0;
+        for (const Complex& one : p) mean += size(one) / static_cast<double>(foci_);
+        for (std::size_t k = 0; k < foci_; ++k) {
+            const double growth = mean / std::max(size(p[k]), 1e-3 * mean);
+            weights_[k] *= foci_ > 3 ? growth : std::sqrt(growth);
+        }
+        const double level = mean_of(weights_);
+        for (double& weight : weights_) weight /= level;
+    }
+
+    /// A step of Gauss and Newton to equal |p|, with the least change of phases, or of drives where amplitudes are
+    /// free. All |p| go to their mean, weighted by what the foci cost.
+    void equalise() {
+        const Vector p = forth();
+        double level = 0.0, sum = 0.0;
+        for (std::size_t k = 0; k < foci_; ++k) {
+            level += weights_[k] * size(p[k]);
+            sum += weights_[k];
+        }
+        level /= sum;
+        // Row k of J: what changes p_k along its own direction. For phases θ it is d|p_k|/dθ = Im(conj(u_k·…)), real.
+        Vector j(foci_ * elements_);
+        for (std::size_t k = 0; k < foci_; ++k) {
+            const Complex u = direction(p[k]);
+            for (std::size_t m = 0; m < elements_; ++m)
+                j[k * elements_ + m] =
+                    amplitudes_ ? times_conj(at(k, m), u) : Complex(-times_conj(times(at(k, m), x_[m]), u).imag());
+        }
+        Vector g(foci_ * foci_), wanted(foci_);
+        double trace = 0.0;
+        for (std::size_t k = 0; k < foci_; ++k) {
+            for (std::size_t l = 0; l <= k; ++l) {
+                Complex sum_of_row = 0.0;
+                for (std::size_t m = 0; m < elements_; ++m)
+                    sum_of_row += times_conj(j[k * elements_ + m], j[l * elements_ + m]);
+                g[k * foci_ + l] = sum_of_row;
+            }
+            trace += g[k * foci_ + k].real();
+            wanted[k] = level - size(p[k]);
+        }
+        // A little damping: two foci within a wavelength have nearly the same rows.
+        constexpr double damping = 1e-4;
+        for (std::size_t k = 0; k < foci_; ++k) g[k * foci_ + k] += damping * trace / static_cast<double>(foci_);
+        const Vector y = solve_positive(std::move(g), std::move(wanted));
+        for (std::size_t m = 0; m < elements_; ++m) {
+            Complex change = 0.0;
+            for (std::size_t k = 0; k < foci_; ++k) change += times_conj(y[k], j[k * elements_ + m]);
+            if (amplitudes_) {
+                x_[m] += change;
+            } else {
+                const double half =
+                    0.5 * change.real();  // (1 + jh)/(1 − jh) turns without changing the length (Cayley)
+                x_[m] = times(x_[m], Complex(1.0 - half * half, 2.0 * half) / (1.0 + half * half));
+            }
+        }
+    }
+
+    /// A·Aᴴ, K × K.
+    [[nodiscard]] Vector gram() const {
+        Vector g(foci_ * foci_);
+        for (std::size_t k = 0; k < foci_; ++k)
+            for (std::size_t l = 0; l < foci_; ++l)
+                for (std::size_t m = 0; m < elements_; ++m) g[k * foci_ + l] += times_conj(at(k, m), at(l, m));
+        return g;
+    }
+
+    [[nodiscard]] std::size_t foci() const { return foci_; }
+    [[nodiscard]] const std::vector<double>& weights() const { return weights_; }
+    [[nodiscard]] Vector&& take() { return std::move(x_); }
+
+private:
+    [[nodiscard]] Complex at(std::size_t k, std::size_t m) const { return a_[k * elements_ + m]; }
+    static double mean_of(const std::vector<double>& values) {
+        double sum = 0.0;
+        for (const double value : values) sum += value;
+        return sum / static_cast<double>(values.size());
+    }
+
+    std::size_t foci_, elements_;
+    bool amplitudes_;
+    Vector a_, x_;  ///< propagation over targets, row by row, and the drives
+    std::vector<double> weights_;
+};
+
+Vector directions(const Vector& p) {
+    Vector u;
+    for (const Complex& one : p) u.push_back(direction(one));
+    return u;
+}
+
+Vector iterated(const Array& array, std::span<const Focus> foci, const SolveOptions& options,
+                std::span<const Complex> start) {
+    Problem problem(array, foci, options.level, options.amplitudes);
+    const unsigned rounds = options.rounds.value_or(options.method == Method::gauss_newton ? 10 : 100);
+    Vector c(foci.size(), 1.0);
+    if (!start.empty()) {
+        problem.begin(start);
+        const Vector p = problem.forth();
+        c = directions(p);
+    }
+    if (options.method == Method::gs_pat) {
+        const Vector gram = problem.gram();
+        Vector y(c.size());
+        for (unsigned round = 0; round < rounds; ++round) {
+            for (std::size_t k = 0; k < c.size(); ++k) {
+                y[k] = 0.0;
+                for (std::size_t l = 0; l < c.size(); ++l)
+                    y[k] += times(gram[k * c.size() + l], problem.weights()[l] * c[l]);
+            }
+            c = directions(y);
+        }
+        // The last step also scales: what came out too strong is driven less.
+        if (rounds > 0)
+            for (std::size_t k = 0; k < c.size(); ++k) c[k] = c[k] / size(y[k]);
+        problem.back(c);
+        return problem.take();
+    }
+    problem.back(c);
+    for (unsigned round = 0; round < rounds; ++round) {
+        const Vector p = problem.forth();
+        if (options.method != Method::gs) problem.reweigh(p);
+        problem.back(directions(p));
+    }
+    // Two or three foci may not be even yet after the rounds, and a step costs little then.
+    if (options.method == Method::gauss_newton)
+        for (int step = 0; step < (foci.size() > 3 ? 1 : 3); ++step) problem.equalise();
+    return problem.take();
+}
+
+/// Fingers: Σ over the foci of distance · e^{jk·distance}.
+Vector distance_weighted(const Array& array, std::span<const Focus> foci) {
+    const double k = wave_number(array);
+    Vector drives(array.elements.size());
+    for (const Focus& focus : foci)
+        for (std::size_t m = 0; m < drives.size(); ++m) {
+            const double range = distance(array.elements[m], focus.position);
+            drives[m] += std::polar(focus.amplitude * range, k * range);
+        }
+    return drives;
+}
+
+/// Hoshi: the foci lie at (x, y) around a point on the array's axis, at their mean height r. Drives for that point
+/// alone are multiplied by the inverse transform of the foci, Σ amplitude · e^{−jk(x·X + y·Y)/r} at the element (X, Y).
+Vector inverse_transform(const Array& array, std::span<const Focus> foci) {
+    const double plane = array.elements.front().position.z;
+    Vec3 middle{};
+    for (const Element& element : array.elements) {
+        if (element.position.z != plane)
+            throw bad_argument("solver", "inverse-transform needs an array whose elements have one z; take another");
+        middle = middle + element.position * (1.0 / static_cast<double>(array.elements.size()));
+    }
+    middle.z = 0.0;
+    for (const Focus& focus : foci) middle.z += focus.position.z / static_cast<double>(foci.size());
+    const double k = wave_number(array), r = middle.z - plane;
+    if (!(r > 0.0)) throw bad_argument("solver", "inverse-transform needs foci in front of the array; take another");
+    Vector drives(array.elements.size());
+    for (std::size_t m = 0; m < drives.size(); ++m) {
+        const Vec3 from_middle = array.elements[m].position - middle;
+        for (const Focus& focus : foci) {
+            const Vec3 aside = focus.position - middle;
+            drives[m] += std::polar(focus.amplitude, -k * (aside.x * from_middle.x + aside.y * from_middle.y) / r);
+        }
+        drives[m] *= std::polar(1.0, k * distance(array.elements[m], middle));
+    }
+    return drives;
+}
+
+}  // namespace
+
+const char* name_of(Method method) {
+    for (const MethodName& one : method_names)
+        if (one.method == method) return one.name;
+    return "";
+}
+
+Method method_of(const std::string& name, const std::string& setting) {
+    std::vector<std::string> names;
+    for (const MethodName& one : method_names) {
+        if (name == one.name) return one.method;
+        names.emplace_back(one.name);
+    }
+    throw bad_argument(setting, fmt::format("'{}' is no solver; expected {}", name, fmt::join(names, ", ")));
+}
+
+std::vector<Complex> solve(const Array& array, std::span<const Focus> foci, const SolveOptions& options,
+                           std::span<const Complex> start) {
+    const std::vector<Focus> asked = checked(array, foci);
+    if (!start.empty() && start.size() != array.elements.size())
+        throw bad_argument("start", fmt::format("{} drives to begin with, expected {}: one an element", start.size(),
+                                                array.elements.size()));
+    Vector drives;
+    switch (options.method) {
+        case Method::superposition: drives = superposed_drives(array, asked); break;
+        case Method::distance_weighted: drives = distance_weighted(array, asked); break;
+        case Method::inverse_transform: drives = inverse_transform(array, asked); break;
+        default: drives = iterated(array, asked, options, start); break;
+    }
+    const double wanted = largest_amplitude(asked);
+    double strongest = 0.0;
+    for (const Complex& drive : drives) strongest = std::max(strongest, size(drive));
+    for (Complex& drive : drives) {
+        if (options.amplitudes)
+            drive *= wanted / strongest;
+        else
+            drive = direction(drive) * wanted;
+    }
+    return drives;
+}
+
+Quality quality_of(const Array& array, std::span<const Focus> foci, std::span<const Complex> drives, Level level) {
+    const std::vector<Focus> asked = checked(array, foci);
+    if (drives.size() != array.elements.size())
+        throw bad_argument("drives",
+                           fmt::format("{} drives, expected {}: one an element", drives.size(), array.elements.size()));
+    Quality quality;
+    std::vector<double> ratios;
+    double mean = 0.0, squares = 0.0;
+    for (const Focus& focus : foci) {
+        const double made = std::abs(pressure(array, drives, focus.position)) * array.transducer.source_pa_m;
+        quality.pressure_pa.push_back(made);
+        if (focus.amplitude == 0.0) continue;
+        const double alone = std::abs(pressure(array, ideal_drives(array, focus.position), focus.position));
+        squares += made * made / (alone * alone);
+        ratios.push_back(made / (level == Level::reachable ? focus.amplitude * alone : focus.amplitude));
+        mean += ratios.back() / static_cast<double>(asked.size());
+    }
+    double variance = 0.0;
+    for (const double ratio : ratios) variance += (ratio - mean) * (ratio - mean) / static_cast<double>(ratios.size());
+    quality.spread = std::sqrt(variance) / mean;
+    quality.least_over_mean = *std::min_element(ratios.begin(), ratios.end()) / mean;
+    quality.efficiency = std::sqrt(squares);
+    return quality;
+}
+
+}  // namespace haptogram
