@@ -25,7 +25,8 @@ struct CompileOptions {
     std::optional<std::string> board, array, unit;
     std::optional<std::size_t> points;
     std::optional<std::uint64_t> seed;
-    std::optional<double> rate_hz, size_mm, scale;
+    std::optional<double> rate_hz, speed_m_s, frequency_hz, size_mm, scale;
+    std::optional<std::string> jump;
     std::optional<std::uint16_t> loops;
     std::vector<double> center_mm, rotate_deg;
     bool clip = false;
@@ -70,6 +71,9 @@ Project project_of(const CompileOptions& options) {
     put(project.points, options.points);
     put(project.seed, options.seed);
     put(project.rate_hz, options.rate_hz);
+    if (options.rate_hz || options.speed_m_s || options.frequency_hz)
+        project.pace = {options.speed_m_s, options.frequency_hz};
+    if (options.jump) project.jump = *options.jump == "hop" ? Jump::hop : Jump::blank;
     put(project.loops, options.loops);
     put(project.placement.scale, options.scale);
     if (options.size_mm) project.placement.size_m = *options.size_mm * millimetre;
@@ -97,6 +101,19 @@ void check_paths(CompileOptions& options) {
         outputs.push_back({"--readmemh", options.readmemh + ".sequence.mem"});
     }
     require_distinct(inputs, outputs);
+}
+
+void add_pace(Report& report, const DrawnPace& pace) {
+    report
+        .add("speed_m_s", pace.speed_m_s,
+             fmt::format("drawn             {:.1f} mm and jumps of {:.1f} mm at {:.4g} m/s, {:.4g} Hz, a point every "
+                         "{:.3g} mm",
+                         pace.length_m / millimetre, pace.jumps_m / millimetre, pace.speed_m_s, pace.frequency_hz,
+                         pace.spacing_m / millimetre))
+        .add("frequency_hz", pace.frequency_hz)
+        .add("length_mm", pace.length_m / millimetre)
+        .add("jumps_mm", pace.jumps_m / millimetre)
+        .add("spacing_mm", pace.spacing_m / millimetre);
 }
 
 Report report_of(const Compiled& compiled, const CompileOptions& options) {
@@ -147,6 +164,7 @@ Report report_of(const Compiled& compiled, const CompileOptions& options) {
              fmt::format("image             {} ({} bytes), manifest {}", options.output, bytes, options.manifest))
         .add("image_bytes", bytes)
         .add("manifest", options.manifest);
+    if (compiled.pace) add_pace(report, *compiled.pace);
     return report;
 }
 
@@ -207,9 +225,23 @@ void add_compile(CLI::App& app, Action& action) {
     sub->add_option("--seed", options->seed, "Of the sampling")
         ->check(whole(0, std::numeric_limits<std::uint64_t>::max()))
         ->default_str(fmt::to_string(standard.seed));
-    sub->add_option("--rate", options->rate_hz, "Passes over the shape a second, Hz")
+    auto* rate = sub->add_option("--rate", options->rate_hz, "Passes over the shape a second, Hz")
+                     ->check(positive())
+                     ->default_str(fmt::to_string(standard.rate_hz));
+    auto* speed = sub->add_option("--speed", options->speed_m_s,
+                                  fmt::format("Draw the shape's curves, or its tour, at this many m/s ({} is usual)",
+                                              usual_speed_m_s))
+                      ->check(positive())
+                      ->excludes(rate);
+    sub->add_option("--frequency", options->frequency_hz, "Draw the shape's curves this many times a second, Hz")
         ->check(positive())
-        ->default_str(fmt::to_string(standard.rate_hz));
+        ->excludes(rate)
+        ->excludes(speed);
+    sub->add_option("--jump", options->jump,
+                    "Between curves that are drawn: hop, which takes no time, or blank, silence for as long as the way "
+                    "takes")
+        ->check(CLI::IsMember({"hop", "blank"}))
+        ->default_str("hop");
     sub->add_option("--loops", options->loops, "Passes when the image is played by itself; 0 is for ever")
         ->check(whole(0, 65535))
         ->default_str(fmt::to_string(standard.loops));

@@ -170,6 +170,21 @@ void warn_of_short_dwells(Compiled& compiled) {
                     geometry ? "in which all waves arrive at a focus" : "that the transducers' ring-up takes as well"));
 }
 
+/// Draws a shape's curves, or, when it has surfaces or clouds, visits its points in a short tour.
+Drawing drawing_of(const Project& project, const Shape& shape, const Array& array, double carrier_hz,
+                   const ShapePathOptions& options) {
+    std::vector<Curve> curves;
+    for (const Piece& piece : shape.pieces)
+        if (const Curve* const curve = std::get_if<Curve>(&piece)) curves.push_back(*curve);
+    if (curves.size() < shape.pieces.size()) return draw(tour_of(shape, array, options), carrier_hz, project.pace);
+    return draw(curve_tour(curves), array, carrier_hz, project.pace, project.jump, options);
+}
+
+DrawnPace pace_of(const Drawing& drawing, const Path& path, double carrier_hz) {
+    const double frequency_hz = carrier_hz / static_cast<double>(path.periods());
+    return {drawing.length_m, drawing.jumps_m, drawing.travelled_m * frequency_hz, frequency_hz, drawing.spacing_m};
+}
+
 Compiled compile_path(Path path, const Array& array, const Core& core, std::uint16_t loops, const std::string& name,
                       const std::string& settings) {
     require_sound(path);
@@ -213,7 +228,7 @@ Compiled compile_path(Path path, const Array& array, const Core& core, std::uint
     manifest.input_sha256 = sha256(fmt::format("{} {} {}", version(), settings, to_text(before)));
     std::string hex = to_intel_hex(image);
     manifest.image_sha256 = sha256(hex);
-    Compiled compiled{{std::move(image), std::move(manifest), std::move(hex), name}, std::move(path), {}, {}};
+    Compiled compiled{{std::move(image), std::move(manifest), std::move(hex), name}, std::move(path), {}, {}, {}};
     warn_of_short_dwells(compiled);
     return compiled;
 }
@@ -265,13 +280,24 @@ Compiled compile(const Project& project, const std::string& name, const Progress
         project.points,       project.seed,
         project.clip,         instrument.core.most_points(),
         instrument.core.name, fmt::format("{} records, {} sequence entries", core.records, core.sequence_depth - 1)};
-    TouredPoints points = tour_of(shape, instrument.array, options);
+    TouredPoints points;
+    Path path;
+    std::optional<DrawnPace> pace;
+    if (project.pace.speed_m_s || project.pace.frequency_hz) {
+        Drawing drawing = drawing_of(project, shape, instrument.array, timer.carrier_hz(), options);
+        path = path_of(drawing.stretches);
+        pace = pace_of(drawing, path, timer.carrier_hz());
+        points = std::move(drawing.points);
+    } else {
+        points = tour_of(shape, instrument.array, options);
+        path = path_through(points.points,
+                            even_dwells(timer.carrier_hz(), project.rate_hz, points.points.size(), most_dwell));
+    }
     progress(0.8, "focusing");
-    Path path =
-        path_through(points.points, even_dwells(timer.carrier_hz(), project.rate_hz, points.points.size(), most_dwell));
     Compiled compiled = compile_path(std::move(path), instrument.array, instrument.core, project.loops, name,
                                      settings_text(project) + hashes);
     compiled.points = std::move(points);
+    compiled.pace = pace;
     progress(1.0, "focusing");
     return compiled;
 }

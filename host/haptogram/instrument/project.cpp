@@ -58,6 +58,23 @@ void read_placement(Placement& placement, const Section& section) {
         placement.center = from_mm((*center)[0], (*center)[1], (*center)[2]);
 }
 
+void read_pace(Project& project, const Section& whole) {
+    const std::string* first = nullptr;
+    static const std::string keys[] = {"rate_hz", "speed_m_s", "frequency_hz"};
+    for (const std::string& key : keys) {
+        if (whole.find(key) == nullptr) continue;
+        if (first != nullptr)
+            throw bad_input(whole.at(key), fmt::format("{} and {} both say how fast; keep one", *first, key));
+        first = &key;
+    }
+    assign(project.rate_hz, whole.number("rate_hz", 1e-6, 1e6));
+    project.pace.speed_m_s = whole.number("speed_m_s", 1e-6, 1e6);
+    project.pace.frequency_hz = whole.number("frequency_hz", 1e-6, 1e6);
+    if (const auto jump = whole.text("jump", "\"hop\" or \"blank\"",
+                                     [](const std::string& text) { return text == "hop" || text == "blank"; }))
+        project.jump = *jump == "hop" ? Jump::hop : Jump::blank;
+}
+
 /// A text as TOML writes it.
 std::string quoted(const std::string& text) {
     std::ostringstream out;
@@ -105,7 +122,8 @@ std::string to_toml(const ShapeSource& source) {
 Project project_from_toml(std::string_view text, const std::string& where) {
     const toml::table root = section::parse_text(text, where);
     const Section whole(where, root);
-    whole.only({"format", "array", "board", "points", "seed", "clip", "rate_hz", "loops", "place", "shape"});
+    whole.only({"format", "array", "board", "points", "seed", "clip", "rate_hz", "speed_m_s", "frequency_hz", "jump",
+                "loops", "place", "shape"});
     const auto format = whole.required(whole.text("format"), "format", fmt::format("\"{}\"", format_name));
     if (format != format_name)
         throw whole.wrong(*whole.find("format"), "format", fmt::format("\"{}\" for this version", format_name));
@@ -115,7 +133,7 @@ Project project_from_toml(std::string_view text, const std::string& where) {
     assign(project.points, whole.whole("points", 1, 65535));
     assign(project.seed, whole.whole64("seed", 0, std::numeric_limits<std::int64_t>::max()));
     assign(project.clip, whole.flag("clip"));
-    assign(project.rate_hz, whole.number("rate_hz", 1e-6, 1e6));
+    read_pace(project, whole);
     if (const auto loops = whole.whole("loops", 0, 65535)) project.loops = static_cast<std::uint16_t>(*loops);
     read_placement(project.placement, Section(where, root, "place"));
     if (const toml::node* shapes = root.get("shape")) {
@@ -147,6 +165,9 @@ std::string to_toml(const Project& project) {
     if (project.seed != standard.seed) text += fmt::format("seed = {}\n", project.seed);
     if (project.clip) text += "clip = true\n";
     if (project.rate_hz != standard.rate_hz) text += fmt::format("rate_hz = {}\n", number(project.rate_hz));
+    if (project.pace.speed_m_s) text += fmt::format("speed_m_s = {}\n", number(*project.pace.speed_m_s));
+    if (project.pace.frequency_hz) text += fmt::format("frequency_hz = {}\n", number(*project.pace.frequency_hz));
+    if (project.jump == Jump::blank) text += "jump = \"blank\"\n";
     if (project.loops != standard.loops) text += fmt::format("loops = {}\n", project.loops);
     const Placement& place = project.placement;
     std::string placed;

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "haptogram/render/draw.hpp"
 #include "haptogram/shape/place.hpp"
 #include "haptogram/shape/primitives.hpp"
 
@@ -28,7 +29,9 @@ struct Project {
     std::size_t points = 200;          ///< focal points to take from a surface, a curve or a larger cloud
     std::uint64_t seed = 1;            ///< of the sampling
     bool clip = false;                 ///< leave out points that the array cannot reach
-    double rate_hz = 10.0;             ///< passes over the shape a second
+    double rate_hz = 10.0;             ///< passes over the shape a second, when there is no pace
+    Pace pace;                         ///< draw the shape at a speed or a frequency instead; at most one is given
+    Jump jump = Jump::hop;             ///< between the curves that are drawn
     std::uint16_t loops = 0;           ///< passes when the image is played by itself; 0 is for ever
     std::optional<std::string> array;  ///< file or shipped array; by default the board's, or tile-10x10
     std::optional<std::string> board;  ///< file, shipped board or configuration; by default what the array's file says
