@@ -11,6 +11,7 @@
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/render/path_file.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
 
@@ -29,8 +30,10 @@ struct CompileOptions {
     std::optional<std::string> jump;
     std::optional<std::uint16_t> loops;
     std::vector<double> center_mm, rotate_deg;
-    bool clip = false;
+    bool clip = false, even = false;
+    std::optional<std::string> am, am_law;
     std::string output = "image.hex";
+    std::string path, save_path;
     std::string manifest, readmemh;
     bool json = false;
 };
@@ -63,6 +66,8 @@ Project project_of(const CompileOptions& options) {
             if (*length) **length *= millimetre;
         project.shapes.push_back(source);
     }
+    if (!options.path.empty()) project.path = options.path;
+    if (!project.path.empty() && options.rate_hz) throw bad_argument("rate", "is of shapes; a path has its own times");
     const auto put = [](auto& target, const auto& given) {
         if (given) target = *given;
     };
@@ -81,6 +86,10 @@ Project project_of(const CompileOptions& options) {
     if (!c.empty()) project.placement.center = from_mm(c[0], c[1], c[2]);
     if (!options.rotate_deg.empty()) std::copy_n(options.rotate_deg.begin(), 3, project.placement.rotate_deg.begin());
     project.clip = project.clip || options.clip;
+    project.even = project.even || options.even;
+    put(project.am, options.am);
+    if (options.am_law) project.am_law = law_of(*options.am_law);
+    if (!project.path.empty() && project.even) throw bad_argument("even", "is of shapes; a path has dwells of its own");
     return project;
 }
 
@@ -96,6 +105,8 @@ void check_paths(CompileOptions& options) {
     if (options.array && options.array->ends_with(".toml")) inputs.push_back({"--array", *options.array});
     if (options.board && options.board->ends_with(".toml")) inputs.push_back({"--board", *options.board});
     std::vector<NamedPath> outputs = {{"--output", options.output}, {"--manifest", options.manifest}};
+    if (!options.path.empty()) inputs.push_back({"--path", options.path});
+    if (!options.save_path.empty()) outputs.push_back({"--save-path", options.save_path});
     if (!options.readmemh.empty()) {
         outputs.push_back({"--readmemh", options.readmemh + ".primary.mem"});
         outputs.push_back({"--readmemh", options.readmemh + ".sequence.mem"});
@@ -114,6 +125,16 @@ void add_pace(Report& report, const DrawnPace& pace) {
         .add("length_mm", pace.length_m / millimetre)
         .add("jumps_mm", pace.jumps_m / millimetre)
         .add("spacing_mm", pace.spacing_m / millimetre);
+}
+
+void add_evened(Report& report, const Evened& evened) {
+    const double weakest = evened.after.weakest / evened.before.weakest;
+    report
+        .add("spread", evened.after.spread,
+             fmt::format("even              spread {:.4f}, {:.4f} with equal dwells; weakest point {:.3f} of before",
+                         evened.after.spread, evened.before.spread, weakest))
+        .add("spread_before", evened.before.spread)
+        .add("weakest_of_before", weakest);
 }
 
 Report report_of(const Compiled& compiled, const CompileOptions& options) {
@@ -137,8 +158,9 @@ Report report_of(const Compiled& compiled, const CompileOptions& options) {
         .add("clipped", p.clipped)
         .add("duplicates", p.duplicates)
         .add("tour_mm", p.tour_m / millimetre,
-             fmt::format("tour              {:.1f} mm, {:.1f} mm as given", p.tour_m / millimetre,
-                         p.as_given_m / millimetre))
+             p.points.empty() ? ""
+                              : fmt::format("tour              {:.1f} mm, {:.1f} mm as given", p.tour_m / millimetre,
+                                            p.as_given_m / millimetre))
         .add("tour_as_given_mm", p.as_given_m / millimetre)
         .add("prescaler", t.prescaler,
              fmt::format("timer             prescaler {}, {} ticks of {:.0f} ns a cycle, pulse {} ticks ({:.1f} %), "
@@ -165,6 +187,16 @@ Report report_of(const Compiled& compiled, const CompileOptions& options) {
         .add("image_bytes", bytes)
         .add("manifest", options.manifest);
     if (compiled.pace) add_pace(report, *compiled.pace);
+    if (compiled.evened) add_evened(report, *compiled.evened);
+    if (!compiled.am_hz.empty())
+        report.add("am_hz", compiled.am_hz,
+                   fmt::format("modulation        {:.6g} Hz", fmt::join(compiled.am_hz, " Hz, ")));
+    const PressureLeft& left = compiled.pressure_left;
+    report
+        .add("pressure_left_least", left.least,
+             fmt::format("bandwidth leaves  {:.1f} % of the pressure at the worst point, {:.1f} % on average",
+                         100.0 * left.least, 100.0 * left.mean))
+        .add("pressure_left_mean", left.mean);
     return report;
 }
 
@@ -182,6 +214,8 @@ int compile(CompileOptions options) {
         files.emplace_back(options.readmemh + ".primary.mem", primary_readmemh(compiled.bundle.image));
         files.emplace_back(options.readmemh + ".sequence.mem", sequence_readmemh(compiled.bundle.image));
     }
+    if (!options.save_path.empty())
+        files.emplace_back(options.save_path, to_json_text(compiled.path, compiled.bundle.manifest.timer.carrier_hz()));
     write_files(files);
     if (options.output != "-" && options.manifest != "-") report_of(compiled, options).print(options.json);
     for (const std::string& warning : compiled.warnings) complain("warning: " + warning);
@@ -209,6 +243,10 @@ void add_compile(CLI::App& app, Action& action) {
         ->check(positive());
     sub->add_option("--sides", options->primitive.sides, "Of a built-in polygon")->check(whole(3, 1000));
     sub->add_option("--turns", options->primitive.turns, "Of a built-in helix")->check(positive());
+    sub->add_option("--path", options->path,
+                    "A path instead of shapes: .json as --save-path writes it, .csv of time_ms, x_mm, y_mm, z_mm and "
+                    "intensity, or an .adaptics pattern, looked at --points times");
+    sub->add_option("--save-path", options->save_path, "Also write the path that the image plays, as JSON");
     sub->add_option(
         "--board", options->board,
         "Board file (TOML), shipped board (see haptogram board list) or configuration of the core such as tile-100 "
@@ -242,6 +280,10 @@ void add_compile(CLI::App& app, Action& action) {
                     "takes")
         ->check(CLI::IsMember({"hop", "blank"}))
         ->default_str("hop");
+    sub->add_flag("--even", options->even,
+                  "Choose dwells that make all points feel alike, with what the foci add to each other, instead of "
+                  "equal ones");
+    add_am(*sub, options->am, options->am_law);
     sub->add_option("--loops", options->loops, "Passes when the image is played by itself; 0 is for ever")
         ->check(whole(0, 65535))
         ->default_str(fmt::to_string(standard.loops));

@@ -230,7 +230,7 @@ TEST_CASE("draw: rounding to whole periods never runs ahead or behind by more th
     std::mt19937_64 random(Catch::rngSeed());
     std::uniform_real_distribution<double> length(1.0, 9.0);
     std::vector<Stretch> stretches;
-    for (int i = 0; i < 500; ++i) stretches.push_back({Vec3{0, 0, 0.1}, length(random)});
+    for (int i = 0; i < 500; ++i) stretches.push_back({{{{0, 0, 0.1}}}, length(random)});
     const Path path = path_of(stretches);
     double exact = 0.0, whole = 0.0;
     for (std::size_t i = 0; i < stretches.size(); ++i) {
@@ -238,7 +238,7 @@ TEST_CASE("draw: rounding to whole periods never runs ahead or behind by more th
         whole += path.steps[i].periods;
         REQUIRE(std::abs(exact - whole) <= 0.5 + 1e-9);
     }
-    REQUIRE_THROWS_WITH(path_of({{Vec3{0, 0, 0.1}, 0.3}}), Contains("0.300 carrier periods"));
+    REQUIRE_THROWS_WITH(path_of({{{{{0, 0, 0.1}}}, 0.3}}), Contains("0.300 carrier periods"));
 }
 
 TEST_CASE("draw: what makes no sense is named", "[draw]") {

@@ -32,6 +32,8 @@ ImageAnalysis analyze(const Bundle& bundle, double least_force_n, const Progress
         result.warnings.push_back(fmt::format(
             "{} of {} points are left before 90 % of their pressure is there; take fewer points or a lower rate",
             short_dwells, points));
+    const Path path = path_of(bundle);
+    if (!path.steps.empty()) result.pressure_left = summary_of(path, pressure_left(manifest.array, path));
     result.loudness = loudness(manifest.array, excitation.sequence());
     return result;
 }

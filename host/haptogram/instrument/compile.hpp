@@ -10,6 +10,8 @@
 #include "haptogram/render/draw.hpp"
 #include "haptogram/render/path.hpp"
 #include "haptogram/render/shape_path.hpp"
+#include "haptogram/solve/even.hpp"
+#include "haptogram/solve/pressure_left.hpp"
 
 namespace haptogram {
 
@@ -22,12 +24,20 @@ struct DrawnPace {
     double spacing_m = 0.0;  ///< from one point to the next
 };
 
+/// What dwells chosen for an even feeling did, in whole carrier periods. Both are with cross-talk between the foci.
+struct Evened {
+    Evenness before, after;
+};
+
 /// An image with its manifest, and what became of the shape on the way.
 struct Compiled {
     Bundle bundle;
     Path path;                          ///< what the image plays
     TouredPoints points;                ///< of a shape; empty for a path
     std::optional<DrawnPace> pace;      ///< of a shape that is drawn at a speed or a frequency
+    std::optional<Evened> evened;       ///< of a shape whose points shall feel alike
+    std::vector<double> am_hz;          ///< frequencies of the modulation, as they came out
+    PressureLeft pressure_left;         ///< by the transducers' bandwidth
     std::vector<std::string> warnings;  ///< whole sentences
 
     /// The least time that any focus lasts, s.

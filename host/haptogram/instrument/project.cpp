@@ -90,13 +90,7 @@ std::string number(double value) {
     return text;
 }
 
-/// Millimetres that read back as the same metres.
-std::string in_mm(double metres) {
-    double millimetres = metres / millimetre;
-    for (const double near : {millimetres, std::nextafter(millimetres, 0.0), std::nextafter(millimetres, 1e300)})
-        if (near * millimetre == metres) millimetres = near;
-    return number(millimetres);
-}
+std::string in_mm(double metres) { return number(exact_mm(metres)); }
 
 std::string to_toml(const ShapeSource& source) {
     if (source.content)
@@ -123,7 +117,7 @@ Project project_from_toml(std::string_view text, const std::string& where) {
     const toml::table root = section::parse_text(text, where);
     const Section whole(where, root);
     whole.only({"format", "array", "board", "points", "seed", "clip", "rate_hz", "speed_m_s", "frequency_hz", "jump",
-                "loops", "place", "shape"});
+                "even", "am", "am_law", "loops", "place", "shape", "path"});
     const auto format = whole.required(whole.text("format"), "format", fmt::format("\"{}\"", format_name));
     if (format != format_name)
         throw whole.wrong(*whole.find("format"), "format", fmt::format("\"{}\" for this version", format_name));
@@ -142,8 +136,18 @@ Project project_from_toml(std::string_view text, const std::string& where) {
             throw bad_input(section::place(where, *shapes), "shapes are tables of their own, each under [[shape]]");
         for (const toml::node& shape : *list) project.shapes.push_back(read_shape(where, *shape.as_table()));
     }
-    if (project.shapes.empty())
+    assign(project.path, whole.text("path"));
+    assign(project.even, whole.flag("even"));
+    assign(project.am, whole.text("am"));
+    if (const auto law = whole.text("am_law", "\"pressure\" or \"radiation\"",
+                                    [](const std::string& name) { return name == "pressure" || name == "radiation"; }))
+        project.am_law = *law == "pressure" ? AmplitudeLaw::pressure : AmplitudeLaw::radiation;
+    if (project.path.empty() && project.shapes.empty())
         throw bad_input(where, "it has no [[shape]]; add one with a 'file' or the 'kind' of a built-in shape");
+    for (const char* const key : {"shape", "place", "clip", "rate_hz", "speed_m_s", "frequency_hz", "jump", "even"})
+        if (!project.path.empty() && whole.find(key) != nullptr)
+            throw bad_input(whole.at(key),
+                            fmt::format("{} is of shapes; the file of 'path' has its own places and times", key));
     return project;
 }
 
@@ -158,6 +162,7 @@ std::string to_toml(const Project& project) {
     std::string text = fmt::format("format = \"{}\"\n", format_name);
     if (project.array) text += fmt::format("array = {}\n", quoted(*project.array));
     if (project.board) text += fmt::format("board = {}\n", quoted(*project.board));
+    if (!project.path.empty()) text += fmt::format("path = {}\n", quoted(project.path));
     if (project.points != standard.points) text += fmt::format("points = {}\n", project.points);
     if (project.seed > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()))
         throw bad_argument("seed", fmt::format("{} is more than a project file can hold; take at most {}", project.seed,
@@ -168,6 +173,9 @@ std::string to_toml(const Project& project) {
     if (project.pace.speed_m_s) text += fmt::format("speed_m_s = {}\n", number(*project.pace.speed_m_s));
     if (project.pace.frequency_hz) text += fmt::format("frequency_hz = {}\n", number(*project.pace.frequency_hz));
     if (project.jump == Jump::blank) text += "jump = \"blank\"\n";
+    if (project.even) text += "even = true\n";
+    if (!project.am.empty()) text += fmt::format("am = {}\n", quoted(project.am));
+    if (project.am_law == AmplitudeLaw::radiation) text += "am_law = \"radiation\"\n";
     if (project.loops != standard.loops) text += fmt::format("loops = {}\n", project.loops);
     const Placement& place = project.placement;
     std::string placed;

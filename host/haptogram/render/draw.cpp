@@ -75,7 +75,7 @@ Drawing draw(const CurveTour& tour, const Array& array, double carrier_hz, const
         const double part = curves[c].length / static_cast<double>(count);
         for (std::size_t i = 0; i < count; ++i) {
             points.push_back(curves[c].at(part * (static_cast<double>(i) + 0.5)));
-            drawing.stretches.push_back({points.back(), part * per_metre});
+            drawing.stretches.push_back({{{points.back()}}, part * per_metre});
         }
         if (jump == Jump::hop) continue;
         const Vec3 left = curves[c].at(curves[c].length);
@@ -91,11 +91,11 @@ Drawing draw(const CurveTour& tour, const Array& array, double carrier_hz, const
         // What is left out is passed over in silence, so that the rest keeps its speed and the pass its frequency.
         std::size_t next = 0, number = 0;
         for (Stretch& stretch : drawing.stretches) {
-            if (!stretch.point) continue;
+            if (stretch.foci.empty()) continue;
             if (next < reachable.size() && reachable[next] == number)
                 ++next;
             else
-                stretch.point.reset();
+                stretch.foci.clear();
             ++number;
         }
     }
@@ -118,7 +118,8 @@ Drawing draw(TouredPoints points, double carrier_hz, const Pace& pace) {
     const double periods = pace.frequency_hz ? carrier_hz / *pace.frequency_hz
                                              : drawing.length_m * periods_per_metre(pace, carrier_hz, drawing.length_m);
     require_whole_periods(periods, count, pace);
-    for (const Vec3& point : points.points) drawing.stretches.push_back({point, periods / static_cast<double>(count)});
+    for (const Vec3& point : points.points)
+        drawing.stretches.push_back({{{point}}, periods / static_cast<double>(count)});
     drawing.points = std::move(points);
     return drawing;
 }
@@ -137,16 +138,14 @@ Path path_of(const std::vector<Stretch>& stretches) {
             throw impossible("rate",
                              fmt::format("a point lasts {} carrier periods; expected at most {}", periods, most));
         if (periods == 0) {
-            if (!stretch.point) continue;  // silence of less than half a period
+            if (stretch.foci.empty()) continue;  // silence of less than half a period
             throw impossible("rate",
                              fmt::format("a focus lasts {:.3f} carrier periods, which leaves it none after rounding; "
                                          "take fewer points, or a lower speed, frequency or rate",
                                          stretch.periods),
                              {"points"});
         }
-        PathStep step{{}, static_cast<std::uint32_t>(periods)};
-        if (stretch.point) step.foci.push_back({*stretch.point});
-        path.steps.push_back(std::move(step));
+        path.steps.push_back({stretch.foci, static_cast<std::uint32_t>(periods)});
     }
     return path;
 }
