@@ -129,6 +129,9 @@ TEST_CASE("draw: the draw frequency at 7 m/s follows from the length", "[draw]")
         {{.kind = "square", .length = 0.1}, 17.5},
         {{.kind = "circle", .diameter = 0.1}, 22.282},
         {{.kind = "circle", .diameter = 0.08}, 27.852},
+        {{.kind = "circle", .diameter = 0.075}, 29.71},  // a cone of 100 mm, cut at a quarter of its height
+        {{.kind = "circle", .diameter = 0.05}, 44.56},   // and in the middle
+        {{.kind = "circle", .diameter = 0.025}, 89.13},
         {{.kind = "circle", .diameter = 0.04}, 55.70},
         {{.kind = "circle", .diameter = 0.02}, 111.4},
     }));

@@ -215,7 +215,7 @@ Path path_in_file(const Project& project, const Array& array, double carrier_hz,
 /// Chooses dwells that make all points feel alike, a third of the given ones and a carrier period at the least.
 /// @return shares of the time, before and after
 Evened make_even(std::vector<Stretch>& stretches, const Array& array) {
-    constexpr std::size_t rounds = 1000;
+    constexpr std::size_t rounds = 3000;
     constexpr double least_part = 1.0 / 3.0;
     std::vector<Vec3> points;
     std::vector<double> periods, floors;
@@ -278,6 +278,27 @@ void warn_of_few_samples(Compiled& compiled, const Project& project) {
             samples_hz, adaptics_brush_hz));
 }
 
+/// A modulation that keeps step with the path may be off whenever a focus has its turn.
+void warn_of_unheard_foci(Compiled& compiled) {
+    if (compiled.path.modulation.samples.empty()) return;
+    std::size_t unheard = 0;
+    const auto& records = compiled.bundle.manifest.records;
+    for (const PathStep& step : compiled.path.steps) {
+        const auto plays = [&](const RecordMeaning& record) {
+            return std::equal(record.foci.begin(), record.foci.end(), step.foci.begin(), step.foci.end(),
+                              [](const Focus& a, const Focus& b) { return a.position == b.position; });
+        };
+        const bool audible =
+            std::any_of(step.foci.begin(), step.foci.end(), [](const Focus& focus) { return focus.amplitude > 0.0; });
+        if (audible && std::none_of(records.begin(), records.end(), plays)) ++unheard;
+    }
+    if (unheard > 0)
+        compiled.warnings.push_back(fmt::format(
+            "{} of {} steps of the path are never heard, because the modulation is at 0 whenever they play; "
+            "take a frequency that does not divide the modulation's",
+            unheard, compiled.path.steps.size()));
+}
+
 Compiled compile_path(Path path, const Array& array, const Core& core, std::uint16_t loops, const std::string& name,
                       const std::string& settings) {
     require_sound(path);
@@ -323,9 +344,9 @@ Compiled compile_path(Path path, const Array& array, const Core& core, std::uint
     manifest.image_sha256 = sha256(hex);
     Compiled compiled{
         {std::move(image), std::move(manifest), std::move(hex), name}, std::move(path), {}, {}, {}, {}, {}, {}};
-    const Path played = path_of(compiled.bundle);
-    compiled.pressure_left = summary_of(played, pressure_left(array, played));
-    warn_of_short_dwells(compiled);
+    compiled.pressure_left = summary_of(compiled.path, pressure_left(array, compiled.path));
+    warn_of_unheard_foci(compiled);
+    if (compiled.path.modulation.samples.empty()) warn_of_short_dwells(compiled);
     return compiled;
 }
 

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "haptogram/base/toml_section.hpp"
+#include "haptogram/model/millimetres.hpp"
 
 namespace haptogram {
 namespace {
@@ -169,7 +170,8 @@ std::string to_toml(const Project& project) {
                                                std::numeric_limits<std::int64_t>::max()));
     if (project.seed != standard.seed) text += fmt::format("seed = {}\n", project.seed);
     if (project.clip) text += "clip = true\n";
-    if (project.rate_hz != standard.rate_hz) text += fmt::format("rate_hz = {}\n", number(project.rate_hz));
+    const bool paced = project.pace.speed_m_s || project.pace.frequency_hz;
+    if (!paced && project.rate_hz != standard.rate_hz) text += fmt::format("rate_hz = {}\n", number(project.rate_hz));
     if (project.pace.speed_m_s) text += fmt::format("speed_m_s = {}\n", number(*project.pace.speed_m_s));
     if (project.pace.frequency_hz) text += fmt::format("frequency_hz = {}\n", number(*project.pace.frequency_hz));
     if (project.jump == Jump::blank) text += "jump = \"blank\"\n";

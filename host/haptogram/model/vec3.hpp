@@ -26,12 +26,5 @@ inline constexpr double millimetre = 1e-3;  ///< metres
 [[nodiscard]] constexpr Vec3 from_mm(double x, double y, double z) {
     return {x * millimetre, y * millimetre, z * millimetre};
 }
-/// Millimetres that read back as the same metres, where a double can do so.
-[[nodiscard]] inline double exact_mm(double metres) {
-    const double millimetres = metres / millimetre;
-    for (const double near : {millimetres, std::nextafter(millimetres, 0.0), std::nextafter(millimetres, 1e300)})
-        if (near * millimetre == metres) return near;
-    return millimetres;
-}
 
 }  // namespace haptogram

@@ -12,7 +12,7 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/render/draw.hpp"
-#include "haptogram/render/json_member.hpp"
+#include "haptogram/base/json_member.hpp"
 
 namespace haptogram {
 namespace {
@@ -112,7 +112,8 @@ private:
         pattern_.turn_deg = dynamic(geometry.at("rotation"));
         pattern_.intensity_factor = dynamic(transform.at("intensity_factor"));
         pattern_.speed = dynamic(transform.at("playback_speed"));
-        if (!(pattern_.speed > 0.0)) throw transform.at("playback_speed").wrong("more than 0");
+        if (!(pattern_.speed >= 1e-3 && pattern_.speed <= 1e3))
+            throw transform.at("playback_speed").wrong("from 0.001 to 1000");
     }
 
     static bool is_step(const JsonMember& member) {

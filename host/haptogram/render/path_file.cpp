@@ -11,9 +11,10 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/base/json_member.hpp"
+#include "haptogram/model/millimetres.hpp"
 #include "haptogram/render/adaptics.hpp"
 #include "haptogram/render/draw.hpp"
-#include "haptogram/render/json_member.hpp"
 #include "haptogram/shape/text.hpp"
 
 namespace haptogram {

@@ -14,20 +14,27 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// One row of |p|²: the field of every focus at one point.
 /// @param propagation_re, propagation_im  from each element to the point
 /// @param drives_re, drives_im            of each element, a row an element, a column a focus
+/// @param foci                            a multiple of two of the widest vectors
 void squares_at(const float* propagation_re, const float* propagation_im, const float* drives_re,
                 const float* drives_im, std::size_t elements, std::size_t foci, float* squares) {
     const hn::ScalableTag<float> d;
     const std::size_t lanes = hn::Lanes(d);
-    for (std::size_t j = 0; j < foci; j += lanes) {
-        auto re = hn::Zero(d), im = hn::Zero(d);
+    for (std::size_t j = 0; j < foci; j += 2 * lanes) {
+        auto re = hn::Zero(d), im = hn::Zero(d), re2 = hn::Zero(d), im2 = hn::Zero(d);
         for (std::size_t m = 0; m < elements; ++m) {
             // Multiply and add apart, never fused: the result must not depend on the processor.
             const auto hr = hn::Set(d, propagation_re[m]), hi = hn::Set(d, propagation_im[m]);
-            const auto dr = hn::LoadU(d, drives_re + m * foci + j), di = hn::LoadU(d, drives_im + m * foci + j);
+            const float* const at_re = drives_re + m * foci + j;
+            const float* const at_im = drives_im + m * foci + j;
+            const auto dr = hn::LoadU(d, at_re), di = hn::LoadU(d, at_im);
+            const auto dr2 = hn::LoadU(d, at_re + lanes), di2 = hn::LoadU(d, at_im + lanes);
             re = hn::Add(re, hn::Sub(hn::Mul(hr, dr), hn::Mul(hi, di)));
             im = hn::Add(im, hn::Add(hn::Mul(hi, dr), hn::Mul(hr, di)));
+            re2 = hn::Add(re2, hn::Sub(hn::Mul(hr, dr2), hn::Mul(hi, di2)));
+            im2 = hn::Add(im2, hn::Add(hn::Mul(hi, dr2), hn::Mul(hr, di2)));
         }
         hn::StoreU(hn::Add(hn::Mul(re, re), hn::Mul(im, im)), d, squares + j);
+        hn::StoreU(hn::Add(hn::Mul(re2, re2), hn::Mul(im2, im2)), d, squares + j + lanes);
     }
 }
 
@@ -110,8 +117,8 @@ CrossTalk::CrossTalk(const Array& array, std::span<const Vec3> points)
     const std::vector<std::complex<double>> waves = propagation_matrix(array, points);
     const double k = 2.0 * std::numbers::pi / array.wavelength_m();
     std::vector<float> drives_re(elements * padded_), drives_im(elements * padded_);
-    for (std::size_t j = 0; j < count_; ++j) {
-        for (std::size_t m = 0; m < elements; ++m) {
+    for (std::size_t m = 0; m < elements; ++m) {
+        for (std::size_t j = 0; j < count_; ++j) {
             const double turns = k * distance(array.elements[m], points[j]);
             drives_re[m * padded_ + j] = static_cast<float>(std::cos(turns));
             drives_im[m * padded_ + j] = static_cast<float>(std::sin(turns));

@@ -79,11 +79,12 @@ public:
 
     /// Refuses members that nobody would read.
     void only(std::initializer_list<std::string_view> keys) const {
-        for (const auto& [key, member] : object().items())
-            if (std::find(keys.begin(), keys.end(), key) == keys.end())
-                throw bad_input(
-                    file_, fmt::format("{}unknown member \"{}\"; known are {}", place_.empty() ? "" : place_ + ": ",
-                                       key.substr(0, 40), fmt::join(keys, ", ")));
+        for (const auto& [key, member] : object().items()) {
+            if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
+            const std::string shown = Json(key.substr(0, 40)).dump(-1, ' ', true, Json::error_handler_t::replace);
+            throw bad_input(file_, fmt::format("{}unknown member {}; known are {}", place_.empty() ? "" : place_ + ": ",
+                                               shown, fmt::join(keys, ", ")));
+        }
     }
 
     [[nodiscard]] const Json& value() const { return *value_; }
