@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/render/draw.hpp"
 #include "haptogram/base/json_member.hpp"
+#include "haptogram/render/draw.hpp"
 
 namespace haptogram {
 namespace {
