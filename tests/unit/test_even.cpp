@@ -163,7 +163,7 @@ TEST_CASE("pressure left: two foci in turn leave what the resonators leave", "[e
     const double expected = alternate(array, second_order(array), a, b, periods).peak;
     CAPTURE(periods, b.x, left[0], expected);
     // The envelope does not know when in its period an element's pulse comes, which matters for few periods.
-    CHECK(left[0] == Approx(expected).margin(periods < 8 ? 0.07 : periods < 12 ? 0.04 : 0.02));
+    CHECK(left[0] == Approx(expected).margin(periods < 8 ? 0.07 : periods < 12 ? 0.04 : 0.03));
 }
 
 TEST_CASE("pressure left: near foci at full rate keep nearly all, far ones lose", "[even]") {
