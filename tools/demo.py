@@ -49,6 +49,15 @@ def render(program, name, source, folder):
     return json.loads(report.read_text(encoding="utf-8"))
 
 
+def evenness(program, name, source, folder):
+    """How alike the points of a shape feel with equal dwells and with chosen ones, in words."""
+    report = json.loads(run([program, "compile", *source, "--points", 200, "--rate", 10, "--even", "--json", "-o", folder / f"{name}_even.hex"]))
+    return (
+        f"{name}: dwells for an even feeling lower the spread from {report['spread_before']:.3f} to {report['spread']:.3f}; "
+        f"the weakest point has {report['weakest_of_before']:.2f} of its pressure before"
+    )
+
+
 ROWS = [
     ("points", lambda r: f"{r['points']}"),
     ("image size", lambda r: f"{r['image_bytes']} bytes"),
@@ -71,6 +80,8 @@ def main():
     print(f"{'':28}" + "".join(f"{name:44}" for name in reports))
     for title, value in ROWS:
         print((f"{title:28}" + "".join(f"{value(report):44}" for report in reports.values())).rstrip())
+    print(evenness(arguments.program, "heart", [SHAPES["heart"]], arguments.output / "heart"))
+    print(evenness(arguments.program, "hemisphere", ["--shape", "hemisphere"], arguments.output))
     for name in reports:
         print(f"{arguments.output / name}/: image, manifest, pulses, report, fields and {name}.png")
 

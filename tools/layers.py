@@ -26,6 +26,7 @@ LAYERS = {
     "boards":     {"may": BASICS, "at": (2, 6), "knows": "board files, the core's parameters"},
     "acoustics":  {"may": BASICS, "at": (0, 6), "knows": "waves, fields, transients"},
     "shape":      {"may": BASICS, "at": (1, 6), "knows": "files, built-in shapes, points"},
+    "hand":       {"may": BASICS, "at": (3, 6), "knows": "hands, skin, solids"},
     "render":     {"may": [*BASICS, "shape"], "at": (1, 5), "knows": "paths: foci in time"},
     "solve":      {"may": [*PHYSICS, "render"], "at": (1, 4), "knows": "foci to drives to records"},
     "image":      {"may": [*PHYSICS, "render", "solve"], "at": (1, 3), "knows": "memories, Intel HEX, bundles"},

@@ -92,6 +92,11 @@ int analyze_image(const AnalyzeOptions& options) {
     const nlohmann::ordered_json safe = safety(analysis.loudness);
     report.add("points", points)
         .add("warnings", analysis.warnings)
+        .add("pressure_left_least", analysis.pressure_left.least,
+             fmt::format("the transducers' bandwidth leaves {:.1f} % of the pressure at the worst point, {:.1f} % on "
+                         "average",
+                         100.0 * analysis.pressure_left.least, 100.0 * analysis.pressure_left.mean))
+        .add("pressure_left_mean", analysis.pressure_left.mean)
         .add("safety", safe,
              fmt::format("sound on the axis, averaged over the sequence: {} dB SPL at most, at {} mm, {} dB at 300 mm; "
                          "{} dB are recommended for ears\n{}",

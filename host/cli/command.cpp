@@ -39,6 +39,23 @@ void require_distinct(const std::vector<NamedPath>& inputs, const std::vector<Na
     }
 }
 
+void add_am(CLI::App& command, std::optional<std::string>& am, std::optional<std::string>& law) {
+    auto* wave = command.add_option("--am", am,
+                                    "Amplitude over time: static, sine:HZ, square:HZ[:DUTY], abs-sine:HZ, triangle:HZ, "
+                                    "sawtooth:HZ, several with + between them, wav:FILE or csv:FILE");
+    command
+        .add_option("--am-law", law,
+                    "What the waveform's values are: fractions of the pressure, or of the radiation pressure, which is "
+                    "its square")
+        ->check(CLI::IsMember({"pressure", "radiation"}))
+        ->default_str("pressure")
+        ->needs(wave);
+}
+
+AmplitudeLaw law_of(const std::string& name) {
+    return name == "radiation" ? AmplitudeLaw::radiation : AmplitudeLaw::pressure;
+}
+
 CLI::Validator positive() {
     return {[](std::string& text) {
                 double value = 0.0;

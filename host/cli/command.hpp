@@ -3,8 +3,11 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "haptogram/render/waveform.hpp"
 
 namespace haptogram::cli {
 
@@ -39,6 +42,10 @@ struct NamedPath {
 
 /// @throws Error{bad_argument} when an output would overwrite an input or another output, or two go to standard output
 void require_distinct(const std::vector<NamedPath>& inputs, const std::vector<NamedPath>& outputs);
+
+/// The options --am and --am-law.
+void add_am(CLI::App& command, std::optional<std::string>& am, std::optional<std::string>& law);
+[[nodiscard]] AmplitudeLaw law_of(const std::string& name);
 
 /// Checks of option values that say what was found.
 [[nodiscard]] CLI::Validator positive();

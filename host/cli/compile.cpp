@@ -11,6 +11,7 @@
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/render/path_file.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
 
@@ -25,11 +26,14 @@ struct CompileOptions {
     std::optional<std::string> board, array, unit;
     std::optional<std::size_t> points;
     std::optional<std::uint64_t> seed;
-    std::optional<double> rate_hz, size_mm, scale;
+    std::optional<double> rate_hz, speed_m_s, frequency_hz, size_mm, scale;
+    std::optional<std::string> jump;
     std::optional<std::uint16_t> loops;
     std::vector<double> center_mm, rotate_deg;
-    bool clip = false;
+    bool clip = false, even = false;
+    std::optional<std::string> am, am_law;
     std::string output = "image.hex";
+    std::string path, save_path;
     std::string manifest, readmemh;
     bool json = false;
 };
@@ -62,6 +66,8 @@ Project project_of(const CompileOptions& options) {
             if (*length) **length *= millimetre;
         project.shapes.push_back(source);
     }
+    if (!options.path.empty()) project.path = options.path;
+    if (!project.path.empty() && options.rate_hz) throw bad_argument("rate", "is of shapes; a path has its own times");
     const auto put = [](auto& target, const auto& given) {
         if (given) target = *given;
     };
@@ -70,6 +76,9 @@ Project project_of(const CompileOptions& options) {
     put(project.points, options.points);
     put(project.seed, options.seed);
     put(project.rate_hz, options.rate_hz);
+    if (options.rate_hz || options.speed_m_s || options.frequency_hz)
+        project.pace = {options.speed_m_s, options.frequency_hz};
+    if (options.jump) project.jump = *options.jump == "hop" ? Jump::hop : Jump::blank;
     put(project.loops, options.loops);
     put(project.placement.scale, options.scale);
     if (options.size_mm) project.placement.size_m = *options.size_mm * millimetre;
@@ -77,6 +86,10 @@ Project project_of(const CompileOptions& options) {
     if (!c.empty()) project.placement.center = from_mm(c[0], c[1], c[2]);
     if (!options.rotate_deg.empty()) std::copy_n(options.rotate_deg.begin(), 3, project.placement.rotate_deg.begin());
     project.clip = project.clip || options.clip;
+    project.even = project.even || options.even;
+    put(project.am, options.am);
+    if (options.am_law) project.am_law = law_of(*options.am_law);
+    if (!project.path.empty() && project.even) throw bad_argument("even", "is of shapes; a path has dwells of its own");
     return project;
 }
 
@@ -92,11 +105,36 @@ void check_paths(CompileOptions& options) {
     if (options.array && options.array->ends_with(".toml")) inputs.push_back({"--array", *options.array});
     if (options.board && options.board->ends_with(".toml")) inputs.push_back({"--board", *options.board});
     std::vector<NamedPath> outputs = {{"--output", options.output}, {"--manifest", options.manifest}};
+    if (!options.path.empty()) inputs.push_back({"--path", options.path});
+    if (!options.save_path.empty()) outputs.push_back({"--save-path", options.save_path});
     if (!options.readmemh.empty()) {
         outputs.push_back({"--readmemh", options.readmemh + ".primary.mem"});
         outputs.push_back({"--readmemh", options.readmemh + ".sequence.mem"});
     }
     require_distinct(inputs, outputs);
+}
+
+void add_pace(Report& report, const DrawnPace& pace) {
+    report
+        .add("speed_m_s", pace.speed_m_s,
+             fmt::format("drawn             {:.1f} mm and jumps of {:.1f} mm at {:.4g} m/s, {:.4g} Hz, a point every "
+                         "{:.3g} mm",
+                         pace.length_m / millimetre, pace.jumps_m / millimetre, pace.speed_m_s, pace.frequency_hz,
+                         pace.spacing_m / millimetre))
+        .add("frequency_hz", pace.frequency_hz)
+        .add("length_mm", pace.length_m / millimetre)
+        .add("jumps_mm", pace.jumps_m / millimetre)
+        .add("spacing_mm", pace.spacing_m / millimetre);
+}
+
+void add_evened(Report& report, const Evened& evened) {
+    const double weakest = evened.after.weakest / evened.before.weakest;
+    report
+        .add("spread", evened.after.spread,
+             fmt::format("even              spread {:.4f}, {:.4f} with equal dwells; weakest point {:.3f} of before",
+                         evened.after.spread, evened.before.spread, weakest))
+        .add("spread_before", evened.before.spread)
+        .add("weakest_of_before", weakest);
 }
 
 Report report_of(const Compiled& compiled, const CompileOptions& options) {
@@ -120,8 +158,9 @@ Report report_of(const Compiled& compiled, const CompileOptions& options) {
         .add("clipped", p.clipped)
         .add("duplicates", p.duplicates)
         .add("tour_mm", p.tour_m / millimetre,
-             fmt::format("tour              {:.1f} mm, {:.1f} mm as given", p.tour_m / millimetre,
-                         p.as_given_m / millimetre))
+             p.points.empty() ? ""
+                              : fmt::format("tour              {:.1f} mm, {:.1f} mm as given", p.tour_m / millimetre,
+                                            p.as_given_m / millimetre))
         .add("tour_as_given_mm", p.as_given_m / millimetre)
         .add("prescaler", t.prescaler,
              fmt::format("timer             prescaler {}, {} ticks of {:.0f} ns a cycle, pulse {} ticks ({:.1f} %), "
@@ -147,6 +186,17 @@ Report report_of(const Compiled& compiled, const CompileOptions& options) {
              fmt::format("image             {} ({} bytes), manifest {}", options.output, bytes, options.manifest))
         .add("image_bytes", bytes)
         .add("manifest", options.manifest);
+    if (compiled.pace) add_pace(report, *compiled.pace);
+    if (compiled.evened) add_evened(report, *compiled.evened);
+    if (!compiled.am_hz.empty())
+        report.add("am_hz", compiled.am_hz,
+                   fmt::format("modulation        {:.6g} Hz", fmt::join(compiled.am_hz, " Hz, ")));
+    const PressureLeft& left = compiled.pressure_left;
+    report
+        .add("pressure_left_least", left.least,
+             fmt::format("bandwidth leaves  {:.1f} % of the pressure at the worst point, {:.1f} % on average",
+                         100.0 * left.least, 100.0 * left.mean))
+        .add("pressure_left_mean", left.mean);
     return report;
 }
 
@@ -164,6 +214,8 @@ int compile(CompileOptions options) {
         files.emplace_back(options.readmemh + ".primary.mem", primary_readmemh(compiled.bundle.image));
         files.emplace_back(options.readmemh + ".sequence.mem", sequence_readmemh(compiled.bundle.image));
     }
+    if (!options.save_path.empty())
+        files.emplace_back(options.save_path, to_json_text(compiled.path, compiled.bundle.manifest.timer.carrier_hz()));
     write_files(files);
     if (options.output != "-" && options.manifest != "-") report_of(compiled, options).print(options.json);
     for (const std::string& warning : compiled.warnings) complain("warning: " + warning);
@@ -191,6 +243,10 @@ void add_compile(CLI::App& app, Action& action) {
         ->check(positive());
     sub->add_option("--sides", options->primitive.sides, "Of a built-in polygon")->check(whole(3, 1000));
     sub->add_option("--turns", options->primitive.turns, "Of a built-in helix")->check(positive());
+    sub->add_option("--path", options->path,
+                    "A path instead of shapes: .json as --save-path writes it, .csv of time_ms, x_mm, y_mm, z_mm and "
+                    "intensity, or an .adaptics pattern, looked at --points times");
+    sub->add_option("--save-path", options->save_path, "Also write the path that the image plays, as JSON");
     sub->add_option(
         "--board", options->board,
         "Board file (TOML), shipped board (see haptogram board list) or configuration of the core such as tile-100 "
@@ -207,9 +263,27 @@ void add_compile(CLI::App& app, Action& action) {
     sub->add_option("--seed", options->seed, "Of the sampling")
         ->check(whole(0, std::numeric_limits<std::uint64_t>::max()))
         ->default_str(fmt::to_string(standard.seed));
-    sub->add_option("--rate", options->rate_hz, "Passes over the shape a second, Hz")
+    auto* rate = sub->add_option("--rate", options->rate_hz, "Passes over the shape a second, Hz")
+                     ->check(positive())
+                     ->default_str(fmt::to_string(standard.rate_hz));
+    auto* speed = sub->add_option("--speed", options->speed_m_s,
+                                  fmt::format("Draw the shape's curves, or its tour, at this many m/s ({} is usual)",
+                                              usual_speed_m_s))
+                      ->check(positive())
+                      ->excludes(rate);
+    sub->add_option("--frequency", options->frequency_hz, "Draw the shape's curves this many times a second, Hz")
         ->check(positive())
-        ->default_str(fmt::to_string(standard.rate_hz));
+        ->excludes(rate)
+        ->excludes(speed);
+    sub->add_option("--jump", options->jump,
+                    "Between curves that are drawn: hop, which takes no time, or blank, silence for as long as the way "
+                    "takes")
+        ->check(CLI::IsMember({"hop", "blank"}))
+        ->default_str("hop");
+    sub->add_flag("--even", options->even,
+                  "Choose dwells that make all points feel alike, with what the foci add to each other, instead of "
+                  "equal ones");
+    add_am(*sub, options->am, options->am_law);
     sub->add_option("--loops", options->loops, "Passes when the image is played by itself; 0 is for ever")
         ->check(whole(0, 65535))
         ->default_str(fmt::to_string(standard.loops));

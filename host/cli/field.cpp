@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <memory>
 
 #include "command.hpp"
@@ -21,6 +22,7 @@ struct FieldCommand {
     bool volume = false;
     double extent_mm = 80.0, step_mm = 1.0;
     std::string x, y, z;
+    std::optional<std::string> am, am_law;
     std::string quantity = "radiation";
     unsigned threads = 0;
     std::string output = "-";
@@ -45,7 +47,12 @@ int field(const FieldCommand& command) {
         {{"--output", command.output}});
     Source source = command.source;
     if (!command.focus.empty()) source.focus = parse_point_mm("focus", command.focus);
-    const Excitation excitation = open_excitation(source);
+    Excitation excitation = open_excitation(source);
+    if (command.am) {
+        const MadeModulation made =
+            modulation_of(*command.am, law_of(command.am_law.value_or("pressure")), excitation.array.carrier_hz);
+        weaken(excitation, std::sqrt(mean_square_of(made.modulation)));
+    }
     ProgressLine progress("field");
     write_field(command.output, haptogram::field(excitation, region, quantity, command.threads, progress.callback()));
     return 0;
@@ -90,6 +97,7 @@ void add_field(CLI::App& app, Action& action) {
         about += fmt::format("{}{} ({})", about.empty() ? "" : ", ", one.name, one.about);
     }
     sub->add_option("--quantity", options->quantity, about)->check(CLI::IsMember(names))->capture_default_str();
+    add_am(*sub, options->am, options->am_law);
     sub->add_option("--threads", options->threads, "0: as many as there are")
         ->check(whole(0, 1024))
         ->capture_default_str();

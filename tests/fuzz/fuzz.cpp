@@ -13,12 +13,16 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/boards/board.hpp"
+#include "haptogram/hand/leap.hpp"
 #include "haptogram/image/image.hpp"
 #include "haptogram/image/manifest.hpp"
 #include "haptogram/image/pulses.hpp"
 #include "haptogram/instrument/project.hpp"
 #include "haptogram/link/frame.hpp"
 #include "haptogram/model/array.hpp"
+#include "haptogram/render/adaptics.hpp"
+#include "haptogram/render/path_file.hpp"
+#include "haptogram/render/waveform.hpp"
 #include "haptogram/shape/formats.hpp"
 
 namespace haptogram::fuzz {
@@ -74,12 +78,28 @@ void project(const std::string& content) {
     require(to_toml(project_from_toml(written, "fuzz")) == written);
 }
 
-const std::map<std::string, void (*)(const std::string&)> targets = {{"frame", frame},   {"intel_hex", intel_hex},
-                                                                     {"pulses", pulses}, {"manifest", manifest},
-                                                                     {"ply", ply},       {"obj", obj},
-                                                                     {"stl", stl},       {"xyz", xyz},
-                                                                     {"csv", csv},       {"array", array},
-                                                                     {"board", board},   {"project", project}};
+constexpr double carrier_hz = 40e3;
+
+void path(const std::string& content) {
+    const Path found = path_from_json(content, "fuzz", carrier_hz);
+    const std::string written = to_json_text(found, carrier_hz);
+    require(to_json_text(path_from_json(written, "fuzz", carrier_hz), carrier_hz) == written);
+}
+
+void path_csv(const std::string& content) { require_sound(path_from_csv(content, "fuzz", carrier_hz)); }
+void adaptics(const std::string& content) { require_sound(path_from_adaptics(content, "fuzz", carrier_hz, 20)); }
+void wav(const std::string& content) { static_cast<void>(wave_from_wav(content, "fuzz")); }
+void leap(const std::string& content) { static_cast<void>(recording_from_leap(content, "fuzz")); }
+
+const std::map<std::string, void (*)(const std::string&)> targets = {{"frame", frame},       {"intel_hex", intel_hex},
+                                                                     {"pulses", pulses},     {"manifest", manifest},
+                                                                     {"ply", ply},           {"obj", obj},
+                                                                     {"stl", stl},           {"xyz", xyz},
+                                                                     {"csv", csv},           {"array", array},
+                                                                     {"board", board},       {"project", project},
+                                                                     {"path", path},         {"path_csv", path_csv},
+                                                                     {"adaptics", adaptics}, {"wav", wav},
+                                                                     {"leap", leap}};
 void (*target)(const std::string&) = nullptr;
 
 }  // namespace haptogram::fuzz

@@ -6,6 +6,7 @@ something; what it found stays in build/fuzz/findings."""
 import argparse
 import concurrent.futures
 import io
+import json
 import os
 import re
 import shutil
@@ -17,7 +18,8 @@ from pathlib import Path
 from intelhex import IntelHex
 
 ROOT = Path(__file__).resolve().parents[2]
-TARGETS = ("frame", "intel_hex", "pulses", "manifest", "ply", "obj", "stl", "xyz", "csv", "array", "board", "project")
+TARGETS = ("frame", "intel_hex", "pulses", "manifest", "ply", "obj", "stl", "xyz", "csv", "array", "board", "project",
+           "path", "path_csv", "adaptics", "wav", "leap")  # fmt: skip
 CUBE = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
 
 
@@ -30,6 +32,28 @@ def sound_hex():
     text = io.StringIO()
     image.write_hex_file(text, write_start_addr=False)
     return text.getvalue().encode()
+
+
+def sound_pattern():
+    """A pattern of the AdapTics designer: two key frames and a stop."""
+
+    def number(value):
+        return {"type": "f64", "value": value}
+
+    def frame(time, x):
+        linear = {"name": "linear", "params": {}}
+        return {
+            "type": "standard", "time": time, "cjumps": [], "coords": {"coords": {"x": x, "y": 0, "z": 0}, "transition": linear},
+            "brush": {"brush": {"name": "circle", "params": {"radius": number(5), "am_freq": number(50)}}, "transition": linear},
+            "intensity": {"intensity": {"name": "constant", "params": {"value": number(1)}}, "transition": linear},
+        }  # fmt: skip
+
+    xyz = {axis: number(1) for axis in "xyz"}
+    return {
+        "$DATA_FORMAT": "MidAirHapticsAnimationFileFormat", "$REVISION": "0.1.0-alpha.2", "name": "two places", "user_parameter_definitions": {},
+        "keyframes": [frame(0, -10), frame(20, 10), {"type": "stop", "time": 30}],
+        "pattern_transform": {"geometric_transforms": {"translate": xyz, "rotation": number(0), "scale": xyz}, "intensity_factor": number(1), "playback_speed": number(1)},
+    }  # fmt: skip
 
 
 def seeds(program):
@@ -56,7 +80,17 @@ def seeds(program):
         "array": [path.read_bytes() for path in sorted((ROOT / "host/arrays").glob("*.toml"))],
         "board": [path.read_bytes() for path in sorted((ROOT / "constraints").glob("*.toml"))],
         "project": [b'format = "haptogram-project-1"\npoints = 12\nrate_hz = 50.5\nclip = true\n[place]\ncenter_mm = [0, 1.5, 120]\nsize_mm = 40\n'
-                    b'[[shape]]\nkind = "circle"\ndiameter_mm = 40\n[[shape]]\nfile = "a b.ply"\nunit = "cm"\n'],
+                    b'[[shape]]\nkind = "circle"\ndiameter_mm = 40\n[[shape]]\nfile = "a b.ply"\nunit = "cm"\n',
+                    b'format = "haptogram-project-1"\nspeed_m_s = 7\njump = "blank"\neven = true\nam = "sine:200"\nam_law = "radiation"\n[[shape]]\nkind = "plus"\n',
+                    b'format = "haptogram-project-1"\npath = "a.json"\n'],
+        "path": [b'{"format": "haptogram-path-1", "carrier_hz": 40000, "steps": [{"periods": 6, "foci": [{"position_mm": [1, 2.5, 130], "amplitude": 0.5}]},'
+                 b' {"periods": 4, "foci": []}], "modulation": {"periods_a_sample": 2, "samples": [0, 0.5, 1]}}'],
+        "path_csv": [b"time_ms,x_mm,y_mm,z_mm,intensity\n0,1,2,130,1\n1,2,2,130,0.5\n", b"z_mm;x_mm;y_mm;time_s\n130;0;0;0\n130;1;0;0.001\n"],
+        "adaptics": [json.dumps(sound_pattern()).encode()],
+        "wav": [b"RIFF" + struct.pack("<I", 44) + b"WAVEfmt " + struct.pack("<IHHIIHH", 16, 1, 1, 8000, 16000, 2, 16) + b"data" + struct.pack("<I4h", 8, 0, 99, -99, 0)],
+        "leap": [b'{"frames": [["timestamp", {"hands": [["type", "id", "palmVelocity", "palmPosition", "palmNormal", "direction"]]}, {"pointables": [["handId", "id",'
+                 b' "tipPosition", "dipPosition", "pipPosition", "mcpPosition"]]}], [5, [["left", 7, [10, 0, 0], [1, 200, 30], [0, -1, 0], [0, 0, -1]]],'
+                 b' [[7, 71, [0, 200, -85], [0, 200, -65], [0, 200, -40], [0, 200, 0]]]]]}', b"BYUwNmD2A0AECWsCGBbZtDUzkAA="],
     }  # fmt: skip
     subprocess.run([program, "compile", "--shape", "line", "--points", "2", "--array", "tile-7x8", "-o", "seed.hex"],
                    cwd=ROOT / "build/fuzz", stdout=subprocess.DEVNULL, check=True)  # fmt: skip

@@ -33,6 +33,11 @@ std::vector<WeightedDrives> Excitation::sequence() const {
     return found;
 }
 
+void weaken(Excitation& excitation, double factor) {
+    for (std::vector<std::complex<double>>& drives : excitation.drives)
+        for (std::complex<double>& drive : drives) drive *= factor;
+}
+
 Excitation excitation_of(const Array& array, Vec3 focus) {
     if (const std::string why = array.unreachable(focus); !why.empty()) throw bad_argument("focus", why);
     return {array,

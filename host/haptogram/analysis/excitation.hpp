@@ -24,6 +24,10 @@ struct Excitation {
     [[nodiscard]] std::vector<WeightedDrives> sequence() const;
 };
 
+/// Multiplies every drive. With the root of a modulation's mean square, mean squares and radiation pressures become
+/// those of the modulated sound.
+void weaken(Excitation& excitation, double factor);
+
 /// One focal point, exact phases, full strength.
 /// @throws Error{bad_argument} when the array cannot reach it
 [[nodiscard]] Excitation excitation_of(const Array& array, Vec3 focus);

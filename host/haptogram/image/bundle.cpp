@@ -73,4 +73,24 @@ Bundle load_bundle(const std::string& image, const std::string& manifest) {
     return assemble(std::move(read), std::move(hex), manifest_from_json(read_file(beside), beside), image, beside);
 }
 
+Path path_of(const Bundle& bundle) {
+    Path path;
+    std::uint32_t last = 0;
+    for (const SequenceEntry& entry : bundle.image.sequence) {
+        if (entry.dwell == 0) continue;  // holds until the next record is ready, less than a period later
+        if (!path.steps.empty() && entry.index == last) {
+            path.steps.back().periods += entry.dwell;
+            continue;
+        }
+        last = entry.index;
+        PathStep& step = path.steps.emplace_back();
+        step.periods = entry.dwell;
+        if (entry.index == 0) continue;
+        const RecordMeaning& record = bundle.manifest.records.at(entry.index - 1U);
+        step.foci = record.foci;
+        for (Focus& focus : step.foci) focus.amplitude *= record.amplitude;
+    }
+    return path;
+}
+
 }  // namespace haptogram

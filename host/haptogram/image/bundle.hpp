@@ -31,4 +31,7 @@ struct Bundle {
 /// Reads both files. @param manifest  empty for the one beside the image
 [[nodiscard]] Bundle load_bundle(const std::string& image, const std::string& manifest = {});
 
+/// What an image plays in one pass: the foci of each record, at the record's amplitude, for as long as it lasts.
+[[nodiscard]] Path path_of(const Bundle& bundle);
+
 }  // namespace haptogram

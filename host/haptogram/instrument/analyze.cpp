@@ -3,9 +3,30 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <utility>
+
 #include "haptogram/analysis/excitation.hpp"
 
 namespace haptogram {
+namespace {
+
+/// The same places at the same times, all at full strength: a modulation's samples are no places of their own.
+Path unmodulated(const Path& path) {
+    Path result;
+    for (PathStep step : path.steps) {
+        double largest = 0.0;
+        for (const Focus& focus : step.foci) largest = std::max(largest, focus.amplitude);
+        for (Focus& focus : step.foci) focus.amplitude /= largest;
+        if (!result.steps.empty() && result.steps.back().foci == step.foci)
+            result.steps.back().periods += step.periods;
+        else
+            result.steps.push_back(std::move(step));
+    }
+    return result;
+}
+
+}  // namespace
 
 ImageAnalysis analyze(const Bundle& bundle, double least_force_n, const Progress& progress) {
     const Excitation excitation = excitation_of(bundle);
@@ -32,6 +53,8 @@ ImageAnalysis analyze(const Bundle& bundle, double least_force_n, const Progress
         result.warnings.push_back(fmt::format(
             "{} of {} points are left before 90 % of their pressure is there; take fewer points or a lower rate",
             short_dwells, points));
+    const Path path = unmodulated(path_of(bundle));
+    if (!path.steps.empty()) result.pressure_left = summary_of(path, pressure_left(manifest.array, path));
     result.loudness = loudness(manifest.array, excitation.sequence());
     return result;
 }

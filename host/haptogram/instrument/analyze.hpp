@@ -7,6 +7,7 @@
 #include "haptogram/analysis/focus_analysis.hpp"
 #include "haptogram/base/progress.hpp"
 #include "haptogram/image/bundle.hpp"
+#include "haptogram/solve/pressure_left.hpp"
 
 namespace haptogram {
 
@@ -28,7 +29,8 @@ struct PointAnalysis {
 struct ImageAnalysis {
     std::vector<PointAnalysis> points;
     std::vector<std::string> warnings;
-    Loudness loudness;  ///< information computed from a model, no certification
+    PressureLeft pressure_left;  ///< by the transducers' bandwidth at this path's speed and spacing
+    Loudness loudness;           ///< information computed from a model, no certification
 };
 
 /// What each focus of an image is like, and how loud the whole is.

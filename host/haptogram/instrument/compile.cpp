@@ -13,6 +13,8 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/boards/board.hpp"
+#include "haptogram/render/adaptics.hpp"
+#include "haptogram/render/path_file.hpp"
 #include "haptogram/render/schedule.hpp"
 #include "haptogram/shape/import.hpp"
 #include "haptogram/solve/drives.hpp"
@@ -73,6 +75,7 @@ std::string settings_text(Project project) {
         source.content.reset();
         if (!source.file.empty()) source.file = "file";
     }
+    if (!project.path.empty()) project.path = "file";
     project.array.reset();
     project.board.reset();
     // Written apart, because a project file cannot hold the largest seeds.
@@ -107,10 +110,18 @@ public:
                     factor = samples[at % samples.size()];
                     next = std::min(until, (at + 1) * path_.modulation.periods_a_sample);
                 }
-                play(record_of(path_.steps[step], factor), next - now);
+                const std::uint16_t index = record_of(path_.steps[step], factor);
+                if (!samples.empty() && index == waiting_index_) {  // samples that round to the same pulse
+                    waiting_ += next - now;
+                } else {
+                    play(waiting_index_, waiting_);
+                    waiting_index_ = index;
+                    waiting_ = next - now;
+                }
                 now = next;
             }
         }
+        play(waiting_index_, waiting_);
         return std::move(timeline_);
     }
 
@@ -155,6 +166,8 @@ private:
     const Path& path_;
     const Timer& timer_;
     const Core& core_;
+    std::uint16_t waiting_index_ = 0;  ///< of the next entry, which may still grow
+    std::uint64_t waiting_ = 0;
     Timeline timeline_;
     std::map<std::string, std::size_t> records_;
 };
@@ -168,6 +181,122 @@ void warn_of_short_dwells(Compiled& compiled) {
         fmt::format("a point lasts {:.1f} µs, shorter than the {:.1f} µs {}; it will not reach its full pressure",
                     dwell_s * 1e6, (geometry ? formation.formation_s : formation.with_ring_up_s()) * 1e6,
                     geometry ? "in which all waves arrive at a focus" : "that the transducers' ring-up takes as well"));
+}
+
+/// Draws a shape's curves, or, when it has surfaces or clouds, visits its points in a short tour.
+Drawing drawing_of(const Project& project, const Shape& shape, const Array& array, double carrier_hz,
+                   const ShapePathOptions& options) {
+    std::vector<Curve> curves;
+    for (const Piece& piece : shape.pieces)
+        if (const Curve* const curve = std::get_if<Curve>(&piece)) curves.push_back(*curve);
+    if (curves.size() < shape.pieces.size()) return draw(tour_of(shape, array, options), carrier_hz, project.pace);
+    return draw(curve_tour(curves), array, carrier_hz, project.pace, project.jump, options);
+}
+
+/// The path that a project names.
+/// @throws Error{bad_input} also when the array cannot reach a focus
+Path path_in_file(const Project& project, const Array& array, double carrier_hz, std::string& hash) {
+    if (!project.shapes.empty())
+        throw bad_argument("path", "a path file has its own places; give either shapes or a path");
+    const Placement& p = project.placement;
+    if (p.scale != 1.0 || p.size_m || p.center || p.rotate_deg != Placement{}.rotate_deg || project.clip ||
+        project.pace.speed_m_s || project.pace.frequency_hz)
+        throw bad_argument("path",
+                           "a path file has its own places and times; scale, size, rotate, center, clip, speed and "
+                           "frequency are for shapes");
+    Path path = load_path(project.folder / project.path, carrier_hz, project.points, &hash);
+    std::vector<Vec3> points;
+    for (const PathStep& step : path.steps)
+        for (const Focus& focus : step.foci) points.push_back(focus.position);
+    static_cast<void>(reachable_points(points, array, false));
+    return path;
+}
+
+/// Chooses dwells that make all points feel alike, a third of the given ones and a carrier period at the least.
+/// @return shares of the time, before and after
+Evened make_even(std::vector<Stretch>& stretches, const Array& array) {
+    constexpr std::size_t rounds = 3000;
+    constexpr double least_part = 1.0 / 3.0;
+    std::vector<Vec3> points;
+    std::vector<double> periods, floors;
+    for (const Stretch& stretch : stretches) {
+        if (stretch.foci.empty()) continue;
+        points.push_back(stretch.foci.front().position);
+        periods.push_back(stretch.periods);
+        floors.push_back(std::min(stretch.periods, std::max(1.0, least_part * stretch.periods)));
+    }
+    const CrossTalk cross_talk(array, points);
+    const auto evenness = [&] {
+        const Path path = path_of(stretches);
+        std::vector<double> shares;
+        for (const PathStep& step : path.steps)
+            if (!step.foci.empty())
+                shares.push_back(static_cast<double>(step.periods) / static_cast<double>(path.periods()));
+        return cross_talk.evenness(shares);
+    };
+    Evened result;
+    result.before = evenness();
+    const std::vector<double> even = cross_talk.even_shares(periods, floors, rounds);
+    std::size_t next = 0;
+    for (Stretch& stretch : stretches)
+        if (!stretch.foci.empty()) stretch.periods = even[next++];
+    result.after = evenness();
+    return result;
+}
+
+DrawnPace pace_of(const Drawing& drawing, const Path& path, double carrier_hz) {
+    const double frequency_hz = carrier_hz / static_cast<double>(path.periods());
+    return {drawing.length_m, drawing.jumps_m, drawing.travelled_m * frequency_hz, frequency_hz, drawing.spacing_m};
+}
+
+/// Lets the amplitude follow the project's waveform. A path of one step has no length of its own: it takes the
+/// modulation's, so that no more sequence entries are needed than that has samples.
+/// @param hashes  gets the hash of the samples
+/// @return the frequencies as they came out
+std::vector<double> modulate(Path& path, const Project& project, double carrier_hz, std::string& hashes) {
+    if (project.am.empty()) return {};
+    if (!path.modulation.samples.empty())
+        throw bad_argument("am", "the path has a modulation of its own; leave one of them out");
+    MadeModulation made = modulation_of(project.am, project.am_law, carrier_hz, project.folder);
+    path.modulation = std::move(made.modulation);
+    hashes += sha256(fmt::format("{}", fmt::join(path.modulation.samples, " ")));
+    if (path.steps.size() == 1)
+        path.steps.front().periods =
+            static_cast<std::uint32_t>(path.modulation.samples.size()) * path.modulation.periods_a_sample;
+    return made.frequencies_hz;
+}
+
+/// A pattern that is looked at too seldom loses the shape of its brush.
+void warn_of_few_samples(Compiled& compiled, const Project& project) {
+    if (!project.path.ends_with(".adaptics")) return;
+    const double length_s = static_cast<double>(compiled.path.periods()) * compiled.bundle.manifest.timer.period_s();
+    const double samples_hz = static_cast<double>(project.points) / length_s;
+    if (samples_hz < 2.0 * adaptics_brush_hz)
+        compiled.warnings.push_back(fmt::format(
+            "the pattern is looked at {:.4g} times a second, and its brush is drawn {:.4g} times; the brush is lost, "
+            "take more points",
+            samples_hz, adaptics_brush_hz));
+}
+
+/// A modulation that keeps step with the path may be off whenever a focus has its turn.
+void warn_of_unheard_foci(Compiled& compiled) {
+    if (compiled.path.modulation.samples.empty()) return;
+    std::size_t unheard = 0;
+    const auto& records = compiled.bundle.manifest.records;
+    for (const PathStep& step : compiled.path.steps) {
+        const auto plays = [&](const RecordMeaning& record) {
+            return std::equal(record.foci.begin(), record.foci.end(), step.foci.begin(), step.foci.end(),
+                              [](const Focus& a, const Focus& b) { return a.position == b.position; });
+        };
+        const bool audible =
+            std::any_of(step.foci.begin(), step.foci.end(), [](const Focus& focus) { return focus.amplitude > 0.0; });
+        if (audible && std::none_of(records.begin(), records.end(), plays)) ++unheard;
+    }
+    if (unheard > 0)
+        compiled.warnings.push_back(fmt::format(
+            "{} of {} steps of the path are never heard, because the modulation is at 0 whenever they play; "
+            "take a frequency that does not divide the modulation's",
+            unheard, compiled.path.steps.size()));
 }
 
 Compiled compile_path(Path path, const Array& array, const Core& core, std::uint16_t loops, const std::string& name,
@@ -216,8 +345,11 @@ Compiled compile_path(Path path, const Array& array, const Core& core, std::uint
     manifest.input_sha256 = sha256(fmt::format("{} {} {}", version(), settings, to_text(before)));
     std::string hex = to_intel_hex(image);
     manifest.image_sha256 = sha256(hex);
-    Compiled compiled{{std::move(image), std::move(manifest), std::move(hex), name}, std::move(path), {}, {}};
-    warn_of_short_dwells(compiled);
+    Compiled compiled{
+        {std::move(image), std::move(manifest), std::move(hex), name}, std::move(path), {}, {}, {}, {}, {}, {}};
+    compiled.pressure_left = summary_of(compiled.path, pressure_left(array, compiled.path));
+    warn_of_unheard_foci(compiled);
+    if (compiled.path.modulation.samples.empty()) warn_of_short_dwells(compiled);
     return compiled;
 }
 
@@ -261,6 +393,17 @@ Compiled compile(const Project& project, const std::string& name, const Progress
     const Timer timer = choose_timer(instrument.array, instrument.core);
     std::string hashes;
     progress(0.0, "reading shapes");
+    if (!project.path.empty()) {
+        Path path = path_in_file(project, instrument.array, timer.carrier_hz(), hashes);
+        const std::vector<double> am_hz = modulate(path, project, timer.carrier_hz(), hashes);
+        progress(0.8, "focusing");
+        Compiled compiled = compile_path(std::move(path), instrument.array, instrument.core, project.loops, name,
+                                         settings_text(project) + hashes);
+        compiled.am_hz = am_hz;
+        warn_of_few_samples(compiled, project);
+        progress(1.0, "focusing");
+        return compiled;
+    }
     const Shape shape = place(gather(project, hashes), placement(project));
     progress(0.3, "sampling");
     const interface::CoreParameters& core = instrument.core.parameters;
@@ -268,13 +411,35 @@ Compiled compile(const Project& project, const std::string& name, const Progress
         project.points,       project.seed,
         project.clip,         instrument.core.most_points(),
         instrument.core.name, fmt::format("{} records, {} sequence entries", core.records, core.sequence_depth - 1)};
-    TouredPoints points = tour_of(shape, instrument.array, options);
+    TouredPoints points;
+    Path path;
+    std::optional<DrawnPace> pace;
+    std::optional<Evened> evened;
+    if (project.pace.speed_m_s || project.pace.frequency_hz) {
+        Drawing drawing = drawing_of(project, shape, instrument.array, timer.carrier_hz(), options);
+        if (project.even) evened = make_even(drawing.stretches, instrument.array);
+        path = path_of(drawing.stretches);
+        pace = pace_of(drawing, path, timer.carrier_hz());
+        points = std::move(drawing.points);
+    } else {
+        points = tour_of(shape, instrument.array, options);
+        path = path_through(points.points,
+                            even_dwells(timer.carrier_hz(), project.rate_hz, points.points.size(), most_dwell));
+        if (project.even) {
+            std::vector<Stretch> stretches;
+            for (const PathStep& step : path.steps) stretches.push_back({step.foci, static_cast<double>(step.periods)});
+            evened = make_even(stretches, instrument.array);
+            path = path_of(stretches);
+        }
+    }
+    const std::vector<double> am_hz = modulate(path, project, timer.carrier_hz(), hashes);
     progress(0.8, "focusing");
-    Path path =
-        path_through(points.points, even_dwells(timer.carrier_hz(), project.rate_hz, points.points.size(), most_dwell));
     Compiled compiled = compile_path(std::move(path), instrument.array, instrument.core, project.loops, name,
                                      settings_text(project) + hashes, Method::gauss_newton);
     compiled.points = std::move(points);
+    compiled.pace = pace;
+    compiled.evened = evened;
+    compiled.am_hz = am_hz;
     progress(1.0, "focusing");
     return compiled;
 }

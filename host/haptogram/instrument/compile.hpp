@@ -1,21 +1,43 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "haptogram/base/progress.hpp"
 #include "haptogram/image/bundle.hpp"
 #include "haptogram/instrument/project.hpp"
+#include "haptogram/render/draw.hpp"
 #include "haptogram/render/path.hpp"
 #include "haptogram/render/shape_path.hpp"
+#include "haptogram/solve/even.hpp"
+#include "haptogram/solve/pressure_left.hpp"
 
 namespace haptogram {
+
+/// How a drawing came out, in whole carrier periods.
+struct DrawnPace {
+    double length_m = 0.0;   ///< of what is drawn
+    double jumps_m = 0.0;    ///< of the jumps between curves
+    double speed_m_s = 0.0;  ///< of the focus on its way
+    double frequency_hz = 0.0;
+    double spacing_m = 0.0;  ///< from one point to the next
+};
+
+/// What dwells chosen for an even feeling did, in whole carrier periods. Both are with cross-talk between the foci.
+struct Evened {
+    Evenness before, after;
+};
 
 /// An image with its manifest, and what became of the shape on the way.
 struct Compiled {
     Bundle bundle;
     Path path;                          ///< what the image plays
     TouredPoints points;                ///< of a shape; empty for a path
+    std::optional<DrawnPace> pace;      ///< of a shape that is drawn at a speed or a frequency
+    std::optional<Evened> evened;       ///< of a shape whose points shall feel alike
+    std::vector<double> am_hz;          ///< frequencies of the modulation, as they came out
+    PressureLeft pressure_left;         ///< by the transducers' bandwidth
     std::vector<std::string> warnings;  ///< whole sentences
 
     /// The least time that any focus lasts, s.

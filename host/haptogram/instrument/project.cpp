@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "haptogram/base/toml_section.hpp"
+#include "haptogram/model/millimetres.hpp"
 
 namespace haptogram {
 namespace {
@@ -58,6 +59,23 @@ void read_placement(Placement& placement, const Section& section) {
         placement.center = from_mm((*center)[0], (*center)[1], (*center)[2]);
 }
 
+void read_pace(Project& project, const Section& whole) {
+    const std::string* first = nullptr;
+    static const std::string keys[] = {"rate_hz", "speed_m_s", "frequency_hz"};
+    for (const std::string& key : keys) {
+        if (whole.find(key) == nullptr) continue;
+        if (first != nullptr)
+            throw bad_input(whole.at(key), fmt::format("{} and {} both say how fast; keep one", *first, key));
+        first = &key;
+    }
+    assign(project.rate_hz, whole.number("rate_hz", 1e-6, 1e6));
+    project.pace.speed_m_s = whole.number("speed_m_s", 1e-6, 1e6);
+    project.pace.frequency_hz = whole.number("frequency_hz", 1e-6, 1e6);
+    if (const auto jump = whole.text("jump", "\"hop\" or \"blank\"",
+                                     [](const std::string& text) { return text == "hop" || text == "blank"; }))
+        project.jump = *jump == "hop" ? Jump::hop : Jump::blank;
+}
+
 /// A text as TOML writes it.
 std::string quoted(const std::string& text) {
     std::ostringstream out;
@@ -73,13 +91,7 @@ std::string number(double value) {
     return text;
 }
 
-/// Millimetres that read back as the same metres.
-std::string in_mm(double metres) {
-    double millimetres = metres / millimetre;
-    for (const double near : {millimetres, std::nextafter(millimetres, 0.0), std::nextafter(millimetres, 1e300)})
-        if (near * millimetre == metres) millimetres = near;
-    return number(millimetres);
-}
+std::string in_mm(double metres) { return number(exact_mm(metres)); }
 
 std::string to_toml(const ShapeSource& source) {
     if (source.content)
@@ -105,7 +117,8 @@ std::string to_toml(const ShapeSource& source) {
 Project project_from_toml(std::string_view text, const std::string& where) {
     const toml::table root = section::parse_text(text, where);
     const Section whole(where, root);
-    whole.only({"format", "array", "board", "points", "seed", "clip", "rate_hz", "loops", "place", "shape"});
+    whole.only({"format", "array", "board", "points", "seed", "clip", "rate_hz", "speed_m_s", "frequency_hz", "jump",
+                "even", "am", "am_law", "loops", "place", "shape", "path"});
     const auto format = whole.required(whole.text("format"), "format", fmt::format("\"{}\"", format_name));
     if (format != format_name)
         throw whole.wrong(*whole.find("format"), "format", fmt::format("\"{}\" for this version", format_name));
@@ -115,7 +128,7 @@ Project project_from_toml(std::string_view text, const std::string& where) {
     assign(project.points, whole.whole("points", 1, 65535));
     assign(project.seed, whole.whole64("seed", 0, std::numeric_limits<std::int64_t>::max()));
     assign(project.clip, whole.flag("clip"));
-    assign(project.rate_hz, whole.number("rate_hz", 1e-6, 1e6));
+    read_pace(project, whole);
     if (const auto loops = whole.whole("loops", 0, 65535)) project.loops = static_cast<std::uint16_t>(*loops);
     read_placement(project.placement, Section(where, root, "place"));
     if (const toml::node* shapes = root.get("shape")) {
@@ -124,8 +137,18 @@ Project project_from_toml(std::string_view text, const std::string& where) {
             throw bad_input(section::place(where, *shapes), "shapes are tables of their own, each under [[shape]]");
         for (const toml::node& shape : *list) project.shapes.push_back(read_shape(where, *shape.as_table()));
     }
-    if (project.shapes.empty())
+    assign(project.path, whole.text("path"));
+    assign(project.even, whole.flag("even"));
+    assign(project.am, whole.text("am"));
+    if (const auto law = whole.text("am_law", "\"pressure\" or \"radiation\"",
+                                    [](const std::string& name) { return name == "pressure" || name == "radiation"; }))
+        project.am_law = *law == "pressure" ? AmplitudeLaw::pressure : AmplitudeLaw::radiation;
+    if (project.path.empty() && project.shapes.empty())
         throw bad_input(where, "it has no [[shape]]; add one with a 'file' or the 'kind' of a built-in shape");
+    for (const char* const key : {"shape", "place", "clip", "rate_hz", "speed_m_s", "frequency_hz", "jump", "even"})
+        if (!project.path.empty() && whole.find(key) != nullptr)
+            throw bad_input(whole.at(key),
+                            fmt::format("{} is of shapes; the file of 'path' has its own places and times", key));
     return project;
 }
 
@@ -140,13 +163,21 @@ std::string to_toml(const Project& project) {
     std::string text = fmt::format("format = \"{}\"\n", format_name);
     if (project.array) text += fmt::format("array = {}\n", quoted(*project.array));
     if (project.board) text += fmt::format("board = {}\n", quoted(*project.board));
+    if (!project.path.empty()) text += fmt::format("path = {}\n", quoted(project.path));
     if (project.points != standard.points) text += fmt::format("points = {}\n", project.points);
     if (project.seed > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()))
         throw bad_argument("seed", fmt::format("{} is more than a project file can hold; take at most {}", project.seed,
                                                std::numeric_limits<std::int64_t>::max()));
     if (project.seed != standard.seed) text += fmt::format("seed = {}\n", project.seed);
     if (project.clip) text += "clip = true\n";
-    if (project.rate_hz != standard.rate_hz) text += fmt::format("rate_hz = {}\n", number(project.rate_hz));
+    const bool paced = project.pace.speed_m_s || project.pace.frequency_hz;
+    if (!paced && project.rate_hz != standard.rate_hz) text += fmt::format("rate_hz = {}\n", number(project.rate_hz));
+    if (project.pace.speed_m_s) text += fmt::format("speed_m_s = {}\n", number(*project.pace.speed_m_s));
+    if (project.pace.frequency_hz) text += fmt::format("frequency_hz = {}\n", number(*project.pace.frequency_hz));
+    if (project.jump == Jump::blank) text += "jump = \"blank\"\n";
+    if (project.even) text += "even = true\n";
+    if (!project.am.empty()) text += fmt::format("am = {}\n", quoted(project.am));
+    if (project.am_law == AmplitudeLaw::radiation) text += "am_law = \"radiation\"\n";
     if (project.loops != standard.loops) text += fmt::format("loops = {}\n", project.loops);
     const Placement& place = project.placement;
     std::string placed;

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "haptogram/render/draw.hpp"
+#include "haptogram/render/waveform.hpp"
 #include "haptogram/shape/place.hpp"
 #include "haptogram/shape/primitives.hpp"
 
@@ -23,14 +25,21 @@ struct ShapeSource {
 /// A tactile object and how it is played: all that shapes an image. Command line options, a project file and a page are
 /// three ways to fill one in; the same settings give the same bytes.
 struct Project {
-    std::vector<ShapeSource> shapes;   ///< their union
-    Placement placement;               ///< of the whole; built-in shapes alone stand at (0, 0, 130 mm) unless told
-    std::size_t points = 200;          ///< focal points to take from a surface, a curve or a larger cloud
-    std::uint64_t seed = 1;            ///< of the sampling
-    bool clip = false;                 ///< leave out points that the array cannot reach
-    double rate_hz = 10.0;             ///< passes over the shape a second
-    std::uint16_t loops = 0;           ///< passes when the image is played by itself; 0 is for ever
-    std::optional<std::string> array;  ///< file or shipped array; by default the board's, or tile-10x10
+    std::vector<ShapeSource> shapes;  ///< their union
+    std::string path;                 ///< a path file instead, which has its own places and times
+    Placement placement;              ///< of the whole; built-in shapes alone stand at (0, 0, 130 mm) unless told
+    std::size_t points = 200;         ///< focal points to take from a surface, a curve or a larger cloud, or samples
+                                      ///< of an AdapTics pattern
+    std::uint64_t seed = 1;           ///< of the sampling
+    bool clip = false;                ///< leave out points that the array cannot reach
+    double rate_hz = 10.0;            ///< passes over the shape a second, when there is no pace
+    Pace pace;                        ///< draw the shape at a speed or a frequency instead; at most one is given
+    Jump jump = Jump::hop;            ///< between the curves that are drawn
+    bool even = false;                ///< dwells that make all points feel alike, instead of equal ones
+    std::string am;                   ///< waveform of the amplitude, as modulation_of() reads it; empty: none
+    AmplitudeLaw am_law = AmplitudeLaw::pressure;  ///< what the waveform's values are
+    std::uint16_t loops = 0;                       ///< passes when the image is played by itself; 0 is for ever
+    std::optional<std::string> array;              ///< file or shipped array; by default the board's, or tile-10x10
     std::optional<std::string> board;  ///< file, shipped board or configuration; by default what the array's file says
     std::filesystem::path folder;      ///< that relative paths start from; empty: the present one
 };

@@ -27,6 +27,15 @@ struct TouredPoints {
     double tour_m = 0.0, as_given_m = 0.0;  ///< lengths of the tour, and of the order before it
 };
 
+/// Which of the points the array can reach.
+/// @param clip  leave out the others; otherwise they are an error
+/// @return their numbers, in order
+/// @throws Error{bad_input} that lists points out of reach, or says that none is left
+[[nodiscard]] std::vector<std::size_t> reachable_points(const std::vector<Vec3>& points, const Array& array, bool clip);
+
+/// @throws Error{bad_input} when there are more points than `options.most_points`
+void require_room(std::size_t points, const ShapePathOptions& options);
+
 /// Samples a shape, keeps what the array can reach, and orders it into a short closed tour.
 /// @throws Error{bad_input} naming the points out of reach, or when there are more points than can be held
 [[nodiscard]] TouredPoints tour_of(const Shape& shape, const Array& array, const ShapePathOptions& options);

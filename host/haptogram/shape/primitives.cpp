@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/shape/curve.hpp"
 #include "haptogram/shape/place.hpp"
 
 namespace haptogram {
@@ -19,20 +20,6 @@ namespace {
 constexpr double pi = std::numbers::pi;
 constexpr unsigned segments = 360;  ///< of a turn, in surfaces
 
-Curve polyline(std::vector<Vec3> corners, bool closed) {
-    if (closed) corners.push_back(corners.front());
-    std::vector<double> until{0.0};  // arc length up to each corner
-    for (std::size_t i = 1; i < corners.size(); ++i)
-        until.push_back(until.back() + distance(corners[i - 1], corners[i]));
-    const double length = until.back();
-    const auto at = [corners = std::move(corners), until = std::move(until)](double s) {
-        const auto after = std::upper_bound(until.begin() + 1, until.end() - 1, s);
-        const auto i = static_cast<std::size_t>(after - until.begin());
-        return corners[i - 1] + (s - until[i - 1]) / (until[i] - until[i - 1]) * (corners[i] - corners[i - 1]);
-    };
-    return {at, length, closed};
-}
-
 Vec3 on_circle(double radius, double angle) { return {radius * std::cos(angle), radius * std::sin(angle), 0.0}; }
 
 /// Regular, one side below and parallel to x.
@@ -40,7 +27,7 @@ Curve regular_polygon(double diameter, unsigned sides) {
     std::vector<Vec3> corners;
     for (unsigned i = 0; i < sides; ++i)
         corners.push_back(on_circle(0.5 * diameter, 2.0 * pi * (i + 0.5) / sides - 0.5 * pi));
-    return polyline(std::move(corners), true);
+    return polyline(corners, true);
 }
 
 /// A point of a profile that is turned about the z axis.

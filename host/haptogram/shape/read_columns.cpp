@@ -11,33 +11,9 @@
 namespace haptogram {
 namespace {
 
-using Fields = std::vector<std::string_view>;
-
 void split_words(std::string_view line, Fields& fields) {
     fields.clear();
     for (std::string_view word = take_word(line); !word.empty(); word = take_word(line)) fields.push_back(word);
-}
-
-/// A field loses the blanks and quotation marks around it; a separator between quotation marks separates nothing.
-void split_at(char separator, std::string_view line, Fields& fields) {
-    fields.clear();
-    constexpr std::string_view around = " \t\"";
-    bool inside = false;
-    for (std::size_t begin = 0, i = 0; i <= line.size(); ++i) {
-        if (i < line.size() && line[i] == '"') inside = !inside;
-        if (i < line.size() && (inside || line[i] != separator)) continue;
-        std::string_view field = line.substr(begin, i - begin);
-        field.remove_prefix(std::min(field.find_first_not_of(around), field.size()));
-        field.remove_suffix(field.size() - (field.find_last_not_of(around) + 1));
-        fields.push_back(field);
-        begin = i + 1;
-    }
-}
-
-char separator_of(std::string_view line) {
-    for (const char separator : {';', '\t'})
-        if (line.find(separator) != std::string_view::npos) return separator;
-    return ',';
 }
 
 using Columns = std::array<std::size_t, 3>;  ///< which fields are x, y and z
@@ -102,11 +78,6 @@ private:
     std::size_t width_ = 0;
     Cloud cloud_;
 };
-
-std::string_view without_byte_order_mark(std::string_view text) {
-    if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-    return text;
-}
 
 }  // namespace
 

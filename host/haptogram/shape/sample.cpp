@@ -23,26 +23,6 @@ std::vector<const Kind*> pieces_of(const Shape& shape) {
     return found;
 }
 
-/// Shares `count` in the ratio of the weights: the whole parts, then one more for the largest remainders.
-std::vector<std::size_t> share(std::size_t count, const std::vector<double>& weights) {
-    const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
-    std::vector<std::size_t> shares(weights.size());
-    std::vector<double> remainders(weights.size());
-    std::size_t given = 0;
-    for (std::size_t i = 0; i < weights.size(); ++i) {
-        const double exact = total > 0.0 ? static_cast<double>(count) * weights[i] / total : 0.0;
-        shares[i] = std::min(static_cast<std::size_t>(exact), count - given);
-        remainders[i] = exact - std::floor(exact);
-        given += shares[i];
-    }
-    std::vector<std::size_t> order(weights.size());
-    std::iota(order.begin(), order.end(), 0U);
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { return remainders[a] > remainders[b]; });
-    for (std::size_t k = 0; given < count; ++k, ++given) ++shares[order[k % order.size()]];
-    return shares;
-}
-
 void along(const Curve& curve, std::size_t count, std::vector<Vec3>& out) {
     if (count == 1 && !curve.closed) {
         out.push_back(curve.at(0.5 * curve.length));
@@ -94,6 +74,25 @@ void over(const std::vector<const Mesh*>& meshes, std::size_t count, std::mt1993
 }
 
 }  // namespace
+
+std::vector<std::size_t> share(std::size_t count, const std::vector<double>& weights) {
+    const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
+    std::vector<std::size_t> shares(weights.size());
+    std::vector<double> remainders(weights.size());
+    std::size_t given = 0;
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+        const double exact = total > 0.0 ? static_cast<double>(count) * weights[i] / total : 0.0;
+        shares[i] = std::min(static_cast<std::size_t>(exact), count - given);
+        remainders[i] = exact - std::floor(exact);
+        given += shares[i];
+    }
+    std::vector<std::size_t> order(weights.size());
+    std::iota(order.begin(), order.end(), 0U);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return remainders[a] > remainders[b]; });
+    for (std::size_t k = 0; given < count; ++k, ++given) ++shares[order[k % order.size()]];
+    return shares;
+}
 
 Sampled sample(const Shape& shape, std::size_t count, std::uint64_t seed) {
     if (count == 0)

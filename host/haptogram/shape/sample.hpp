@@ -21,4 +21,8 @@ struct Sampled {
 /// @throws Error{bad_argument} when `count` is 0 or there is nothing to sample
 [[nodiscard]] Sampled sample(const Shape& shape, std::size_t count, std::uint64_t seed);
 
+/// Shares `count` in the ratio of the weights: the whole parts, then one more for the largest remainders.
+/// @param weights  not negative
+[[nodiscard]] std::vector<std::size_t> share(std::size_t count, const std::vector<double>& weights);
+
 }  // namespace haptogram

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "haptogram/base/error.hpp"
 
@@ -40,6 +41,17 @@ private:
 /// True for a coordinate that is finite and at most 1e12, which is more than any shape needs in any unit. Larger ones
 /// are damage, and their products would overflow.
 [[nodiscard]] bool is_coordinate(double value);
+
+using Fields = std::vector<std::string_view>;
+
+/// The fields of a row. A field loses the blanks and quotation marks around it; a separator between quotation marks
+/// separates nothing.
+void split_at(char separator, std::string_view line, Fields& fields);
+
+/// What separates the fields of a row: a semicolon or a tab when there is one, otherwise a comma.
+[[nodiscard]] char separator_of(std::string_view line);
+
+[[nodiscard]] std::string_view without_byte_order_mark(std::string_view text);
 
 [[nodiscard]] std::string lower_case(std::string_view text);
 

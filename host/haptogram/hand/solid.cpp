@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/hand/solid.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "haptogram/base/error.hpp"
+#include "haptogram/model/rig.hpp"
+
+namespace haptogram {
+namespace {
+
+void require_positive(const char* name, double value) {
+    if (!(value > 0.0) || !std::isfinite(value))
+        throw bad_argument(name, fmt::format("found {}, expected a positive number; correct it", value));
+}
+
+/// A point of the half-plane in which a solid of revolution has its profile.
+struct Profile {
+    double r, z;
+};
+
+/// Distance to the surface of a convex solid of revolution: the nearest of its profile's lines, negative when the point
+/// is on the inner side of all. Lines that lie on the axis are no surface, so they are not given.
+/// @param corners  in the order in which the solid is on the left of the way
+double revolved_distance(const std::vector<Profile>& corners, double r, double z) {
+    double nearest = std::numeric_limits<double>::infinity();
+    bool inside = true;
+    for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
+        const double er = corners[i + 1].r - corners[i].r, ez = corners[i + 1].z - corners[i].z;
+        const double pr = r - corners[i].r, pz = z - corners[i].z;
+        const double part = std::clamp((pr * er + pz * ez) / (er * er + ez * ez), 0.0, 1.0);
+        nearest = std::min(nearest, std::hypot(pr - part * er, pz - part * ez));
+        inside = inside && er * pz - ez * pr > 0.0;
+    }
+    return inside ? -nearest : nearest;
+}
+
+Solid revolved(Vec3 at, std::vector<Profile> corners) {
+    return {[at, corners = std::move(corners)](Vec3 p) {
+        return revolved_distance(corners, std::hypot(p.x - at.x, p.y - at.y), p.z - at.z);
+    }};
+}
+
+double segment_distance(Vec3 p, Vec3 a, Vec3 b) {
+    const double part = std::clamp(dot(p - a, b - a) / dot(b - a, b - a), 0.0, 1.0);
+    return distance(p, a + part * (b - a));
+}
+
+/// Distance to a flat convex face. @param corners  anticlockwise, seen from outside
+double face_distance(Vec3 p, const std::vector<Vec3>& corners, Vec3 normal) {
+    bool above = true;
+    double edges = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        const Vec3 a = corners[i], b = corners[(i + 1) % corners.size()];
+        above = above && dot(cross(normal, b - a), p - a) >= 0.0;
+        edges = std::min(edges, segment_distance(p, a, b));
+    }
+    return above ? std::abs(dot(p - corners.front(), normal)) : edges;
+}
+
+}  // namespace
+
+Solid solid_sphere(Vec3 centre, double radius) {
+    require_positive("radius", radius);
+    return {[=](Vec3 p) { return distance(p, centre) - radius; }};
+}
+
+Solid solid_box(Vec3 centre, Vec3 edges) {
+    for (const double edge : {edges.x, edges.y, edges.z}) require_positive("edges", edge);
+    return {[=](Vec3 p) {
+        const Vec3 beyond{std::abs(p.x - centre.x) - 0.5 * edges.x, std::abs(p.y - centre.y) - 0.5 * edges.y,
+                          std::abs(p.z - centre.z) - 0.5 * edges.z};
+        const Vec3 outside{std::max(beyond.x, 0.0), std::max(beyond.y, 0.0), std::max(beyond.z, 0.0)};
+        return norm(outside) + std::min(0.0, std::max({beyond.x, beyond.y, beyond.z}));
+    }};
+}
+
+Solid half_space(Vec3 point, Vec3 normal) {
+    const double length = norm(normal);
+    require_positive("normal", length);
+    return {[point, n = normal * (1.0 / length)](Vec3 p) { return dot(p - point, n); }};
+}
+
+Solid solid_cylinder(Vec3 centre, double radius, double height) {
+    require_positive("radius", radius);
+    require_positive("height", height);
+    return revolved(centre, {{0, -0.5 * height}, {radius, -0.5 * height}, {radius, 0.5 * height}, {0, 0.5 * height}});
+}
+
+Solid solid_cone(Vec3 base, double radius, double height) {
+    require_positive("radius", radius);
+    require_positive("height", height);
+    return revolved(base, {{0, 0}, {radius, 0}, {0, height}});
+}
+
+Solid solid_pyramid(Vec3 base, double edge, double height) {
+    require_positive("edge", edge);
+    require_positive("height", height);
+    const double h = 0.5 * edge;
+    const Vec3 tip = base + Vec3{0, 0, height};
+    const std::vector<Vec3> corners{base + Vec3{-h, -h, 0}, base + Vec3{h, -h, 0}, base + Vec3{h, h, 0},
+                                    base + Vec3{-h, h, 0}};
+    std::vector<std::vector<Vec3>> faces{{corners[3], corners[2], corners[1], corners[0]}};
+    for (std::size_t i = 0; i < 4; ++i) faces.push_back({corners[i], corners[(i + 1) % 4], tip});
+    return {[faces](Vec3 p) {
+        double nearest = std::numeric_limits<double>::infinity();
+        bool inside = true;
+        for (const std::vector<Vec3>& face : faces) {
+            const Vec3 across = cross(face[1] - face[0], face[2] - face[0]);
+            const Vec3 normal = across * (1.0 / norm(across));
+            nearest = std::min(nearest, face_distance(p, face, normal));
+            inside = inside && dot(p - face[0], normal) < 0.0;
+        }
+        return inside ? -nearest : nearest;
+    }};
+}
+
+Solid moved(const Solid& solid, Vec3 shift, Vec3 angles_deg) {
+    const Pose pose = pose_of(shift, angles_deg);
+    return {[solid, pose](Vec3 p) { return solid.distance(pose.inwards(p)); }};
+}
+
+}  // namespace haptogram

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <string>
+
+#include "haptogram/base/error.hpp"
+#include "haptogram/instrument/compile.hpp"
+#include "haptogram/render/adaptics.hpp"
+#include "haptogram/render/path_file.hpp"
+
+using namespace haptogram;
+using Catch::Contains;
+
+namespace {
+
+constexpr double carrier_hz = 40e3;
+
+/// A pattern file: a brush of one kind, from one place to another in 20 ms, and a pause there for 10 ms.
+std::string pattern(const std::string& brush, const std::string& transform = "0", const std::string& more = "") {
+    const auto number = [](const std::string& value) { return "{\"type\": \"f64\", \"value\": " + value + "}"; };
+    const auto frame = [&](int time, const std::string& coords, const std::string& intensity, const std::string& type) {
+        std::string text = "{\"type\": \"" + type + "\", \"time\": " + std::to_string(time) +
+                           ", \"brush\": {\"brush\": " + brush +
+                           ", \"transition\": {\"name\": \"linear\", \"params\": {}}}, \"intensity\": {\"intensity\": "
+                           "{\"name\": \"constant\", \"params\": {\"value\": " +
+                           number(intensity) +
+                           "}}, \"transition\": {\"name\": \"linear\", \"params\": {}}}, \"cjumps\": [" + more + "]";
+        if (!coords.empty())
+            text +=
+                ", \"coords\": {\"coords\": " + coords + ", \"transition\": {\"name\": \"linear\", \"params\": {}}}";
+        return text + "}";
+    };
+    return "{\"$DATA_FORMAT\": \"MidAirHapticsAnimationFileFormat\", \"$REVISION\": \"0.1.0-alpha.2\", \"name\": \"x\","
+           "\"keyframes\": [" +
+           frame(0, R"({"x": -10, "y": 0, "z": 0})", "1", "standard") + "," +
+           frame(20, R"({"x": 10, "y": 0, "z": 0})", "0.5", "standard") + "," + frame(30, "", "0.5", "pause") +
+           ", {\"type\": \"stop\", \"time\": 30}], \"pattern_transform\": {\"geometric_transforms\": {\"translate\": "
+           "{\"x\": " +
+           number("0") + ", \"y\": " + number("0") + ", \"z\": " + number("150") +
+           "}, \"rotation\": " + number(transform) + ", \"scale\": {\"x\": " + number("1") + ", \"y\": " + number("1") +
+           ", \"z\": " + number("1") + "}}, \"intensity_factor\": " + number("1") +
+           ", \"playback_speed\": " + number("1") +
+           "}, \"user_parameter_definitions\": {\"depth\": {\"default\": 5, \"min\": 0, \"max\": 2, \"step\": 1}}}";
+}
+
+const std::string still =
+    R"({"name": "circle", "params": {"radius": {"type": "f64", "value": 0}, "am_freq": {"type": "f64", "value": 0}}})";
+const std::string ring =
+    R"({"name": "circle", "params": {"radius": {"type": "f64", "value": 8}, "am_freq": {"type": "f64", "value": 0}}})";
+const std::string line =
+    R"({"name": "line", "params": {"length": {"type": "f64", "value": 6}, "thickness": {"type": "f64", "value": 1}, "rotation": {"type": "f64", "value": 90}, "am_freq": {"type": "f64", "value": 50}}})";
+
+}  // namespace
+
+TEST_CASE("path file: what is written is read back, bit by bit", "[path_file]") {
+    std::mt19937_64 random(Catch::rngSeed());
+    std::uniform_real_distribution<double> place(-0.1, 0.1), part(0.0, 1.0);
+    Path path;
+    for (std::uint32_t i = 0; i < 200; ++i) {
+        PathStep& step = path.steps.emplace_back();
+        step.periods = 1 + i * i;
+        for (std::uint32_t k = 0; k < i % 4; ++k)
+            step.foci.push_back({{place(random), place(random), 0.15 + place(random)}, part(random)});
+    }
+    path.modulation = {{0.0, 1.0, part(random), part(random)}, 7};
+    const Path back = path_from_json(to_json_text(path, carrier_hz), "p.json", carrier_hz);
+    REQUIRE(back.steps.size() == path.steps.size());
+    REQUIRE(back.modulation == path.modulation);
+    for (std::size_t i = 0; i < path.steps.size(); ++i) {
+        REQUIRE(back.steps[i].periods == path.steps[i].periods);
+        REQUIRE(back.steps[i].foci.size() == path.steps[i].foci.size());
+        for (std::size_t k = 0; k < path.steps[i].foci.size(); ++k) {
+            const Focus a = path.steps[i].foci[k], b = back.steps[i].foci[k];
+            REQUIRE(a.amplitude == b.amplitude);
+            REQUIRE(distance(a.position, b.position) < 1e-16);
+        }
+    }
+    // A second time there is nothing left to round.
+    REQUIRE(to_json_text(back, carrier_hz) == to_json_text(path, carrier_hz));
+}
+
+TEST_CASE("path file: rows of a CSV are foci that last until the next row", "[path_file]") {
+    const Path path = path_from_csv(
+        "# a "
+        "comment\nTime_ms,x_mm,y_mm,z_mm,intensity\n5,0,0,130,1\n5.1,10,0,130,0.5\n5.16,0,0,130,0\n6.16,1,2,130,1\n",
+        "p.csv", carrier_hz);
+    // 4, 2.4, 40 and 40 periods.
+    const Path expected{
+        {{{{from_mm(0, 0, 130)}}, 4}, {{{from_mm(10, 0, 130), 0.5}}, 2}, {{}, 40}, {{{from_mm(1, 2, 130)}}, 40}}, {}};
+    REQUIRE(path == expected);
+    const Path seconds = path_from_csv("z_mm;x_mm;y_mm;time_s\n130;1;2;0\n130;3;4;0.001\n", "p.csv", carrier_hz);
+    REQUIRE(seconds == Path{{{{{from_mm(1, 2, 130)}}, 40}, {{{from_mm(3, 4, 130)}}, 40}}, {}});
+}
+
+TEST_CASE("path file: a CSV's times are kept on average, whatever the carrier period", "[path_file]") {
+    std::string text = "time_ms,x_mm,y_mm,z_mm\n";
+    for (int i = 0; i < 100; ++i) text += std::to_string(i * 0.1111) + ",0," + std::to_string(i % 2) + ",130\n";
+    const Path path = path_from_csv(text, "p.csv", carrier_hz);
+    REQUIRE(static_cast<double>(path.periods()) == Approx(100 * 0.1111e-3 * carrier_hz).margin(0.6));
+    for (const PathStep& step : path.steps) REQUIRE((step.periods == 4 || step.periods == 5));
+}
+
+TEST_CASE("path file: mistakes are named with their place", "[path_file]") {
+    const auto refuses = [](const std::string& text, const std::string& words) {
+        CAPTURE(text);
+        REQUIRE_THROWS_WITH(path_from_json(text, "p.json", carrier_hz), Contains("p.json") && Contains(words));
+    };
+    const auto steps = [](const std::string& list) {
+        return R"({"format": "haptogram-path-1", "carrier_hz": 40000, "steps": [)" + list + "]}";
+    };
+    refuses("{", "not valid JSON at byte 2");
+    refuses("[]", "it must be an object, found array");
+    refuses("{}", "it has no format");
+    refuses(R"({"format": "haptogram-path-2"})", "haptogram-path-1");
+    refuses(R"({"format": "haptogram-path-1", "carrier_hz": 41000, "steps": []})", "41000 Hz carrier");
+    refuses(steps(""), "at least one step");
+    refuses(steps(R"({"periods": 0, "foci": []})"), "steps[0].periods must be");
+    refuses(steps(R"({"periods": 1.5, "foci": []})"), "whole number");
+    refuses(steps(R"({"periods": 1, "foci": [{"position_mm": [1, 2]}]})"), "steps[0].foci[0].position_mm");
+    refuses(steps(R"({"periods": 1, "foci": [{"position_mm": [1, 2, "a"]}]})"), "position_mm[2] must be a number");
+    refuses(steps(R"({"periods": 1, "foci": [{"position_mm": [1, 2, 3], "amplitude": 1.1}]})"),
+            "from 0 to 1, found 1.1");
+    refuses(steps(R"({"periods": 1, "foci": [], "focus": 1})"), "unknown member \"focus\"");
+    const auto refuses_csv = [](const std::string& text, const std::string& words) {
+        CAPTURE(text);
+        REQUIRE_THROWS_WITH(path_from_csv(text, "p.csv", carrier_hz), Contains("p.csv") && Contains(words));
+    };
+    const std::string head = "time_s,x_mm,y_mm,z_mm,intensity\n";
+    refuses_csv("0,1,2,3,4\n", "names time_s");
+    refuses_csv("time_s,x_mm,y_mm\n", "a column is missing");
+    refuses_csv("time_s,x_mm,y_mm,z_mm,speed\n", "\"speed\"");
+    refuses_csv("time_s,time_ms,x_mm,y_mm,z_mm\n", "a second time");
+    refuses_csv(head, "found 0 rows");
+    refuses_csv(head + "0,0,0,130,1\n", "found 1 rows");
+    refuses_csv(head + "0,0,0,130,1\n0.00001,0,0,130,1\n", "line 3: 1e-05 s after");
+    refuses_csv(head + "0,0,0,130,1\n0.1,0,0,130,2\n", "intensity of 2");
+    refuses_csv(head + "0,0,0,130\n", "found 4 columns, expected 5");
+    refuses_csv(head + "0,0,0,x,1\n", "line 2");
+    REQUIRE_THROWS_WITH(load_path("p.txt", carrier_hz, 10), Contains(".json, .csv or .adaptics"));
+}
+
+TEST_CASE("path file: an AdapTics pattern goes from place to place and holds", "[path_file]") {
+    const Path path = path_from_adaptics(pattern(still), "p.adaptics", carrier_hz, 60);
+    // Every half millisecond: 40 samples on the way, then a pause, which is one step.
+    REQUIRE(path.periods() == 1200);
+    REQUIRE(path.steps.size() == 41);
+    for (std::size_t i = 0; i < 40; ++i) {
+        const double part = (static_cast<double>(i) + 0.5) / 40.0;
+        REQUIRE(path.steps[i].periods == 20);
+        REQUIRE(distance(path.steps[i].foci[0].position, from_mm(-10 + 20 * part, 0, 150)) < 1e-12);
+        REQUIRE(path.steps[i].foci[0].amplitude == Approx(1.0 - 0.5 * part));
+    }
+    REQUIRE(path.steps[40].periods == 400);
+    REQUIRE(path.steps[40].foci[0].amplitude == Approx(0.5));
+}
+
+TEST_CASE("path file: brushes of an AdapTics pattern turn and pulsate around the place", "[path_file]") {
+    const Path circle = path_from_adaptics(pattern(ring, "90"), "p.adaptics", carrier_hz, 600);
+    const Path stroke = path_from_adaptics(pattern(line), "p.adaptics", carrier_hz, 600);
+    for (std::size_t i = 0; i < 600; ++i) {
+        const double ms = (static_cast<double>(i) + 0.5) * 0.05;
+        const double along = -10.0 + 20.0 * std::min(1.0, ms / 20.0);
+        const double turns = 2.0 * std::numbers::pi * 0.1 * ms;
+        // The way is turned to +y by the pattern; the brush is not.
+        const Vec3 on_circle = from_mm(8.0 * std::cos(turns), along + 8.0 * std::sin(turns), 150.0);
+        REQUIRE(distance(circle.steps.at(i).foci.at(0).position, on_circle) < 1e-12);
+        const Focus on_line = stroke.steps.at(i).foci.at(0);
+        REQUIRE(distance(on_line.position, from_mm(along, 6.0 * std::cos(turns), 150.0)) < 1e-12);
+        const double level =
+            (1.0 - 0.5 * std::min(1.0, ms / 20.0)) * (0.5 + 0.5 * std::cos(2.0 * std::numbers::pi * 0.05 * ms));
+        REQUIRE(on_line.amplitude == Approx(level).margin(1e-12));
+    }
+}
+
+TEST_CASE("path file: the same path by hand in two formats gives the same pulses", "[path_file]") {
+    const Array array = find_array("tile-10x10");
+    const Core core = find_configuration("tile-100");
+    const Path from_pattern = path_from_adaptics(pattern(still), "p.adaptics", carrier_hz, 60);
+    std::string rows = "time_ms,x_mm,y_mm,z_mm,intensity\n";
+    for (int i = 0; i < 40; ++i) {
+        const double part = (i + 0.5) / 40.0;
+        rows += std::to_string(0.5 * i) + "," + std::to_string(-10 + 20 * part) + ",0,150," +
+                std::to_string(1 - 0.5 * part) + "\n";
+    }
+    rows += "20,10,0,150,0.5\n30,10,0,150,0\n31,10,0,150,0\n";
+    Path from_rows = path_from_csv(rows, "p.csv", carrier_hz);
+    from_rows.steps.resize(41);  // the last two rows only say how long the pause is
+    const Compiled one = compile(from_pattern, array, core), other = compile(from_rows, array, core);
+    REQUIRE(one.bundle.hex == other.bundle.hex);
+    const Path from_json = path_from_json(to_json_text(from_pattern, carrier_hz), "p.json", carrier_hz);
+    REQUIRE(compile(from_json, array, core).bundle.hex == one.bundle.hex);
+}
+
+TEST_CASE("path file: AdapTics parameters have their defaults, and jumps are refused", "[path_file]") {
+    const std::string dynamic =
+        R"({"name": "circle", "params": {"radius": {"type": "dynamic", "value": "depth"}, "am_freq": {"type": "f64", "value": 0}}})";
+    const Path path = path_from_adaptics(pattern(dynamic), "p.adaptics", carrier_hz, 300);
+    const double ms = 0.05;
+    const Vec3 place = from_mm(-10 + ms, 0, 150);
+    REQUIRE(distance(path.steps[0].foci[0].position, place) == Approx(2e-3));  // 5 is more than the most, 2
+    const auto refuses = [](const std::string& text, const std::string& words) {
+        CAPTURE(words);
+        REQUIRE_THROWS_WITH(path_from_adaptics(text, "p.adaptics", carrier_hz, 300),
+                            Contains("p.adaptics") && Contains(words));
+    };
+    const auto jump = [](const std::string& name) {
+        return R"({"condition": {"parameter": "depth", "value": 1, "operator": {"name": ")" + name +
+               R"(", "params": {}}}, "jump_to": 0})";
+    };
+    REQUIRE(path_from_adaptics(pattern(still, "0", jump("lt")), "p", carrier_hz, 60).steps.size() == 41);
+    refuses(pattern(still, "0", jump("gt")), "cannot jump");
+    refuses(pattern(still, "0", jump("eq")), "lt, lt_eq, gt or gt_eq");
+    std::string formula = pattern(dynamic);
+    formula.replace(formula.find("\"depth\"}"), 7, "\"depth + 1\"");
+    refuses(formula, "formulas are not read");
+    std::string old = pattern(still);
+    old.replace(old.find("0.1.0"), 5, "0.0.3");
+    refuses(old, "$REVISION must be");
+    refuses("{}", "$DATA_FORMAT");
+    REQUIRE_THROWS_WITH(path_from_adaptics(pattern(still), "p", carrier_hz, 1201), Contains("at most 1200"));
+}
