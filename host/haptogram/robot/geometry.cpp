@@ -18,8 +18,8 @@ using section::Section;
 
 constexpr double millimetre = 1e-3;
 
-/// Corner `number` of a box of these edges around the origin: bit 2 of the number is the sign of x, bit 1 of y, bit 0 of
-/// z.
+/// Corner `number` of a box of these edges around the origin: bit 2 of the number is the sign of x, bit 1 of y, bit 0
+/// of z.
 Vector3 corner(const Vector3& edges, int number) {
     const Vector3 signs((number & 4) != 0 ? 1.0 : -1.0, (number & 2) != 0 ? 1.0 : -1.0, (number & 1) != 0 ? 1.0 : -1.0);
     return signs.cwiseProduct(edges) / 2.0;

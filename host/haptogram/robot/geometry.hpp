@@ -33,7 +33,7 @@ struct Pose {
 /// A robot: a handle that hangs in a frame by eight cables.
 struct Geometry {
     std::string name;
-    Vector3 frame = Vector3::Zero();            ///< edges, m
+    Vector3 frame = Vector3::Zero();               ///< edges, m
     std::array<Vector3, cable_count> anchors;      ///< a_i: where the cables leave the frame
     std::array<Vector3, cable_count> attachments;  ///< b_i: where they hold the handle, in its own frame
     double shortest_m = 0.0, longest_m = 0.0;      ///< of a cable

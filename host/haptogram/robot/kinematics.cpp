@@ -34,7 +34,8 @@ Forward forward(const Geometry& geometry, const PerCable& lengths, const Pose& s
     constexpr double settled_m = 1e-10;  // the error after a step is of the order of its square
     for (int i = 0; i < cable_count; ++i)
         if (used[static_cast<std::size_t>(i)] && !(lengths[i] > 0.0 && std::isfinite(lengths[i])))
-            throw bad_argument("lengths", fmt::format("cable {} must have a positive length, found {:g} m", i + 1, lengths[i]));
+            throw bad_argument("lengths",
+                               fmt::format("cable {} must have a positive length, found {:g} m", i + 1, lengths[i]));
     const auto believed = static_cast<int>(std::count(used.begin(), used.end(), true));
     if (believed < 6) throw bad_argument("lengths", fmt::format("six cables at least give a pose, found {}", believed));
     Forward result;
@@ -57,9 +58,9 @@ Forward forward(const Geometry& geometry, const PerCable& lengths, const Pose& s
     evaluate();
     for (bool settled = false; !settled;) {
         if (result.steps == most_steps)
-            throw Error(ErrorCode::failed, "forward kinematics",
-                        fmt::format("the pose of these lengths was not found within {} steps; start nearer to it",
-                                    most_steps));
+            throw Error(
+                ErrorCode::failed, "forward kinematics",
+                fmt::format("the pose of these lengths was not found within {} steps; start nearer to it", most_steps));
         const Wrench step = -jacobian.colPivHouseholderQr().solve(residual);
         result.pose.position += step.head<3>();
         result.pose.rotation = rotation_of(step.tail<3>()) * result.pose.rotation;
@@ -68,7 +69,8 @@ Forward forward(const Geometry& geometry, const PerCable& lengths, const Pose& s
         const double arm = geometry.attachments[0].norm();
         settled = step.head<3>().norm() + arm * step.tail<3>().norm() < settled_m;
         if (!step.allFinite())
-            throw Error(ErrorCode::failed, "forward kinematics", "the search left all numbers; start nearer to the pose");
+            throw Error(ErrorCode::failed, "forward kinematics",
+                        "the search left all numbers; start nearer to the pose");
     }
     double squares = 0.0;
     const PerCable found = cable_lengths(geometry, result.pose);

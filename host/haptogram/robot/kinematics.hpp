@@ -33,8 +33,8 @@ struct Forward {
 /// Aᵀ of Multimodal eq. 15: a column for each cable, its direction s_i and its arm's moment (R·b_i) × s_i, m.
 [[nodiscard]] Structure structure_of(const Geometry& geometry, const Pose& pose);
 
-/// How far independent errors of the lengths with this standard deviation spread the pose that forward() finds: standard
-/// deviations of x, y, z in m, and of the rotation vector in rad. To first order.
+/// How far independent errors of the lengths with this standard deviation spread the pose that forward() finds:
+/// standard deviations of x, y, z in m, and of the rotation vector in rad. To first order.
 [[nodiscard]] Wrench pose_deviation(const Geometry& geometry, const Pose& pose, double length_sd_m);
 
 }  // namespace haptogram::robot

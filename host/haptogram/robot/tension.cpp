@@ -16,7 +16,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Corners that lie this little outside of a half-plane, in N, count as inside, so that a polygon of one point is found.
+/// Corners that lie this little outside of a half-plane, in N, count as inside, so that a polygon of one point is
+/// found.
 constexpr double touching_n = 1e-12;
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
@@ -82,9 +83,9 @@ std::optional<TensionSpace> tension_space(const Structure& structure, const Wren
     return TensionSpace{q.leftCols<6>() * inner, q.rightCols<2>()};
 }
 
-Polygon feasible_polygon(const TensionSpace& space, double least_n, double most_n) {
+Polygon feasible_polygon(const TensionSpace& space, const PerCable& least_n, const PerCable& most_n) {
     // ‖y‖ is at most the norm of the largest tensions, because null and particular are orthogonal.
-    const double bound = std::sqrt(static_cast<double>(cable_count)) * most_n + 1.0;
+    const double bound = most_n.norm() + 1.0;
     Polygon polygon;
     polygon.count = 4;
     polygon.corners[0] = {-bound, -bound};
@@ -93,8 +94,8 @@ Polygon feasible_polygon(const TensionSpace& space, double least_n, double most_
     polygon.corners[3] = {-bound, bound};
     for (int i = 0; i < cable_count && polygon.count > 0; ++i) {
         const Vector2d normal = space.null_space.row(i).transpose();
-        polygon = clip(polygon, normal, least_n - space.particular[i]);
-        polygon = clip(polygon, -normal, space.particular[i] - most_n);
+        polygon = clip(polygon, normal, least_n[i] - space.particular[i]);
+        polygon = clip(polygon, -normal, space.particular[i] - most_n[i]);
     }
     return polygon;
 }
@@ -134,16 +135,16 @@ std::optional<PerCable> positive_null_vector(const TensionSpace& space) {
     return space.null_space * best_y;
 }
 
-std::optional<Distribution> distribute(const Structure& structure, const Wrench& wrench, double least_n, double most_n,
-                                       Choice choice) {
+std::optional<Distribution> distribute(const Structure& structure, const Wrench& wrench, const PerCable& least_n,
+                                       const PerCable& most_n, Choice choice) {
     const std::optional<TensionSpace> space = tension_space(structure, wrench);
     if (!space) return std::nullopt;
     if (choice == Choice::paper) {
         const std::optional<PerCable> positive = positive_null_vector(*space);
         if (!positive) return std::nullopt;
-        const double factor = ((PerCable::Constant(least_n) - space->particular).array() / positive->array()).maxCoeff();
+        const double factor = ((least_n - space->particular).array() / positive->array()).maxCoeff();
         const PerCable tensions = factor * *positive + space->particular;
-        return Distribution{tensions, tensions.maxCoeff() <= most_n + touching_n};
+        return Distribution{tensions, (tensions - most_n).maxCoeff() <= touching_n};
     }
     const Polygon polygon = feasible_polygon(*space, least_n, most_n);
     if (polygon.count == 0) return std::nullopt;
@@ -158,11 +159,17 @@ std::optional<Distribution> distribute(const Structure& structure, const Wrench&
     return Distribution{space->particular + space->null_space * y, true};
 }
 
+std::optional<Distribution> distribute(const Structure& structure, const Wrench& wrench, double least_n, double most_n,
+                                       Choice choice) {
+    return distribute(structure, wrench, PerCable::Constant(least_n), PerCable::Constant(most_n), choice);
+}
+
 std::optional<double> largest_wrench(const Geometry& geometry, const Pose& pose, const Wrench& direction) {
     if (!(direction.norm() > 0.0)) throw bad_argument("direction", "a wrench of zero has no direction");
     const Structure structure = structure_of(geometry, pose);
     const auto holds = [&](double factor) {
-        return distribute(structure, geometry.weight() + factor * direction, geometry.least_n, geometry.most_n).has_value();
+        return distribute(structure, geometry.weight() + factor * direction, geometry.least_n, geometry.most_n)
+            .has_value();
     };
     if (!holds(0.0)) return std::nullopt;
     // What can be balanced is a convex set, so along a line it is one interval.
@@ -178,7 +185,8 @@ std::optional<double> largest_wrench(const Geometry& geometry, const Pose& pose,
 std::string infeasible(const Geometry& geometry, const Pose& pose, const Wrench& wrench) {
     if (std::string why = out_of_length(geometry, cable_lengths(geometry, pose)); !why.empty()) return why;
     if (!distribute(structure_of(geometry, pose), wrench, geometry.least_n, geometry.most_n))
-        return fmt::format("no tensions from {:g} to {:g} N balance the wrench there", geometry.least_n, geometry.most_n);
+        return fmt::format("no tensions from {:g} to {:g} N balance the wrench there", geometry.least_n,
+                           geometry.most_n);
     return {};
 }
 

@@ -10,8 +10,8 @@ namespace haptogram::robot {
 
 /// The tensions that balance a wrench: t = particular + null·y for any y, because eight cables hold six freedoms.
 struct TensionSpace {
-    PerCable particular;                                ///< t_s = −(Aᵀ)⁺·W, the one of least norm
-    Eigen::Matrix<double, cable_count, 2> null_space;   ///< orthonormal columns with Aᵀ·null = 0
+    PerCable particular;                               ///< t_s = −(Aᵀ)⁺·W, the one of least norm
+    Eigen::Matrix<double, cable_count, 2> null_space;  ///< orthonormal columns with Aᵀ·null = 0
 };
 
 /// Solves Aᵀ·t = −W (Multimodal eq. 15; eq. 16 prints t_s = (Aᵀ)⁺·t).
@@ -26,7 +26,7 @@ struct Polygon {
 };
 
 /// All y whose tensions lie within the limits of the least and the most: 16 half-planes.
-[[nodiscard]] Polygon feasible_polygon(const TensionSpace& space, double least_n, double most_n);
+[[nodiscard]] Polygon feasible_polygon(const TensionSpace& space, const PerCable& least_n, const PerCable& most_n);
 
 /// Which of the feasible tensions.
 enum class Choice {
@@ -44,8 +44,12 @@ struct Distribution {
 };
 
 /// Tensions for a wrench.
-/// @return none when no tensions within the limits balance it (for Choice::paper: when no null vector is positive in all
-/// cables), or the structure is singular
+/// @return none when no tensions within the limits balance it (for Choice::paper: when no null vector is positive in
+/// all cables), or the structure is singular
+[[nodiscard]] std::optional<Distribution> distribute(const Structure& structure, const Wrench& wrench,
+                                                     const PerCable& least_n, const PerCable& most_n,
+                                                     Choice choice = Choice::least_norm);
+/// The same with the same limits for all cables.
 [[nodiscard]] std::optional<Distribution> distribute(const Structure& structure, const Wrench& wrench, double least_n,
                                                      double most_n, Choice choice = Choice::least_norm);
 
@@ -58,8 +62,8 @@ struct Distribution {
 /// @return none when they cannot even hold the weight
 [[nodiscard]] std::optional<double> largest_wrench(const Geometry& geometry, const Pose& pose, const Wrench& direction);
 
-/// Why the handle cannot rest in a pose, in words; empty when it can: cables too long or too short, or no tensions within
-/// the limits for this wrench.
+/// Why the handle cannot rest in a pose, in words; empty when it can: cables too long or too short, or no tensions
+/// within the limits for this wrench.
 [[nodiscard]] std::string infeasible(const Geometry& geometry, const Pose& pose, const Wrench& wrench);
 
 }  // namespace haptogram::robot

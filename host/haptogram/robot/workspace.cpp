@@ -43,15 +43,14 @@ Workspace workspace(const Geometry& geometry, double step_m, Turns turns, double
         throw bad_argument("step", fmt::format("must be a positive length, found {:g} mm", step_m * 1e3));
     const Vector3 counts = geometry.frame / step_m;
     if (counts.prod() > most_points)
-        throw bad_argument("step", fmt::format("{:g} mm would make {:.3g} points; take a coarser step", step_m * 1e3,
-                                               counts.prod()));
+        throw bad_argument(
+            "step", fmt::format("{:g} mm would make {:.3g} points; take a coarser step", step_m * 1e3, counts.prod()));
     const std::vector<Matrix3> turned = rotations(turns, angle_rad);
     Workspace result;
     result.step_m = step_m;
-    for (int k = 0; k < 3; ++k) {
-        const int reach = static_cast<int>(std::floor(geometry.frame[k] / 2.0 / step_m + 1e-9));
-        for (int i = -reach; i <= reach; ++i) result.axis[k].push_back(i * step_m);
-    }
+    for (int k = 0; k < 3; ++k)
+        for (int i = 0; (i + 0.5) * step_m <= geometry.frame[k] + 1e-9; ++i)
+            result.axis[k].push_back((i + 0.5) * step_m - geometry.frame[k] / 2.0);
     const Wrench weight = geometry.weight();
     std::size_t row = 0;
     for (const double z : result.axis[2])

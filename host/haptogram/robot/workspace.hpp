@@ -24,13 +24,14 @@ struct Workspace {
     std::vector<double> axis[3];  ///< coordinates of the grid along x, y, z
     std::vector<bool> useful;     ///< x fastest, then y, then z
     std::size_t count = 0;        ///< useful points
-    /// Each useful point stands for a cube of the step.
+    /// Each useful point stands for its cube.
     [[nodiscard]] double volume_m3() const { return static_cast<double>(count) * step_m * step_m * step_m; }
     /// Radius of the ball of the same volume.
     [[nodiscard]] double ball_radius_m() const;
 };
 
-/// Tries every point of a grid through the frame's centre.
+/// Divides the frame into cubes, from its lowest corner on, and tries the centre of each. A cube whose centre lies
+/// outside of the frame is left out.
 /// @throws Error{bad_argument} naming "step" or "angle" when they make no sense
 [[nodiscard]] Workspace workspace(const Geometry& geometry, double step_m, Turns turns, double angle_rad,
                                   const Progress& progress = {});
