@@ -8,7 +8,7 @@ import pytest
 
 from support import USAGE, refuse, succeed, text
 
-COMMANDS = ["compile", "inspect", "simulate", "field", "analyze", "board", "bitstream", "device", "upload", "download", "play", "stream", "completion"]
+COMMANDS = ["compile", "inspect", "simulate", "field", "analyze", "magnitude", "robot", "board", "bitstream", "device", "upload", "download", "play", "stream", "completion"]
 
 
 def printed(kind, folder):

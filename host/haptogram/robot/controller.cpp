@@ -156,7 +156,7 @@ void Controller::check(const std::array<DriveReading, cable_count>& readings) {
                 report(Event::Kind::slack, i, fmt::format("cable {} is slack: {:.3f} N", i + 1, reading.tension_n));
             }
         }
-        if (!cable_good_[at] && !broken_[at] && lengths_[i] < reference_[i] - options_.broken_m) {
+        if (!cable_good_[at] && !broken_[at] && slack && lengths_[i] < reference_[i] - options_.broken_m) {
             broken_[at] = true;
             report(Event::Kind::broken, i,
                    fmt::format("cable {} is broken: its motor has wound in {:.1f} mm", i + 1,
