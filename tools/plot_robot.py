@@ -21,14 +21,14 @@ def workspace(table, title, output):
     useful = table["useful"].reshape([len(axis) for axis in reversed(axes)]).astype(bool).transpose(2, 1, 0)
     step = axes[0][1] - axes[0][0] if len(axes[0]) > 1 else 1.0
     edges = [np.append(axis - step / 2, axis[-1] + step / 2) for axis in axes]
-    figure = plt.figure(figsize=(15, 5), constrained_layout=True)
-    solid = figure.add_subplot(1, 3, 1, projection="3d")
+    figure = plt.figure(figsize=(16, 5.5))
+    solid = figure.add_axes([0.0, 0.05, 0.31, 0.85], projection="3d")
     if useful.any():
         solid.voxels(*np.meshgrid(*edges, indexing="ij"), useful, facecolors="#4c9f70", edgecolors="#2c5f43", linewidth=0.3)
     limits = [(edge[0], edge[-1]) for edge in edges]
     solid.set(xlabel="x / mm", ylabel="y / mm", zlabel="z / mm", xlim=limits[0], ylim=limits[1], zlim=limits[2], box_aspect=[np.ptp(e) for e in edges])
-    for place, across, (u, v), name in ((2, 2, (0, 1), "from above"), (3, 1, (0, 2), "from the side")):
-        panel = figure.add_subplot(1, 3, place)
+    for left, across, (u, v), name in ((0.38, 2, (0, 1), "from above"), (0.71, 1, (0, 2), "from the side")):
+        panel = figure.add_axes([left, 0.1, 0.26, 0.78])
         depth = useful.sum(axis=across) * step
         image = panel.pcolormesh(edges[u], edges[v], np.where(depth > 0, depth, np.nan).T, cmap="viridis", vmin=0)
         panel.set(xlabel=f"{'xyz'[u]} / mm", ylabel=f"{'xyz'[v]} / mm", title=name, aspect="equal", xlim=limits[u], ylim=limits[v])
@@ -58,14 +58,14 @@ def trace(table, radii, events, output):
         for at, _ in events:
             panel.axvline(at, color="#d62728", lw=0.9)
         panel.grid(alpha=0.3)
-    for at, name in events:
-        tension.text(at, tension.get_ylim()[1], f" {name}", rotation=90, va="top", color="#d62728", fontsize=8)
+    for number, (at, name) in enumerate(events):  # one below the other, because they come close together
+        place.text(at, 0.92 - 0.1 * (number % 8), f" {name}, {at:g} s", transform=place.get_xaxis_transform(), color="#d62728", fontsize=8)
     place.set(ylabel="place / mm", title="handle, and dashed the virtual body")
     force.set(ylabel="force / N", title="user, and dashed what the controller measures")
     tension.set(ylabel="tension / N", xlabel="time / s", title="cables")
-    place.legend(loc="upper left", fontsize=8)
-    force.legend(loc="upper left", fontsize=8)
-    tension.legend(loc="upper left", fontsize=8, ncol=8)
+    tension.set_ylim(0, 1.25 * tension.get_ylim()[1])
+    for panel, columns in ((place, 1), (force, 1), (tension, 8)):
+        panel.legend(loc="upper left", fontsize=8, ncol=columns)
     figure.savefig(output, dpi=100, format="png")
 
 
