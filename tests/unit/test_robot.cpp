@@ -193,7 +193,7 @@ TEST_CASE("robot: choices of tensions beside an exhaustive search of the null sp
     std::mt19937_64 random(Catch::rngSeed());
     std::normal_distribution<double> normal;
     int feasible = 0, refused = 0;
-    for (int run = 0; run < 60; ++run) {
+    for (int run = 0; run < 30; ++run) {
         const Pose pose = random_pose(random);
         const Structure structure = structure_of(geometry, pose);
         Wrench wrench = geometry.weight();
@@ -203,7 +203,7 @@ TEST_CASE("robot: choices of tensions beside an exhaustive search of the null sp
         const Eigen::JacobiSVD<Eigen::MatrixXd> svd(structure, Eigen::ComputeFullU | Eigen::ComputeFullV);
         const PerCable particular = svd.solve(-wrench);
         const Eigen::MatrixXd null = svd.matrixV().rightCols(2);
-        constexpr int steps = 500;
+        constexpr int steps = 250;
         constexpr double reach = 30.0;
         double norm = 1e9, sum = 1e9;
         long hits = 0;
@@ -233,11 +233,11 @@ TEST_CASE("robot: choices of tensions beside an exhaustive search of the null sp
             REQUIRE(found->tensions.maxCoeff() <= 10 + 1e-11);
         }
         REQUIRE(least->tensions.norm() <= norm + 1e-9);
-        REQUIRE(least->tensions.norm() >= norm - 0.2);
+        REQUIRE(least->tensions.norm() >= norm - 0.4);
         REQUIRE(cheap->tensions.sum() <= sum + 1e-9);
-        REQUIRE(cheap->tensions.sum() >= sum - 0.6);
+        REQUIRE(cheap->tensions.sum() >= sum - 1.0);
         const PerCable searched = particular + null * (mean / static_cast<double>(hits));
-        REQUIRE((middle->tensions - searched).norm() < 0.3);
+        REQUIRE((middle->tensions - searched).norm() < 0.5);
         // The paper's: the same wrench, the least tension is the limit, and the direction is positive everywhere.
         const auto paper = distribute(structure, wrench, 0.5, 10, Choice::paper);
         REQUIRE(paper);
@@ -246,15 +246,15 @@ TEST_CASE("robot: choices of tensions beside an exhaustive search of the null sp
         REQUIRE(paper->within_limits == (paper->tensions.maxCoeff() <= 10));
         const PerCable positive = *positive_null_vector(*tension_space(structure, wrench));
         double best = 0.0;
-        for (int i = 0; i < 20000; ++i) {
-            const double phi = 2 * std::numbers::pi * i / 20000;
+        for (int i = 0; i < 4000; ++i) {
+            const double phi = 2 * std::numbers::pi * i / 4000;
             best = std::max(best, (null * Eigen::Vector2d(std::cos(phi), std::sin(phi))).minCoeff());
         }
         REQUIRE(positive.norm() == Approx(1.0));
-        REQUIRE(positive.minCoeff() == Approx(best).margin(1e-4));
+        REQUIRE(positive.minCoeff() == Approx(best).margin(1e-3));
     }
     INFO(feasible << " feasible, " << refused << " refused");
-    REQUIRE(feasible >= 5);
+    REQUIRE(feasible >= 3);
 }
 
 TEST_CASE("robot: the paper's tensions break the upper limit where the polygon's keep it", "[robot]") {
