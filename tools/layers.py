@@ -23,18 +23,20 @@ INSTRUMENT = [*IMAGE, "analysis", "instrument"]
 LAYERS = {
     "base":       {"may": [], "at": (1, 8), "knows": "errors, files, processes, progress"},
     "model":      {"may": ["base"], "at": (1, 7), "knows": "air, transducers, arrays, rigs"},
+    "robot":      {"may": ["base"], "at": (4, 7), "knows": "a handle on eight cables"},
     "boards":     {"may": BASICS, "at": (2, 6), "knows": "board files, the core's parameters"},
     "acoustics":  {"may": BASICS, "at": (0, 6), "knows": "waves, fields, transients"},
     "shape":      {"may": BASICS, "at": (1, 6), "knows": "files, built-in shapes, points"},
     "hand":       {"may": BASICS, "at": (3, 6), "knows": "hands, skin, solids"},
     "render":     {"may": [*BASICS, "shape"], "at": (1, 5), "knows": "paths: foci in time"},
+    "perception": {"may": [*BASICS, "acoustics", "render"], "at": (3, 5), "knows": "how strong a focus feels"},
     "solve":      {"may": [*PHYSICS, "render"], "at": (1, 4), "knows": "foci to drives to records"},
     "image":      {"may": [*PHYSICS, "render", "solve"], "at": (1, 3), "knows": "memories, Intel HEX, bundles"},
     "analysis":   {"may": IMAGE, "at": (0, 2), "knows": "pulses to drives, checks of foci"},
     "instrument": {"may": [*IMAGE, "analysis"], "at": (0, 1), "knows": "the verbs as functions"},
     "link":       {"may": IMAGE, "at": (2, 2), "knows": "frames, ports, devices"},
     "sim":        {"may": [*IMAGE, "analysis", "link"], "at": (2, 1), "knows": "the Verilated board"},
-    "cli":        {"may": [*INSTRUMENT, "link", "sim"], "at": (1, 0), "knows": "the program: parse, call, print"},
+    "cli":        {"may": [*INSTRUMENT, "perception", "robot", "link", "sim"], "at": (1, 0), "knows": "the program: parse, call, print"},
 }  # fmt: skip
 FOLDERS = {name: f"host/haptogram/{name}" for name in LAYERS} | {"sim": "sim", "cli": "host/cli"}
 ROW, GAP = 44, 32  # of the picture, pixels

@@ -21,6 +21,8 @@ void add_simulate(CLI::App& app, Action& action);
 void add_field(CLI::App& app, Action& action);
 void add_solve(CLI::App& app, Action& action);
 void add_analyze(CLI::App& app, Action& action);
+void add_magnitude(CLI::App& app, Action& action);
+void add_robot(CLI::App& app, Action& action);
 void add_board(CLI::App& app, Action& action);
 void add_board_run(CLI::App& board, Action& action);
 void add_device(CLI::App& app, Action& action);

@@ -8,7 +8,8 @@ import pytest
 
 from support import USAGE, refuse, succeed, text
 
-COMMANDS = ["compile", "inspect", "simulate", "solve", "field", "analyze", "board", "bitstream", "device", "upload", "download", "play", "stream", "completion"]
+COMMANDS = ["compile", "inspect", "simulate", "solve", "field", "analyze", "magnitude", "robot", "board", "bitstream", "device", "upload", "download",
+            "play", "stream", "completion"]  # fmt: skip
 
 
 def printed(kind, folder):

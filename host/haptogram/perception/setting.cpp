@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/perception/setting.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "haptogram/acoustics/propagation.hpp"
+#include "haptogram/acoustics/quantities.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/perception/magnitude.hpp"
+
+namespace haptogram::perception {
+namespace {
+
+using std::numbers::pi;
+
+/// All that does not depend on the device.
+Setting felt(const Tables& tables, const Wanted& wanted, const FrequencyFit& fit) {
+    if (wanted.region != Region::palm)
+        throw bad_argument("region",
+                           fmt::format("{} has magnitudes for the palm only, and a finger feels otherwise; take "
+                                       "palm, or ask for the threshold of a finger alone",
+                                       tables.name));
+    Setting setting;
+    setting.output_gf = output_of_magnitude(fit, wanted.magnitude);
+    setting.least_felt_gf = least_felt_gf(tables, wanted.region, wanted.frequency_hz, wanted.grip_n);
+    if (setting.output_gf < setting.least_felt_gf)
+        throw bad_argument(
+            "magnitude", fmt::format("{:g} needs {:.4f} gf, which is less than the {:.4f} gf that are felt at {:g} Hz "
+                                     "and a grip of {:g} N; ask for {:.3f} or more",
+                                     wanted.magnitude, setting.output_gf, setting.least_felt_gf, wanted.frequency_hz,
+                                     wanted.grip_n, magnitude_of_output(fit, setting.least_felt_gf)));
+    setting.waveform_factor = waveform_factor(wanted.waveform, wanted.weighing);
+    if (wanted.waveform == Waveform::square)
+        setting.duty_factor = duty_factor(wanted.duty, wanted.weighing);
+    else if (wanted.duty != 0.5)
+        throw bad_argument("duty", fmt::format("a duty of {:g} belongs to the square wave, and the waveform is {}",
+                                               wanted.duty, name_of(wanted.waveform)));
+    return setting;
+}
+
+Error too_much(const Wanted& wanted, const Setting& setting, const std::string& who) {
+    return bad_argument("magnitude",
+                        fmt::format("{:g} needs {:.4f} gf with this waveform and place, and {} gives {:.4f} "
+                                    "gf at most; ask for less",
+                                    wanted.magnitude, setting.needed_gf, who, setting.full_gf));
+}
+
+}  // namespace
+
+double force_on_disc(const Array& array, Vec3 focus, double diameter_m) {
+    if (!(diameter_m > 0.0 && std::isfinite(diameter_m)))
+        throw bad_argument("diameter", fmt::format("must be a positive length, found {:g} m", diameter_m));
+    if (const std::string why = array.unreachable(focus); !why.empty()) throw impossible("focus", why);
+    // Gauss-Legendre with eight nodes on [−1, 1], half of them; the other half has the opposite signs.
+    constexpr std::array<double, 4> nodes = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
+                                             0.9602898564975363};
+    constexpr std::array<double, 4> weights = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
+                                               0.1012285362903763};
+    constexpr int around = 32;
+    const std::vector<std::complex<double>> drives = ideal_drives(array, focus);
+    const double radius = diameter_m / 2.0;
+    double force = 0.0;
+    for (std::size_t i = 0; i < 2 * nodes.size(); ++i) {
+        const double node = i < nodes.size() ? nodes[i] : -nodes[i - nodes.size()];
+        const double r = radius * (1.0 + node) / 2.0;
+        const double ring = weights[i % weights.size()] * radius / 2.0 * r * 2.0 * pi / around;
+        for (int j = 0; j < around; ++j) {
+            const double angle = 2.0 * pi * j / around;
+            const Vec3 point = focus + Vec3{r * std::cos(angle), r * std::sin(angle), 0.0};
+            force += ring * radiation_pressure(pressure(array, drives, point), array.medium);
+        }
+    }
+    return force;
+}
+
+double position_factor(const Array& array, Vec3 focus, Vec3 reference, double diameter_m) {
+    return force_on_disc(array, reference, diameter_m) / force_on_disc(array, focus, diameter_m);
+}
+
+double pulse_duty(double amplitude, double full_duty) {
+    if (!(amplitude >= 0.0 && amplitude <= 1.0))
+        throw bad_argument("amplitude", fmt::format("an amplitude is 0…1, found {:g}", amplitude));
+    return std::asin(amplitude * std::sin(pi * full_duty)) / pi;
+}
+
+Setting setting_for(const Tables& tables, const Wanted& wanted) {
+    const FrequencyFit fit = fit_at(tables, wanted.frequency_hz);
+    Setting setting = felt(tables, wanted, fit);
+    setting.factor = setting.position_factor * setting.duty_factor / setting.waveform_factor;
+    setting.needed_gf = setting.output_gf * setting.factor;
+    setting.full_gf = full_output_gf(fit);
+    if (setting.needed_gf > setting.full_gf) throw too_much(wanted, setting, tables.name);
+    setting.command = command_of_output(fit, setting.needed_gf);
+    setting.pulse_duty = pulse_duty(setting.command);
+    return setting;
+}
+
+Setting setting_for(const Tables& tables, const Wanted& wanted, const Array& array, Vec3 focus, double diameter_m) {
+    const FrequencyFit fit = fit_at(tables, wanted.frequency_hz);
+    Setting setting = felt(tables, wanted, fit);
+    // The array's force is computed where the focus is, so its place needs no factor of its own.
+    setting.factor = setting.duty_factor / setting.waveform_factor;
+    setting.needed_gf = setting.output_gf * setting.factor;
+    setting.full_gf = mean_output(Waveform::square) * force_on_disc(array, focus, diameter_m) / gram_force_n;
+    if (setting.needed_gf > setting.full_gf) throw too_much(wanted, setting, array.name);
+    setting.command = std::sqrt(setting.needed_gf / setting.full_gf);
+    setting.pulse_duty = pulse_duty(setting.command, array.duty);
+    return setting;
+}
+
+}  // namespace haptogram::perception

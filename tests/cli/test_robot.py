@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`haptogram robot`: kinematics and tensions worked out with numpy, workspaces, pictures, and runs with faults."""
+import io
+import json
+
+import numpy as np
+import pytest
+from support import BAD_INPUT, RUN_FAILED, USAGE, assert_one_message, run, succeed, text
+
+CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
+ANCHORS = CORNERS * 180.0
+ATTACHMENTS = (CORNERS * [20.0, 20.0, 50.0])[[5, 2, 7, 0, 1, 6, 3, 4]]
+POSE = ["--position", "20,-10,30", "--angles", "5,-3,10"]
+
+
+def turned(x, y, z):
+    cx, cy, cz, sx, sy, sz = *np.cos(np.radians([x, y, z])), *np.sin(np.radians([x, y, z]))
+    about_z = np.array([[cz, -sz, 0], [sz, cz, 0], [0, 0, 1]])
+    about_y = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])
+    about_x = np.array([[1, 0, 0], [0, cx, -sx], [0, sx, cx]])
+    return about_z @ about_y @ about_x
+
+
+ARMS = ATTACHMENTS @ turned(5, -3, 10).T
+CABLES = ANCHORS - [20, -10, 30] - ARMS
+LENGTHS = np.linalg.norm(CABLES, axis=1)
+
+
+def asked(*args, code=0, **more):
+    result = run(["robot", *args, "--json"], timeout=120, **more)
+    assert result.returncode == code, text(result.stderr)
+    return json.loads(result.stdout)
+
+
+def test_there_and_back():
+    found = asked("ik", *POSE)
+    assert found["lengths_mm"] == pytest.approx(LENGTHS, abs=1e-5) and found["within_limits"] is True
+    pose = asked("fk", *(f"{length:.9f}" for length in LENGTHS))
+    assert pose["position_mm"] == pytest.approx([20, -10, 30], abs=1e-5)
+    assert pose["angles_deg"] == pytest.approx([5, -3, 10], abs=1e-5)
+    assert pose["steps"] <= 5 and pose["mismatch_mm"] < 1e-6
+    outside = asked("ik", "--position", "0,0,400", code=RUN_FAILED)
+    assert outside["within_limits"] is False
+
+
+@pytest.mark.parametrize("choice", ["norm", "sum", "centroid", "paper"])
+def test_tensions_balance(choice):
+    force, torque = np.array([1.0, -2.0, 3.0]), np.array([0.01, 0.02, -0.03])
+    found = asked("tension", *POSE, "--force", "1,-2,3", "--torque", "0.01,0.02,-0.03", "--choice", choice)
+    tensions = np.array(found["tensions_n"])
+    directions = CABLES / LENGTHS[:, None]
+    assert tensions @ directions + force + [0, 0, -0.1 * 9.80665] == pytest.approx([0, 0, 0], abs=1e-5)
+    assert tensions @ np.cross(ARMS * 1e-3, directions) + torque == pytest.approx([0, 0, 0], abs=1e-6)
+    assert tensions.min() >= 0.5 - 1e-6 and (tensions.max() <= 10 + 1e-6) == found["within_limits"]
+
+
+def test_the_largest_forces():
+    found = asked("tension", "--largest")["largest_n"]
+    assert found["+z"] == pytest.approx(26.37, abs=0.005) and found["-z"] == pytest.approx(24.41, abs=0.005)
+    assert all(found[name] == pytest.approx(14.82, abs=0.005) for name in ("+x", "-x", "+y", "-y"))
+
+
+def test_workspace(tmp_path):
+    found = asked("workspace", "--turns", "one", "-o", "w.csv", cwd=tmp_path)
+    table = np.genfromtxt(tmp_path / "w.csv", delimiter=",", names=True)
+    assert found["volume_mm3"] == table["useful"].sum() * 27000 == 7992000
+    assert found["ball_radius_mm"] == pytest.approx((3 * 7992000 / 4 / np.pi) ** (1 / 3))
+    asked("workspace", "--step", 60, "-o", "w.png", cwd=tmp_path)
+    assert (tmp_path / "w.png").read_bytes().startswith(b"\x89PNG")
+    wide = asked("workspace", "--turns", "none", "--step", 60)
+    assert wide["useful"] > asked("workspace", "--turns", "all", "--step", 60)["useful"]
+
+
+def test_a_run_and_its_trace(tmp_path):
+    found = asked("simulate", "--push", "0.5:5:0,0,4", "--duration", 5, "-o", "t.csv", cwd=tmp_path)
+    table = np.genfromtxt(tmp_path / "t.csv", delimiter=",", names=True)
+    assert found["events"] == [] and found["end_mm"][2] == pytest.approx(4 / 150 * 1e3, abs=0.5)
+    assert table["z_mm"][-1] == pytest.approx(found["end_mm"][2], abs=1e-3)
+    assert table["measured_z_n"][-10:].mean() == pytest.approx(4, abs=0.05)
+    tensions = np.array([table[f"tension_{i}_n"] for i in range(1, 9)])
+    assert min(found["least_tension_n"]) <= tensions.min() and tensions.min() > 0.5
+    succeed(["robot", "simulate", "--duration", 1, "-o", "t.png"], cwd=tmp_path, timeout=120)
+    assert (tmp_path / "t.png").read_bytes().startswith(b"\x89PNG")
+    printed = succeed(["robot", "simulate", "--duration", 0.3, "-o", "-"], cwd=tmp_path).stdout
+    assert len(np.genfromtxt(io.BytesIO(printed), delimiter=",", names=True)) == 10
+
+
+def test_a_fault_is_told():
+    found = asked("simulate", "--duration", 4, "--fault", "slip:4:1", code=RUN_FAILED)
+    (event,) = found["events"]
+    assert event["kind"] == "encoder slip" and event["cable"] == 4 and event["time_s"] == pytest.approx(1, abs=0.01)
+    assert found["steadiness_mm"] < 0.1
+
+
+@pytest.mark.parametrize(("arguments", "code", "needle"), [
+    ([], USAGE, "ik, fk, tension, workspace or simulate"), (["ik", "--position", "1,2"], USAGE, "--position"), (["fk", 1, 2], USAGE, "8"),
+    (["tension", "--force", "99,0,0"], BAD_INPUT, "--force.*no tensions"), (["tension", "--largest", "--choice", "sum"], USAGE, "exclude"),
+    (["workspace", "--angle", 90], USAGE, "--angle"), (["workspace", "--step", 0.01], USAGE, "--step.*coarser"), (["workspace", "-o", "w.gif"], USAGE, "gif"),
+    (["simulate", "--push", "1:2"], USAGE, "FROM:TO"), (["simulate", "--fault", "burnt:1:1"], USAGE, "KIND:CABLE"),
+    (["simulate", "--position", "0,0,170"], USAGE, "cannot rest|no tensions"), (["ik", "--robot", "none"], BAD_INPUT, "cube-360"), (["ik", "--edge", 0], USAGE, "positive"),
+])  # fmt: skip
+def test_what_is_refused(arguments, code, needle, tmp_path):
+    assert_one_message(run(["robot", *arguments], cwd=tmp_path), code, needle)

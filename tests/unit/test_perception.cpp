@@ -1,0 +1,351 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <complex>
+#include <functional>
+#include <numbers>
+#include <random>
+
+#include "haptogram/acoustics/propagation.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/base/file.hpp"
+#include "haptogram/base/process.hpp"
+#include "haptogram/perception/consistency.hpp"
+#include "haptogram/perception/magnitude.hpp"
+#include "haptogram/perception/setting.hpp"
+#include "haptogram/perception/staircase.hpp"
+#include "haptogram/perception/tables.hpp"
+#include "haptogram/perception/threshold.hpp"
+#include "haptogram/perception/waveform.hpp"
+
+using namespace haptogram;
+using namespace haptogram::perception;
+using Catch::Matchers::Contains;
+using Catch::Matchers::Message;
+using std::numbers::pi;
+
+namespace {
+
+/// What was computed from the printed tables with numpy's roots, to the digits given.
+struct Derived {
+    double hz, full_gf, magnitude_there, zero_gf;
+    std::array<double, 3> commands;  ///< for magnitudes of 1, 2 and 3; 0: not reachable
+};
+constexpr Derived derived[] = {{80, 0.6185, 10.149, 0.0090, {0.33468, 0.42594, 0.51003}},
+                               {100, 0.5804, 8.928, 0.0123, {0.35204, 0.43678, 0.51672}},
+                               {140, 0.5587, 8.070, -0.0058, {0.33926, 0.44367, 0.53973}},
+                               {180, 0.5478, 7.592, 0.0051, {0.39805, 0.50983, 0.60865}},
+                               {240, 0.5280, 4.363, -0.0145, {0.43890, 0.61582, 0.76236}},
+                               {300, 0.4926, 2.458, -0.0535, {0.56460, 0.85367, 0.0}}};
+
+std::string message_of(const std::function<void()>& work) {
+    try {
+        work();
+    } catch (const Error& error) {
+        return error.what();
+    }
+    return "no error";
+}
+
+}  // namespace
+
+TEST_CASE("perception: what follows from Tables I and II, to the digits", "[perception]") {
+    const Tables tables = find_tables();
+    REQUIRE(tables.fits.size() == std::size(derived));
+    for (std::size_t i = 0; i < std::size(derived); ++i) {
+        const Derived& expected = derived[i];
+        const FrequencyFit fit = fit_at(tables, expected.hz);
+        INFO(expected.hz << " Hz");
+        REQUIRE(fit.frequency_hz == expected.hz);
+        const double full = full_output_gf(fit);
+        REQUIRE(full == Approx(expected.full_gf).margin(0.00005));
+        REQUIRE(command_of_output(fit, full) == Approx(1.0).margin(1e-12));
+        REQUIRE(magnitude_of_output(fit, full) == Approx(expected.magnitude_there).margin(0.0005));
+        // The parabola's zero, with the textbook formula; where it is negative there is a sensation at no output.
+        const auto [g, j, v] = fit.magnitude;
+        REQUIRE((-j + std::sqrt(j * j - 4 * g * v)) / (2 * g) == Approx(expected.zero_gf).margin(0.00005));
+        if (expected.zero_gf > 0) REQUIRE(output_of_magnitude(fit, 0.0) == Approx(expected.zero_gf).margin(0.00005));
+        for (int wanted = 1; wanted <= 3; ++wanted) {
+            const double command = expected.commands[static_cast<std::size_t>(wanted - 1)];
+            if (command == 0.0)
+                REQUIRE_THAT(message_of([&] { (void)output_of_magnitude(fit, wanted); }),
+                             Contains("magnitude: 3 cannot be made at 300 Hz") && Contains("2.458"));
+            else
+                REQUIRE(command_of_output(fit, output_of_magnitude(fit, wanted)) == Approx(command).margin(0.000005));
+        }
+    }
+}
+
+TEST_CASE("perception: both inverses undo their polynomials, at any frequency", "[perception]") {
+    const Tables tables = find_tables();
+    std::mt19937_64 random(Catch::rngSeed());
+    std::uniform_real_distribution<double> part(0.0, 1.0);
+    for (int i = 0; i < 2000; ++i) {
+        const double hz = 80.0 * std::pow(300.0 / 80.0, part(random));
+        const FrequencyFit fit = fit_at(tables, hz);
+        const double g = part(random) * full_output_gf(fit);
+        CAPTURE(hz, g);
+        REQUIRE(output_of_command(fit, command_of_output(fit, g)) == Approx(g).margin(1e-12));
+        REQUIRE(output_of_magnitude(fit, magnitude_of_output(fit, g)) == Approx(g).margin(1e-12));
+    }
+    // Half way between 100 and 140 Hz on a logarithmic scale the values are means.
+    const double middle = std::sqrt(100.0 * 140.0);
+    const FrequencyFit fit = fit_at(tables, middle), a = fit_at(tables, 100), b = fit_at(tables, 140);
+    for (const double g : {0.0, 0.1, 0.5}) {
+        REQUIRE(command_of_output(fit, g) == Approx((command_of_output(a, g) + command_of_output(b, g)) / 2));
+        REQUIRE(magnitude_of_output(fit, g) == Approx((magnitude_of_output(a, g) + magnitude_of_output(b, g)) / 2));
+    }
+}
+
+TEST_CASE("perception: nothing is extrapolated", "[perception]") {
+    const Tables tables = find_tables();
+    const FrequencyFit fit = fit_at(tables, 180);
+    REQUIRE_THAT(message_of([&] { (void)fit_at(tables, 79.9); }), Contains("frequency") && Contains("80…300 Hz"));
+    REQUIRE_THAT(message_of([&] { (void)fit_at(tables, NAN); }), Contains("frequency"));
+    REQUIRE_THAT(message_of([&] { (void)command_of_output(fit, 0.5479); }),
+                 Contains("output: 0.5479") && Contains("0.5478"));
+    REQUIRE_THAT(message_of([&] { (void)magnitude_of_output(fit, -0.001); }), Contains("output"));
+    REQUIRE_THAT(message_of([&] { (void)output_of_command(fit, 0.258); }), Contains("command") && Contains("0.2585…1"));
+    REQUIRE_THAT(message_of([&] { (void)output_of_command(fit, 1.001); }), Contains("command"));
+    REQUIRE_THAT(message_of([&] { (void)output_of_magnitude(fit, 7.6); }), Contains("magnitude: 7.6"));
+    REQUIRE_THAT(message_of([&] { (void)threshold_interval(tables, Region::palm, 0.5); }),
+                 Contains("grip") && Contains("bare hand"));
+    REQUIRE_THAT(message_of([&] { (void)threshold_interval(tables, Region::palm, 10.1); }), Contains("1…10 N"));
+    REQUIRE_THAT(message_of([] { (void)region_of("elbow"); }), Contains("palm or finger, found 'elbow'"));
+}
+
+TEST_CASE("perception: thresholds of Table III by region, grip force and frequency", "[perception]") {
+    const Tables tables = find_tables();
+    for (const ThresholdRow& row : tables.thresholds) {
+        REQUIRE(threshold_interval(tables, Region::palm, row.grip_n).low_gf == Approx(row.palm.low_gf));
+        REQUIRE(threshold_interval(tables, Region::finger, row.grip_n).high_gf == Approx(row.finger.high_gf));
+    }
+    const Interval middle = threshold_interval(tables, Region::finger, std::sqrt(3.0));
+    REQUIRE(middle.low_gf == Approx((0.06568 + 0.08252) / 2));
+    REQUIRE(middle.high_gf == Approx((0.09169 + 0.1005) / 2));
+    for (const double hz : {180.0, 200.0, 240.0})
+        REQUIRE(least_felt_gf(tables, Region::palm, hz, 3) == Approx(0.06794));
+    for (const double hz : {80.0, 300.0}) REQUIRE(least_felt_gf(tables, Region::palm, hz, 3) == Approx(0.08392));
+    REQUIRE(least_felt_gf(tables, Region::palm, std::sqrt(80.0 * 180.0), 3) == Approx((0.06794 + 0.08392) / 2));
+    // Lines of least squares, from numpy's polyfit over ln F.
+    const ThresholdLaw finger = threshold_law(tables, Region::finger), palm = threshold_law(tables, Region::palm);
+    REQUIRE(finger.a_gf == Approx(0.07721).margin(0.000005));
+    REQUIRE(finger.b_gf == Approx(0.01353).margin(0.000005));
+    REQUIRE(finger.largest_residual_gf == Approx(0.0053).margin(0.00005));
+    REQUIRE(palm.a_gf == Approx(0.06257).margin(0.000005));
+    REQUIRE(palm.b_gf == Approx(0.01409).margin(0.000005));
+    REQUIRE(palm.largest_residual_gf == Approx(0.0022).margin(0.00005));
+    REQUIRE(threshold_interval(tables, Region::palm, 1).centre_gf() * gram_force_n * 1e3 == Approx(0.63).margin(0.005));
+    REQUIRE(threshold_interval(tables, Region::finger, 1).centre_gf() * gram_force_n * 1e3 ==
+            Approx(0.77).margin(0.005));
+    // Displacement: 0.16 µm at 200 Hz; four octaves of 12 dB would be 48, so 12 dB between 125 and 250 Hz.
+    REQUIRE(least_displacement_db(200) == Approx(-16.1).margin(0.05));
+    REQUIRE(std::pow(10.0, least_displacement_db(200) / 20.0) == Approx(0.16).margin(0.005));
+    REQUIRE(least_displacement_db(125) - least_displacement_db(250) == Approx(12.04).margin(0.01));
+    REQUIRE(least_displacement_db(20) == 12.5);
+    REQUIRE(least_displacement_db(200, 2.0) == Approx(-16.1 - 3.0).margin(0.06));
+    REQUIRE_THROWS_AS(least_displacement_db(600), Error);
+    REQUIRE_THROWS_AS(least_displacement_db(200, 0.0), Error);
+}
+
+TEST_CASE("perception: means and fundamentals of waveforms beside sums over many samples", "[perception]") {
+    constexpr int samples = 200000;
+    const auto direct = [](Waveform waveform, double duty) {
+        double mean = 0.0;
+        std::complex<double> fundamental = 0.0;
+        for (int i = 0; i < samples; ++i) {
+            const double t = (i + 0.5) / samples, m = envelope(waveform, t, duty);
+            mean += m * m / samples;
+            fundamental += m * m * std::polar(2.0 / samples, -2.0 * pi * t);
+        }
+        return std::pair(mean, std::abs(fundamental));
+    };
+    for (const Waveform waveform : all_waveforms()) {
+        INFO(name_of(waveform));
+        const auto [mean, fundamental] = direct(waveform, 0.5);
+        REQUIRE(mean_output(waveform) == Approx(mean).margin(1e-6));
+        REQUIRE(fundamental_output(waveform) == Approx(fundamental).margin(1e-6));
+        REQUIRE(waveform_of(name_of(waveform)) == waveform);
+        REQUIRE(waveform_factor(waveform, Weighing::mean) == Approx(mean / 0.5).margin(1e-5));
+    }
+    for (const double duty : {0.1, 0.3, 0.5, 0.8, 0.9}) {
+        const auto [mean, fundamental] = direct(Waveform::square, duty);
+        REQUIRE(mean_output(Waveform::square, duty) == Approx(mean).margin(1e-5));
+        REQUIRE(fundamental_output(Waveform::square, duty) == Approx(fundamental).margin(1e-5));
+    }
+    REQUIRE(fundamental_output(Waveform::square, 0.1) == Approx(0.197).margin(0.0005));
+    REQUIRE(waveform_factor(Waveform::sine, Weighing::fundamental) == Approx(0.785).margin(0.0005));
+    REQUIRE(waveform_factor(Waveform::triangle, Weighing::fundamental) == Approx(0.637).margin(0.0005));
+    REQUIRE(waveform_factor(Waveform::sawtooth, Weighing::fundamental) == Approx(0.525).margin(0.0005));
+    REQUIRE(duty_factor(0.5, Weighing::mean) == 1.0);
+    REQUIRE(duty_factor(0.25, Weighing::mean) == Approx(2.0));
+    REQUIRE(duty_factor(0.25, Weighing::fundamental) == Approx(std::numbers::sqrt2));
+    REQUIRE(radiation_linear(0.25) == 0.5);
+    REQUIRE_THROWS_AS(radiation_linear(1.1), Error);
+    REQUIRE_THROWS_AS(duty_factor(0.0, Weighing::mean), Error);
+    REQUIRE_THROWS_AS(duty_factor(1.0, Weighing::fundamental), Error);
+    REQUIRE_THAT(message_of([] { (void)waveform_of("noise"); }), Contains("square, abs-sine") && Contains("'noise'"));
+}
+
+TEST_CASE("perception: from a magnitude to a pulse", "[perception]") {
+    const Tables tables = find_tables();
+    Wanted wanted;
+    wanted.frequency_hz = 180;
+    wanted.magnitude = 2;
+    const Setting plain = setting_for(tables, wanted);
+    REQUIRE(plain.command == Approx(0.50983).margin(0.000005));
+    REQUIRE(plain.factor == 1.0);
+    REQUIRE(std::sin(pi * plain.pulse_duty) == Approx(plain.command));  // the carrier's amplitude over that at 50 %
+    REQUIRE(plain.pulse_duty < 0.5);
+    // A quarter of the time on: the mean needs twice the output, the fundamental √2.
+    wanted.duty = 0.25;
+    REQUIRE(setting_for(tables, wanted).needed_gf == Approx(plain.needed_gf * std::numbers::sqrt2));
+    wanted.weighing = Weighing::mean;
+    REQUIRE(setting_for(tables, wanted).needed_gf == Approx(plain.needed_gf * 2.0));
+    // A triangle needs 1/0.637.
+    wanted = {2.0, 180.0, Region::palm, 1.0, Waveform::triangle, 0.5, Weighing::fundamental};
+    REQUIRE(setting_for(tables, wanted).needed_gf == Approx(plain.needed_gf * pi / 2.0));
+    wanted.duty = 0.25;
+    REQUIRE_THAT(message_of([&] { (void)setting_for(tables, wanted); }), Contains("duty") && Contains("triangle"));
+    wanted = {7.5, 180.0, Region::palm, 1.0, Waveform::triangle, 0.5, Weighing::fundamental};
+    REQUIRE_THAT(message_of([&] { (void)setting_for(tables, wanted); }),
+                 Contains("magnitude: 7.5") && Contains("at most"));
+    wanted = {0.5, 180.0, Region::palm, 1.0, Waveform::square, 0.5, Weighing::fundamental};
+    REQUIRE_THAT(message_of([&] { (void)setting_for(tables, wanted); }), Contains("less than the 0.0590 gf"));
+    wanted = {2.0, 180.0, Region::finger, 1.0, Waveform::square, 0.5, Weighing::fundamental};
+    REQUIRE_THAT(message_of([&] { (void)setting_for(tables, wanted); }), Contains("region") && Contains("palm only"));
+    REQUIRE(pulse_duty(1.0) == 0.5);
+    REQUIRE(pulse_duty(0.0) == 0.0);
+    REQUIRE_THROWS_AS(pulse_duty(1.01), Error);
+}
+
+TEST_CASE("perception: the force on a disc is that of a sum over small cells", "[perception]") {
+    Array array = find_array("hoshi-18x18");
+    const Vec3 focus = from_mm(10, 0, 200);
+    const double force = force_on_disc(array, focus, 0.02);
+    const auto drives = ideal_drives(array, focus);
+    constexpr int cells = 60;
+    constexpr double width = 0.02 / cells;
+    double sum = 0.0;
+    for (int i = 0; i < cells; ++i)
+        for (int j = 0; j < cells; ++j) {
+            const double x = (i + 0.5) * width - 0.01, y = (j + 0.5) * width - 0.01;
+            if (x * x + y * y > 0.01 * 0.01) continue;
+            const double p = std::abs(pressure(array, drives, focus + Vec3{x, y, 0.0}));
+            const Medium& air = array.medium;
+            sum += p * p / (air.density_kg_m3 * air.speed_m_s * air.speed_m_s) * width * width;
+        }
+    REQUIRE(force == Approx(sum).epsilon(0.003));
+    REQUIRE(position_factor(array, from_mm(0, 0, 200)) == 1.0);
+    REQUIRE(position_factor(array, from_mm(0, 0, 300)) > 1.0);
+    REQUIRE(position_factor(array, from_mm(0, 0, 300)) ==
+            Approx(force_on_disc(array, from_mm(0, 0, 200), 0.02) / force_on_disc(array, from_mm(0, 0, 300), 0.02)));
+    REQUIRE_THROWS_AS(force_on_disc(array, from_mm(1000, 0, 10), 0.02), Error);
+    // A command is an amplitude: the force of the drives scaled by it is what was needed.
+    Wanted wanted;
+    const Tables tables = find_tables();
+    const Setting setting = setting_for(tables, wanted, array, focus);
+    REQUIRE(setting.full_gf == Approx(0.5 * sum / gram_force_n).epsilon(0.003));
+    REQUIRE(setting.command * setting.command * setting.full_gf == Approx(setting.needed_gf));
+    REQUIRE(std::sin(pi * setting.pulse_duty) / std::sin(pi * array.duty) == Approx(setting.command));
+    array.transducer.source_pa_m /= 10.0;
+    REQUIRE_THAT(message_of([&] { (void)setting_for(tables, wanted, array, focus); }),
+                 Contains("hoshi-18x18") && Contains("at most"));
+}
+
+TEST_CASE("perception: a file that cannot be used names its line", "[perception]") {
+    const TemporaryFolder folder;
+    const std::string good = read_file("shipped:perception/multimodal.toml");
+    const std::string path = (folder.path() / "own.toml").string();
+    const auto refused = [&](const std::string& from, const std::string& to) {
+        std::string text = good;
+        const auto at = text.find(from);
+        REQUIRE(at != std::string::npos);
+        write_file(path, text.replace(at, from.size(), to));
+        return message_of([&] { (void)load_tables(path); });
+    };
+    write_file(path, good);
+    REQUIRE(find_tables(path).fits.size() == 6);
+    REQUIRE_THAT(refused("hz = 80", "hz = 120"), Contains("own.toml:") && Contains("must rise; 100 follows 120"));
+    REQUIRE_THAT(refused("2.411", "-2.411"), Contains("own.toml:17") && Contains("polynomial must rise"));
+    REQUIRE_THAT(refused("magnitude = [-10.39", "magnitude = [-30.39"), Contains("does not at"));
+    REQUIRE_THAT(refused("palm = [0.05903", "palm = [0.5903"), Contains("the lower first"));
+    REQUIRE_THAT(refused("grip_n = 1\n", "grip = 1\n"), Contains("unknown key grip"));
+    REQUIRE_THAT(refused("haptogram-perception-1", "haptogram-2"), Contains("haptogram-perception-1"));
+    REQUIRE_THAT(message_of([] { (void)find_tables("none"); }), Contains("multimodal"));
+}
+
+TEST_CASE("perception: the staircase of 3 and 1 dB finds the threshold of a probit observer", "[perception]") {
+    constexpr int runs = 4000;
+    const double expected_sd[] = {0.33, 0.51, 0.87};
+    const double observers[] = {0.5, 1.0, 2.0};
+    std::mt19937_64 random(Catch::rngSeed());
+    std::normal_distribution<double> noise;
+    for (std::size_t which = 0; which < 3; ++which)
+        for (const double start : {12.0, -28.0}) {
+            double sum = 0.0, squares = 0.0;
+            for (int run = 0; run < runs; ++run) {
+                // Each run has its steps at other places relative to the threshold.
+                const double threshold = std::uniform_real_distribution<double>(-0.5, 0.5)(random);
+                Staircase staircase(start);
+                while (!staircase.finished())
+                    staircase.answer(staircase.level_db() + observers[which] * noise(random) > threshold);
+                const double error = staircase.threshold_db() - threshold;
+                sum += error;
+                squares += error * error;
+            }
+            const double bias = sum / runs, sd = std::sqrt(squares / runs - bias * bias);
+            CAPTURE(observers[which], start, bias, sd);
+            CHECK(std::abs(bias) <= 0.13 + 0.02);  // 0.02: three standard errors of 4000 runs, roughly
+            CHECK(sd == Approx(expected_sd[which]).margin(0.05));
+        }
+}
+
+TEST_CASE("perception: reversals, and what a staircase refuses", "[perception]") {
+    Staircase staircase(10.0);
+    const bool answers[] = {true, true, false, true, false, false, true, false, true, false, true};
+    const double levels[] = {10, 7, 4, 7, 4, 5, 6, 5, 6, 5, 6};
+    for (std::size_t i = 0; i < std::size(answers); ++i) {
+        CAPTURE(i);
+        REQUIRE_FALSE(staircase.finished());
+        REQUIRE(staircase.level_db() == levels[i]);
+        staircase.answer(answers[i]);
+        if (i + 1 < std::size(answers) && staircase.finished()) {
+            REQUIRE(staircase.reversals_db() == std::vector<double>{4, 7, 4, 6, 5, 6, 5, 6});
+            break;
+        }
+    }
+    REQUIRE(staircase.finished());
+    REQUIRE(staircase.reversals_db().size() == 8);
+    REQUIRE_THROWS_AS(staircase.answer(true), Error);
+    REQUIRE_THROWS_AS(Staircase(0.0).threshold_db(), Error);
+    REQUIRE_THROWS_AS(Staircase(-INFINITY), Error);
+    REQUIRE_THROWS_AS(Staircase(0.0, {3.0, 0.0, 3, 8}), Error);
+    REQUIRE_THROWS_AS(Staircase(0.0, {3.0, 1.0, 8, 8}), Error);
+}
+
+TEST_CASE("perception: printed statistics that cannot be true", "[perception]") {
+    // With two degrees of freedom above, the F distribution has a closed form.
+    const auto closed = [](double f, double df) { return std::pow(1.0 + 2.0 * f / df, -df / 2.0); };
+    REQUIRE(p_of_f(13.11, 2, 24) == Approx(0.000142).margin(0.0000005));
+    REQUIRE(p_of_f(0.43, 2, 24) == Approx(0.655).margin(0.0005));
+    REQUIRE(f_of_p(0.265, 2, 24) == Approx(1.40).margin(0.005));
+    for (const double f : {0.0, 0.43, 1.0, 3.0, 13.11})
+        REQUIRE(p_of_f(f, 2, 24) == Approx(closed(f, 24)).epsilon(1e-12));
+    REQUIRE_THROWS_AS(p_of_f(-1, 2, 24), Error);
+    REQUIRE_THROWS_AS(p_of_f(1, 0, 24), Error);
+    for (const double mean : {3.77, 3.45, 3.51, 4.02, 3.25, 3.63, 2.31}) REQUIRE_FALSE(mean_of_integers(mean, 2, 9));
+    // Exhaustively: a mean passes when one of the sums of nine ratings from 1 to 5 would be printed so.
+    for (int hundredths = 100; hundredths <= 500; ++hundredths) {
+        bool possible = false;
+        for (int sum = 9; sum <= 45; ++sum) possible |= std::abs(sum / 9.0 * 100.0 - hundredths) <= 0.5;
+        REQUIRE(mean_of_integers(hundredths / 100.0, 2, 9) == possible);
+    }
+    const double preferred[] = {48.6, 17.3, 25.5, 8.6};
+    REQUIRE_FALSE(percentages_of(preferred, 1, 9));
+    REQUIRE_FALSE(percentages_of(preferred, 1, 27));
+    REQUIRE(fewest_people(preferred, 1) == 220);
+    const double thirds[] = {33.3, 33.3, 33.3};
+    REQUIRE(fewest_people(thirds, 1) == 3);
+    REQUIRE_THROWS_AS(fewest_people(preferred, 1, 100), Error);
+}

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "haptogram/base/error.hpp"
+#include "haptogram/robot/admittance.hpp"
+#include "haptogram/robot/kinematics.hpp"
+#include "haptogram/robot/robot_file.hpp"
+#include "haptogram/robot/simulate.hpp"
+
+using namespace haptogram;
+using namespace haptogram::robot;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// Places of the virtual body under a force along z for three seconds, at these times, mm.
+std::vector<double> admitted(double force_n, const std::vector<double>& times_s) {
+    const AdmittanceOptions options;
+    AdmittanceState state;
+    std::vector<double> places;
+    for (int i = 0; places.size() < times_s.size(); ++i) {
+        const double time = i * options.period_s;
+        if (time >= times_s[places.size()] - 1e-9) places.push_back(state.place[2] * 1e3);
+        Wrench wrench = Wrench::Zero();
+        if (time < 3.0 - 1e-9) wrench[2] = force_n;
+        state = admit(state, wrench, options);
+    }
+    return places;
+}
+
+SimulationOptions pushed(const std::string& push, double duration_s) {
+    SimulationOptions options;
+    options.geometry = find_geometry();
+    options.user = pushing_user(push.empty() ? std::vector<Push>{} : std::vector<Push>{parse_push(push)});
+    options.duration_s = duration_s;
+    return options;
+}
+
+double height_at(const Simulation& simulation, double time_s) {
+    for (const TraceRow& row : simulation.rows)
+        if (row.time_s >= time_s - 1e-6) return row.position.z() * 1e3;
+    return NAN;
+}
+
+bool has(const Simulation& simulation, Event::Kind kind, int cable) {
+    for (const Event& event : simulation.events)
+        if (event.kind == kind && event.cable == cable) return true;
+    return false;
+}
+
+std::string message_of(const std::function<void()>& work) {
+    try {
+        work();
+    } catch (const Error& error) {
+        return error.what();
+    }
+    return "no error";
+}
+
+}  // namespace
+
+TEST_CASE("robot: the zones' story, to the printed digits", "[robot][admittance]") {
+    const std::vector<double> times = {3.0, 12.0};
+    const auto four = admitted(4, times), five = admitted(5, times), eight = admitted(8, times),
+               ten = admitted(10, times);
+    CHECK(four[0] == Approx(26.67).margin(0.005));
+    CHECK(four[1] == Approx(0.0).margin(0.0005));
+    CHECK(five[0] == Approx(132.5).margin(0.05));
+    CHECK(eight[0] == Approx(140.0).margin(0.05));
+    CHECK(ten[0] == Approx(145.0).margin(0.05));
+    CHECK(five[1] == Approx(102.0).margin(0.05));
+    CHECK(eight[1] == Approx(91.2).margin(0.05));
+    CHECK(ten[1] == Approx(84.0).margin(0.05));
+    // The barrier is 6 N when it is approached slowly.
+    const Zones zones;
+    CHECK(zones.force({0, 0, 0.040}).z() == Approx(-6.0));
+    CHECK(zones.force({0.03, 0, 0.04 * 0.9999}).norm() == 0.0);
+    CHECK(zones.force({0, -0.13, 0}).y() == Approx(4.0));
+    CHECK(zones.zone({0, 0, 0.03}) == 1);
+    CHECK(zones.zone({0, 0.1, 0}) == 2);
+    CHECK(zones.zone({0.15, 0, 0}) == 3);
+    CHECK(zones.zone({0.17, 0, 0}) == 4);
+}
+
+TEST_CASE("robot: a mass and damper beside its closed form, and the limit of stability", "[robot][admittance]") {
+    // In Z2 no spring acts: v(t) = v0·e^{−Dt/I}, which the semi-implicit step makes (1 + TD/I)^{−n}.
+    AdmittanceOptions options;
+    AdmittanceState state;
+    state.place[0] = 0.06;
+    state.velocity[0] = 0.1;
+    for (int i = 1; i <= 20; ++i) {
+        state = admit(state, Wrench::Zero(), options);
+        REQUIRE(state.velocity[0] == Approx(0.1 * std::pow(1.3, -i)).epsilon(1e-12));
+    }
+    const auto grows = [](double stiffness) {
+        AdmittanceOptions springy;
+        springy.damping_n_s_m = 0.0;
+        springy.zones.inner_n_m = stiffness;
+        springy.zones.inner_m = 1e12;
+        AdmittanceState body;
+        body.place[0] = 1e-6;
+        double largest = 0.0;
+        for (int i = 0; i < 1000; ++i) {
+            body = admit(body, Wrench::Zero(), springy);
+            largest = std::max(largest, std::abs(body.place[0]));
+        }
+        return largest > 1.0;
+    };
+    CHECK_FALSE(grows(4400.0));
+    CHECK(grows(4500.0));
+    options.zones.inner_n_m = 4500.0;
+    REQUIRE_THAT(message_of([&] { require_sound(options); }), Contains("4444"));
+    options = {};
+    options.zones.middle_m = 0.03;
+    REQUIRE_THAT(message_of([&] { require_sound(options); }), Contains("radii must grow"));
+}
+
+TEST_CASE("robot: the encoder's and the converter's steps", "[robot][plant]") {
+    const DriveOptions drives;
+    REQUIRE(drives.metres_per_count() * 1e6 == Approx(7.140).margin(0.0005));
+    REQUIRE(4 * drives.metres_per_count() * 1e6 == Approx(28.56).margin(0.005));
+    REQUIRE(drives.largest_code() == 2047);
+    Plant plant(find_geometry(), {}, {}, {});
+    std::array<std::int16_t, cable_count> codes{};
+    codes[3] = 2048;
+    REQUIRE_THAT(message_of([&] { plant.command(codes); }), Contains("drive 4") && Contains("12 bits"));
+    REQUIRE_THAT(message_of([&] {
+                     Plant({find_geometry()}, {}, {{0.3, 0, 0}, Matrix3::Identity()}, {});
+                 }),
+                 Contains("cannot rest"));
+    REQUIRE_THAT(message_of([&] { plant.break_cable(8); }), Contains("1 to 8"));
+}
+
+TEST_CASE("robot: a plant without cables falls as a stone, and with them keeps its energy", "[robot][plant]") {
+    Plant falling(find_geometry(), {}, {}, {});
+    for (int i = 0; i < cable_count; ++i) falling.break_cable(i);
+    falling.advance(0.1);
+    REQUIRE(falling.pose().position.z() == Approx(-0.5 * gravity_m_s2 * 0.01).epsilon(0.001));
+    REQUIRE(falling.velocity().z() == Approx(-gravity_m_s2 * 0.1).epsilon(1e-9));
+    // Constant pulls that balance the weight: nothing moves but by the codes' rounding.
+    Plant resting(find_geometry(), {}, {}, {});
+    resting.advance(0.2);
+    REQUIRE(resting.pose().position.norm() < 1e-6);
+    REQUIRE(resting.least_tensions().minCoeff() > 3.4);
+}
+
+TEST_CASE("robot: the zones on the simulated plant, within half a millimetre", "[robot][simulate]") {
+    struct Row {
+        double force, held, after;
+    };
+    for (const Row& row : {Row{4, 26.67, 0.0}, Row{5, 132.5, 102.0}, Row{8, 140.0, 91.2}, Row{10, 145.0, 84.0}}) {
+        CAPTURE(row.force);
+        const Simulation found = simulate(pushed("0:3:0,0," + std::to_string(row.force), 12.0));
+        REQUIRE(found.events.empty());
+        CHECK(height_at(found, 2.97) == Approx(row.held).margin(0.5));
+        CHECK(height_at(found, 12.0) == Approx(row.after).margin(0.5));
+        if (row.force > 4) CHECK(height_at(found, 4.5) == Approx(row.after).margin(0.5));
+        // The controller's force is the user's.
+        CHECK(found.rows[90].measured.z() == Approx(row.force).margin(0.1));
+    }
+}
+
+TEST_CASE("robot: return, break-through, coasting and snap in one run", "[robot][simulate]") {
+    SimulationOptions options = pushed("", 24.0);
+    options.user = pushing_user({parse_push("1:3:0,0,3"), parse_push("5:8:0,0,8"), parse_push("12:12.6:0,0,-1")});
+    const Simulation found = simulate(options);
+    REQUIRE(found.events.empty());
+    CHECK(height_at(found, 3.0) == Approx(20.0).margin(0.5));   // 3 N over 150 N/m: not out of Z1
+    CHECK(height_at(found, 5.0) == Approx(0.0).margin(0.5));    // and back
+    CHECK(height_at(found, 8.0) == Approx(140.0).margin(0.5));  // through Z2 into Z3
+    CHECK(height_at(found, 12.0) == Approx(91.2).margin(0.5));  // guided back, and coasting in Z2
+    CHECK(std::abs(height_at(found, 24.0)) < 0.5);              // drawn towards Z1, which catches it
+    double fastest = 0.0;
+    for (const TraceRow& row : found.rows)
+        if (row.time_s > 12.0) fastest = std::max(fastest, std::abs(row.velocity.z()));
+    CHECK(fastest > 0.13);  // 1 N moves it at 0.1 m/s at most, D being 10 N·s/m: Z1 snaps
+}
+
+TEST_CASE("robot: ten minutes of a wandering hand without slack or limit cycle", "[robot][simulate]") {
+    SimulationOptions options = pushed("", 600.0);
+    options.plant.seed = Catch::rngSeed();
+    const User hand = wandering_user({}, 0.060, Catch::rngSeed());
+    // The hand stands still in the end, so that what goes on moving is the robot.
+    options.user = {hand.mass_kg, [hand](double time, const Vector3& position, const Vector3& velocity) {
+                        return hand.force(std::min(time, 590.0), position, velocity);
+                    }};
+    options.record_s = 0.3;
+    const Simulation found = simulate(options);
+    double moved = 0.0, force = 0.0;
+    for (const TraceRow& row : found.rows) {
+        moved = std::max(moved, row.position.norm());
+        force = std::max(force, row.user.norm());
+    }
+    INFO("least tension " << found.least_n.minCoeff() << " N, steady to " << found.steadiness_m * 1e3 << " mm, moved "
+                          << moved * 1e3 << " mm by " << force << " N");
+    for (const Event& event : found.events) UNSCOPED_INFO(event.text);
+    CHECK(found.events.empty());
+    CHECK(found.least_n.minCoeff() >= 0.5);
+    CHECK(found.most_n.maxCoeff() <= 10.0);
+    CHECK(found.steadiness_m < 0.5e-3);
+    CHECK(moved > 0.01);
+}
+
+TEST_CASE("robot: an encoder that slips and a sensor that is lost are named, and the handle rests", "[robot][faults]") {
+    for (int cable = 0; cable < cable_count; ++cable)
+        for (const std::string kind : {"slip", "lost", "frozen"}) {
+            CAPTURE(cable, kind);
+            SimulationOptions options = pushed("", 4.0);
+            options.faults = {parse_fault(kind + ":" + std::to_string(cable + 1) + ":2")};
+            const Simulation found = simulate(options);
+            REQUIRE(found.events.size() == 1);
+            CHECK(found.events[0].cable == cable);
+            CHECK(found.events[0].kind == (kind == "slip" ? Event::Kind::encoder_slip : Event::Kind::sensor_lost));
+            CHECK(found.events[0].time_s < 2.06);
+            CHECK(found.steadiness_m < 0.1e-3);
+            CHECK(found.rows.back().position.norm() < 1e-3);
+            CHECK(found.least_n.minCoeff() >= 0.5);
+        }
+    // A slip below what one jump shows is seen in the lengths, which then fit no pose.
+    SimulationOptions options = pushed("", 4.0);
+    for (int i = 0; i < 4; ++i) {
+        Fault fault = parse_fault("slip:4:2");
+        fault.metres = 0.0008;
+        fault.time_s += 0.1 * i;
+        options.faults.push_back(fault);
+    }
+    const Simulation slow = simulate(options);
+    REQUIRE(has(slow, Event::Kind::encoder_slip, -1));
+    CHECK(slow.events[0].text.find("fit no pose") != std::string::npos);
+    CHECK(slow.steadiness_m < 0.2e-3);
+}
+
+TEST_CASE("robot: a broken cable is named, and the other seven bring the handle to rest", "[robot][faults]") {
+    for (int cable = 0; cable < cable_count; ++cable) {
+        CAPTURE(cable);
+        SimulationOptions options = pushed("", 5.0);
+        options.faults = {parse_fault("broken:" + std::to_string(cable + 1) + ":2")};
+        const Simulation found = simulate(options);
+        CHECK(has(found, Event::Kind::slack, cable));
+        CHECK(has(found, Event::Kind::broken, cable));
+        CHECK(found.events.size() == 2);
+        CHECK(found.events[0].time_s < 2.01);
+        CHECK(found.steadiness_m < 0.1e-3);
+        CHECK(found.rows.back().position.norm() < 0.08);  // led to where seven can hold it
+        CHECK(found.rows.back().turn.norm() < 0.05);      // upright
+    }
+}
+
+TEST_CASE("robot: a command out of reach and a force that is too large are said, and the handle rests",
+          "[robot][faults]") {
+    SimulationOptions options = pushed("0.5:6:5,5,0", 6.0);
+    options.controller.admittance.zones = {1e-6, 0.5, 0.6, 0.0, 0.0};  // nothing holds the virtual body back
+    const Simulation out = simulate(options);
+    for (const Event& event : out.events) UNSCOPED_INFO(event.time_s << " s: " << event.text);
+    REQUIRE(out.events.size() == 1);
+    CHECK(out.events[0].kind == Event::Kind::out_of_reach);
+    CHECK(out.events[0].text.find("out of reach") != std::string::npos);
+    CHECK(out.steadiness_m < 0.5e-3);
+    const Simulation heavy = simulate(pushed("1:2:20,0,0", 5.0));  // the most is 14.82 N
+    REQUIRE_FALSE(heavy.events.empty());
+    CHECK(heavy.events[0].kind == Event::Kind::overload);
+    CHECK(heavy.events[0].time_s < 1.1);
+    CHECK(heavy.rows.back().position.norm() < 2e-3);
+    CHECK(heavy.steadiness_m < 0.2e-3);
+}
+
+TEST_CASE("robot: the same options give the same trace", "[robot][simulate]") {
+    const SimulationOptions options = pushed("0.2:1:1,2,3", 1.5);
+    const std::string first = to_csv(simulate(options));
+    REQUIRE(first == to_csv(simulate(options)));
+    SimulationOptions other = options;
+    other.plant.seed = 2;
+    REQUIRE(first != to_csv(simulate(other)));
+}
+
+TEST_CASE("robot: pushes and faults as a user writes them", "[robot][simulate]") {
+    const Push push = parse_push("1:4.5:0,-2,8");
+    REQUIRE(push.from_s == 1.0);
+    REQUIRE(push.to_s == 4.5);
+    REQUIRE(push.force == Vector3(0, -2, 8));
+    for (const char* bad : {"", "1:4", "4:1:0,0,8", "1:4:0,8", "1:4:0,0,x", "-1:4:0,0,8", "1:4:0,0,8 "})
+        REQUIRE_THAT(message_of([&] { (void)parse_push(bad); }), Contains("push") && Contains("FROM:TO:X,Y,Z"));
+    const Fault fault = parse_fault("slip:8:2.5");
+    REQUIRE(fault.kind == Fault::Kind::slip);
+    REQUIRE(fault.cable == 7);
+    for (const char* bad : {"", "burnt:1:2", "lost:0:2", "lost:9:2", "lost:1.5:2", "lost:1:-2", "lost:1"})
+        REQUIRE_THAT(message_of([&] { (void)parse_fault(bad); }), Contains("fault") && Contains("KIND:CABLE:TIME"));
+    REQUIRE_THAT(message_of([] { check_output_path("x.gif"); }), Contains("output") && Contains(".gif"));
+    REQUIRE_THAT(message_of([] { (void)simulate(pushed("", 0.0)); }), Contains("duration"));
+}
