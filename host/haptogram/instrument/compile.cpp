@@ -398,7 +398,7 @@ Compiled compile(const Project& project, const std::string& name, const Progress
         const std::vector<double> am_hz = modulate(path, project, timer.carrier_hz(), hashes);
         progress(0.8, "focusing");
         Compiled compiled = compile_path(std::move(path), instrument.array, instrument.core, project.loops, name,
-                                         settings_text(project) + hashes);
+                                         settings_text(project) + hashes, Method::gauss_newton);
         compiled.am_hz = am_hz;
         warn_of_few_samples(compiled, project);
         progress(1.0, "focusing");
