@@ -42,7 +42,7 @@ def test_warnings(centre, small):
     found = json.loads(succeed(["analyze", "image.hex", "--json"], cwd=small.folder).stdout)  # 8 points in 2 ms: 10 cycles each
     assert any("left before 90 %" in warning for warning in found["warnings"])
     table = succeed(["analyze", "image.hex"], cwd=small.folder).stdout.decode()
-    assert len(table.splitlines()) == 1 + 8 + len(found["warnings"]) + 2 and "no certification" in table
+    assert len(table.splitlines()) == 1 + 8 + len(found["warnings"]) + 3 and "no certification" in table
 
 
 def test_loudness_of_one_focus(centre):

@@ -233,11 +233,11 @@ TEST_CASE("robot: choices of tensions beside an exhaustive search of the null sp
             REQUIRE(found->tensions.maxCoeff() <= 10 + 1e-11);
         }
         REQUIRE(least->tensions.norm() <= norm + 1e-9);
-        REQUIRE(least->tensions.norm() >= norm - 0.4);
+        REQUIRE(least->tensions.norm() >= norm - 0.8);  // the search takes steps
         REQUIRE(cheap->tensions.sum() <= sum + 1e-9);
-        REQUIRE(cheap->tensions.sum() >= sum - 1.0);
+        REQUIRE(cheap->tensions.sum() >= sum - 2.0);
         const PerCable searched = particular + null * (mean / static_cast<double>(hits));
-        REQUIRE((middle->tensions - searched).norm() < 0.5);
+        REQUIRE((middle->tensions - searched).norm() < 0.8);
         // The paper's: the same wrench, the least tension is the limit, and the direction is positive everywhere.
         const auto paper = distribute(structure, wrench, 0.5, 10, Choice::paper);
         REQUIRE(paper);
