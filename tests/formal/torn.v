@@ -10,6 +10,7 @@
 `default_nettype none
 // The modules' own assertions are left out, because they would find the planted bugs first.
 `undef FORMAL
+`include "serial_product.v"
 `include "memory_controller.v"
 `default_nettype none
 module torn #(
