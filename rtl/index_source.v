@@ -62,8 +62,8 @@ module index_source #(
     wire        header    = fetch_q[2] && header_q;
     wire        fetched   = fetch_q[2] && !header_q;
     wire [14:0] length    = i_sequence_word[14:0];
-    wire [14:0] judged    = i_header ? i_header_word : length;
-    wire        in_range  = judged != 15'd0 && judged <= TOP_ENTRY;
+    wire        in_range  = length != 15'd0 && length <= TOP_ENTRY;
+    wire        new_in_range = i_header_word != 15'd0 && i_header_word <= TOP_ENTRY;  // i_header arrives late in the clock
     wire        plays     = in_range && (!after_reset_q || o_autostart);
     wire        commanded = i_select || i_start || i_stop;
     wire        enter_live = i_live && mode_q != LIVE;
@@ -90,7 +90,7 @@ module index_source #(
         fetch_q   <= {fetch_q[1:0], 1'b0};
         if (header) after_reset_q <= 1'b0;
         if (i_host) alone_q <= 1'b0;
-        if (header || i_header) o_header_valid <= in_range;
+        if (header || i_header) o_header_valid <= i_header ? new_in_range : in_range;
         if (rst) begin
             after_reset_q <= 1'b1;
             mode_q   <= IDLE;

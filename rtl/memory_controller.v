@@ -10,7 +10,7 @@
 // pulse shorter than MIN_PULSE_CLOCKS, longer than MAX_PULSE_CLOCKS, or more than MAX_DUTY_256 / 256 of its cycle; or reserved
 // bits. A pulse length of 0 is silence and may be played. When a record is refused, o_refused strobes, and silence takes its
 // place and dwell. i_preempt drops whatever is loading or loaded.
-// Lengths in clocks are products with the prescaler. They are built bit by bit, in 24 clocks, while the timings arrive: a multiplier
+// Lengths in clocks are products with the prescaler. They are built bit by bit, in 24 clocks, while the timings arrive; a multiplier
 // would be larger than all the rest. The prescaler rotates meanwhile and is as before at the end.
 // The memory is read without pause in ascending order, and writers write in that order, too. So whoever starts first stays
 // first, and a record that is written meanwhile is seen whole or not at all.
@@ -29,6 +29,7 @@ module memory_controller #(
     parameter MAX_PULSE_CLOCKS = 999,
     parameter MAX_DUTY_256     = 128,
     parameter MAX_CYCLE_CLOCKS = 50000000,
+    parameter PRESCALER_BITS = 24,  // the field; less only makes proofs shorter, and larger prescalers are then refused
     parameter ADDRESS_BITS = $clog2(RECORDS * (CHANNELS + `HG_RECORD_HEADER_WORDS))  // follows from the others
 ) (
     input  wire                    clk,
@@ -91,17 +92,19 @@ module memory_controller #(
     // Used in the clock in which i_word holds the header's last word: the prescaler's upper bits and the reserved bits.
     wire [24:0] pulse_limit = 25'd1 << PULSE_BITS;
     wire malformed = {17'd0, pulse_field_q} >= pulse_limit || i_word[15:8] != 8'd0
+                     || {1'b0, i_word[7:0], o_prescaler[15:0]} >> PRESCALER_BITS != 25'd0
                      || {16'd0, pulse_field_q, 8'd0} > {8'd0, o_cycle_length} * LARGEST_DUTY;
     wire checks  = header_q && steps_q != 5'd0;
+    wire next_bit = o_prescaler[PRESCALER_BITS-1];
     wire checked = header_q && steps_q == 5'd0;
     wire [PULSE_WIDTH-1:0] pulse_clocks;
     wire [CYCLE_WIDTH-1:0] cycle_clocks;
     wire                   pulse_over, cycle_over;
     serial_product #(.FACTOR_BITS(8), .PRODUCT_BITS(PULSE_WIDTH)) pulse_product (
-        .clk(clk), .i_clear(!header_q), .i_step(checks), .i_bit(o_prescaler[23]), .i_factor(pulse_field_q),
+        .clk(clk), .i_clear(!header_q), .i_step(checks), .i_bit(next_bit), .i_factor(pulse_field_q),
         .o_product(pulse_clocks), .o_over(pulse_over));
     serial_product #(.FACTOR_BITS(24), .PRODUCT_BITS(CYCLE_WIDTH)) cycle_product (
-        .clk(clk), .i_clear(!header_q), .i_step(checks), .i_bit(o_prescaler[23]), .i_factor(o_cycle_length),
+        .clk(clk), .i_clear(!header_q), .i_step(checks), .i_bit(next_bit), .i_factor(o_cycle_length),
         .o_product(cycle_clocks), .o_over(cycle_over));
     wire unplayable = malformed_q || cycle_over || cycle_clocks > LONGEST_CYCLE || cycle_clocks == {CYCLE_WIDTH{1'b0}}
                       || pulse_over || pulse_clocks > LONGEST_PULSE || (pulse_field_q != 8'd0 && pulse_clocks < SHORTEST_PULSE);
@@ -168,12 +171,12 @@ module memory_controller #(
                 o_prescaler[23:16] <= i_word[7:0];
                 malformed_q        <= malformed;
                 header_q           <= 1'b1;
-                steps_q            <= 5'd24;
+                steps_q            <= PRESCALER_BITS[4:0];
             end
         end
         if (checks) begin
-            steps_q     <= steps_q - 1'b1;
-            o_prescaler <= {o_prescaler[22:0], o_prescaler[23]};
+            steps_q <= steps_q - 1'b1;
+            o_prescaler[PRESCALER_BITS-1:0] <= {o_prescaler[PRESCALER_BITS-2:0], o_prescaler[PRESCALER_BITS-1]};
         end
         if (ends) here_q <= 1'b1;
     end

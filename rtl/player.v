@@ -8,7 +8,8 @@
 // delayed alike.
 // CHANNELS, RECORDS, TIMING_BITS, PULSE_BITS, MAX_HIGH_CLOCKS, MIN_PULSE_CLOCKS and MAX_DUTY_256 are the core's. PULSE_BITS must not
 // exceed TIMING_BITS, because the end of a pulse is found by comparing the lowest PULSE_BITS of its timing. IDLE_CLOCKS is the
-// cycle before the first record. MAX_PULSE_CLOCKS and MAX_CYCLE_CLOCKS bound what a record may ask for, see memory_controller.
+// cycle before the first record. MAX_PULSE_CLOCKS, MAX_CYCLE_CLOCKS and PRESCALER_BITS bound what a record may ask for, see
+// memory_controller.
 `default_nettype none
 `include "interface.vh"
 module player #(
@@ -22,6 +23,7 @@ module player #(
     parameter MAX_PULSE_CLOCKS = 999,
     parameter MAX_DUTY_256    = 128,
     parameter MAX_CYCLE_CLOCKS = 50000000,
+    parameter PRESCALER_BITS  = 24,
     parameter ADDRESS_BITS    = $clog2(RECORDS * (CHANNELS + `HG_RECORD_HEADER_WORDS))  // follows from the others
 ) (
     input  wire                clk,
@@ -60,7 +62,7 @@ module player #(
     memory_controller #(
         .CHANNELS(CHANNELS), .RECORDS(RECORDS), .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS),
         .MIN_PULSE_CLOCKS(MIN_PULSE_CLOCKS), .MAX_PULSE_CLOCKS(MAX_PULSE_CLOCKS), .MAX_DUTY_256(MAX_DUTY_256),
-        .MAX_CYCLE_CLOCKS(MAX_CYCLE_CLOCKS)
+        .MAX_CYCLE_CLOCKS(MAX_CYCLE_CLOCKS), .PRESCALER_BITS(PRESCALER_BITS)
     ) memory (
         .clk(clk), .rst(rst),
         .i_preempt(i_preempt), .i_entry(i_entry), .i_settled(settled), .o_take(o_take), .i_index(i_index), .i_dwell(i_dwell),

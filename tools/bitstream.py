@@ -25,6 +25,7 @@ ROOT = Path(__file__).resolve().parent.parent
 BOARDS = ROOT / "constraints"
 VENV = ROOT / "build" / "venv" / "bin"
 RECORD_HEADER_WORDS = configurations.load()["record"]["header_words"]
+AUTOSTART = sum(1 << f["low"] for f in configurations.load()["sequence_header"]["fields"] if f["name"] == "autostart")
 BLOCK_WORDS = 256  # of icebram
 
 
@@ -77,7 +78,10 @@ def fingerprint(folder, board):
     """Random contents, by which the block RAMs of a placed design are found again; and empty ones for the bitstream."""
     for seed, (name, (width, depth)) in enumerate(memories(board).items(), 1):
         words = random.Random(seed)
-        lines = [f"{words.getrandbits(width):0{width // 4}x}\n" for _ in range(depth)]
+        contents = [words.getrandbits(width) for _ in range(depth)]
+        if name == "sequence":
+            contents[0] &= ~AUTOSTART  # a placed design without an image must never start by itself
+        lines = [f"{word:0{width // 4}x}\n" for word in contents]
         # icebram takes whole blocks; where a memory ends within one, its rest is zero.
         zero = "0" * (width // 4) + "\n"
         padding = [zero] * (-depth % BLOCK_WORDS)

@@ -302,7 +302,7 @@ TEST_CASE("contract 7: no bit of the counter or the prescaler is overlooked", "[
     CAPTURE(cycle, prescaler);
     Bench bench;
     play(bench, image_of(16, {record(16, cycle, prescaler, 0, 2)}));
-    bench.wait_for_index(1);
+    bench.wait_for_index(1, 9'000'000);  // a tick late
     const auto& cycles = bench.recorder.cycles();
     const std::size_t begin = cycles.size();
     REQUIRE(bench.board.run_until([&] { return cycles.size() > begin; }, 9'000'000));

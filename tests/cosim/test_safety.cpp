@@ -286,9 +286,13 @@ TEST_CASE("safety: an ENABLE in the clock in which the watchdog expires is not l
         bench.client.set_watchdog(1);
         bench.board.run(expires - early - bench.board.now());
         bench.board.send(enable);
-        bench.board.run(frame + 100);
+        bool fell = false;
+        for (std::uint64_t i = 0; i < frame + 100; ++i) {
+            bench.board.run(1);
+            fell = fell || !bench.board.outputs().enabled;
+        }
         REQUIRE(bench.board.outputs().enabled);
-        (bench.client.status().watchdog_trips == 0 ? before : after) = true;
+        (fell ? after : before) = true;
     }
     REQUIRE(before);  // so that the clock in question lay between
     REQUIRE(after);
