@@ -65,6 +65,8 @@ public:
     /// Holds the receiver's line at a level, as noise or a broken cable would; an empty value lets go.
     void force_line(std::optional<bool> level) { forced_line_ = level; }
     void unplug() { sender_.drop(); }
+    /// Presses the stop switch, or releases it.
+    void press_stop(bool pressed) { stop_ = pressed; }
 
     void on_edge(std::function<void(const Edge&)> callback) { on_edge_ = std::move(callback); }
     void on_cycle_start(std::function<void(const CycleStart&)> callback) { on_cycle_start_ = std::move(callback); }
@@ -90,6 +92,7 @@ private:
     std::function<void(const CycleStart&)> on_cycle_start_;
     std::uint64_t now_ = 0;
     bool in_reset_ = true;
+    bool stop_ = false;
 };
 
 /// Name of the first model that has this clock and these channels, and enough records, sequence words and timing bits.
