@@ -32,7 +32,7 @@ wire        f_playable  = !cycle_over && cycle_clocks != 0 && cycle_clocks <= LO
                           && 256 * {24'd0, f_pulse} <= {8'd0, f_cycle} * MAX_DUTY_256 && f_pulse >> PULSE_BITS == 0 && f_header_3_q[15:8] == 0 && f_small;
 wire [15:0] f_turns     = f_since_q < 16'd7 ? 16'd0 : f_since_q < F_CHECKED ? f_since_q - 16'd7 : PRESCALER_BITS;  // of the prescaler
 wire [PRESCALER_BITS-1:0]   f_low    = f_prescaler[PRESCALER_BITS-1:0];
-wire [2*PRESCALER_BITS-1:0] f_turned = {f_low, f_low} << f_turns;
+wire [PRESCALER_BITS-1:0]   f_turned = f_low << f_turns | f_low >> (PRESCALER_BITS - f_turns);
 wire        f_small     = {1'b0, f_prescaler} >> PRESCALER_BITS == 25'd0;
 reg  [23:0] f_bits_q;   // that went into the products
 wire [TIMING_BITS-1:0] f_narrowed = i_word >> (TIMING_BITS - 1) > 1 ? {TIMING_BITS{1'b1}} : i_word[TIMING_BITS-1:0];
@@ -82,7 +82,7 @@ always @(posedge clk) begin
             assert (f_since_q < F_ARRIVED || f_shifts_q + {15'd0, f_since_q == F_ARRIVED} == F_CHANNELS);
             assert (here_q == (f_since_q >= F_ARRIVED) && header_q == (f_since_q >= 16'd7));
             if (header_q) begin
-                assert ({11'd0, steps_q} == PRESCALER_BITS - f_turns && o_prescaler[PRESCALER_BITS-1:0] == f_turned[2*PRESCALER_BITS-1:PRESCALER_BITS]);
+                assert ({11'd0, steps_q} == PRESCALER_BITS - f_turns && o_prescaler[PRESCALER_BITS-1:0] == f_turned);
                 assert ({1'b0, o_prescaler} >> PRESCALER_BITS == {1'b0, f_prescaler} >> PRESCALER_BITS);
                 assert (f_bits_q == ((f_prescaler & ~(24'hffffff << PRESCALER_BITS)) >> steps_q));
                 assert (o_cycle_length == f_cycle && pulse_field_q == f_pulse);

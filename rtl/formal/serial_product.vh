@@ -3,12 +3,14 @@
 localparam F_BITS = 24;
 reg [F_BITS-1:0] f_number_q;
 reg [4:0]        f_bits_q;    // that were taken
-reg              f_known_q, f_stepped_q;
+reg              f_known_q;
+`ifdef FORMAL_SERIAL_PRODUCT
 reg [FACTOR_BITS-1:0] f_factor_q;
-initial {f_known_q, f_stepped_q} = 2'b00;
+always @(posedge clk) f_factor_q <= i_factor;
+`endif
+initial f_known_q = 1'b0;
 wire [F_BITS+FACTOR_BITS-1:0] f_product = {{FACTOR_BITS{1'b0}}, f_number_q} * {{F_BITS{1'b0}}, i_factor};
 always @(posedge clk) begin
-    {f_factor_q, f_stepped_q} <= {i_factor, i_step || i_clear};
     if (i_clear) {f_known_q, f_number_q, f_bits_q} <= {1'b1, {F_BITS{1'b0}}, 5'd0};
     else if (i_step) begin
         f_number_q <= {f_number_q[F_BITS-2:0], i_bit};

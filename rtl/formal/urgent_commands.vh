@@ -2,7 +2,7 @@
 // The same said with a list: a bit for each frame that waits, oldest first, which says whether it is an urgent one of that kind.
 reg [FRAMES-1:0] f_disables_q, f_stops_q;
 reg [BITS-1:0]   f_waiting_q;
-reg [7:0]        f_first_q, f_second_q, f_bytes_q;  // of the frame that arrives
+reg [7:0]        f_second_q, f_bytes_q;  // of the frame that arrives
 reg              f_applied_q;                       // its number lay behind when it arrived
 reg              f_reset_seen_q;
 initial f_reset_seen_q = 1'b0;
@@ -13,7 +13,7 @@ wire [BITS-1:0]   f_kept = f_waiting_q - {{(BITS-1){1'b0}}, i_done};
 wire [FRAMES-1:0] f_place = {{(FRAMES-1){1'b0}}, i_good} << f_kept;
 always @(posedge clk) begin
     f_reset_seen_q <= f_reset_seen_q || rst;
-    if (i_valid && f_bytes_q == 8'd0) {f_first_q, f_applied_q} <= {i_byte, i_session && (i_expected - i_byte - 8'd1) < 8'd128};
+    if (i_valid && f_bytes_q == 8'd0) f_applied_q <= i_session && (i_expected - i_byte - 8'd1) < 8'd128;
     if (i_valid && f_bytes_q == 8'd1) f_second_q <= i_byte;
     if (rst) {f_disables_q, f_stops_q, f_waiting_q, f_bytes_q} <= {(2*FRAMES+BITS+8){1'b0}};
     else begin

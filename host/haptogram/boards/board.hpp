@@ -34,7 +34,7 @@ struct Board {
         bool active_low = false;                   ///< a transducer's driver is on while its pin is low
         std::optional<std::uint32_t> drive_ma;     ///< strength of the outputs; only an ecp5 has a choice
         std::optional<std::string> slew;           ///< "slow" or "fast"; only an ecp5 has a choice
-        std::vector<std::string> high;  ///< held high, which the rest of the board needs in order to work
+        std::vector<std::string> high;             ///< held high, which the rest of the board needs in order to work
     };
     struct Output {
         std::string connector, pin, net, ball;
