@@ -290,7 +290,8 @@ TEST_CASE("contract 7: every power of two is a cycle length and a prescaler", "[
             bench.load(image);
             bench.open();
             bench.client.select(index);
-            // What plays is seen a tick late, of up to 8 million clocks; whether it is refused is known when it is loaded.
+            // What plays is seen a tick late, of up to 8 million clocks; whether it is refused is known when it is
+            // loaded.
             if (index == 1 || bit < 12) bench.wait_for_index(index);
             bench.board.run(5000);
             REQUIRE(bench.client.status().refused_records == 0);
@@ -358,4 +359,43 @@ TEST_CASE("contract 2: every change that is late is counted, and once", "[contra
     REQUIRE(late >= 58);
     // The silence at the end needs no loading, but its entry has to be fetched.
     REQUIRE(bench.client.status().underruns == late);
+}
+
+TEST_CASE("contract 4: no bit of a length in clocks is overlooked, and none that was too much is forgotten",
+          "[contract4]") {
+    Bench bench;
+    std::vector<Record> records = {
+        record(16, 100, 0x1005, 1, 5),   // a pulse of 4,101 clocks, which is 5 in 11 bits
+        record(16, 0x800000, 17, 0, 5),  // a cycle of 2^27 + 2^23 clocks, which is 2^23 in 26 bits
+    };
+    // The smallest cycles that are longer than a second by one bit.
+    const std::uint64_t longest = bench.board.parameters().clock_hz;
+    for (unsigned bit = 2; bit < 26; ++bit)
+        if ((longest >> bit & 1U) == 0)
+            records.push_back(record(16, static_cast<std::uint32_t>(((longest >> bit | 1U) << bit) / 4), 4, 0, 5));
+    const Image image = image_of(16, records);
+    bench.load(image);
+    bench.open();
+    bench.client.start(1, static_cast<std::uint16_t>(records.size()), 1);
+    bench.board.run(100'000);
+    REQUIRE(bench.client.status().refused_records == records.size());
+}
+
+TEST_CASE("contract 2: a record that is asked for while another one loads plays as it is", "[contract2]") {
+    auto g = generator();
+    Bench bench;
+    const Image image = image_of(16, {record(16, 64, 1, 5, 3), record(16, 66, 1, 5, 4), record(16, 50, 3, 5, 6)});
+    bench.load(image);
+    bench.open();
+    for (int i = 0; i < 60; ++i) {
+        bench.client.start(1, 2, 0);  // loads half of the time
+        bench.board.run(random(g, 1000, 1200));
+        bench.client.select(3);
+        bench.board.run(2000);
+        REQUIRE(bench.board.outputs().index == 3);
+        const auto& cycles = bench.recorder.cycles();
+        const std::uint64_t length = cycles.back().clock - cycles[cycles.size() - 2].clock;
+        REQUIRE(length == 150);
+    }
+    REQUIRE(bench.client.status().refused_records == 0);
 }

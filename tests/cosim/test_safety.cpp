@@ -211,6 +211,23 @@ TEST_CASE("safety: while outputs are off, no long cycle delays a change of recor
     REQUIRE(bench.recorder.pulses().back().rise > enabled);
 }
 
+TEST_CASE("safety: while outputs are off, a sequence keeps its time", "[safety][contract6]") {
+    Bench bench;
+    Image image = dense();
+    image.sequence = {{1, 5}, {2, 3}};
+    bench.load(image);
+    bench.client.identify();
+    bench.client.start(1, 2, 40);
+    bench.board.run(30'000);
+    std::size_t seen = 0;
+    for (const sim::Dwell& dwell : bench.recorder.dwells()) {
+        if (dwell.index == 0 || seen++ == 0) continue;  // the first may follow an idle cycle
+        REQUIRE(dwell.cycles == (dwell.index == 1 ? 5 : 3));
+        REQUIRE(dwell.end - dwell.begin == dwell.cycles * 250ULL);
+    }
+    REQUIRE(seen > 10);
+}
+
 TEST_CASE("safety: RESET leaves nothing but memories and session", "[safety]") {
     Bench bench;
     const Image image = dense();
