@@ -284,7 +284,7 @@ TEST_CASE("safety: KEEP_ALIVE keeps the watchdog quiet and does nothing else", "
     }
 }
 
-TEST_CASE("safety: an ENABLE in the clock in which the watchdog expires is not lost", "[safety][watchdog]") {
+TEST_CASE("safety: an ENABLE in the clock in which the watchdog expires is not lost", "[safety][watchdog][slow]") {
     std::uint64_t expires = 0;
     {
         Bench bench;
