@@ -126,7 +126,8 @@ private:
         if (expected_.empty()) FAIL("a result that nobody asked for, for channel " << int{core_->o_channel});
         const ChannelDrive want = expected_.front();
         expected_.pop_front();
-        const std::size_t channel = (PARAMETER_CHANNELS - expected_.size() % PARAMETER_CHANNELS - 1) % PARAMETER_CHANNELS;
+        const std::size_t channel =
+            (PARAMETER_CHANNELS - expected_.size() % PARAMETER_CHANNELS - 1) % PARAMETER_CHANNELS;
         ChannelDrive got{core_->o_phase, core_->o_amplitude, core_->o_far != 0};
         if (got.amplitude == 0) got.phase = 0;
         // Compared here and not by Catch, which is slow.
