@@ -181,7 +181,7 @@ TEST_CASE("pulses of any widths that change in every cycle: each completes, and 
     CHECK(player.commits > 50'000);
     CHECK(player.pulses > 400'000);
     CHECK(player.early > 10'000);
-    CHECK(player.filled > 1'000);
+    CHECK(player.filled > 300);
     CHECK((player.off > 0) == (off_chance > 0));
 }
 
