@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The drivers' enable is taken away when the instrument's clock stops: within the time that rtl/boards/clock_watch.v says, by its own clock.
+// The drivers' enable is taken away when the instrument's clock stops: within the time that rtl/boards/clock_watch.v
+// says, by its own clock.
 #include <Vclock_watch_bench.h>
 #include <verilated.h>
 
@@ -62,7 +63,9 @@ TEST_CASE("clock watch: goes on as long as there are changes, however late withi
     }
 }
 
-TEST_CASE("clock watch: a clock that stops takes the enable away within a millisecond, and one that comes back gives it back") {
+TEST_CASE(
+    "clock watch: a clock that stops takes the enable away within a millisecond, and one that comes back gives it "
+    "back") {
     Watch watch;
     for (int level = 0; level < 2; ++level) {  // stopped high and stopped low
         watch.change();
