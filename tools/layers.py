@@ -33,7 +33,7 @@ LAYERS = {
     "solve":      {"may": [*PHYSICS, "render"], "at": (1, 4), "knows": "foci to drives to records"},
     "image":      {"may": [*PHYSICS, "render", "solve"], "at": (1, 3), "knows": "memories, Intel HEX, bundles"},
     "analysis":   {"may": IMAGE, "at": (0, 2), "knows": "pulses to drives, checks of foci"},
-    "instrument": {"may": [*IMAGE, "analysis"], "at": (0, 1), "knows": "the verbs as functions"},
+    "instrument": {"may": [*IMAGE, "perception", "analysis"], "at": (0, 1), "knows": "the verbs as functions"},
     "link":       {"may": IMAGE, "at": (2, 2), "knows": "frames, ports, devices"},
     "sim":        {"may": [*IMAGE, "analysis", "link"], "at": (2, 1), "knows": "the Verilated board"},
     "cli":        {"may": [*INSTRUMENT, "perception", "robot", "link", "sim"], "at": (1, 0), "knows": "the program: parse, call, print"},

@@ -266,6 +266,14 @@ std::vector<double> modulate(Path& path, const Project& project, double carrier_
     return made.frequencies_hz;
 }
 
+/// Lets the foci feel as strong as the project says.
+std::optional<perception::PathMagnitude> feel(Path& path, const Project& project, const Array& array) {
+    if (!project.magnitude) return {};
+    const auto wanted =
+        perception::wanted_of(*project.magnitude, project.am, project.am_law == AmplitudeLaw::radiation);
+    return perception::give_magnitude(path, perception::find_tables(), wanted, array);
+}
+
 /// A pattern that is looked at too seldom loses the shape of its brush.
 void warn_of_few_samples(Compiled& compiled, const Project& project) {
     if (!project.path.ends_with(".adaptics")) return;
@@ -346,7 +354,7 @@ Compiled compile_path(Path path, const Array& array, const Core& core, std::uint
     std::string hex = to_intel_hex(image);
     manifest.image_sha256 = sha256(hex);
     Compiled compiled{
-        {std::move(image), std::move(manifest), std::move(hex), name}, std::move(path), {}, {}, {}, {}, {}, {}};
+        {std::move(image), std::move(manifest), std::move(hex), name}, std::move(path), {}, {}, {}, {}, {}, {}, {}};
     compiled.pressure_left = summary_of(compiled.path, pressure_left(array, compiled.path));
     warn_of_unheard_foci(compiled);
     if (compiled.path.modulation.samples.empty()) warn_of_short_dwells(compiled);
@@ -396,10 +404,12 @@ Compiled compile(const Project& project, const std::string& name, const Progress
     if (!project.path.empty()) {
         Path path = path_in_file(project, instrument.array, timer.carrier_hz(), hashes);
         const std::vector<double> am_hz = modulate(path, project, timer.carrier_hz(), hashes);
+        const auto magnitude = feel(path, project, instrument.array);
         progress(0.8, "focusing");
         Compiled compiled = compile_path(std::move(path), instrument.array, instrument.core, project.loops, name,
                                          settings_text(project) + hashes, Method::gauss_newton);
         compiled.am_hz = am_hz;
+        compiled.magnitude = magnitude;
         warn_of_few_samples(compiled, project);
         progress(1.0, "focusing");
         return compiled;
@@ -433,6 +443,7 @@ Compiled compile(const Project& project, const std::string& name, const Progress
         }
     }
     const std::vector<double> am_hz = modulate(path, project, timer.carrier_hz(), hashes);
+    const auto magnitude = feel(path, project, instrument.array);
     progress(0.8, "focusing");
     Compiled compiled = compile_path(std::move(path), instrument.array, instrument.core, project.loops, name,
                                      settings_text(project) + hashes, Method::gauss_newton);
@@ -440,6 +451,7 @@ Compiled compile(const Project& project, const std::string& name, const Progress
     compiled.pace = pace;
     compiled.evened = evened;
     compiled.am_hz = am_hz;
+    compiled.magnitude = magnitude;
     progress(1.0, "focusing");
     return compiled;
 }

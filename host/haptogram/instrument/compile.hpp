@@ -7,6 +7,7 @@
 #include "haptogram/base/progress.hpp"
 #include "haptogram/image/bundle.hpp"
 #include "haptogram/instrument/project.hpp"
+#include "haptogram/perception/path_magnitude.hpp"
 #include "haptogram/render/draw.hpp"
 #include "haptogram/render/path.hpp"
 #include "haptogram/render/shape_path.hpp"
@@ -32,13 +33,14 @@ struct Evened {
 /// An image with its manifest, and what became of the shape on the way.
 struct Compiled {
     Bundle bundle;
-    Path path;                          ///< what the image plays
-    TouredPoints points;                ///< of a shape; empty for a path
-    std::optional<DrawnPace> pace;      ///< of a shape that is drawn at a speed or a frequency
-    std::optional<Evened> evened;       ///< of a shape whose points shall feel alike
-    std::vector<double> am_hz;          ///< frequencies of the modulation, as they came out
-    PressureLeft pressure_left;         ///< by the transducers' bandwidth
-    std::vector<std::string> warnings;  ///< whole sentences
+    Path path;                                           ///< what the image plays
+    TouredPoints points;                                 ///< of a shape; empty for a path
+    std::optional<DrawnPace> pace;                       ///< of a shape that is drawn at a speed or a frequency
+    std::optional<Evened> evened;                        ///< of a shape whose points shall feel alike
+    std::vector<double> am_hz;                           ///< frequencies of the modulation, as they came out
+    std::optional<perception::PathMagnitude> magnitude;  ///< of foci that shall feel with a magnitude
+    PressureLeft pressure_left;                          ///< by the transducers' bandwidth
+    std::vector<std::string> warnings;                   ///< whole sentences
 
     /// The least time that any focus lasts, s.
     [[nodiscard]] double shortest_dwell_s() const;
