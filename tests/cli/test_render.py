@@ -30,7 +30,7 @@ def rendered(folder, *arguments):
 
 @pytest.mark.parametrize("letter", "ABCDEFGHIJKL")
 def test_every_algorithm_becomes_a_path(letter, tmp_path):
-    report, where, path = rendered(tmp_path, "cone", *PRESS, "--size", 80, "--height", 40, "--frame", 30, "--algorithm", letter)
+    report, where, path = rendered(tmp_path, "pyramid", *PRESS, "--size", 80, "--height", 40, "--frame", 30, "--algorithm", letter)
     (frame,) = report["frames"]
     assert report["algorithm"] == letter and frame["frame"] == 30 and frame["foci"] >= 1 and len(report["warnings"]) <= 2
     assert len(where) / CARRIER_HZ == pytest.approx(1 / frame["draw_hz"], abs=1.5 / CARRIER_HZ)

@@ -214,8 +214,9 @@ TEST_CASE("mesh solid: 100,000 triangles take no more than 5 ms a frame", "[hand
         }
         worst_ms = std::max(worst_ms, best_ms);
     }
-    WARN(name_of(algorithm).letter << ": " << worst_ms << " ms a frame");
-#ifdef NDEBUG
+#ifdef __SANITIZE_ADDRESS__
+    CHECK(worst_ms <= 100.0);
+#else
     CHECK(worst_ms <= 5.0);
 #endif
 }

@@ -16,18 +16,30 @@
 namespace haptogram {
 namespace {
 
-struct Box {
+struct Bounds {
     Vec3 low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
     void add(Vec3 p) {
         low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
         high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
     }
+};
+
+/// Bounds in half the memory, which is what a search waits for. They are rounded outwards, so nothing is missed.
+struct Box {
+    std::array<float, 3> low{}, high{};
+    Box() = default;
+    explicit Box(const Bounds& b)
+        : low{down(b.low.x), down(b.low.y), down(b.low.z)},
+          high{-down(-b.high.x), -down(-b.high.y), -down(-b.high.z)} {}
     [[nodiscard]] double square_distance(Vec3 p) const {
-        const double x = std::max({low.x - p.x, 0.0, p.x - high.x});
-        const double y = std::max({low.y - p.y, 0.0, p.y - high.y});
-        const double z = std::max({low.z - p.z, 0.0, p.z - high.z});
+        const double x = std::max({low[0] - p.x, 0.0, p.x - high[0]});
+        const double y = std::max({low[1] - p.y, 0.0, p.y - high[1]});
+        const double z = std::max({low[2] - p.z, 0.0, p.z - high[2]});
         return x * x + y * y + z * z;
     }
+
+private:
+    static float down(double value) { return std::nextafter(static_cast<float>(value), -INFINITY); }
 };
 
 /// Which part of a triangle is nearest: a corner, the edge behind a corner, or the face.
@@ -37,12 +49,8 @@ struct Nearest {
     int part = 6;  ///< 0 to 2: a corner; 3 to 5: the edge from corner part − 3 to the next; 6: the face
 };
 
-/// The triangle with what is needed of it often.
-struct Triangle {
-    std::array<std::uint32_t, 3> corner;
+struct Corners {
     Vec3 a, b, c;
-    Vec3 face;                 ///< normal
-    std::array<Vec3, 3> edge;  ///< normals of the edges, from corner i to the next
 
     /// The nearest point by the regions of the triangle's plane in which p may lie.
     [[nodiscard]] Nearest to(Vec3 p) const {
@@ -68,6 +76,13 @@ struct Triangle {
     }
 };
 
+/// A triangle with what tells its sides.
+struct Triangle : Corners {
+    std::array<std::uint32_t, 3> corner;
+    Vec3 face;                 ///< normal
+    std::array<Vec3, 3> edge;  ///< normals of the edges, from corner i to the next
+};
+
 /// Triangles in a tree of boxes. A node's children are the next node and `second`; a leaf has `count` triangles.
 class Tree {
 public:
@@ -75,13 +90,14 @@ public:
         : triangles_(std::move(triangles)), corner_normals_(std::move(corner_normals)) {
         nodes_.reserve(2 * triangles_.size() / leaf + 1);
         build(0, triangles_.size());
+        corners_.assign(triangles_.begin(), triangles_.end());
     }
 
     [[nodiscard]] double distance(Vec3 p) const {
         // Queries come from neighbours, so the triangle of the last one is a good bound for this one. Whatever another
         // thread left there, the result is the same.
         std::uint32_t best = last_.load(std::memory_order_relaxed);
-        Nearest nearest = triangles_[best].to(p);
+        Nearest nearest = corners_[best].to(p);
         std::array<std::pair<std::uint32_t, double>, 64> waiting;
         std::size_t depth = 0;
         waiting[depth++] = {0, nodes_[0].box.square_distance(p)};
@@ -90,7 +106,7 @@ public:
             if (square >= nearest.square) continue;
             const Node& node = nodes_[at];
             for (std::uint32_t i = node.first; i < node.first + node.count; ++i)
-                if (const Nearest one = triangles_[i].to(p); one.square < nearest.square) {
+                if (const Nearest one = corners_[i].to(p); one.square < nearest.square) {
                     nearest = one;
                     best = i;
                 }
@@ -121,12 +137,13 @@ private:
     void build(std::size_t begin, std::size_t end) {
         const std::size_t at = nodes_.size();
         nodes_.emplace_back();
-        Box centres;
+        Bounds all, centres;
         for (std::size_t i = begin; i < end; ++i) {
             const Triangle& t = triangles_[i];
-            for (const Vec3 p : {t.a, t.b, t.c}) nodes_[at].box.add(p);
+            for (const Vec3 p : {t.a, t.b, t.c}) all.add(p);
             centres.add(t.a + t.b + t.c);
         }
+        nodes_[at].box = Box(all);
         if (end - begin <= leaf) {
             nodes_[at].first = static_cast<std::uint32_t>(begin);
             nodes_[at].count = static_cast<std::uint32_t>(end - begin);
@@ -147,6 +164,7 @@ private:
     }
 
     std::vector<Triangle> triangles_;
+    std::vector<Corners> corners_;  ///< of the same, close together for the search
     std::vector<Vec3> corner_normals_;
     std::vector<Node> nodes_;
     mutable std::atomic<std::uint32_t> last_{0};
@@ -183,7 +201,7 @@ Solid mesh_solid(std::span<const Vec3> vertices, std::span<const std::array<std:
     for (const auto& [i, j, k] : triangles) {
         if (std::max({i, j, k}) >= vertices.size())
             throw bad_input("mesh", fmt::format("a corner is vertex {} of {}", std::max({i, j, k}), vertices.size()));
-        Triangle t{{same[i], same[j], same[k]}, vertices[i], vertices[j], vertices[k], {}, {}};
+        Triangle t{{vertices[i], vertices[j], vertices[k]}, {same[i], same[j], same[k]}, {}, {}};
         const Vec3 across = cross(t.b - t.a, t.c - t.a);
         if (t.corner[0] == t.corner[1] || t.corner[1] == t.corner[2] || t.corner[2] == t.corner[0]) continue;
         if (norm(across) == 0.0)

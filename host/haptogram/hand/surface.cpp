@@ -105,7 +105,7 @@ SkinPoint SkinPatch::nearest(Vec3 point) const {
         const Vec3 edge = beside < 0.0 ? -1.0 * side : side;
         return {foot + radius * edge, edge};
     }
-    const double away = std::hypot(beside, before);
+    const double away = std::sqrt(beside * beside + before * before);
     const Vec3 normal = away > 0.0 ? (before / away) * out + (beside / away) * side : out;
     return {foot + radius * normal, normal};
 }

@@ -32,11 +32,13 @@ using nlohmann::ordered_json;
 
 std::vector<SkinRegion> skin_of(const HandFrame& frame, std::size_t number, const SkinOptions& options) {
     std::vector<SkinRegion> skin;
-    for (const Hand& hand : frame.hands) try {
+    for (const Hand& hand : frame.hands) {
+        try {
             for (SkinRegion& region : palmar_surface(hand, options)) skin.push_back(std::move(region));
         } catch (const Error& error) {
             throw Error(error.code(), fmt::format("frame {}", number), error.what());
         }
+    }
     return skin;
 }
 
@@ -49,7 +51,8 @@ double tilt_of(Vec3 position, Vec3 normal) {
 }
 
 /// The numbers of what is drawn, where a focus is in its middle.
-void describe(FrameReport& report, const Touch& touch, const Array& array, double least_force_n) {
+/// @param slow  what the focus does is felt where it is, not as a whole
+void describe(FrameReport& report, const Touch& touch, const Array& array, double least_force_n, bool slow) {
     report.lines = touch.lines.size();
     report.foci = touch.voices.size();
     report.length_m = length_of(touch.lines);
@@ -71,9 +74,11 @@ void describe(FrameReport& report, const Touch& touch, const Array& array, doubl
     if (!array.unreachable(middle).empty()) return;  // what is said of a focus there would be wrong
     report.width_m = focal_width(array, middle);
     report.focus_pa = radiation_pressure(pressure(array, ideal_drives(array, middle), middle), array.medium);
-    const double drawn = report.length_m / static_cast<double>(report.foci);  // by each focus
-    report.strength_pa =
-        report.focus_pa * std::min(1.0, drawn > 0.0 ? report.width_m / drawn : 1.0) / static_cast<double>(report.foci);
+    double drawn = 0.0;  // by the first focus
+    for (const Leg& leg : touch.voices.front().legs)
+        if (!leg.silent) drawn += distance(leg.from.position, leg.to.position);
+    const double share = slow || drawn < report.width_m ? 1.0 : report.width_m / drawn;
+    report.strength_pa = report.focus_pa * share / static_cast<double>(report.foci);
     double weak = 0.0;
     for (const Voice& voice : touch.voices)
         for (const Leg& leg : voice.legs) {
@@ -233,7 +238,8 @@ Rendered render(const TouchObject& object, const HandRecording& hands, const Arr
         report.frame = i + 1;
         report.time_s = frame.time_s;
         report.hands = frame.hands.size();
-        describe(report, made, array, settings.least_force_n);
+        describe(report, made, array, settings.least_force_n,
+                 settings.algorithm == Algorithm::pointer || settings.algorithm == Algorithm::press);
         report.out_of_reach =
             played.foci > 0 ? static_cast<double>(played.out_of_reach) / static_cast<double>(played.foci) : 0.0;
         report.why = played.why;

@@ -53,8 +53,9 @@ struct FrameReport {
     double focus_pa = 0.0;  ///< radiation pressure of one focus alone, in the middle of the lines, on skin that faces
                             ///< the sound
     double width_m = 0.0;   ///< of this focus: full width at half maximum of the radiation pressure
-    double strength_pa = 0.0;  ///< estimate of the mean over time on the lines: focus_pa · width / length, over the
-                               ///< number of foci, without tilt
+    double strength_pa = 0.0;  ///< estimate of the mean over time on the lines: focus_pa · width / length of the first
+                               ///< focus' lines, over the number of foci, without tilt; of K and L focus_pa over the
+                               ///< number of foci, as they are felt where the foci are
     double tilt = 0.0;         ///< mean of cos²θ along the lines, θ between the sound's way and the skin's normal; 0
                                ///< where the skin faces away
     double weak = 0.0;         ///< the share of the length where strength · tilt · width² is below the least force

@@ -18,9 +18,8 @@ public:
     }
 
     DepthMap run() {
-        constexpr std::size_t first = 16;
-        for (std::size_t row = 0; row < region_.rows; row += first)
-            for (std::size_t column = 0; column < region_.columns; column += first) block(row, column, first);
+        for (std::size_t row = 0; row < region_.rows; row += sizes.front())
+            for (std::size_t column = 0; column < region_.columns; column += sizes.front()) block(row, column, 0);
         for (std::size_t i = 0; i < map_.depth.size(); ++i)
             if (map_.depth[i] > map_.depth[map_.deepest]) map_.deepest = i;
         map_.touched = !map_.depth.empty() && map_.depth[map_.deepest] > 0.0;
@@ -28,12 +27,18 @@ public:
     }
 
 private:
-    void block(std::size_t row, std::size_t column, std::size_t size) {
-        constexpr std::size_t last = 4;
-        const std::size_t end_row = std::min(row + size, region_.rows);
-        const std::size_t end_column = std::min(column + size, region_.columns);
+    /// Points a side of a block, and of those that it is divided into.
+    static constexpr std::array<std::size_t, 3> sizes{64, 16, 4};
+
+    struct Known {
+        Vec3 point;
+        double depth = 0.0;
+    };
+
+    void block(std::size_t row, std::size_t column, std::size_t level) {
+        const std::size_t end_row = std::min(row + sizes.at(level), region_.rows);
+        const std::size_t end_column = std::min(column + sizes.at(level), region_.columns);
         const Vec3 middle = region_.point((row + end_row) / 2, (column + end_column) / 2);
-        const double depth = -solid_.distance(middle);
         // With the neighbours of the block's points, so that no cell with a point in it is crossed either.
         double square = 0.0;
         for (std::size_t r = row == 0 ? 0 : row - 1; r < std::min(end_row + 1, region_.rows); ++r)
@@ -41,28 +46,66 @@ private:
                 const Vec3 way = region_.point(r, c) - middle;
                 square = std::max(square, dot(way, way));
             }
-        const bool one_side = depth * depth > square;
-        if (one_side && (depth < 0.0 || use_ == DepthFor::contour)) {
-            each(row, end_row, column, end_column, [depth](Vec3) { return depth; });
-        } else if (one_side || size == last) {
-            each(row, end_row, column, end_column, [this](Vec3 p) { return -solid_.distance(p); });
+        const double radius = std::sqrt(square);
+        const bool clear = tells(last_, middle, radius);  // often the last point that was asked for tells enough
+        if (!clear) last_ = {middle, -solid_.distance(middle)};
+        if (clear || tells(last_, middle, radius)) {
+            for (std::size_t r = row; r < end_row; ++r)
+                for (std::size_t c = column; c < end_column; ++c) map_.depth[r * region_.columns + c] = last_.depth;
+        } else if (level + 1 == sizes.size()) {
+            points(row, end_row, column, end_column);
         } else {
-            for (std::size_t r = row; r < end_row; r += last)
-                for (std::size_t c = column; c < end_column; c += last) block(r, c, last);
+            for (std::size_t r = row; r < end_row; r += sizes.at(level + 1))
+                for (std::size_t c = column; c < end_column; c += sizes.at(level + 1)) block(r, c, level + 1);
         }
     }
 
-    template <class Depth>
-    void each(std::size_t row, std::size_t end_row, std::size_t column, std::size_t end_column, Depth depth) {
-        for (std::size_t r = row; r < end_row; ++r)
-            for (std::size_t c = column; c < end_column; ++c)
-                map_.depth[r * region_.columns + c] = depth(region_.point(r, c));
+    /// Whether all points this near to another are on the same side of the surface as one that is known, and their sign
+    /// is enough.
+    [[nodiscard]] bool tells(const Known& known, Vec3 point, double radius) const {
+        if (known.depth > 0.0 && use_ == DepthFor::inside) return false;
+        return std::abs(known.depth) - distance(point, known.point) > radius;
+    }
+
+    /// Each point, unless one that is known tells that the surface is farther than its neighbours.
+    void points(std::size_t row, std::size_t end_row, std::size_t column, std::size_t end_column) {
+        const Known middle = last_;
+        for (std::size_t r = row; r < end_row; ++r) {
+            for (std::size_t c = column; c < end_column; ++c) {
+                const Vec3 p = region_.point(r, c);
+                double& depth = map_.depth[r * region_.columns + c];
+                const double edge = farthest_neighbour(r, c);
+                if (tells(middle, p, edge)) {
+                    depth = middle.depth;
+                } else if (tells(last_, p, edge)) {
+                    depth = last_.depth;
+                } else {
+                    depth = -solid_.distance(p);
+                    last_ = {p, depth};
+                }
+            }
+        }
+    }
+
+    [[nodiscard]] double farthest_neighbour(std::size_t r, std::size_t c) const {
+        const Vec3 p = region_.point(r, c);
+        double square = 0.0;
+        const auto look = [&](std::size_t row, std::size_t column) {
+            const Vec3 way = region_.point(row, column) - p;
+            square = std::max(square, dot(way, way));
+        };
+        if (r > 0) look(r - 1, c);
+        if (r + 1 < region_.rows) look(r + 1, c);
+        if (c > 0) look(r, c - 1);
+        if (c + 1 < region_.columns) look(r, c + 1);
+        return std::sqrt(square);
     }
 
     const SkinRegion& region_;
     const Solid& solid_;
     DepthFor use_;
     DepthMap map_;
+    Known last_;  ///< the last point whose depth was asked for; none tells nothing
 };
 
 }  // namespace

@@ -24,6 +24,12 @@ SkinPoint at(const SkinRegion& region, double row, double column) {
                    down);
 }
 
+/// What std::floor gives, without a call.
+std::int64_t whole_below(double value) {
+    const auto cut = static_cast<std::int64_t>(value);
+    return static_cast<double>(cut) > value ? cut - 1 : cut;
+}
+
 /// Directions that turn by at most a right angle from step to step.
 double turned(KeyedRandom& random, double angle) {
     return angle + random.uniform(-0.5 * std::numbers::pi, 0.5 * std::numbers::pi);
@@ -82,7 +88,7 @@ std::vector<SkinLine> fixed_grain(const SkinRegion& region, const DepthMap& map,
     for (std::size_t i = 0; i < region.points.size(); ++i) {
         if (!(map.depth[i] > 0.0)) continue;
         const Vec3 p = region.points[i] * (1.0 / options.spacing_m);
-        const Cube cube{std::llround(std::floor(p.x)), std::llround(std::floor(p.y)), std::llround(std::floor(p.z))};
+        const Cube cube{whole_below(p.x), whole_below(p.y), whole_below(p.z)};
         if (cubes.empty() || cubes.back() != cube) cubes.push_back(cube);
     }
     std::sort(cubes.begin(), cubes.end());

@@ -133,7 +133,8 @@ Played PathPen::play_pass(const std::vector<Voice>& voices, std::optional<std::s
     if (tracks.empty()) throw bad_argument("path", "there is nothing to draw");
     const double pass_s = tracks.front().seconds(), periods = pass_s * carrier_hz_;
     const double steps =
-        points ? static_cast<double>(*points) : std::max(1.0, std::round(periods / static_cast<double>(dwell_)));
+        points ? static_cast<double>(*points)
+               : std::max(1.0, std::min(std::round(periods / static_cast<double>(dwell_)), std::floor(periods)));
     if (!(periods / steps >= 1.0 - 1e-9))
         throw impossible(
             points ? "points" : "speed",
