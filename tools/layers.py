@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parent.parent
 PICTURE = ROOT / "docs/layers.blocks.toml"
 BASICS = ["base", "model"]
 PHYSICS = [*BASICS, "boards", "acoustics"]
-IMAGE = [*PHYSICS, "shape", "render", "solve", "image"]
+IMAGE = [*PHYSICS, "shape", "hand", "render", "solve", "image"]
 INSTRUMENT = [*IMAGE, "analysis", "instrument"]
 
 # The rule. A layer may include itself and the layers that stand here. "at" is its place in the picture, as column and row.
@@ -28,7 +28,7 @@ LAYERS = {
     "acoustics":  {"may": BASICS, "at": (0, 6), "knows": "waves, fields, transients"},
     "shape":      {"may": BASICS, "at": (1, 6), "knows": "files, built-in shapes, points"},
     "hand":       {"may": BASICS, "at": (3, 6), "knows": "hands, skin, solids"},
-    "render":     {"may": [*BASICS, "shape"], "at": (1, 5), "knows": "paths: foci in time"},
+    "render":     {"may": [*BASICS, "shape", "hand"], "at": (1, 5), "knows": "paths: foci in time"},
     "perception": {"may": [*BASICS, "acoustics", "render"], "at": (3, 5), "knows": "how strong a focus feels"},
     "solve":      {"may": [*PHYSICS, "render"], "at": (1, 4), "knows": "foci to drives to records"},
     "image":      {"may": [*PHYSICS, "render", "solve"], "at": (1, 3), "knows": "memories, Intel HEX, bundles"},

@@ -20,6 +20,7 @@ void add_inspect(CLI::App& app, Action& action);
 void add_simulate(CLI::App& app, Action& action);
 void add_field(CLI::App& app, Action& action);
 void add_solve(CLI::App& app, Action& action);
+void add_render(CLI::App& app, Action& action);
 void add_analyze(CLI::App& app, Action& action);
 void add_magnitude(CLI::App& app, Action& action);
 void add_robot(CLI::App& app, Action& action);
