@@ -120,7 +120,15 @@ def printed_command(options: argparse.Namespace) -> int:
     from . import printed
 
     lines = printed.recompute()
-    if options.markdown:
+    if options.check:
+        try:
+            good = Path(options.check).read_text(encoding="utf-8") == printed.page(lines)
+        except (OSError, UnicodeDecodeError):
+            good = False
+        if not good:
+            say(f"{options.check}: is not what printed.toml makes; write it again with 'printed --markdown'")
+            return NOT_FINISHED
+    elif options.markdown:
         print(printed.page(lines), end="")
     elif options.json:
         print(json.dumps([line.as_json() for line in lines], indent=1, ensure_ascii=False))
@@ -141,7 +149,7 @@ def share(text: str) -> float:
 
 def parser() -> Parser:
     top = Parser(prog="haptogram-study", description="Studies with people: protocols, a runner, simulated observers, statistics, printed numbers.",
-                 epilog="Exit codes: 0 ok, 1 a session is not finished, 2 usage, 3 bad input, 4 device or link.")  # fmt: skip
+                 epilog="Exit codes: 0 ok, 1 a session is not finished or a page is stale, 2 usage, 3 bad input, 4 device or link.")  # fmt: skip
     top.add_argument("--version", action="version", version=f"haptogram-study {__version__}")
     sub = top.add_subparsers(required=True, metavar="COMMAND")
 
@@ -181,6 +189,7 @@ def parser() -> Parser:
     printed = add("printed", printed_command, "the numbers that the papers print, beside what follows from their own data and formulas")
     printed.add_argument("--differing", action="store_true", help="only those that do not agree")
     printed.add_argument("--markdown", action="store_true", help="as docs/printed-numbers.md has them")
+    printed.add_argument("--check", metavar="FILE", help="fail when that page is stale")
     json_option(printed)
     return top
 

@@ -82,13 +82,15 @@ class Order:
 
 @dataclass(frozen=True)
 class PathPlan:
-    """A focus that moves along straight lines at a steady speed; numbers may be placeholders. Millimetres, seconds."""
+    """A focus that moves along straight lines at a steady speed; numbers may be placeholders. Millimetres, seconds. With `square_hz` it is on
+    and off for half a period each, and stands still for a period."""
 
     waypoints_mm: tuple[tuple[Value, Value, Value], ...]
     speed_mm_s: float
     step_mm: float
     hold_s: float  # at the last waypoint
     intensity: Value
+    square_hz: Value  # 0: always on
 
 
 @dataclass(frozen=True)
@@ -359,7 +361,8 @@ def _stimulus(table: Table, known: set[str]) -> Stimulus:
         waypoints = tuple(tuple(_coordinate(path_table, "waypoints_mm", v, known) for v in p) for p in points)
         speed = path_table.number("speed_mm_s", 0.0 if len(points) == 1 else tables.REQUIRED, above=0.0)
         path = PathPlan(waypoints, speed, path_table.number("step_mm", 0.5, above=0.0), path_table.number("hold_s", 0.0, low=0.0, high=600.0),  # type: ignore[arg-type]
-                        _coordinate(path_table, "intensity", path_table.any("intensity", 1.0), known))  # fmt: skip
+                        _coordinate(path_table, "intensity", path_table.any("intensity", 1.0), known),
+                        _coordinate(path_table, "square_hz", path_table.any("square_hz", 0.0), known))  # fmt: skip
         if len(points) == 1 and not path.hold_s:
             path_table.fail("hold_s", path.hold_s, "how long the single point is held, s > 0")
         path_table.done()

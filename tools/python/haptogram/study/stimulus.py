@@ -35,20 +35,34 @@ def path_rows(plan: PathPlan, values: Mapping[str, object], where: str) -> list[
     intensity = _number(plan.intensity, values, where)
     if not 0.0 <= intensity <= 1.0:
         raise bad_input(where, f"the intensity is {intensity:g}, expected 0 to 1")
-    places, time_s = [], 0.0
-    for begin, end in zip(corners, corners[1:]):
-        length = math.dist(begin, end)
-        steps = max(math.ceil(length / plan.step_mm), 1)
-        if len(places) + steps > MOST_ROWS:
-            raise bad_input(where, f"needs more than {MOST_ROWS} points; make step_mm larger")
-        for k in range(steps):
-            share = k / steps
-            places.append((time_s + share * length / plan.speed_mm_s, *(b + share * (e - b) for b, e in zip(begin, end))))
-        time_s += length / plan.speed_mm_s
-    places.append((time_s, *corners[-1]))
-    if plan.hold_s:  # the last row lasts as long as the one before it
-        places.append((time_s + plan.hold_s / 2.0, *corners[-1]))
-    return [(round(1e3 * t, 6), x, y, z, intensity) for t, x, y, z in places]
+    square_hz = _number(plan.square_hz, values, where)
+    if square_hz < 0.0:
+        raise bad_input(where, f"square_hz is {square_hz:g}, expected a rate, or 0 for none")
+    lengths = [math.dist(begin, end) for begin, end in zip(corners, corners[1:])]
+    travel_s = sum(lengths) / plan.speed_mm_s if lengths else 0.0
+    if square_hz:
+        halves = math.ceil((travel_s + plan.hold_s) * 2.0 * square_hz - 1e-9)
+        # The place is that of the period's beginning.
+        times = [(k / (2.0 * square_hz), (k - k % 2) / (2.0 * square_hz), 0.0 if k % 2 else intensity) for k in range(min(halves, MOST_ROWS + 1))]
+    else:
+        steps = max(math.ceil(sum(lengths) / plan.step_mm), 1)
+        moving = [travel_s * k / steps for k in range(min(steps, MOST_ROWS) + 1)] if lengths else [0.0]
+        # The last row lasts as long as the one before it.
+        times = [(t, t, intensity) for t in moving + ([travel_s + plan.hold_s / 2.0] if plan.hold_s else [])]
+    if len(times) > MOST_ROWS:
+        raise bad_input(where, f"needs more than {MOST_ROWS} points; make step_mm larger, or the path shorter")
+    return [(round(1e3 * t, 6), *_place(corners, lengths, plan.speed_mm_s * at), level) for t, at, level in times]
+
+
+def _place(corners: list[tuple[float, ...]], lengths: list[float], gone_mm: float) -> tuple[float, float, float]:
+    """Where a focus is that has gone so far; at the end it stays."""
+    for begin, end, length in zip(corners, corners[1:], lengths):
+        if gone_mm < length:
+            x, y, z = (b + gone_mm / length * (e - b) for b, e in zip(begin, end))
+            return x, y, z
+        gone_mm -= length
+    x, y, z = corners[-1]
+    return x, y, z
 
 
 def describe(stimulus: Stimulus, values: Mapping[str, object], where: str) -> dict[str, object]:
@@ -66,7 +80,7 @@ def describe(stimulus: Stimulus, values: Mapping[str, object], where: str) -> di
 def used_places(stimulus: Stimulus) -> set[str]:
     """Names of the placeholders that a stimulus depends on."""
     path = stimulus.path
-    numbers = [v for point in path.waypoints_mm for v in point] + [path.intensity] if path else []
+    numbers = [v for point in path.waypoints_mm for v in point] + [path.intensity, path.square_hz] if path else []
     return {name for text in (stimulus.text, *stimulus.compile, *(v for v in numbers if isinstance(v, str))) for name in PLACEHOLDER.findall(text)}
 
 
