@@ -12,7 +12,7 @@ import pandas as pd
 from scipy import stats
 
 from ..errors import HaptogramError, bad_input
-from . import statistics
+from . import inference
 from .observers import simulated
 from .protocol import Analysis, Protocol
 from .session import Record, Session
@@ -98,14 +98,14 @@ def _means(found: Finding, table: pd.DataFrame) -> None:
 def _one(protocol: Protocol, analysis: Analysis, everything: pd.DataFrame) -> Finding:
     data, found = _selected(protocol, analysis, everything), Finding(analysis.name, analysis.test, analysis.paper)
 
-    def told(name: str, test: statistics.Test) -> None:
+    def told(name: str, test: inference.Test) -> None:
         found.lines.append(f"{name}: {test}" if name else str(test))
         found.p[name] = test.p
         found.numbers.setdefault("statistic", {})[name] = {"name": test.name, "value": test.statistic, "df": list(test.df)}
 
     if analysis.test == "binomial":
         right, trials = int(data[analysis.of].sum()), len(data)
-        p, low, high = statistics.binomial(right, trials, analysis.chance)
+        p, low, high = inference.binomial(right, trials, analysis.chance)
         person = data.groupby("participant")[analysis.of].mean().astype(float)
         found.lines.append(f"{right} of {trials}: {right / trials:.2%}, 95 % interval {low:.2%} to {high:.2%}; against {analysis.chance:.0%}: p = {p:.3g}")
         found.lines.append(f"over {len(person)} people: mean {person.mean():.2%}, SD {person.std():.2%}; the interval takes trials as independent")
@@ -113,7 +113,7 @@ def _one(protocol: Protocol, analysis: Analysis, everything: pd.DataFrame) -> Fi
     elif analysis.test == "confusion":
         shown = [level.value for level in protocol.factor(analysis.by).levels]
         counts = pd.crosstab(data[analysis.by], data[analysis.of]).reindex(index=shown, columns=[str(s) for s in shown], fill_value=0)
-        matrix = statistics.confusion(counts.to_numpy())
+        matrix = inference.confusion(counts.to_numpy())
         found.lines += [f"{name}: {' '.join(f'{c:4d}' for c in row)}" for name, row in zip(shown, counts.to_numpy())]
         found.lines.append(f"right {matrix.share:.2%}, kappa {matrix.kappa:.3f}, information {matrix.bits:.3f} bit of {math.log2(len(shown)):.3g}")
         told("same rate for all", matrix.homogeneity)
@@ -125,28 +125,28 @@ def _one(protocol: Protocol, analysis: Analysis, everything: pd.DataFrame) -> Fi
     elif analysis.test == "paired-t":
         table = _wide(protocol, analysis, data)
         _means(found, table)
-        told("", statistics.paired_t(*table.to_numpy().T))
+        told("", inference.paired_t(*table.to_numpy().T))
     elif analysis.test == "rm-anova":
         table = _wide(protocol, analysis, data)
         _means(found, table)
-        plain, shrunk = statistics.rm_anova(table.to_numpy())
+        plain, shrunk = inference.rm_anova(table.to_numpy())
         told("", plain)
         told("Greenhouse-Geisser", shrunk)
     elif analysis.test == "anova":
         table = _wide(protocol, analysis, data)
         _means(found, table)
-        told("", statistics.anova(*table.to_numpy().T))
-        pairs = statistics.tukey(list(table.to_numpy().T), [str(c) for c in table])
+        told("", inference.anova(*table.to_numpy().T))
+        pairs = inference.tukey(list(table.to_numpy().T), [str(c) for c in table])
         found.lines += [f"Tukey, {a} and {b}: p = {p:.3g}" for (a, b), p in pairs.items()]
         found.p |= {f"{a}, {b}": p for (a, b), p in pairs.items()}
     elif analysis.test == "friedman":
-        told("", statistics.friedman(_wide(protocol, analysis, data).to_numpy()))
+        told("", inference.friedman(_wide(protocol, analysis, data).to_numpy()))
     elif analysis.test == "wilcoxon":
         table = _wide(protocol, analysis, data)
         pairs = list(itertools.combinations(table, 2))
-        tests = [statistics.wilcoxon(table[a], table[b]) for a, b in pairs]
-        for (a, b), test, p in zip(pairs, tests, statistics.corrected([t.p for t in tests], analysis.correction)):
-            told(f"{a}, {b}", statistics.Test(test.name, test.statistic, test.df, p))
+        tests = [inference.wilcoxon(table[a], table[b]) for a, b in pairs]
+        for (a, b), test, p in zip(pairs, tests, inference.corrected([t.p for t in tests], analysis.correction)):
+            told(f"{a}, {b}", inference.Test(test.name, test.statistic, test.df, p))
     elif analysis.test == "votes":
         counts = data[analysis.of].value_counts().reindex(list(protocol.question(analysis.of).keys.values()), fill_value=0)
         found.lines += [f"{name}: {count} of {counts.sum()}, {count / counts.sum():.1%}" for name, count in counts.items()]
@@ -164,10 +164,10 @@ def _one(protocol: Protocol, analysis: Analysis, everything: pd.DataFrame) -> Fi
     return found
 
 
-def _goodness(counts: Any) -> statistics.Test:
+def _goodness(counts: Any) -> inference.Test:
     """Pearson's test that all answers are equally frequent."""
     found = stats.chisquare(counts)
-    return statistics.Test("chi2", float(found.statistic), (len(counts) - 1.0,), float(found.pvalue))
+    return inference.Test("chi2", float(found.statistic), (len(counts) - 1.0,), float(found.pvalue))
 
 
 def _magnitudes(protocol: Protocol, analysis: Analysis, data: pd.DataFrame, found: Finding) -> None:
@@ -177,9 +177,9 @@ def _magnitudes(protocol: Protocol, analysis: Analysis, data: pd.DataFrame, foun
         raise bad_input(analysis.name, f"found {len(others)} other factors, expected one, over which the magnitude is fitted")
     over = others[0].name
     for level, part in data.assign(**{analysis.of: data[analysis.of].astype(float)}).groupby(analysis.by):
-        part = part.assign(scaled=statistics.normalised(part, "participant", analysis.of))
+        part = part.assign(scaled=inference.normalised(part, "participant", analysis.of))
         means = part.groupby(over)["scaled"].mean()
-        coefficients, r2 = statistics.polynomial(means.index.to_numpy(dtype=float), means.to_numpy(), 2)
+        coefficients, r2 = inference.polynomial(means.index.to_numpy(dtype=float), means.to_numpy(), 2)
         found.lines.append(f"{level}: {coefficients[0]:.4g}·x² {coefficients[1]:+.4g}·x {coefficients[2]:+.4g}, R² = {r2:.3f}")
         found.numbers[str(level)] = {"coefficients": [float(c) for c in coefficients], "r2": float(r2)}
 
@@ -225,4 +225,4 @@ def power(protocol: Protocol, observer: str, participants: int, runs: int, seed:
                 hits[key] = hits.get(key, 0) + (p < alpha)
     if not hits:
         raise bad_input(str(protocol.path), "has no analysis with a p-value, so there is no power; add a test")
-    return {name: (count / runs, *statistics.binomial(count, runs, 0.5)[1:]) for name, count in hits.items()}
+    return {name: (count / runs, *inference.binomial(count, runs, 0.5)[1:]) for name, count in hits.items()}

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from scipy import stats
 
-from . import statistics, tables
+from . import inference, tables
 from .tables import Table
 
 DATA = Path(__file__).parent / "printed.toml"
@@ -169,7 +169,7 @@ def guess_error(width: float) -> Number:
 
 @formula
 def p(name: str, statistic: float, df: list[float]) -> Number:
-    return statistics.p_of(name, statistic, *df)
+    return inference.p_of(name, statistic, *df)
 
 
 @formula
@@ -185,12 +185,12 @@ def critical(name: str, df: list[float]) -> Number:
 
 @formula
 def binomial_p(successes: int, trials: int) -> Number:
-    return statistics.binomial(successes, trials, 0.5)[0]
+    return inference.binomial(successes, trials, 0.5)[0]
 
 
 @formula
 def binomial_low_percent(successes: int, trials: int) -> Number:
-    return 100.0 * statistics.binomial(successes, trials, 0.5)[1]
+    return 100.0 * inference.binomial(successes, trials, 0.5)[1]
 
 
 @formula
@@ -212,32 +212,32 @@ def odds_ratio(weighted: float, plain: float) -> Number:
 @formula
 def smallest_wilcoxon(people: int) -> Number:
     """The two-sided p when all differences have the same sign."""
-    return statistics.wilcoxon(np.arange(1.0, people + 1.0), np.zeros(people)).p
+    return inference.wilcoxon(np.arange(1.0, people + 1.0), np.zeros(people)).p
 
 
 @formula
 def fewest(percentages: list[str]) -> Number:
-    return statistics.fewest_people(percentages)
+    return inference.fewest_people(percentages)
 
 
 @condition
 def grim(printed: str, people: int) -> tuple[bool, str]:
     nearest = round(Fraction(printed) * people)
-    possible = statistics.grim(printed, people)
-    return possible, f"{nearest}/{people} = {nearest / people:.{statistics.decimals(printed) + 1}f}"
+    possible = inference.grim(printed, people)
+    return possible, f"{nearest}/{people} = {nearest / people:.{inference.decimals(printed) + 1}f}"
 
 
 @condition
 def percentage_of(printed: str, people: int) -> tuple[bool, str]:
     count = round(Fraction(printed) * people / 100)
-    fits = any(statistics.rounds_to(Fraction(100 * c, people), printed) for c in (count - 1, count, count + 1))
+    fits = any(inference.rounds_to(Fraction(100 * c, people), printed) for c in (count - 1, count, count + 1))
     return fits, f"{count}/{people} = {100 * count / people:.2f}"
 
 
 @condition
 def percentages(printed: str, people: int) -> tuple[bool, str]:
     parts = printed.split()
-    return statistics.possible_counts(parts, people), f"steps of {100 / people:.2f}"
+    return inference.possible_counts(parts, people), f"steps of {100 / people:.2f}"
 
 
 @condition
@@ -271,27 +271,27 @@ def confusion_cells(table: dict[str, Any]) -> list[tuple[str, str, Number, int]]
 
 @formula
 def confusion_share(table: dict[str, Any]) -> Number:
-    return 100.0 * statistics.confusion(_counts(table)).share
+    return 100.0 * inference.confusion(_counts(table)).share
 
 
 @formula
 def confusion_kappa(table: dict[str, Any]) -> Number:
-    return statistics.confusion(_counts(table)).kappa
+    return inference.confusion(_counts(table)).kappa
 
 
 @formula
 def confusion_bits(table: dict[str, Any]) -> Number:
-    return statistics.confusion(_counts(table)).bits
+    return inference.confusion(_counts(table)).bits
 
 
 @formula
 def confusion_chi2(table: dict[str, Any]) -> Number:
-    return statistics.confusion(_counts(table)).homogeneity.statistic
+    return inference.confusion(_counts(table)).homogeneity.statistic
 
 
 @formula
 def confusion_p(table: dict[str, Any]) -> Number:
-    return statistics.confusion(_counts(table)).homogeneity.p
+    return inference.confusion(_counts(table)).homogeneity.p
 
 
 @several
@@ -313,7 +313,7 @@ def threshold_fit(table: dict[str, Any]) -> list[tuple[str, str, Number, int]]:
     found = []
     for region in ("finger", "palm"):
         middles = np.mean(table[region], axis=1)
-        (slope, level), _ = statistics.polynomial(np.log(table["force"]), middles, 1)
+        (slope, level), _ = inference.polynomial(np.log(table["force"]), middles, 1)
         found += [(f"{region}: a", "", float(level), 5), (f"{region}: b", "", float(slope), 5)]
     return found
 
@@ -322,7 +322,7 @@ def threshold_fit(table: dict[str, Any]) -> list[tuple[str, str, Number, int]]:
 
 
 def _shown(number: Number, digits: int) -> str:
-    return statistics.rounded(float(number), digits)
+    return inference.rounded(float(number), digits)
 
 
 def recompute(path: Path = DATA) -> list[Line]:
@@ -371,7 +371,7 @@ def _lines(entry: Table, data: dict[str, Any]) -> list[Line]:
     except (TypeError, ValueError, KeyError, ZeroDivisionError) as error:
         entry.fail("with", given, f"the arguments of {name} ({error})")
     verdict = _verdict(number, printed, about)
-    places = digits if digits is not None else statistics.decimals(printed)
+    places = digits if digits is not None else inference.decimals(printed)
     while verdict == DIFFERS and _shown(number, places) == printed and places < 12:
         places += 1
     return [line(what, printed, _shown(number, places), verdict)]
@@ -382,7 +382,7 @@ def _verdict(number: Number, printed: str, about: float) -> str:
         return NOT_PRINTED
     if about:
         return AGREES if abs(float(number) - float(printed)) <= about * abs(float(printed)) else DIFFERS
-    return AGREES if statistics.rounds_to(number, printed) else DIFFERS
+    return AGREES if inference.rounds_to(number, printed) else DIFFERS
 
 
 def with_units(line: Line) -> tuple[str, str]:
