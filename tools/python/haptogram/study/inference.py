@@ -154,7 +154,7 @@ def wilcoxon(first: ArrayLike, second: ArrayLike) -> Test:
     ranks = stats.rankdata(abs(differences))
     tied = len(np.unique(ranks)) < len(ranks)
     if len(differences) > 25 or not tied:
-        found = stats.wilcoxon(differences, mode="approx" if len(differences) > 25 else "exact")
+        found = stats.wilcoxon(differences, method="approx" if len(differences) > 25 else "exact")
         return Test("W", float(found.statistic), (), float(found.pvalue))
     # Twice the ranks are whole numbers; ways[s] is the number of sign patterns whose positive ranks sum to s.
     doubled = np.rint(2 * ranks).astype(int)

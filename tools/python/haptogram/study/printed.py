@@ -253,7 +253,7 @@ def wilcoxon_below(printed: str, people: int, tests: int) -> tuple[bool, str]:
     return least < float(printed), f"at least {least:.5f}"
 
 
-def _counts(table: dict[str, Any]) -> Any:
+def counts_of(table: dict[str, Any]) -> Any:
     """Whole numbers from printed percentages."""
     counts = np.array([[round(float(cell) * table["trials"] / 100) for cell in row] for row in table["percent"]])
     assert (counts.sum(1) == table["trials"]).all()
@@ -263,7 +263,7 @@ def _counts(table: dict[str, Any]) -> Any:
 @several
 def confusion_cells(table: dict[str, Any]) -> list[tuple[str, str, Number, int]]:
     found = []
-    for name, row, counts in zip(table["rows"], table["percent"], _counts(table)):
+    for name, row, counts in zip(table["rows"], table["percent"], counts_of(table)):
         for answer, cell, count in zip(table["rows"], row, counts):
             found.append((f"{name} taken for {answer}: {count} of {table['trials']}", cell, Fraction(int(100 * count), table["trials"]), 2))
     return found
@@ -271,27 +271,27 @@ def confusion_cells(table: dict[str, Any]) -> list[tuple[str, str, Number, int]]
 
 @formula
 def confusion_share(table: dict[str, Any]) -> Number:
-    return 100.0 * inference.confusion(_counts(table)).share
+    return 100.0 * inference.confusion(counts_of(table)).share
 
 
 @formula
 def confusion_kappa(table: dict[str, Any]) -> Number:
-    return inference.confusion(_counts(table)).kappa
+    return inference.confusion(counts_of(table)).kappa
 
 
 @formula
 def confusion_bits(table: dict[str, Any]) -> Number:
-    return inference.confusion(_counts(table)).bits
+    return inference.confusion(counts_of(table)).bits
 
 
 @formula
 def confusion_chi2(table: dict[str, Any]) -> Number:
-    return inference.confusion(_counts(table)).homogeneity.statistic
+    return inference.confusion(counts_of(table)).homogeneity.statistic
 
 
 @formula
 def confusion_p(table: dict[str, Any]) -> Number:
-    return inference.confusion(_counts(table)).homogeneity.p
+    return inference.confusion(counts_of(table)).homogeneity.p
 
 
 @several

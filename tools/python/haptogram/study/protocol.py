@@ -47,7 +47,7 @@ class Factor:
 
 @dataclass(frozen=True)
 class Drawn:
-    """A number that each trial draws anew: evenly from `low` to `high`, in steps when `step` is not 0."""
+    """A number that each trial draws anew: evenly from `low` to `high`, in steps when `step` is not 0, otherwise to a thousandth."""
 
     name: str
     low: float
@@ -57,7 +57,7 @@ class Drawn:
     def at(self, chance: float) -> float:
         """The value for a number in [0, 1)."""
         if not self.step:
-            return self.low + chance * (self.high - self.low)
+            return round(self.low + chance * (self.high - self.low), 3)
         return self.low + self.step * int(chance * (round((self.high - self.low) / self.step) + 1))
 
 

@@ -51,7 +51,8 @@ def path_rows(plan: PathPlan, values: Mapping[str, object], where: str) -> list[
         times = [(t, t, intensity) for t in moving + ([travel_s + plan.hold_s / 2.0] if plan.hold_s else [])]
     if len(times) > MOST_ROWS:
         raise bad_input(where, f"needs more than {MOST_ROWS} points; make step_mm larger, or the path shorter")
-    return [(round(1e3 * t, 6), *_place(corners, lengths, plan.speed_mm_s * at), level) for t, at, level in times]
+    found = [(1e3 * t, *_place(corners, lengths, plan.speed_mm_s * at), level) for t, at, level in times]
+    return [tuple(round(number, 6) for number in row) for row in found]  # type: ignore[misc]
 
 
 def _place(corners: list[tuple[float, ...]], lengths: list[float], gone_mm: float) -> tuple[float, float, float]:
