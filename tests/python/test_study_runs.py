@@ -2,7 +2,6 @@
 """The runner as an experimenter meets it: sessions that are killed and go on, files of results, analyses, power."""
 import itertools
 import json
-import os
 import signal
 import subprocess
 import sys
@@ -285,5 +284,5 @@ def test_every_path_of_two_factors_has_its_own_hash(place):
     for shape, where in itertools.product(*(f.levels for f in p.factors)):
         found[shape.name, where.name] = Presenter(p).prepare(protocol.places(p, {"shape": shape, "place": where}, {}))["sha256"]
     assert len(set(found.values())) == 4
-    assert os.environ.get("NOTHING") is None and Presenter(p).prepare(protocol.places(p, {"shape": p.factors[0].levels[0], "place": p.factors[1].levels[0]}, {})) == {
-        "sha256": found["circle", "left"], "played": False}  # fmt: skip
+    again = Presenter(p).prepare(protocol.places(p, {"shape": p.factors[0].levels[0], "place": p.factors[1].levels[0]}, {}))
+    assert again == {"sha256": found["circle", "left"], "played": False}
