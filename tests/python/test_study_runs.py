@@ -39,6 +39,12 @@ test = "thresholds"
 of = "threshold_db"
 by = "shape"
 
+[[analysis]]
+name = "functions"
+test = "psychometric"
+of = "felt"
+by = "shape"
+
 [simulated.felt]
 model = "psychometric"
 by = "shape"
@@ -209,8 +215,15 @@ def test_analyses_find_what_was_simulated(place):
     right = sum(r["answers"]["answer"]["correct"] for r in records(place / "out.jsonl"))
     assert json.loads(said.stdout)[0]["numbers"]["successes"] == right
     p = protocol.read(place / "stairs.toml")
-    found = analysis.analyse(p, analysis.frame(p, simulate(p, people)))[0].numbers
+    found, functions = (one.numbers for one in analysis.analyse(p, analysis.frame(p, simulate(p, people))))
+    for shape, threshold in (("circle", -20.0), ("line", -15.0)):
+        assert functions[shape]["threshold_db"] == pytest.approx(threshold, abs=0.3) and functions[shape]["spread_db"] == pytest.approx(0.5, abs=0.25)
     assert found["lost"] == 0 and found["mean_db"] == pytest.approx({"circle": -20, "line": -15}, abs=0.3)
+    votes = protocol.read(protocol.shipped()["shapes_comparison"])
+    given = simulate(votes, 5)
+    answers = [record["answers"] for _, record in given if record["kind"] == "trial"]
+    for_h = sum(a["similar_confidence"]["value"] * a["similar"]["correct"] for a in answers) / sum(a["similar_confidence"]["value"] for a in answers)
+    assert analysis.analyse(votes, analysis.frame(votes, given))[0].numbers["weighted"] == pytest.approx(for_h, rel=1e-12)
     direction = protocol.read(protocol.shipped()["hoshi_direction"])
     assert analysis.analyse(direction, analysis.frame(direction, simulate(direction)))[0].numbers["successes"] == 240
     placing = protocol.read(protocol.shipped()["multimodal_placing"])

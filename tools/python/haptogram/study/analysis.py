@@ -37,7 +37,8 @@ class Finding:
 def frame(protocol: Protocol, records: Iterable[tuple[str, Record]]) -> pd.DataFrame:
     """A row a record. Columns: participant, kind, factors and drawn numbers, and of each question its answer, `.seconds`, `.correct`, `.error`,
     `.absolute_error`. Records of another protocol, and two of the same trial, are errors."""
-    rows, seen = [], {}
+    rows: list[dict[str, Any]] = []
+    seen: dict[tuple[object, ...], str] = {}
     for where, record in records:
         if record.get("protocol") != protocol.name or record.get("protocol_sha256") != protocol.sha256:
             raise bad_input(where, f"is of protocol {str(record.get('protocol'))[:40]!r}, {str(record.get('protocol_sha256'))[:12]}; expected {protocol.name!r}, "
@@ -46,6 +47,8 @@ def frame(protocol: Protocol, records: Iterable[tuple[str, Record]]) -> pd.DataF
             factors, answers = dict(record["factors"]), dict(record.get("answers", {}))
             row: dict[str, Any] = {"participant": int(record["participant"]), "kind": str(record["kind"]), "trial": int(record["trial"]), **factors}
             row |= {name: float(value) for name, value in dict(record.get("drawn", {})).items()}
+            if "level_db" in record:
+                row["level_db"] = float(record["level_db"])
             if row["kind"] == "threshold":
                 row |= {"threshold_db": record["threshold_db"], "start": record["start"], "state": record["state"]}
             for name, answer in answers.items():
@@ -110,6 +113,11 @@ def _one(protocol: Protocol, analysis: Analysis, everything: pd.DataFrame) -> Fi
         found.lines.append(f"{right} of {trials}: {right / trials:.2%}, 95 % interval {low:.2%} to {high:.2%}; against {analysis.chance:.0%}: p = {p:.3g}")
         found.lines.append(f"over {len(person)} people: mean {person.mean():.2%}, SD {person.std():.2%}; the interval takes trials as independent")
         found.p[""], found.numbers = p, {"successes": right, "trials": trials, "low": low, "high": high}
+        if analysis.weight:
+            weights = data[analysis.weight].astype(float)
+            weighted = float((weights * data[analysis.of].astype(float)).sum() / weights.sum())
+            found.lines.append(f"weighted by {analysis.weight}: {weighted:.2%}")
+            found.numbers["weighted"] = weighted
     elif analysis.test == "confusion":
         shown = [level.value for level in protocol.factor(analysis.by).levels]
         counts = pd.crosstab(data[analysis.by], data[analysis.of]).reindex(index=shown, columns=[str(s) for s in shown], fill_value=0)
@@ -136,9 +144,9 @@ def _one(protocol: Protocol, analysis: Analysis, everything: pd.DataFrame) -> Fi
         table = _wide(protocol, analysis, data)
         _means(found, table)
         told("", inference.anova(*table.to_numpy().T))
-        pairs = inference.tukey(list(table.to_numpy().T), [str(c) for c in table])
-        found.lines += [f"Tukey, {a} and {b}: p = {p:.3g}" for (a, b), p in pairs.items()]
-        found.p |= {f"{a}, {b}": p for (a, b), p in pairs.items()}
+        apart = inference.tukey(list(table.to_numpy().T), [str(c) for c in table])
+        found.lines += [f"Tukey, {a} and {b}: p = {p:.3g}" for (a, b), p in apart.items()]
+        found.p |= {f"{a}, {b}": p for (a, b), p in apart.items()}
     elif analysis.test == "friedman":
         told("", inference.friedman(_wide(protocol, analysis, data).to_numpy()))
     elif analysis.test == "wilcoxon":
@@ -159,6 +167,12 @@ def _one(protocol: Protocol, analysis: Analysis, everything: pd.DataFrame) -> Fi
         table = data.assign(threshold_db=data["threshold_db"].astype(float)).groupby(analysis.by)["threshold_db"].agg(["mean", "std", "count"])
         found.lines += [f"{level}: {row['mean']:.2f} dB, SD {row['std']:.2f} of {int(row['count'])} runs" for level, row in table.iterrows()]
         found.numbers = {"mean_db": {str(k): float(v) for k, v in table["mean"].items()}, "lost": len(lost)}
+    elif analysis.test == "psychometric":
+        for level, part in data.groupby(analysis.by):
+            counts = part.assign(yes=part[analysis.of].astype(float)).groupby("level_db")["yes"].agg(["sum", "count"])
+            fit = inference.psychometric(counts.index.to_numpy(), counts["sum"].to_numpy(), counts["count"].to_numpy(dtype=float))
+            found.lines.append(f"{level}: threshold {fit.threshold:.2f} dB, spread {fit.spread:.2f} dB, of {int(counts['count'].sum())} answers (probit)")
+            found.numbers[str(level)] = {"threshold_db": fit.threshold, "spread_db": fit.spread}
     else:
         _magnitudes(protocol, analysis, data, found)
     return found

@@ -212,7 +212,7 @@ def psychometric(levels: ArrayLike, yes: ArrayLike, trials: ArrayLike, *, link: 
 def polynomial(x: ArrayLike, y: ArrayLike, degree: int) -> tuple[Floats, float]:
     """Coefficients of the least squares, highest power first, and R²."""
     a, b = _finite(x, "polynomial", 1, degree + 1), _finite(y, "polynomial", 1, degree + 1)
-    fitted = np.polynomial.Polynomial.fit(a, b, degree)
+    fitted = np.polynomial.Polynomial.fit(a, b, degree)  # type: ignore[no-untyped-call]
     left = float(np.sum((b - fitted(a)) ** 2))
     return fitted.convert().coef[::-1], 1.0 - left / float(np.sum((b - b.mean()) ** 2))
 

@@ -29,7 +29,8 @@ class _ByLevel:
     """A number, or one for each level of a factor."""
 
     def __init__(self, table: Table, key: str, by: str, protocol: Protocol, default: Any = tables.REQUIRED, low: float = -math.inf) -> None:
-        self._by, self._values = by, {}
+        self._by, self._one = by, 0.0
+        self._values: dict[str, float] = {}
         value = table.any(key, default, "a number, or a table of numbers")
         if isinstance(value, dict):
             if not by:
@@ -78,7 +79,7 @@ def _model(protocol: Protocol, question: Question, table: Table) -> Model:
 
     elif kind == "confusion":
         factor = protocol.factor(table.text("factor", among=[f.name for f in protocol.factors]))
-        answers = table.list("answers", of=str, expected="the answers, in the order of the columns")
+        answers: list[str] = table.list("answers", of=str, expected="the answers, in the order of the columns")
         if sorted(answers) != sorted(question.keys.values()):
             table.fail("answers", answers, f"each of {', '.join(question.keys.values())} once")
         rows_table = table.table("rows")
@@ -106,7 +107,7 @@ def _model(protocol: Protocol, question: Question, table: Table) -> Model:
 
         def answer(occasion: Occasion, dice: random.Random) -> Answer:
             truth = _truth(protocol, question, occasion)
-            value = truth + bias(occasion) * (centre - truth) + dice.gauss(0.0, sd(occasion))
+            value: float = truth + bias(occasion) * (centre - truth) + dice.gauss(0.0, sd(occasion))
             value = min(max(value, question.low), question.high)  # as the keys that change the value stop at its ends
             return round(value / step) * step if step else value
 
@@ -119,7 +120,7 @@ def _model(protocol: Protocol, question: Question, table: Table) -> Model:
         def answer(occasion: Occasion, dice: random.Random) -> Answer:
             g, j, v = polynomials[occasion.cell.levels[frequency].name]
             force = float(occasion.cell.levels[output].value)
-            mean = g * force**2 + j * force + v
+            mean: float = g * force**2 + j * force + v
             if mean <= 0.0:
                 raise bad_input(f"{protocol.path}: simulated.{question.name}", f"the magnitude of {force:g} gf is {mean:g}; expected > 0; choose outputs that are felt")
             return mean * math.exp(dice.gauss(0.0, log_sd) + _person(occasion, question.name, person))
@@ -147,7 +148,8 @@ def _model(protocol: Protocol, question: Question, table: Table) -> Model:
         table.fail("seconds", seconds, "a mean > 0 and a standard deviation >= 0")
     table.done()
 
-    return lambda occasion, dice: (answer(occasion, dice), _seconds_of(*seconds, dice))
+    mean_s, sd_s = seconds
+    return lambda occasion, dice: (answer(occasion, dice), _seconds_of(mean_s, sd_s, dice))
 
 
 def read_models(protocol: Protocol, given: dict[str, Any], where: str) -> dict[str, Model]:

@@ -37,9 +37,10 @@ class Line:
 
 
 Number = float | Fraction
+Many = list[tuple[str, str, Number, int]]  # what, printed, number, digits
 FORMULAS: dict[str, Callable[..., Number]] = {}  # a number from arguments
 POSSIBLE_IF: dict[str, Callable[..., tuple[bool, str]]] = {}  # (printed, arguments): whether it can be, and what limits it
-MANY: dict[str, Callable[..., list[tuple[str, str, Number, int]]]] = {}  # several: (what, printed, number, digits)
+MANY: dict[str, Callable[..., Many]] = {}  # several: (what, printed, number, digits)
 
 
 def formula(function: Callable[..., Number]) -> Callable[..., Number]:
@@ -52,7 +53,7 @@ def condition(function: Callable[..., tuple[bool, str]]) -> Callable[..., tuple[
     return function
 
 
-def several(function: Callable[..., list[tuple[str, str, Number, int]]]) -> Callable[..., list[tuple[str, str, Number, int]]]:
+def several(function: Callable[..., Many]) -> Callable[..., Many]:
     MANY[function.__name__] = function
     return function
 
@@ -138,7 +139,7 @@ def level_db(pressure_pa: float) -> Number:
 
 @formula
 def decibels_ratio(decibels: float) -> Number:
-    return 10.0 ** (decibels / 20.0)
+    return math.pow(10.0, decibels / 20.0)
 
 
 @formula
@@ -261,8 +262,8 @@ def counts_of(table: dict[str, Any]) -> Any:
 
 
 @several
-def confusion_cells(table: dict[str, Any]) -> list[tuple[str, str, Number, int]]:
-    found = []
+def confusion_cells(table: dict[str, Any]) -> Many:
+    found: Many = []
     for name, row, counts in zip(table["rows"], table["percent"], counts_of(table)):
         for answer, cell, count in zip(table["rows"], row, counts):
             found.append((f"{name} taken for {answer}: {count} of {table['trials']}", cell, Fraction(int(100 * count), table["trials"]), 2))
@@ -295,9 +296,9 @@ def confusion_p(table: dict[str, Any]) -> Number:
 
 
 @several
-def magnitude_model(commands: dict[str, list[float]], magnitudes: dict[str, list[float]]) -> list[tuple[str, str, Number, int]]:
+def magnitude_model(commands: dict[str, list[float]], magnitudes: dict[str, list[float]]) -> Many:
     """Multimodal eq. 10 and 11: where the command is 1, what that feels like, where the magnitude is largest, and where it is 0."""
-    found = []
+    found: Many = []
     for hz, (a, b, c, d) in commands.items():
         g, j, v = magnitudes[hz]
         roots = [float(r.real) for r in np.roots([a, b, c, d - 1.0]) if abs(r.imag) < 1e-9]
@@ -309,8 +310,8 @@ def magnitude_model(commands: dict[str, list[float]], magnitudes: dict[str, list
 
 
 @several
-def threshold_fit(table: dict[str, Any]) -> list[tuple[str, str, Number, int]]:
-    found = []
+def threshold_fit(table: dict[str, Any]) -> Many:
+    found: Many = []
     for region in ("finger", "palm"):
         middles = np.mean(table[region], axis=1)
         (slope, level), _ = inference.polynomial(np.log(table["force"]), middles, 1)

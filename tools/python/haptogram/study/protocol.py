@@ -22,7 +22,7 @@ PLACEHOLDER = re.compile(r"\{([^{}]*)\}")
 ORDERS = ("fixed", "random", "latin-square")
 WITHIN = (*ORDERS, "independent")
 KINDS = ("choice", "yes-no", "scale", "number", "text")
-TESTS = ("binomial", "confusion", "mean", "paired-t", "rm-anova", "anova", "friedman", "wilcoxon", "votes", "thresholds", "magnitudes")
+TESTS = ("binomial", "confusion", "mean", "paired-t", "rm-anova", "anova", "friedman", "wilcoxon", "votes", "thresholds", "psychometric", "magnitudes")
 MOST_TRIALS = 10_000
 Value = str | float | int
 
@@ -133,6 +133,7 @@ class Analysis:
     by: str
     correction: str
     chance: float
+    weight: str  # of a binomial: the question that weights its answers
     where: dict[str, Value]
     paper: str  # what the paper says of it
 
@@ -220,7 +221,7 @@ def _read(top: Table, path: Path, sha256: str) -> Protocol:
     factors = tuple(_factor(t) for t in top.tables("factor"))
     drawn = tuple(_drawn(t) for t in top.tables("drawn"))
     lookups = tuple(_lookup(t, factors) for t in top.tables("lookup"))
-    _different(top, "factor", [named.name for named in (*factors, *drawn, *lookups)])
+    _different(top, "factor", [f.name for f in factors] + [d.name for d in drawn] + [k.name for k in lookups])
     staircase_table = top.table("staircase", None)
     known = _placeholders(factors, drawn, lookups, staircase_table is not None)
     order = _order(top.table("order"), factors)
@@ -297,7 +298,7 @@ def _lookup(table: Table, factors: tuple[Factor, ...]) -> Lookup:
     name = _identifier(table)
     row, column = table.text("row", among=list(names)), table.text("column", among=list(names))
     inner, columns_of = table.table("values"), names[column].levels
-    values = {}
+    values: dict[tuple[str, str], float] = {}
     for level in names[row].levels:
         numbers = inner.list(level.name, of=(int, float), expected=f"{len(columns_of)} numbers, one for each {column}")
         if len(numbers) != len(columns_of) or not all(map(math.isfinite, numbers)):
@@ -323,7 +324,7 @@ def _order(table: Table, factors: tuple[Factor, ...]) -> Order:
 
 
 def _placeholders(factors: tuple[Factor, ...], drawn: tuple[Drawn, ...], lookups: tuple[Lookup, ...], staircase: bool) -> set[str]:
-    known = {named.name for named in (*drawn, *lookups)} | ({"level.db", "level.amplitude"} if staircase else set())
+    known = {d.name for d in drawn} | {k.name for k in lookups} | ({"level.db", "level.amplitude"} if staircase else set())
     for factor in factors:
         known |= {factor.name} | {f"{factor.name}.{key}" for level in factor.levels for key in level.more}
     return known
@@ -444,10 +445,12 @@ def columns(factors: tuple[Factor, ...], questions: tuple[Question, ...], stairc
             found[f"{q.name}.correct"] = "correct"
         if q.truth:
             found |= {f"{q.name}.error": "number", f"{q.name}.absolute_error": "number"}
+        if staircase and q.name == staircase.question:
+            found[q.name] = "levels"
     return found
 
 
-NEEDS = {"binomial": ("correct", "answer"), "confusion": ("answer",), "votes": ("answer",)}
+NEEDS = {"binomial": ("correct",), "confusion": ("answer",), "votes": ("answer",), "psychometric": ("levels",)}
 
 
 def _analysis(table: Table, factors: tuple[Factor, ...], questions: tuple[Question, ...], staircase: Rule | None) -> Analysis:
@@ -456,7 +459,7 @@ def _analysis(table: Table, factors: tuple[Factor, ...], questions: tuple[Questi
     held = columns(factors, questions, staircase)
     fitting = [column for column, kind in held.items() if kind in NEEDS.get(test, ("number",))]
     of = table.text("of", among=fitting)
-    needs_factor = test in ("confusion", "paired-t", "rm-anova", "anova", "friedman", "wilcoxon", "magnitudes", "thresholds")
+    needs_factor = test in ("confusion", "paired-t", "rm-anova", "anova", "friedman", "wilcoxon", "magnitudes", "thresholds", "psychometric")
     by = table.text("by", tables.REQUIRED if needs_factor else "", among=list(names))
     if test == "paired-t" and len(names[by].levels) != 2:
         table.fail("by", by, f"a factor with two levels, it has {len(names[by].levels)}")
@@ -467,13 +470,15 @@ def _analysis(table: Table, factors: tuple[Factor, ...], questions: tuple[Questi
         table.fail("of", of, f"a choice whose correct answer is {{{by}}}")
     correction = table.text("correction", "none", among=("none", "bonferroni", "holm"))
     chance = table.number("chance", 0.5, above=0.0, high=1.0)
+    weights = [q.name for q in questions if q.kind == "scale" and q.low >= 0 and q.when == "trial"]
+    weight = table.text("weight", "", among=weights) if test == "binomial" else ""
     where_table = table.table("where", None)
     where: dict[str, Value] = {}
     for key, value in (where_table.rest() if where_table else {}).items():
         if key not in names or value not in [level.value for level in names[key].levels]:
             table.fail(f"where.{key}", value, "a factor and one of its levels")
         where[key] = value
-    analysis = Analysis(name, test, of, by, correction, chance, where, table.text("paper", ""))
+    analysis = Analysis(name, test, of, by, correction, chance, weight, where, table.text("paper", ""))
     table.done()
     return analysis
 

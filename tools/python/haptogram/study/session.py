@@ -27,7 +27,7 @@ def judged(question: Question, value: Answer, seconds: float, values: dict[str, 
     elif question.correct:
         found["correct"] = value == fill(question.correct, values)
     elif question.truth:
-        found["error"] = float(value) - float(fill(question.truth, values))  # type: ignore[arg-type]
+        found["error"] = float(value) - float(fill(question.truth, values))
     return found
 
 

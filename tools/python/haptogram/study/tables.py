@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Strict reading of TOML: each key must be there and mean something, and what nobody asked for is an error."""
+import builtins
 import math
 import tomllib
 from collections.abc import Collection
@@ -94,7 +95,7 @@ class Table:
             self.fail(key, value, "a table")
         return Table(value, f"{self.where}: {key}")
 
-    def tables(self, key: str, *, least: int = 0) -> "list[Table]":
+    def tables(self, key: str, *, least: int = 0) -> "builtins.list[Table]":
         """The tables of [[key]]."""
         value = self.list(key, [] if least == 0 else REQUIRED, of=dict, least=least, expected=f"tables [[{key}]]")
         return [Table(v, f"{self.where}: {key} {number}") for number, v in enumerate(value, 1)]
