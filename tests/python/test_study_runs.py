@@ -8,10 +8,11 @@ import sys
 import time
 
 import boards
+import matplotlib
 import pytest
 from boards import BAD_INPUT, OK, RUN_FAILED, USAGE, run, virtual_board
 from haptogram import HaptogramError
-from haptogram.study import analysis, observers, protocol, results
+from haptogram.study import analysis, figures, observers, protocol, results
 from haptogram.study.design import cells
 from haptogram.study.session import Session
 from haptogram.study.stimulus import Presenter
@@ -299,3 +300,18 @@ def test_every_path_of_two_factors_has_its_own_hash(place):
     assert len(set(found.values())) == 4
     again = Presenter(p).prepare(protocol.places(p, {"shape": p.factors[0].levels[0], "place": p.factors[1].levels[0]}, {}))
     assert again == {"sha256": found["circle", "left"], "played": False}
+
+
+def test_pictures(place):
+    matplotlib.use("Agg")
+    figure, paper, made = figures.confusion()
+    shown = {text.get_text() for text in figure.axes[0].texts}
+    assert {"62.2%\n56", "51.1%\n46", "75.6%\n68"} <= shown and len(figure.axes[0].texts) == 16
+    assert paper.share == pytest.approx(223 / 360) and made.share == pytest.approx(paper.share, abs=5 * (0.62 * 0.38 / 360) ** 0.5)
+    figure.savefig(place / "confusion.png")
+    figure, found = figures.staircase(-20.0, 0.3)
+    assert set(found) == {"high", "low"} and all(level == pytest.approx(-20.0, abs=1.0) for level in found.values())
+    counted = [line for line in figure.axes[0].lines if line.get_label() == "reversals that count"][0]
+    assert found["high"] == pytest.approx(sum(counted.get_ydata()) / 5)
+    figure.savefig(place / "staircase.png")
+    assert all((place / name).stat().st_size > 10_000 for name in ("confusion.png", "staircase.png"))
