@@ -191,7 +191,9 @@ def test_hostile_results(place):
     refused("\n".join([*good, good[-1], ""]), "out.jsonl:9", "had ended")
     refused(good[0].replace('"answers"', '"answered"') + "\n", "answers answer expected")
     refused(good[0].replace('"factors": {"shape": "', '"factors": {"shape": "un') + "\n", "factors")
-    for bad in (json.dumps({"format": "haptogram-trial-1", "protocol": p.name, "protocol_sha256": p.sha256}), good[0].replace('"value"', '"worth"')):
+    broken = [good[0].replace(old, new) for old, new in (('"value"', '"worth"'), ('"value": "', '"value": "un'), ('"correct": ', '"correct": 1, "x": '), ('"seconds": ', '"seconds": "x", "x": '),
+              ('"circle"', '"star"'), ('"line"', '"star"'), ('"answer":', '"reply":'))]  # fmt: skip
+    for bad in (json.dumps({"format": "haptogram-trial-1", "protocol": p.name, "protocol_sha256": p.sha256}), *(b for b in broken if b != good[0] and json.loads(b))):
         with pytest.raises(HaptogramError, match="no complete record"):
             analysis.frame(p, results.parse(bad.encode() + b"\n", "x"))
     with pytest.raises(HaptogramError, match="second record"):

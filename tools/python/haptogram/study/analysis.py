@@ -14,7 +14,7 @@ from scipy import stats
 from ..errors import HaptogramError, bad_input
 from . import inference
 from .observers import simulated
-from .protocol import Analysis, Protocol
+from .protocol import Analysis, Protocol, Question
 from .session import Record, Session
 from .stimulus import Presenter
 
@@ -34,6 +34,31 @@ class Finding:
         return {"name": self.name, "test": self.test, "paper": self.paper, "p": self.p, "numbers": self.numbers}
 
 
+def _finite(value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+        raise ValueError(f"{str(value)[:40]!r} is no number")
+    return float(value)
+
+
+def _answered(question: Question, answer: dict[str, Any]) -> dict[str, Any]:
+    """The columns of an answer. Raises ValueError when it is none to this question."""
+    value, name = answer["value"], question.name
+    if value is not None:
+        if question.kind in ("scale", "number"):
+            value = _finite(value)
+        elif not (isinstance(value, bool) if question.kind == "yes-no" else isinstance(value, str) and (question.kind == "text" or value in question.keys.values())):
+            raise ValueError(f"{str(value)[:40]!r} is no answer to {name}")
+    found = {name: value, f"{name}.seconds": _finite(answer["seconds"])}
+    if "correct" in answer:
+        if not isinstance(answer["correct"], bool):
+            raise ValueError(f"{name}.correct is {str(answer['correct'])[:40]!r}")
+        found[f"{name}.correct"] = answer["correct"]
+    if "error" in answer:
+        found[f"{name}.error"] = _finite(answer["error"])
+        found[f"{name}.absolute_error"] = abs(found[f"{name}.error"])
+    return found
+
+
 def frame(protocol: Protocol, records: Iterable[tuple[str, Record]]) -> pd.DataFrame:
     """A row a record. Columns: participant, kind, factors and drawn numbers, and of each question its answer, `.seconds`, `.correct`, `.error`,
     `.absolute_error`. Records of another protocol, and two of the same trial, are errors."""
@@ -50,14 +75,15 @@ def frame(protocol: Protocol, records: Iterable[tuple[str, Record]]) -> pd.DataF
             if "level_db" in record:
                 row["level_db"] = float(record["level_db"])
             if row["kind"] == "threshold":
-                row |= {"threshold_db": record["threshold_db"], "start": record["start"], "state": record["state"]}
+                found = record["threshold_db"]
+                row |= {"threshold_db": found if found is None else _finite(found), "start": record["start"], "state": record["state"]}
+            for name, value in factors.items():
+                if value not in [level.value for level in protocol.factor(name).levels]:
+                    raise ValueError(f"{str(value)[:40]!r} is no level of {name}")
             for name, answer in answers.items():
-                row[name] = answer["value"]
-                row |= {f"{name}.{key}": answer[key] for key in ("seconds", "correct", "error") if key in answer}
-                if "error" in answer:
-                    row[f"{name}.absolute_error"] = abs(float(answer["error"]))
+                row |= _answered(protocol.question(name), answer)
             step = int(record["step"])
-        except (KeyError, TypeError, ValueError) as error:
+        except (KeyError, TypeError, ValueError, StopIteration) as error:
             raise bad_input(where, f"is no complete record ({type(error).__name__}: {error}); the file was changed") from error
         identity = (row["participant"], row["kind"], row["trial"], step, record.get("question"), str(factors))
         if identity in seen:

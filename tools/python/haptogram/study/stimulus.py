@@ -40,17 +40,18 @@ def path_rows(plan: PathPlan, values: Mapping[str, object], where: str) -> list[
         raise bad_input(where, f"square_hz is {square_hz:g}, expected a rate, or 0 for none")
     lengths = [math.dist(begin, end) for begin, end in zip(corners, corners[1:])]
     travel_s = sum(lengths) / plan.speed_mm_s if lengths else 0.0
+    rows = (travel_s + plan.hold_s) * 2.0 * square_hz if square_hz else sum(lengths) / plan.step_mm
+    if not rows < MOST_ROWS:
+        raise bad_input(where, f"needs {rows:.3g} points, expected at most {MOST_ROWS}; make step_mm larger, or the path shorter")
     if square_hz:
-        halves = math.ceil((travel_s + plan.hold_s) * 2.0 * square_hz - 1e-9)
+        halves = math.ceil(rows - 1e-9)
         # The place is that of the period's beginning.
-        times = [(k / (2.0 * square_hz), (k - k % 2) / (2.0 * square_hz), 0.0 if k % 2 else intensity) for k in range(min(halves, MOST_ROWS + 1))]
+        times = [(k / (2.0 * square_hz), (k - k % 2) / (2.0 * square_hz), 0.0 if k % 2 else intensity) for k in range(halves)]
     else:
-        steps = max(math.ceil(sum(lengths) / plan.step_mm), 1)
-        moving = [travel_s * k / steps for k in range(min(steps, MOST_ROWS) + 1)] if lengths else [0.0]
+        steps = max(math.ceil(rows), 1)
+        moving = [travel_s * k / steps for k in range(steps + 1)] if lengths else [0.0]
         # The last row lasts as long as the one before it.
         times = [(t, t, intensity) for t in moving + ([travel_s + plan.hold_s / 2.0] if plan.hold_s else [])]
-    if len(times) > MOST_ROWS:
-        raise bad_input(where, f"needs more than {MOST_ROWS} points; make step_mm larger, or the path shorter")
     found = [(1e3 * t, *_place(corners, lengths, plan.speed_mm_s * at), level) for t, at, level in times]
     return [tuple(round(number, 6) for number in row) for row in found]  # type: ignore[misc]
 
