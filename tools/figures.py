@@ -20,6 +20,9 @@ import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 import plot_field  # noqa: E402
 
+sys.path.insert(0, str(pathlib.Path(__file__).parent / "python"))
+from haptogram.study import figures as study_figures, printed  # noqa: E402
+
 DPI = 110
 SOURCE = "the source strength of 4 Pa·m is the array file's, not calibrated on the paper's transducers: the pressure scales with it"
 RADIATION = "time-averaged radiation pressure / Pa"
@@ -595,6 +598,28 @@ def hoshi_12(work, name):
     ]  # fmt: skip
 
 
+# ---------------------------------------------------------------- studies
+
+
+def study_confusion(work, name):
+    figure, paper, made = study_figures.confusion()
+    save(work, figure, name)
+    simulated = "no person answered: one draw of people with the paper's rates"
+    return [
+        row("right answers over all", 100 * paper.share, "%", 59.44, "text", "223 of 360 by the paper's own Table 1"),
+        row("Cohen's κ of Table 1", paper.kappa),
+        row("information in Table 1, of 2 bit", paper.bits, "bit"),
+        row("right answers of the simulated study", 100 * made.share, "%", why=simulated),
+        row("its κ", made.kappa, why=simulated),
+    ]
+
+
+def study_staircase(work, name):
+    figure, found = study_figures.staircase()
+    save(work, figure, name)
+    return [row(f"threshold, begun {start}", level, "dB", -18.0, "theory", "the simulated person's; one run has an SD of about 0.5 dB") for start, level in found.items()]
+
+
 FIGURES = {
     "haptogram-6": (haptogram_6, "Haptogram, Fig. 6: pulses of sample transducers"),
     "haptogram-11": (haptogram_11, "Haptogram, Fig. 11: how long a focal point takes to form"),
@@ -609,6 +634,8 @@ FIGURES = {
     "hoshi-6": (hoshi_6, "Hoshi, Fig. 6: distribution in the focal plane"),
     "hoshi-11": (hoshi_11, "Hoshi, Fig. 11b–c: cuts through the focus"),
     "hoshi-12": (hoshi_12, "Hoshi, Fig. 12a–b: modulation at 100 Hz"),
+    "study-confusion": (study_confusion, "Haptogram, Table 1: which shape was taken for which"),
+    "study-staircase": (study_staircase, "Multimodal, task T3: a staircase on a simulated person"),
 }
 
 
@@ -646,6 +673,7 @@ def page(figures):
         'at the pins of the Verilated FPGA, each of one pass; they are steady ones, each point\'s with its full pressure: '
         'what ring-up and switching cost has figures of its own. The same numbers: <a href="figures.json">figures.json</a>.</p><ul>',
         *(f'<li><a href="#{f["id"]}">{e(f["title"])}</a></li>' for f in figures),
+        '<li><a href="#printed">All numbers that the papers print about their studies and formulas</a></li>',
         "</ul>",
     ]
     for f in figures:
@@ -659,6 +687,12 @@ def page(figures):
                 f'<td class="n">{e(difference(line))}</td><td>{e(line["why"])}</td></tr>'
             )
         parts.append("</tbody></table></div>")
+    parts.append('<h2 id="printed">What the papers print, and what follows from it</h2><div class="wide"><table><thead><tr><th>paper</th>'
+                 "<th>where</th><th>what</th><th>printed</th><th>ours</th><th>verdict</th><th>note</th></tr></thead><tbody>")  # fmt: skip
+    for line in printed.recompute():
+        cells = (line.paper, line.where, line.what, *printed.with_units(line), line.verdict, line.note)
+        parts.append("<tr>" + "".join(f"<td>{e(cell)}</td>" for cell in cells) + "</tr>")
+    parts.append("</tbody></table></div>")
     return "\n".join(parts) + "\n</body></html>\n"
 
 
