@@ -10,6 +10,7 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/link/transfer.hpp"
+#include "simulated_board.hpp"
 #include "simulated_transport.hpp"
 
 namespace haptogram::sim {
@@ -115,7 +116,7 @@ std::string_view model_for(const Image& image, const std::string& where) {
             image.channels, image.records.size(), image.sequence.size(), image.timing_bits, image.clock_hz, known));
 }
 
-void load_directly(SimulatedBoard& board, const Image& image) {
+void load_directly(Board& board, const Image& image) {
     std::ranges::copy(primary_words(image), board.primary_memory().begin());
     std::ranges::copy(sequence_words(image), board.sequence_memory().begin());
 }

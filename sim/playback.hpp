@@ -42,7 +42,7 @@ struct Playback {
 [[nodiscard]] std::string_view model_for(const Image& image, const std::string& where);
 
 /// Puts an image straight into a board's memories, as a bitstream does.
-void load_directly(SimulatedBoard& board, const Image& image);
+void load_directly(Board& board, const Image& image);
 
 /// Loads an image into a simulated board, enables the outputs, plays the sequence, stops, and checks at the pins what
 /// the contracts promise: every pulse equal to the image, every record for its dwell and in order, nothing refused,

@@ -6,7 +6,7 @@
 
 #include "haptogram/link/frame.hpp"
 #include "pseudo_terminal.hpp"
-#include "simulated_board.hpp"
+#include "board.hpp"
 
 namespace haptogram::sim {
 
@@ -44,7 +44,7 @@ struct Served {
 
 /// Runs a simulated board behind a pseudo-terminal: what others write there reaches its line, and the other way round.
 /// @param watch  told many times a second what was done so far; false ends the serving
-Served serve(SimulatedBoard& board, PseudoTerminal& terminal, const ServeOptions& options,
+Served serve(Board& board, PseudoTerminal& terminal, const ServeOptions& options,
              const std::function<bool(const Served&)>& watch);
 
 /// The first simulated board with so many channels, by its name in available_models().
