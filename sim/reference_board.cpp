@@ -249,6 +249,7 @@ Clock ReferenceBoard::Core::next() const {
 void ReferenceBoard::Core::run(std::uint64_t clocks) {
     const Clock end = now + clocks;
     for (Clock clock = std::max(now, next()); clock < end; clock = std::max(now, next())) {
+        now = clock;
         edge(clock);
         now = clock + 1;
     }
@@ -330,6 +331,7 @@ void ReferenceBoard::Core::play(Clock clock) {
 
 /// @param last  clock of the reset; from the next one on they go on
 void ReferenceBoard::Core::reset_play(Clock last) {
+    if (train_.awake()) train_.advance(now - 1);  // what came before still belongs to the record
     index_ = 0;
     started_at_ = never;
     count_ = {};
