@@ -99,12 +99,14 @@ std::pair<std::uint64_t, std::uint64_t> comparable(const std::vector<CycleStart>
 
 }  // namespace
 
-std::string_view model_for(const Image& image, const std::string& where) {
-    const auto model = find_model(image.clock_hz, image.channels, static_cast<std::uint32_t>(image.records.size()),
-                                  static_cast<std::uint32_t>(image.sequence.size() + 1), image.timing_bits);
+std::string_view model_for(const Image& image, const std::string& where,
+                           std::span<const interface::CoreConfiguration> models) {
+    const auto model =
+        find_model(models, image.clock_hz, image.channels, static_cast<std::uint32_t>(image.records.size()),
+                   static_cast<std::uint32_t>(image.sequence.size() + 1), image.timing_bits);
     if (model) return *model;
     std::string known;
-    for (const auto& [name, p, about] : available_models())
+    for (const auto& [name, p, about] : models)
         known += fmt::format("\n  {}: {} channels, {} records, {} sequence entries, {} timing bits, {} Hz", name,
                              p.channels, p.records, p.sequence_depth - 1, p.timing_bits, p.clock_hz);
     throw bad_input(

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "board.hpp"
 #include "haptogram/image/image.hpp"
 #include "haptogram/image/pulses.hpp"
-#include "board.hpp"
 
 namespace haptogram::sim {
 

@@ -212,7 +212,7 @@ private:
     bool session_ = false;
     std::uint32_t region_ = 0, address_ = 0;  // of a 16-bit word
     Urgent urgent_disable_, urgent_stop_;
-    Clock urgent_stop_at_ = never;  // the clock in which it begins to act
+    Clock urgent_stop_at_ = never;           // the clock in which it begins to act
     bool enable_ = false, disable_ = false;  // what happens in the present clock
 
     // Replies.
@@ -298,8 +298,7 @@ void ReferenceBoard::Core::play(Clock clock) {
         enable_ = true;
     }
     const bool was_off = guard_.off();
-    const Guard::Verdict verdict =
-        guard_.at(clock, enable_, disable_ || stopped_ || urgent_disable_.active(clock));
+    const Guard::Verdict verdict = guard_.at(clock, enable_, disable_ || stopped_ || urgent_disable_.active(clock));
     count_.watchdog = static_cast<std::uint16_t>(count_.watchdog + verdict.expired);
     count_.guard = static_cast<std::uint16_t>(count_.guard + verdict.tripped);
 
@@ -470,7 +469,8 @@ void ReferenceBoard::Core::begin(Clock clock) {
     written_ = 0;
     data_ = 1 + shape_.arguments;
     const std::size_t payload = bytes.size() - 2;
-    const bool fits = payload % 2 == 0 && (shape_.tail ? payload > 2 * shape_.arguments : payload == 2 * shape_.arguments);
+    const bool fits =
+        payload % 2 == 0 && (shape_.tail ? payload > 2 * shape_.arguments : payload == 2 * shape_.arguments);
     if (!shape || !fits) return refuse(clock + 2, shape ? Status::bad_length : Status::unknown_command);
     first_words_ += shape_.arguments;
     region_ = shape_.carries == Carries::identity ? identity_region : status_region;
@@ -619,9 +619,7 @@ void ReferenceBoard::Core::apply(Clock clock) {
         case Command::start:
             if (may_play) source_.start(clock, word(0), word(1), word(2));
             break;
-        case Command::reset:
-            reset_at_ = reset_last_ = clock + 1;
-            break;
+        case Command::reset: reset_at_ = reset_last_ = clock + 1; break;
         default: break;
     }
 }
@@ -640,7 +638,8 @@ void ReferenceBoard::Core::begin_reply(Clock clock) {
     if (carries && shape_.carries == Carries::status) words_left_ = interface::status_words;
     if (carries && shape_.carries == Carries::memory) words_left_ = argument(2) / 2;
     digest_ = ~0U;
-    const Clock head = collect(clock + 1, static_cast<std::uint32_t>((static_cast<unsigned>(command_) | 0x80U) << 8 | number_));
+    const Clock head =
+        collect(clock + 1, static_cast<std::uint32_t>((static_cast<unsigned>(command_) | 0x80U) << 8 | number_));
     reply_at_ = collect(head + 1, static_cast<std::uint32_t>(expected_ << 8 | static_cast<unsigned>(status_)));
     reply_ = Reply::level;
 }
@@ -695,7 +694,8 @@ std::uint16_t ReferenceBoard::Core::memory_word() const {
     if (region_ == status_region) return status_word(address_);
     std::array<std::uint16_t, interface::identity_words> identity{};
     for (std::size_t i = 0; i < interface::name.size(); ++i)
-        identity[i / 2] = static_cast<std::uint16_t>(identity[i / 2] | static_cast<unsigned char>(interface::name[i]) << i % 2 * 8);
+        identity[i / 2] =
+            static_cast<std::uint16_t>(identity[i / 2] | static_cast<unsigned char>(interface::name[i]) << i % 2 * 8);
     namespace field = interface::identity_field;
     constexpr std::uint32_t features = 1U << static_cast<unsigned>(interface::Feature::sequence) |
                                        1U << static_cast<unsigned>(interface::Feature::live) |

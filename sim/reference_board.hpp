@@ -7,10 +7,10 @@
 
 namespace haptogram::sim {
 
-/// What the Verilog of rtl/ does, computed from events instead of clock by clock: a byte has arrived, a frame is carried
-/// out, a record is committed, a pulse begins. Its replies and its pins are those of the Verilated core, at the same
-/// clocks (tests/reference compares them). Time in which nothing happens costs nothing, and pulses only cost something
-/// while somebody looks at them, or while they could merge to what the guard must notice.
+/// What the Verilog of rtl/ does, computed from events instead of clock by clock: a byte has arrived, a frame is
+/// carried out, a record is committed, a pulse begins. Its replies and its pins are those of the Verilated core, at the
+/// same clocks (tests/reference compares them). Time in which nothing happens costs nothing, and pulses only cost
+/// something while somebody looks at them, or while they could merge to what the guard must notice.
 ///
 /// Each event is worked out in the order in which the core's registers see each other: what reads a value comes before
 /// what changes it in the same clock.

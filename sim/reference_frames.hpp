@@ -28,7 +28,8 @@ public:
     /// @param taken       words of frames that have been taken out of the memory before this clock, since reset
     /// @param session, expected  as they are before this clock
     Outcome byte(Clock clock, std::uint8_t byte, std::uint64_t taken, bool session, std::uint8_t expected);
-    /// Whether the last good frame is a DISABLE or a STOP that acts before its turn: it had not been applied when it began.
+    /// Whether the last good frame is a DISABLE or a STOP that acts before its turn: it had not been applied when it
+    /// began.
     [[nodiscard]] bool urgent(interface::Command command) const;
     void reset();
 
@@ -38,15 +39,15 @@ private:
     void data(std::uint8_t byte, std::uint64_t taken);
     void clear();
 
-    std::uint64_t room_;     // words
+    std::uint64_t room_;       // words
     std::uint64_t start_ = 0;  // words that the good frames so far have taken
     std::uint64_t number_ = 0;
     std::vector<std::uint8_t> bytes_;
-    bool full_ = false;       // no room for what came
+    bool full_ = false;  // no room for what came
     bool fresh_ = false;
-    std::size_t count_ = 0;   // bytes, those without room, too
-    std::uint8_t left_ = 0;   // of a COBS group
-    bool zero_ = false;       // follows the group
+    std::size_t count_ = 0;  // bytes, those without room, too
+    std::uint8_t left_ = 0;  // of a COBS group
+    bool zero_ = false;      // follows the group
     std::size_t last_count_ = 0;
     std::uint8_t last_command_ = 0;
     bool last_fresh_ = false;

@@ -43,9 +43,7 @@ void LineIn::reset(Clock last) {
     sample_at_ = byte_at_ = break_at_ = never;
 }
 
-Clock LineIn::next() const {
-    return std::min({ask_at_, sender_.next_change(), sample_at_, byte_at_, break_at_});
-}
+Clock LineIn::next() const { return std::min({ask_at_, sender_.next_change(), sample_at_, byte_at_, break_at_}); }
 
 LineIn::Event LineIn::at(Clock clock) {
     if (clock >= ask_at_ || clock >= sender_.next_change()) {

@@ -90,10 +90,10 @@ private:
 
     BitClock bits_;
     std::vector<std::uint8_t> frame_;
-    unsigned run_ = 1;        // bytes since the last zero, and one; COBS needs a clock more after 254 of them
-    Clock collects_from_ = 0;  // the encoder has room
-    Clock sends_from_ = 0;     // the line is free
-    std::deque<Sent> sent_;    // those that have not arrived
+    unsigned run_ = 1;          // bytes since the last zero, and one; COBS needs a clock more after 254 of them
+    Clock collects_from_ = 0;   // the encoder has room
+    Clock sends_from_ = 0;      // the line is free
+    std::deque<Sent> sent_;     // those that have not arrived
     std::optional<Sent> last_;  // that has arrived
     Clock silent_from_ = never;
 };

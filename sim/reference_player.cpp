@@ -53,8 +53,7 @@ Clock Player::reads_to() const { return load_->taken + first_read + record_words
 
 /// One word a clock, and the last one twice.
 bool Player::reads(Clock clock, std::uint32_t word) const {
-    return reads(clock) &&
-           word == load_->first + std::min<Clock>(clock - load_->taken - first_read, record_words_ - 1);
+    return reads(clock) && word == load_->first + std::min<Clock>(clock - load_->taken - first_read, record_words_ - 1);
 }
 
 void Player::written(Clock clock, std::uint32_t word, std::uint16_t value) {
@@ -70,9 +69,7 @@ void Player::written(Clock clock, std::uint32_t word, std::uint16_t value) {
     }
 }
 
-Clock Player::take_at() const {
-    return load_ ? never : std::max({idle_, settled_, source_.offered()});
-}
+Clock Player::take_at() const { return load_ ? never : std::max({idle_, settled_, source_.offered()}); }
 
 Clock Player::next(bool allowed) const {
     Clock found = std::min(begin_ + Clock{cycle_length_} * prescaler_, take_at());

@@ -62,13 +62,15 @@ private:
     struct Load {
         Clock taken = 0, ready = 0;
         EntrySource::Entry entry;
-        std::uint32_t first = 0;                   // word of primary memory
+        std::uint32_t first = 0;                         // word of primary memory
         std::optional<std::vector<std::uint16_t>> seen;  // when the record was written while it was read
-        std::shared_ptr<const Loaded> record;      // none for silence
+        std::shared_ptr<const Loaded> record;            // none for silence
         bool done = false;
     };
 
-    [[nodiscard]] bool from_memory(const Load& load) const { return load.entry.index > 0 && load.entry.index <= records_; }
+    [[nodiscard]] bool from_memory(const Load& load) const {
+        return load.entry.index > 0 && load.entry.index <= records_;
+    }
     void take(Clock clock);
     void finish_load(Counted& counted);
     [[nodiscard]] std::shared_ptr<const Loaded> load(std::span<const std::uint16_t> words, std::size_t index);
@@ -87,8 +89,8 @@ private:
     std::vector<std::shared_ptr<const Loaded>> known_;  // by index; used again while memory holds the same words
 
     std::optional<Load> load_;
-    Clock idle_ = 0;     // from which clock on an entry can be taken
-    Clock settled_ = 0;  // from which clock on every pulse from before the last commit has ended
+    Clock idle_ = 0;        // from which clock on an entry can be taken
+    Clock settled_ = 0;     // from which clock on every pulse from before the last commit has ended
     Clock change_ = never;  // from which clock on a change is asked for, whatever is left of the dwell
     bool late_ = false;
     // The present record.

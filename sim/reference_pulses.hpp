@@ -17,9 +17,9 @@ struct Firing {
     };
     static constexpr std::uint32_t silent = ~0U;
 
-    std::uint32_t pulse = 0;           ///< ticks
-    std::vector<std::uint32_t> tick;   ///< of each channel; `silent` when it has no pulse
-    std::vector<Rise> rises;           ///< the same, by tick and then by channel
+    std::uint32_t pulse = 0;          ///< ticks
+    std::vector<std::uint32_t> tick;  ///< of each channel; `silent` when it has no pulse
+    std::vector<Rise> rises;          ///< the same, by tick and then by channel
 };
 
 /// The pulses at the pins, from the cycles that are played (rtl/README.md, contract 1).

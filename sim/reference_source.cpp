@@ -7,8 +7,8 @@
 namespace haptogram::sim {
 namespace {
 
-constexpr Clock memory_clocks = 2;    // from a word's address to the word
-constexpr Clock live_clocks = 2;      // from the end of a PUSH until its indices can be taken
+constexpr Clock memory_clocks = 2;  // from a word's address to the word
+constexpr Clock live_clocks = 2;    // from the end of a PUSH until its indices can be taken
 
 bool in_range(std::uint32_t length, std::size_t words) { return length > 0 && length < words; }
 

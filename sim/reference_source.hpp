@@ -21,8 +21,8 @@ public:
     EntrySource(const interface::CoreParameters& p, const std::vector<std::uint32_t>& sequence)
         : live_depth_(p.live_depth), sequence_(sequence) {}
 
-    // Commands, in the clock in which they are carried out. Each but push() drops what is being prepared, a clock later;
-    // push() does so when it enters live mode.
+    // Commands, in the clock in which they are carried out. Each but push() drops what is being prepared, a clock
+    // later; push() does so when it enters live mode.
     void select(Clock clock, Entry entry);
     /// @param length  0: length and loops are what the sequence header says
     void start(Clock clock, std::uint16_t first, std::uint16_t length, std::uint16_t loops);

@@ -66,9 +66,9 @@ Served serve(Board& board, PseudoTerminal& terminal, const ServeOptions& options
     return served;
 }
 
-std::string_view model_with_channels(std::uint32_t channels) {
+std::string_view model_with_channels(std::uint32_t channels, std::span<const interface::CoreConfiguration> models) {
     std::string known;
-    for (const auto& [name, parameters, about] : available_models()) {
+    for (const auto& [name, parameters, about] : models) {
         if (parameters.channels == channels) return name;
         known += fmt::format("{}{}", known.empty() ? "" : ", ", parameters.channels);
     }

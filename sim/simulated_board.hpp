@@ -29,9 +29,7 @@ public:
     void run(std::uint64_t clocks) override;
     void reset(unsigned clocks = 4) override;
     [[nodiscard]] std::uint64_t now() const override { return now_; }
-    [[nodiscard]] const interface::CoreConfiguration& configuration() const override {
-        return model_->configuration();
-    }
+    [[nodiscard]] const interface::CoreConfiguration& configuration() const override { return model_->configuration(); }
     [[nodiscard]] const Model::Outputs& outputs() const override { return outputs_; }
 
     void send(std::span<const std::uint8_t> bytes) override { sender_.send(bytes); }
@@ -72,8 +70,10 @@ private:
     bool stop_ = false;
 };
 
-/// Name of the first model that has this clock and these channels, and enough records, sequence words and timing bits.
-[[nodiscard]] std::optional<std::string_view> find_model(double clock_hz, std::uint32_t channels, std::uint32_t records,
+/// Name of the first of these configurations that has this clock and these channels, and enough records, sequence words
+/// and timing bits.
+[[nodiscard]] std::optional<std::string_view> find_model(std::span<const interface::CoreConfiguration> models,
+                                                         double clock_hz, std::uint32_t channels, std::uint32_t records,
                                                          std::uint32_t sequence_words, std::uint32_t timing_bits);
 
 }  // namespace haptogram::sim

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "haptogram/link/transport.hpp"
 #include "board.hpp"
+#include "haptogram/link/transport.hpp"
 
 namespace haptogram::sim {
 

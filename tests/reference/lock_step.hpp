@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two boards that are given the same things at the same clocks, and a host that gives them commands, images and faults at random.
+// Two boards that are given the same things at the same clocks, and a host that gives them commands, images and faults
+// at random.
 #pragma once
 #include <fmt/format.h>
 
@@ -49,11 +50,10 @@ public:
     /// @return the first difference in words; empty when there is none
     [[nodiscard]] std::string run(std::uint64_t clocks) {
         both([clocks](sim::Board& board) { board.run(clocks); });
-        std::string difference =
-            first_difference("edge", of_core_.edges, of_reference_.edges, [](const sim::Edge& e) {
-                return fmt::format("{} of channel {} at {}, record {}", e.rises ? "rise" : "fall", e.channel, e.clock,
-                                   e.index);
-            });
+        std::string difference = first_difference("edge", of_core_.edges, of_reference_.edges, [](const sim::Edge& e) {
+            return fmt::format("{} of channel {} at {}, record {}", e.rises ? "rise" : "fall", e.channel, e.clock,
+                               e.index);
+        });
         if (difference.empty())
             difference = first_difference("cycle", of_core_.cycles, of_reference_.cycles, [](const sim::CycleStart& c) {
                 return fmt::format("begins at {}, record {}, {}", c.clock, c.index, c.enabled ? "on" : "off");
@@ -193,8 +193,8 @@ private:
         for (std::uint32_t index = 0; index < std::min(p_.records, 40U); ++index) {
             const auto words = record();
             boards_.both([&](sim::Board& board) {
-                std::ranges::copy(words, board.primary_memory().begin() +
-                                             static_cast<std::ptrdiff_t>(index * words.size()));
+                std::ranges::copy(words,
+                                  board.primary_memory().begin() + static_cast<std::ptrdiff_t>(index * words.size()));
             });
         }
         for (std::size_t i = 0; i < p_.sequence_depth; ++i) {
@@ -260,8 +260,7 @@ private:
             case 8: return {Command::status, {}};
             case 9: return {Command::watchdog, {w(one_in(3) ? 0 : one_in(10) ? any_word() : between(1, 3))}};
             case 10:
-            case 11:
-                return {Command::select, {w(one_in(15) ? below(p_.records + 4) : 1 + below(40)), w(below(4))}};
+            case 11: return {Command::select, {w(one_in(15) ? below(p_.records + 4) : 1 + below(40)), w(below(4))}};
             case 12:
             case 13: {
                 const std::uint32_t first = 1 + below(p_.sequence_depth - 1);

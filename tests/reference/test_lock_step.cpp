@@ -53,7 +53,8 @@ TEST_CASE("reference: one wrong timing in one record is noticed") {
     sim::SimulatedBoard core("small-16");
     sim::ReferenceBoard reference("small-16");
     LockStep boards(core, reference);
-    const std::vector<std::uint16_t> record = {250, 20 << 8, 1, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16};
+    const std::vector<std::uint16_t> record = {250, 20 << 8, 1, 0,  1,  2,  3,  4,  5,  6,
+                                               7,   8,       9, 10, 11, 12, 13, 14, 15, 16};
     boards.both([&](sim::Board& board) { std::ranges::copy(record, board.primary_memory().begin()); });
     SECTION("equal") {}
     SECTION("a timing") { reference.primary_memory()[7] = 44; }
@@ -95,7 +96,8 @@ TEST_CASE("reference: in one go or clock by clock, with or without an audience, 
             for (int k = 0; k < 5; ++k) push.insert(push.end(), {static_cast<std::uint8_t>(1 + g() % 40), 0});
             send(interface::Command::push, push);
             const std::uint64_t clocks = 9000 + g() % 2000;
-            for (std::uint64_t done = 0; done < clocks; done += by_clocks ? 1 : clocks) board.run(by_clocks ? 1 : clocks);
+            for (std::uint64_t done = 0; done < clocks; done += by_clocks ? 1 : clocks)
+                board.run(by_clocks ? 1 : clocks);
             // A look at the pins in the middle must change nothing.
             if (i % 7 == 0) seen.arrivals.push_back({board.now(), static_cast<std::uint8_t>(board.outputs().pins[0])});
         }
