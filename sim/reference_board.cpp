@@ -367,6 +367,7 @@ void ReferenceBoard::Core::reset(unsigned clocks) {
     urgent_disable_ = urgent_stop_ = {};
     input_.reset();
     line_in.reset(last);
+    if (line_in.next() <= now) static_cast<void>(line_in.at(now));  // the host goes on sending
     line_out_.reset(now);
     waits_for_memory_ = false;
     reset_at_ = now + 1;
