@@ -90,8 +90,8 @@ public:
     virtual void on_cycle_start(std::function<void(const CycleStart&)> callback) = 0;
     virtual void on_arrival(std::function<void(const Arrival&)> callback) = 0;
 
-    /// To be changed while no record is loaded, as after a reset: the boards differ in which words they have read already.
-    /// Empty where the memories can only be reached over the link.
+    /// To be changed while no record is loaded, as after a reset: the boards differ in when they read a word. Empty
+    /// where the memories can only be reached over the link.
     [[nodiscard]] virtual std::span<std::uint16_t> primary_memory() = 0;
     [[nodiscard]] virtual std::span<std::uint32_t> sequence_memory() = 0;
 };
