@@ -81,7 +81,7 @@ std::vector<Interval> expected_intervals(const Ticks& ticks, std::uint32_t chann
 
 }  // namespace
 
-PulseRecorder::PulseRecorder(SimulatedBoard& board)
+PulseRecorder::PulseRecorder(Board& board)
     : rise_(board.parameters().channels), rise_index_(board.parameters().channels) {
     board.on_edge([this](const Edge& edge) {
         if (edge.rises) {

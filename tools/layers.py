@@ -35,7 +35,7 @@ LAYERS = {
     "analysis":   {"may": IMAGE, "at": (0, 2), "knows": "pulses to drives, checks of foci"},
     "instrument": {"may": [*IMAGE, "perception", "analysis"], "at": (0, 1), "knows": "the verbs as functions"},
     "link":       {"may": IMAGE, "at": (2, 2), "knows": "frames, ports, devices"},
-    "sim":        {"may": [*IMAGE, "analysis", "link"], "at": (2, 1), "knows": "the Verilated board"},
+    "sim":        {"may": [*IMAGE, "analysis", "link"], "at": (2, 1), "knows": "boards without hardware"},
     "cli":        {"may": [*INSTRUMENT, "perception", "robot", "link", "sim"], "at": (1, 0), "knows": "the program: parse, call, print"},
 }  # fmt: skip
 FOLDERS = {name: f"host/haptogram/{name}" for name in LAYERS} | {"sim": "sim", "cli": "host/cli"}
