@@ -31,7 +31,7 @@ struct CompileOptions {
     std::optional<std::uint16_t> loops;
     std::vector<double> center_mm, rotate_deg;
     bool clip = false, even = false;
-    std::optional<std::string> am, am_law;
+    std::optional<std::string> am, am_law, quantise;
     std::string output = "image.hex";
     std::string path, save_path;
     std::string manifest, readmemh;
@@ -88,6 +88,7 @@ Project project_of(const CompileOptions& options) {
     project.clip = project.clip || options.clip;
     project.even = project.even || options.even;
     put(project.am, options.am);
+    put(project.quantise, options.quantise);
     if (options.am_law) project.am_law = law_of(*options.am_law);
     if (!project.path.empty() && project.even) throw bad_argument("even", "is of shapes; a path has dwells of its own");
     return project;
@@ -284,6 +285,7 @@ void add_compile(CLI::App& app, Action& action) {
                   "Choose dwells that make all points feel alike, with what the foci add to each other, instead of "
                   "equal ones");
     add_am(*sub, options->am, options->am_law);
+    add_quantise(*sub, options->quantise);
     sub->add_option("--loops", options->loops, "Passes when the image is played by itself; 0 is for ever")
         ->check(whole(0, 65535))
         ->default_str(fmt::to_string(standard.loops));
