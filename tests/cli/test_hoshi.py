@@ -109,7 +109,8 @@ def test_movements_on_the_device(movement, tmp_path):
     path = read_json(tmp_path / "path.json")
     where = played(path)
     assert len(where) / CARRIER_HZ == pytest.approx(report["seconds"])
-    assert np.allclose((where[:, :2] - 5) % 10, 0, atol=1e-6) or np.allclose((where[:, :2] - 5) % 10 % 10, 0, atol=1e-6)
+    number = where[:, :2] / 10 - 0.5
+    assert np.allclose(number, np.round(number), atol=1e-6)
     assert np.abs(where[:, :2]).max() <= 35 + 1e-9 and np.allclose(where[:, 2], 200)
     samples = np.repeat(path["modulation"]["samples"], path["modulation"]["periods_a_sample"])
     assert len(samples) == 200 and samples.mean() == 0.5 and len(where) % 200 == 0  # 200 Hz, half of the time
