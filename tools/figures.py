@@ -609,7 +609,7 @@ def hoshi_7(work, name):
             axes[0].plot([element["exact_start"] + 16 * cycle], [level - 0.08], "^", color="#c0392b", ms=4, label="exact start" if place + cycle == 0 else None)
     axes[0].set(xlabel="time / segments of 1.5625 µs", ylabel="element of the row y = 5 mm", xlim=(0, 32), xticks=range(0, 33, 4),
                 yticks=[len(found["row"]) - 1 - i + 0.35 for i in range(len(found["row"]))],
-                yticklabels=[f"x = {e['x_mm']:.0f} mm" for e in found["row"]], title="focus at (0, 0, 200) mm: phases in 16 steps")  # fmt: skip
+                yticklabels=[f"x = {e['x_mm']:.0f} mm" for e in found["row"]], ylim=(-1.3, 9), title="focus at (0, 0, 200) mm: phases in 16 steps")  # fmt: skip
     axes[0].grid(axis="x", alpha=0.3)
     legend(axes[0], loc="lower right")
     duty = np.linspace(0, 1, 401)
@@ -665,8 +665,8 @@ def hoshi_eq9(work, name):
     axes[0].plot(x, found["fresnel"], label="eq. 9 (Fresnel)")
     axes[0].plot(x, found["equal"], "--", label="equal amplitudes, exact distances")
     axes[0].plot(x, found["transform"], label="spherical waves: eq. 9's drives")
-    axes[0].plot(x, found["superposition"], lw=1, label="superposition, phases alone")
-    axes[0].plot(x, found["weighted_gs"], ":", lw=1.5, label="weighted Gerchberg–Saxton")
+    axes[0].plot(x, found["superposition"], lw=1.2, label="superposition, phases alone")
+    axes[0].plot(x, found["weighted_gs"], ":", lw=2, color="#222222", label="weighted Gerchberg–Saxton, phases alone")
     for at in (-20, 20):
         axes[0].axvline(at, color="#666666", lw=0.8, ls=":")
     axes[0].set(xlabel="x / mm", ylabel="pressure over that of a single focus", title="two spots asked for at ±20 mm", ylim=(0, 1.05))
@@ -677,7 +677,7 @@ def hoshi_eq9(work, name):
     axes[1].set(xlabel="x / mm", ylabel="pressure over that of the focus", title="a single focus at x = 0, and its first copy", ylim=(0, 1.05))
     for axis in axes:
         axis.grid(alpha=0.3)
-        legend(axis, loc="upper right" if axis is axes[0] else "upper center")
+        legend(axis, **({"loc": "upper right"} if axis is axes[0] else {"loc": "upper left", "bbox_to_anchor": (0.06, 1.0)}))
     save(work, figure, name)
 
     def top(key, at, from_mm, to_mm):
@@ -693,7 +693,7 @@ def hoshi_eq9(work, name):
         row("spot's place with exact distances, equal amplitudes", spots["equal"][0], "mm", 20.0, "theory", "the Fresnel approximation is poor at 200 mm from an array of 180 mm"),
         row("spot's place by spherical waves", spots["transform"][0], "mm", 20.0, "theory", "the same, and nearer elements count more"),
         row("its pressure over a single focus", spots["transform"][1]),
-        row("spot's place by superposition of exact foci", spots["superposition"][0], "mm", 20.0, "theory"),
+        row("spot's place by superposition of exact foci", spots["superposition"][0], "mm", 20.0, "theory", "the other spot's side lobe pushes it outwards"),
         row("its pressure", spots["superposition"][1], why="phases alone: every element at full strength"),
         row("the same by Gerchberg–Saxton", spots["gs"][1]),
         row("the same by weighted Gerchberg–Saxton", spots["weighted_gs"][1]),

@@ -295,8 +295,8 @@ Json pattern(const Array& hoshi) {
     Json found;
     const auto transform = by(Method::inverse_transform), sum = by(Method::superposition), gs = by(Method::gs),
                weighted = by(Method::weighted_gs);
-    for (int i = -240; i <= 240; ++i) {
-        const double x = i * 2.5e-4;
+    for (int i = -600; i <= 600; ++i) {
+        const double x = i * 1e-4;
         found["x_mm"].push_back(x / millimetre);
         found["fresnel"].push_back(std::abs(fresnel(x - 0.02) + fresnel(x + 0.02)) / 2.0);
         found["equal"].push_back(equal(x, true));
