@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What tools/figures.py needs beyond the command line: transducers in time, elevations below the far field, and Hoshi's
-// closed forms. Prints one JSON object; nothing in it is fitted to a paper but the one bandwidth of frequency_response().
+// closed forms. Prints one JSON object; nothing in it is fitted to a paper but the one bandwidth of
+// frequency_response().
 #include <fmt/core.h>
 
 #include <algorithm>
