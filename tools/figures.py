@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The papers' figures, computed now: a picture each, and a page with each picture beside a table of the paper's numbers and
 ours. Haptogram is the paper of the system; Hoshi is "Noncontact Tactile Display Based on Radiation Pressure of Airborne
-Ultrasound". The fields of played shapes come from the pulses that the Verilated board makes. Nothing is tuned to agree."""
+Ultrasound". The fields of played shapes come from the pulses that the Verilated board makes. Nothing is tuned to agree,
+but for one bandwidth in Hoshi's Fig. 12c, which is named where it is used."""
 
 import argparse
 import functools
@@ -598,6 +599,116 @@ def hoshi_12(work, name):
     ]  # fmt: skip
 
 
+def hoshi_7(work, name):
+    """Section 3.1 and eq. 7: pulses on 16 segments."""
+    found = work.computed["quantised"]
+    figure, axes = panels(2, (11.5, 4.6))
+    for place, element in enumerate(found["row"]):
+        level = len(found["row"]) - 1 - place
+        segment = np.arange(33)
+        high = (segment - element["start"]) % 16 < element["length"]
+        axes[0].step(segment, 0.7 * high + level, where="post", color="#174a7c", lw=1.3)
+        for cycle in (0, 1):
+            axes[0].plot([element["exact_start"] + 16 * cycle], [level - 0.08], "^", color="#c0392b", ms=4, label="exact start" if place + cycle == 0 else None)
+    axes[0].set(xlabel="time / segments of 1.5625 µs", ylabel="element of the row y = 5 mm", xlim=(0, 32), xticks=range(0, 33, 4),
+                yticks=[len(found["row"]) - 1 - i + 0.35 for i in range(len(found["row"]))],
+                yticklabels=[f"x = {e['x_mm']:.0f} mm" for e in found["row"]], ylim=(-1.3, 9), title="focus at (0, 0, 200) mm: phases in 16 steps")  # fmt: skip
+    axes[0].grid(axis="x", alpha=0.3)
+    legend(axes[0], loc="lower right")
+    duty = np.linspace(0, 1, 401)
+    axes[1].plot(duty, np.sin(np.pi * duty), color="#174a7c", label="pressure, eq. 7: |sin(πD/T)|")
+    axes[1].plot(duty, np.sin(np.pi * duty) ** 2, "--", color="#c0392b", label="radiation pressure: its square")
+    steps = np.arange(9) / 16
+    axes[1].plot(steps, found["carrier"], "o", color="#174a7c", label="pulses of 0 to 8 segments: their 40 kHz")
+    axes[1].plot(steps, np.array(found["carrier"]) ** 2, "s", color="#c0392b", ms=5)
+    axes[1].set(xlabel="pulse width over the period, D/T", ylabel="over its maximum", title="amplitudes of the carrier", xlim=(0, 1), ylim=(0, 1.05))
+    axes[1].grid(alpha=0.3)
+    legend(axes[1], loc="lower center")
+    save(work, figure, name)
+    table = np.sin(np.pi * np.arange(9) / 16)
+    return [
+        row("clocks of 25.6 MHz in a segment", 25.6e6 / 40e3 / 16, "", why="a segment of 1.5625 µs, exactly"),
+        row("amplitudes of pulses of 0 to 8 segments: how many different", len(set(np.round(found["drive"], 9))), "", 8, "text",
+            "three bits name eight; silence, or another one of the nine, must be left out, and the paper does not say which"),
+        row("largest difference of the pulses' carrier from sin(πn/16)", np.abs(np.array(found["carrier"]) - table).max()),
+        row("pressure that 16 phases keep, mean over the 18 × 18 positions", 100 * found["kept_mean"], "%", why="by theory sin(x)/x with x = π/16, 99.36 %"),
+        row("the same, least of all positions", 100 * found["kept_least"], "%"),
+    ]  # fmt: skip
+
+
+def hoshi_12c(work, name):
+    found = work.computed["response"]
+    figure, (panel,) = panels(1, (8.5, 4.4))
+    panel.semilogx(found["hz"], found["printed_db"], "o-", ms=4, label="bandwidth 2 kHz, as the paper prints")
+    panel.semilogx(found["hz"], found["fitted_db"], "s-", ms=4, label=f"bandwidth {found['fitted_hz']:.0f} Hz, fitted to the paper's −5.8 dB")
+    panel.plot([10, 1000], [0, -5.8], "x", color="#c0392b", ms=9, mew=2, label="paper, measured: its two numbers")
+    panel.set(xlabel="frequency of the modulation / Hz", ylabel="radiation pressure over that at 10 Hz / dB", ylim=(-7, 0.5),
+              title="(c) fundamental of the radiation pressure, carrier switched on and off", xticks=[10, 20, 50, 100, 200, 500, 1000])  # fmt: skip
+    panel.set_xticklabels(["10", "20", "50", "100", "200", "500", "1000"])
+    panel.minorticks_off()
+    panel.grid(alpha=0.3)
+    legend(panel, loc="lower left")
+    save(work, figure, name)
+    fitted = "this one bandwidth is fitted to the paper's −5.8 dB, and to nothing else"
+    rows = [row(f"at {f} Hz, bandwidth 2 kHz", db, "dB", *((-5.8, "measured", "the printed bandwidth does not give the measured response") if f == 1000 else ()))
+            for f, db in zip((200, 500, 1000), found["printed_at"])]  # fmt: skip
+    return [
+        *rows,
+        row("bandwidth that gives −5.8 dB at 1 kHz", found["fitted_hz"], "Hz", 2000.0, "text", fitted),
+        row("its time constant", found["fitted_tau_us"], "µs"),
+        row("with it, the envelope rises to 90 % in", found["fitted_envelope_90_ms"], "ms", 0.5, "measured", "follows from the fit; the paper does not say to which level"),
+        row("with it, the radiation pressure rises to 95 % in", found["fitted_radiation_95_ms"], "ms", 1.0, "measured", "follows from the fit; the paper says nearly 1 ms"),
+    ]
+
+
+def hoshi_eq9(work, name):
+    found = {key: np.array(value) for key, value in work.computed["pattern"].items()}
+    x, far = found["x_mm"], found["copy_x_mm"]
+    figure, axes = panels(2, (12.5, 4.7))
+    axes[0].plot(x, found["fresnel"], label="eq. 9 (Fresnel)")
+    axes[0].plot(x, found["equal"], "--", label="equal amplitudes, exact distances")
+    axes[0].plot(x, found["transform"], label="spherical waves: eq. 9's drives")
+    axes[0].plot(x, found["superposition"], lw=1.2, label="superposition, phases alone")
+    axes[0].plot(x, found["weighted_gs"], ":", lw=2, color="#222222", label="weighted Gerchberg–Saxton, phases alone")
+    for at in (-20, 20):
+        axes[0].axvline(at, color="#666666", lw=0.8, ls=":")
+    axes[0].set(xlabel="x / mm", ylabel="pressure over that of a single focus", title="two spots asked for at ±20 mm", ylim=(0, 1.05))
+    axes[1].plot(far, found["copy_fresnel"], label="eq. 4 (Fresnel)")
+    axes[1].plot(far, found["copy_equal"], "--", label="equal amplitudes, exact distances")
+    axes[1].plot(far, found["copy_exact"], label="spherical waves")
+    axes[1].axvline(float(found["repeats_mm"]), color="#666666", lw=0.8, ls=":", label="λr/d, where eq. 4 repeats")
+    axes[1].set(xlabel="x / mm", ylabel="pressure over that of the focus", title="a single focus at x = 0, and its first copy", ylim=(0, 1.05))
+    for axis in axes:
+        axis.grid(alpha=0.3)
+        legend(axis, **({"loc": "upper right"} if axis is axes[0] else {"loc": "upper left", "bbox_to_anchor": (0.06, 1.0)}))
+    save(work, figure, name)
+
+    def top(key, at, from_mm, to_mm):
+        inside = (at >= from_mm) & (at <= to_mm)
+        return at[inside][int(np.argmax(found[key][inside]))], found[key][inside].max()
+
+    spots = {key: top(key, x, 5, 40) for key in ("fresnel", "equal", "transform", "superposition", "gs", "weighted_gs")}
+    copies = {key: top(key, far, 150, 260) for key in ("copy_fresnel", "copy_equal", "copy_exact")}
+    same = "eq. 9 asks for ±20 mm"
+    return [
+        row("spot's place by eq. 9 in the Fresnel approximation", spots["fresnel"][0], "mm", 20.0, "theory", same + "; the other spot's side lobe pushes it outwards"),
+        row("its pressure over a single focus", spots["fresnel"][1]),
+        row("spot's place with exact distances, equal amplitudes", spots["equal"][0], "mm", 20.0, "theory", "the Fresnel approximation is poor at 200 mm from an array of 180 mm"),
+        row("spot's place by spherical waves", spots["transform"][0], "mm", 20.0, "theory", "the same, and nearer elements count more"),
+        row("its pressure over a single focus", spots["transform"][1]),
+        row("spot's place by superposition of exact foci", spots["superposition"][0], "mm", 20.0, "theory", "the other spot's side lobe pushes it outwards"),
+        row("its pressure", spots["superposition"][1], why="phases alone: every element at full strength"),
+        row("the same by Gerchberg–Saxton", spots["gs"][1]),
+        row("the same by weighted Gerchberg–Saxton", spots["weighted_gs"][1]),
+        row("first copy of a single focus by eq. 4", copies["copy_fresnel"][0], "mm", 170.0, "theory"),
+        row("its pressure over the focus'", copies["copy_fresnel"][1], "", 1.0, "theory"),
+        row("first copy with exact distances, equal amplitudes", copies["copy_equal"][0], "mm", 170.0, "theory", "it is farther off, and no copy of the same height"),
+        row("its pressure over the focus'", copies["copy_equal"][1], "", 1.0, "theory"),
+        row("first copy by spherical waves", copies["copy_exact"][0], "mm", 170.0, "theory"),
+        row("its pressure over the focus'", copies["copy_exact"][1], "", 1.0, "theory"),
+    ]
+
+
 # ---------------------------------------------------------------- studies
 
 
@@ -632,10 +743,13 @@ FIGURES = {
     "hoshi-3": (hoshi_3, "Hoshi, Fig. 3: loss of energy in air"),
     "hoshi-force": (hoshi_row, "Hoshi 2.2 and 3.2: size and force of the focus"),
     "hoshi-6": (hoshi_6, "Hoshi, Fig. 6: distribution in the focal plane"),
+    "hoshi-7": (hoshi_7, "Hoshi 3.1 and eq. 7: the quantised drive"),
     "hoshi-11": (hoshi_11, "Hoshi, Fig. 11b–c: cuts through the focus"),
     "hoshi-12": (hoshi_12, "Hoshi, Fig. 12a–b: modulation at 100 Hz"),
     "study-confusion": (study_confusion, "Haptogram, Table 1: which shape was taken for which"),
     "study-staircase": (study_staircase, "Multimodal, task T3: a staircase on a simulated person"),
+    "hoshi-12c": (hoshi_12c, "Hoshi, Fig. 12c: frequency characteristics, with one bandwidth fitted"),
+    "hoshi-eq9": (hoshi_eq9, "Hoshi, eq. 9: two spots by a Fourier transform, and what repeats"),
 }
 
 
@@ -668,7 +782,7 @@ def page(figures):
         f"<title>Haptogram: the papers' figures, computed</title><style>{STYLE}</style></head><body>",
         "<h1>The papers' figures, computed</h1><p>Every number under “ours” was computed in the run that wrote this page (<code>make figures</code>). "
         "Where the paper's number is a measurement, ours is the theory's for the same set-up, and the last column says what is known of the "
-        "difference. Nothing is tuned to agree. “Haptogram” is the paper of this system, “Hoshi” is T. Hoshi et al., <em>Noncontact Tactile "
+        "difference. Nothing is tuned to agree, but for one bandwidth in Hoshi's Fig. 12c, which is named there. “Haptogram” is the paper of this system, “Hoshi” is T. Hoshi et al., <em>Noncontact Tactile "
         "Display Based on Radiation Pressure of Airborne Ultrasound</em>. The fields of the point, the line, the circles and the hemisphere come from the pulses measured "
         'at the pins of the Verilated FPGA, each of one pass; they are steady ones, each point\'s with its full pressure: '
         'what ring-up and switching cost has figures of its own. The same numbers: <a href="figures.json">figures.json</a>.</p><ul>',

@@ -31,7 +31,7 @@ struct CompileOptions {
     std::optional<std::uint16_t> loops;
     std::vector<double> center_mm, rotate_deg;
     bool clip = false, even = false;
-    std::optional<std::string> am, am_law;
+    std::optional<std::string> am, am_law, quantise;
     std::optional<double> magnitude;
     std::string output = "image.hex";
     std::string path, save_path;
@@ -90,6 +90,7 @@ Project project_of(const CompileOptions& options) {
     project.even = project.even || options.even;
     put(project.am, options.am);
     if (options.magnitude) project.magnitude = options.magnitude;
+    put(project.quantise, options.quantise);
     if (options.am_law) project.am_law = law_of(*options.am_law);
     if (!project.path.empty() && project.even) throw bad_argument("even", "is of shapes; a path has dwells of its own");
     return project;
@@ -300,6 +301,7 @@ void add_compile(CLI::App& app, Action& action) {
                     "How strong each focus feels to a palm under --am, from the array's force and the Multimodal "
                     "paper's tables (see haptogram magnitude)")
         ->check(positive());
+    add_quantise(*sub, options->quantise);
     sub->add_option("--loops", options->loops, "Passes when the image is played by itself; 0 is for ever")
         ->check(whole(0, 65535))
         ->default_str(fmt::to_string(standard.loops));
