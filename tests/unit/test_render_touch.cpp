@@ -249,6 +249,20 @@ TEST_CASE("algorithms: other lines keep the gap from features, or leave the fing
         for (const SkinLine* contour : of_kind(made, LineKind::contour)) REQUIRE(feature->region != contour->region);
 }
 
+TEST_CASE("algorithms: their lengths have the order that Shapes felt", "[render]") {
+    ObjectMeasures measures = measures_of(0.08, {0, 0, 0.15});
+    measures.height = 0.04;
+    const TouchObject pyramid = built_in_object("pyramid", measures);
+    const auto skin = palmar_surface(synthetic_hand(HandScript::press, 0.29, 0.15));
+    const auto length = [&](Algorithm algorithm) { return length_of(touch(algorithm, pyramid, skin).lines); };
+    const double a = length(Algorithm::intersection), h = length(Algorithm::features_intersection);
+    CHECK(length(Algorithm::features) < a);
+    CHECK(h == Approx(a).epsilon(0.15));
+    CHECK(std::max(a, h) < length(Algorithm::solid));
+    CHECK(h < length(Algorithm::features_solid));
+    CHECK(length(Algorithm::blobs) < length(Algorithm::features_blobs));
+}
+
 TEST_CASE("lines: the gap rule cuts where the distance is the gap", "[render]") {
     SkinLine ring{{}, true, LineKind::contour, 3};
     for (int i = 0; i < 720; ++i)
