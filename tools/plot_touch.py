@@ -27,7 +27,7 @@ def in_palm(points, frame):
 
 def palm_view(figure, panel, frame, most):
     x, y = in_palm(frame["points_mm"], frame)
-    skin = panel.scatter(x, y, c=frame["radiation_pa"], s=3.0, cmap="magma", vmin=0.0, vmax=most, linewidths=0, rasterized=True)
+    skin = panel.scatter(x, y, c=frame["radiation_pa"], s=9.0, marker="s", cmap="magma", vmin=0.0, vmax=most, linewidths=0, rasterized=True)
     seen = set()
     for line in frame["lines"]:
         kind = line["kind"]

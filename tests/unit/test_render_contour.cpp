@@ -69,8 +69,8 @@ TEST_CASE("contour: a cone is cut in circles, and a cube of 100 mm in a square d
     CHECK(draw_hz(made) == Approx(e.hz).epsilon(0.002));
     // At the base itself the depth is 0 everywhere, so its circle is an edge and no contour.
     double base = 0.0;
-    const Edge circle = built_in_object("cone", measures).edges.at(0);
-    for (std::size_t i = 1; i < circle.size(); ++i) base += distance(circle[i - 1], circle[i]);
+    const Edge rim = built_in_object("cone", measures).edges.at(0);
+    for (std::size_t i = 1; i < rim.size(); ++i) base += distance(rim[i - 1], rim[i]);
     CHECK(base / millimetre == Approx(314.16).epsilon(1e-4));
     CHECK(7.0 / base == Approx(22.28).epsilon(1e-3));
     // The square loses less than a cell at each corner.

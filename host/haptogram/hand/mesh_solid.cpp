@@ -128,7 +128,7 @@ public:
     }
 
 private:
-    static constexpr std::size_t leaf = 4;
+    static constexpr std::size_t leaf = 8;
     struct Node {
         Box box;
         std::uint32_t first = 0, count = 0, second = 0;

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <charconv>
-#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <nlohmann/json.hpp>
 #include <utility>
 #include <variant>
@@ -202,7 +202,6 @@ double focal_width(const Array& array, Vec3 focus) {
 
 Rendered render(const TouchObject& object, const HandRecording& hands, const Array& array, double carrier_hz,
                 const RenderOptions& options, const Progress& progress) {
-    using Clock = std::chrono::steady_clock;
     if (hands.frames.empty()) throw bad_input("hand", "the recording has no frames");
     if (options.frame && (*options.frame == 0 || *options.frame > hands.frames.size()))
         throw bad_argument("frame", fmt::format("found {}, expected 1 to {}", *options.frame, hands.frames.size()));
@@ -220,7 +219,7 @@ Rendered render(const TouchObject& object, const HandRecording& hands, const Arr
     for (std::size_t i = first; i < end; ++i) {
         progress(static_cast<double>(i - first) / static_cast<double>(end - first), "rendering");
         const HandFrame& frame = hands.frames[i];
-        const auto began = Clock::now();
+        const std::clock_t began = std::clock();
         const std::vector<SkinRegion> skin = skin_of(frame, i + 1, settings.skin);
         const Touch made = touch(settings.algorithm, object, skin, frame.time_s, settings.touch);
         am_hz = std::max(am_hz, made.am_hz);
@@ -234,7 +233,7 @@ Rendered render(const TouchObject& object, const HandRecording& hands, const Arr
             played = pen.play(made.voices, until_s);
         }
         FrameReport& report = rendered.frames.emplace_back();
-        report.compute_s = std::chrono::duration<double>(Clock::now() - began).count();
+        report.compute_s = static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
         report.frame = i + 1;
         report.time_s = frame.time_s;
         report.hands = frame.hands.size();

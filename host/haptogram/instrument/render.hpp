@@ -62,7 +62,7 @@ struct FrameReport {
     double out_of_reach = 0.0;     ///< the share of the time at which a focus is out of the array's reach, and silent
     std::string why;               ///< the first focus is
     std::size_t lines_missed = 0;  ///< by the steps, in the pass of one frame
-    double compute_s = 0.0;        ///< that skin, lines and path took
+    double compute_s = 0.0;        ///< processor time that skin, lines and path took
 };
 
 struct Rendered {
