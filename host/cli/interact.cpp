@@ -82,7 +82,8 @@ int interact(const InteractCommand& command) {
         modulation_of(command.am.value_or("square:200"), law_of(command.am_law.value_or("pressure")), carrier_hz)
             .modulation;
     const MarkerTrack track = marker_of(command, carrier_hz);
-    const PlayedInteraction played = interact(content_of(command.content), track.samples, options, carrier_hz);
+    const PlayedInteraction played =
+        haptogram::interact(content_of(command.content), track.samples, options, carrier_hz);
     if (!(played.felt_s > 0.0))
         throw bad_input(command.hand, fmt::format("nothing touches the palm where the device reaches ({:.3g} s are out "
                                                   "of its reach); move the hand to heights of {:g} to {:g} mm",

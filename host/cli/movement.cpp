@@ -6,6 +6,7 @@
 #include <memory>
 #include <numbers>
 #include <set>
+#include <tuple>
 
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
