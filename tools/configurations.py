@@ -42,6 +42,8 @@ def check(name, values, parameters):
         raise Wrong(f"configuration {name}: unknown or missing: {', '.join(wrong)}")
     for parameter in parameters:
         value, (low, high) = values[parameter["name"]], bounds(parameter, values)
+        if parameter.get("optional") and value == 0:
+            continue
         if not low <= value <= high:
             raise Wrong(f"configuration {name}: {parameter['name']} is {value}, expected {low} to {high}")
         if parameter.get("power_of_two") and value & (value - 1):
