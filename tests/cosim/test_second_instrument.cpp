@@ -17,9 +17,9 @@ using namespace haptogram::test;
 
 namespace {
 
-constexpr std::uint32_t channels = 16;
+constexpr std::uint32_t channel_count = 16;
 constexpr std::uint32_t records = 256;
-constexpr std::uint32_t lead = channels + 44;  // clocks before a cycle's end at which its successor is begun
+constexpr std::uint32_t lead = channel_count + 44;  // clocks before a cycle's end at which its successor is begun
 using Words = std::vector<std::uint16_t>;
 
 class Wide : public Bench {
@@ -36,7 +36,7 @@ public:
             client.write(static_cast<std::uint32_t>(address + 2 * done), bytes);
         }
     }
-    void write_record(std::uint32_t index, const Words& words) { write((index - 1) * 2 * (channels + 4), words); }
+    void write_record(std::uint32_t index, const Words& words) { write((index - 1) * 2 * (channel_count + 4), words); }
     void set(interface::ParametersWord word, std::uint32_t value) {
         write(interface::parameters_base + 2 * static_cast<std::uint32_t>(word), {static_cast<std::uint16_t>(value)});
     }
@@ -48,14 +48,15 @@ public:
     /// Writes a record of random phases and amplitudes and remembers what it plays.
     void random_record(std::mt19937& g, std::uint16_t index, std::uint32_t cycle) {
         Words words;
-        for (std::uint32_t k = 0; k < channels; ++k) words.push_back(static_cast<std::uint16_t>(random(g, 0, 65535)));
+        for (std::uint32_t k = 0; k < channel_count; ++k)
+            words.push_back(static_cast<std::uint16_t>(random(g, 0, 65535)));
         write_record(index, amplitude_record(cycle, words));
         book[index] = played(cycle, words);
     }
     void raw_record(std::mt19937& g, std::uint16_t index, std::uint32_t cycle, std::uint8_t pulse) {
         Words words = {static_cast<std::uint16_t>(cycle), static_cast<std::uint16_t>(pulse << 8), 1, 0};
         book[index] = Played{{}, cycle, true, pulse};
-        for (std::uint32_t k = 0; k < channels; ++k) {
+        for (std::uint32_t k = 0; k < channel_count; ++k) {
             words.push_back(static_cast<std::uint16_t>(random(g, 0, cycle + 9)));
             book[index].emissions.push_back({65535, words.back()});
         }
@@ -94,12 +95,15 @@ public:
         client.start(1, 0, 0);
         std::uint64_t clocks = 20'000;
         for (const SequenceEntry& e : sequence) clocks += 2100ULL * e.dwell;
+        const auto found = [&] {
+            std::size_t i = before;
+            while (i < recorder.cycles().size() && recorder.cycles()[i].index != sequence[0].index) ++i;
+            return i;
+        };
+        REQUIRE(board.run_until([&] { return found() < recorder.cycles().size(); }, 200'000));
+        const std::size_t first = found();
         REQUIRE(board.run_until(
-            [&] { return recorder.cycles().size() > before && board.outputs().index == sequence[0].index; }, 200'000));
-        std::size_t first = recorder.cycles().size() - 1;
-        while (recorder.cycles()[first - 1].index == sequence[0].index) --first;
-        REQUIRE(board.run_until(
-            [&] { return client.status().mode == interface::Mode::idle && board.outputs().index == 0; }, clocks));
+            [&] { return board.outputs().index == 0 && client.status().mode == interface::Mode::idle; }, clocks));
         board.run(10'000);
         for (std::size_t i = 0, c = first; i < sequence.size(); ++i)
             for (int d = 0; d < sequence[i].dwell; ++d) REQUIRE(recorder.cycles()[c++].index == sequence[i].index);
@@ -114,7 +118,7 @@ public:
         return compare_periods(cycles, recorder.pulses(), book, begin, end, setting, model);
     }
     Comparison compare(std::size_t begin, std::size_t end) {
-        EmissionModel model(channels);
+        EmissionModel model(channel_count);
         return compare(
             begin, end, [](std::size_t) { return Setting{}; }, model);
     }
@@ -133,7 +137,7 @@ bool figures() { return std::getenv("HAPTOGRAM_FIGURES") != nullptr; }
 
 }  // namespace
 
-TEST_CASE("second instrument: the board says what it has", "[second]") {
+TEST_CASE("second instrument: the board says what it has", "[second][wide]") {
     Wide bench;
     const link::Identity identity = bench.client.identify();
     REQUIRE(identity.features == 0xff);
@@ -148,7 +152,7 @@ TEST_CASE("second instrument: the board says what it has", "[second]") {
 }
 
 TEST_CASE("contract 8: at the pins the carrier's phase does not depend on the amplitude, to half a tick",
-          "[second][contract8]") {
+          "[second][wide]") {
     Wide bench;
     auto g = generator();
     bench.open();
@@ -164,7 +168,7 @@ TEST_CASE("contract 8: at the pins the carrier's phase does not depend on the am
         const std::uint64_t from = bench.recorder.cycles()[last].clock;
         REQUIRE(bench.recorder.cycles()[last - 3].index == 1);
         require_right(bench.compare(last - 4, last + 2), 20);
-        for (std::uint32_t k = 0; k < channels; ++k) {
+        for (std::uint32_t k = 0; k < channel_count; ++k) {
             std::complex<double> sum;
             for (const Pulse& p : bench.pulses(k, from - 1250, from + 1250))
                 for (std::uint64_t t = std::max(p.rise, from); t < std::min(p.fall, from + 1250); ++t)
@@ -189,7 +193,7 @@ TEST_CASE("contract 8: at the pins the carrier's phase does not depend on the am
 }
 
 TEST_CASE("second instrument: a record of amplitudes in every carrier period, and every pulse where the model says",
-          "[second][contract2]") {
+          "[second][wide]") {
     Wide bench;
     auto g = generator();
     bench.open();
@@ -209,10 +213,11 @@ TEST_CASE("second instrument: a record of amplitudes in every carrier period, an
 
 namespace {
 
-/// 16 channels in four rows, 10 mm apart, and an engine that reaches full amplitude where `full` foci meet in phase.
+/// 16 channel_count in four rows, 10 mm apart, and an engine that reaches full amplitude where `full` foci meet in
+/// phase.
 FocusEngine small_engine(double full) {
     FocusEngine engine;
-    for (std::uint32_t k = 0; k < channels; ++k)
+    for (std::uint32_t k = 0; k < channel_count; ++k)
         engine.geometry.push_back(pack_geometry({0.010 * (k % 4) - 0.015, 0.010 * (k / 4) - 0.015, 0.0}, 0.01 * k));
     engine.wave_number = wave_number_word(343.0 / 40e3);
     engine.gain = gain_word(full);
@@ -227,7 +232,7 @@ FocusWords random_focus(std::mt19937& g) {
 }  // namespace
 
 TEST_CASE("second instrument: one to eight foci a record, a record in every carrier period, equal to the host's model",
-          "[second]") {
+          "[second][wide]") {
     Wide bench;
     auto g = generator();
     bench.open();
@@ -258,7 +263,7 @@ TEST_CASE("second instrument: one to eight foci a record, a record in every carr
     REQUIRE(bench.client.status().far_foci == 1);
 }
 
-TEST_CASE("second instrument: timings, amplitudes and foci follow each other in any order", "[second]") {
+TEST_CASE("second instrument: timings, amplitudes and foci follow each other in any order", "[second][wide]") {
     Wide bench;
     auto g = generator();
     bench.open();
@@ -293,7 +298,7 @@ TEST_CASE("second instrument: timings, amplitudes and foci follow each other in 
     require_right(bench.compare(before - 2, bench.recorder.cycles().size() - 2), 100);
 }
 
-TEST_CASE("contract 9: sample i is on the pins in carrier periods i · N to (i + 1) · N − 1", "[second][contract9]") {
+TEST_CASE("contract 9: sample i is on the pins in carrier periods i · N to (i + 1) · N − 1", "[second][wide]") {
     Wide bench;
     auto g = generator();
     bench.open();
@@ -328,7 +333,7 @@ TEST_CASE("contract 9: sample i is on the pins in carrier periods i · N to (i +
             n = loop ? n % length : std::min<std::size_t>(n, 63);
             return Setting{.modulation = i < s ? std::uint8_t{255} : samples[n]};
         };
-        EmissionModel model(channels);
+        EmissionModel model(channel_count);
         const Comparison comparison = bench.compare(sent - 4, end, setting, model);
         if (comparison.wrong != 0) continue;
         ++starts;
@@ -350,14 +355,14 @@ TEST_CASE("contract 9: sample i is on the pins in carrier periods i · N to (i +
             return Setting{.modulation =
                                i >= s ? std::uint8_t{255} : samples[loop ? n % length : std::min<std::size_t>(n, 63)]};
         };
-        EmissionModel model(channels);
+        EmissionModel model(channel_count);
         stops += bench.compare(before - 5, bench.recorder.cycles().size() - 2, setting, model).wrong == 0;
     }
     REQUIRE(stops == 1);
     REQUIRE(bench.client.status().underruns == 0);
 }
 
-TEST_CASE("second instrument: amplitude modulation of full depth at 200 Hz loses no pulse", "[second][contract8]") {
+TEST_CASE("second instrument: amplitude modulation of full depth at 200 Hz loses no pulse", "[second][wide]") {
     Wide bench;
     bench.open();
     // 50 samples of four periods each are 200 periods, a 200th of a second.
@@ -370,7 +375,7 @@ TEST_CASE("second instrument: amplitude modulation of full depth at 200 Hz loses
         words.push_back(static_cast<std::uint16_t>(samples[i + 1] << 8 | samples[i]));
     bench.write(interface::modulation_base, words);
     Words record;  // most of the phases around the cycle's start, where a pulse can be lost when it grows
-    for (std::uint32_t k = 0; k < channels; ++k)
+    for (std::uint32_t k = 0; k < channel_count; ++k)
         record.push_back(static_cast<std::uint16_t>(0xff00 | ((256 - 20 + 3 * k) & 0xff)));
     bench.write_record(1, amplitude_record(1250, record));
     bench.book[1] = played(1250, record);
@@ -383,7 +388,7 @@ TEST_CASE("second instrument: amplitude modulation of full depth at 200 Hz loses
     const std::size_t to = bench.recorder.cycles().size() - 2;
     std::size_t matches = 0, pulses = 0;
     for (std::size_t shift = 0; shift < 200; ++shift) {
-        EmissionModel model(channels);
+        EmissionModel model(channel_count);
         const auto setting = [&](std::size_t i) { return Setting{.modulation = samples[(i + shift) / 4 % 50]}; };
         if (bench.compare(from, from + 20, setting, model).wrong != 0) continue;
         const Comparison all = bench.compare(from, to, setting, model);
@@ -395,7 +400,7 @@ TEST_CASE("second instrument: amplitude modulation of full depth at 200 Hz loses
     // And by themselves: whenever a channel's amplitude is not near zero, its pin is high at the middle of its pulse.
     std::size_t lost = 0, wanted = 0;
     const auto& cycles = bench.recorder.cycles();
-    for (std::uint32_t k = 0; k < channels; ++k) {
+    for (std::uint32_t k = 0; k < channel_count; ++k) {
         const auto found = bench.pulses(k, cycles[from - 2].clock, cycles[to].clock);
         std::size_t at = 0;
         for (std::size_t i = from + 1; i + 1 < to; ++i) {
@@ -416,7 +421,8 @@ TEST_CASE("second instrument: amplitude modulation of full depth at 200 Hz loses
                     << " middles low where the sample is 0 or 1");
 }
 
-TEST_CASE("second instrument: the slew limiter goes where the host's model goes, and down to silence", "[second]") {
+TEST_CASE("second instrument: the slew limiter goes where the host's model goes, and down to silence",
+          "[second][wide]") {
     Wide bench;
     auto g = generator();
     SlewLimit slew;
@@ -442,7 +448,7 @@ TEST_CASE("second instrument: the slew limiter goes where the host's model goes,
     const std::size_t stopped = bench.recorder.cycles().size() - 1;
     bench.board.run(1250ULL * 70);
     const auto& cycles = bench.recorder.cycles();
-    EmissionModel model(channels);
+    EmissionModel model(channel_count);
     const auto setting = [&](std::size_t i) {
         return Setting{.slew = slew, .new_target = cycles[i].index != cycles[i - 1].index};
     };
@@ -458,17 +464,17 @@ TEST_CASE("second instrument: the slew limiter goes where the host's model goes,
     REQUIRE(status.underruns == 0);
 }
 
-TEST_CASE("second instrument: records of timings play as on a board without amplitudes", "[second][contract1]") {
+TEST_CASE("second instrument: records of timings play as on a board without amplitudes", "[second][wide]") {
     Wide bench;
     auto g = generator();
     bench.open();
     std::vector<Record> all;
     for (int i = 0; i < 40; ++i) {
         const std::uint32_t prescaler = random(g, 1, 4), cycle = random(g, 200, 2048);
-        all.push_back(test::random_record(g, channels, cycle, prescaler,
+        all.push_back(test::random_record(g, channel_count, cycle, prescaler,
                                           static_cast<std::uint8_t>(random(g, 1, std::min(cycle / 2, 255U)))));
     }
-    Image image = image_of(channels, all);
+    Image image = image_of(channel_count, all);
     // Of different prescalers, an old pulse's rest takes the new record's ticks, which the check does not know; silence
     // is between.
     std::vector<SequenceEntry> sequence;
@@ -478,7 +484,7 @@ TEST_CASE("second instrument: records of timings play as on a board without ampl
     }
     image.sequence = sequence;
     bench.load(image);
-    bench.client.start(1, 0, 1);
+    bench.client.start(1, 80, 1);
     bench.wait_for_index(40, 4'000'000);
     bench.wait_for_index(0);
     bench.board.run(20'000);
@@ -487,9 +493,9 @@ TEST_CASE("second instrument: records of timings play as on a board without ampl
     REQUIRE(status.underruns == 0);
     REQUIRE(status.refused_records == 0);
     // Two records in turn, in the shortest cycle that the contract names: (pulse - 1) · prescaler + CHANNELS + 16.
-    const std::uint32_t shortest = 20 - 1 + channels + 16;
-    const Image quick = image_of(channels, {test::random_record(g, channels, shortest, 1, 20),
-                                            test::random_record(g, channels, shortest, 1, 20)});
+    const std::uint32_t shortest = 20 - 1 + channel_count + 16;
+    const Image quick = image_of(channel_count, {test::random_record(g, channel_count, shortest, 1, 20),
+                                                 test::random_record(g, channel_count, shortest, 1, 20)});
     bench.load(quick);
     bench.client.start(1, 2, 100);
     bench.wait_for_index(2);
@@ -498,7 +504,7 @@ TEST_CASE("second instrument: records of timings play as on a board without ampl
     REQUIRE(bench.client.status().underruns == 0);
 }
 
-TEST_CASE("second instrument: SELECT reaches the pins within a cycle, a load and a sweep", "[second][contract2]") {
+TEST_CASE("second instrument: SELECT reaches the pins within a cycle, a load and a sweep", "[second][wide]") {
     Wide bench;
     auto g = generator();
     bench.open();
@@ -546,7 +552,7 @@ TEST_CASE("second instrument: SELECT reaches the pins within a cycle, a load and
     static_cast<void>(bench.board.receive());
 }
 
-TEST_CASE("second instrument: after any commands at any time a record plays exactly", "[second][contract3]") {
+TEST_CASE("second instrument: after any commands at any time a record plays exactly", "[second][wide]") {
     auto g = generator();
     for (int round = 0; round < 6; ++round) {
         Wide bench;
@@ -605,10 +611,10 @@ TEST_CASE("second instrument: after any commands at any time a record plays exac
     }
 }
 
-TEST_CASE("second instrument: what cannot be played is refused, and silence takes its place", "[second][contract4]") {
+TEST_CASE("second instrument: what cannot be played is refused, and silence takes its place", "[second][wide]") {
     Wide bench;
     bench.open();
-    const Words channel(channels, 0x80ff);
+    const Words channel(channel_count, 0x80ff);
     const auto refused = [&](std::uint16_t index) {
         const std::uint16_t before = bench.client.status().refused_records;
         bench.client.select(index, 2);
@@ -707,7 +713,7 @@ TEST_CASE("second instrument: what cannot be played is refused, and silence take
 }
 
 TEST_CASE("second instrument: settings and samples have a value at power-up, are read back, and outlast a reset",
-          "[second]") {
+          "[second][wide]") {
     sim::SimulatedBoardOptions options;
     options.power_up_seed = generator()();
     Bench bench("small-16-wide", options);
