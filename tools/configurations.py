@@ -71,11 +71,13 @@ def configuration(name):
 
 
 def parameters_of(board):
-    """The parameters that a board file of constraints/ asks for: of a named configuration, or each by itself."""
+    """The parameters that a board file of constraints/ asks for: of a named configuration, or each by itself, but for those that are 0
+    by default."""
     table = dict(board["parameters"])
     name = table.pop("configuration", None)
-    values = table if name is None else configuration(name) | table
-    check(name or board.get("description", "of the board"), values, load()["parameter"])
+    parameters = load()["parameter"]
+    values = {p["name"]: 0 for p in parameters if p["default"] == 0} | table if name is None else configuration(name) | table
+    check(name or board.get("description", "of the board"), values, parameters)
     return values
 
 
