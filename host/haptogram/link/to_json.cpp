@@ -23,9 +23,9 @@ ordered_json to_json(const Identity& i) {
             {"max_duty_256", i.max_duty_256},
             {"max_cycle_clocks", i.max_cycle_clocks},
             {"width_bits", i.width_bits},
-            {"modulation_samples", 2 * i.modulation_words},
-            {"slew", interface::has(i.features, interface::Feature::slew)},
-            {"foci", i.foci}};
+            {"modulation_words", i.modulation_words},
+            {"foci", i.foci},
+            {"features", i.features}};
 }
 
 ordered_json to_json(const Status& s) {
