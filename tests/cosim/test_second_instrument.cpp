@@ -302,7 +302,7 @@ TEST_CASE("contract 9: sample i is on the pins in carrier periods i · N to (i +
     Wide bench;
     auto g = generator();
     bench.open();
-    const std::uint16_t divider = GENERATE(1, 3);
+    const std::uint16_t divider = GENERATE(std::uint16_t{1}, std::uint16_t{3});
     const bool loop = GENERATE(false, true);
     const std::uint16_t length = loop ? 7 : 64;
     std::vector<std::uint8_t> samples;

@@ -196,17 +196,20 @@ TEST_CASE(
     for (int i = 0; i < 1000; ++i) {
         const auto index = static_cast<std::uint16_t>(board.bench.chance(0.05) ? 0 : board.bench.number(1, 40));
         const auto dwell = static_cast<std::uint16_t>(board.bench.number(0, 2));
-        const bool interrupt = board.bench.chance(0.5);
-        // Something else is on its way when the command comes.
-        if (interrupt) {
+        // Something else is on its way when the command comes, often begun already, and for long.
+        if (board.bench.chance(0.7)) {
+            const std::size_t seen = board.cycles.size();
+            while (board.cycles.size() == seen) board.clock();
+            const auto present = static_cast<int>(cycle[board.cycles.back().index]);
+            const int first = board.bench.number(0, present - static_cast<int>(lead) - 1);
+            const int second = board.bench.number(present - static_cast<int>(lead) - 20, present + 10);
+            board.run(static_cast<std::uint64_t>(first));
             board.select(static_cast<std::uint16_t>(board.bench.number(0, 40)),
-                         static_cast<std::uint16_t>(board.bench.number(0, 2)));
-            board.entries = {};
-            for (int n = 0; n < 5; ++n)
-                board.entries.push_back({static_cast<std::uint16_t>(board.bench.number(1, 40)), 1});
-            board.run(static_cast<std::uint64_t>(board.bench.number(0, 4000)));
+                         static_cast<std::uint16_t>(300 * board.bench.number(0, 1)));
+            board.run(static_cast<std::uint64_t>(std::max(second - first, 0)));
+        } else {
+            board.run(static_cast<std::uint64_t>(board.bench.number(0, 1500)));
         }
-        board.run(static_cast<std::uint64_t>(board.bench.number(0, 1500)));
         if (!board.cycles.empty() && board.cycles.back().index == index) continue;
         board.select(index, dwell);
         const std::uint64_t took = board.wait_for(index);
