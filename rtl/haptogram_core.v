@@ -194,7 +194,7 @@ module haptogram_core #(
     wire disables = does_disable || urgent_disable || line_broken || stopped || rst;
     wire modulated, bent_period, far_foci;
     generate
-        if (WIDTH_BITS == 0) begin : alike
+        if (WIDTH_BITS == 0) begin : one_width
             player #(
                 .CHANNELS(CHANNELS), .RECORDS(RECORDS), .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS), .IDLE_CLOCKS(IDLE_CLOCKS),
                 .MAX_HIGH_CLOCKS(MAX_HIGH_CLOCKS), .MIN_PULSE_CLOCKS(MIN_PULSE_CLOCKS), .MAX_PULSE_CLOCKS(MAX_PULSE_CLOCKS),
@@ -209,7 +209,7 @@ module haptogram_core #(
             assign top_index  = RECORDS[15:0];
             assign block_word = register_word;
             assign {sample_word, sampling, modulated, bent_period, far_foci} = 20'd0;
-        end else begin : each
+        end else begin : own_widths
             wire [15:0] parameter_word, foci_count;
             wire [31:0] set_address = {{(32-WORD_BITS){1'b0}}, command_address}, read_address = {{(32-WORD_BITS){1'b0}}, reply_address};
             wire        unused = &{1'b0, set_address[31:16], read_address[31:16]};

@@ -186,5 +186,9 @@ module period_controller #(
         end
         o_bent <= !rst && i_word && i_word_last && (bent_q || i_bent);
     end
+
+`ifdef FORMAL
+    `include "formal/period_controller.vh"
+`endif
 endmodule
 `default_nettype wire

@@ -314,6 +314,8 @@ TEST_CASE("contract 9: sample i is on the pins in carrier periods i · N to (i +
     bench.write(interface::modulation_base, words);
     bench.random_record(g, 1, 1250);
     bench.random_record(g, 2, 1250);
+    bench.raw_record(g, 3, 900, 200);
+    bench.write_sequence({{2, 3}, {3, 4}, {0, 2}, {2, 5}, {0, 1}});
     bench.client.select(1);
     bench.wait_for_index(1);
     bench.board.run(10'000);
@@ -322,7 +324,8 @@ TEST_CASE("contract 9: sample i is on the pins in carrier periods i · N to (i +
     const std::size_t told = bench.recorder.cycles().size();
     bench.board.run(20'000);
     REQUIRE(bench.client.status().modulated);
-    bench.client.select(2);  // the modulation does not care for records
+    bench.client.start(1, 5,
+                       0);  // the modulation does not care for records, and cycles of timings and of silence count
     bench.board.run(1250ULL * 64 * divider + 20'000);
     const std::size_t end = bench.recorder.cycles().size() - 2;
     // The start is seen at the pins; there is one period that it can have been.
@@ -745,4 +748,30 @@ TEST_CASE("second instrument: settings and samples have a value at power-up, are
         bench.client.write(interface::modulation_base + 2U * i, words({static_cast<std::uint16_t>(i * 257 + 3)}));
     for (std::uint16_t i = 0; i < 32; ++i)
         REQUIRE(read(interface::modulation_base + 2U * i, 1) == Words{static_cast<std::uint16_t>(i * 257 + 3)});
+}
+
+TEST_CASE("second instrument: while outputs are off a command does not wait for the end of a long cycle",
+          "[second][wide]") {
+    Wide bench;
+    auto g = generator();
+    bench.open();
+    const std::uint32_t ticks = 5'000'000;  // a tenth of a second
+    Words slow = {static_cast<std::uint16_t>(ticks & 0xffff), static_cast<std::uint16_t>(20 << 8 | ticks >> 16), 1, 0};
+    slow.insert(slow.end(), channel_count, 0);
+    bench.write_record(1, slow);
+    bench.random_record(g, 2, 1250);
+    bench.raw_record(g, 3, 1250, 100);
+    for (const std::uint16_t index : {std::uint16_t{2}, std::uint16_t{3}, std::uint16_t{0}}) {
+        bench.client.select(1);
+        bench.wait_for_index(1);
+        bench.board.run(20'000);
+        bench.client.disable();
+        bench.client.select(index);
+        bench.wait_for_index(index, 1000);
+        bench.client.enable();
+        bench.board.run(20'000);
+        const std::size_t end = bench.recorder.cycles().size() - 2;
+        if (index != 0) require_right(bench.compare(end - 7, end), 32);
+    }
+    REQUIRE(bench.client.status().guard_trips == 0);
 }
