@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Holds primary and sequence memory and shares each between its three users: what plays, replies, and writes.
+// Holds primary and sequence memory and shares each between its three users: what plays, replies, and writes. The memory of the
+// modulation's samples, which is where it is played, is shared by the same rules.
 //
 // Each memory has one port to read and one to write. The player's reads always go first. A reply waits until o_granted. A write
 // waits while o_hold is high, that is in a clock in which its word is being read, because the memories do not say what such a
@@ -13,6 +14,7 @@ module address_space #(
     parameter PRIMARY_WORDS  = 41600,
     parameter SEQUENCE_DEPTH = 1024,
     parameter WORD_BITS      = 16,
+    parameter HAS_SAMPLES    = 0,
     parameter PRIMARY_FILE   = "",
     parameter SEQUENCE_FILE  = "",
     parameter PRIMARY_BITS   = $clog2(PRIMARY_WORDS),  // these two follow from the others
@@ -25,7 +27,8 @@ module address_space #(
     input  wire [15:0]              i_write_word,
     output wire                     o_hold,
     input  wire [WORD_BITS-1:0]     i_read_address,     // of a reply's word
-    input  wire [15:0]              i_register_word,    // a reply's word, when it is of the identity or status block
+    input  wire [15:0]              i_register_word,    // a reply's word, when it is of a block
+    input  wire [15:0]              i_sample_word,      // or of the modulation's samples
     output wire                     o_granted,
     output wire [15:0]              o_read_word,
     input  wire                     i_loading,          // a record is being read, at i_load_address
@@ -33,18 +36,21 @@ module address_space #(
     output wire [15:0]              o_primary_word,
     input  wire                     i_fetching,         // a sequence entry is being read, at i_sequence_address
     input  wire [SEQUENCE_BITS-1:0] i_sequence_address,
-    output wire [31:0]              o_sequence_word
+    output wire [31:0]              o_sequence_word,
+    input  wire                     i_sampling          // a sample is being read
 );
     wire in_primary  = i_region == `HG_REGION_PRIMARY;
     wire in_sequence = i_region == `HG_REGION_SEQUENCE;
+    wire in_samples  = HAS_SAMPLES != 0 && i_region == `HG_REGION_MODULATION;
     reg  [1:0]  high_half_q;
     reg  [15:0] register_q;
     always @(posedge clk) {high_half_q, register_q} <= {high_half_q[0], i_read_address[0], i_register_word};
 
     assign o_hold      = in_primary ? i_loading && i_load_address == i_write_address[PRIMARY_BITS-1:0]
-                                    : in_sequence && i_fetching;
-    assign o_granted   = in_primary ? !i_loading : !in_sequence || !i_fetching;
+                                    : (in_sequence && i_fetching) || (in_samples && i_sampling);
+    assign o_granted   = in_primary ? !i_loading : !((in_sequence && i_fetching) || (in_samples && i_sampling));
     assign o_read_word = in_primary ? o_primary_word
+                       : in_samples ? i_sample_word
                        : !in_sequence ? register_q
                        : high_half_q[1] ? o_sequence_word[31:16] : o_sequence_word[15:0];
 

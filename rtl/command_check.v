@@ -4,7 +4,7 @@
 //
 // A command that is refused must leave no trace, so all its arguments are checked first. o_status is a status code of
 // interface.vh; it is valid one clock after i_settle and stays so while the arguments do.
-// CHANNELS, RECORDS and SEQUENCE_DEPTH are the core's; they bound addresses, indices and sequence entries. WORD_BITS is as wide
+// The parameters are the core's; they bound addresses, sequence entries and samples. i_top_index bounds indices. WORD_BITS is as wide
 // as the address of a 16-bit word in the largest region.
 `default_nettype none
 `include "interface.vh"
@@ -12,6 +12,9 @@ module command_check #(
     parameter CHANNELS       = 100,
     parameter RECORDS        = 400,
     parameter SEQUENCE_DEPTH = 1024,
+    parameter WIDTH_BITS     = 0,
+    parameter MODULATION_DEPTH = 0,
+    parameter FOCI           = 0,
     parameter WORD_BITS      = 16
 ) (
     input  wire        clk,
@@ -23,6 +26,7 @@ module command_check #(
     input  wire [15:0] i_tail_words,
     input  wire [15:0] i_live_free,
     input  wire        i_stopped,       // the stop input is active
+    input  wire [15:0] i_top_index,     // the highest index that is a record's
     input  wire        i_header_valid,  // the sequence header's length is in range
     output reg  [7:0]  o_status
 );
@@ -30,7 +34,9 @@ module command_check #(
     localparam PRIMARY_WORDS = RECORDS * RECORD_WORDS;
     localparam SEQUENCE_HALVES = SEQUENCE_DEPTH * 2;
     localparam [WORD_BITS:0] NO_WORDS = 0;
-    localparam [15:0] TOP_INDEX = RECORDS[15:0];
+    localparam GEOMETRY_WORDS = FOCI != 0 ? 4 * CHANNELS : 0;
+    localparam SAMPLE_WORDS = MODULATION_DEPTH / 2;
+    localparam [16:0] SAMPLES = MODULATION_DEPTH[16:0];
     localparam ENTRY_BITS = $clog2(SEQUENCE_DEPTH + 1);
     localparam [ENTRY_BITS:0] ENTRIES = SEQUENCE_DEPTH[ENTRY_BITS:0];
     localparam [15:0] MOST_WORDS = RECORD_WORDS[15:0];
@@ -67,6 +73,9 @@ module command_check #(
             `HG_REGION_SEQUENCE: region_words = SEQUENCE_HALVES[WORD_BITS:0];
             `HG_REGION_IDENTITY: region_words = writes ? NO_WORDS : `HG_IDENTITY_WORDS;
             `HG_REGION_STATUS:   region_words = writes ? NO_WORDS : `HG_STATUS_WORDS;
+            `HG_REGION_PARAMETERS: region_words = WIDTH_BITS != 0 ? `HG_PARAMETERS_WORDS : NO_WORDS;
+            `HG_REGION_GEOMETRY:   region_words = writes ? GEOMETRY_WORDS[WORD_BITS:0] : NO_WORDS;
+            `HG_REGION_MODULATION: region_words = SAMPLE_WORDS[WORD_BITS:0];
             default:             region_words = NO_WORDS;
         endcase
         o_status = `HG_REPLY_OK;
@@ -76,7 +85,7 @@ module command_check #(
                 else if (far_q || beyond_q > region_words_q) o_status = `HG_REPLY_BAD_ADDRESS;
                 else if (misaligned_q) o_status = `HG_REPLY_BAD_ALIGNMENT;
             `HG_COMMAND_SELECT:
-                if (i_argument_0 > TOP_INDEX) o_status = `HG_REPLY_BAD_INDEX;
+                if (i_argument_0 > i_top_index) o_status = `HG_REPLY_BAD_INDEX;
             `HG_COMMAND_PUSH:
                 if (i_tail_words > live_free_q) o_status = `HG_REPLY_FIFO_FULL;
             `HG_COMMAND_START:
@@ -84,6 +93,9 @@ module command_check #(
                     o_status = `HG_REPLY_BAD_RANGE;
             `HG_COMMAND_ENABLE:
                 if (i_stopped) o_status = `HG_REPLY_STOPPED;
+            `HG_COMMAND_MODULATE:
+                if (MODULATION_DEPTH == 0) o_status = `HG_REPLY_UNKNOWN_COMMAND;
+                else if (i_argument_0 != 16'd0 && ({1'b0, i_argument_1} > SAMPLES || i_argument_2 > 16'd1)) o_status = `HG_REPLY_BAD_RANGE;
             default: ;
         endcase
     end

@@ -24,6 +24,7 @@ module command_table (
             8'h0c: o_shape = {1'b1, 2'd3, 1'b0, 2'd3};  // digest
             8'h0d: o_shape = {1'b1, 2'd0, 1'b0, 2'd0};  // keep_alive
             8'h0e: o_shape = {1'b1, 2'd0, 1'b0, 2'd0};  // reset
+            8'h0f: o_shape = {1'b1, 2'd3, 1'b0, 2'd0};  // modulate
             default: o_shape = 6'd0;
         endcase
     end

@@ -9,12 +9,11 @@
 // o_keep or o_take_back. Writes go out one word a clock and pause only for i_hold; memory_controller.v relies on that.
 // Frames arrive on a valid/take stream from frame_receiver: the length in bytes, then the words. An answer starts with the
 // o_answer strobe, and what it is about stays until i_answered.
-// RECORDS is the core's: the highest index that PUSH may name. WORD_BITS is as wide as the address of a 16-bit word in the
+// i_top_index is the highest index that PUSH may name. WORD_BITS is as wide as the address of a 16-bit word in the
 // largest region. LENGTH_BITS is as wide as the length of a frame in bytes.
 `default_nettype none
 `include "interface.vh"
 module command_unit #(
-    parameter RECORDS     = 400,
     parameter WORD_BITS   = 16,
     parameter LENGTH_BITS = 10
 ) (
@@ -32,6 +31,7 @@ module command_unit #(
     output wire [15:0] o_tail_words,        // words that follow the arguments
     output wire        o_settle,            // strobe: all arguments are in place
     input  wire [7:0]  i_status,            // command_check's verdict
+    input  wire [15:0] i_top_index,
     // Strobes, one of them for each frame
     output reg         o_execute,           // o_command is applied
     output reg         o_repeated,          // it was applied before
@@ -56,7 +56,6 @@ module command_unit #(
 );
     localparam [3:0] LENGTH = 4'd0, HEADER = 4'd1, ARGUMENTS = 4'd2, SETTLE = 4'd3, JUDGE = 4'd4, TAIL = 4'd5,
                      DRAIN = 4'd6, CLOSE = 4'd7, ANSWER = 4'd8;
-    localparam [15:0] TOP_INDEX = RECORDS[15:0];
 
     // ---- The frame
 
@@ -158,7 +157,7 @@ module command_unit #(
                 else finish(repeated ? `HG_REPLY_REPEATED : `HG_REPLY_OK);
 
             TAIL: begin
-                if (o_push && i_word > TOP_INDEX) bad_index_q <= 1'b1;
+                if (o_push && i_word > i_top_index) bad_index_q <= 1'b1;
                 if (done) finish(bad_index_q ? `HG_REPLY_BAD_INDEX : `HG_REPLY_OK);
             end
 

@@ -9,6 +9,8 @@
 // cycle, whatever is left of the dwell. o_underrun strobes once for each change that is due but cannot happen: because the next
 // record is not ready, or because a pulse from before the last change still runs, which takes a cycle shorter than that pulse.
 // While i_allow is low there are no pulses to complete, so a change that i_preempt asked for does not wait for the cycle's end.
+// Where words are made anew in each cycle, i_refresh says that those of the present record are there; o_refresh then puts them to use at
+// the cycle's end, as o_commit does the next record's, with their i_pulse_length. Never both at once.
 // PULSE_BITS and TIMING_BITS are the core's. IDLE_CLOCKS is the length of the cycle before the first record, in clocks.
 `default_nettype none
 module cycle_controller #(
@@ -28,7 +30,11 @@ module cycle_controller #(
     input  wire [23:0]            i_cycle_length,
     input  wire [23:0]            i_prescaler,
     input  wire [PULSE_BITS-1:0]  i_pulse_length,
+    input  wire                   i_refresh,  // not with i_ready
+    output wire                   o_follows,  // the next record is wanted at the end of this cycle
+    output wire                   o_asked,    // a preempt asked for it
     output wire                   o_commit,
+    output wire                   o_refresh,
     output reg                    o_tick,
     output wire [TIMING_BITS-1:0] o_count,
     output wire                   o_can_match,
@@ -54,6 +60,10 @@ module cycle_controller #(
     wire boundary  = (tick_ends && count_q == last_count_q) || at_once;
 
     assign o_commit      = boundary && ready && (due || dwell_q == 16'd0 || preempt_q);
+    wire   refresh       = boundary && i_refresh && i_settled;
+    assign o_refresh     = refresh;
+    assign o_follows     = due || dwell_q == 16'd0 || preempt_q;
+    assign o_asked       = preempt_q;
     assign o_underrun    = boundary && due && !ready && !preempt_q && !late_q;
     assign o_count       = count_q[TIMING_BITS-1:0];
     // A count of all ones matches no channel, whatever the cycle length, so a timing of all ones silences its channel.
@@ -85,7 +95,10 @@ module cycle_controller #(
             o_pulse_length <= i_silent ? {PULSE_BITS{1'b0}} : i_pulse_length;
             o_index        <= i_index;
             dwell_q        <= i_dwell;
-        end else if (boundary && dwell_q > 16'd1) dwell_q <= dwell_q - 1'b1;
+        end else begin
+            if (refresh) o_pulse_length <= i_pulse_length;
+            if (boundary && dwell_q > 16'd1) dwell_q <= dwell_q - 1'b1;
+        end
     end
 
     always @(posedge clk) begin

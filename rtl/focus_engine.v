@@ -9,7 +9,7 @@
 // i_last_focus + 1 clocks; the first is there 34 + i_last_focus clocks after the start, the last, with o_last, after
 // 33 + CHANNELS · (i_last_focus + 1). focus_phase.v and phasor_sum.v say what they mean; o_far: a focus was too far to count.
 // i_wave_number and i_gain must not change while results come. Geometry that is written then can spoil them. rst drops all.
-// CHANNELS is the core's.
+// CHANNELS is the core's. Until geometry is written, all channels are at the origin.
 `default_nettype none
 module focus_engine #(
     parameter CHANNELS     = 100,
@@ -68,6 +68,8 @@ module focus_engine #(
 
     // A channel's geometry comes two clocks after its number, as from any block RAM (primary_memory.v), and its focus with it.
     (* no_rw_check *) reg [63:0] geometry [0:CHANNELS-1];
+    integer g;
+    initial for (g = 0; g < CHANNELS; g = g + 1) geometry[g] = 64'd0;
     reg [63:0] foci [0:15];
     reg [63:0] place_1_q, place_q, source_q;
     reg [3:0]  source_1_q;

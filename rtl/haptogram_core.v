@@ -23,6 +23,10 @@ module haptogram_core #(
     parameter MAX_HIGH_CLOCKS = `HG_DEFAULT_MAX_HIGH_CLOCKS,
     parameter MIN_PULSE_CLOCKS = `HG_DEFAULT_MIN_PULSE_CLOCKS,
     parameter MAX_DUTY_256    = `HG_DEFAULT_MAX_DUTY_256,
+    parameter WIDTH_BITS      = `HG_DEFAULT_WIDTH_BITS,
+    parameter MODULATION_DEPTH = `HG_DEFAULT_MODULATION_DEPTH,
+    parameter SLEW            = `HG_DEFAULT_SLEW,
+    parameter FOCI            = `HG_DEFAULT_FOCI,
     parameter CARRIER_HZ      = 40000,  // of the cycles before the first record, which starts at the end of one
     parameter PRIMARY_FILE    = "",     // $readmemh files: the memories' contents at power-up
     parameter SEQUENCE_FILE   = ""
@@ -45,7 +49,10 @@ module haptogram_core #(
     localparam PRIMARY_BITS = $clog2(PRIMARY_WORDS), SEQUENCE_BITS = $clog2(SEQUENCE_DEPTH);
     // The address of a 16-bit word in any region: primary memory, sequence memory in halves, the 32 words of a block.
     localparam HALVES_OR_BLOCK_BITS = SEQUENCE_BITS < 4 ? 5 : SEQUENCE_BITS + 1;
-    localparam WORD_BITS = PRIMARY_BITS > HALVES_OR_BLOCK_BITS ? PRIMARY_BITS : HALVES_OR_BLOCK_BITS;
+    localparam SAMPLE_BITS = MODULATION_DEPTH != 0 ? $clog2(MODULATION_DEPTH) - 1 : 0, GEOMETRY_BITS = FOCI != 0 ? $clog2(CHANNELS) + 2 : 0;
+    localparam SETTING_BITS = SAMPLE_BITS > GEOMETRY_BITS ? SAMPLE_BITS : GEOMETRY_BITS;
+    localparam PLAYED_BITS = PRIMARY_BITS > HALVES_OR_BLOCK_BITS ? PRIMARY_BITS : HALVES_OR_BLOCK_BITS;
+    localparam WORD_BITS = PLAYED_BITS > SETTING_BITS ? PLAYED_BITS : SETTING_BITS;
     // Room for two of the longest frames: length word, sequence number and command, address, record.
     localparam RING_BITS = $clog2(2 * (RECORD_WORDS + 4));
     localparam IDLE_CLOCKS = CLOCK_HZ / CARRIER_HZ;
@@ -53,6 +60,10 @@ module haptogram_core #(
     // Pulses that merge at changes of focus make up to five times the longest one, if their records' ticks are alike. A pin may
     // be high through one of the guard's windows of MAX_HIGH_CLOCKS / 2 - 1 clocks.
     localparam MAX_PULSE_CLOCKS = (MAX_HIGH_CLOCKS / 2 - 2) / 5;
+
+    generate
+        if (WIDTH_BITS == 0 && (MODULATION_DEPTH != 0 || SLEW != 0 || FOCI != 0)) width_bits_out_of_range error();
+    endgenerate
 
     // ---- The link: frames in, replies out
 
@@ -73,6 +84,7 @@ module haptogram_core #(
 
     // ---- Commands
 
+    wire [15:0] top_index;
     wire        settle, execute, repeated, refused, session, write, hold, push, keep, take_back, answer, answered;
     wire [7:0]  command, verdict, status, sequence_number, expected;
     wire [15:0] argument_0, argument_1, argument_2, tail_words, read_words, live_free, live_level;
@@ -80,21 +92,22 @@ module haptogram_core #(
     wire [3:0]  region;
 
     command_check #(
-        .CHANNELS(CHANNELS), .RECORDS(RECORDS), .SEQUENCE_DEPTH(SEQUENCE_DEPTH), .WORD_BITS(WORD_BITS)
+        .CHANNELS(CHANNELS), .RECORDS(RECORDS), .SEQUENCE_DEPTH(SEQUENCE_DEPTH), .WIDTH_BITS(WIDTH_BITS),
+        .MODULATION_DEPTH(MODULATION_DEPTH), .FOCI(FOCI), .WORD_BITS(WORD_BITS)
     ) check (
         .clk(clk),
         .i_settle(settle), .i_command(command),
         .i_argument_0(argument_0), .i_argument_1(argument_1), .i_argument_2(argument_2), .i_tail_words(tail_words),
-        .i_live_free(live_free), .i_stopped(stopped), .i_header_valid(header_valid),
+        .i_live_free(live_free), .i_stopped(stopped), .i_top_index(top_index), .i_header_valid(header_valid),
         .o_status(verdict));
 
     command_unit #(
-        .RECORDS(RECORDS), .WORD_BITS(WORD_BITS), .LENGTH_BITS(RING_BITS + 2)
+        .WORD_BITS(WORD_BITS), .LENGTH_BITS(RING_BITS + 2)
     ) commands (
         .clk(clk), .rst(rst),
         .i_valid(frame_valid), .o_take(frame_take), .i_word(frame_word),
         .o_command(command), .o_argument_0(argument_0), .o_argument_1(argument_1), .o_argument_2(argument_2),
-        .o_tail_words(tail_words), .o_settle(settle), .i_status(verdict),
+        .o_tail_words(tail_words), .o_settle(settle), .i_status(verdict), .i_top_index(top_index),
         .o_execute(execute), .o_repeated(repeated), .o_refused(refused), .o_session(session),
         .o_write(write), .i_hold(hold), .o_address(command_address), .o_region(region),
         .o_push(push), .o_keep(keep), .o_take_back(take_back),
@@ -125,19 +138,20 @@ module haptogram_core #(
     wire [WORD_BITS-1:0]     reply_address;
     wire [PRIMARY_BITS-1:0]  load_address;
     wire [SEQUENCE_BITS-1:0] sequence_address;
-    wire [15:0] primary_word, register_word, answer_word;
+    wire [15:0] primary_word, register_word, block_word, sample_word, answer_word;
     wire [31:0] sequence_word;
-    wire        read, granted, loading, fetching;
+    wire        read, granted, loading, fetching, sampling;
 
     address_space #(
-        .PRIMARY_WORDS(PRIMARY_WORDS), .SEQUENCE_DEPTH(SEQUENCE_DEPTH), .WORD_BITS(WORD_BITS),
+        .PRIMARY_WORDS(PRIMARY_WORDS), .SEQUENCE_DEPTH(SEQUENCE_DEPTH), .WORD_BITS(WORD_BITS), .HAS_SAMPLES(MODULATION_DEPTH != 0 ? 1 : 0),
         .PRIMARY_FILE(PRIMARY_FILE), .SEQUENCE_FILE(SEQUENCE_FILE)
     ) memories (
         .clk(clk), .i_region(region),
         .i_write(write), .i_write_address(command_address), .i_write_word(frame_word), .o_hold(hold),
-        .i_read_address(reply_address), .i_register_word(register_word), .o_granted(granted), .o_read_word(answer_word),
+        .i_read_address(reply_address), .i_register_word(block_word), .i_sample_word(sample_word), .o_granted(granted), .o_read_word(answer_word),
         .i_loading(loading), .i_load_address(load_address), .o_primary_word(primary_word),
-        .i_fetching(fetching), .i_sequence_address(sequence_address), .o_sequence_word(sequence_word));
+        .i_fetching(fetching), .i_sequence_address(sequence_address), .o_sequence_word(sequence_word),
+        .i_sampling(sampling));
 
     reply_unit #(.WORD_BITS(WORD_BITS)) replies (
         .clk(clk), .rst(rst),
@@ -177,17 +191,58 @@ module haptogram_core #(
 
     synchronizer #(.RESET_VALUE(1'b1)) stop_switch (.clk(clk), .rst(rst), .i_foreign(i_stop), .o_synchronous(stopped));
 
-    player #(
-        .CHANNELS(CHANNELS), .RECORDS(RECORDS), .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS), .IDLE_CLOCKS(IDLE_CLOCKS),
-        .MAX_HIGH_CLOCKS(MAX_HIGH_CLOCKS), .MIN_PULSE_CLOCKS(MIN_PULSE_CLOCKS), .MAX_PULSE_CLOCKS(MAX_PULSE_CLOCKS),
-        .MAX_DUTY_256(MAX_DUTY_256), .MAX_CYCLE_CLOCKS(MAX_CYCLE_CLOCKS)
-    ) play (
-        .clk(clk), .rst(play_rst),
-        .i_preempt(preempt), .i_entry(entry), .o_take(take), .i_index(next_index), .i_dwell(next_dwell),
-        .o_reading(loading), .o_address(load_address), .i_word(primary_word),
-        .i_enable(does_enable), .i_disable(does_disable || urgent_disable || line_broken || stopped || rst), .i_expired(expired),
-        .o_pins(o_pins), .o_enabled(o_enabled), .o_alive(o_alive), .o_index(o_index), .o_cycle_start(o_cycle_start),
-        .o_refused(record_refused), .o_underrun(underrun), .o_guard_trip(guard_trip));
+    wire disables = does_disable || urgent_disable || line_broken || stopped || rst;
+    wire modulated, bent_period, far_foci;
+    generate
+        if (WIDTH_BITS == 0) begin : one_width
+            player #(
+                .CHANNELS(CHANNELS), .RECORDS(RECORDS), .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS), .IDLE_CLOCKS(IDLE_CLOCKS),
+                .MAX_HIGH_CLOCKS(MAX_HIGH_CLOCKS), .MIN_PULSE_CLOCKS(MIN_PULSE_CLOCKS), .MAX_PULSE_CLOCKS(MAX_PULSE_CLOCKS),
+                .MAX_DUTY_256(MAX_DUTY_256), .MAX_CYCLE_CLOCKS(MAX_CYCLE_CLOCKS)
+            ) play (
+                .clk(clk), .rst(play_rst),
+                .i_preempt(preempt), .i_entry(entry), .o_take(take), .i_index(next_index), .i_dwell(next_dwell),
+                .o_reading(loading), .o_address(load_address), .i_word(primary_word),
+                .i_enable(does_enable), .i_disable(disables), .i_expired(expired),
+                .o_pins(o_pins), .o_enabled(o_enabled), .o_alive(o_alive), .o_index(o_index), .o_cycle_start(o_cycle_start),
+                .o_refused(record_refused), .o_underrun(underrun), .o_guard_trip(guard_trip));
+            assign top_index  = RECORDS[15:0];
+            assign block_word = register_word;
+            assign {sample_word, sampling, modulated, bent_period, far_foci} = 20'd0;
+        end else begin : own_widths
+            wire [15:0] parameter_word, foci_count;
+            wire [31:0] set_address = {{(32-WORD_BITS){1'b0}}, command_address}, read_address = {{(32-WORD_BITS){1'b0}}, reply_address};
+            wire        unused = &{1'b0, set_address[31:16], read_address[31:16]};
+            frame_player #(
+                .CHANNELS(CHANNELS), .RECORDS(RECORDS), .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS), .WIDTH_BITS(WIDTH_BITS),
+                .MODULATION_DEPTH(MODULATION_DEPTH), .SLEW(SLEW), .FOCI(FOCI), .IDLE_CLOCKS(IDLE_CLOCKS),
+                .MAX_HIGH_CLOCKS(MAX_HIGH_CLOCKS), .MIN_PULSE_CLOCKS(MIN_PULSE_CLOCKS), .MAX_PULSE_CLOCKS(MAX_PULSE_CLOCKS),
+                .MAX_DUTY_256(MAX_DUTY_256), .MAX_CYCLE_CLOCKS(MAX_CYCLE_CLOCKS)
+            ) play (
+                .clk(clk), .rst(play_rst),
+                .i_preempt(preempt), .i_entry(entry), .o_take(take), .i_index(next_index), .i_dwell(next_dwell),
+                .o_reading(loading), .o_address(load_address), .i_word(primary_word),
+                .i_set_parameter(write && region == `HG_REGION_PARAMETERS), .i_set_geometry(write && region == `HG_REGION_GEOMETRY),
+                .i_set_sample(write && region == `HG_REGION_MODULATION), .i_set_address(set_address[15:0]), .i_set_word(frame_word),
+                .i_read_address(read_address[15:0]), .o_parameter_word(parameter_word), .o_sample_word(sample_word),
+                .o_fetching(sampling), .o_foci_count(foci_count),
+                .i_modulate(execute && command == `HG_COMMAND_MODULATE), .i_divider(argument_0), .i_length(argument_1),
+                .i_loop(argument_2[0]),
+                .i_enable(does_enable), .i_disable(disables), .i_expired(expired),
+                .o_pins(o_pins), .o_enabled(o_enabled), .o_alive(o_alive), .o_index(o_index), .o_cycle_start(o_cycle_start),
+                .o_refused(record_refused), .o_underrun(underrun), .o_guard_trip(guard_trip),
+                .o_modulated(modulated), .o_bent(bent_period), .o_far(far_foci));
+            assign block_word = region == `HG_REGION_PARAMETERS ? parameter_word : register_word;
+            // An index has 16 bits; focus records above that cannot be named.
+            if (FOCI != 0) begin : with_foci
+                wire [16:0] top = RECORDS[16:0] + {1'b0, foci_count};
+                assign top_index = top[16] ? 16'hffff : top[15:0];
+            end else begin : without_foci
+                assign top_index = RECORDS[15:0];
+                wire unused_count = &{1'b0, foci_count};
+            end
+        end
+    endgenerate
 
     // ---- Supervision
 
@@ -202,14 +257,15 @@ module haptogram_core #(
     register_file #(
         .CHANNELS(CHANNELS), .RECORDS(RECORDS), .SEQUENCE_DEPTH(SEQUENCE_DEPTH), .LIVE_DEPTH(LIVE_DEPTH),
         .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS), .CLOCK_HZ(CLOCK_HZ), .MIN_PULSE_CLOCKS(MIN_PULSE_CLOCKS),
-        .MAX_PULSE_CLOCKS(MAX_PULSE_CLOCKS), .MAX_DUTY_256(MAX_DUTY_256), .MAX_CYCLE_CLOCKS(MAX_CYCLE_CLOCKS)
+        .MAX_PULSE_CLOCKS(MAX_PULSE_CLOCKS), .MAX_DUTY_256(MAX_DUTY_256), .MAX_CYCLE_CLOCKS(MAX_CYCLE_CLOCKS),
+        .WIDTH_BITS(WIDTH_BITS), .MODULATION_DEPTH(MODULATION_DEPTH), .SLEW(SLEW), .FOCI(FOCI)
     ) registers (
         .clk(clk), .rst(play_rst),
         .i_read(read), .i_is_identity(region == `HG_REGION_IDENTITY), .i_address(reply_address[4:0]), .o_word(register_word),
-        .i_enabled(o_enabled), .i_stopped(stopped), .i_mode(mode), .i_present_index(o_index), .i_live_level(live_level), .i_watchdog_ms(watchdog_ms),
+        .i_enabled(o_enabled), .i_stopped(stopped), .i_modulated(modulated), .i_mode(mode), .i_present_index(o_index), .i_live_level(live_level), .i_watchdog_ms(watchdog_ms),
         .i_underrun(underrun), .i_record_refused(record_refused),
         .i_frame_good(frame_good), .i_frame_damaged(frame_damaged), .i_frame_repeated(repeated), .i_frame_refused(refused),
-        .i_watchdog_trip(expired), .i_guard_trip(guard_trip));
+        .i_watchdog_trip(expired), .i_guard_trip(guard_trip), .i_bent_period(bent_period), .i_far_foci(far_foci));
 
     reg fault_q;
     always @(posedge clk) begin

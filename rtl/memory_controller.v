@@ -3,7 +3,7 @@
 // Reads the next record out of primary memory while the present one plays, and holds it ready until it is committed.
 //
 // i_entry/o_take is a valid/ready stream of (index, dwell), taken when i_settled says that the shadow registers are free. The
-// record's header goes into the fields below; its timings go into the shadow registers, one a clock. o_ready is first high
+// record's header goes into the fields below; its words (o_timing, or i_word as it is) go on with o_shift, one a clock. o_ready is first high
 // CHANNELS + 7 clocks after the clock that takes the entry, with the last timing, or after 33 if that is later; index 0 (silence)
 // is ready after 2.
 // A record that cannot be played is refused: an index above RECORDS; a cycle of no clock, or of more than MAX_CYCLE_CLOCKS; a
@@ -14,6 +14,9 @@
 // would be larger than all the rest. The prescaler rotates meanwhile and is as before at the end.
 // The memory is read without pause in ascending order, and writers write in that order, too. So whoever starts first stays
 // first, and a record that is written meanwhile is seen whole or not at all.
+// With WIDTH_BITS, a record may be one of amplitudes, o_amplitudes: pulse length 0, prescaler 1, and a cycle of LEAST_CYCLE ticks to as
+// many as WIDTH_BITS and MAX_PULSE_CLOCKS allow half of. One of timings is then refused when its cycle is one over whose end emission.v
+// could not carry a pulse. With FOCI, an index above RECORDS is a focus record, o_foci, without a header; i_foci_* say where it is.
 // CHANNELS and RECORDS are the core's: a load of up to 1000 channels fits in a 40 kHz period at 50 MHz, and an index has 16
 // bits.
 // TIMING_BITS is the width of a channel's comparator, PULSE_BITS that of the pulse length.
@@ -29,6 +32,9 @@ module memory_controller #(
     parameter MAX_PULSE_CLOCKS = 999,
     parameter MAX_DUTY_256     = 128,
     parameter MAX_CYCLE_CLOCKS = 50000000,
+    parameter WIDTH_BITS   = 0,
+    parameter FOCI         = 0,
+    parameter LEAST_CYCLE  = 2,
     parameter PRESCALER_BITS = 24,  // the field; less only makes proofs shorter, and larger prescalers are then refused
     parameter ADDRESS_BITS = $clog2(RECORDS * (CHANNELS + `HG_RECORD_HEADER_WORDS))  // follows from the others
 ) (
@@ -36,18 +42,24 @@ module memory_controller #(
     input  wire                    rst,
     input  wire                    i_preempt,
     input  wire                    i_entry,
-    input  wire                    i_settled,  // the shadow registers may be overwritten
+    input  wire                    i_settled,  // what takes the words is free
     output wire                    o_take,
     input  wire [15:0]             i_index,
     input  wire [15:0]             i_dwell,
     output wire                    o_reading,  // the word at o_address is being read
     output reg  [ADDRESS_BITS-1:0] o_address,  // of a word
     input  wire [15:0]             i_word,     // two clocks after o_address
+    input  wire [15:0]             i_foci_base,   // of focus records, in units of four words; these are not to change while one loads
+    input  wire [15:0]             i_foci_count,
+    input  wire [2:0]              i_foci_last,   // the foci of each, less one
+    input  wire [15:0]             i_foci_cycle,  // ticks of one clock
     output wire                    o_shift,
     output wire [TIMING_BITS-1:0]  o_timing,
     input  wire                    i_commit,
     output wire                    o_ready,
     output reg                     o_silent,
+    output reg                     o_amplitudes,
+    output wire                    o_foci,
     output reg  [15:0]             o_index,
     output reg  [15:0]             o_dwell,
     output reg  [23:0]             o_cycle_length,
@@ -56,9 +68,13 @@ module memory_controller #(
     output reg                     o_refused
 );
     localparam WORDS = CHANNELS + `HG_RECORD_HEADER_WORDS;
-    localparam WORD_BITS = $clog2(WORDS);
+    localparam FOCI_WORDS = 4 * FOCI;  // the most
+    localparam WORD_BITS = $clog2(WORDS > FOCI_WORDS ? WORDS : FOCI_WORDS);
+    localparam integer ALL_WORDS = RECORDS * WORDS;
+    localparam [27:0] PRIMARY_WORDS = ALL_WORDS[27:0];
     localparam [26:0] STRIDE = WORDS[26:0];
     localparam [WORD_BITS-1:0] LAST = WORDS[WORD_BITS-1:0] - 1'b1;
+    localparam [WORD_BITS-1:0] HEADER = `HG_RECORD_HEADER_WORDS;
     localparam [15:0] TOP_INDEX = RECORDS[15:0];
     localparam [1:0] IDLE = 2'd0, LOAD = 2'd1, READY = 2'd2;
 
@@ -67,12 +83,18 @@ module memory_controller #(
     localparam [PULSE_WIDTH-1:0] SHORTEST_PULSE = MIN_PULSE_CLOCKS[PULSE_WIDTH-1:0], LONGEST_PULSE = MAX_PULSE_CLOCKS[PULSE_WIDTH-1:0];
     localparam [31:0] LARGEST_DUTY = MAX_DUTY_256;
     localparam [CYCLE_WIDTH-1:0] LONGEST_CYCLE = MAX_CYCLE_CLOCKS[CYCLE_WIDTH-1:0];
+    // Cycles of amplitudes: half of one is the widest pulse. Cycles of timings that emission.v has no room for.
+    localparam integer WIDEST = (1 << WIDTH_BITS) - 1 < MAX_PULSE_CLOCKS ? (1 << WIDTH_BITS) - 1 : MAX_PULSE_CLOCKS;
+    localparam integer MOST_CYCLE = 2 * WIDEST;
+    localparam [23:0] LEAST_TICKS = LEAST_CYCLE[23:0], MOST_TICKS = MOST_CYCLE[23:0];
+    localparam [23:0] FIRST_UNFIT = (1 << TIMING_BITS) + 1, LAST_UNFIT = (1 << TIMING_BITS) + (1 << WIDTH_BITS) - 1;
 
     generate
         if (MIN_PULSE_CLOCKS < 1 || MIN_PULSE_CLOCKS > MAX_PULSE_CLOCKS) min_pulse_clocks_out_of_range error();
         if (MAX_DUTY_256 < 1 || MAX_DUTY_256 > 255) max_duty_256_out_of_range error();
         if (CHANNELS < 2 || CHANNELS > 1000) channels_out_of_range error();
         if (RECORDS < 1 || RECORDS > 65535) records_out_of_range error();
+        if (WIDTH_BITS != 0 && LEAST_CYCLE > 2 * WIDEST) width_bits_out_of_range error();
     endgenerate
 
     reg [1:0]            state_q;
@@ -84,16 +106,32 @@ module memory_controller #(
     reg [7:0]            pulse_field_q;
     reg                  malformed_q;  // reserved bits, too long for PULSE_BITS, or too large a part of the cycle
     reg                  here_q;       // the last timing has arrived, or does so in this clock
+    reg                  foci_q;
+    assign o_foci = FOCI != 0 && foci_q;
     reg  [4:0]           steps_q;      // bits of the prescaler that the products still lack
     reg                  header_q;     // the header has arrived
 
     wire [26:0] first_word = {11'd0, o_index - 16'd1} * STRIDE;  // the upper bits are 0, because the index is in range
-    wire refuse_index = o_index > TOP_INDEX;
+    // A focus record's number from 0 on, its first word, and the word after it; here the upper bits of an index that is out of range count.
+    wire [15:0] number     = o_index - TOP_INDEX - 16'd1;
+    wire [3:0]  foci       = {1'b0, i_foci_last} + 4'd1;
+    wire [27:0] first_foci = {10'd0, i_foci_base, 2'b00} + {10'd0, {2'd0, number} * {14'd0, foci}} * 28'd4;
+    wire        beyond     = first_foci + {22'd0, foci, 2'b00} > PRIMARY_WORDS;
+    wire [31:0] last_focus_word = {27'd0, i_foci_last, 2'b11};
+    wire [WORD_BITS-1:0] last = o_foci ? last_focus_word[WORD_BITS-1:0] : LAST;
+    wire refuse_index = o_foci ? number >= i_foci_count || beyond : o_index > TOP_INDEX;
     // Used in the clock in which i_word holds the header's last word: the prescaler's upper bits and the reserved bits.
     wire [24:0] pulse_limit = 25'd1 << PULSE_BITS;
-    wire malformed = {17'd0, pulse_field_q} >= pulse_limit || i_word[15:8] != 8'd0
+    wire amplitudes = WIDTH_BITS != 0 && i_word[15:8] == `HG_KIND_AMPLITUDES;
+    wire unfit = WIDTH_BITS != 0 && (amplitudes ? pulse_field_q != 8'd0 || {i_word[7:0], o_prescaler[15:0]} != 24'd1 || !fits_amplitudes(o_cycle_length)
+                                                : o_cycle_length >= FIRST_UNFIT && o_cycle_length <= LAST_UNFIT);
+    wire malformed = {17'd0, pulse_field_q} >= pulse_limit || (i_word[15:8] != `HG_KIND_TIMINGS && !amplitudes) || unfit
                      || {1'b0, i_word[7:0], o_prescaler[15:0]} >> PRESCALER_BITS != 25'd0
                      || {16'd0, pulse_field_q, 8'd0} > {8'd0, o_cycle_length} * LARGEST_DUTY;
+    // Whether a cycle is one in which channels can have amplitudes.
+    function fits_amplitudes(input [23:0] ticks);
+        fits_amplitudes = ticks >= LEAST_TICKS && ticks <= MOST_TICKS;
+    endfunction
     wire checks  = header_q && steps_q != 5'd0;
     wire next_bit = o_prescaler[PRESCALER_BITS-1];
     wire checked = header_q && steps_q == 5'd0;
@@ -110,7 +148,7 @@ module memory_controller #(
                       || pulse_over || pulse_clocks > LONGEST_PULSE || (pulse_field_q != 8'd0 && pulse_clocks < SHORTEST_PULSE);
 
     assign o_take    = state_q == IDLE && i_entry && i_settled && !i_preempt;
-    wire   ends      = coming_q && comes_q == LAST;  // the last word arrives in the next clock
+    wire   ends      = coming_q && comes_q == last;  // the last word arrives in the next clock
     assign o_reading = state_q == LOAD && !places_q && !here_q;
     assign o_ready   = state_q == READY;
     // A timing that does not fit the channel's comparator becomes all ones, which never matches: the channel stays silent.
@@ -123,7 +161,7 @@ module memory_controller #(
         end
     endgenerate
     assign o_timing = too_wide ? {TIMING_BITS{1'b1}} : i_word[TIMING_BITS-1:0];
-    assign o_shift        = arrives_q && arrived_q >= `HG_RECORD_HEADER_WORDS;
+    assign o_shift        = arrives_q && arrived_q >= (o_foci ? {WORD_BITS{1'b0}} : HEADER);
     assign o_pulse_length = pulse_field_q[PULSE_BITS-1:0];
 
     always @(posedge clk) begin
@@ -154,22 +192,24 @@ module memory_controller #(
         if (o_take) begin
             o_index   <= i_index;
             o_dwell   <= i_dwell;
+            foci_q    <= i_index > TOP_INDEX;
             asked_q   <= {WORD_BITS{1'b0}};
             {here_q, header_q} <= 2'b00;
-        end else if (places_q) o_address <= first_word[ADDRESS_BITS-1:0];
-        else if (asked_q != LAST) begin
+        end else if (places_q) o_address <= o_foci ? first_foci[ADDRESS_BITS-1:0] : first_word[ADDRESS_BITS-1:0];
+        else if (asked_q != last) begin
             o_address <= o_address + 1'b1;
             asked_q   <= asked_q + 1'b1;
         end
         comes_q   <= asked_q;
         arrived_q <= comes_q;
-        if (arrives_q) begin
+        if (arrives_q && !o_foci) begin
             if (arrived_q == 0) o_cycle_length[15:0] <= i_word;
             if (arrived_q == 1) {pulse_field_q, o_cycle_length[23:16]} <= i_word;
             if (arrived_q == 2) o_prescaler[15:0] <= i_word;
             if (arrived_q == 3) begin
                 o_prescaler[23:16] <= i_word[7:0];
                 malformed_q        <= malformed;
+                o_amplitudes       <= amplitudes;
                 header_q           <= 1'b1;
                 steps_q            <= PRESCALER_BITS[4:0];
             end
@@ -179,12 +219,22 @@ module memory_controller #(
             o_prescaler[PRESCALER_BITS-1:0] <= {o_prescaler[PRESCALER_BITS-2:0], o_prescaler[PRESCALER_BITS-1]};
         end
         if (ends) here_q <= 1'b1;
+        if (o_foci && places_q) begin  // as if this had come in a header
+            {o_amplitudes, header_q, malformed_q} <= {2'b11, !fits_amplitudes({8'd0, i_foci_cycle})};
+            {pulse_field_q, o_cycle_length, o_prescaler} <= {16'd0, i_foci_cycle, 24'd1};
+            steps_q <= PRESCALER_BITS[4:0];
+        end
+        if (o_foci && arrives_q && arrived_q[1:0] == 2'd3 && i_word[7:6] != 2'b00) malformed_q <= 1'b1;
     end
 
-    wire unused = &{1'b0, first_word};
+    wire unused = &{1'b0, first_word, first_foci, last_focus_word};
 
 `ifdef FORMAL
-    `include "formal/memory_controller.vh"
+    generate
+        if (WIDTH_BITS == 0) begin : proof  // of records of timings alone
+            `include "formal/memory_controller.vh"
+        end
+    endgenerate
 `endif
 endmodule
 `default_nettype wire

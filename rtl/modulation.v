@@ -69,6 +69,8 @@ module modulation #(
 
     // The sample is read once a period. A number says how many clocks after i_period it is.
     (* no_rw_check *) reg [15:0] words [0:DEPTH/2-1];
+    integer w;
+    initial for (w = 0; w < DEPTH/2; w = w + 1) words[w] = 16'hffff;
     reg [15:0] word_q;
     reg [3:1]  period_q;
     assign o_fetching = period_q[1];

@@ -58,6 +58,8 @@ module player #(
     wire [15:0]            index, dwell, present;
     wire [23:0]            cycle_length, prescaler;
     wire [PULSE_BITS-1:0]  next_pulse_length, pulse_length;
+    wire                   amplitudes, foci, refresh, follows, asked;  // of frame_player alone
+    wire                   unused = &{1'b0, amplitudes, foci, refresh, follows, asked};
 
     memory_controller #(
         .CHANNELS(CHANNELS), .RECORDS(RECORDS), .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS),
@@ -67,6 +69,7 @@ module player #(
         .clk(clk), .rst(rst),
         .i_preempt(i_preempt), .i_entry(i_entry), .i_settled(settled), .o_take(o_take), .i_index(i_index), .i_dwell(i_dwell),
         .o_reading(o_reading), .o_address(o_address), .i_word(i_word),
+        .i_foci_base(16'd0), .i_foci_count(16'd0), .i_foci_last(3'd0), .i_foci_cycle(16'd0), .o_amplitudes(amplitudes), .o_foci(foci),
         .o_shift(shift), .o_timing(timing),
         .i_commit(commit), .o_ready(ready), .o_silent(silent), .o_index(index), .o_dwell(dwell),
         .o_cycle_length(cycle_length), .o_prescaler(prescaler), .o_pulse_length(next_pulse_length), .o_refused(o_refused));
@@ -78,6 +81,7 @@ module player #(
         .i_allow(allow), .i_preempt(i_preempt), .i_settled(settled),
         .i_ready(ready), .i_index(index), .i_dwell(dwell), .i_silent(silent),
         .i_cycle_length(cycle_length), .i_prescaler(prescaler), .i_pulse_length(next_pulse_length),
+        .i_refresh(1'b0), .o_refresh(refresh), .o_follows(follows), .o_asked(asked),
         .o_commit(commit), .o_tick(tick), .o_count(count), .o_can_match(can_match), .o_pulse_length(pulse_length),
         .o_index(present), .o_cycle_start(cycle_start), .o_underrun(o_underrun));
 

@@ -18,7 +18,11 @@ module register_file #(
     parameter MIN_PULSE_CLOCKS = 5,
     parameter MAX_PULSE_CLOCKS = 999,
     parameter MAX_DUTY_256     = 128,
-    parameter MAX_CYCLE_CLOCKS = 50000000
+    parameter MAX_CYCLE_CLOCKS = 50000000,
+    parameter WIDTH_BITS     = 0,
+    parameter MODULATION_DEPTH = 0,
+    parameter SLEW           = 0,
+    parameter FOCI           = 0
 ) (
     input  wire        clk,
     input  wire        rst,
@@ -28,6 +32,7 @@ module register_file #(
     output reg  [15:0] o_word,
     input  wire        i_enabled,
     input  wire        i_stopped,
+    input  wire        i_modulated,
     input  wire [1:0]  i_mode,
     input  wire [15:0] i_present_index,
     input  wire [15:0] i_live_level,
@@ -39,7 +44,9 @@ module register_file #(
     input  wire        i_frame_repeated,
     input  wire        i_frame_refused,
     input  wire        i_watchdog_trip,
-    input  wire        i_guard_trip
+    input  wire        i_guard_trip,
+    input  wire        i_bent_period,
+    input  wire        i_far_foci
 );
     localparam [15:0] CHANNELS_16 = CHANNELS[15:0], RECORDS_16 = RECORDS[15:0], SEQUENCE_16 = SEQUENCE_DEPTH[15:0],
                       LIVE_16 = LIVE_DEPTH[15:0], TIMING_16 = TIMING_BITS[15:0], PULSE_16 = PULSE_BITS[15:0];
@@ -50,15 +57,19 @@ module register_file #(
     // A WRITE of one whole record, in bytes: 2 of head, 4 of address, and the record.
     localparam FRAME = 6 + 2 * (CHANNELS + `HG_RECORD_HEADER_WORDS);
     localparam [127:0] NAME = `HG_NAME;
+    localparam SAMPLE_WORDS = MODULATION_DEPTH / 2;
+    localparam [15:0] FEATURES = `HG_FEATURES | (WIDTH_BITS != 0 ? `HG_FEATURE_AMPLITUDE : 16'd0) | (SLEW != 0 ? `HG_FEATURE_SLEW : 16'd0)
+                                 | (MODULATION_DEPTH != 0 ? `HG_FEATURE_MODULATION : 16'd0) | (FOCI != 0 ? `HG_FEATURE_FOCI : 16'd0);
 
-    reg [15:0] underruns_q, records_refused_q, good_q, damaged_q, repeated_q, refused_q, watchdog_q, guard_q;
+    reg [15:0] underruns_q, records_refused_q, good_q, damaged_q, repeated_q, refused_q, watchdog_q, guard_q, bent_q, far_q;
     wire counts = i_underrun || i_record_refused || i_frame_good || i_frame_damaged || i_frame_repeated || i_frame_refused
-                  || i_watchdog_trip || i_guard_trip;
+                  || i_watchdog_trip || i_guard_trip || i_bent_period || i_far_foci;
     // `counts` in front spares a simulator eight tests in most clocks.
     always @(posedge clk) if (rst || counts) begin
         if (rst) begin
             {underruns_q, records_refused_q, good_q, damaged_q} <= 64'd0;
             {repeated_q, refused_q, watchdog_q, guard_q} <= 64'd0;
+            {bent_q, far_q} <= 32'd0;
         end else begin
             if (i_underrun) underruns_q <= underruns_q + 1'b1;
             if (i_record_refused) records_refused_q <= records_refused_q + 1'b1;
@@ -68,6 +79,8 @@ module register_file #(
             if (i_frame_refused) refused_q <= refused_q + 1'b1;
             if (i_watchdog_trip) watchdog_q <= watchdog_q + 1'b1;
             if (i_guard_trip) guard_q <= guard_q + 1'b1;
+            if (i_bent_period) bent_q <= bent_q + 1'b1;
+            if (i_far_foci) far_q <= far_q + 1'b1;
         end
     end
 
@@ -81,16 +94,19 @@ module register_file #(
             `HG_IDENTITY_BITS:           o_word <= {PULSE_16[7:0], TIMING_16[7:0]};
             `HG_IDENTITY_CLOCK_HZ_LOW:   o_word <= CLOCK_32[15:0];
             `HG_IDENTITY_CLOCK_HZ_HIGH:  o_word <= CLOCK_32[31:16];
-            `HG_IDENTITY_FEATURES:       o_word <= `HG_FEATURES;
+            `HG_IDENTITY_FEATURES:       o_word <= FEATURES;
             `HG_IDENTITY_FRAME_BYTES:    o_word <= FRAME[15:0];
             `HG_IDENTITY_MIN_PULSE_CLOCKS: o_word <= MIN_16;
             `HG_IDENTITY_MAX_PULSE_CLOCKS: o_word <= MAX_16;
             `HG_IDENTITY_MAX_DUTY_256:   o_word <= DUTY_16;
             `HG_IDENTITY_MAX_CYCLE_LOW:  o_word <= CYCLE_32[15:0];
             `HG_IDENTITY_MAX_CYCLE_HIGH: o_word <= CYCLE_32[31:16];
+            `HG_IDENTITY_WIDTH_BITS:     o_word <= WIDTH_BITS[15:0];
+            `HG_IDENTITY_FOCI:           o_word <= FOCI[15:0];
+            `HG_IDENTITY_MODULATION_WORDS: o_word <= SAMPLE_WORDS[15:0];
             default:                     o_word <= NAME[{i_address[2:0], 4'd0} +: 16];
         endcase else case (i_address)
-            `HG_STATUS_FLAGS:            o_word <= {12'd0, i_stopped, i_mode, i_enabled};
+            `HG_STATUS_FLAGS:            o_word <= {11'd0, i_modulated, i_stopped, i_mode, i_enabled};
             `HG_STATUS_PRESENT_INDEX:    o_word <= i_present_index;
             `HG_STATUS_UNDERRUNS:        o_word <= underruns_q;
             `HG_STATUS_REFUSED_RECORDS:  o_word <= records_refused_q;
@@ -101,6 +117,8 @@ module register_file #(
             `HG_STATUS_GUARD_TRIPS:      o_word <= guard_q;
             `HG_STATUS_LIVE_LEVEL:       o_word <= i_live_level;
             `HG_STATUS_WATCHDOG_MS:      o_word <= i_watchdog_ms;
+            `HG_STATUS_BENT_PERIODS:     o_word <= bent_q;
+            `HG_STATUS_FAR_FOCI:         o_word <= far_q;
             default:                     o_word <= refused_q;
         endcase
     end

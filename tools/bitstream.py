@@ -104,8 +104,8 @@ def synthesise(folder, board):
     defines += [f"-DHG_HIGH={len(pins['high'])}"] if pins.get("high") else []
     sets = " ".join(f"-set {k} {v}" for k, v in board["parameters"].items())
     files = " ".join(f'-set {n.upper()}_FILE "{n}_init.hex"' for n in memories(board))
-    # Without the one multiplier, for which Yosys has no simulation model.
-    synth = "synth_ice40" if family == "ice40" else "synth_ecp5 -nodsp"
+    # Without the one multiplier, for which Yosys has no simulation model; boards with amplitudes have too many of them for that.
+    synth = "synth_ice40" if family == "ice40" else "synth_ecp5" if board["parameters"]["WIDTH_BITS"] else "synth_ecp5 -nodsp"
     # The core stays a module of its own, so that what is tested is what is placed.
     apart = f"delete {top}\nhierarchy -auto-top\nrename -top haptogram_core\n" if top != "haptogram_core" else ""
     (folder / "synth.ys").write_text(f"""read_verilog {' '.join(defines)} -I{ROOT}/rtl {' '.join(map(str, sources))}

@@ -42,6 +42,8 @@ def check(name, values, parameters):
         raise Wrong(f"configuration {name}: unknown or missing: {', '.join(wrong)}")
     for parameter in parameters:
         value, (low, high) = values[parameter["name"]], bounds(parameter, values)
+        if parameter.get("optional") and value == 0:
+            continue
         if not low <= value <= high:
             raise Wrong(f"configuration {name}: {parameter['name']} is {value}, expected {low} to {high}")
         if parameter.get("power_of_two") and value & (value - 1):
@@ -69,11 +71,13 @@ def configuration(name):
 
 
 def parameters_of(board):
-    """The parameters that a board file of constraints/ asks for: of a named configuration, or each by itself."""
+    """The parameters that a board file of constraints/ asks for: of a named configuration, or each by itself, but for those that are 0
+    by default."""
     table = dict(board["parameters"])
     name = table.pop("configuration", None)
-    values = table if name is None else configuration(name) | table
-    check(name or board.get("description", "of the board"), values, load()["parameter"])
+    parameters = load()["parameter"]
+    values = {p["name"]: 0 for p in parameters if p["default"] == 0} | table if name is None else configuration(name) | table
+    check(name or board.get("description", "of the board"), values, parameters)
     return values
 
 

@@ -50,10 +50,6 @@ def layouts(table):
         yield block["region"], [f for f in fields(named, words, widths[block["region"]]) if not f[0].startswith("name_")], widths[block["region"]]
 
 
-def features(table):
-    return {row["name"]: row["bit"] for row in table["feature"]}
-
-
 def name_words(table):
     raw = table["protocol"]["name"].encode("ascii").ljust(16, b"\0")
     return [raw[i] | raw[i + 1] << 8 for i in range(0, 16, 2)]
@@ -82,7 +78,13 @@ def verilog(table):
         define(f"{name}_WORDS", len(words))
         for position, word in enumerate(words):
             define(f"{name}_{word}", f"5'd{position}")
-    define("FEATURES", f"16'h{sum(1 << bit for bit in features(table).values()):04x}")
+    # What every core has, and what it has when one of its parameters is not 0.
+    define("FEATURES", f"16'h{sum(1 << row['bit'] for row in table['feature'] if 'parameter' not in row):04x}")
+    for row in table["feature"]:
+        if "parameter" in row:
+            define(f"FEATURE_{row['name']}", f"16'h{1 << row['bit']:04x}")
+    for kind in table["kind"]:
+        define(f"KIND_{kind['name']}", f"8'd{kind['value']}")
     for mode in table["mode"]:
         define(f"MODE_{mode['name']}", f"2'd{mode['value']}")
     for command in table["command"]:
@@ -177,7 +179,7 @@ struct ParameterDescription {
     std::uint32_t CoreParameters::* member;
     std::uint32_t low, high;
     ParameterBound at_least, at_most;
-    bool power_of_two;
+    bool power_of_two, optional;  ///< optional: 0 is allowed beside low to high
     std::string_view unit, about, why;
 
     /// The lowest and highest value beside the others of `core`.
@@ -189,6 +191,7 @@ struct ParameterDescription {
     }
     [[nodiscard]] constexpr bool allows(const CoreParameters& core) const {
         const std::uint32_t value = core.*member;
+        if (optional && value == 0) return true;
         return value >= lowest(core) && value <= highest(core) && (!power_of_two || std::has_single_bit(value));
     }
 };
@@ -231,6 +234,8 @@ def cpp(table):
     out += [f"    {row['name']} = {row['bit']},  // {row['about']}" for row in table["feature"]] + ["};"]
     out += ["[[nodiscard]] constexpr bool has(std::uint32_t features, Feature feature) {"]
     out += ["    return (features >> static_cast<unsigned>(feature) & 1U) != 0;", "}"]
+    out += ["", "/// What the words of a record are.", "enum class Kind : unsigned {"]
+    out += [f"    {row['name']} = {row['value']},  // {row['about']}" for row in table["kind"]] + ["};"]
     out += ["", "/// Where the next record comes from.", "enum class Mode : unsigned {"]
     out += [f"    {row['name']} = {row['value']},  // {row['about']}" for row in table["mode"]] + ["};"]
     out += ["", "enum class Command : std::uint8_t {"] + [f"    {c['name']} = 0x{c['code']:02x}," for c in table["command"]] + ["};"]
@@ -259,7 +264,7 @@ def cpp(table):
     out += [f"inline constexpr std::array<ParameterDescription, {len(names)}> core_parameters = {{{{"]
     for p in table["parameter"]:
         out.append(f"    {{{quoted(p['name'])}, &CoreParameters::{p['name'].lower()}, {p['low']}, {p['high']}, {bound(p.get('at_least'))}, "
-                   f"{bound(p.get('at_most'))}, {str(p.get('power_of_two', False)).lower()},")  # fmt: skip
+                   f"{bound(p.get('at_most'))}, {str(p.get('power_of_two', False)).lower()}, {str(p.get('optional', False)).lower()},")  # fmt: skip
         out.append(f"     {quoted(p['unit'])}, {quoted(p['about'])},")
         out.append(f"     {quoted(p['why'])}}},")
     out += ["}};", "", "/// A named set of parameters.", "struct CoreConfiguration {", "    std::string_view name;", "    CoreParameters parameters;",
@@ -325,7 +330,7 @@ def python(table):
     out += ["", "", PYTHON_TYPES, ""]
     for name, rows, _ in layouts(table):
         out += [f"{name.upper()}_FIELDS = {{"] + [f'    "{field}": BitField({first}, {width}),' for field, first, width, _ in rows] + ["}"]
-    for title, rows in (("Feature", [dict(r, code=r["bit"]) for r in table["feature"]]), ("Mode", [dict(r, code=r["value"]) for r in table["mode"]])):
+    for title, rows in (("Kind", [dict(r, code=r["value"]) for r in table["kind"]]), ("Feature", [dict(r, code=r["bit"]) for r in table["feature"]]), ("Mode", [dict(r, code=r["value"]) for r in table["mode"]])):
         out += ["", "", f"class {title}(enum.IntEnum):"]
         out += [f"    {row['name'].upper()} = {row['code']}" for row in rows]
     for title, rows in (("Command", table["command"]), ("Status", table["status"])):
@@ -350,8 +355,14 @@ def page(table):
         return lines
 
     parts = {name: bit_table(rows, word_bits) for name, rows, word_bits in layouts(table)}
-    out += ["", "## Record", "", "A header, and then a timing for each channel.", ""] + parts["record"]
-    out.append(f"| {table['record']['header_words']}… | 15…0 | timing[CHANNELS] | tick at which channel 0, 1, … starts its pulse; 0x{table['record']['silent_timing']:04X} never |")
+    out += ["", "## Record", "", "A header, and then a word for each channel.", ""] + parts["record"]
+    out.append(f"| {table['record']['header_words']}… | 15…0 | word[CHANNELS] | of channel 0, 1, …: see the kinds; a timing of 0x{table['record']['silent_timing']:04X} never starts a pulse |")
+    out += ["", "Values of kind:", "", "| value | kind | a channel's word |", "|---|---|---|"]
+    out += [f"| {row['value']} | {row['name']} | {row['about']} |" for row in table["kind"]]
+    out += ["", "A focus record has no header and lies in primary memory, too: `foci_last` + 1 foci of four words each, at the word"]
+    out += ["4 · `foci_base` + (n − 1) · 4 · (`foci_last` + 1) for the n-th, whose index is RECORDS + n. The words of a focus are the lower",
+            "16 bits of x, y and z (signed, 18 bits, in 1/128 mm), and then the amplitude in bits 15…8, 0 in 7…6, and the upper bits of z, y and",
+            "x in 5…4, 3…2 and 1…0. The settings are in the parameters block."]
     out += ["", "## Sequence", "", "The header, word 0 of sequence memory:", ""] + parts["sequence_header"]
     out += ["", "An entry, words 1… of it:", ""] + parts["sequence_entry"] + [""]
     for block in table["block"]:
@@ -382,6 +393,7 @@ def page(table):
     for p in table["parameter"]:
         bounds = [f"{p['low']}…{p['high']}"] + [f"{sign} {p[key]}" for key, sign in (("at_least", "≥"), ("at_most", "≤")) if key in p]
         bounds += ["a power of two"] if p.get("power_of_two") else []
+        bounds += ["or 0"] if p.get("optional") else []
         out.append(f"| {p['name']} | {', '.join(bounds)} | {p['unit']} | {p['default']} | {p['about']} | {p['why']} |")
     names = [p["name"] for p in table["parameter"]]
     out += ["", "## Named configurations", "", f"| configuration | {' | '.join(names)} | what |", "|---" * (len(names) + 2) + "|"]

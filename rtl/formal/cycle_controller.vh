@@ -20,9 +20,11 @@ always @(posedge clk) begin
     if (i_preempt || o_commit) f_asked_q <= i_preempt;
     if (rst) {f_left_q, f_dwell_q, f_played_q, f_asked_q} <= {IDLE_CYCLE[7:0], 33'd0};
 `ifdef FORMAL_CYCLE_CONTROLLER
+    assume (!(i_ready && i_refresh));
     if (i_ready && !i_silent) assume (i_cycle_length >= 1 && i_cycle_length < 8 && i_prescaler >= 1 && i_prescaler < 4);
     if (f_reset_seen_q) assert (cycle_length_q < 8 && prescaler_q < 4 && boundary == (f_left_q == 8'd1 || f_at_once));
 `else
+    if (f_reset_seen_q) assert (!(i_ready && i_refresh));
     if (f_reset_seen_q && i_ready && !i_silent) assert (i_cycle_length != 0 && i_prescaler != 0);
 `endif
     if (f_reset_seen_q) begin
@@ -39,8 +41,12 @@ always @(posedge clk) begin
             assert (o_index == $past(i_index) && o_pulse_length == ($past(i_silent) ? 0 : $past(i_pulse_length)));
             assert ({cycle_length_q, prescaler_q} == ($past(i_silent) ? $past({cycle_length_q, prescaler_q})
                                                                       : $past({i_cycle_length, i_prescaler})));
-        end else if (!$past(rst)) assert ($past({o_index, o_pulse_length, cycle_length_q, prescaler_q})
-                                          == {o_index, o_pulse_length, cycle_length_q, prescaler_q});
+        end else if (!$past(rst)) begin
+            assert ($past({o_index, cycle_length_q, prescaler_q}) == {o_index, cycle_length_q, prescaler_q});
+            assert (o_pulse_length == ($past(o_refresh) ? $past(i_pulse_length) : $past(o_pulse_length)));
+        end
+        assert (o_refresh == (boundary && i_refresh && i_settled) && o_follows == f_change && o_asked == f_asked_q);
+        cover (o_refresh && f_dwell_q == 16'd2);
         cover (o_commit && f_dwell_q == 16'd2 && !f_asked_q && prescaler_q == 24'd2 && cycle_length_q == 24'd3);
         cover (o_commit && f_asked_q && !f_due && f_dwell_q != 16'd0);
         cover (o_commit && late_q);

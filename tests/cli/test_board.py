@@ -153,7 +153,8 @@ def test_a_shipped_board_makes_its_carrier(board, tmp_path):
         assert record["pulse_length"] * record["prescaler"] < p["MAX_HIGH_CLOCKS"]
     succeed(["inspect", "image.hex"], cwd=tmp_path)
     manifest = read_json(tmp_path / "image.json")
-    assert manifest["board"] == {"name": board, **{key.lower(): p[key] for key in p if key not in ("LIVE_DEPTH", "WATCHDOG_MS", "MAX_HIGH_CLOCKS", "MIN_PULSE_CLOCKS", "MAX_DUTY_256")}}
+    assert manifest["board"] == {"name": board, **{key.lower(): p[key] for key in p if key not in ("LIVE_DEPTH", "WATCHDOG_MS", "MAX_HIGH_CLOCKS", "MIN_PULSE_CLOCKS", "MAX_DUTY_256",
+                                                                                      "WIDTH_BITS", "MODULATION_DEPTH", "SLEW", "FOCI")}}
     assert manifest["array"]["name"] == board_file(board)["array"]
 
 

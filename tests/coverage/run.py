@@ -18,7 +18,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 REQUIRED = 0.95
-TESTS = "~[tile100]~[whole]~[long]"  # all that run on the model that counts; a long count reaches no further line
+TESTS = "~[tile100]~[wide]~[whole]~[long]"  # all that run on the model that counts; a long count reaches no further line
 
 
 class Wrong(Exception):

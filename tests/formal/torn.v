@@ -45,6 +45,7 @@ module torn #(
     memory_controller #(.CHANNELS(CHANNELS), .RECORDS(2), .TIMING_BITS(4), .PULSE_BITS(3), .PRESCALER_BITS(1)) loader (
         .clk(clk), .rst(rst), .i_preempt(i_preempt), .i_entry(i_entry), .i_settled(1'b1), .o_take(take), .i_index({14'd0, i_second, !i_second}), .i_dwell(16'd1),
         .o_reading(reading), .o_address(address), .i_word(word), .o_shift(shift), .o_timing(), .i_commit(1'b1),
+        .i_foci_base(16'd0), .i_foci_count(16'd0), .i_foci_last(3'd0), .i_foci_cycle(16'd0), .o_amplitudes(), .o_foci(),
         .o_ready(ready), .o_silent(silent), .o_index(), .o_dwell(), .o_cycle_length(), .o_prescaler(), .o_pulse_length(),
         .o_refused(refused));
     // What the present load has seen, by the addresses it read

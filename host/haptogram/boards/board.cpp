@@ -69,8 +69,8 @@ Board::Fpga read_fpga(const Section& section) {
     return fpga;
 }
 
-/// The parameters: those of a named configuration, or all of them one by one. Parameters that stand beside a
-/// configuration replace its own.
+/// The parameters: those of a named configuration, or all of them one by one, but for those that are 0 by default.
+/// Parameters that stand beside a configuration replace its own.
 interface::CoreParameters read_core(const Section& section) {
     std::vector<std::string> known = {"configuration"};
     for (const auto& one : interface::core_parameters) known.emplace_back(one.name);
@@ -84,7 +84,7 @@ interface::CoreParameters read_core(const Section& section) {
         }
     } else {
         for (const auto& one : interface::core_parameters)
-            if (section.find(one.name) == nullptr)
+            if (parameters.*one.member != 0 && section.find(one.name) == nullptr)
                 throw section.missing(one.name, fmt::format("a whole number from {} to {}", one.low, one.high));
     }
     read_parameters(parameters, section, KeyStyle::verilog);

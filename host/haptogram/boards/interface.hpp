@@ -24,6 +24,12 @@ inline constexpr std::uint32_t identity_base = 0x20000000;
 inline constexpr unsigned identity_word_bits = 16;
 inline constexpr std::uint32_t status_base = 0x30000000;
 inline constexpr unsigned status_word_bits = 16;
+inline constexpr std::uint32_t parameters_base = 0x50000000;
+inline constexpr unsigned parameters_word_bits = 16;
+inline constexpr std::uint32_t geometry_base = 0x60000000;
+inline constexpr unsigned geometry_word_bits = 16;
+inline constexpr std::uint32_t modulation_base = 0x70000000;
+inline constexpr unsigned modulation_word_bits = 16;
 inline constexpr std::uint32_t description_base = 0x40000000;
 inline constexpr unsigned description_word_bits = 16;
 inline constexpr unsigned record_header_words = 4;
@@ -75,7 +81,7 @@ namespace record_field {  // words of 16 bits
 inline constexpr BitField cycle_length = {"cycle_length", 0, 24};  // carrier period in ticks
 inline constexpr BitField pulse_length = {"pulse_length", 24, 8};  // how long a channel stays high, in ticks
 inline constexpr BitField prescaler = {"prescaler", 32, 24};  // clocks per tick
-inline constexpr BitField reserved = {"reserved", 56, 8};  // zero; a record in which it is not is refused
+inline constexpr BitField kind = {"kind", 56, 8};  // what its words are, see the kinds; a record of another kind is refused
 }  // namespace record_field
 
 namespace sequence_header_field {  // words of 32 bits
@@ -105,14 +111,18 @@ inline constexpr BitField min_pulse_clocks = {"min_pulse_clocks", 288, 16};  // 
 inline constexpr BitField max_pulse_clocks = {"max_pulse_clocks", 304, 16};  // longest pulse of a playable record, in clocks
 inline constexpr BitField max_duty_256 = {"max_duty_256", 320, 16};  // largest part of its cycle that a pulse may take, in 1/256
 inline constexpr BitField max_cycle_clocks = {"max_cycle_clocks", 336, 32};  // longest cycle of a playable record, in clocks: one second
+inline constexpr BitField width_bits = {"width_bits", 368, 16};  // WIDTH_BITS; 0 when all pulses of a record have one length
+inline constexpr BitField foci = {"foci", 384, 16};  // FOCI, the most foci of a focus record
+inline constexpr BitField modulation_words = {"modulation_words", 400, 16};  // MODULATION_DEPTH / 2
 }  // namespace identity_field
 
 namespace status_field {  // words of 16 bits
 inline constexpr BitField enabled = {"enabled", 0, 1};  // pulses reach the pins
 inline constexpr BitField mode = {"mode", 1, 2};  // where the next record comes from, see the modes
 inline constexpr BitField stopped = {"stopped", 3, 1};  // the stop input is active: outputs are off, and enable is refused
+inline constexpr BitField modulated = {"modulated", 4, 1};  // the modulation runs
 inline constexpr BitField present_index = {"present_index", 16, 16};  // record at the pins; 0 is silence
-inline constexpr BitField underruns = {"underruns", 32, 16};  // changes that were due before their record was ready
+inline constexpr BitField underruns = {"underruns", 32, 16};  // changes that were due before their record was ready, and periods whose pulses were not ready
 inline constexpr BitField refused_records = {"refused_records", 48, 16};  // records that could not be played; silence took their place
 inline constexpr BitField frames_good = {"frames_good", 64, 16};  // frames that arrived whole
 inline constexpr BitField frames_damaged = {"frames_damaged", 80, 16};  // frames dropped: CRC or framing wrong, too short, too long, or no room
@@ -122,7 +132,23 @@ inline constexpr BitField guard_trips = {"guard_trips", 128, 16};  // times a pi
 inline constexpr BitField live_level = {"live_level", 144, 16};  // indices that wait in the live FIFO
 inline constexpr BitField watchdog_ms = {"watchdog_ms", 160, 16};  // the watchdog's time; 0 is off
 inline constexpr BitField frames_refused = {"frames_refused", 176, 16};  // whole frames whose command was refused
+inline constexpr BitField bent_periods = {"bent_periods", 192, 16};  // carrier periods in which the slew limiter kept a channel from its target
+inline constexpr BitField far_foci = {"far_foci", 208, 16};  // focus records with a focus too far from a channel to count
 }  // namespace status_field
+
+namespace parameters_field {  // words of 16 bits
+inline constexpr BitField foci_base = {"foci_base", 0, 16};  // where focus records begin in primary memory, in units of four words
+inline constexpr BitField foci_count = {"foci_count", 16, 16};  // how many there are; index RECORDS + 1 is the first
+inline constexpr BitField foci_last = {"foci_last", 32, 3};  // the foci of each, less one
+inline constexpr BitField foci_whole = {"foci_whole", 35, 1};  // all channels at full amplitude
+inline constexpr BitField foci_cycle = {"foci_cycle", 48, 16};  // their carrier period, in ticks of one clock; at power-up that of 40 kHz
+inline constexpr BitField wave_number = {"wave_number", 64, 18};  // turns a 1/128 mm, times 2^27
+inline constexpr BitField gain = {"gain", 96, 16};  // of their sums, see host/haptogram/solve/focus_engine.hpp
+inline constexpr BitField slew = {"slew", 112, 2};  // 0 none, 1 phase and amplitude change by at most the two rates a period, 2 they arrive at a new record's in arrival_periods; 0 at power-up
+inline constexpr BitField phase_rate = {"phase_rate", 128, 16};  // of slew mode 1: 65,536ths of the cycle a period; 65,535 at power-up
+inline constexpr BitField amplitude_rate = {"amplitude_rate", 144, 16};  // of slew mode 1, 65,535 is full; 65,535 at power-up
+inline constexpr BitField arrival = {"arrival", 160, 12};  // of slew mode 2, 0 counts as 1
+}  // namespace parameters_field
 
 namespace description_field {  // words of 16 bits
 inline constexpr BitField magic = {"magic", 0, 16};  // 0x4748, the letters HG
@@ -172,8 +198,11 @@ enum class IdentityWord : unsigned {
     max_duty_256 = 20,
     max_cycle_low = 21,
     max_cycle_high = 22,
+    width_bits = 23,
+    foci = 24,
+    modulation_words = 25,
 };
-inline constexpr unsigned identity_words = 23;
+inline constexpr unsigned identity_words = 26;
 
 enum class StatusWord : unsigned {
     flags = 0,
@@ -188,8 +217,25 @@ enum class StatusWord : unsigned {
     live_level = 9,
     watchdog_ms = 10,
     frames_refused = 11,
+    bent_periods = 12,
+    far_foci = 13,
 };
-inline constexpr unsigned status_words = 12;
+inline constexpr unsigned status_words = 14;
+
+enum class ParametersWord : unsigned {
+    foci_base = 0,
+    foci_count = 1,
+    foci_form = 2,
+    foci_cycle = 3,
+    wave_number_low = 4,
+    wave_number_high = 5,
+    gain = 6,
+    slew_mode = 7,
+    phase_rate = 8,
+    amplitude_rate = 9,
+    arrival_periods = 10,
+};
+inline constexpr unsigned parameters_words = 11;
 
 enum class DescriptionWord : unsigned {
     magic = 0,
@@ -209,10 +255,20 @@ enum class Feature : unsigned {
     live = 1,  // takes indices over the link while it plays
     watchdog = 2,  // silences the outputs when the host falls silent
     guard = 3,  // bounds how long a pin can be high
+    amplitude = 4,  // plays records of phases and amplitudes
+    modulation = 5,  // multiplies all amplitudes by samples from a memory
+    slew = 6,  // limits how fast phases and amplitudes change
+    foci = 7,  // computes phases and amplitudes from foci
 };
 [[nodiscard]] constexpr bool has(std::uint32_t features, Feature feature) {
     return (features >> static_cast<unsigned>(feature) & 1U) != 0;
 }
+
+/// What the words of a record are.
+enum class Kind : unsigned {
+    timings = 0,  // the tick at which the channel starts its pulse
+    amplitudes = 1,  // in bits 7…0 where in the cycle the middle of its pulse lies, in 1/256; in bits 15…8 its amplitude, 255 is full
+};
 
 /// Where the next record comes from.
 enum class Mode : unsigned {
@@ -237,6 +293,7 @@ enum class Command : std::uint8_t {
     digest = 0x0c,
     keep_alive = 0x0d,
     reset = 0x0e,
+    modulate = 0x0f,
 };
 
 enum class Status : std::uint8_t {
@@ -284,6 +341,7 @@ constexpr std::string_view to_string(Command command) {
         case Command::digest: return "digest";
         case Command::keep_alive: return "keep_alive";
         case Command::reset: return "reset";
+        case Command::modulate: return "modulate";
     }
     return "unknown";
 }
@@ -297,8 +355,8 @@ constexpr std::string_view to_string(Status status) {
         case Status::out_of_order: return "out_of_order: a frame before this one is missing, or no session was started since reset; send again from the expected sequence number, or identify";
         case Status::bad_address: return "bad_address: outside the memory, or not writable";
         case Status::bad_alignment: return "bad_alignment: address or length is no multiple of the region's word";
-        case Status::bad_index: return "bad_index: index above RECORDS";
-        case Status::bad_range: return "bad_range: sequence entries outside 1…SEQUENCE_DEPTH−1, or the sequence header's length is";
+        case Status::bad_index: return "bad_index: index above RECORDS, or above RECORDS + foci_count on boards with foci";
+        case Status::bad_range: return "bad_range: sequence entries outside 1…SEQUENCE_DEPTH−1, or the sequence header's length is; modulate: length above MODULATION_DEPTH, or loop above 1";
         case Status::fifo_full: return "fifo_full: fewer free places in the live FIFO than indices in the frame; nothing was pushed";
         case Status::stopped: return "stopped: the stop input is active; release it, then enable";
     }
@@ -319,6 +377,10 @@ struct CoreParameters {
     std::uint32_t max_high_clocks = 10000;
     std::uint32_t min_pulse_clocks = 5;
     std::uint32_t max_duty_256 = 128;
+    std::uint32_t width_bits = 0;
+    std::uint32_t modulation_depth = 0;
+    std::uint32_t slew = 0;
+    std::uint32_t foci = 0;
     friend bool operator==(const CoreParameters&, const CoreParameters&) = default;
 };
 
@@ -334,7 +396,7 @@ struct ParameterDescription {
     std::uint32_t CoreParameters::* member;
     std::uint32_t low, high;
     ParameterBound at_least, at_most;
-    bool power_of_two;
+    bool power_of_two, optional;  ///< optional: 0 is allowed beside low to high
     std::string_view unit, about, why;
 
     /// The lowest and highest value beside the others of `core`.
@@ -346,47 +408,60 @@ struct ParameterDescription {
     }
     [[nodiscard]] constexpr bool allows(const CoreParameters& core) const {
         const std::uint32_t value = core.*member;
+        if (optional && value == 0) return true;
         return value >= lowest(core) && value <= highest(core) && (!power_of_two || std::has_single_bit(value));
     }
 };
 
-inline constexpr std::array<ParameterDescription, 12> core_parameters = {{
-    {"CHANNELS", &CoreParameters::channels, 2, 1000, {}, {}, false,
+inline constexpr std::array<ParameterDescription, 16> core_parameters = {{
+    {"CHANNELS", &CoreParameters::channels, 2, 1000, {}, {}, false, false,
      "transducers", "how many transducers, and so pins",
      "Each channel costs its timing and a comparator in cells, and a word of every record. 1000 is what a record can load within a carrier period."},
-    {"RECORDS", &CoreParameters::records, 1, 65535, {}, {}, false,
+    {"RECORDS", &CoreParameters::records, 1, 65535, {}, {}, false, false,
      "records", "how many focal points primary memory holds",
      "Block RAM is what runs out first. An index has 16 bits and 0 is silence, hence 65535."},
-    {"SEQUENCE_DEPTH", &CoreParameters::sequence_depth, 2, 32768, {}, {}, false,
+    {"SEQUENCE_DEPTH", &CoreParameters::sequence_depth, 2, 32768, {}, {}, false, false,
      "words", "words of sequence memory, one of which is the header",
      "The header's length has 15 bits."},
-    {"LIVE_DEPTH", &CoreParameters::live_depth, 4, 32768, {}, {}, true,
+    {"LIVE_DEPTH", &CoreParameters::live_depth, 4, 32768, {}, {}, true, false,
      "entries", "how many live indices can wait",
      "A host that streams must bridge the time between two of its frames. The FIFO's pointers wrap by themselves, hence a power of two."},
-    {"TIMING_BITS", &CoreParameters::timing_bits, 4, 16, {}, {}, false,
+    {"TIMING_BITS", &CoreParameters::timing_bits, 4, 16, {}, {}, false, false,
      "bits", "how finely a channel can be timed",
      "The cells of a channel grow with it. A carrier period of 1250 ticks needs 11; a small FPGA takes 8 and a prescaler."},
-    {"PULSE_BITS", &CoreParameters::pulse_bits, 1, 8, {}, {&CoreParameters::timing_bits, 1}, false,
+    {"PULSE_BITS", &CoreParameters::pulse_bits, 1, 8, {}, {&CoreParameters::timing_bits, 1}, false, false,
      "bits", "how long a pulse can be, in ticks",
      "Each channel compares so many bits of its timing to find the end of a pulse. The record's field has 8 bits."},
-    {"CLOCK_HZ", &CoreParameters::clock_hz, 1000000, 1000000000, {}, {}, false,
+    {"CLOCK_HZ", &CoreParameters::clock_hz, 1000000, 1000000000, {}, {}, false, false,
      "Hz", "frequency of clk",
      "Ticks, baud rate and watchdog are counted from it. 50 MHz is 1250 clocks a 40 kHz period."},
-    {"BAUD", &CoreParameters::baud, 1, 125000000, {&CoreParameters::clock_hz, 20000}, {&CoreParameters::clock_hz, 8}, false,
+    {"BAUD", &CoreParameters::baud, 1, 125000000, {&CoreParameters::clock_hz, 20000}, {&CoreParameters::clock_hz, 8}, false, false,
      "baud", "bit rate of the serial line",
      "A bit is at least 8 clocks, so that the receiver finds its middle. Below CLOCK_HZ / 20000 the 20-bit phase step would be off by more than 1 %."},
-    {"WATCHDOG_MS", &CoreParameters::watchdog_ms, 0, 65535, {}, {}, false,
+    {"WATCHDOG_MS", &CoreParameters::watchdog_ms, 0, 65535, {}, {}, false, false,
      "ms", "silence of the host after which the outputs are disabled; 0 is never",
      "A host that died must not leave a hand under ultrasound. It holds after reset; a command changes it."},
-    {"MAX_HIGH_CLOCKS", &CoreParameters::max_high_clocks, 64, 16777215, {}, {}, false,
+    {"MAX_HIGH_CLOCKS", &CoreParameters::max_high_clocks, 64, 16777215, {}, {}, false, false,
      "clocks", "how long a pin can be high before the guard disables all outputs",
      "Whatever goes wrong must not hold a transducer's driver on: 10000 clocks are 200 µs at 50 MHz, 16 times the longest 40 kHz pulse. A record's pulse may be a tenth of it, (MAX_HIGH_CLOCKS / 2 − 2) / 5 clocks, so that pulses that merge at changes of focus do not trip the guard."},
-    {"MIN_PULSE_CLOCKS", &CoreParameters::min_pulse_clocks, 1, 65535, {}, {}, false,
+    {"MIN_PULSE_CLOCKS", &CoreParameters::min_pulse_clocks, 1, 65535, {}, {}, false, false,
      "clocks", "shortest pulse of a record that is played",
      "A driver needs some tens of nanoseconds to switch; a shorter pulse only heats it. 5 clocks are 100 ns at 50 MHz."},
-    {"MAX_DUTY_256", &CoreParameters::max_duty_256, 1, 255, {}, {}, false,
+    {"MAX_DUTY_256", &CoreParameters::max_duty_256, 1, 255, {}, {}, false, false,
      "1/256", "largest part of its cycle that a record's pulse may take",
      "A transducer gets nothing more from pulses above half a period (128), and its driver only warmer. It also keeps a pin low for as long as it was high."},
+    {"WIDTH_BITS", &CoreParameters::width_bits, 1, 16, {&CoreParameters::pulse_bits, 1}, {&CoreParameters::timing_bits, 1}, false, true,
+     "bits", "0: the pulses of a record have one length. n: each channel has a width of its own, up to 2^n − 1 ticks, so it has an amplitude",
+     "Amplitude is the width of the pulse. Half of a cycle of 1250 ticks needs 10 bits. It takes a frame memory and a quarter more cells, and MAX_DUTY_256 of at least 128, since full amplitude is half of the cycle."},
+    {"MODULATION_DEPTH", &CoreParameters::modulation_depth, 4, 65536, {}, {}, true, true,
+     "samples", "how many samples the modulation memory holds; more than 0 needs WIDTH_BITS",
+     "Two samples take a word of block RAM. 4096 are 0.1 s at a sample a carrier period."},
+    {"SLEW", &CoreParameters::slew, 0, 1, {}, {}, false, false,
+     "0 or 1", "1: a limiter bounds how fast phases and amplitudes change; needs WIDTH_BITS",
+     "Abrupt changes of ultrasound are heard. It takes two multipliers and a block RAM."},
+    {"FOCI", &CoreParameters::foci, 8, 8, {}, {}, false, true,
+     "foci", "8: the board computes phases and amplitudes from up to eight foci a record; needs WIDTH_BITS",
+     "A focus takes four words of primary memory, a record of 100 channels 104. The engine takes eight multipliers and 3,000 cells."},
 }};
 
 /// A named set of parameters.
@@ -396,36 +471,42 @@ struct CoreConfiguration {
     std::string_view about;
 };
 
-inline constexpr std::array<CoreConfiguration, 10> core_configurations = {{
+inline constexpr std::array<CoreConfiguration, 12> core_configurations = {{
     {"tile-100",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0},
      "the paper's tile of 10 × 10; what images are compiled for unless a board is named"},
     {"small-16",
-     {.channels = 16, .records = 40, .sequence_depth = 64, .live_depth = 16, .timing_bits = 12, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 255},
+     {.channels = 16, .records = 40, .sequence_depth = 64, .live_depth = 16, .timing_bits = 12, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 255, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0},
      "small and quick to reach its limits: most contract tests run on it"},
+    {"small-16-wide",
+     {.channels = 16, .records = 256, .sequence_depth = 256, .live_depth = 16, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 64, .slew = 1, .foci = 8},
+     "the small one with amplitudes, modulation, slew limit and foci"},
+    {"tile-100-wide",
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8},
+     "the tile with amplitudes, modulation, slew limit and foci"},
     {"hoshi-324",
-     {.channels = 324, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128},
+     {.channels = 324, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0},
      "the array of 18 × 18 of Hoshi et al."},
     {"wide-256",
-     {.channels = 256, .records = 160, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128},
+     {.channels = 256, .records = 160, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0},
      "256 channels with as many records as the block RAM of an ECP5-25F holds: a question of size"},
     {"tile-100-3m",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0},
      "the tile behind a USB bridge of 3 Mbaud, for the bench of the link"},
     {"colorlight-5a-75b-v8.0",
-     {.channels = 56, .records = 600, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128},
+     {.channels = 56, .records = 600, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0},
      "56 outputs; the serial line is a button's pin, which probably carries a capacitor: nothing faster is known to work"},
     {"colorlight-5a-75e-v6.0",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0},
      "the tile; the serial line is a button's pin, which probably carries a capacitor: nothing faster is known to work"},
     {"colorlight-5a-75e-v7.1",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0},
      "the tile; the serial line is a button's pin, which probably carries a capacitor: nothing faster is known to work"},
     {"ice40-hx8k-breakout",
-     {.channels = 100, .records = 64, .sequence_depth = 256, .live_depth = 256, .timing_bits = 8, .pulse_bits = 8, .clock_hz = 48000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128},
+     {.channels = 100, .records = 64, .sequence_depth = 256, .live_depth = 256, .timing_bits = 8, .pulse_bits = 8, .clock_hz = 48000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0},
      "the tile in 7,680 cells: 8 timing bits are 240 ticks of 5 clocks a cycle, 9 would need 93 % of the cells"},
     {"ulx3s-85f",
-     {.channels = 56, .records = 600, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128},
+     {.channels = 56, .records = 600, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0},
      "56 outputs behind a USB bridge of 3 Mbaud"},
 }};
 

@@ -105,7 +105,7 @@ void take_words(Image& image, const std::vector<std::uint16_t>& primary, const s
     const std::size_t stride = record_words(image.channels);
     for (std::size_t r = 0; r < primary.size() / stride; ++r) {
         const std::uint16_t* word = primary.data() + r * stride;
-        if (record_field::reserved.get(word) != 0)
+        if (record_field::kind.get(word) != 0)
             throw bad_input(where,
                             fmt::format("record {}: reserved bits are set in its header; the image is garbled", r + 1));
         image.records.push_back({record_field::cycle_length.get(word),

@@ -61,6 +61,9 @@ Identity to_identity(const Bytes& block) {
     identity.max_pulse_clocks = field::max_pulse_clocks.get(block);
     identity.max_duty_256 = field::max_duty_256.get(block);
     identity.max_cycle_clocks = field::max_cycle_clocks.get(block);
+    identity.width_bits = field::width_bits.get(block);
+    identity.foci = field::foci.get(block);
+    identity.modulation_words = field::modulation_words.get(block);
     return identity;
 }
 
@@ -70,6 +73,7 @@ Status to_status(const Bytes& block) {
     const auto word = [&block](const interface::BitField& f) { return static_cast<std::uint16_t>(f.get(block)); };
     return {.enabled = field::enabled.get(block) != 0,
             .stopped = field::stopped.get(block) != 0,
+            .modulated = field::modulated.get(block) != 0,
             .mode = static_cast<Mode>(field::mode.get(block)),
             .present_index = word(field::present_index),
             .underruns = word(field::underruns),
@@ -80,6 +84,8 @@ Status to_status(const Bytes& block) {
             .frames_refused = word(field::frames_refused),
             .watchdog_trips = word(field::watchdog_trips),
             .guard_trips = word(field::guard_trips),
+            .bent_periods = word(field::bent_periods),
+            .far_foci = word(field::far_foci),
             .live_level = word(field::live_level),
             .watchdog_ms = word(field::watchdog_ms)};
 }
@@ -130,6 +136,10 @@ std::uint16_t Commands::push(const std::vector<std::uint16_t>& indices, std::uin
 
 void Commands::start(std::uint16_t first, std::uint16_t length, std::uint16_t loops) {
     request({Command::start, payload_of(first, length, loops)});
+}
+
+void Commands::modulate(std::uint16_t divider, std::uint16_t length, bool loop) {
+    request({Command::modulate, payload_of(divider, length, static_cast<std::uint16_t>(loop))});
 }
 
 void Commands::set_watchdog(std::uint16_t milliseconds) { request({Command::watchdog, payload_of(milliseconds)}); }

@@ -26,6 +26,9 @@ struct Identity {
     std::uint32_t frame_bytes = 0;  ///< the longest frame that it always takes, decoded and without its CRC
     std::uint32_t min_pulse_clocks = 0, max_pulse_clocks = 0, max_cycle_clocks = 0;  ///< of a record that it plays
     std::uint32_t max_duty_256 = 0;                                                  ///< of its cycle, in 1/256
+    std::uint32_t width_bits = 0;        ///< of a channel's own pulse width; 0: the pulses of a record have one length
+    std::uint32_t foci = 0;              ///< most foci of a focus record; 0: it computes none
+    std::uint32_t modulation_words = 0;  ///< of two samples; 0: it has no modulation
     friend bool operator==(const Identity&, const Identity&) = default;
 
     /// The parameters of the core that it tells; those that it does not tell have their default.
@@ -40,6 +43,10 @@ struct Identity {
         core.clock_hz = clock_hz;
         core.min_pulse_clocks = min_pulse_clocks;
         core.max_duty_256 = max_duty_256;
+        core.width_bits = width_bits;
+        core.modulation_depth = 2 * modulation_words;
+        core.slew = interface::has(features, interface::Feature::slew) ? 1 : 0;
+        core.foci = foci;
         core.max_high_clocks = max_high_clocks(max_pulse_clocks);
         return core;
     }
@@ -51,10 +58,11 @@ using interface::Mode;
 struct Status {
     bool enabled = false;             ///< pulses are let out
     bool stopped = false;             ///< the stop input is active: outputs stay off
+    bool modulated = false;           ///< the modulation runs
     Mode mode = Mode::idle;           ///< idle: the last record may still be playing
     std::uint16_t present_index = 0;  ///< of the record that plays; 0 is silence
     std::uint16_t underruns = 0, refused_records = 0, frames_good = 0, frames_damaged = 0, frames_repeated = 0,
-                  frames_refused = 0, watchdog_trips = 0, guard_trips = 0;
+                  frames_refused = 0, watchdog_trips = 0, guard_trips = 0, bent_periods = 0, far_foci = 0;
     std::uint16_t live_level = 0;   ///< entries in the live FIFO
     std::uint16_t watchdog_ms = 0;  ///< outputs go off after so long without a new command; 0: never
     friend bool operator==(const Status&, const Status&) = default;
@@ -97,6 +105,9 @@ public:
     std::uint16_t push(const std::vector<std::uint16_t>& indices, std::uint16_t dwell);
     /// Plays entries of the sequence. @param length  0: length and loops are those of the sequence's header
     void start(std::uint16_t first, std::uint16_t length, std::uint16_t loops);
+    /// Multiplies all amplitudes by the first `length` samples of the modulation memory, each for `divider` carrier
+    /// periods, over and over or once. @param divider  0: ends that  @param length  0: all samples
+    void modulate(std::uint16_t divider, std::uint16_t length, bool loop);
     /// After how long without a new command the outputs go off; 0: never.
     void set_watchdog(std::uint16_t milliseconds);
     /// Starts the watchdog's time anew and does nothing else.

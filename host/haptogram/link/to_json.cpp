@@ -21,7 +21,11 @@ ordered_json to_json(const Identity& i) {
             {"min_pulse_clocks", i.min_pulse_clocks},
             {"max_pulse_clocks", i.max_pulse_clocks},
             {"max_duty_256", i.max_duty_256},
-            {"max_cycle_clocks", i.max_cycle_clocks}};
+            {"max_cycle_clocks", i.max_cycle_clocks},
+            {"width_bits", i.width_bits},
+            {"modulation_words", i.modulation_words},
+            {"foci", i.foci},
+            {"features", i.features}};
 }
 
 ordered_json to_json(const Status& s) {
@@ -38,7 +42,10 @@ ordered_json to_json(const Status& s) {
             {"frames_repeated", s.frames_repeated},
             {"frames_refused", s.frames_refused},
             {"watchdog_trips", s.watchdog_trips},
-            {"guard_trips", s.guard_trips}};
+            {"guard_trips", s.guard_trips},
+            {"modulated", s.modulated},
+            {"bent_periods", s.bent_periods},
+            {"far_foci", s.far_foci}};
 }
 
 ordered_json to_json(const std::vector<PortInfo>& ports) {

@@ -31,6 +31,9 @@ class Identity:
     max_pulse_clocks: int
     max_duty_256: int
     max_cycle_clocks: int
+    width_bits: int  # of a channel's own pulse width; 0: the pulses of a record have one length
+    foci: int  # most foci of a focus record
+    modulation_words: int  # of two samples
 
     @classmethod
     def parse(cls, data: bytes) -> "Identity":
@@ -60,9 +63,12 @@ class Status:
     live_level: int
     watchdog_ms: int
     frames_refused: int
+    modulated: bool  # the modulation runs
+    bent_periods: int
+    far_foci: int
 
     @classmethod
     def parse(cls, data: bytes) -> "Status":
         values = _unpack(STATUS_FIELDS, STATUS_WORDS, data)
         mode = Mode(values.pop("mode")).name.lower()
-        return cls(enabled=bool(values.pop("enabled")), stopped=bool(values.pop("stopped")), mode=mode, **values)
+        return cls(enabled=bool(values.pop("enabled")), stopped=bool(values.pop("stopped")), modulated=bool(values.pop("modulated")), mode=mode, **values)

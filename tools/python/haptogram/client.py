@@ -84,6 +84,10 @@ class Client:
         """With length 0 as the sequence's header says."""
         self._ask(Command.START, first, length, loops)
 
+    def modulate(self, divider: int, length: int = 0, loop: bool = True) -> None:
+        """Multiplies all amplitudes by samples of the modulation memory, each for `divider` carrier periods; 0 ends that."""
+        self._ask(Command.MODULATE, divider, length, int(loop))
+
     def set_watchdog(self, milliseconds: int) -> None:
         self._ask(Command.WATCHDOG, milliseconds)
 

@@ -50,7 +50,7 @@ class Record(NamedTuple):
     def unpack(cls, data: bytes) -> "Record":
         header = unpack(RECORD_FIELDS, data)
         # Reserved bits stand above the prescaler; with them it is out of range, which require_playable says.
-        header["prescaler"] |= header.pop("reserved") << RECORD_FIELDS["prescaler"].width
+        header["prescaler"] |= header.pop("kind") << RECORD_FIELDS["prescaler"].width
         return cls(**header, timings=list(struct.unpack_from(f"<{len(data) // 2 - RECORD_HEADER_WORDS}H", data, HEADER_BYTES)))
 
 

@@ -9,6 +9,9 @@ PRIMARY_BASE = 0x00000000
 SEQUENCE_BASE = 0x10000000
 IDENTITY_BASE = 0x20000000
 STATUS_BASE = 0x30000000
+PARAMETERS_BASE = 0x50000000
+GEOMETRY_BASE = 0x60000000
+MODULATION_BASE = 0x70000000
 DESCRIPTION_BASE = 0x40000000
 RECORD_HEADER_WORDS = 4
 SILENT_TIMING = 0xffff
@@ -27,8 +30,9 @@ LINK_ASKING_BYTES = 12
 LINK_KEEP_ALIVE_MS = 100
 LINK_KEEP_ALIVE_SHARE = 5
 
-IDENTITY_WORDS = ["name_0", "name_1", "name_2", "name_3", "name_4", "name_5", "name_6", "name_7", "version", "channels", "records", "sequence_depth", "live_depth", "bits", "clock_hz_low", "clock_hz_high", "features", "frame_bytes", "min_pulse_clocks", "max_pulse_clocks", "max_duty_256", "max_cycle_low", "max_cycle_high"]
-STATUS_WORDS = ["flags", "present_index", "underruns", "refused_records", "frames_good", "frames_damaged", "frames_repeated", "watchdog_trips", "guard_trips", "live_level", "watchdog_ms", "frames_refused"]
+IDENTITY_WORDS = ["name_0", "name_1", "name_2", "name_3", "name_4", "name_5", "name_6", "name_7", "version", "channels", "records", "sequence_depth", "live_depth", "bits", "clock_hz_low", "clock_hz_high", "features", "frame_bytes", "min_pulse_clocks", "max_pulse_clocks", "max_duty_256", "max_cycle_low", "max_cycle_high", "width_bits", "foci", "modulation_words"]
+STATUS_WORDS = ["flags", "present_index", "underruns", "refused_records", "frames_good", "frames_damaged", "frames_repeated", "watchdog_trips", "guard_trips", "live_level", "watchdog_ms", "frames_refused", "bent_periods", "far_foci"]
+PARAMETERS_WORDS = ["foci_base", "foci_count", "foci_form", "foci_cycle", "wave_number_low", "wave_number_high", "gain", "slew_mode", "phase_rate", "amplitude_rate", "arrival_periods"]
 DESCRIPTION_WORDS = ["magic", "format", "channels", "records", "sequence_words", "bits", "clock_hz_low", "clock_hz_high"]
 
 
@@ -63,7 +67,7 @@ RECORD_FIELDS = {
     "cycle_length": BitField(0, 24),
     "pulse_length": BitField(24, 8),
     "prescaler": BitField(32, 24),
-    "reserved": BitField(56, 8),
+    "kind": BitField(56, 8),
 }
 SEQUENCE_HEADER_FIELDS = {
     "length": BitField(0, 15),
@@ -90,11 +94,15 @@ IDENTITY_FIELDS = {
     "max_pulse_clocks": BitField(304, 16),
     "max_duty_256": BitField(320, 16),
     "max_cycle_clocks": BitField(336, 32),
+    "width_bits": BitField(368, 16),
+    "foci": BitField(384, 16),
+    "modulation_words": BitField(400, 16),
 }
 STATUS_FIELDS = {
     "enabled": BitField(0, 1),
     "mode": BitField(1, 2),
     "stopped": BitField(3, 1),
+    "modulated": BitField(4, 1),
     "present_index": BitField(16, 16),
     "underruns": BitField(32, 16),
     "refused_records": BitField(48, 16),
@@ -106,6 +114,21 @@ STATUS_FIELDS = {
     "live_level": BitField(144, 16),
     "watchdog_ms": BitField(160, 16),
     "frames_refused": BitField(176, 16),
+    "bent_periods": BitField(192, 16),
+    "far_foci": BitField(208, 16),
+}
+PARAMETERS_FIELDS = {
+    "foci_base": BitField(0, 16),
+    "foci_count": BitField(16, 16),
+    "foci_last": BitField(32, 3),
+    "foci_whole": BitField(35, 1),
+    "foci_cycle": BitField(48, 16),
+    "wave_number": BitField(64, 18),
+    "gain": BitField(96, 16),
+    "slew": BitField(112, 2),
+    "phase_rate": BitField(128, 16),
+    "amplitude_rate": BitField(144, 16),
+    "arrival": BitField(160, 12),
 }
 DESCRIPTION_FIELDS = {
     "magic": BitField(0, 16),
@@ -119,11 +142,20 @@ DESCRIPTION_FIELDS = {
 }
 
 
+class Kind(enum.IntEnum):
+    TIMINGS = 0
+    AMPLITUDES = 1
+
+
 class Feature(enum.IntEnum):
     SEQUENCE = 0
     LIVE = 1
     WATCHDOG = 2
     GUARD = 3
+    AMPLITUDE = 4
+    MODULATION = 5
+    SLEW = 6
+    FOCI = 7
 
 
 class Mode(enum.IntEnum):
@@ -148,6 +180,7 @@ class Command(enum.IntEnum):
     DIGEST = 0x0c
     KEEP_ALIVE = 0x0d
     RESET = 0x0e
+    MODULATE = 0x0f
 
 
 class Status(enum.IntEnum):

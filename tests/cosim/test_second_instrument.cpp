@@ -1,0 +1,777 @@
+// SPDX-License-Identifier: Apache-2.0
+// Amplitudes, modulation, slew limit and foci, through the serial link and at the pins, on the configuration
+// small-16-wide. What each channel must do is computed from the host's models of the arithmetic (solve/emission.hpp,
+// solve/focus_engine.hpp) and from the measured starts of the cycles; every pulse is compared to the clock.
+#include <cmath>
+#include <complex>
+#include <cstdlib>
+#include <functional>
+#include <numbers>
+
+#include "../period_check.hpp"
+#include "bench.hpp"
+#include "haptogram/solve/focus_engine.hpp"
+
+using namespace haptogram;
+using namespace haptogram::test;
+
+namespace {
+
+constexpr std::uint32_t channel_count = 16;
+constexpr std::uint32_t records = 256;
+constexpr std::uint32_t lead = channel_count + 44;  // clocks before a cycle's end at which its successor is begun
+using Words = std::vector<std::uint16_t>;
+
+class Wide : public Bench {
+public:
+    Wide() : Bench("small-16-wide") {}
+
+    void write(std::uint32_t address, const Words& words) {
+        for (std::size_t done = 0; done < words.size(); done += 20) {
+            Bytes bytes;
+            for (std::size_t i = done; i < std::min(done + 20, words.size()); ++i) {
+                bytes.push_back(static_cast<std::uint8_t>(words[i]));
+                bytes.push_back(static_cast<std::uint8_t>(words[i] >> 8));
+            }
+            client.write(static_cast<std::uint32_t>(address + 2 * done), bytes);
+        }
+    }
+    void write_record(std::uint32_t index, const Words& words) { write((index - 1) * 2 * (channel_count + 4), words); }
+    void set(interface::ParametersWord word, std::uint32_t value) {
+        write(interface::parameters_base + 2 * static_cast<std::uint32_t>(word), {static_cast<std::uint16_t>(value)});
+    }
+    void write_sequence(const std::vector<SequenceEntry>& entries) {
+        Words words = {static_cast<std::uint16_t>(entries.size()), 1};
+        for (const SequenceEntry& e : entries) words.insert(words.end(), {e.index, e.dwell});
+        write(interface::sequence_base, words);
+    }
+    /// Writes a record of random phases and amplitudes and remembers what it plays.
+    void random_record(std::mt19937& g, std::uint16_t index, std::uint32_t cycle) {
+        Words words;
+        for (std::uint32_t k = 0; k < channel_count; ++k)
+            words.push_back(static_cast<std::uint16_t>(random(g, 0, 65535)));
+        write_record(index, amplitude_record(cycle, words));
+        book[index] = played(cycle, words);
+    }
+    void raw_record(std::mt19937& g, std::uint16_t index, std::uint32_t cycle, std::uint8_t pulse) {
+        Words words = {static_cast<std::uint16_t>(cycle), static_cast<std::uint16_t>(pulse << 8), 1, 0};
+        book[index] = Played{{}, cycle, true, pulse};
+        for (std::uint32_t k = 0; k < channel_count; ++k) {
+            words.push_back(static_cast<std::uint16_t>(random(g, 0, cycle + 9)));
+            book[index].emissions.push_back({65535, words.back()});
+        }
+        write_record(index, words);
+    }
+
+    /// Sets the focus engine up, with focus records of `foci` each from word 4 · `base` of primary memory on.
+    void write_engine(const FocusEngine& engine, std::uint16_t base, std::uint16_t count, std::size_t foci,
+                      bool whole) {
+        Words geometry;
+        for (const GeometryWords& words : engine.geometry) geometry.insert(geometry.end(), words.begin(), words.end());
+        write(interface::geometry_base, geometry);
+        using enum interface::ParametersWord;
+        set(foci_base, base);
+        set(foci_count, count);
+        set(foci_form, static_cast<std::uint32_t>(foci - 1) | (whole ? 8U : 0U));
+        set(wave_number_low, engine.wave_number);
+        set(wave_number_high, engine.wave_number >> 16);
+        set(gain, engine.gain);
+    }
+    /// Writes the n-th focus record, n from 1 on, and remembers what the engine makes of it.
+    void write_foci(const FocusEngine& engine, std::uint16_t base, std::uint16_t n, const std::vector<FocusWords>& foci,
+                    bool whole, std::uint32_t cycle = 1250) {
+        Words words;
+        for (const FocusWords& focus : foci) words.insert(words.end(), focus.begin(), focus.end());
+        write(8U * base + 8U * static_cast<std::uint32_t>((n - 1) * foci.size()), words);
+        Played one{{}, cycle};
+        for (const ChannelDrive& drive : engine_drives(engine, foci, whole))
+            one.emissions.push_back({drive.amplitude, drive.phase});
+        book[static_cast<std::uint16_t>(board.parameters().records + n)] = one;
+    }
+    /// Plays one entry after the other, and returns the first measured cycle of the first one.
+    std::size_t play(const std::vector<SequenceEntry>& sequence) {
+        write_sequence(sequence);
+        const std::size_t before = recorder.cycles().size();
+        client.start(1, 0, 0);
+        std::uint64_t clocks = 20'000;
+        for (const SequenceEntry& e : sequence) clocks += 2100ULL * e.dwell;
+        const auto found = [&] {
+            std::size_t i = before;
+            while (i < recorder.cycles().size() && recorder.cycles()[i].index != sequence[0].index) ++i;
+            return i;
+        };
+        REQUIRE(board.run_until([&] { return found() < recorder.cycles().size(); }, 200'000));
+        const std::size_t first = found();
+        REQUIRE(board.run_until(
+            [&] { return board.outputs().index == 0 && client.status().mode == interface::Mode::idle; }, clocks));
+        board.run(10'000);
+        for (std::size_t i = 0, c = first; i < sequence.size(); ++i)
+            for (int d = 0; d < sequence[i].dwell; ++d) REQUIRE(recorder.cycles()[c++].index == sequence[i].index);
+        return first;
+    }
+
+    /// Of the cycles `begin` to `end`, as compare_periods does.
+    Comparison compare(std::size_t begin, std::size_t end, const std::function<Setting(std::size_t)>& setting,
+                       EmissionModel& model) {
+        std::vector<MeasuredCycle> cycles;
+        for (const sim::CycleStart& start : recorder.cycles()) cycles.push_back({start.clock, start.index});
+        return compare_periods(cycles, recorder.pulses(), book, begin, end, setting, model);
+    }
+    Comparison compare(std::size_t begin, std::size_t end) {
+        EmissionModel model(channel_count);
+        return compare(
+            begin, end, [](std::size_t) { return Setting{}; }, model);
+    }
+
+    Book book;
+};
+
+void require_right(const Comparison& comparison, std::size_t least) {
+    INFO(comparison.first);
+    REQUIRE(comparison.wrong == 0);
+    REQUIRE(comparison.pulses >= least);
+}
+
+/// Whether figures for the documentation are wanted.
+bool figures() { return std::getenv("HAPTOGRAM_FIGURES") != nullptr; }
+
+}  // namespace
+
+TEST_CASE("second instrument: the board says what it has", "[second][wide]") {
+    Wide bench;
+    const link::Identity identity = bench.client.identify();
+    REQUIRE(identity.features == 0xff);
+    REQUIRE(identity.width_bits == 10);
+    REQUIRE(identity.foci == 8);
+    REQUIRE(identity.modulation_words == 32);
+    REQUIRE(identity.core().slew == 1);
+    Bench plain;
+    const link::Identity without = plain.client.identify();
+    REQUIRE(without.features == 0xf);
+    REQUIRE(without.width_bits + without.foci + without.modulation_words == 0);
+}
+
+TEST_CASE("contract 8: at the pins the carrier's phase does not depend on the amplitude, to half a tick",
+          "[second][wide]") {
+    Wide bench;
+    auto g = generator();
+    bench.open();
+    double worst_phase = 0, worst_amplitude = 0;
+    std::size_t measured = 0;
+    for (int round = 0; round < 24; ++round) {
+        bench.random_record(g, 1, 1250);
+        const std::vector<Emission>& asked = bench.book[1].emissions;
+        bench.client.select(1);
+        bench.wait_for_index(1);
+        bench.board.run(8 * 1250);
+        const std::size_t last = bench.recorder.cycles().size() - 3;
+        const std::uint64_t from = bench.recorder.cycles()[last].clock;
+        REQUIRE(bench.recorder.cycles()[last - 3].index == 1);
+        require_right(bench.compare(last - 4, last + 2), 20);
+        for (std::uint32_t k = 0; k < channel_count; ++k) {
+            std::complex<double> sum;
+            for (const Pulse& p : bench.pulses(k, from - 1250, from + 1250))
+                for (std::uint64_t t = std::max(p.rise, from); t < std::min(p.fall, from + 1250); ++t)
+                    sum += std::polar(1.0, 2 * std::numbers::pi * (static_cast<double>(t - from) + 0.5) / 1250);
+            const double amplitude = std::abs(sum) * std::numbers::pi / 1250;
+            worst_amplitude = std::max(worst_amplitude, std::abs(amplitude - asked[k].amplitude / 65535.0));
+            if (std::abs(sum) < 0.5) continue;
+            const double ticks = std::arg(sum) / (2 * std::numbers::pi) * 1250;
+            worst_phase =
+                std::max(worst_phase, std::abs(std::remainder(ticks - asked[k].phase / 65536.0 * 1250, 1250)));
+            ++measured;
+        }
+        bench.client.stop();
+        bench.wait_for_index(0);
+    }
+    INFO("worst phase " << worst_phase << " ticks, worst amplitude " << worst_amplitude << " of full");
+    if (figures()) WARN("worst phase " << worst_phase << " ticks, worst amplitude " << worst_amplitude << " of full");
+    REQUIRE(measured > 300);
+    REQUIRE(worst_phase <= 0.501);
+    REQUIRE(worst_amplitude <= 0.0025);
+    REQUIRE(bench.client.status().underruns == 0);
+}
+
+TEST_CASE("second instrument: a record of amplitudes in every carrier period, and every pulse where the model says",
+          "[second][wide]") {
+    Wide bench;
+    auto g = generator();
+    bench.open();
+    const std::uint32_t cycle = GENERATE(1250U, 2U * lead, 2046U);
+    std::vector<SequenceEntry> sequence;
+    for (std::uint16_t i = 1; i <= 200; ++i) {
+        bench.random_record(g, i, cycle);
+        sequence.push_back({i, 1});
+    }
+    const std::size_t first = bench.play(sequence);
+    require_right(bench.compare(first - 4, first + 203), 3000);
+    const link::Status status = bench.client.status();
+    REQUIRE(status.underruns == 0);
+    REQUIRE(status.refused_records == 0);
+    REQUIRE(status.guard_trips == 0);
+}
+
+namespace {
+
+/// 16 channel_count in four rows, 10 mm apart, and an engine that reaches full amplitude where `full` foci meet in
+/// phase.
+FocusEngine small_engine(double full) {
+    FocusEngine engine;
+    for (std::uint32_t k = 0; k < channel_count; ++k)
+        engine.geometry.push_back(pack_geometry({0.010 * (k % 4) - 0.015, 0.010 * (k / 4) - 0.015, 0.0}, 0.01 * k));
+    engine.wave_number = wave_number_word(343.0 / 40e3);
+    engine.gain = gain_word(full);
+    return engine;
+}
+
+FocusWords random_focus(std::mt19937& g) {
+    const auto within = [&g](double low, double high) { return low + (high - low) * random(g, 0, 10'000) / 10'000; };
+    return pack_focus({{within(-0.05, 0.05), within(-0.05, 0.05), within(0.06, 0.25)}, within(0.2, 1.0)});
+}
+
+}  // namespace
+
+TEST_CASE("second instrument: one to eight foci a record, a record in every carrier period, equal to the host's model",
+          "[second][wide]") {
+    Wide bench;
+    auto g = generator();
+    bench.open();
+    constexpr std::uint16_t base = 600;  // beside records, in words of four
+    const FocusEngine engine = small_engine(2.5);
+    for (std::size_t foci = 1; foci <= most_foci; ++foci) {
+        const bool whole = random(g, 0, 3) == 0;
+        bench.write_engine(engine, base, 20, foci, whole);
+        std::vector<SequenceEntry> sequence;
+        for (std::uint16_t n = 1; n <= 20; ++n) {
+            std::vector<FocusWords> words;
+            for (std::size_t f = 0; f < foci; ++f) words.push_back(random_focus(g));
+            bench.write_foci(engine, base, n, words, whole);
+            sequence.push_back({static_cast<std::uint16_t>(records + n), 1});
+        }
+        const std::size_t first = bench.play(sequence);
+        require_right(bench.compare(first - 4, first + 23), 200);
+    }
+    const link::Status status = bench.client.status();
+    REQUIRE(status.underruns == 0);
+    REQUIRE(status.refused_records == 0);
+    REQUIRE(status.far_foci == 0);
+    // A focus more than a metre away counts for no channel and is told.
+    bench.write_engine(engine, base, 1, 1, false);
+    bench.write_foci(engine, base, 1, {pack_focus({{-1.02, 0.0, 0.1}, 1.0})}, false);
+    bench.client.select(records + 1, 3);
+    bench.wait_for_index(records + 1);
+    REQUIRE(bench.client.status().far_foci == 1);
+}
+
+TEST_CASE("second instrument: timings, amplitudes and foci follow each other in any order", "[second][wide]") {
+    Wide bench;
+    auto g = generator();
+    bench.open();
+    constexpr std::uint16_t base = 600;
+    const FocusEngine engine = small_engine(1.5);
+    bench.write_engine(engine, base, 20, 2, false);
+    for (std::uint16_t i = 1; i <= 20; ++i) {
+        bench.raw_record(g, i, random(g, 800, 1400), static_cast<std::uint8_t>(random(g, 1, 255)));
+        bench.random_record(g, static_cast<std::uint16_t>(20 + i), random(g, 800, 1400));
+        bench.write_foci(engine, base, i, {random_focus(g), random_focus(g)}, false);
+    }
+    std::vector<SequenceEntry> sequence;
+    for (int i = 0; i < 200; ++i) {
+        const std::uint32_t kind = random(g, 0, 9);
+        const std::uint32_t index = kind == 0 && i > 0 ? 0
+                                    : kind < 4         ? random(g, records + 1, records + 20)
+                                                       : random(g, 1, 40);
+        sequence.push_back({static_cast<std::uint16_t>(index), static_cast<std::uint16_t>(random(g, 1, 2))});
+    }
+    const std::size_t first = bench.play(sequence);
+    require_right(bench.compare(first - 3, bench.recorder.cycles().size() - 2), 3000);
+    const link::Status status = bench.client.status();
+    REQUIRE(status.underruns == 0);
+    REQUIRE(status.refused_records == 0);
+    // The live FIFO takes foci, too.
+    std::vector<std::uint16_t> indices;
+    for (std::uint16_t i = 1; i <= 10; ++i) indices.push_back(static_cast<std::uint16_t>(records + i));
+    const std::size_t before = bench.recorder.cycles().size();
+    bench.client.push(indices, 1);
+    bench.wait_for_index(records + 10);
+    bench.board.run(10'000);
+    require_right(bench.compare(before - 2, bench.recorder.cycles().size() - 2), 100);
+}
+
+TEST_CASE("contract 9: sample i is on the pins in carrier periods i · N to (i + 1) · N − 1", "[second][wide]") {
+    Wide bench;
+    auto g = generator();
+    bench.open();
+    const std::uint16_t divider = GENERATE(std::uint16_t{1}, std::uint16_t{3});
+    const bool loop = GENERATE(false, true);
+    const std::uint16_t length = loop ? 7 : 64;
+    std::vector<std::uint8_t> samples;
+    for (int i = 0; i < 64; ++i)
+        samples.push_back(static_cast<std::uint8_t>(random(g, 60, 110) + (i % 2 == 0 ? 80U : 0U)));
+    Words words;
+    for (std::size_t i = 0; i < 64; i += 2)
+        words.push_back(static_cast<std::uint16_t>(samples[i + 1] << 8 | samples[i]));
+    bench.write(interface::modulation_base, words);
+    bench.random_record(g, 1, 1250);
+    bench.random_record(g, 2, 1250);
+    bench.raw_record(g, 3, 900, 200);
+    bench.write_sequence({{2, 3}, {3, 4}, {0, 2}, {2, 5}, {0, 1}});
+    bench.client.select(1);
+    bench.wait_for_index(1);
+    bench.board.run(10'000);
+    const std::size_t sent = bench.recorder.cycles().size();
+    bench.client.modulate(divider, loop ? length : 0, loop);
+    const std::size_t told = bench.recorder.cycles().size();
+    bench.board.run(20'000);
+    REQUIRE(bench.client.status().modulated);
+    bench.client.start(1, 5,
+                       0);  // the modulation does not care for records, and cycles of timings and of silence count
+    bench.board.run(1250ULL * 64 * divider + 20'000);
+    const std::size_t end = bench.recorder.cycles().size() - 2;
+    // The start is seen at the pins; there is one period that it can have been.
+    std::size_t starts = 0, start = 0;
+    for (std::size_t s = sent - 1; s <= told + 2; ++s) {
+        const auto setting = [&](std::size_t i) {
+            std::size_t n = i < s ? 0 : (i - s) / divider;
+            n = loop ? n % length : std::min<std::size_t>(n, 63);
+            return Setting{.modulation = i < s ? std::uint8_t{255} : samples[n]};
+        };
+        EmissionModel model(channel_count);
+        const Comparison comparison = bench.compare(sent - 4, end, setting, model);
+        if (comparison.wrong != 0) continue;
+        ++starts;
+        start = s;
+        REQUIRE(comparison.pulses > 800);
+    }
+    REQUIRE(starts == 1);
+    REQUIRE(start <= told + 1);  // from the next period on whose words are not begun yet
+    REQUIRE(bench.client.status().modulated == loop);
+    // A stop is a commit: from one period on there is no modulation.
+    const std::size_t before = bench.recorder.cycles().size();
+    bench.client.modulate(0, 0, false);
+    bench.board.run(20'000);
+    REQUIRE_FALSE(bench.client.status().modulated);
+    std::size_t stops = 0;
+    for (std::size_t s = before - 1; s <= before + 6; ++s) {
+        const auto setting = [&](std::size_t i) {
+            const std::size_t n = (i - start) / divider;
+            return Setting{.modulation =
+                               i >= s ? std::uint8_t{255} : samples[loop ? n % length : std::min<std::size_t>(n, 63)]};
+        };
+        EmissionModel model(channel_count);
+        stops += bench.compare(before - 5, bench.recorder.cycles().size() - 2, setting, model).wrong == 0;
+    }
+    REQUIRE(stops == 1);
+    REQUIRE(bench.client.status().underruns == 0);
+}
+
+TEST_CASE("second instrument: amplitude modulation of full depth at 200 Hz loses no pulse", "[second][wide]") {
+    Wide bench;
+    bench.open();
+    // 50 samples of four periods each are 200 periods, a 200th of a second.
+    std::vector<std::uint8_t> samples;
+    for (int i = 0; i < 50; ++i)
+        samples.push_back(
+            static_cast<std::uint8_t>(std::lround(127.5 - 127.5 * std::cos(2 * std::numbers::pi * i / 50))));
+    Words words;
+    for (std::size_t i = 0; i < 50; i += 2)
+        words.push_back(static_cast<std::uint16_t>(samples[i + 1] << 8 | samples[i]));
+    bench.write(interface::modulation_base, words);
+    Words record;  // most of the phases around the cycle's start, where a pulse can be lost when it grows
+    for (std::uint32_t k = 0; k < channel_count; ++k)
+        record.push_back(static_cast<std::uint16_t>(0xff00 | ((256 - 20 + 3 * k) & 0xff)));
+    bench.write_record(1, amplitude_record(1250, record));
+    bench.book[1] = played(1250, record);
+    bench.client.select(1);
+    bench.wait_for_index(1);
+    bench.client.modulate(4, 50, true);
+    bench.board.run(10'000);
+    const std::size_t from = bench.recorder.cycles().size();
+    bench.board.run(1250ULL * 1000);
+    const std::size_t to = bench.recorder.cycles().size() - 2;
+    std::size_t matches = 0, pulses = 0;
+    for (std::size_t shift = 0; shift < 200; ++shift) {
+        EmissionModel model(channel_count);
+        const auto setting = [&](std::size_t i) { return Setting{.modulation = samples[(i + shift) / 4 % 50]}; };
+        if (bench.compare(from, from + 20, setting, model).wrong != 0) continue;
+        const Comparison all = bench.compare(from, to, setting, model);
+        matches += all.wrong == 0;
+        pulses = all.pulses;
+    }
+    REQUIRE(matches == 1);
+    REQUIRE(pulses > 15'000);
+    // And by themselves: whenever a channel's amplitude is not near zero, its pin is high at the middle of its pulse.
+    std::size_t lost = 0, wanted = 0;
+    const auto& cycles = bench.recorder.cycles();
+    for (std::uint32_t k = 0; k < channel_count; ++k) {
+        const auto found = bench.pulses(k, cycles[from - 2].clock, cycles[to].clock);
+        std::size_t at = 0;
+        for (std::size_t i = from + 1; i + 1 < to; ++i) {
+            const std::uint64_t middle = cycles[i].clock + bench.book[1].emissions[k].phase * 1250U / 65536;
+            while (at < found.size() && found[at].fall <= middle) ++at;
+            const bool high = at < found.size() && found[at].rise <= middle;
+            // Of 50 samples one is 0; the next larger one is a pulse of two ticks.
+            lost += !high;
+            ++wanted;
+        }
+    }
+    INFO(lost << " of " << wanted << " without a pulse");
+    REQUIRE(wanted > 15'000);
+    REQUIRE(lost * 50 <= wanted + 50 * 4 * channel_count);
+    REQUIRE(bench.client.status().underruns == 0);
+    if (figures())
+        WARN(pulses << " pulses as the model says, " << lost << " of " << wanted
+                    << " middles low, where the sample is 0");
+}
+
+TEST_CASE("second instrument: the slew limiter goes where the host's model goes, and down to silence",
+          "[second][wide]") {
+    Wide bench;
+    auto g = generator();
+    SlewLimit slew;
+    slew.mode = GENERATE(Slew::rate, Slew::arrive);
+    slew.phase_rate = 900;
+    slew.amplitude_rate = 1500;
+    slew.arrival_periods = 33;
+    using enum interface::ParametersWord;
+    bench.open();
+    bench.set(slew_mode, static_cast<std::uint32_t>(slew.mode));
+    bench.set(phase_rate, slew.phase_rate);
+    bench.set(amplitude_rate, slew.amplitude_rate);
+    bench.set(arrival_periods, slew.arrival_periods);
+    for (std::uint16_t i = 1; i <= 5; ++i) bench.random_record(g, i, 1250);
+    const std::size_t before = bench.recorder.cycles().size();
+    for (std::uint16_t i = 1; i <= 5; ++i) {
+        bench.client.select(i);
+        bench.wait_for_index(i);
+        bench.board.run(1250ULL * random(g, 5, 80));
+    }
+    bench.client.stop();
+    bench.wait_for_index(0);
+    const std::size_t stopped = bench.recorder.cycles().size() - 1;
+    bench.board.run(1250ULL * 70);
+    const auto& cycles = bench.recorder.cycles();
+    EmissionModel model(channel_count);
+    const auto setting = [&](std::size_t i) {
+        return Setting{.slew = slew, .new_target = cycles[i].index != cycles[i - 1].index};
+    };
+    const Comparison all = bench.compare(before - 3, cycles.size() - 2, setting, model);
+    require_right(all, 1000);
+    std::size_t falling = 0;
+    for (const Pulse& p : bench.recorder.pulses()) falling += p.rise > cycles[stopped + 4].clock;
+    REQUIRE(falling > 100);  // it takes its time
+    REQUIRE_FALSE(bench.board.any_pin());
+    for (const Emission& place : model.places()) REQUIRE(place.amplitude == 0);
+    const link::Status status = bench.client.status();
+    REQUIRE(status.bent_periods == all.bent);
+    REQUIRE(status.underruns == 0);
+}
+
+TEST_CASE("second instrument: records of timings play as on a board without amplitudes", "[second][wide]") {
+    Wide bench;
+    auto g = generator();
+    bench.open();
+    std::vector<Record> all;
+    for (int i = 0; i < 40; ++i) {
+        const std::uint32_t prescaler = random(g, 1, 4), cycle = random(g, 200, 2048);
+        all.push_back(test::random_record(g, channel_count, cycle, prescaler,
+                                          static_cast<std::uint8_t>(random(g, 1, std::min(cycle / 2, 255U)))));
+    }
+    Image image = image_of(channel_count, all);
+    // Of different prescalers, an old pulse's rest takes the new record's ticks, which the check does not know; silence
+    // is between.
+    std::vector<SequenceEntry> sequence;
+    for (const SequenceEntry& e : image.sequence) {
+        sequence.push_back({e.index, 2});
+        sequence.push_back({0, 2});
+    }
+    image.sequence = sequence;
+    bench.load(image);
+    bench.client.start(1, 80, 1);
+    bench.wait_for_index(40, 4'000'000);
+    bench.wait_for_index(0);
+    bench.board.run(20'000);
+    require_equal(bench.check(image), 40 * 16);
+    const link::Status status = bench.client.status();
+    REQUIRE(status.underruns == 0);
+    REQUIRE(status.refused_records == 0);
+    // Two records in turn, in the shortest cycle that the contract names: (pulse - 1) · prescaler + CHANNELS + 16.
+    const std::uint32_t shortest = 20 - 1 + channel_count + 16;
+    const Image quick = image_of(channel_count, {test::random_record(g, channel_count, shortest, 1, 20),
+                                                 test::random_record(g, channel_count, shortest, 1, 20)});
+    bench.load(quick);
+    bench.client.start(1, 2, 100);
+    bench.wait_for_index(2);
+    bench.wait_for_index(0);
+    bench.board.run(1000);
+    REQUIRE(bench.client.status().underruns == 0);
+}
+
+TEST_CASE("second instrument: SELECT reaches the pins within a cycle, a load and a sweep", "[second][wide]") {
+    Wide bench;
+    auto g = generator();
+    bench.open();
+    std::vector<std::uint32_t> cycle(41, 1250);
+    for (std::uint16_t i = 1; i <= 40; ++i) {
+        cycle[i] = random(g, 600, 1400);
+        if (i % 2 == 0)
+            bench.random_record(g, i, cycle[i]);
+        else
+            bench.raw_record(g, i, cycle[i], static_cast<std::uint8_t>(random(g, 1, 255)));
+    }
+    std::uint64_t worst = 0;
+    std::uint16_t present = 0;
+    int measured = 0;
+    std::uint8_t number = 0;
+    {
+        const auto reply = bench.talk(link::encode_request(0, interface::Command::identify, {}));
+        REQUIRE(reply.size() == 1);
+        number = reply[0].expected;
+    }
+    for (int i = 0; i < 1000; ++i) {
+        const auto index = static_cast<std::uint16_t>(random(g, 1, 40));
+        if (index == present) continue;
+        bench.board.run(random(g, 0, 1500));
+        bench.board.send(link::encode_request(number++, interface::Command::select, words({index, 0})));
+        while (!bench.board.line_idle()) bench.board.run(1);
+        const std::uint64_t sent = bench.board.now();
+        const std::size_t seen = bench.recorder.cycles().size();
+        REQUIRE(bench.board.run_until([&] { return bench.board.outputs().index == index; }, 5000));
+        std::uint64_t begins = bench.recorder.cycles().back().clock;
+        for (std::size_t c = seen; c < bench.recorder.cycles().size(); ++c)
+            if (bench.recorder.cycles()[c].index == index) begins = std::min(begins, bench.recorder.cycles()[c].clock);
+        const std::uint64_t took = begins - std::min(begins, sent);
+        // Up to 40 clocks for the command itself, a cycle of what played, a load of 33 and what the frame memory adds,
+        // a sweep.
+        const std::uint64_t bound = 40 + cycle[present == 0 ? 0 : present] + 45 + lead;
+        INFO(took << " clocks after the frame, record " << present << " to " << index << ", at most " << bound);
+        REQUIRE(took <= bound);
+        worst = std::max(worst, took);
+        present = index;
+        ++measured;
+    }
+    REQUIRE(measured > 900);
+    if (figures()) WARN("SELECT: worst " << worst << " clocks after its frame, of " << measured);
+    static_cast<void>(bench.board.receive());
+}
+
+TEST_CASE("second instrument: after any commands at any time a record plays exactly", "[second][wide]") {
+    auto g = generator();
+    for (int round = 0; round < 6; ++round) {
+        Wide bench;
+        bench.open();
+        constexpr std::uint16_t base = 600;
+        const FocusEngine engine = small_engine(1.5);
+        bench.write_engine(engine, base, 10, 3, false);
+        for (std::uint16_t i = 1; i <= 10; ++i) {
+            bench.raw_record(g, i, random(g, 300, 1400), static_cast<std::uint8_t>(random(g, 1, 150)));
+            bench.random_record(g, static_cast<std::uint16_t>(10 + i), random(g, 2 * lead, 2046));
+            bench.write_foci(engine, base, i, {random_focus(g), random_focus(g), random_focus(g)}, false);
+        }
+        std::vector<SequenceEntry> sequence;
+        for (std::uint16_t i = 1; i <= 20; ++i) sequence.push_back({i, 1});
+        bench.write_sequence(sequence);
+        std::uint8_t number = bench.talk(link::encode_request(0, interface::Command::identify, {})).at(0).expected;
+        const auto send = [&](interface::Command command, const Bytes& payload) {
+            bench.board.send(link::encode_request(number++, command, payload));
+        };
+        for (int i = 0; i < 150; ++i) {
+            const auto index = static_cast<std::uint16_t>(random(g, 0, 2) == 0 ? random(g, records + 1, records + 10)
+                                                                               : random(g, 0, 20));
+            switch (random(g, 0, 9)) {
+                case 0: send(interface::Command::start, words({1, 20, 0})); break;
+                case 1: send(interface::Command::stop, {}); break;
+                case 2: send(interface::Command::disable, {}); break;
+                case 3: send(interface::Command::reset, {}); break;
+                case 4:
+                    send(interface::Command::modulate, words({static_cast<std::uint16_t>(random(g, 0, 2)), 0, 1}));
+                    break;
+                case 5: send(interface::Command::push, words({1, index, 3, 12})); break;
+                case 6: send(interface::Command::enable, {}); break;
+                default:
+                    send(interface::Command::select, words({index, static_cast<std::uint16_t>(random(g, 0, 3))}));
+                    break;
+            }
+            bench.board.run(random(g, 0, 1) == 0 ? random(g, 0, 300) : random(g, 0, 4000));
+        }
+        REQUIRE(bench.board.run_until([&] { return bench.board.line_idle(); }, 10'000'000));
+        bench.board.run(50'000);
+        static_cast<void>(bench.board.receive());
+        link::Client client(bench.line);
+        client.identify();
+        client.reset();
+        client.set_watchdog(0);
+        client.enable();
+        for (const std::uint16_t index : {std::uint16_t{15}, std::uint16_t{records + 4}, std::uint16_t{3}}) {
+            client.select(index);
+            bench.wait_for_index(index);
+            bench.board.run(20'000);
+            const std::size_t end = bench.recorder.cycles().size() - 2;
+            require_right(bench.compare(end - 7, end), 16);
+        }
+        REQUIRE(client.status().guard_trips == 0);
+        REQUIRE(client.status().refused_records == 0);
+    }
+}
+
+TEST_CASE("second instrument: what cannot be played is refused, and silence takes its place", "[second][wide]") {
+    Wide bench;
+    bench.open();
+    const Words channel(channel_count, 0x80ff);
+    const auto refused = [&](std::uint16_t index) {
+        const std::uint16_t before = bench.client.status().refused_records;
+        bench.client.select(index, 2);
+        bench.board.run(20'000);
+        return bench.client.status().refused_records - before;
+    };
+    const auto record = [&](std::uint32_t cycle, std::uint16_t pulse, std::uint32_t prescaler, std::uint16_t kind) {
+        Words words = {static_cast<std::uint16_t>(cycle), static_cast<std::uint16_t>(pulse << 8 | cycle >> 16),
+                       static_cast<std::uint16_t>(prescaler), static_cast<std::uint16_t>(kind << 8 | prescaler >> 16)};
+        words.insert(words.end(), channel.begin(), channel.end());
+        bench.write_record(1, words);
+        return refused(1);
+    };
+    REQUIRE(record(1250, 0, 1, 1) == 0);
+    REQUIRE(record(1250, 1, 1, 1) == 1);
+    REQUIRE(record(1250, 0, 2, 1) == 1);
+    REQUIRE(record(1250, 0, 0x10001, 1) == 1);
+    REQUIRE(record(2 * lead, 0, 1, 1) == 0);
+    REQUIRE(record(2 * lead - 1, 0, 1, 1) == 1);
+    REQUIRE(record(2046, 0, 1, 1) == 0);
+    REQUIRE(record(2047, 0, 1, 1) == 1);
+    REQUIRE(record(0x10000 + 1250, 0, 1, 1) == 1);
+    REQUIRE(record(1250, 0, 1, 2) == 1);
+    REQUIRE(record(1250, 0, 1, 0x81) == 1);
+    // Timings: cycles over whose end no pulse could be carried.
+    REQUIRE(record(2048, 20, 1, 0) == 0);
+    REQUIRE(record(2049, 20, 1, 0) == 1);
+    REQUIRE(record(2048 + 1023, 20, 1, 0) == 1);
+    REQUIRE(record(2048 + 1024, 20, 1, 0) == 0);
+    REQUIRE(record(2048, 0, 0, 0) == 1);
+
+    using enum interface::ParametersWord;
+    const FocusEngine engine = small_engine(1.0);
+    bench.write_engine(engine, 600, 5, 2, false);
+    const FocusWords near = pack_focus({{0.0, 0.0, 0.1}, 1.0});
+    for (std::uint16_t n = 1; n <= 5; ++n) bench.write_foci(engine, 600, n, {near, near}, false);
+    REQUIRE(refused(records + 1) == 0);
+    REQUIRE(refused(records + 5) == 0);
+    FocusWords wrong = near;
+    wrong[3] |= 0x40;
+    bench.write(8 * 602 + 8, Words(wrong.begin(), wrong.end()));
+    REQUIRE(refused(records + 2) == 1);
+    bench.set(foci_cycle, 2 * lead - 1);
+    REQUIRE(refused(records + 1) == 1);
+    bench.set(foci_cycle, 2047);
+    REQUIRE(refused(records + 1) == 1);
+    bench.set(foci_cycle, 1250);
+    // The last focus ends with primary memory, of 256 · 20 words; the next one is beyond it.
+    bench.set(foci_base, 1280 - 2 * 4);
+    for (std::uint32_t n = 0; n < 8; ++n) bench.write(2 * (5120 - 32) + 8 * n, Words(near.begin(), near.end()));
+    REQUIRE(refused(records + 4) == 0);
+    REQUIRE(refused(records + 5) == 1);
+
+    // Arguments.
+    const auto status_of = [&](interface::Command command, const Bytes& payload) {
+        const auto hello = bench.talk(link::encode_request(0, interface::Command::identify, {}));
+        return bench.talk(link::encode_request(hello.at(0).expected, command, payload)).at(0).status;
+    };
+    using interface::Command;
+    using interface::Status;
+    REQUIRE(status_of(Command::select, words({records + 5, 0})) == Status::ok);
+    REQUIRE(status_of(Command::select, words({records + 6, 0})) == Status::bad_index);
+    REQUIRE(status_of(Command::push, words({1, records + 5})) == Status::ok);
+    REQUIRE(status_of(Command::push, words({1, records + 5, records + 6})) == Status::bad_index);
+    REQUIRE(status_of(Command::modulate, words({1, 64, 1})) == Status::ok);
+    REQUIRE(status_of(Command::modulate, words({1, 65, 1})) == Status::bad_range);
+    REQUIRE(status_of(Command::modulate, words({1, 64, 2})) == Status::bad_range);
+    REQUIRE(status_of(Command::modulate, words({0, 65, 2})) == Status::ok);
+    REQUIRE(status_of(Command::modulate, words({1, 64})) == Status::bad_length);
+    const auto address = [](std::uint32_t base, std::uint32_t offset) {
+        return words({static_cast<std::uint16_t>(offset), static_cast<std::uint16_t>(base >> 16)});
+    };
+    const auto with = [](Bytes bytes, std::initializer_list<std::uint16_t> more) {
+        for (const std::uint8_t b : words(more)) bytes.push_back(b);
+        return bytes;
+    };
+    REQUIRE(status_of(Command::write, with(address(interface::parameters_base, 2 * 10), {1})) == Status::ok);
+    REQUIRE(status_of(Command::write, with(address(interface::parameters_base, 2 * 11), {1})) == Status::bad_address);
+    REQUIRE(status_of(Command::write, with(address(interface::geometry_base, 2 * 63), {1})) == Status::ok);
+    REQUIRE(status_of(Command::write, with(address(interface::geometry_base, 2 * 64), {1})) == Status::bad_address);
+    REQUIRE(status_of(Command::read, with(address(interface::geometry_base, 0), {2})) == Status::bad_address);
+    REQUIRE(status_of(Command::write, with(address(interface::modulation_base, 2 * 31), {1})) == Status::ok);
+    REQUIRE(status_of(Command::write, with(address(interface::modulation_base, 2 * 32), {1})) == Status::bad_address);
+
+    Bench plain;
+    const auto hello = plain.talk(link::encode_request(0, Command::identify, {}));
+    std::uint8_t number = hello.at(0).expected;
+    REQUIRE(plain.talk(link::encode_request(number, Command::modulate, words({1, 0, 1}))).at(0).status ==
+            Status::unknown_command);
+    REQUIRE(plain.talk(link::encode_request(number, Command::write, with(address(interface::parameters_base, 0), {1})))
+                .at(0)
+                .status == Status::bad_address);
+    REQUIRE(plain.talk(link::encode_request(number, Command::read, with(address(interface::modulation_base, 0), {2})))
+                .at(0)
+                .status == Status::bad_address);
+}
+
+TEST_CASE("second instrument: settings and samples have a value at power-up, are read back, and outlast a reset",
+          "[second][wide]") {
+    sim::SimulatedBoardOptions options;
+    options.power_up_seed = generator()();
+    Bench bench("small-16-wide", options);
+    bench.client.identify();
+    const auto read = [&](std::uint32_t address, std::uint16_t count) {
+        const Bytes bytes = bench.client.read(address, static_cast<std::uint16_t>(2 * count));
+        Words words;
+        for (std::size_t i = 0; i < bytes.size(); i += 2)
+            words.push_back(static_cast<std::uint16_t>(bytes[i] | bytes[i + 1] << 8));
+        return words;
+    };
+    REQUIRE(read(interface::parameters_base, 11) == Words{0, 0, 0, 1250, 0, 0, 0, 0, 65535, 65535, 1});
+    REQUIRE(read(interface::modulation_base, 16) == Words(16, 0xffff));
+    const Words settings = {1, 2, 0xf, 4, 0x8005, 0x3, 7, 2, 9, 10, 0xfff};
+    Bytes bytes;
+    for (const std::uint16_t word : settings) {
+        bytes.push_back(static_cast<std::uint8_t>(word));
+        bytes.push_back(static_cast<std::uint8_t>(word >> 8));
+    }
+    bench.client.write(interface::parameters_base, bytes);
+    bench.client.write(interface::modulation_base + 62, words({0x1234}));
+    REQUIRE(read(interface::parameters_base, 11) == settings);
+    bench.client.reset();
+    REQUIRE(read(interface::parameters_base, 11) == settings);
+    REQUIRE(read(interface::modulation_base + 62, 1) == Words{0x1234});
+    // While samples are played, they are still read and written rightly.
+    bench.client.modulate(1, 0, true);
+    for (std::uint16_t i = 0; i < 32; ++i)
+        bench.client.write(interface::modulation_base + 2U * i, words({static_cast<std::uint16_t>(i * 257 + 3)}));
+    for (std::uint16_t i = 0; i < 32; ++i)
+        REQUIRE(read(interface::modulation_base + 2U * i, 1) == Words{static_cast<std::uint16_t>(i * 257 + 3)});
+}
+
+TEST_CASE("second instrument: while outputs are off a command does not wait for the end of a long cycle",
+          "[second][wide]") {
+    Wide bench;
+    auto g = generator();
+    bench.open();
+    const std::uint32_t ticks = 5'000'000;  // a tenth of a second
+    Words slow = {static_cast<std::uint16_t>(ticks & 0xffff), static_cast<std::uint16_t>(20 << 8 | ticks >> 16), 1, 0};
+    slow.insert(slow.end(), channel_count, 0);
+    bench.write_record(1, slow);
+    bench.random_record(g, 2, 1250);
+    bench.raw_record(g, 3, 1250, 100);
+    for (const std::uint16_t index : {std::uint16_t{2}, std::uint16_t{3}, std::uint16_t{0}}) {
+        bench.client.select(1);
+        bench.wait_for_index(1);
+        bench.board.run(20'000);
+        bench.client.disable();
+        bench.client.select(index);
+        bench.wait_for_index(index, 1000);
+        bench.client.enable();
+        bench.board.run(20'000);
+        const std::size_t end = bench.recorder.cycles().size() - 2;
+        if (index != 0) require_right(bench.compare(end - 7, end), 32);
+    }
+    REQUIRE(bench.client.status().guard_trips == 0);
+}
