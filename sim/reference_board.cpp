@@ -42,6 +42,7 @@ std::optional<Shape> shape_of(Command command) {
         case Command::push: return Shape{1, true, Carries::nothing};
         case Command::start: return Shape{3, false, Carries::nothing};
         case Command::watchdog: return Shape{1, false, Carries::nothing};
+        case Command::modulate: return Shape{3, false, Carries::nothing};
         case Command::status: return Shape{0, false, Carries::status};
         case Command::enable:
         case Command::disable:
@@ -529,6 +530,7 @@ Status ReferenceBoard::Core::verdict() const {
             return good ? Status::ok : Status::bad_range;
         }
         case Command::enable: return stopped_ ? Status::stopped : Status::ok;
+        case Command::modulate: return Status::unknown_command;
         default: return Status::ok;
     }
 }
@@ -748,7 +750,13 @@ std::uint16_t ReferenceBoard::Core::status_word(std::uint32_t word) const {
 ReferenceBoard::ReferenceBoard(std::string_view configuration, unsigned reset_clocks)
     : ReferenceBoard(configuration_named(configuration), reset_clocks) {}
 ReferenceBoard::ReferenceBoard(const interface::CoreConfiguration& configuration, unsigned reset_clocks)
-    : core_(std::make_unique<Core>(configuration, reset_clocks)) {}
+    : core_(std::make_unique<Core>(configuration, reset_clocks)) {
+    if (configuration.parameters.width_bits != 0)
+        throw bad_argument("configuration",
+                           fmt::format("the reference board has no amplitudes of single channels, and {} has; take the "
+                                       "Verilated core (--model rtl), or another configuration",
+                                       configuration.name));
+}
 ReferenceBoard::~ReferenceBoard() = default;
 
 void ReferenceBoard::run(std::uint64_t clocks) { core_->run(clocks); }

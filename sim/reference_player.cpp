@@ -127,7 +127,7 @@ std::shared_ptr<const Player::Loaded> Player::load(std::span<const std::uint16_t
     const std::uint64_t cycle_clocks = std::uint64_t{loaded->cycle_length} * loaded->prescaler;
     const std::uint64_t pulse_clocks = std::uint64_t{pulse} * loaded->prescaler;
     const std::uint64_t longest_pulse = (p_.max_high_clocks / 2 - 2) / 5;
-    loaded->playable = interface::record_field::reserved.get(words) == 0 && pulse < 1U << p_.pulse_bits &&
+    loaded->playable = interface::record_field::kind.get(words) == 0 && pulse < 1U << p_.pulse_bits &&
                        std::uint64_t{pulse} * 256 <= std::uint64_t{loaded->cycle_length} * p_.max_duty_256 &&
                        cycle_clocks > 0 && cycle_clocks <= p_.clock_hz && pulse_clocks <= longest_pulse &&
                        (pulse == 0 || pulse_clocks >= p_.min_pulse_clocks);

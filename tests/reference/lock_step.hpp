@@ -169,7 +169,7 @@ private:
         interface::record_field::cycle_length.set(words, one_in(60) ? below(1U << 24) : cycle);
         interface::record_field::pulse_length.set(words, pulse & 0xffU);
         interface::record_field::prescaler.set(words, one_in(60) ? below(1U << 24) : prescaler);
-        if (one_in(60)) interface::record_field::reserved.set(words, 1 + below(255));
+        if (one_in(60)) interface::record_field::kind.set(words, 1 + below(255));
         const std::uint32_t kind = sticky_ ? 0 : below(6);
         const std::uint32_t common = sticky_ ? 3 : below(cycle);
         for (std::size_t k = interface::record_header_words; k < words.size(); ++k) {
@@ -288,6 +288,7 @@ private:
             case 19: return memory_command(Command::digest);
             case 20: return {static_cast<Command>(one_in(2) ? below(256) : 0), {}};
             case 21: return {Command::identify, {}};
+            case 22: return {Command::modulate, {w(below(3)), w(below(70)), w(below(3))}};  // no such command here
             default: return memory_command(Command::write);
         }
     }

@@ -62,7 +62,7 @@ TEST_CASE("reference: pulses that merge at every change trip the guard at the sa
     interface::record_field::cycle_length.set(record, 20);
     interface::record_field::pulse_length.set(record, 19);
     interface::record_field::prescaler.set(record, 100);
-    interface::record_field::reserved.set(record, 0);
+    interface::record_field::kind.set(record, 0);
     record[4 + 5] = 7;
     boards.both([&](sim::Board& board) {
         std::ranges::copy(record, board.primary_memory().begin());
