@@ -90,8 +90,14 @@ def test_a_lost_hand_is_silence(tmp_path):
 
 
 def test_out_of_reach_is_said(tmp_path):
-    result = succeed(["render", "cube", "--hand", "synthetic:press:60", "--center", "0,0,60", "--size", 150, "--frame", 1, "-o", "path.json"], cwd=tmp_path)
-    assert "out of the array's reach" in text(result.stderr)
+    # The fingers are 60° off the array's axis, and the palm is not.
+    command = ["render", "cube", "--hand", "synthetic:press:35", "--center", "60,0,35", "--frame", 1, "-o", "path.json", "--json", "--report"]
+    result = succeed(command, cwd=tmp_path)
+    assert "out of the array's reach" in text(result.stderr) and "off the axis" in text(result.stderr)
+    (frame,) = json.loads(result.stdout)["frames"]
+    path = read_json(tmp_path / "path.json")
+    silent = sum(step["periods"] for step in path["steps"] if not step["foci"]) / sum(step["periods"] for step in path["steps"])
+    assert 0.1 < frame["out_of_reach"] < 0.6 and silent == pytest.approx(frame["out_of_reach"], abs=0.02)
 
 
 def test_a_mesh_is_an_object(tmp_path):
@@ -110,7 +116,7 @@ def test_a_mesh_is_an_object(tmp_path):
 
 
 def test_a_picture(tmp_path):
-    succeed(["render", "cube", "--size", 50, *PRESS, "--frame", 1, "--algorithm", "H", "-o", "touch.png", "-o", "path.json"], cwd=tmp_path)
+    succeed(["render", "cube", "--size", 50, *PRESS, "--frame", 1, "--algorithm", "H", "-o", "touch.png", "-o", "path.json"], cwd=tmp_path, timeout=200)
     assert (tmp_path / "touch.png").read_bytes().startswith(b"\x89PNG") and (tmp_path / "path.json").exists()
 
 
