@@ -97,6 +97,22 @@ void require_sound(const PlaceOptions& options, const SharedClock& clock) {
                            fmt::format("the robot's is {:g} s, and the clock's {:g} s", period, clock.period_s()));
 }
 
+/// What the tables do not know is said before the run, and not in the middle of it.
+void require_known(const PlaceOptions& options, const perception::Tables& tables) {
+    const auto require = [&](double magnitude, double frequency_hz) {
+        static_cast<void>(perception::setting_for(tables, {.magnitude = magnitude, .frequency_hz = frequency_hz}));
+    };
+    if (options.mapping == Mapping::plane) {
+        require(options.magnitude, options.plane_hz);
+    } else if (options.mapping == Mapping::frequency) {
+        require(options.magnitude, options.low_hz);
+        require(options.magnitude, options.high_hz);
+    } else {
+        require(options.low_magnitude, options.magnitude_hz);
+        require(options.high_magnitude, options.magnitude_hz);
+    }
+}
+
 /// How far along the palm, towards the fingers, lines on it are, in the middle.
 std::optional<double> place_on_palm(const std::vector<SkinLine>& lines, const std::vector<SkinRegion>& skin,
                                     const Hand& hand) {
@@ -173,6 +189,7 @@ Hand open_hand(Vec3 palm, double tilt_deg) {
 Placed place_cube(const PlaceOptions& options, const Array& array, const perception::Tables& tables,
                   const SharedClock& clock, const Progress& progress) {
     require_sound(options, clock);
+    require_known(options, tables);
     robot::ControllerOptions leading = options.controller;
     leading.admittance.zones.inner_n_m = leading.admittance.zones.outer_n_m = 0.0;
     robot::PlantOptions made_of = options.plant;
