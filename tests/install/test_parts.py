@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Builds that leave parts out, and what a build says that misses something. One folder, so that only what differs is built again."""
+import re
 import shutil
 
 import pytest
