@@ -966,8 +966,6 @@ FIGURES = {
     "hoshi-7": (hoshi_7, "Hoshi 3.1 and eq. 7: the quantised drive"),
     "hoshi-11": (hoshi_11, "Hoshi, Fig. 11b–c: cuts through the focus"),
     "hoshi-12": (hoshi_12, "Hoshi, Fig. 12a–b: modulation at 100 Hz"),
-    "study-confusion": (study_confusion, "Haptogram, Table 1: which shape was taken for which"),
-    "study-staircase": (study_staircase, "Multimodal, task T3: a staircase on a simulated person"),
     "hoshi-12c": (hoshi_12c, "Hoshi, Fig. 12c: frequency characteristics, with one bandwidth fitted"),
     "hoshi-eq9": (hoshi_eq9, "Hoshi, eq. 9: two spots by a Fourier transform, and what repeats"),
     "multimodal-magnitude": (multimodal_magnitude, "Multimodal, eq. 10 and 11, Tables I–III: command, output, perceived magnitude, thresholds"),
@@ -976,6 +974,8 @@ FIGURES = {
     "multimodal-admittance": (multimodal_admittance, "Multimodal, eq. 17: the handle under a force, zone by zone"),
     "multimodal-8": (multimodal_8, "Multimodal, Fig. 8: the story of task T1"),
     "multimodal-t4": (multimodal_t4, "Multimodal, task T4: a cube is placed by touch, mappings G1 to G3"),
+    "study-confusion": (study_confusion, "Haptogram, Table 1: which shape was taken for which"),
+    "study-staircase": (study_staircase, "Multimodal, task T3: a staircase on a simulated person"),
 }
 
 
