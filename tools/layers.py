@@ -30,13 +30,14 @@ LAYERS = {
     "hand":       {"may": BASICS, "at": (3, 6), "knows": "hands, skin, solids"},
     "render":     {"may": [*BASICS, "shape", "hand"], "at": (1, 5), "knows": "paths: foci in time"},
     "perception": {"may": [*BASICS, "acoustics", "render"], "at": (3, 5), "knows": "how strong a focus feels"},
+    "fusion":     {"may": [*BASICS, "acoustics", "hand", "render", "perception", "robot"], "at": (4, 4), "knows": "a scene to cables and ultrasound"},
     "solve":      {"may": [*PHYSICS, "render"], "at": (1, 4), "knows": "foci to drives to records"},
     "image":      {"may": [*PHYSICS, "render", "solve"], "at": (1, 3), "knows": "memories, Intel HEX, bundles"},
     "analysis":   {"may": IMAGE, "at": (0, 2), "knows": "pulses to drives, checks of foci"},
     "instrument": {"may": [*IMAGE, "perception", "analysis"], "at": (0, 1), "knows": "the verbs as functions"},
     "link":       {"may": IMAGE, "at": (2, 2), "knows": "frames, ports, devices"},
     "sim":        {"may": [*IMAGE, "analysis", "link"], "at": (2, 1), "knows": "boards without hardware"},
-    "cli":        {"may": [*INSTRUMENT, "perception", "robot", "link", "sim"], "at": (1, 0), "knows": "the program: parse, call, print"},
+    "cli":        {"may": [*INSTRUMENT, "perception", "robot", "fusion", "link", "sim"], "at": (1, 0), "knows": "the program: parse, call, print"},
 }  # fmt: skip
 FOLDERS = {name: f"host/haptogram/{name}" for name in LAYERS} | {"sim": "sim", "cli": "host/cli"}
 ROW, GAP = 44, 32  # of the picture, pixels

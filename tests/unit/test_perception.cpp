@@ -30,15 +30,15 @@ namespace {
 
 /// What was computed from the printed tables with numpy's roots, to the digits given.
 struct Derived {
-    double hz, full_gf, magnitude_there, zero_gf;
+    double hz, full_gf, magnitude_there, vertex_gf, zero_gf;
     std::array<double, 3> commands;  ///< for magnitudes of 1, 2 and 3; 0: not reachable
 };
-constexpr Derived derived[] = {{80, 0.6185, 10.149, 0.0090, {0.33468, 0.42594, 0.51003}},
-                               {100, 0.5804, 8.928, 0.0123, {0.35204, 0.43678, 0.51672}},
-                               {140, 0.5587, 8.070, -0.0058, {0.33926, 0.44367, 0.53973}},
-                               {180, 0.5478, 7.592, 0.0051, {0.39805, 0.50983, 0.60865}},
-                               {240, 0.5280, 4.363, -0.0145, {0.43890, 0.61582, 0.76236}},
-                               {300, 0.4926, 2.458, -0.0535, {0.56460, 0.85367, 0.0}}};
+constexpr Derived derived[] = {{80, 0.6185, 10.149, 1.115, 0.0090, {0.33468, 0.42594, 0.51003}},
+                               {100, 0.5804, 8.928, 0.680, 0.0123, {0.35204, 0.43678, 0.51672}},
+                               {140, 0.5587, 8.070, 0.707, -0.0058, {0.33926, 0.44367, 0.53973}},
+                               {180, 0.5478, 7.592, 0.838, 0.0051, {0.39805, 0.50983, 0.60865}},
+                               {240, 0.5280, 4.363, 0.679, -0.0145, {0.43890, 0.61582, 0.76236}},
+                               {300, 0.4926, 2.458, 0.831, -0.0535, {0.56460, 0.85367, 0.0}}};
 
 std::string message_of(const std::function<void()>& work) {
     try {
@@ -63,6 +63,14 @@ TEST_CASE("perception: what follows from Tables I and II, to the digits", "[perc
         REQUIRE(full == Approx(expected.full_gf).margin(0.00005));
         REQUIRE(command_of_output(fit, full) == Approx(1.0).margin(1e-12));
         REQUIRE(magnitude_of_output(fit, full) == Approx(expected.magnitude_there).margin(0.0005));
+        // Magnitudes rise up to the parabola's vertex, which lies beyond all that the device can do.
+        REQUIRE(-fit.magnitude[1] / (2 * fit.magnitude[0]) == Approx(expected.vertex_gf).margin(0.0005));
+        REQUIRE(full < expected.vertex_gf);
+        // The command rises everywhere: its slope is least at the inflection of the cubic, N − M²/(3L).
+        const auto [l, m, n, u] = fit.command;
+        const double least_slope = n - m * m / (3 * l);
+        REQUIRE(least_slope >= 0.839 - 0.0005);
+        REQUIRE(least_slope <= 0.900 + 0.0005);
         // The parabola's zero, with the textbook formula; where it is negative there is a sensation at no output.
         const auto [g, j, v] = fit.magnitude;
         REQUIRE((-j + std::sqrt(j * j - 4 * g * v)) / (2 * g) == Approx(expected.zero_gf).margin(0.00005));
