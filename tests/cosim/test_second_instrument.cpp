@@ -346,7 +346,11 @@ TEST_CASE("contract 9: sample i is on the pins in carrier periods i · N to (i +
     REQUIRE(starts == 1);
     REQUIRE(start <= told + 1);  // from the next period on whose words are not begun yet
     REQUIRE(bench.client.status().modulated == loop);
-    // A stop is a commit: from one period on there is no modulation.
+    // A stop is a commit: from one period on there is no modulation. It is seen on a record that has amplitudes
+    // throughout.
+    bench.client.select(1);
+    bench.wait_for_index(1);
+    bench.board.run(10'000);
     const std::size_t before = bench.recorder.cycles().size();
     bench.client.modulate(0, 0, false);
     bench.board.run(20'000);
