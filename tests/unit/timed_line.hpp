@@ -128,10 +128,12 @@ private:
                                          8U << 8 | 16U, 50'000'000U & 0xffffU, 50'000'000U >> 16, 15U, 214U, 5U, 999U,
                                          128U, 50'000'000U & 0xffffU, 50'000'000U >> 16})
                 word(value);
+            data.resize(2 * interface::identity_words, 0);  // none of what boards may have
         } else if (command == Command::status) {
             for (const unsigned value :
                  {enabled_ ? 1U : 0U, 0U, 0U, 0U, 0U, 0U, 0U, trips_, 0U, 0U, unsigned{watchdog_ms_}, 0U})
                 word(value);
+            data.resize(2 * interface::status_words, 0);
         } else if (command == Command::digest || command == Command::read) {
             Bytes held(static_cast<std::size_t>(payload[4] | payload[5] << 8));
             for (std::size_t i = 0; i < held.size(); ++i)
