@@ -15,13 +15,16 @@ using namespace haptogram::test;
 
 namespace {
 
-/// Runs random commands on both boards until `commands` are sent or they differ.
+/// Runs random commands on both boards until they differ, or until `commands` are sent and enough pulses were compared.
+/// In one run of six the tile's first 300 commands start few pulses or none (81 runs; the worst needed 1,064 commands).
+/// A run that needs ten times as many fails.
 void compare(std::string_view configuration, std::uint64_t commands, std::uint32_t seed, bool pins = true) {
     sim::SimulatedBoard core(configuration);
     sim::ReferenceBoard reference(configuration);
     LockStep boards(core, reference, pins);
     RandomHost host(boards, seed);
-    while (host.commands < commands) {
+    const auto compared = [&] { return !pins || boards.edges > 5 * commands; };
+    while (host.commands < commands || (!compared() && host.commands < 10 * commands)) {
         const std::string difference = host.step();
         INFO(difference);
         INFO(fmt::format("{}, seed {}, command {}, clock {}", configuration, seed, host.commands, core.now()));
@@ -30,8 +33,8 @@ void compare(std::string_view configuration, std::uint64_t commands, std::uint32
     fmt::print("{}, seed {}: {} commands, {} replies, {} of them applied, {} images, {} edges, {} cycles, {} clocks\n",
                configuration, seed, host.commands, host.replies, host.applied, host.images, boards.edges, boards.cycles,
                core.now());
-    REQUIRE(host.applied > commands / 4);
-    REQUIRE((!pins || boards.edges > 5 * commands));
+    REQUIRE(host.applied > host.commands / 8);
+    REQUIRE(compared());
 }
 
 std::uint64_t size(std::uint64_t full, std::uint64_t quick) {
