@@ -55,7 +55,7 @@ module index_source #(
     reg            header_q;     // the word being fetched is the sequence header
     reg [BITS-1:0] first_q, last_q, number_q;  // first and last entry of the sequence; the one to be fetched
     reg [15:0]     loops_q;
-    reg            after_reset_q;  // no header has been looked at since reset
+    reg            after_reset_q;  // neither a header has been looked at since reset, nor a command come
     reg            alone_q;      // no host has taken over since power-up
 
     // The word that arrives, and what becomes of it.
@@ -88,7 +88,7 @@ module index_source #(
     always @(posedge clk) begin
         o_preempt <= !rst && (commanded || enter_live);
         fetch_q   <= {fetch_q[1:0], 1'b0};
-        if (header) after_reset_q <= 1'b0;
+        if (header || commanded || enter_live) after_reset_q <= 1'b0;
         if (i_host) alone_q <= 1'b0;
         if (header || i_header) o_header_valid <= i_header ? new_in_range : in_range;
         if (rst) begin

@@ -17,6 +17,7 @@ bool in_range(std::uint32_t length, std::size_t words) { return length > 0 && le
 void EntrySource::command(Clock clock, interface::Mode mode) {
     // A header that arrives in this clock is still looked at, but nothing follows from it.
     if (clock == fetched_at_ && fetches_header_) static_cast<void>(look_at_header(clock));
+    after_reset_ = false;
     mode_ = mode;
     offered_ = never;
     fetch_at_ = fetched_at_ = never;

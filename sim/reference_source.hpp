@@ -76,7 +76,7 @@ private:
     std::uint32_t first_ = 0, last_ = 0, number_ = 0, loops_ = 0;
     bool header_valid_ = false;
     Clock header_written_at_ = never;
-    bool after_reset_ = true;  // no header has been looked at since reset
+    bool after_reset_ = true;  // neither a header has been looked at since reset, nor a command come
     bool alone_ = true;
     Clock drop_first_ = never, drop_last_ = 0;
 };

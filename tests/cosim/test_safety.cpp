@@ -322,6 +322,38 @@ TEST_CASE("safety: an ENABLE in the clock in which the watchdog expires is not l
     REQUIRE(after);
 }
 
+TEST_CASE("safety: a STOP in the clocks after RESET leaves a START by the header what it is", "[safety][slow]") {
+    const Bytes stop = request(9, Command::stop);
+    const auto frame = static_cast<std::uint64_t>(static_cast<double>(10 * stop.size()) * 50e6 / 3e6);
+    const auto begin = [&](Bench& bench) {
+        play_one(bench, dense());
+        ask(bench, 4, 4);  // RESET waits behind the answers, STOP does not
+        bench.board.send(request(8, Command::reset));
+        return bench.board.now();
+    };
+    std::uint64_t resets = 0;
+    {
+        Bench bench;
+        begin(bench);
+        while (bench.board.outputs().enabled) bench.board.run(1);
+        resets = bench.board.now();
+    }
+    for (std::uint64_t early = frame - 20; early < frame + 10; ++early) {
+        CAPTURE(early);
+        Bench bench;
+        const std::uint64_t now = begin(bench);
+        bench.board.run(resets - early - now);
+        bench.board.send(stop);
+        bench.board.run(20'000);
+        static_cast<void>(bench.board.receive());
+        link::Client host(bench.line);
+        host.identify();
+        host.enable();
+        host.start(1, 0, 0);
+        bench.wait_for_index(1, 100'000);
+    }
+}
+
 TEST_CASE("safety: START by a header whose length is out of range is refused", "[safety]") {
     Bench bench;
     bench.load(dense());
