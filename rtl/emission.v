@@ -8,6 +8,8 @@
 // lies, in 65,536ths of the cycle; an amplitude of 65,535 is full. Whatever the amplitude, the middle stays within half a tick.
 // With i_raw, i_phase is the tick at which a pulse of i_raw_width starts, and neither modulation nor slew limit applies.
 // A word without a pulse is {0, all ones}: width 0, a tick not below the cycle, or a start at which no pulse can start.
+// Of a pulse that would be shorter than LEAST_WIDTH ticks, none or one of so many is left, whichever is nearer. Raw ones have been looked
+// at before.
 // The slew limiter keeps what each channel emits in a block RAM, and changes it by at most a rate a period, or so that it arrives in
 // i_arrival_periods from the period with i_new_target on. o_bent is high with a word that has not reached its target.
 // CHANNELS, TIMING_BITS and WIDTH_BITS are those of width_pulse_generators. SLEW 0 leaves the limiter out.
@@ -16,6 +18,7 @@ module emission #(
     parameter CHANNELS    = 100,
     parameter TIMING_BITS = 11,
     parameter WIDTH_BITS  = 10,
+    parameter LEAST_WIDTH = 1,
     parameter SLEW        = 1
 ) (
     input  wire                   clk,
@@ -43,11 +46,13 @@ module emission #(
 );
     localparam T = TIMING_BITS;
     localparam [T-1:0] NEVER = {T{1'b1}};
+    localparam [T-1:0] LEAST = LEAST_WIDTH[T-1:0];
 
     generate
         if (CHANNELS < 1) channels_out_of_range error();
         if (TIMING_BITS < 4 || TIMING_BITS > 16) timing_bits_out_of_range error();
         if (WIDTH_BITS < 1 || WIDTH_BITS > TIMING_BITS) width_bits_out_of_range error();
+        if (LEAST_WIDTH < 1 || LEAST_WIDTH >= 1 << WIDTH_BITS) least_width_out_of_range error();
         if (SLEW < 0 || SLEW > 1) slew_out_of_range error();
     endgenerate
 
@@ -102,10 +107,12 @@ module emission #(
         {phase_9, phase_8} <= {phase_8, phase_7};
         width_9  <= {{(T+1){1'b0}}, width_8} * {16'd0, i_cycle};
         middle_9 <= {{(T+1){1'b0}}, phase_8} * {16'd0, i_cycle};
-        if (!i_raw) width_10 <= width_9[T+16:17] + {{(T-1){1'b0}}, width_9[16]};
+        if (!i_raw) width_10 <= half_ticks_9 < {1'b0, LEAST} ? {T{1'b0}} : rounded_9 < LEAST ? LEAST : rounded_9;
         else width_10 <= too_late ? {T{1'b0}} : {{(T-WIDTH_BITS){1'b0}}, i_raw_width};
         middle_10 <= i_raw ? {tick_9, 1'b0} : middle_9[T+16:15];
     end
+    wire [T:0]   half_ticks_9 = width_9[T+16:16];
+    wire [T-1:0] rounded_9 = width_9[T+16:17] + {{(T-1){1'b0}}, width_9[16]};
     wire [16:0] tick = {1'b0, phase_9};
     wire [T:0]  tick_9 = tick[T:0];
     wire        too_late = tick >> (T + 1) != 17'd0 || tick_9 >= i_cycle;

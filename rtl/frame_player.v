@@ -220,7 +220,7 @@ module frame_player #(
         {slew_q, phase_rate_q, amplitude_rate_q, arrival_periods_q} <= {slew, phase_rate, amplitude_rate, arrival_periods};
 
     emission #(
-        .CHANNELS(CHANNELS), .TIMING_BITS(TIMING_BITS), .WIDTH_BITS(WIDTH_BITS), .SLEW(SLEW)
+        .CHANNELS(CHANNELS), .TIMING_BITS(TIMING_BITS), .WIDTH_BITS(WIDTH_BITS), .LEAST_WIDTH(MIN_PULSE_CLOCKS), .SLEW(SLEW)
     ) emit (
         .clk(clk), .rst(rst || drop), .i_begin(begins), .i_modulation(sample), .i_cycle(cycle_ticks), .i_raw(raw),
         .i_raw_width(raw_width), .i_slew(slew_q), .i_phase_rate(phase_rate_q), .i_amplitude_rate(amplitude_rate_q),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Amplitudes, modulation, slew limit and foci, through the serial link and at the pins, on the configuration
-// small-16-wide. What each channel must do is computed from the host's models of the arithmetic (solve/emission.hpp,
+// Amplitudes, modulation, slew limit and foci, through the serial link and at the pins, on the configurations
+// small-16-wide and, at their full number, tile-100-wide. What each channel must do is computed from the host's models of the arithmetic (solve/emission.hpp,
 // solve/focus_engine.hpp) and from the measured starts of the cycles; every pulse is compared to the clock.
 #include <cmath>
 #include <complex>
@@ -24,7 +24,7 @@ using Words = std::vector<std::uint16_t>;
 
 class Wide : public Bench {
 public:
-    Wide() : Bench("small-16-wide") {}
+    explicit Wide(std::string_view model = "small-16-wide") : Bench(model) {}
 
     void write(std::uint32_t address, const Words& words) {
         for (std::size_t done = 0; done < words.size(); done += 20) {
@@ -36,7 +36,7 @@ public:
             client.write(static_cast<std::uint32_t>(address + 2 * done), bytes);
         }
     }
-    void write_record(std::uint32_t index, const Words& words) { write((index - 1) * 2 * (channel_count + 4), words); }
+    void write_record(std::uint32_t index, const Words& words) { write((index - 1) * 2 * (channels() + 4), words); }
     void set(interface::ParametersWord word, std::uint32_t value) {
         write(interface::parameters_base + 2 * static_cast<std::uint32_t>(word), {static_cast<std::uint16_t>(value)});
     }
@@ -48,7 +48,7 @@ public:
     /// Writes a record of random phases and amplitudes and remembers what it plays.
     void random_record(std::mt19937& g, std::uint16_t index, std::uint32_t cycle) {
         Words words;
-        for (std::uint32_t k = 0; k < channel_count; ++k)
+        for (std::uint32_t k = 0; k < channels(); ++k)
             words.push_back(static_cast<std::uint16_t>(random(g, 0, 65535)));
         write_record(index, amplitude_record(cycle, words));
         book[index] = played(cycle, words);
@@ -56,7 +56,7 @@ public:
     void raw_record(std::mt19937& g, std::uint16_t index, std::uint32_t cycle, std::uint8_t pulse) {
         Words words = {static_cast<std::uint16_t>(cycle), static_cast<std::uint16_t>(pulse << 8), 1, 0};
         book[index] = Played{{}, cycle, true, pulse};
-        for (std::uint32_t k = 0; k < channel_count; ++k) {
+        for (std::uint32_t k = 0; k < channels(); ++k) {
             words.push_back(static_cast<std::uint16_t>(random(g, 0, cycle + 9)));
             book[index].emissions.push_back({65535, words.back()});
         }
@@ -118,7 +118,8 @@ public:
         return compare_periods(cycles, recorder.pulses(), book, begin, end, setting, model);
     }
     Comparison compare(std::size_t begin, std::size_t end) {
-        EmissionModel model(channel_count);
+        const interface::CoreParameters& p = board.parameters();
+        EmissionModel model(p.channels, p.timing_bits, p.width_bits, p.min_pulse_clocks);
         return compare(
             begin, end, [](std::size_t) { return Setting{}; }, model);
     }
@@ -213,12 +214,13 @@ TEST_CASE("second instrument: a record of amplitudes in every carrier period, an
 
 namespace {
 
-/// 16 channel_count in four rows, 10 mm apart, and an engine that reaches full amplitude where `full` foci meet in
-/// phase.
-FocusEngine small_engine(double full) {
+/// `side` rows of channels 10 mm apart, and an engine that reaches full amplitude where `full` foci meet in phase.
+FocusEngine square_engine(std::uint32_t side, double full) {
     FocusEngine engine;
-    for (std::uint32_t k = 0; k < channel_count; ++k)
-        engine.geometry.push_back(pack_geometry({0.010 * (k % 4) - 0.015, 0.010 * (k / 4) - 0.015, 0.0}, 0.01 * k));
+    const double middle = 0.005 * (side - 1);
+    for (std::uint32_t k = 0; k < side * side; ++k)
+        engine.geometry.push_back(
+            pack_geometry({0.010 * (k % side) - middle, 0.010 * (k / side) - middle, 0.0}, 0.01 * k));
     engine.wave_number = wave_number_word(343.0 / 40e3);
     engine.gain = gain_word(full);
     return engine;
@@ -237,7 +239,7 @@ TEST_CASE("second instrument: one to eight foci a record, a record in every carr
     auto g = generator();
     bench.open();
     constexpr std::uint16_t base = 600;  // beside records, in words of four
-    const FocusEngine engine = small_engine(2.5);
+    const FocusEngine engine = square_engine(4, 2.5);
     for (std::size_t foci = 1; foci <= most_foci; ++foci) {
         const bool whole = random(g, 0, 3) == 0;
         bench.write_engine(engine, base, 20, foci, whole);
@@ -263,12 +265,51 @@ TEST_CASE("second instrument: one to eight foci a record, a record in every carr
     REQUIRE(bench.client.status().far_foci == 1);
 }
 
+TEST_CASE("second instrument: eight foci for 100 channels in every carrier period, and no pulse too short",
+          "[second][wide][tile100]") {
+    Wide bench("tile-100-wide");
+    auto g = generator();
+    bench.open();
+    REQUIRE(bench.channels() == 100);
+    const std::uint32_t records = bench.board.parameters().records;
+    const std::uint64_t shortest = bench.board.parameters().min_pulse_clocks;
+    constexpr std::uint16_t base = 2600;
+    constexpr std::uint16_t count = 40;
+    const FocusEngine engine = square_engine(10, 2.5);
+    bench.write_engine(engine, base, count, most_foci, false);
+    std::vector<SequenceEntry> sequence;
+    for (std::uint16_t n = 1; n <= count; ++n) {
+        std::vector<FocusWords> words;
+        for (std::size_t f = 0; f < most_foci; ++f) words.push_back(random_focus(g));
+        bench.write_foci(engine, base, n, words, false);
+        sequence.push_back({static_cast<std::uint16_t>(records + n), 1});
+    }
+    bench.random_record(g, 1, 1250);
+    Words weak;  // amplitudes whose pulses are 0 to 12 clocks long
+    for (std::uint32_t k = 0; k < 100; ++k) weak.push_back(static_cast<std::uint16_t>(random(g, 0, 7) << 8 | 2 * k));
+    bench.write_record(2, amplitude_record(1250, weak));
+    bench.book[2] = played(1250, weak);
+    sequence.insert(sequence.end(), {{1, 2}, {2, 3}});
+    const std::size_t first = bench.play(sequence);
+    require_right(bench.compare(first - 4, first + count + 8), 3500);
+    // In the steady weak cycles, where a pulse is whole and alone, the shortest ones are as short as the board says.
+    std::uint64_t least = 1250;
+    const auto& cycles = bench.recorder.cycles();
+    for (std::uint32_t k = 0; k < 100; ++k)
+        for (const Pulse& p : bench.pulses(k, cycles[first + count + 3].clock, cycles[first + count + 5].clock))
+            least = std::min(least, p.fall - p.rise);
+    REQUIRE(least == shortest);
+    const link::Status status = bench.client.status();
+    REQUIRE(status.underruns == 0);
+    REQUIRE(status.refused_records == 0);
+}
+
 TEST_CASE("second instrument: timings, amplitudes and foci follow each other in any order", "[second][wide]") {
     Wide bench;
     auto g = generator();
     bench.open();
     constexpr std::uint16_t base = 600;
-    const FocusEngine engine = small_engine(1.5);
+    const FocusEngine engine = square_engine(4, 1.5);
     bench.write_engine(engine, base, 20, 2, false);
     for (std::uint16_t i = 1; i <= 20; ++i) {
         bench.raw_record(g, i, random(g, 800, 1400), static_cast<std::uint8_t>(random(g, 1, 255)));
@@ -565,7 +606,7 @@ TEST_CASE("second instrument: after any commands at any time a record plays exac
         Wide bench;
         bench.open();
         constexpr std::uint16_t base = 600;
-        const FocusEngine engine = small_engine(1.5);
+        const FocusEngine engine = square_engine(4, 1.5);
         bench.write_engine(engine, base, 10, 3, false);
         for (std::uint16_t i = 1; i <= 10; ++i) {
             bench.raw_record(g, i, random(g, 300, 1400), static_cast<std::uint8_t>(random(g, 1, 150)));
@@ -654,7 +695,7 @@ TEST_CASE("second instrument: what cannot be played is refused, and silence take
     REQUIRE(record(2048, 0, 0, 0) == 1);
 
     using enum interface::ParametersWord;
-    const FocusEngine engine = small_engine(1.0);
+    const FocusEngine engine = square_engine(4, 1.0);
     bench.write_engine(engine, 600, 5, 2, false);
     const FocusWords near = pack_focus({{0.0, 0.0, 0.1}, 1.0});
     for (std::uint16_t n = 1; n <= 5; ++n) bench.write_foci(engine, 600, n, {near, near}, false);

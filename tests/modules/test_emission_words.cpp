@@ -57,7 +57,7 @@ void set(Bench<Vemission>& bench, const EmissionPeriod& period) {
 
 TEST_CASE("the words of emission.v are those of the host's model") {
     Bench<Vemission> bench;
-    EmissionModel model(channels, bits, PARAMETER_WIDTH_BITS);
+    EmissionModel model(channels, bits, PARAMETER_WIDTH_BITS, PARAMETER_LEAST_WIDTH);
     EmissionPeriod period;
     period.cycle_ticks = std::min(1250U, 2 * longest);
     set(bench, period);

@@ -111,7 +111,7 @@ public:
         std::copy(words.begin(), words.end(), memory.begin() + (index - 1) * record_words);
     }
     Comparison compare(std::size_t begin, std::size_t end) {
-        EmissionModel model(channels, PARAMETER_TIMING_BITS, PARAMETER_WIDTH_BITS);
+        EmissionModel model(channels, PARAMETER_TIMING_BITS, PARAMETER_WIDTH_BITS, PARAMETER_MIN_PULSE_CLOCKS);
         return compare_periods(
             cycles, pulses, book, begin, end, [](std::size_t) { return Setting{}; }, model);
     }

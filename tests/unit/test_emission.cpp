@@ -72,6 +72,29 @@ TEST_CASE("emission: the table's steps are those of the arcsine", "[emission]") 
     CHECK_THROWS_WITH(arcsine_step(1024), Contains("steps 0 to 1023"));
 }
 
+TEST_CASE("emission: no pulse is shorter than the board's shortest, and none lies nearer to what was asked for", "[emission]") {
+    const std::uint32_t cycle = 1250;
+    EmissionPeriod settings;
+    settings.cycle_ticks = cycle;
+    const double full = carrier(cycle / 2, cycle);
+    for (const std::uint32_t least : {2U, 5U, 8U}) {
+        EmissionModel model(1, 11, 10, least);
+        std::uint32_t longest = 0;
+        for (std::uint32_t i = 0; i < 65536; ++i) {
+            const Emission wanted{static_cast<std::uint16_t>(i), 12345};
+            const EmissionWord word = model.period(std::span(&wanted, 1), settings).front();
+            REQUIRE((word.width == 0 || word.width >= least));
+            REQUIRE(word.width >= longest);  // it grows with the amplitude
+            longest = word.width;
+            const double got = word.width == 0 ? 0.0 : carrier(word.width, cycle) / full;
+            // Half of the shortest pulse, or what contract 8 allows.
+            const double limit = std::max(0.0025, carrier(least, cycle) / full / 2 + 0.0015);
+            REQUIRE(std::abs(got - i / 65535.0) <= limit);
+        }
+        REQUIRE(longest == cycle / 2);
+    }
+}
+
 TEST_CASE("emission: modulation multiplies, 255 changes nothing, and raw pulses are not modulated", "[emission]") {
     EmissionModel model(3);
     const std::vector<Emission> wanted = {{65535, 100}, {30000, 100}, {255, 100}};
@@ -124,6 +147,8 @@ TEST_CASE("emission: what cannot be played is refused, with what to do", "[emiss
     CHECK_THROWS_WITH(EmissionModel(0), Contains("at least one"));
     CHECK_THROWS_WITH(EmissionModel(1, 3), Contains("4 to 16"));
     CHECK_THROWS_WITH(EmissionModel(1, 11, 12), Contains("1 to 11"));
+    CHECK_THROWS_WITH(EmissionModel(1, 11, 10, 0), Contains("1 to 1023"));
+    CHECK_THROWS_WITH(EmissionModel(1, 11, 10, 1024), Contains("1 to 1023"));
     EmissionModel model(2);
     const std::vector<Emission> two(2);
     const auto refused = [&](auto change) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptogram/solve/emission.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -36,14 +37,18 @@ std::uint32_t arcsine_step(std::uint32_t step) {
     return static_cast<std::uint32_t>(std::lround(std::asin((step + 0.5) / 1024) / std::numbers::pi * (1 << 17)));
 }
 
-EmissionModel::EmissionModel(std::uint32_t channels, std::uint32_t timing_bits, std::uint32_t width_bits)
-    : timing_bits_(timing_bits), width_bits_(width_bits), places_(channels) {
+EmissionModel::EmissionModel(std::uint32_t channels, std::uint32_t timing_bits, std::uint32_t width_bits,
+                             std::uint32_t least_width)
+    : timing_bits_(timing_bits), width_bits_(width_bits), least_width_(least_width), places_(channels) {
     if (channels == 0) throw bad_argument("channels", "no channels; an emission model needs at least one");
     if (timing_bits < 4 || timing_bits > 16)
         throw bad_argument("timing_bits", std::to_string(timing_bits) + " bits for a tick; 4 to 16 are possible");
     if (width_bits < 1 || width_bits > timing_bits)
         throw bad_argument("width_bits", std::to_string(width_bits) + " bits for a pulse's width; 1 to " +
                                              std::to_string(timing_bits) + ", the bits of a tick, are possible");
+    if (least_width < 1 || least_width >= 1U << width_bits)
+        throw bad_argument("least_width", "a shortest pulse of " + std::to_string(least_width) + " ticks; 1 to " +
+                                              std::to_string((1U << width_bits) - 1) + " are possible");
 }
 
 void EmissionModel::check(std::span<const Emission> emissions, const EmissionPeriod& settings) const {
@@ -109,7 +114,9 @@ std::vector<EmissionWord> EmissionModel::period(std::span<const Emission> emissi
                                                          step(slew.mode, amplitude_way, slew.amplitude_rate, share));
             place.phase = static_cast<std::uint16_t>(place.phase + step(slew.mode, phase_way, slew.phase_rate, share));
             word.bent = place != target;
-            width = (arcsine[place.amplitude >> 6] * cycle + (1 << 16)) >> 17;
+            const std::int64_t product = arcsine[place.amplitude >> 6] * cycle;  // in 2^-17 ticks
+            if (product >> 16 >= least_width_)
+                width = std::max<std::int64_t>((product + (1 << 16)) >> 17, least_width_);
             const std::int64_t middle = place.phase * cycle >> 15;  // in half ticks
             start = (middle - width + 1) >> 1;
         }

@@ -53,14 +53,17 @@ public:
     /// @param channels     at least 1
     /// @param timing_bits  4…16, of a tick in a word
     /// @param width_bits   1…timing_bits, of a pulse's width
+    /// @param least_width  1…2^width_bits − 1, ticks of the shortest pulse: the board's MIN_PULSE_CLOCKS
     /// @throws Error{bad_argument} when one is out of its range
-    explicit EmissionModel(std::uint32_t channels, std::uint32_t timing_bits = 11, std::uint32_t width_bits = 10);
+    explicit EmissionModel(std::uint32_t channels, std::uint32_t timing_bits = 11, std::uint32_t width_bits = 10,
+                           std::uint32_t least_width = 1);
 
     /// The words of one carrier period, one a channel.
     ///
     /// The amplitude times the modulation, and the phase, are what the slew limiter aims at. What it lets through
     /// becomes a pulse of width = cycle·asin(amplitude)/π (Hoshi et al. 2010, eq. 7, solved for the pulse) by a table
-    /// of 1,024 steps, rounded to ticks. Its middle is within half a tick of the phase.
+    /// of 1,024 steps, rounded to ticks. Of one shorter than the shortest, none or the shortest is
+    /// left, whichever is nearer. Its middle is within half a tick of the phase.
     /// @param emissions  one a channel
     /// @throws Error{bad_input} when the number of emissions is not that of the channels, or a setting cannot be
     /// played:
@@ -75,7 +78,7 @@ public:
 private:
     void check(std::span<const Emission> emissions, const EmissionPeriod& settings) const;
 
-    std::uint32_t timing_bits_, width_bits_;
+    std::uint32_t timing_bits_, width_bits_, least_width_;
     std::vector<Emission> places_;
     std::uint32_t periods_left_ = 0;
 };
