@@ -124,9 +124,9 @@ def state_cells(folder, board):
     """Flip-flops of all the pulse generators: those whose output is a net of theirs."""
     modules = json.loads((folder / f"{board['fpga']['top']}.json").read_text())["modules"]
     core = next(m for name, m in modules.items() if "haptogram_core" in name)
-    nets = {bit for name, net in core["netnames"].items() if name.startswith("play.generators.") for bit in net["bits"]}
+    nets = {bit for name, net in core["netnames"].items() if ".generators." in name for bit in net["bits"]}
     if not nets:
-        raise Failed("the netlist has no instance play.generators; when it was renamed in rtl/, rename it here, too")
+        raise Failed("the netlist has no instance called generators; when it was renamed in rtl/, rename it here, too")
     return sum(1 for cell in core["cells"].values() if ("DFF" in cell["type"] or cell["type"] == "TRELLIS_FF") and cell["connections"]["Q"][0] in nets)
 
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Amplitudes, modulation, slew limit and foci, through the serial link and at the pins, on the configurations
-// small-16-wide and, at their full number, tile-100-wide. What each channel must do is computed from the host's models of the arithmetic (solve/emission.hpp,
-// solve/focus_engine.hpp) and from the measured starts of the cycles; every pulse is compared to the clock.
+// small-16-wide and, at their full number, tile-100-wide. What each channel must do is computed from the host's models
+// of the arithmetic (solve/emission.hpp, solve/focus_engine.hpp) and from the measured starts of the cycles; every
+// pulse is compared to the clock.
 #include <cmath>
 #include <complex>
 #include <cstdlib>
@@ -48,8 +49,7 @@ public:
     /// Writes a record of random phases and amplitudes and remembers what it plays.
     void random_record(std::mt19937& g, std::uint16_t index, std::uint32_t cycle) {
         Words words;
-        for (std::uint32_t k = 0; k < channels(); ++k)
-            words.push_back(static_cast<std::uint16_t>(random(g, 0, 65535)));
+        for (std::uint32_t k = 0; k < channels(); ++k) words.push_back(static_cast<std::uint16_t>(random(g, 0, 65535)));
         write_record(index, amplitude_record(cycle, words));
         book[index] = played(cycle, words);
     }

@@ -72,7 +72,8 @@ TEST_CASE("emission: the table's steps are those of the arcsine", "[emission]") 
     CHECK_THROWS_WITH(arcsine_step(1024), Contains("steps 0 to 1023"));
 }
 
-TEST_CASE("emission: no pulse is shorter than the board's shortest, and none lies nearer to what was asked for", "[emission]") {
+TEST_CASE("emission: no pulse is shorter than the board's shortest, and none lies nearer to what was asked for",
+          "[emission]") {
     const std::uint32_t cycle = 1250;
     EmissionPeriod settings;
     settings.cycle_ticks = cycle;
