@@ -196,7 +196,7 @@ module memory_controller #(
             asked_q   <= {WORD_BITS{1'b0}};
             {here_q, header_q} <= 2'b00;
         end else if (places_q) o_address <= o_foci ? first_foci[ADDRESS_BITS-1:0] : first_word[ADDRESS_BITS-1:0];
-        else if (asked_q != last) begin
+        else begin  // beyond the last word, too: what is read there does not count
             o_address <= o_address + 1'b1;
             asked_q   <= asked_q + 1'b1;
         end

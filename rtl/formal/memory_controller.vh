@@ -39,7 +39,7 @@ wire [TIMING_BITS-1:0] f_narrowed = i_word >> (TIMING_BITS - 1) > 1 ? {TIMING_BI
 
 always @(posedge clk) begin
     f_reset_seen_q <= f_reset_seen_q || rst;
-    f_reading_q    <= o_reading && !i_preempt && !rst && !(f_reading_q && o_address == f_address_q);  // the last one stays out
+    f_reading_q    <= o_reading && !i_preempt && !rst && f_since_q != F_ARRIVED - 16'd1;  // what is read behind the last one does not count
     f_read_q       <= f_reading_q && !i_preempt && !rst;
     f_address_q    <= o_address;
     f_arrived_q    <= f_address_q;
@@ -70,8 +70,8 @@ always @(posedge clk) begin
         assert (arrives_q == (f_taken_q && f_loads && f_since_q >= 16'd3 && f_since_q <= F_ARRIVED) && f_read_q == arrives_q);
         assert (!arrives_q || ({F_PAD, arrived_q} == f_since_q - 16'd3 && f_number == {11'd0, F_PAD, arrived_q}));
         if (f_loading) begin
-            assert ({F_PAD, asked_q} == (f_since_q > F_ARRIVED - 16'd2 ? F_ARRIVED - 16'd3 : f_since_q == 16'd0 ? 16'd0 : f_since_q - 16'd1));
-            assert (places_q || o_address == f_base_q + f_asked[ADDRESS_BITS-1:0]);
+            assert (f_since_q > F_ARRIVED - 16'd2 || {F_PAD, asked_q} == (f_since_q == 16'd0 ? 16'd0 : f_since_q - 16'd1));
+            assert (f_since_q > F_ARRIVED - 16'd2 || places_q || o_address == f_base_q + f_asked[ADDRESS_BITS-1:0]);
             assert (!coming_q || ({F_PAD, comes_q} == f_since_q - 16'd2 && f_address_q == f_base_q + f_comes[ADDRESS_BITS-1:0]));
             assert (f_shifts_q == (f_since_q < 16'd7 ? 16'd0 : f_since_q - 16'd7));
             assert (f_since_q < 16'd4 || o_cycle_length[15:0] == f_header_0_q);

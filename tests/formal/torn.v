@@ -48,9 +48,10 @@ module torn #(
         .i_foci_base(16'd0), .i_foci_count(16'd0), .i_foci_last(3'd0), .i_foci_cycle(16'd0), .o_amplitudes(), .o_foci(),
         .o_ready(ready), .o_silent(silent), .o_index(), .o_dwell(), .o_cycle_length(), .o_prescaler(), .o_pulse_length(),
         .o_refused(refused));
-    // What the present load has seen, by the addresses it read
+    // What the present load has seen, by the addresses it read. After the record's last word it may read on; that does not count.
     reg              f_loads_q, f_reading_q, f_read_q, f_done_q, f_old_q, f_new_q, f_met_q, f_ended_q, f_was_old_q;
-    reg [4:0]        f_base_q, f_address_q, f_arrived_q;
+    reg [4:0]        f_base_q, f_address_q, f_arrived_q, f_count_q;
+    wire             f_reads = reading && f_count_q < STRIDE;
     reg [STRIDE-1:0] f_seen_q;
     initial {f_loads_q, f_reading_q, f_read_q, f_done_q, f_was_old_q} = 5'b00000;
 
@@ -68,7 +69,8 @@ module torn #(
         if (write) {f_begun_q, f_at_q} <= {1'b1, f_at_q + 1'b1};
 
         f_done_q    <= ready && f_loads_q && !f_done_q && !i_preempt;
-        f_reading_q <= reading && !rst && !i_preempt && !(f_reading_q && address == f_address_q[ADDRESS_BITS-1:0]);
+        f_reading_q <= f_reads && !rst && !i_preempt;
+        if (f_reads) f_count_q <= f_count_q + 5'd1;
         f_read_q    <= f_reading_q && !i_preempt;
         f_address_q <= {1'b0, address};
         f_arrived_q <= f_address_q;
@@ -84,6 +86,7 @@ module torn #(
         if (take) begin
             f_loads_q <= 1'b1;
             f_base_q  <= i_second ? STRIDE : 5'd0;
+            f_count_q <= 5'd0;
             f_ended_q <= ended;
             {f_old_q, f_new_q, f_met_q} <= 3'b000;
             f_seen_q <= {STRIDE{1'b0}};
@@ -92,7 +95,7 @@ module torn #(
 
         if (!rst) begin
             assert (!(f_old_q && f_new_q) || !f_loads_q);
-            assert (!reading || address < WORDS);
+            assert (!f_reads || address < WORDS);
             assert (!done || &f_seen_q);                        // every word of the record
             assert (!arrives || number < STRIDE);
             assert (!done || f_ended_q || !f_new_q || f_met_q);  // nothing new before it was written
