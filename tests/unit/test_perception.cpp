@@ -409,10 +409,10 @@ TEST_CASE("perception: a path whose foci feel with one magnitude", "[perception]
 TEST_CASE("perception: commands from a lattice are those of the places", "[perception]") {
     const Tables tables = find_tables();
     std::mt19937_64 random(Catch::rngSeed());
-    std::uniform_real_distribution<double> aside(-0.06, 0.06), above(0.1, 0.25);
+    std::uniform_real_distribution<double> aside(-0.04, 0.04), above(0.1, 0.2);
     for (const char* name : {"tile-10x10", "hoshi-18x18"}) {
         const Array array = find_array(name);
-        const Wanted wanted = wanted_of(0.8, "square:200", false);
+        const Wanted wanted = wanted_of(1.1, "square:200", false);
         CommandLattice commands(tables, wanted, array);
         double worst = 0.0;
         for (int i = 0; i < 40; ++i) {

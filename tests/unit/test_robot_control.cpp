@@ -307,6 +307,17 @@ TEST_CASE("robot: a hand that is stronger than seven cables is said, and does no
             REQUIRE(row.velocity.norm() < 0.6);
         }
     }
+    // A force without a hand's inertia that goes on pushing turns it over. The motors wind in until nothing moves.
+    for (const int cable : {0, 1, 5}) {
+        CAPTURE(cable);
+        SimulationOptions options = pushed("0:20:2,0,-3", 8.0);
+        options.faults = {parse_fault("broken:" + std::to_string(cable + 1) + ":2")};
+        const Simulation found = simulate(options);
+        REQUIRE(has(found, Event::Kind::cannot_hold, -1));
+        CHECK(found.rows.back().turn.norm() > 0.35);
+        CHECK(found.steadiness_m < 2e-3);
+        CHECK(found.fastest_end_m_s < 0.1);
+    }
 }
 
 TEST_CASE("robot: the wrench of seven cables that is nearest to a wanted one", "[robot][faults]") {

@@ -103,6 +103,14 @@ bool Controller::whole() const { return std::count(cable_good_.begin(), cable_go
 /// allow. There it rests. A user who is stronger than they are moves it against their damping.
 void Controller::hold_on_what_is_left() {
     const Pose here = pose_;
+    if (!braking_ && vector_of(here.rotation).norm() > options_.turned_rad) {
+        braking_ = true;
+        braked_ = lengths_;
+        report(
+            Event::Kind::cannot_hold, -1,
+            "the cables that are left have lost the handle, which turns over; the motors wind in and let out no more");
+    }
+    if (braking_) return brake();
     if (!refuge_) {
         led_ = here.position;
         refuge_ = refuge(geometry_, here, cable_good_, options_.refuge_n);
@@ -135,7 +143,7 @@ void Controller::hold_on_what_is_left() {
         -options_.rest_n_m_rad * vector_of(here.rotation) - options_.rest_n_m_s_rad * Vector3(velocity.tail<3>());
     pulls_ = nearest_tensions(structure, wanted, geometry_.least_n, geometry_.most_n, cable_good_, pulls_);
 
-    const bool carried = (led_ - here.position).norm() > options_.carried_m;
+    const bool carried = way.norm() == 0.0 && (led_ - here.position).norm() > options_.carried_m;
     carried_ticks_ = carried ? carried_ticks_ + 1 : 0;
     if (static_cast<double>(carried_ticks_) * dt >= options_.carried_s)
         report(
@@ -143,6 +151,19 @@ void Controller::hold_on_what_is_left() {
             fmt::format("the user is stronger than the cables that are left, which hold {:.1f} N in every direction; "
                         "they slow the handle down",
                         force_held(geometry_, *refuge_, cable_good_).value_or(0.0)));
+}
+
+/// The last resort, which needs no pose: the motors take in what a cable gives, and let out nothing, up to the limit of
+/// the tension. Lengths that only fall come to an end.
+void Controller::brake() {
+    const double most = geometry_.most_n - geometry_.least_n;
+    for (int i = 0; i < cable_count; ++i) {
+        if (!cable_good_[static_cast<std::size_t>(i)]) continue;
+        braked_[i] = std::clamp(braked_[i], lengths_[i] - most / options_.stiffness_n_m, lengths_[i]);
+        const double held =
+            options_.stiffness_n_m * (lengths_[i] - braked_[i]) + options_.damping_n_s_m * std::max(0.0, speeds_[i]);
+        pulls_[i] = geometry_.least_n + std::min(held, most);
+    }
 }
 
 void Controller::check(const std::array<DriveReading, cable_count>& readings) {
