@@ -400,6 +400,9 @@ TEST_CASE("fusion: mode W1 as a run, a hand on a surface at rest, sliding, and a
             REQUIRE(distance(point.position, period.before.palm) < 0.2);
         }
     CHECK(felt > 100);
+    ExploreScene stiff = scene;
+    stiff.surface.stiffness_n_m = 4445.0;
+    REQUIRE_THAT(message_of([&] { (void)scene_of(stiff, clock); }), Contains("stiffness") && Contains("4444"));
 }
 
 TEST_CASE("fusion: more points than a frame has time for take turns", "[fusion][scene]") {

@@ -31,10 +31,16 @@ std::vector<Vec3> turn(const std::vector<Vec3>& points, std::size_t most, std::s
 
 }  // namespace
 
-Scene scene_of(const ExploreScene& explored, const SharedClock& clock) {
+Scene scene_of(const ExploreScene& explored, const SharedClock& clock, double body_kg) {
     require_weight(explored.weight_n);
     if (!(explored.frequency_hz > 0.0 && std::isfinite(explored.frequency_hz)))
         throw bad_argument("frequency", fmt::format("must be positive, found {:g} Hz", explored.frequency_hz));
+    const double stiffest = 4.0 * body_kg / (clock.period_s() * clock.period_s());
+    if (!(explored.surface.stiffness_n_m < stiffest))
+        throw bad_argument("stiffness",
+                           fmt::format("found {:g} N/m; a body of {:g} kg that moves every {:g} ms swings "
+                                       "on a surface of {:.0f} N/m or more",
+                                       explored.surface.stiffness_n_m, body_kg, clock.period_s() * 1e3, stiffest));
     const std::size_t places = places_of(clock, explored.frequency_hz);
     return [explored, places, first = std::make_shared<std::size_t>(0)](const Moment& moment) {
         const Hand hand = open_hand(moment.palm, explored.tilt_deg);

@@ -21,8 +21,11 @@ struct ExploreScene {
     SliceOptions slice;
 };
 /// Where there are more points than a frame has time for, they take turns from frame to frame.
-/// @param clock  of the frames
-[[nodiscard]] Scene scene_of(const ExploreScene& explored, const SharedClock& clock);
+/// @param clock    of the frames
+/// @param body_kg  of the virtual body that the surface carries (robot::AdmittanceOptions)
+/// @throws Error{bad_argument} naming what makes no sense, such as a stiffness of the surface that would make the body
+/// swing: stiffness · period² / body must be below 4
+[[nodiscard]] Scene scene_of(const ExploreScene& explored, const SharedClock& clock, double body_kg = 1.0);
 
 /// What a pattern on the palm tells.
 enum class PalmValue { distance, texture, hardness };
