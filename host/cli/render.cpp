@@ -31,6 +31,8 @@ struct RenderCommand {
     std::optional<double> speed_m_s, frequency_hz;
     std::string jump = "hop", corner = "rotating-line", priority = "gap";
     bool off_skin = false, report = false, json = false;
+    std::optional<std::string> am, am_law;
+    std::optional<double> magnitude;
     double gap_mm = 10.0;
     TouchOptions touch;
     std::vector<std::string> outputs;
@@ -50,6 +52,9 @@ RenderOptions options_of(const RenderCommand& command) {
     options.frame = command.frame;
     options.points = command.points;
     options.dwell = command.dwell;
+    options.am = command.am.value_or("");
+    if (command.am_law) options.am_law = law_of(*command.am_law);
+    options.magnitude = command.magnitude;
     return options;
 }
 
@@ -156,6 +161,15 @@ int render(const RenderCommand& command) {
     report.add("touching", touching,
                fmt::format("touching          {} of {} frames, {:.1f} mm of lines on average, {:.2f} Pa by estimate",
                            touching, rendered.frames.size(), length / count / millimetre, strength / count));
+    if (rendered.magnitude)
+        report
+            .add("least_command", rendered.magnitude->least_command,
+                 fmt::format(
+                     "magnitude         commands {:.4f}…{:.4f}{}", rendered.magnitude->least_command,
+                     rendered.magnitude->most_command,
+                     rendered.magnitude->moves ? "; it was measured with a focus that rests, and this one moves" : ""))
+            .add("most_command", rendered.magnitude->most_command)
+            .add("focus_moves", rendered.magnitude->moves);
     report.add("length_mm", length / count / millimetre).add("strength_pa", strength / count);
     report.add("compute_ms", compute * 1e3,
                fmt::format("computed in       {:.3f} ms a frame, {:.3f} ms at most", compute * 1e3, slowest * 1e3));
@@ -254,6 +268,11 @@ void add_render(CLI::App& app, Action& action) {
     add_mm(*sub, "--grain-length", touch.grain.length_m, "Of E and F: of a line, mm");
     add_mm(*sub, "--blob-finger", touch.blob_finger_m, "Of G, J: the largest circle on a fingertip, radius in mm");
     add_mm(*sub, "--blob-palm", touch.blob_palm_m, "Of G, J: the same on the palm");
+    add_am(*sub, options->am, options->am_law);
+    sub->add_option("--magnitude", options->magnitude,
+                    "How strong each focus feels to a palm under --am or the algorithm's own modulation, from the "
+                    "array's force and the Multimodal paper's tables (see haptogram magnitude)")
+        ->check(positive());
     sub->add_option("--am-frequency", touch.am_hz, "Of the modulation in C and K, Hz")
         ->check(positive())
         ->capture_default_str();

@@ -17,6 +17,7 @@
 #include "progress_line.hpp"
 #include "report.hpp"
 #include "robot_place.hpp"
+#include "robot_scene.hpp"
 
 namespace haptogram::cli {
 namespace {
@@ -236,9 +237,9 @@ void add_robot(CLI::App& app, Action& action) {
     robot->callback([robot, &action] {
         if (robot->get_subcommands().empty())
             action = []() -> int {
-                throw Error(
-                    ErrorCode::bad_argument, "robot",
-                    "expected a subcommand: ik, fk, tension, workspace, simulate or place; see haptogram robot --help");
+                throw Error(ErrorCode::bad_argument, "robot",
+                            "expected a subcommand: ik, fk, tension, workspace, simulate, place, explore or tell; see "
+                            "haptogram robot --help");
             };
     });
     const auto options = std::make_shared<RobotOptions>();
@@ -299,6 +300,8 @@ void add_robot(CLI::App& app, Action& action) {
     run->add_option("-o,--output", options->output, "The trace as .csv or .png; - is CSV on standard output");
 
     add_robot_place(*robot, action);
+    add_robot_explore(*robot, action);
+    add_robot_tell(*robot, action);
 }
 
 }  // namespace haptogram::cli

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -14,7 +13,7 @@
 #include "haptogram/instrument/compile.hpp"
 #include "haptogram/instrument/picture.hpp"
 #include "haptogram/solve/timer.hpp"
-#include "pins.hpp"
+#include "played_frames.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
 
@@ -33,61 +32,6 @@ struct PlaceCommand {
     std::string output;
     bool json = false;
 };
-
-/// How far the pins may be from what was asked: a burst begins on a whole carrier period, and a pulse has whole ticks.
-constexpr double most_frequency_off = 0.005, most_ticks_off = 0.6;
-
-struct PlayedFrame {
-    std::size_t number;  ///< from 0
-    PinsOfFrame pins;
-};
-
-bool good(const PlayedFrame& played, const Frame& frame) {
-    const PinsOfFrame& pins = played.pins;
-    return pins.violations.empty() && pins.points.size() == frame.points.size() &&
-           std::abs(pins.frequency_hz - frame.frequency_hz) <= most_frequency_off * frame.frequency_hz &&
-           std::all_of(pins.points.begin(), pins.points.end(),
-                       [](const auto& point) { return std::abs(point.ticks_off) <= most_ticks_off; });
-}
-
-/// Plays some of the frames in which something is felt, evenly over the run.
-std::vector<PlayedFrame> play_some(const Placed& placed, std::uint64_t count, const ProjectInstrument& instrument,
-                                   const perception::Tables& tables) {
-    std::vector<std::size_t> felt;
-    for (std::size_t i = 0; i < placed.frames.size(); ++i)
-        if (!placed.frames[i].points.empty()) felt.push_back(i);
-    const std::size_t wanted = std::min<std::size_t>(count, felt.size());
-    std::vector<PlayedFrame> played;
-    ProgressLine progress("board");
-    for (std::size_t k = 0; k < wanted; ++k) {
-        const std::size_t number = felt[wanted == 1 ? 0 : k * (felt.size() - 1) / (wanted - 1)];
-        played.push_back({number, pins_of(placed.frames[number], instrument.array, instrument.core, tables)});
-        progress.callback()(static_cast<double>(k + 1) / static_cast<double>(wanted), "board");
-    }
-    return played;
-}
-
-ordered_json to_json(const PlayedFrame& played, const Placed& placed) {
-    const Frame& frame = placed.frames[played.number];
-    ordered_json points = ordered_json::array();
-    for (const PinsOfFrame::Point& point : played.pins.points)
-        points.push_back(
-            {{"position_mm",
-              {point.position.x / millimetre, point.position.y / millimetre, point.position.z / millimetre}},
-             {"command", point.asked},
-             {"command_at_pins", point.measured},
-             {"ticks_off", point.ticks_off},
-             {"magnitude_at_pins", point.magnitude}});
-    return {{"time_s", placed.rows[played.number].time_s},
-            {"height_mm", placed.rows[played.number].height_m / millimetre},
-            {"frequency_hz", frame.frequency_hz},
-            {"frequency_hz_at_pins", played.pins.frequency_hz},
-            {"magnitude", frame.magnitude},
-            {"points", points},
-            {"pulses", played.pins.pulses},
-            {"violations", played.pins.violations},
-            {"good", good(played, frame)}};
-}
 
 void write_output(const std::string& path, const Placed& placed, const ordered_json& json) {
     if (!path.ends_with(".png")) {
@@ -123,9 +67,10 @@ int place(PlaceCommand command) {
         ProgressLine progress("place");
         return place_cube(options, instrument.array, tables, clock, progress.callback());
     }();
-    const std::vector<PlayedFrame> played = play_some(placed, command.frames, instrument, tables);
-    const bool all_good = std::all_of(played.begin(), played.end(),
-                                      [&](const PlayedFrame& one) { return good(one, placed.frames[one.number]); });
+    std::vector<const Frame*> frames;
+    for (const Frame& frame : placed.frames) frames.push_back(&frame);
+    const std::vector<PlayedFrame> played = play_some(frames, command.frames, instrument, tables);
+    const bool all_good = std::all_of(played.begin(), played.end(), [](const PlayedFrame& one) { return one.good; });
 
     Report report;
     report.add("mapping", command.mapping).add("target_mm", command.target_mm);
@@ -162,20 +107,11 @@ int place(PlaceCommand command) {
     report.add("events", events);
     ordered_json pins = ordered_json::array();
     for (const PlayedFrame& one : played) {
-        pins.push_back(to_json(one, placed));
         const Frame& frame = placed.frames[one.number];
-        double asked = 0.0, measured = 0.0, felt = 0.0;
-        for (const PinsOfFrame::Point& point : one.pins.points) {
-            asked += point.asked / static_cast<double>(one.pins.points.size());
-            measured += point.measured / static_cast<double>(one.pins.points.size());
-            felt += point.magnitude / static_cast<double>(one.pins.points.size());
-        }
-        report.tell(
-            fmt::format("{:8.3f} s  {:.1f} Hz asked, {:.1f} at the pins; command {:.4f} asked, {:.4f} at the "
-                        "pins; magnitude {:.2f} asked, {:.2f} by the pins{}",
-                        placed.rows[one.number].time_s, frame.frequency_hz, one.pins.frequency_hz, asked, measured,
-                        frame.magnitude, felt, good(one, frame) ? "" : "  NOT AS ASKED"));
-        for (const std::string& violation : one.pins.violations) report.tell("          " + violation);
+        const PlaceRow& row = placed.rows[one.number];
+        pins.push_back(to_json(one, frame, row.time_s));
+        pins.back()["height_mm"] = row.height_m / millimetre;
+        tell(report, one, frame, row.time_s);
     }
     report.add("pins", pins);
     if (!command.output.empty()) write_output(command.output, placed, report.json());

@@ -2,14 +2,19 @@
 """The runner as an experimenter meets it: sessions that are killed and go on, files of results, analyses, power."""
 import itertools
 import json
+import math
+import random
 import signal
 import subprocess
 import sys
 import time
+import types
 
 import boards
 import matplotlib
+import numpy as np
 import pytest
+import scipy.ndimage
 from boards import BAD_INPUT, OK, RUN_FAILED, USAGE, run, virtual_board
 from haptogram import HaptogramError
 from haptogram.study import analysis, figures, observers, protocol, results
@@ -317,3 +322,58 @@ def test_pictures(place):
     assert found["high"] == pytest.approx(sum(counted.get_ydata()) / 5)
     figure.savefig(place / "staircase.png")
     assert all((place / name).stat().st_size > 10_000 for name in ("confusion.png", "staircase.png"))
+
+
+# Haptogram's four shapes of 10 cm, as lines in mm.
+ROUND = [[50 * math.cos(math.pi * i / 18), 50 * math.sin(math.pi * i / 18)] for i in range(37)]
+DRAWINGS = {
+    "circle": [ROUND],
+    "triangle": [[[-50, -28.87], [50, -28.87], [0, 57.74], [-50, -28.87]]],
+    "line": [[[-50, 0], [50, 0]]],
+    "plus": [[[-50, 0], [50, 0]], [[0, -50], [0, 50]]],
+}
+
+
+def blurred(drawing, blur):
+    """What is left of a drawing on a raster of 1 mm, unit energy, by scipy's filter."""
+    raster = np.zeros((201, 201))
+    for line in drawing:
+        for (x0, y0), (x1, y1) in zip(line, line[1:]):
+            pieces = max(1, round(np.hypot(x1 - x0, y1 - y0) / 0.25))
+            for t in (np.arange(pieces) + 0.5) / pieces:
+                raster[round(y0 + t * (y1 - y0)) + 100, round(x0 + t * (x1 - x0)) + 100] += np.hypot(x1 - x0, y1 - y0) / pieces
+    left = scipy.ndimage.gaussian_filter(raster, blur, truncate=6)
+    return left / np.sqrt((left**2).sum())
+
+
+def test_an_observer_who_compares_with_templates():
+    alike = np.array(observers.likeness(list(DRAWINGS.values()), 8.5))
+    patterns = [blurred(drawing, 8.5).ravel() for drawing in DRAWINGS.values()]
+    assert alike == pytest.approx(np.array(patterns) @ np.array(patterns).T, abs=0.02)
+    p = protocol.read(protocol.shipped()["haptogram_shapes"])
+    table = {"answer": {"model": "template", "factor": "shape", "snr": 2.5, "drawings": DRAWINGS}}
+    model = observers.read_models(p, table, "here")["answer"]
+    dice, order, count = random.Random(1), list(DRAWINGS), 4000
+    rates = np.zeros((4, 4))
+    for i, name in enumerate(order):
+        (level,) = [one for one in p.factor("shape").levels if one.name == name]
+        occasion = types.SimpleNamespace(cell=types.SimpleNamespace(levels={"shape": level}))
+        for _ in range(count):
+            rates[i, order.index(model(occasion, dice)[0])] += 1 / count
+    # The same by noise on the whole pattern, not on the scores.
+    rng = np.random.default_rng(1)
+    expected = np.zeros((4, 4))
+    factor = np.linalg.qr(np.array(patterns).T)[0]  # noise across all templates makes no difference
+    inside = np.array(patterns) @ factor
+    for i in range(4):
+        noisy = 2.5 * inside[i] + rng.normal(size=(100_000, 4))
+        expected[i] = np.bincount((noisy @ inside.T).argmax(axis=1), minlength=4) / 100_000
+    assert rates == pytest.approx(expected, abs=0.05)
+    assert rates.diagonal().min() > 0.5 and rates[2, 3] > rates[2, 0]  # a line is taken for a plus, and not for a circle
+    same = dict(table["answer"], drawings=dict(DRAWINGS, plus=DRAWINGS["line"]))
+    with pytest.raises(HaptogramError, match="drawings that differ"):
+        observers.read_models(p, {"answer": same}, "here")
+    with pytest.raises(HaptogramError, match="circle.*at least two places"):
+        observers.read_models(p, {"answer": dict(table["answer"], drawings=dict(DRAWINGS, circle=[[[0, 0]]]))}, "here")
+    with pytest.raises(HaptogramError, match="snr"):
+        observers.read_models(p, {"answer": {k: v for k, v in table["answer"].items() if k != "snr"}}, "here")

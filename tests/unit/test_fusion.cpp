@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
@@ -10,6 +11,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/fusion/feature_mode.hpp"
 #include "haptogram/fusion/place.hpp"
+#include "haptogram/fusion/scenes.hpp"
 
 using namespace haptogram;
 using namespace haptogram::fusion;
@@ -322,4 +324,160 @@ TEST_CASE("fusion: a cube is placed by each of the three mappings", "[fusion][pl
     REQUIRE_THAT(message_of([&] { (void)place_cube(wrong, hoshi(), tables(), shared_clock(0.020, 40000.0)); }),
                  Contains("period"));
     REQUIRE_THROWS_AS(mapping_of("G4"), Error);
+}
+
+namespace {
+
+/// A run of a scene under a hand that goes straight from place to place (mm above the array), and waits at the end.
+SceneRun played(const Scene& scene, const std::vector<Vector3>& way_mm, double weight_n, double speed_m_s,
+                double wait_s) {
+    TogetherOptions options;
+    options.geometry = robot::find_geometry();
+    options.plant.seed = Catch::rngSeed();
+    std::vector<Vector3> way;
+    for (const Vector3& place : way_mm) way.push_back((place - Vector3(0, 0, 250)) * 1e-3);
+    options.start = way.front();
+    const robot::Impedance hand;
+    options.user = robot::impedance_user(hand, [there = along(way, speed_m_s), weight_n, hand](double time) {
+        return Vector3(there(time) + weight_n / hand.stiffness_n_m * Vector3::UnitZ());
+    });
+    const SharedClock clock = shared_clock(0.030, 40000.0);
+    return play_scene(scene, options, hoshi(), tables(), clock, seconds_along(way, speed_m_s) + wait_s);
+}
+
+ExploreScene cube_and_surface() {
+    ExploreScene scene;
+    ObjectMeasures measures;
+    measures.size = 0.060;
+    measures.centre = {0.0, 0.0, 0.25};
+    scene.object = built_in_object("cube", measures);
+    scene.surface.height_m = 0.240;
+    return scene;
+}
+
+}  // namespace
+
+TEST_CASE("fusion: mode W1 as a run, a hand on a surface at rest, sliding, and at the edges of a cube",
+          "[fusion][scene]") {
+    const SharedClock clock = shared_clock(0.030, 40000.0);
+    const ExploreScene scene = cube_and_surface();
+    // Down onto the surface, 4 mm deeper than it is, and along it over 80 mm.
+    const SceneRun run =
+        played(scene_of(scene, clock), {{-40, 5, 250}, {-40, 5, 236}, {40, 5, 236}}, scene.weight_n, 0.05, 1.5);
+    for (const robot::Event& event : run.events) UNSCOPED_INFO(event.text);
+    REQUIRE(run.events.empty());
+    CHECK(run.least_tension_n >= 0.5);
+    for (std::size_t i = 0; i < run.periods.size(); ++i) {
+        REQUIRE(run.periods[i].time_s == Approx(static_cast<double>(i + 1) * 0.030));
+        REQUIRE(run.periods[i].frame.path.periods() == 1200);
+    }
+    REQUIRE(run.path().periods() == 1200 * run.periods.size());
+    // At rest the hand's spring and the surface's balance: k_h·(z_h − z) + k_s·(h − z) = 0.
+    const Period& last = run.periods.back();
+    CHECK(last.palm.z * 1e3 == Approx((100.0 * 236.0 + 1000.0 * 240.0) / 1100.0).margin(0.1));
+    CHECK(last.user.z() + last.stimulus.wrench[2] == Approx(0.0).margin(0.03));
+    // While it slides, friction is 0.4 of the normal force; the texture gives back its work over whole cells.
+    double normal = 0.0, tangential = 0.0, texture = 0.0;
+    for (const Period& period : run.periods) {
+        const Vec3& palm = period.before.palm;
+        if (palm.x < -0.020 || palm.x > 0.020 || palm.z > 0.240) continue;  // four cells of 10 mm
+        const double force = period.stimulus.wrench[2] + scene.weight_n;
+        CHECK(force == Approx(1000.0 * (0.240 - palm.z)));
+        normal += force;
+        tangential += period.stimulus.wrench[0];
+        texture = std::max(texture, std::abs(period.stimulus.wrench[0] / force + 0.4));
+    }
+    REQUIRE(normal > 1.0);
+    CHECK(-tangential / normal == Approx(0.4).margin(0.1));
+    CHECK(texture == Approx(0.3).margin(0.1));
+    // What is felt by ultrasound are the cube's upright edges, at ± 30 mm, where they meet the hand.
+    std::size_t felt = 0;
+    for (const Period& period : run.periods)
+        for (const FramePoint& point : period.frame.points) {
+            ++felt;
+            REQUIRE(std::abs(std::abs(point.position.x) - 0.030) < 0.0101);
+            REQUIRE(std::abs(std::abs(point.position.y) - 0.030) < 0.0101);
+            REQUIRE(distance(point.position, period.before.palm) < 0.2);
+        }
+    CHECK(felt > 100);
+    ExploreScene stiff = scene;
+    stiff.surface.stiffness_n_m = 4445.0;
+    REQUIRE_THAT(message_of([&] { (void)scene_of(stiff, clock); }), Contains("stiffness") && Contains("4444"));
+}
+
+TEST_CASE("fusion: more points than a frame has time for take turns", "[fusion][scene]") {
+    const SharedClock clock = shared_clock(0.030, 40000.0);
+    ExploreScene scene = cube_and_surface();
+    scene.object = built_in_object("cube", {0.060, 0.1, {0.0, 0.0, 0.278}, {}});  // its lower corners are 2 mm off
+    scene.frequency_hz = 80.0;                                                    // two points a frame
+    REQUIRE(places_of(clock, 80.0) == 2);
+    const Scene turns = scene_of(scene, clock);
+    const Moment moment{0.0, {0.0, 0.0, 0.25}, Vector3::Zero()};
+    const std::vector<Vec3> all = slice_points(scene.object, open_hand(moment.palm, 0.0),
+                                               palmar_surface(open_hand(moment.palm, 0.0)), scene.slice);
+    REQUIRE(all.size() > 2);
+    std::vector<Vec3> seen;
+    for (std::size_t frame = 0; 2 * frame < all.size(); ++frame) {
+        const Stimulus stimulus = turns(moment);
+        REQUIRE(stimulus.points.size() == 2);
+        for (const Vec3& point : stimulus.points) seen.push_back(point);
+    }
+    for (const Vec3& point : all) REQUIRE(std::count(seen.begin(), seen.end(), point) >= 1);
+}
+
+TEST_CASE("fusion: mode W2 as a run, a ring that grows with nearness, and hardness only where it is touched",
+          "[fusion][scene]") {
+    TellScene told;
+    told.pattern = {PalmSign::scaling, PalmShape::ring, 0.5, 2.0, 2.0, 200.0, 20e-3};
+    const SceneRun run = played(scene_of(told), {{0, 0, 290}, {0, 0, 240}}, told.weight_n, 0.05, 0.5);
+    REQUIRE(run.events.empty());
+    for (const Period& period : run.periods) {
+        REQUIRE(period.stimulus.wrench[2] == -1.0);
+        REQUIRE(period.stimulus.points.size() == 6);
+        const double off = std::abs(period.before.palm.z - 0.25);
+        const double radius = 10e-3 * (0.5 + 1.5 * (1.0 - off / 0.1));
+        for (const Vec3& point : period.stimulus.points)
+            REQUIRE(distance(point, period.before.palm) == Approx(radius).epsilon(1e-9));
+    }
+    CHECK(run.periods.back().user.z() == Approx(1.0).margin(0.03));  // the weight is what the user holds at rest
+    // Hardness by frequency: the geometric middle of the range is its middle.
+    TellScene hard;
+    hard.value = PalmValue::hardness;
+    hard.stiffness_n_m = 500.0;
+    const Scene scene = scene_of(hard);
+    const Stimulus below = scene({0.0, {0.0, 0.0, 0.2499}, Vector3::Zero()});
+    CHECK(below.frequency_hz == Approx(80.0 + 220.0 * 0.5));
+    REQUIRE(below.points.size() == 1);
+    const Stimulus above = scene({0.0, {0.0, 0.0, 0.2501}, Vector3::Zero()});
+    CHECK(above.points.empty());
+    CHECK(above.wrench[2] == -1.0);
+    // A cloth by intensity: roughest in the middle of a quarter cell, of threads 20 mm apart.
+    TellScene rough;
+    rough.value = PalmValue::texture;
+    rough.pattern.sign = PalmSign::intensity;
+    rough.pattern.low = 1.0;
+    rough.pattern.high = 4.0;
+    const Scene cloth_scene = scene_of(rough);
+    CHECK(cloth_scene({0.0, {0.005, 0.005, 0.24}, Vector3::Zero()}).magnitude == Approx(4.0));
+    CHECK(cloth_scene({0.0, {-0.005, 0.005, 0.24}, Vector3::Zero()}).magnitude == Approx(1.0));
+    REQUIRE(palm_value("texture") == PalmValue::texture);
+    REQUIRE_THROWS_AS(palm_value("colour"), Error);
+    hard.stiffness_n_m = 1.0;
+    REQUIRE_THAT(message_of([&] { (void)scene_of(hard); }), Contains("stiffness"));
+    told.pattern.shape = PalmShape::focus;
+    REQUIRE_THAT(message_of([&] { (void)scene_of(told); }), Contains("sign"));
+    told.weight_n = -1.0;
+    REQUIRE_THAT(message_of([&] { (void)scene_of(told); }), Contains("weight"));
+}
+
+TEST_CASE("fusion: a way from place to place with one speed", "[fusion][scene]") {
+    const std::vector<Vector3> places = {{0, 0, 0}, {0.03, 0, 0}, {0.03, 0.04, 0}};
+    REQUIRE(seconds_along(places, 0.01) == Approx(7.0));
+    const auto there = along(places, 0.01);
+    REQUIRE((there(0.0) - places[0]).norm() == 0.0);
+    REQUIRE((there(1.5) - Vector3(0.015, 0, 0)).norm() < 1e-12);
+    REQUIRE((there(5.0) - Vector3(0.03, 0.02, 0)).norm() < 1e-12);
+    REQUIRE((there(100.0) - places[2]).norm() == 0.0);
+    REQUIRE_THAT(message_of([] { (void)along({}, 0.01); }), Contains("way"));
+    REQUIRE_THAT(message_of([&] { (void)along(places, 0.0); }), Contains("speed"));
 }

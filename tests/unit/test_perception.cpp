@@ -405,3 +405,53 @@ TEST_CASE("perception: a path whose foci feel with one magnitude", "[perception]
     REQUIRE_THAT(message_of([&] { give_magnitude(weak, tables, wanted_of(7.0, "square:180", false), array); }),
                  Contains("magnitude: at (0.0, 0.0, 500.0) mm") && Contains("at most"));
 }
+
+TEST_CASE("perception: commands from a lattice are those of the places", "[perception]") {
+    const Tables tables = find_tables();
+    std::mt19937_64 random(Catch::rngSeed());
+    std::uniform_real_distribution<double> aside(-0.04, 0.04), above(0.1, 0.2);
+    for (const char* name : {"tile-10x10", "hoshi-18x18"}) {
+        const Array array = find_array(name);
+        const Wanted wanted = wanted_of(1.1, "square:200", false);
+        CommandLattice commands(tables, wanted, array);
+        double worst = 0.0;
+        for (int i = 0; i < 40; ++i) {
+            const Vec3 place{aside(random), aside(random), above(random)};
+            const double exact = setting_for(tables, wanted, array, place).command;
+            worst = std::max(worst, std::abs(commands.at(place) / exact - 1.0));
+        }
+        INFO(name << ": worst " << worst);
+        CHECK(worst < 0.002);
+        // A place among known corners needs none of its own.
+        static_cast<void>(commands.at({0.001, 0.002, 0.151}));
+        const std::size_t known = commands.corners();
+        static_cast<void>(commands.at({0.004, 0.001, 0.154}));
+        CHECK(commands.corners() == known);
+    }
+    const Array tile = find_array("tile-10x10");
+    // Where the array is just too weak, the lattice is not asked: the place itself decides.
+    const double most =
+        magnitude_of_output(fit_at(tables, 180.0), 0.5 * force_on_disc(tile, {0.0, 0.0, 0.2013}, 0.02) / gram_force_n);
+    CommandLattice barely(tables, wanted_of(0.9999 * most, "square:180", false), tile);
+    CHECK(barely.at({0.0, 0.0, 0.2013}) == Approx(1.0).epsilon(1e-3));
+    CommandLattice beyond(tables, wanted_of(1.0001 * most, "square:180", false), tile);
+    REQUIRE_THAT(message_of([&] {
+                     (void)beyond.at({0.0, 0.0, 0.2013});
+                 }),
+                 Contains("magnitude: at (0.0, 0.0, 201.3) mm") && Contains("at most"));
+    REQUIRE_THAT(message_of([&] { (void)barely.at({0.9, 0.0, 0.01}); }), Contains("at (900.0, 0.0, 10.0) mm"));
+    REQUIRE_THAT(message_of([&] { CommandLattice(tables, wanted_of(0.1, "square:180", false), tile); }),
+                 Contains("less than the"));
+    // A path that is given in pieces gets what it would get as a whole.
+    Path path;
+    for (const double x : {0.0, 0.013, -0.02}) path.steps.push_back({{{{x, 0.01, 0.15}, 0.5}}, 10});
+    Path whole = path;
+    const Wanted wanted = wanted_of(1.5, "square:180", false);
+    CommandLattice commands(tables, wanted, tile);
+    const PathMagnitude by_lattice = give_magnitude(path, commands),
+                        exact = give_magnitude(whole, tables, wanted, tile);
+    for (std::size_t i = 0; i < path.steps.size(); ++i)
+        CHECK(path.steps[i].foci[0].amplitude == Approx(whole.steps[i].foci[0].amplitude).epsilon(0.002));
+    CHECK(by_lattice.most_command == Approx(exact.most_command).epsilon(0.002));
+    CHECK(by_lattice.moves);
+}

@@ -3,12 +3,15 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <random>
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/robot/admittance.hpp"
 #include "haptogram/robot/kinematics.hpp"
+#include "haptogram/robot/rest.hpp"
 #include "haptogram/robot/robot_file.hpp"
 #include "haptogram/robot/simulate.hpp"
+#include "haptogram/robot/tension.hpp"
 
 using namespace haptogram;
 using namespace haptogram::robot;
@@ -247,6 +250,160 @@ TEST_CASE("robot: a broken cable is named, and the other seven bring the handle 
         CHECK(found.rows.back().position.norm() < 0.08);  // led to where seven can hold it
         CHECK(found.rows.back().turn.norm() < 0.05);      // upright
     }
+}
+
+TEST_CASE("robot: a cable breaks under a hand that goes on moving, and the handle comes to rest", "[robot][faults]") {
+    int too_strong = 0;
+    for (int cable = 0; cable < cable_count; ++cable) {
+        const std::uint64_t seed = Catch::rngSeed() + static_cast<std::uint64_t>(cable);
+        CAPTURE(cable, seed);
+        SimulationOptions options = pushed("", 12.0);
+        options.plant.seed = seed;
+        const User hand = wandering_user({}, 0.060, seed);
+        // The hand stands still in the end, so that what goes on moving is the robot.
+        options.user = {hand.mass_kg, [hand](double time, const Vector3& position, const Vector3& velocity) {
+                            return hand.force(std::min(time, 10.0), position, velocity);
+                        }};
+        options.faults = {parse_fault("broken:" + std::to_string(cable + 1) + ":4")};
+        options.record_s = 0.01;
+        const Simulation found = simulate(options);
+        for (const Event& event : found.events) UNSCOPED_INFO(event.time_s << " s: " << event.text);
+        CHECK(has(found, Event::Kind::slack, cable));
+        CHECK(has(found, Event::Kind::broken, cable));
+        CHECK(found.events[0].time_s < 4.01);
+        const bool strong = has(found, Event::Kind::cannot_hold, -1);
+        too_strong += strong ? 1 : 0;
+        double turn = 0.0, fastest = 0.0, at_rest = 0.0;
+        for (const TraceRow& row : found.rows) {
+            if (row.time_s > 4.0) turn = std::max(turn, row.turn.norm());
+            if (row.time_s > 4.0) fastest = std::max(fastest, row.velocity.norm());
+            if (row.time_s > 5.5) at_rest = std::max(at_rest, row.velocity.norm());
+        }
+        INFO("turned by " << turn * 180 / std::numbers::pi << " degrees, " << fastest << " m/s, at rest " << at_rest);
+        CHECK(turn < 5 * std::numbers::pi / 180);
+        CHECK(fastest < 0.5);
+        // It gives way a little, as the hand pulls now more and now less.
+        CHECK(at_rest < (strong ? 0.25 : 0.03));
+        CHECK(found.steadiness_m < 0.5e-3);
+        CHECK(found.most_n.maxCoeff() < 20.0);
+    }
+    CHECK(too_strong <= 3);
+}
+
+TEST_CASE("robot: a hand that is stronger than seven cables is said, and does not turn the handle over",
+          "[robot][faults]") {
+    for (const int cable : {0, 1, 6}) {
+        CAPTURE(cable);
+        SimulationOptions options = pushed("", 9.0);
+        options.user = wandering_user({0.5, 15.0, 300.0}, 0.060, 10 + static_cast<std::uint64_t>(cable));
+        options.faults = {parse_fault("broken:" + std::to_string(cable + 1) + ":3")};
+        options.record_s = 0.01;
+        const Simulation found = simulate(options);
+        REQUIRE(has(found, Event::Kind::cannot_hold, -1));
+        CHECK(found.events.back().text.find("stronger than the cables") != std::string::npos);
+        for (const TraceRow& row : found.rows) {
+            if (row.time_s < 3.0) continue;
+            REQUIRE(row.turn.norm() < 15 * std::numbers::pi / 180);
+            REQUIRE(row.velocity.norm() < 0.6);
+        }
+    }
+    // A force without a hand's inertia that goes on pushing turns it over. The motors wind in until nothing moves.
+    for (const int cable : {0, 1, 5}) {
+        CAPTURE(cable);
+        SimulationOptions options = pushed("0:20:2,0,-3", 8.0);
+        options.faults = {parse_fault("broken:" + std::to_string(cable + 1) + ":2")};
+        const Simulation found = simulate(options);
+        REQUIRE(has(found, Event::Kind::cannot_hold, -1));
+        CHECK(found.rows.back().turn.norm() > 0.35);
+        CHECK(found.steadiness_m < 2e-3);
+        CHECK(found.fastest_end_m_s < 0.1);
+    }
+}
+
+TEST_CASE("robot: the wrench of seven cables that is nearest to a wanted one", "[robot][faults]") {
+    const Geometry geometry = find_geometry();
+    std::mt19937_64 random(Catch::rngSeed());
+    std::uniform_real_distribution<double> part(-1.0, 1.0), tension(0.5, 10.0);
+    for (int run = 0; run < 200; ++run) {
+        CablesLeft left;
+        left.fill(true);
+        const int gone = static_cast<int>(random() % cable_count);
+        left[static_cast<std::size_t>(gone)] = false;
+        const Pose pose{0.06 * Vector3(part(random), part(random), part(random)),
+                        rotation_of(0.1 * Vector3(part(random), part(random), part(random)))};
+        const Structure structure = structure_of(geometry, pose);
+        Wrench wanted;
+        wanted << 15.0 * Vector3(part(random), part(random), part(random)),
+            0.2 * Vector3(part(random), part(random), part(random));
+        // As the controller does: each search begins where the last one ended.
+        PerCable found = PerCable::Zero();
+        for (int again = 0; again < 20; ++again) found = nearest_tensions(structure, wanted, 0.5, 10.0, left, found);
+        const auto off = [&](const PerCable& tensions) {
+            Wrench difference = structure * tensions - wanted;
+            difference.tail<3>() /= 0.010;
+            return difference.squaredNorm();
+        };
+        REQUIRE(found[gone] == 0.0);
+        // No other tensions within the limits come nearer; what they gain, the middle of the limits may cost.
+        const double best = off(found);
+        for (int other = 0; other < 300; ++other) {
+            PerCable tried = found;
+            const double size = other % 3 == 0 ? 5.0 : other % 3 == 1 ? 0.5 : 0.05;
+            for (int i = 0; i < cable_count; ++i)
+                if (i != gone) tried[i] = std::clamp(found[i] + size * part(random), 0.5, 10.0);
+            REQUIRE(off(tried) > best - 0.1);
+        }
+        for (int i = 0; i < cable_count; ++i)
+            if (i != gone) REQUIRE((found[i] >= 0.5 && found[i] <= 10.0));
+        // A wrench that they can make, they make.
+        PerCable made = PerCable::Zero();
+        for (int i = 0; i < cable_count; ++i)
+            if (i != gone) made[i] = tension(random);
+        for (int again = 0; again < 200; ++again)
+            found = nearest_tensions(structure, structure * made, 0.5, 10.0, left, found);
+        REQUIRE((structure * (found - made)).head<3>().norm() < 0.05);
+        REQUIRE((structure * (found - made)).tail<3>().norm() < 0.001);
+    }
+}
+
+TEST_CASE("robot: what seven cables hold in every direction, and where", "[robot][faults]") {
+    const Geometry geometry = find_geometry();
+    const auto without = [](int cable) {
+        CablesLeft left;
+        left.fill(true);
+        left[static_cast<std::size_t>(cable)] = false;
+        return left;
+    };
+    const auto held = [&](double x, double y, double z, int cable) {
+        return force_held(geometry, {Vector3(x, y, z) * 1e-3, Matrix3::Identity()}, without(cable)).value_or(-1.0);
+    };
+    // By the inequalities of the one null vector of seven cables, worked out with numpy.
+    CHECK(held(60, 20, 40, 0) == Approx(5.882).margin(0.06));
+    CHECK(held(20, 60, -60, 1) == Approx(6.040).margin(0.06));
+    CHECK(held(0, 0, 0, 0) == -1.0);
+    CHECK(held(-60, -20, -40, 0) == -1.0);
+    // All eight at the centre hold 14.82 N along x and y (largest_wrench), and less towards some corner.
+    CablesLeft all;
+    all.fill(true);
+    double least = 1e9;
+    for (int x = -1; x <= 1; ++x)
+        for (int y = -1; y <= 1; ++y)
+            for (int z = -1; z <= 1; ++z) {
+                if (x == 0 && y == 0 && z == 0) continue;
+                Wrench direction = Wrench::Zero();
+                direction.head<3>() = Vector3(x, y, z).normalized();
+                least = std::min(least, largest_wrench(geometry, {}, direction).value());
+            }
+    CHECK(force_held(geometry, {}, all).value() == Approx(least).margin(0.06));
+    for (int cable = 0; cable < cable_count; ++cable) {
+        const auto place = refuge(geometry, {}, without(cable), 2.5);
+        REQUIRE(place);
+        CHECK(force_held(geometry, *place, without(cable)).value() >= 2.5);
+        CHECK(place->position.norm() < 0.0601);
+        // Away from where the lost cable pulled.
+        CHECK(place->position.dot(geometry.anchors[static_cast<std::size_t>(cable)]) < 0.0);
+    }
+    CHECK_FALSE(refuge(geometry, {Vector3(0, 0, 5), Matrix3::Identity()}, without(0), 2.5));
 }
 
 TEST_CASE("robot: a command out of reach and a force that is too large are said, and the handle rests",

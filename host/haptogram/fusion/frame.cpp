@@ -12,8 +12,8 @@
 
 namespace haptogram::fusion {
 
-std::size_t FramePen::places(double frequency_hz) const {
-    return std::max<std::size_t>(1, static_cast<std::size_t>(frequency_hz * clock_.period_s() + 1e-9));
+std::size_t places_of(const SharedClock& clock, double frequency_hz) {
+    return std::max<std::size_t>(1, static_cast<std::size_t>(frequency_hz * clock.period_s() + 1e-9));
 }
 
 Frame FramePen::play(const Stimulus& stimulus) {

@@ -24,6 +24,9 @@ struct Frame {
     std::string why;                 ///< of the first of these
 };
 
+/// How many points a period of the robot has time for at a frequency: whole periods of the square wave, at least one.
+[[nodiscard]] std::size_t places_of(const SharedClock& clock, double frequency_hz);
+
 /// Turns stimuli into frames. The square wave of 50 % duty goes on from frame to frame without a jump of its phase, at
 /// whatever frequency each asks for; its edges lie on the nearest carrier period. A focus rests for a whole period of
 /// the square wave, then the next point has its turn, because the magnitudes were measured with a focus that rests.
@@ -33,8 +36,8 @@ public:
     FramePen(const Array& array, const perception::Tables& tables, const SharedClock& clock, double grip_n = 1.0)
         : array_(array), tables_(tables), clock_(clock), grip_n_(grip_n) {}
 
-    /// How many points a frame has time for at a frequency: whole periods of the square wave, at least one.
-    [[nodiscard]] std::size_t places(double frequency_hz) const;
+    /// How many points a frame has time for at a frequency.
+    [[nodiscard]] std::size_t places(double frequency_hz) const { return places_of(clock_, frequency_hz); }
 
     /// @throws Error{bad_argument} naming "magnitude" or "frequency" when the tables do not know them, or "points" when
     /// there are more than places()

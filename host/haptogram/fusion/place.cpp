@@ -78,7 +78,7 @@ private:
     Phase phase_ = Phase::lowering;
 };
 
-void require_sound(const PlaceOptions& options, const SharedClock& clock) {
+void require_sound(const PlaceOptions& options) {
     const auto positive = [](double value, const char* name) {
         if (!(value > 0.0 && std::isfinite(value)))
             throw bad_argument(name, fmt::format("must be a positive number, found {:g}", value));
@@ -91,10 +91,6 @@ void require_sound(const PlaceOptions& options, const SharedClock& clock) {
     if (!(options.start_m > options.target_m))
         throw bad_argument("start", fmt::format("the cube starts above its target of {:g} mm, found {:g} mm",
                                                 options.target_m / millimetre, options.start_m / millimetre));
-    const double period = options.controller.admittance.period_s;
-    if (std::abs(period - clock.period_s()) > 1e-9)
-        throw bad_argument("period",
-                           fmt::format("the robot's is {:g} s, and the clock's {:g} s", period, clock.period_s()));
 }
 
 /// What the tables do not know is said before the run, and not in the middle of it.
@@ -136,7 +132,7 @@ struct Mapped {
     Stimulus stimulus;
     std::optional<double> line_m;
 };
-Mapped map(const PlaceOptions& options, Vec3 palm, const FramePen& pen) {
+Mapped map(const PlaceOptions& options, Vec3 palm, const Together& together) {
     Mapped made;
     if (options.mapping == Mapping::plane) {
         const Hand hand = open_hand(palm, options.tilt_deg);
@@ -145,7 +141,7 @@ Mapped map(const PlaceOptions& options, Vec3 palm, const FramePen& pen) {
         made.line_m = place_on_palm(lines, skin, hand);
         made.stimulus.magnitude = options.magnitude;
         made.stimulus.frequency_hz = options.plane_hz;
-        made.stimulus.points = spread(lines, pen.places(options.plane_hz));
+        made.stimulus.points = spread(lines, together.places(options.plane_hz));
     } else {
         const bool by_frequency = options.mapping == Mapping::frequency;
         PalmPattern pattern;
@@ -188,43 +184,33 @@ Hand open_hand(Vec3 palm, double tilt_deg) {
 
 Placed place_cube(const PlaceOptions& options, const Array& array, const perception::Tables& tables,
                   const SharedClock& clock, const Progress& progress) {
-    require_sound(options, clock);
+    require_sound(options);
     require_known(options, tables);
-    robot::ControllerOptions leading = options.controller;
-    leading.admittance.zones.inner_n_m = leading.admittance.zones.outer_n_m = 0.0;
-    robot::PlantOptions made_of = options.plant;
-    made_of.drives = leading.drives;
-    robot::Pose start;
-    start.position.z() = options.start_m - options.robot_centre.z;
     // The hand holds the cube from the beginning on: it wants to be higher than the weight lets it be.
     const auto placer =
         std::make_shared<Placer>(options, options.start_m + options.weight_n / options.user.hand.stiffness_n_m);
-    const robot::User user = robot::impedance_user(options.user.hand, [placer, &options](double) {
+    TogetherOptions beside;
+    beside.robot_centre = options.robot_centre;
+    beside.geometry = options.geometry;
+    beside.plant = options.plant;
+    beside.controller = options.controller;
+    beside.start.z() = options.start_m - options.robot_centre.z;
+    beside.user = robot::impedance_user(options.user.hand, [placer, &options](double) {
         return robot::Vector3(0.0, 0.0, placer->wanted() - options.robot_centre.z);
     });
-    robot::Plant plant(options.geometry, made_of, start, user);
-    robot::Controller controller(options.geometry, leading, start);
-    FramePen pen(array, tables, clock);
-    const double period = clock.period_s(), servo = leading.servo_period_s;
-    const long ticks = std::lround(period / servo);
+    Together together(beside, array, tables, clock);
+    const double period = clock.period_s();
     const auto periods = static_cast<long>(std::ceil(options.longest_s / period));
-    robot::CableDrives& drives = plant;
     Placed result;
     for (long n = 0; n < periods && !placer->done() && !placer->lost(); ++n) {
-        const Vec3 palm = options.robot_centre +
-                          Vec3{plant.pose().position.x(), plant.pose().position.y(), plant.pose().position.z()};
-        const Mapped made = map(options, palm, pen);
-        controller.render(made.stimulus.wrench);
-        Frame frame = pen.play(made.stimulus);
+        const Mapped made = map(options, together.now().palm, together);
+        Period played = together.play(made.stimulus);
+        Frame& frame = played.frame;
         result.points += frame.points.size() + frame.silent;
         result.silent += frame.silent;
         if (result.why.empty()) result.why = frame.why;
-        for (long tick = 0; tick < ticks; ++tick) {
-            drives.command(controller.step(drives.read()));
-            plant.advance(servo);
-        }
         const bool felt = !frame.points.empty();
-        const double height = plant.pose().position.z() + options.robot_centre.z;
+        const double height = played.palm.z;
         std::optional<double> cue;
         if (felt && options.mapping == Mapping::frequency) cue = frame.frequency_hz;
         if (felt && options.mapping == Mapping::magnitude) cue = frame.magnitude;
@@ -234,12 +220,12 @@ Placed place_cube(const PlaceOptions& options, const Array& array, const percept
         placer->feel(cue, change, height, period);
         result.rows.push_back({static_cast<double>(n + 1) * period, height, placer->wanted(),
                                felt ? frame.frequency_hz : 0.0, felt ? frame.magnitude : 0.0, made.line_m,
-                               made.stimulus.wrench[2], plant.user_force().z(), controller.user()[2]});
+                               made.stimulus.wrench[2], played.user.z(), played.measured[2]});
         result.frames.push_back(std::move(frame));
         progress(static_cast<double>(n + 1) / static_cast<double>(periods), "placing");
     }
-    result.events = controller.events();
-    result.least_tension_n = plant.least_tensions().minCoeff();
+    result.events = together.events();
+    result.least_tension_n = together.least_tension_n();
     result.time_s = result.rows.back().time_s;
     result.placed = placer->done() && result.events.empty();
     if (!result.placed) return result;

@@ -6,9 +6,8 @@
 #include <vector>
 
 #include "haptogram/base/progress.hpp"
-#include "haptogram/fusion/frame.hpp"
 #include "haptogram/fusion/palm_mode.hpp"
-#include "haptogram/robot/simulate.hpp"
+#include "haptogram/fusion/together.hpp"
 
 // Task T4 of the paper Multimodal: carry a virtual cube to a height that only touch tells.
 

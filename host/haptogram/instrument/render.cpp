@@ -123,6 +123,22 @@ Error nothing_touched(const TouchObject& object, const HandRecording& hands, con
                      {"center"});
 }
 
+/// The waveform of the amplitude, and the commands for a magnitude under it.
+/// @param am_hz  of the algorithm's own sine; 0: none
+void modulate(Rendered& rendered, double am_hz, const Array& array, const RenderOptions& options) {
+    if (am_hz > 0.0 && !options.am.empty())
+        throw bad_argument("am", fmt::format("algorithm {} has a modulation of its own; leave one of them out",
+                                             name_of(options.algorithm).letter));
+    const std::string am = am_hz > 0.0 ? fmt::format("sine:{}", am_hz) : options.am;
+    const AmplitudeLaw law = am_hz > 0.0 ? AmplitudeLaw::pressure : options.am_law;
+    if (!am.empty()) rendered.path.modulation = modulation_of(am, law, rendered.carrier_hz).modulation;
+    if (!options.magnitude) return;
+    const perception::Tables tables = perception::find_tables();
+    perception::CommandLattice commands(
+        tables, perception::wanted_of(*options.magnitude, am, law == AmplitudeLaw::radiation), array);
+    rendered.magnitude = give_magnitude(rendered.path, commands);
+}
+
 }  // namespace
 
 TouchObject open_object(const ObjectSource& source) {
@@ -254,9 +270,7 @@ Rendered render(const TouchObject& object, const HandRecording& hands, const Arr
         throw bad_input("hand", fmt::format("everything that it touches is out of the array's reach: {}", why),
                         {"center", "array"});
     rendered.path = pen.path();
-    if (am_hz > 0.0)
-        rendered.path.modulation =
-            modulation_of(fmt::format("sine:{}", am_hz), AmplitudeLaw::pressure, carrier_hz).modulation;
+    modulate(rendered, am_hz, array, settings);
     if (lost > 0)
         rendered.warnings.push_back(
             fmt::format("{:.1f} % of the foci are out of the array's reach and silent; the first is {}",

@@ -10,8 +10,10 @@
 #include "haptogram/hand/object.hpp"
 #include "haptogram/hand/surface.hpp"
 #include "haptogram/model/array.hpp"
+#include "haptogram/perception/path_magnitude.hpp"
 #include "haptogram/render/path.hpp"
 #include "haptogram/render/touch.hpp"
+#include "haptogram/render/waveform.hpp"
 
 namespace haptogram {
 
@@ -39,6 +41,10 @@ struct RenderOptions {
     std::optional<std::size_t> frame;    ///< only this one, from 1: one pass, which can be repeated
     std::optional<std::uint32_t> dwell;  ///< carrier periods of a step; by default usual_dwell()
     std::optional<std::size_t> points;   ///< of the pass of one frame, instead of the dwell
+    std::string am;  ///< waveform of the amplitude, as modulation_of() reads it; empty: the algorithm's own, if any
+    AmplitudeLaw am_law = AmplitudeLaw::pressure;
+    std::optional<double>
+        magnitude;  ///< how strong each focus feels under that waveform (perception/path_magnitude.hpp)
     double least_force_n = 0.63e-3;  ///< below which a place counts as not felt: what a palm needs (Multimodal, Table
                                      ///< III, for a hand that holds 1 N)
 };
@@ -69,14 +75,16 @@ struct Rendered {
     Path path;
     std::vector<FrameReport> frames;
     double carrier_hz = 0.0;
-    std::vector<std::string> warnings;  ///< whole sentences
+    std::optional<perception::PathMagnitude> magnitude;  ///< the commands, when a magnitude was asked for
+    std::vector<std::string> warnings;                   ///< whole sentences
 };
 
 /// A path that lets hands feel an object. A recording's frame lasts until the next one; the foci go on where they are
 /// in their pass. What the array cannot reach, and frames that touch nothing, are silent.
 /// @param carrier_hz  in whose periods the path counts
 /// @throws Error{bad_input} when no frame touches the object, saying how far it is, or when nothing that is touched can
-/// be reached; Error{bad_argument} for options that make no sense, and hands that are not finite
+/// be reached; Error{bad_argument} for options that make no sense, hands that are not finite, a waveform beside the
+/// algorithm's own, and naming "magnitude" where the array or the tables do not have it
 [[nodiscard]] Rendered render(const TouchObject& object, const HandRecording& hands, const Array& array,
                               double carrier_hz, const RenderOptions& options, const Progress& progress = {});
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <array>
+#include <map>
 #include <string_view>
 
 #include "haptogram/perception/setting.hpp"
@@ -24,5 +26,30 @@ struct PathMagnitude {
 /// @throws Error{bad_argument} naming "magnitude" and the place, when the array is too weak there, or when foci exist
 /// at the same time and so share the array's pressure
 PathMagnitude give_magnitude(Path& path, const Tables& tables, const Wanted& wanted, const Array& array);
+
+/// Commands for one magnitude at any place of an array, for a renderer that meets new places in every frame. A focus'
+/// force changes slowly from place to place. It is computed at the corners of a lattice, each when it is first needed,
+/// and is linear in between; the command is then within 0.2 % of setting_for()'s above half an array's width.
+class CommandLattice {
+public:
+    /// Keeps references to the tables and the array.
+    /// @throws Error{bad_argument} when nothing feels so, wherever it is: see setting_for()
+    CommandLattice(const Tables& tables, const Wanted& wanted, const Array& array);
+
+    /// The command, 0…1. @throws Error as give_magnitude()
+    [[nodiscard]] double at(Vec3 place);
+    [[nodiscard]] std::size_t corners() const { return forces_.size(); }  ///< that were computed
+
+private:
+    [[nodiscard]] double force_at(const std::array<long, 3>& corner);
+
+    const Tables& tables_;
+    Wanted wanted_;
+    const Array& array_;
+    double needed_gf_;
+    std::map<std::array<long, 3>, double> forces_;  ///< N, NaN out of the array's reach
+};
+/// The same for a path that is played in pieces.
+PathMagnitude give_magnitude(Path& path, CommandLattice& commands);
 
 }  // namespace haptogram::perception

@@ -87,6 +87,11 @@ double pulse_duty(double amplitude, double full_duty) {
     return std::asin(amplitude * std::sin(pi * full_duty)) / pi;
 }
 
+double needed_gf(const Tables& tables, const Wanted& wanted) {
+    const Setting setting = felt(tables, wanted, fit_at(tables, wanted.frequency_hz));
+    return setting.output_gf * setting.duty_factor / setting.waveform_factor;
+}
+
 Setting setting_for(const Tables& tables, const Wanted& wanted) {
     const FrequencyFit fit = fit_at(tables, wanted.frequency_hz);
     Setting setting = felt(tables, wanted, fit);

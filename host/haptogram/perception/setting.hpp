@@ -45,6 +45,10 @@ struct Setting {
 /// @throws Error{bad_argument} naming "amplitude" outside of 0…1
 [[nodiscard]] double pulse_duty(double amplitude, double full_duty = 0.5);
 
+/// The output that is needed for it where the device's place costs nothing: gs over the factor of the waveform, gf.
+/// @throws Error{bad_argument} as setting_for(), of what does not depend on the device
+[[nodiscard]] double needed_gf(const Tables& tables, const Wanted& wanted);
+
 /// The setting of the device that the tables were measured on, with its focus where they were measured.
 /// Its command is the polynomial's (Multimodal eq. 11). The pulse is that of an amplitude equal to the command.
 /// @throws Error{bad_argument} naming what lies outside of what was measured: a magnitude below the threshold, or above

@@ -78,13 +78,9 @@ std::optional<PerCable> Controller::balance(const Pose& pose, const Wrench& load
     const auto with_reserve = [&](double reserve) {
         PerCable least = PerCable::Constant(geometry_.least_n + reserve);
         PerCable most = PerCable::Constant(geometry_.most_n);
-        for (int i = 0; i < cable_count; ++i)
-            if (!cable_good_[static_cast<std::size_t>(i)]) least[i] = most[i] = 0.0;
         return distribute(structure, load, least, most);
     };
-    const bool whole = std::count(cable_good_.begin(), cable_good_.end(), true) == cable_count;
-    if (const auto found = with_reserve(whole ? options_.reserve_n : 0.0)) return found->tensions;
-    if (!whole) return std::nullopt;
+    if (const auto found = with_reserve(options_.reserve_n)) return found->tensions;
     auto found = with_reserve(0.0);
     if (!found) return std::nullopt;
     double low = 0.0, high = options_.reserve_n;
@@ -100,30 +96,74 @@ std::optional<PerCable> Controller::balance(const Pose& pose, const Wrench& load
     return found->tensions;
 }
 
-/// The nearest place at which the cables that are left hold the handle: seven cables can do so in a part of the
-/// workspace only, and elsewhere leave it a way that stretches none of them.
-void Controller::seek_refuge() {
-    constexpr double step_m = 0.005, farthest_m = 0.080;
-    const Pose here = wanted_.pose();
-    for (double radius = 0.0; radius <= farthest_m; radius += step_m)
-        for (int x = -1; x <= 1; ++x)
-            for (int y = -1; y <= 1; ++y)
-                for (int z = -1; z <= 1; ++z) {
-                    const Vector3 direction(x, y, z);
-                    if ((direction.norm() > 0.0) != (radius > 0.0)) continue;
-                    Pose place = here;
-                    if (radius > 0.0) place.position += radius * direction.normalized();
-                    if (!out_of_length(geometry_, cable_lengths(geometry_, place)).empty()) continue;
-                    PerCable least = PerCable::Constant(options_.refuge_least_n),
-                             most = PerCable::Constant(options_.refuge_most_n);
-                    for (int i = 0; i < cable_count; ++i)
-                        if (!cable_good_[static_cast<std::size_t>(i)]) least[i] = most[i] = 0.0;
-                    if (!distribute(structure_of(geometry_, place), geometry_.weight(), least, most)) continue;
-                    refuge_ = place;
-                    return;
-                }
-    held_ = false;
-    report(Event::Kind::cannot_hold, -1, "the cables that are left cannot hold the handle; they let it settle");
+bool Controller::whole() const { return std::count(cable_good_.begin(), cable_good_.end(), true) == cable_count; }
+
+/// Without one of the cables no servo of lengths is safe: seven cables leave the handle ways that stretch none of them,
+/// and it would turn over. What they can do is to make the wrench that leads it to a refuge, as nearly as their limits
+/// allow. There it rests. A user who is stronger than they are moves it against their damping.
+void Controller::hold_on_what_is_left() {
+    const Pose here = pose_;
+    if (!braking_ && vector_of(here.rotation).norm() > options_.turned_rad) {
+        braking_ = true;
+        braked_ = lengths_;
+        report(
+            Event::Kind::cannot_hold, -1,
+            "the cables that are left have lost the handle, which turns over; the motors wind in and let out no more");
+    }
+    if (braking_) return brake();
+    if (!refuge_) {
+        led_ = here.position;
+        refuge_ = refuge(geometry_, here, cable_good_, options_.refuge_n);
+        if (!refuge_) {
+            refuge_ = Pose{here.position, Matrix3::Identity()};
+            report(Event::Kind::cannot_hold, -1,
+                   "the cables that are left can hold the handle nowhere near; they slow it down");
+        }
+    }
+    const Vector3 way = refuge_->position - led_;
+    const double dt = options_.servo_period_s;
+    led_m_s_ = std::min({options_.refuge_m_s, led_m_s_ + options_.refuge_m_s2 * dt,
+                         std::sqrt(2.0 * options_.refuge_m_s2 * way.norm())});
+    const Vector3 stride = way.norm() > led_m_s_ * dt ? Vector3(led_m_s_ * dt * way.normalized()) : way;
+    led_ += stride;
+
+    const Structure structure = structure_of(geometry_, here);
+    Eigen::Matrix<double, cable_count, 6> lengthening = -structure.transpose();
+    PerCable speeds = speeds_;
+    for (int i = 0; i < cable_count; ++i)
+        if (!length_good_[static_cast<std::size_t>(i)]) {
+            lengthening.row(i).setZero();
+            speeds[i] = 0.0;
+        }
+    const Wrench velocity = lengthening.colPivHouseholderQr().solve(speeds);
+    Wrench wanted = -geometry_.weight();
+    wanted.head<3>() +=
+        options_.rest_n_m * (led_ - here.position) + options_.rest_n_s_m * (stride / dt - Vector3(velocity.head<3>()));
+    wanted.tail<3>() +=
+        -options_.rest_n_m_rad * vector_of(here.rotation) - options_.rest_n_m_s_rad * Vector3(velocity.tail<3>());
+    pulls_ = nearest_tensions(structure, wanted, geometry_.least_n, geometry_.most_n, cable_good_, pulls_);
+
+    const bool carried = way.norm() == 0.0 && (led_ - here.position).norm() > options_.carried_m;
+    carried_ticks_ = carried ? carried_ticks_ + 1 : 0;
+    if (static_cast<double>(carried_ticks_) * dt >= options_.carried_s)
+        report(
+            Event::Kind::cannot_hold, -1,
+            fmt::format("the user is stronger than the cables that are left, which hold {:.1f} N in every direction; "
+                        "they slow the handle down",
+                        force_held(geometry_, *refuge_, cable_good_).value_or(0.0)));
+}
+
+/// The last resort, which needs no pose: the motors take in what a cable gives, and let out nothing, up to the limit of
+/// the tension. Lengths that only fall come to an end.
+void Controller::brake() {
+    const double most = geometry_.most_n - geometry_.least_n;
+    for (int i = 0; i < cable_count; ++i) {
+        if (!cable_good_[static_cast<std::size_t>(i)]) continue;
+        braked_[i] = std::clamp(braked_[i], lengths_[i] - most / options_.stiffness_n_m, lengths_[i]);
+        const double held =
+            options_.stiffness_n_m * (lengths_[i] - braked_[i]) + options_.damping_n_s_m * std::max(0.0, speeds_[i]);
+        pulls_[i] = geometry_.least_n + std::min(held, most);
+    }
 }
 
 void Controller::check(const std::array<DriveReading, cable_count>& readings) {
@@ -198,14 +238,7 @@ void Controller::rest() {
         pulls_ = *pulls;
         return;
     }
-    // Not possible here. As little tension as the whole robot would need, without the share of what is gone, leaves the
-    // least of a wrench that could push the handle away, until the servos have led it to where it can be held.
-    pulls_ = PerCable::Constant(geometry_.least_n);
-    if (const auto whole =
-            distribute(structure_of(geometry_, pose_), geometry_.weight(), geometry_.least_n, geometry_.most_n))
-        pulls_ = whole->tensions;
-    for (int i = 0; i < cable_count; ++i)
-        if (!cable_good_[static_cast<std::size_t>(i)]) pulls_[i] = 0.0;
+    pulls_ = PerCable::Constant(geometry_.least_n);  // the servos hold the lengths
 }
 
 /// Once in the period of the admittance.
@@ -231,13 +264,11 @@ void Controller::period() {
             next.acceleration.setZero();
         }
     } else {
-        // The virtual body runs out, or goes to where it can be held, within a few periods.
-        const double period = options_.admittance.period_s;
+        // The virtual body runs out within a few periods.
         next.velocity *= 0.5;
-        if (refuge_) next.velocity.head<3>() = (refuge_->position - wanted_.place.head<3>()) * 0.9 / period;
         next.acceleration.setZero();
-        next.place += period * next.velocity;
-        if (!refuge_ && !infeasible(geometry_, next.pose(), geometry_.weight()).empty()) {
+        next.place += options_.admittance.period_s * next.velocity;
+        if (!infeasible(geometry_, next.pose(), geometry_.weight()).empty()) {
             next = wanted_;
             next.velocity.setZero();
         }
@@ -280,7 +311,6 @@ std::array<std::int16_t, cable_count> Controller::step(const std::array<DriveRea
     check(readings);
     check_lengths();
     if (events_.size() > known) {  // not only at the end of the period
-        if (std::count(cable_good_.begin(), cable_good_.end(), true) < cable_count && !refuge_) seek_refuge();
         rest();
     }
     const double blend = options_.servo_period_s / (options_.servo_period_s + options_.velocity_filter_s);
@@ -301,7 +331,8 @@ std::array<std::int16_t, cable_count> Controller::step(const std::array<DriveRea
     }
     // The directions of the cables change within a period, so their wrench is summed, and not their tensions alone.
     cable_sum_ += structure_of(geometry_, pose_) * last_tension_;
-    if (resting_) rest();
+    if (resting_ && !whole()) hold_on_what_is_left();
+    if (resting_ && whole()) rest();
     ++ticks_;
     time_ += options_.servo_period_s;
     if (ticks_ % ticks_a_period_ == 0) period();
@@ -312,12 +343,14 @@ std::array<std::int16_t, cable_count> Controller::step(const std::array<DriveRea
     for (int i = 0; i < cable_count; ++i) {
         const auto at = static_cast<std::size_t>(i);
         double pull = pulls_[i] - options_.drive_kg * wanted_acceleration[i];
-        if (length_good_[at])
+        if (!whole())
+            pull = pulls_[i];
+        else if (length_good_[at])
             pull += options_.stiffness_n_m * (lengths_[i] - wanted[i]) +
                     options_.damping_n_s_m * (speeds_[i] - wanted_speed[i]);
         if (!cable_good_[at])  // wound in gently until it is known to be broken
             pull = (broken_[at] ? 0.0 : geometry_.least_n) + options_.damping_n_s_m * speeds_[i];
-        else if (held_)
+        else
             pull = std::max(pull, geometry_.least_n);  // a cable cannot push
         const auto largest = static_cast<double>(options_.drives.largest_code());
         const double code = std::round(pull / options_.drives.newtons_per_code());

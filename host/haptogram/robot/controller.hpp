@@ -6,6 +6,7 @@
 
 #include "haptogram/robot/admittance.hpp"
 #include "haptogram/robot/drives.hpp"
+#include "haptogram/robot/rest.hpp"
 #include "haptogram/robot/tension.hpp"
 
 namespace haptogram::robot {
@@ -21,13 +22,18 @@ struct ControllerOptions {
     double drive_kg = 0.21;      ///< a motor's inertia, seen at the cable
     double tension_gain = 0.05;  ///< of the tension controller: part of an error that it takes back in one period
     // Faults.
+    double turned_rad = 0.35;  ///< seven cables have lost a handle that is turned by so much: the motors brake
     double slack_n = 0.1, slack_s = 0.003;  ///< a sensor below the one for the other: the cable is slack
     double broken_m = 0.005;                ///< a slack cable that its motor winds in by this: it is broken
     double fastest_m_s = 2.0;               ///< cable speed that only an encoder that slips can show
     double mismatch_m = 0.001;              ///< of lengths that no pose has: an encoder has slipped
-    double refuge_least_n = 1.0,
-           refuge_most_n = 5.0;                 ///< tensions of the place where seven cables shall hold the handle
-    double silent_s = 0.005, frozen_s = 0.050;  ///< a sensor that does not answer, or always the same
+    double refuge_n = 2.5;  ///< force that the place where seven cables hold the handle shall bear in every direction.
+                            ///< More is found farther away, where a hand that stays behind pulls more
+    double refuge_m_s = 0.3, refuge_m_s2 = 3.0;        ///< speed and acceleration with which they lead it there
+    double rest_n_m = 3000.0, rest_n_s_m = 100.0;      ///< of the handle about that place
+    double rest_n_m_rad = 12.0, rest_n_m_s_rad = 0.2;  ///< the same of its turns
+    double carried_m = 0.010, carried_s = 0.25;        ///< that far from it for so long: the user is stronger
+    double silent_s = 0.005, frozen_s = 0.050;         ///< a sensor that does not answer, or always the same
 };
 
 /// Something that the controller noticed. After a fault the handle is brought to rest.
@@ -73,8 +79,10 @@ private:
     void servo_targets(PerCable& length, PerCable& speed, PerCable& acceleration) const;
     [[nodiscard]] std::optional<PerCable> balance(const Pose& pose, const Wrench& load) const;
     void report_overload(const Wrench& user);
-    void seek_refuge();
     void rest();
+    [[nodiscard]] bool whole() const;
+    void hold_on_what_is_left();
+    void brake();
     void believe_lengths();
 
     Geometry geometry_;
@@ -94,8 +102,13 @@ private:
     std::array<bool, cable_count> length_good_{}, tension_good_{}, cable_good_{}, broken_{};
     std::array<long, cable_count> slack_ticks_{}, silent_ticks_{}, same_ticks_{};
     std::vector<Event> events_;
-    std::optional<Pose> refuge_;  ///< where cables that are left hold the handle
-    bool resting_ = false, held_ = true;
+    std::optional<Pose> refuge_;     ///< where the cables that are left shall hold the handle
+    Vector3 led_ = Vector3::Zero();  ///< where they are to hold it now, on the way there
+    double led_m_s_ = 0.0;
+    long carried_ticks_ = 0;
+    PerCable braked_ = PerCable::Zero();  ///< lengths that the brakes hold
+    bool braking_ = false;
+    bool resting_ = false;
     long saturated_ = 0;
 };
 

@@ -31,7 +31,7 @@ std::string out_of_length(const Geometry& geometry, const PerCable& lengths) {
 Forward forward(const Geometry& geometry, const PerCable& lengths, const Pose& start,
                 const std::array<bool, cable_count>& used) {
     constexpr int most_steps = 50;
-    constexpr double settled_m = 1e-10;  // the error after a step is of the order of its square
+    constexpr double settled_m = 1e-7;  // the error after a step is its square over a cable's length: below 1e-13 m
     for (int i = 0; i < cable_count; ++i)
         if (used[static_cast<std::size_t>(i)] && !(lengths[i] > 0.0 && std::isfinite(lengths[i])))
             throw bad_argument("lengths",

@@ -16,13 +16,49 @@ from .protocol import Protocol, Question, fill, places
 from .tables import Table
 
 Model = Callable[[Occasion, random.Random], tuple[Answer, float]]  # the answer, and the seconds that it takes
-MODELS = {"psychometric": "yes-no", "confusion": "choice", "preference": "choice", "matching": "number", "magnitude": "number",
+MODELS = {"psychometric": "yes-no", "confusion": "choice", "preference": "choice", "template": "choice", "matching": "number", "magnitude": "number",
           "lognormal": "number", "rating": "scale", "words": "text"}  # fmt: skip
 
 
 def felt(level_db: float, threshold_db: float, sd_db: float, lapse: float, guess: float) -> float:
     """The probability of a yes: a cumulative normal distribution between `guess` and 1 − `lapse`."""
     return guess + (1.0 - guess - lapse) * NormalDist(threshold_db, sd_db).cdf(level_db)
+
+
+def _places(drawing: list[list[list[float]]], step: float = 2.0) -> list[tuple[float, float]]:
+    """Points along a drawing's lines, `step` mm apart."""
+    found = []
+    for line in drawing:
+        for (x0, y0), (x1, y1) in zip(line, line[1:]):
+            pieces = max(1, round(math.hypot(x1 - x0, y1 - y0) / step))
+            found += [(x0 + (x1 - x0) * (i + 0.5) / pieces, y0 + (y1 - y0) * (i + 0.5) / pieces) for i in range(pieces)]
+    return found
+
+
+def likeness(drawings: list[list[list[list[float]]]], blur_mm: float) -> list[list[float]]:
+    """How alike drawings are that skin blurs: the correlation of what is left of each after a Gaussian of standard deviation `blur_mm`. Two points
+    d apart overlap by exp(−d²/4·blur²). A drawing is a list of lines, a line a list of places in mm."""
+    sampled = [_places(drawing) for drawing in drawings]
+
+    def overlap(a: list[tuple[float, float]], b: list[tuple[float, float]]) -> float:
+        return sum(math.exp(-((xa - xb) ** 2 + (ya - yb) ** 2) / (4.0 * blur_mm**2)) for xa, ya in a for xb, yb in b)
+
+    own = [overlap(a, a) for a in sampled]
+    return [[overlap(a, b) / math.sqrt(own[i] * own[j]) for j, b in enumerate(sampled)] for i, a in enumerate(sampled)]
+
+
+def _root(matrix: list[list[float]]) -> list[list[float]]:
+    """The lower triangle L with L·Lᵀ = matrix (Cholesky). Raises ValueError when two drawings are the same after the blur."""
+    root: list[list[float]] = []
+    for i, row in enumerate(matrix):
+        line: list[float] = []
+        for j in range(i + 1):
+            rest = row[j] - sum(line[k] * (root[j][k] if j < i else line[k]) for k in range(j))
+            if j == i and rest <= 1e-9:
+                raise ValueError
+            line.append(math.sqrt(rest) if j == i else rest / root[j][j])
+        root.append(line)
+    return root
 
 
 class _ByLevel:
@@ -91,6 +127,32 @@ def _model(protocol: Protocol, question: Question, table: Table) -> Model:
 
         def answer(occasion: Occasion, dice: random.Random) -> Answer:
             return dice.choices(answers, rows[occasion.cell.levels[factor.name].name])[0]
+
+    elif kind == "template":
+        factor = protocol.factor(table.text("factor", among=[f.name for f in protocol.factors]))
+        names = [level.name for level in factor.levels]
+        if sorted(names) != sorted(question.keys.values()):
+            table.fail("factor", factor.name, f"one whose levels are the answers, {', '.join(question.keys.values())}")
+        inner, blur, snr = table.table("drawings"), table.number("blur_mm", 8.5, above=0.0), table.number("snr", low=0.0)
+        expected = "lines of at least two places [x, y], mm"
+        drawings = [inner.list(name, of=list, expected=expected) for name in names]
+        inner.done()
+        for name, drawing in zip(names, drawings):
+            for line in drawing:
+                if len(line) < 2 or not all(isinstance(p, list) and len(p) == 2 and all(isinstance(x, (int, float)) and math.isfinite(x) for x in p) for p in line):
+                    inner.fail(name, line, expected)
+        alike = likeness(drawings, blur)
+        try:
+            noise = _root(alike)
+        except ValueError:
+            inner.fail(names[0], drawings[0], f"drawings that differ after a blur of {blur:g} mm")
+
+        def answer(occasion: Occasion, dice: random.Random) -> Answer:
+            # Each drawing is compared with what is felt, which has white noise; the noise of two comparisons is alike as the drawings are.
+            true = names.index(occasion.cell.levels[factor.name].name)
+            white = [dice.gauss(0.0, 1.0) for _ in names]
+            scores = [snr * alike[true][k] + sum(a * b for a, b in zip(noise[k], white)) for k in range(len(names))]
+            return names[scores.index(max(scores))]
 
     elif kind == "preference":
         weights_table = table.table("weights")
