@@ -155,7 +155,7 @@ Interval cosines(const Array& array, const Box& box, std::size_t axis) {
 
 /// The waves are spherical, so along a few coarse steps their direction changes. This much more band leaves room for
 /// it.
-constexpr double margin = 0.08;
+constexpr double margin = 0.05;
 /// A step that is hardly wider than the grid's own saves nothing.
 constexpr double least_gain = 1.25;
 
@@ -221,22 +221,25 @@ std::optional<CoarseGrid> find_coarse_grid(const Array& array, const Grid& grid)
         found[axis] = kept_axis(wanted);
         if (!rises_evenly(wanted)) continue;
         const double own_step = (wanted.back() - wanted.front()) / static_cast<double>(wanted.size() - 1);
-        const Interval cosine = cosines(array, box, axis);
-        Band band{k * std::max(cosine.low - margin, -1.0 - margin / 2.0),
-                  k * std::min(cosine.high + margin, 1.0 + margin / 2.0)};
-        if (axis < 2) {  // real taps take half the time of complex ones; along z they are few
-            const double most = std::max(std::abs(band.low), std::abs(band.high));
-            band = {-most, most};
-        }
-        double step = 2.0 * widest_band / (band.high - band.low);
-        if (pitches[axis] > 0.0) step = pitches[axis] / std::ceil(pitches[axis] / step);
-        // The coarse axis reaches beyond the grid, and may not come too near to an element there, either.
-        const auto with_step = [&](double of) {
+        // The coarse axis reaches beyond the grid. What it takes in there counts, too.
+        const auto with_step = [&](double step) {
             Box wider = box;
-            wider[axis].low -= static_cast<double>(half) * of;
-            wider[axis].high += static_cast<double>(half) * of;
+            wider[axis].low -= static_cast<double>(half) * step;
+            wider[axis].high += static_cast<double>(half) * step;
             return wider;
         };
+        Band band;
+        const auto step_in = [&](const Box& where) {
+            const Interval cosine = cosines(array, where, axis);
+            band = {k * std::max(cosine.low - margin, -1.0 - margin), k * std::min(cosine.high + margin, 1.0 + margin)};
+            if (axis < 2) {  // real weights take half the time of complex ones; along z they are few
+                const double most = std::max(std::abs(band.low), std::abs(band.high));
+                band = {-most, most};
+            }
+            return 2.0 * widest_band / (band.high - band.low);
+        };
+        double step = step_in(with_step(step_in(box)));
+        if (pitches[axis] > 0.0) step = pitches[axis] / std::ceil(pitches[axis] / step);
         while (step >= least_gain * own_step && !(gap_of(array, with_step(step)) >= wavelength)) step *= 0.8;
         if (step < least_gain * own_step) continue;
         CoarseAxis coarse = interpolated_axis(wanted, band, step, origins[axis]);
