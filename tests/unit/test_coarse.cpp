@@ -145,7 +145,8 @@ std::vector<Case> interpolated_cases() {
         {"volume near the array", tile, {axis(-0.03, 1e-3, 61), axis(-0.03, 1e-3, 59), axis(0.024, 0.7e-3, 60)}},
         {"oblique plane", seen_from(tile, oblique), {axis(-0.06, 1e-3, 120), axis(-0.06, 1e-3, 130), {0.0}}},
         {"rig around the volume", around(), {axis(-0.02, 0.5e-3, 81), axis(-0.02, 0.5e-3, 81), axis(0.13, 0.5e-3, 33)}},
-        {"plane of one row of vectors", tile, {axis(-0.01, 1e-4, 201), axis(-0.01, 1e-4, 197), {0.2}}},
+        {"volume in slabs", tile, {axis(-0.05, 1e-3, 101), axis(-0.05, 1e-3, 101), axis(0.1, 0.2e-3, 250)}},
+        {"plane of small steps", tile, {axis(-0.01, 1e-4, 201), axis(-0.01, 1e-4, 197), {0.2}}},
     };
 }
 

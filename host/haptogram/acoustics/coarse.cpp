@@ -170,6 +170,19 @@ CoarseAxis kept_axis(const std::vector<double>& axis) {
     return found;
 }
 
+CoarseAxis part_of(const CoarseAxis& axis, std::size_t begin, std::size_t end) {
+    CoarseAxis found = sized(end - begin, axis.taps);
+    const std::int32_t low = axis.first[begin], high = axis.first[end - 1] + static_cast<std::int32_t>(axis.taps);
+    found.coarse.assign(axis.coarse.begin() + low, axis.coarse.begin() + high);
+    for (std::size_t i = 0; i < found.stride; ++i) found.first[i] = axis.first[std::min(begin + i, end - 1)] - low;
+    for (std::size_t t = 0; t < axis.taps; ++t)
+        for (std::size_t i = 0; i < found.size; ++i) {
+            found.re[t * found.stride + i] = axis.re[t * axis.stride + begin + i];
+            found.im[t * found.stride + i] = axis.im[t * axis.stride + begin + i];
+        }
+    return found;
+}
+
 CoarseAxis interpolated_axis(const std::vector<double>& axis, Band band, double step_m, double origin_m) {
     static const WeightSeries series;
     CoarseAxis found = sized(axis.size(), taps);

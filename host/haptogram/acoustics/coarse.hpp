@@ -33,6 +33,9 @@ struct CoarseAxis {
     [[nodiscard]] bool kept() const { return taps == 1; }
 };
 
+/// The part of an axis for its wanted coordinates from `begin` to before `end`.
+[[nodiscard]] CoarseAxis part_of(const CoarseAxis& axis, std::size_t begin, std::size_t end);
+
 struct CoarseGrid {
     CoarseAxis x, y, z;
     [[nodiscard]] Grid grid() const { return {x.coarse, y.coarse, z.coarse}; }

@@ -400,29 +400,50 @@ constexpr double error_of_sums = 3e-5;
 constexpr double unseen = 2.0;
 
 /// The field on a coarse grid, and interpolated from there.
-void interpolate(const Array& array, const FittedPattern& pattern, Drives drives, const Grid& grid,
-                 const CoarseGrid& coarse, const Sums& sums, std::span<std::complex<float>> found,
-                 const FieldOptions& options) {
+void interpolate(const Array& array, const FittedPattern& pattern, Drives drives, const CoarseGrid& coarse,
+                 std::span<std::complex<float>> found, const FieldOptions& options) {
     const Grid points = coarse.grid();
+    const Sums sums = plan_sums(array, points);
     std::vector<std::complex<float>> values(points.size() + interpolation_overrun);
     FieldOptions part = options;
-    const double share = sums.cost / (sums.cost + static_cast<double>(grid.size()) * cost::interpolation);
+    const double share = sums.cost / (sums.cost + static_cast<double>(found.size()) * cost::interpolation);
     part.progress = options.progress.between(0.0, share);
     add_sums(array, pattern, drives, points, sums, std::span(values).first(points.size()), part);
 
     constexpr std::size_t rows = 64;
-    const std::size_t strips = (grid.y.size() + rows - 1) / rows;
+    const std::size_t strips = (coarse.y.size + rows - 1) / rows;
     const unsigned threads = workers(options);
     std::vector<hwy::AlignedFreeUniquePtr<float[]>> scratch;
     for (unsigned i = 0; i < threads; ++i)
         scratch.push_back(hwy::AllocateAligned<float>(scratch_of_interpolation(coarse, rows)));
-    in_parallel(grid.z.size() * strips, threads, options.progress.between(share, 1.0),
+    in_parallel(coarse.z.size * strips, threads, options.progress.between(share, 1.0),
                 [&](unsigned worker, std::size_t strip) {
                     const std::size_t plane = strip / strips, begin = strip % strips * rows;
-                    const std::size_t end = std::min(begin + rows, grid.y.size());
+                    const std::size_t end = std::min(begin + rows, coarse.y.size);
                     interpolate_rows(coarse, values.data(), plane, begin, end, scratch[worker].get(),
-                                     &found[(plane * grid.y.size() + begin) * grid.x.size()]);
+                                     &found[(plane * coarse.y.size + begin) * coarse.x.size]);
                 });
+}
+
+/// The same in slabs of planes, one after the other, so that the coarse grid takes little memory beside the result: a
+/// 32nd of it, or 2 MB. Neighbouring slabs both compute the coarse planes that both need.
+void interpolate_slabs(const Array& array, const FittedPattern& pattern, Drives drives, const CoarseGrid& coarse,
+                       std::span<std::complex<float>> found, const FieldOptions& options) {
+    const std::size_t planes = coarse.z.size, most = std::max<std::size_t>(found.size() / 32, std::size_t{1} << 18U);
+    const auto coarse_points = [&](std::size_t of_slab) {
+        return coarse.x.coarse.size() * coarse.y.coarse.size() *
+               (coarse.z.coarse.size() * of_slab / planes + coarse.z.taps);
+    };
+    std::size_t slab = planes;
+    while (slab > 32 && coarse_points(slab) > most) slab -= slab / 8;
+    for (std::size_t begin = 0; begin < planes; begin += slab) {
+        const std::size_t end = std::min(begin + slab, planes), plane = coarse.x.size * coarse.y.size;
+        FieldOptions part = options;
+        part.progress = options.progress.between(static_cast<double>(begin) / static_cast<double>(planes),
+                                                 static_cast<double>(end) / static_cast<double>(planes));
+        interpolate(array, pattern, drives, {coarse.x, coarse.y, part_of(coarse.z, begin, end)},
+                    found.subspan(begin * plane, (end - begin) * plane), part);
+    }
 }
 
 /// Σ weight·|p|²/2 over Σ weight at every point of a list or a grid.
@@ -533,7 +554,7 @@ PressureField pressure_field(const Array& array, Drives drives, const Grid& grid
             const Sums coarse_sums = plan_sums(array, coarse->grid());
             const double most = coarse_sums.cost + static_cast<double>(grid.size()) * cost::interpolation;
             if (most < 0.8 * sums.cost) {
-                interpolate(array, pattern, drives, grid, *coarse, coarse_sums, found.values, options);
+                interpolate_slabs(array, pattern, drives, *coarse, found.values, options);
                 const double error = error_of_sums + unseen * deviation(array, pattern, drives, grid, found.values);
                 if (error <= options.interpolation_error) {
                     found.method = FieldMethod::interpolated;
