@@ -67,16 +67,17 @@ def test_complex_fields_lines_and_volumes(tmp_path, program):
 
 def test_analyses(ring, program):
     theirs = json.loads(program("analyze", "ring.hex", "--json"))
-    for image in (str(ring / "ring.hex"), native.compile_text(PROJECT)):
+    # A manifest's file has its foci rounded; what was just compiled has not.
+    for image, apart in ((str(ring / "ring.hex"), 0.0), (native.compile_text(PROJECT), 1e-5)):
         ours = native.analyze(image)
         assert ours.warnings == theirs["warnings"]
-        assert ours.pressure_left_least == theirs["pressure_left_least"]
+        assert ours.pressure_left_least == pytest.approx(theirs["pressure_left_least"], rel=apart, abs=0.0)
         columns = {"pressure_pa": (ours.pressure_pa, 1.0), "radiation_pressure_pa": (ours.radiation_pa, 1.0), "width_mm": (ours.width_m, 1e3),
                    "depth_mm": (ours.depth_m, 1e3), "side_lobe": (ours.side_lobe, 1.0), "force_mn": (ours.force_n, 1e3),
                    "formation_us": (ours.formation_s, 1e6), "dwell_cycles": (ours.dwell_cycles, 1.0),
                    "dwell_needed_cycles": (ours.dwell_needed_cycles, 1.0)}  # fmt: skip
         for name, (values, factor) in columns.items():
-            assert np.allclose(values * factor, [point[name] for point in theirs["points"]], rtol=0.0, atol=0.51e-4), name
+            assert np.allclose(values * factor, [point[name] for point in theirs["points"]], rtol=apart, atol=0.51e-4), name
         assert np.allclose(ours.foci_m * 1e3, [point["focus_mm"] for point in theirs["points"]], atol=0.51e-4)
         assert ours.highest_db == pytest.approx(theirs["safety"]["highest_on_axis_db_spl"], abs=0.051)
 
@@ -86,12 +87,23 @@ def test_solved_foci(program, method):
     array = native.Array.find("tile-10x10")
     foci = np.array([[-0.02, 0.0, 0.12], [0.02, 0.01, 0.13], [0.0, -0.015, 0.14]])
     texts = [word for focus in foci * 1e3 for word in ("--focus", ",".join(f"{x:.17g}" for x in focus))]
-    (theirs,) = json.loads(program("solve", *texts, "--solver", method, "--json"))["sets"]
+    (theirs,) = json.loads(program("solve", *texts, "--solver", method, "--json"))["steps"]
     drives = native.solve(array, foci, method=method)
     assert np.allclose(np.abs(drives), [d["amplitude"] for d in theirs["drives"]], rtol=0.0, atol=1e-14)
     assert np.allclose(np.exp(1j * np.angle(drives)), np.exp(1j * np.array([d["phase_rad"] for d in theirs["drives"]])), rtol=0.0, atol=1e-12)
     quality = native.quality(array, foci, drives)
-    assert quality.efficiency == pytest.approx(theirs["exact"]["efficiency"], rel=1e-12)
-    # Begun from themselves they stay what they are.
-    again = native.solve(array, foci, method=method, start=drives, rounds=1) if method != "superposition" else drives
-    assert native.quality(array, foci, again).spread <= quality.spread + 0.01
+    assert quality.efficiency == pytest.approx(theirs["quality"]["exact"]["efficiency"], rel=1e-12)
+
+
+def test_foci_that_follow(tmp_path, program):
+    """Each set begun with the drives of the one before, as the program's --follow does."""
+    array = native.Array.find("tile-10x10")
+    frames = [np.array([[-0.02 + shift, 0.0, 0.12], [0.02, 0.01 + shift, 0.13]]) for shift in (0.0, 0.0002)]
+    lines = [[",".join(f"{x:.17g}" for x in focus * 1e3) for focus in foci] for foci in frames]
+    (tmp_path / "foci.txt").write_text("\n\n".join("\n".join(one) for one in lines) + "\n")
+    steps = json.loads(program("solve", "foci.txt", "--follow", "--rounds", 1, "--json"))["steps"]
+    drives = native.solve(array, frames[0])
+    drives = native.solve(array, frames[1], start=drives, rounds=1)
+    theirs = np.array([d["amplitude"] * np.exp(1j * d["phase_rad"]) for d in steps[1]["drives"]])
+    assert np.allclose(drives, theirs, rtol=0.0, atol=1e-12)
+    assert not np.allclose(drives, native.solve(array, frames[1], rounds=1), rtol=0.0, atol=1e-3)

@@ -209,7 +209,15 @@ TEST_CASE("coarse: what cannot be interpolated is summed", "[coarse]") {
     Array array = grid_array(10, 10, 0.01);
     const Drive drives = random_drives(array);
     const auto method_of = [&](const Grid& grid) {
-        const PressureField found = pressure_field(array, drives, grid);
+        std::vector<double> told;
+        FieldOptions options;
+        options.progress = [&](double part, std::string_view) {
+            told.push_back(part);
+            return true;
+        };
+        const PressureField found = pressure_field(array, drives, grid, options);
+        CHECK(std::is_sorted(told.begin(), told.end()));
+        CHECK(told.back() == 1.0);
         CHECK(error_of(array, drives, grid, found.values, 500) <= found.error);
         return found.method;
     };
@@ -332,6 +340,32 @@ TEST_CASE("coarse: polynomials take the place of measured patterns, and state by
     REQUIRE(fit_pattern(array.transducer, 733.0, 0.005).kind ==
             FittedPattern::Kind::table);  // no polynomial is so near
     REQUIRE(fit_pattern(array.transducer, 733.0).error == 0.0);
+}
+
+TEST_CASE("coarse: the mean square of a sequence on an oblique plane", "[coarse]") {
+    CAPTURE(reseed());
+    const Array array = grid_array(6, 5, 0.0098);
+    const Pose pose = pose_of({0.01, 0.0, 0.09}, {40, -20, 70});
+    std::vector<Drive> drives;
+    std::vector<WeightedDrives> sequence;
+    for (int r = 0; r < 7; ++r) drives.push_back(random_drives(array));
+    double total = 0.0;
+    for (const Drive& one : drives) {
+        sequence.push_back({random(0.2, 2.0), one});
+        total += sequence.back().weight;
+    }
+    const Grid grid{axis(-0.04, 1.1e-3, 70), axis(-0.03, 0.7e-3, 80), {0.0}};
+    const auto found = mean_square_pressure(seen_from(array, pose), sequence, grid);
+    for (std::size_t i = 0; i < grid.size(); i += 11) {
+        double sum = 0.0, most = 0.0;
+        for (const WeightedDrives& entry : sequence) {
+            const Drive one(entry.drives.begin(), entry.drives.end());
+            const Sum at = sum_at(array, one, pose.outwards(grid.point(i)));  // in the array's own coordinates
+            sum += entry.weight / total * std::norm(at.pressure) / 2.0;
+            most += entry.weight / total * at.most * at.most / 2.0;
+        }
+        REQUIRE(std::abs(static_cast<double>(found[i]) - sum) <= 1e-4 * most);
+    }
 }
 
 TEST_CASE("coarse: gradients equal differences of the sums", "[coarse]") {

@@ -9,20 +9,19 @@ from setuptools import Extension, setup
 from setuptools.command.build_ext import build_ext
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-BUILD = ROOT / "build/python-native"  # nothing is written beside the sources
-BUILD.mkdir(parents=True, exist_ok=True)
+BUILD = ROOT / "build/python-native"  # as deep as build/release, so that a ccache with relative paths has what was compiled there
+SETUPTOOLS = BUILD / "setuptools"  # and nothing is written beside the sources
+SETUPTOOLS.mkdir(parents=True, exist_ok=True)
 LEFT_OUT = ("PROGRAM", "SIMULATION", "FTDI", "TESTS", "INSTALL")
 
 
 class CMakeBuild(build_ext):
     def build_extension(self, extension):
-        folder = pathlib.Path(self.build_temp).resolve()
-        folder.mkdir(parents=True, exist_ok=True)
         options = ["-DCMAKE_BUILD_TYPE=Release", "-DHAPTOGRAM_PYTHON_MODULE=ON", f"-DPython3_EXECUTABLE={sys.executable}"]
         options += [f"-DHAPTOGRAM_{part}=OFF" for part in LEFT_OUT]
-        subprocess.run(["cmake", "-S", ROOT, "-B", folder, "-G", "Ninja", *options], check=True)
-        subprocess.run(["cmake", "--build", folder, "--target", "haptogram_native_module"], check=True)
-        (built,) = folder.glob("tools/python-native/haptogram_native/_native*.so")
+        subprocess.run(["cmake", "-S", ROOT, "-B", BUILD, "-G", "Ninja", *options], check=True)
+        subprocess.run(["cmake", "--build", BUILD, "--target", "haptogram_native_module"], check=True)
+        (built,) = BUILD.glob("tools/python-native/haptogram_native/_native*.so")
         target = pathlib.Path(self.get_ext_fullpath(extension.name))
         target.parent.mkdir(parents=True, exist_ok=True)
         self.copy_file(str(built), str(target))
@@ -31,5 +30,5 @@ class CMakeBuild(build_ext):
 setup(
     ext_modules=[Extension("haptogram_native._native", [])],
     cmdclass={"build_ext": CMakeBuild},
-    options={"build": {"build_base": str(BUILD)}, "egg_info": {"egg_base": str(BUILD)}},
+    options={"build": {"build_base": str(SETUPTOOLS)}, "egg_info": {"egg_base": str(SETUPTOOLS)}},
 )

@@ -394,8 +394,17 @@ double deviation(const Array& array, const FittedPattern& pattern, Drives drives
     return most > 0.0F ? static_cast<double>(off / most) : 0.0;
 }
 
-/// What sums of waves in single precision are held to (tests/unit/test_kernel.cpp).
-constexpr double error_of_sums = 3e-5;
+/// What sums of waves in single precision are held to (tests/unit/test_kernel.cpp). Coordinates are rounded relative to
+/// the blocks of points, so points that are spread over metres are less exact.
+double error_of_sums(const Grid& grid) {
+    double square = 0.0;
+    for (const auto* axis : {&grid.x, &grid.y, &grid.z}) {
+        if (axis->empty()) return 0.0;
+        const auto [low, high] = std::minmax_element(axis->begin(), axis->end());
+        square += (*high - *low) * (*high - *low);
+    }
+    return square <= 1.0 ? 3e-5 : 1e-4;
+}
 /// Points that are not checked may be further off than those that are.
 constexpr double unseen = 2.0;
 
@@ -545,27 +554,30 @@ PressureField pressure_field(const Array& array, Drives drives, const Grid& grid
     check(array, drives);
     PressureField found;
     found.values.resize(grid.size());
-    found.error = error_of_sums;
+    found.error = error_of_sums(grid);
     const FittedPattern pattern = fitted(array, options);
     found.pattern_error = pattern.error;
     const Sums sums = plan_sums(array, grid);
-    if (options.interpolation_error > error_of_sums) {
-        if (const auto coarse = find_coarse_grid(array, grid)) {
-            const Sums coarse_sums = plan_sums(array, coarse->grid());
-            const double most = coarse_sums.cost + static_cast<double>(grid.size()) * cost::interpolation;
-            if (most < 0.8 * sums.cost) {
-                interpolate_slabs(array, pattern, drives, *coarse, found.values, options);
-                const double error = error_of_sums + unseen * deviation(array, pattern, drives, grid, found.values);
-                if (error <= options.interpolation_error) {
-                    found.method = FieldMethod::interpolated;
-                    found.error = error;
-                    return found;
-                }
-            }
+    FieldOptions rest = options;
+    const auto coarse =
+        options.interpolation_error > found.error ? find_coarse_grid(array, grid) : std::optional<CoarseGrid>();
+    if (coarse && plan_sums(array, coarse->grid()).cost + static_cast<double>(grid.size()) * cost::interpolation <
+                      0.8 * sums.cost) {
+        constexpr double most = 0.9;  // of the progress; what is left is for the case that its error is too large
+        FieldOptions part = options;
+        part.progress = options.progress.between(0.0, most);
+        interpolate_slabs(array, pattern, drives, *coarse, found.values, part);
+        const double error = found.error + unseen * deviation(array, pattern, drives, grid, found.values);
+        if (error <= options.interpolation_error) {
+            options.progress(1.0);
+            found.method = FieldMethod::interpolated;
+            found.error = error;
+            return found;
         }
+        rest.progress = options.progress.between(most, 1.0);
     }
     found.method = sums.shifted ? FieldMethod::shifts : FieldMethod::sums;
-    add_sums(array, pattern, drives, grid, sums, found.values, options);
+    add_sums(array, pattern, drives, grid, sums, found.values, rest);
     return found;
 }
 
