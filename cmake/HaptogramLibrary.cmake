@@ -15,7 +15,8 @@ function(haptogram_library name)
   list(TRANSFORM ARG_UNPARSED_ARGUMENTS PREPEND ${folder}/)
   add_library(haptogram_${name} STATIC ${ARG_UNPARSED_ARGUMENTS})
   add_library(haptogram::${name} ALIAS haptogram_${name})
-  set_target_properties(haptogram_${name} PROPERTIES EXPORT_NAME ${name})
+  set_target_properties(haptogram_${name} PROPERTIES EXPORT_NAME ${name}
+    POSITION_INDEPENDENT_CODE ON)  # for shared libraries, such as the Python module
   target_compile_features(haptogram_${name} PUBLIC cxx_std_20)
   target_include_directories(haptogram_${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}>)
   target_link_libraries(haptogram_${name} PRIVATE fmt::fmt $<BUILD_INTERFACE:haptogram_warnings>)

@@ -45,30 +45,43 @@ def numpy_focal_law_ms():
     return statistics.median(times)
 
 
-def numba_focal_law_ms():
-    """Phases in float32 by numba, from a virtual environment of its own; None when that is not there."""
-    python = ROOT / "build/numba/bin/python3"
-    return float(run(python, ROOT / "tools/bench/focal_law_numba.py")) if python.exists() else None
+PEERS = ROOT / "build/peers/bin/python3"  # a virtual environment of its own; tools/bench/README.md says how to make it
 
 
-def solve_rows(build):
+def peers():
+    """What other libraries take, by name; a peer that is not installed is None."""
+    if not PEERS.exists():
+        return {"numba": None, "autd3": None, "focal_law_ms": None}
+    found = json.loads(run(PEERS, ROOT / "tools/bench/peers.py"))
+    found["focal_law_ms"] = float(run(PEERS, ROOT / "tools/bench/focal_law_numba.py")) if found["numba"] else None
+    return found
+
+
+def beside(name, theirs, ours, unit="ms"):
+    """A peer's time beside ours; one that is faster is called so."""
+    if theirs is None:
+        return f"; {name} is not there"
+    faster = "" if theirs >= ours else f": {name} is FASTER"
+    return f"; {name} {theirs:,.4g} {unit}, ratio {theirs / ours:.2f}{faster}"
+
+
+def solve_rows(build, others):
     """The focal law and several foci, on one thread, by the two best instruction sets of the processor."""
     measured = json.loads(run(build / "tools/bench/haptogram_measure_solve"))
-    numpy_ms, numba_ms = numpy_focal_law_ms(), numba_focal_law_ms()
-    numba_said = "numba is not there" if numba_ms is None else f"numba float32 phases {numba_ms:.2f} ms"
+    numpy_ms, autd3 = numpy_focal_law_ms(), others["autd3"]
     for place, ours in enumerate(measured):
         best, name = place == 0, ours["target"]
         for ticks, most in ((250, 2.0 if best else 5.0), (1250, 2.6 if best else 5.0)):
             ms = ours[f"focal_law_{ticks}_ms"]
-            said = f"{ms:.2f} ms; numpy float64 {numpy_ms:.0f} ms, ratio {numpy_ms / ms:.0f}; {numba_said}"
-            if numba_ms is not None:
-                said += f", ratio {numba_ms / ms:.2f}"
+            said = f"{ms:.2f} ms" + beside("numpy float64", numpy_ms, ms) + beside("numba float32 phases", others["focal_law_ms"], ms)
             yield (f"focal law, 100 × 100,000, exact, {ticks} ticks, {name}", f"≤ {most} ms", ms <= most, said)
         for what, most in (("10x249", 8 if best else 15), ("16x256", 12 if best else 24), ("32x249", 30 if best else 60)):
             one = ours[what]
             good = one["us"] <= most and one["spread"] <= 0.002 and one["efficiency"] >= 0.93
-            yield (f"{what.replace('x', ' foci × ')} elements, rounded to 250 ticks, {name}", f"≤ {most} µs, CV ≤ 0.002, efficiency ≥ 0.93", good,
-                   f"{one['us']:.1f} µs, CV {one['spread']:.4f} (median of 100 sets; worst {one['worst_spread']:.4f}), efficiency {one['efficiency']:.3f}")
+            said = f"{one['us']:.1f} µs, CV {one['spread']:.4f} (median of 100 sets; worst {one['worst_spread']:.4f}), efficiency {one['efficiency']:.3f}"
+            if what == "10x249":
+                said += beside("AUTD3's GS-PAT", autd3 and autd3["us"], one["us"], "µs") + (f", its CV {autd3['spread']:.3f}" if autd3 else "")
+            yield (f"{what.replace('x', ' foci × ')} elements, rounded to 250 ticks, {name}", f"≤ {most} µs, CV ≤ 0.002, efficiency ≥ 0.93", good, said)
         one, most = ours["10x249_warm"], 4 if best else 8
         good = one["us"] <= most and one["worst_spread"] <= 0.002 and one["efficiency_over_solved"] >= 0.99
         yield (f"the same ten foci, moved by 0.2 mm, begun from the last, {name}", f"≤ {most} µs, CV ≤ 0.002", good,
@@ -143,24 +156,43 @@ def link_rows(build):
     ]  # fmt: skip
 
 
-def field_rows(build):
-    """Fields, in single precision on one thread unless said, each beside numpy on one thread."""
+def field_rows(build, others):
+    """Fields, in single precision on one thread unless said, each beside numpy and numba on one thread."""
     ours = json.loads(run(build / "tools/bench/haptogram_measure_field"))
     theirs = json.loads(run(sys.executable, ROOT / "tools/bench/field_numpy.py", OPENBLAS_NUM_THREADS="1", OMP_NUM_THREADS="1"))
+    numba = others["numba"] or {}
 
-    def row(what, most, ms, numpy_ms, numpy_what, also=True, said=""):
-        return (what, f"≤ {most:,} ms", ms <= most and also, f"{ms:.2f} ms ({ours['target']}){said}; numpy {numpy_what} {numpy_ms:,.0f} ms, ratio {numpy_ms / ms:.1f}")
+    def row(what, most, name, numpy_name, numpy_what, numba_name=None, scaled="", also=True, said=""):
+        ms = ours[f"{name}_ms"]
+        measured = f"{ms:.2f} ms ({ours['target']}){said}" + beside(f"numpy {numpy_what}", theirs[f"{numpy_name}_ms"], ms) + scaled
+        if numba_name:
+            measured += beside("numba float32", numba.get(f"{numba_name}_ms"), ms)
+        return (what, f"≤ {most:,} ms", ms <= most and also, measured)
 
-    apart, memory = ours["volume_shifted_apart"], ours["large_memory_over_output"]
+    def on_grid(what, most, name, *numpy_and_numba, scaled=""):
+        """A field on a grid, whose error is measured against the sums at the same points."""
+        apart, stated = ours[f"{name}_apart"], ours[f"{name}_error"]
+        allowed = 1e-4 if stated < 1e-3 else 0.015  # the latter by a polynomial in place of a measured pattern
+        said = f", {apart:.0e} of the peak from the sums ({stated:.0e} stated)"
+        return row(what, most, name, *numpy_and_numba, scaled=scaled, also=apart <= allowed, said=said)
+
+    plane, measured = ("plane_float32", "float32", "plane"), ("measured_float32", "float32", "measured")
+    volume, planes = ("volume_float32", "float32", "volume"), " (5 planes, scaled)"
+    memory = ours["large_memory_over_output"]
     return [
-        row("piston field, 100 elements × 200×200 points", 4, ours["plane_ms"], theirs["plane_float64_ms"], "float64",
-            said=f"; numpy float32 {theirs['plane_float32_ms']:,.0f} ms"),
-        row("piston field, 100 elements × 100³ points, any points", 100, ours["volume_ms"], theirs["volume_float32_ms"], "float32, 5 planes scaled,"),
-        row("the same on the array's own grid", 30, ours["volume_shifted_ms"], theirs["volume_shifted_ms"], "complex64 by shifts, 5 planes scaled,",
-            apart <= 1e-4, f", {apart:.0e} of the peak from the direct sum"),
-        row("32×32 elements × 200³ points on the array's grid, 2 threads", 3000, ours["large_shifted_2_threads_ms"], theirs["large_shifted_ms"],
-            "complex64 by shifts, 1 thread, 1 plane scaled,", memory <= 2.0, f", {memory:.2f} of the output's memory with it"),
-        row("mean square of a sequence of 200 points, 100×100 points", 100, ours["mean_square_ms"], theirs["mean_square_ms"], "complex64"),
+        row("piston field, 100 elements × 200×200 points, any points", 4, "points", *plane),
+        on_grid("the same on an axis-aligned plane, 130 mm away", 0.15, "plane", *plane),
+        on_grid("the same three wavelengths away", 0.15, "near_plane", *plane),
+        on_grid("the same on an oblique plane", 1.6, "oblique_plane", *plane),
+        on_grid("324 elements with a measured pattern, axis-aligned plane", 5, "measured", *measured),
+        on_grid("the same on an oblique plane", 5, "measured_oblique", *measured),
+        on_grid("the same by a polynomial in place of the table", 5, "fitted_oblique", *measured),
+        row("piston field, 100 elements × 100³ points, any points", 40, "volume_points", *volume, scaled=planes),
+        on_grid("the same on an axis-aligned grid, elements in any order", 40, "volume_listed", *volume, scaled=planes),
+        on_grid("the same on the array's own grid", 8, "volume", "volume_shifted", "complex64 by shifts", scaled=planes),
+        row("32×32 elements × 200³ points on the array's grid, 2 threads", 3000, "large_shifted_2_threads", "large_shifted", "complex64 by shifts",
+            scaled=" (1 thread, 1 plane, scaled)", also=memory <= 1.1, said=f", {memory:.2f} of the output's memory with it"),
+        row("mean square of a sequence of 200 points, 100×100 points", 100, "mean_square", "mean_square", "complex64"),
     ]  # fmt: skip
 
 
@@ -202,8 +234,10 @@ def measure(build):
     say = lambda what: print(f"bench: {what}", file=sys.stderr)  # noqa: E731
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        say("focal law and several foci, and the law in numpy and numba")
-        solving = list(solve_rows(build))
+        say("peers")
+        others = peers()
+        say("focal law and several foci, and the law in numpy")
+        solving = list(solve_rows(build, others))
         say("load time")
         own = json.loads(run(build / "tools/bench/haptogram_measure"))
         say("200 points at 10 Hz, three times")
@@ -215,7 +249,7 @@ def measure(build):
         say("upload, stream and select over the link")
         link = link_rows(build)
         say("fields, and fields in numpy")
-        fields = field_rows(build)
+        fields = field_rows(build, others)
         say("the cable robot")
         robot = list(robot_rows(build))
         say("compile of a million points")

@@ -12,6 +12,7 @@
 
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/acoustics/wave.hpp"
+#include "haptogram/model/rig.hpp"
 
 namespace {
 
@@ -83,18 +84,43 @@ nlohmann::ordered_json measure() {
         json["large_memory_over_output"] =
             (most_bytes() - before) / static_cast<double>(grid.size() * sizeof(std::complex<float>));
     }
-    const Grid plane{axis(-0.1, 1e-3, 200), axis(-0.1, 1e-3, 200), {0.13}};
-    std::vector<Vec3> points;
-    for (std::size_t i = 0; i < plane.size(); ++i) points.push_back(plane.point(i));
-    json["plane_ms"] = median_ms(51, [&] { (void)pressure_at(array, drives, points); });
-    json["plane_shifted_ms"] = median_ms(15, [&] { (void)pressure_on(array, drives, plane); });
+    const FieldOptions sums{.interpolation_error = 0.0};
+    const auto points_of = [](const Grid& grid) {
+        std::vector<Vec3> points;
+        for (std::size_t i = 0; i < grid.size(); ++i) points.push_back(grid.point(i));
+        return points;
+    };
+    // A field by the quickest method, its distance from the sums at the same points, and what it states itself.
+    const auto put = [&](const std::string& name, int repeats, const Array& of, const Grid& grid,
+                         const FieldOptions& options = {}) {
+        const auto played = ideal_drives(of, {0.0, 0.0, of.elements[0].normal.z == 1.0 ? 0.13 : 0.0});
+        const PressureField field = pressure_field(of, played, grid, options);
+        json[name + "_ms"] = median_ms(repeats, [&] { (void)pressure_field(of, played, grid, options); });
+        json[name + "_apart"] = apart(pressure_at(of, played, points_of(grid)), field.values);
+        json[name + "_error"] = field.error + field.pattern_error;
+    };
+    const double odd_step = 0.2 / 199;  // does not divide the pitch
+    const Grid plane{axis(-0.1, odd_step, 200), axis(-0.1, odd_step, 200), {0.13}};
+    const Grid near{plane.x, plane.y, {3.0 * array.wavelength_m()}};
+    const Grid own{axis(-0.1, odd_step, 200), axis(-0.1, odd_step, 200), {0.0}};  // of an oblique plane
+    const Pose oblique = pose_of({0.0, 0.0, 0.13}, {20.0, 30.0, 10.0});
+    const auto points = points_of(plane);
+    json["points_ms"] = median_ms(31, [&] { (void)pressure_at(array, drives, points); });
+    put("plane", 51, array, plane);
+    put("near_plane", 51, array, near);
+    put("oblique_plane", 31, seen_from(array, oblique), own);
+    Array measured = find_array("hoshi-18x18");
+    measured.transducer = find_transducer("T4010A1");
+    put("measured", 31, measured, plane);
+    put("measured_oblique", 15, seen_from(measured, oblique), own);
+    put("fitted_oblique", 15, seen_from(measured, oblique), own, {.pattern_error = 0.015});
 
     const Grid volume{axis(-0.05, 1e-3, 100), axis(-0.05, 1e-3, 100), axis(0.05, 1e-3, 100)};
     Array listed = array;
     listed.columns = 0;  // a list of elements, which hides the structure
-    json["volume_ms"] = median_ms(7, [&] { (void)pressure_on(listed, drives, volume); });
-    json["volume_shifted_ms"] = median_ms(9, [&] { (void)pressure_on(array, drives, volume); });
-    json["volume_shifted_apart"] = apart(pressure_on(listed, drives, volume), pressure_on(array, drives, volume));
+    json["volume_points_ms"] = median_ms(5, [&] { (void)pressure_on(listed, drives, volume, sums); });
+    put("volume_listed", 7, listed, volume);
+    put("volume", 9, array, volume);
 
     std::vector<std::vector<std::complex<double>>> records;
     records.reserve(200);

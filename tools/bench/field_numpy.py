@@ -57,6 +57,18 @@ def propagation(points, elements, real):
     return pattern / distance * np.exp(real(-WAVE_NUMBER) * distance * np.array(1j, np.result_type(real, np.complex64)))
 
 
+MEASURED = np.array([1, 1, 1, 0.891, 0.708, 0.501, 0.355, 0.251, 0.200, 0.178], np.float32)  # T4010A1, every 10°
+
+
+def measured_propagation(points, elements):
+    """Points × elements, complex64, with a measured pattern: straight lines between its angles."""
+    ray = points[:, None, :].astype(np.float32) - elements[None, :, :].astype(np.float32)
+    distance = np.sqrt(np.einsum("ijk,ijk->ij", ray, ray))
+    angle = np.degrees(np.arccos(ray[:, :, 2] / distance))
+    pattern = np.interp(angle, np.arange(0, 91, 10), MEASURED).astype(np.float32)
+    return pattern / distance * np.exp(np.complex64(-1j * WAVE_NUMBER) * distance)
+
+
 def shifted(side, x, y, z):
     """The sum of one element's field, shifted: what a careful user would write for a grid."""
     step = 10
@@ -94,9 +106,12 @@ def main():
     angles = 0.0314159 * np.arange(200)
     records = np.array([focused(elements, np.array([0.035 * np.cos(a), 0.035 * np.sin(a), 0.13])) for a in angles]).astype(np.complex64)
     single = drives.astype(np.complex64)
+    hoshi = square_array(18)
+    hoshi_drives = focused(hoshi, np.array([0.0, 0.0, 0.13])).astype(np.complex64)
     found = {
         "plane_float64_ms": median_ms(3, lambda: propagation(plane, elements, np.float64) @ drives),
         "plane_float32_ms": median_ms(3, lambda: propagation(plane, elements, np.float32) @ single),
+        "measured_float32_ms": median_ms(1, lambda: measured_propagation(plane, hoshi) @ hoshi_drives),
         "volume_float32_ms": 20.0 * median_ms(1, lambda: propagation(part, elements, np.float32) @ single),
         "volume_shifted_ms": 20.0 * median_ms(1, lambda: shifted(10, axis(-0.05, 100), axis(-0.05, 100), axis(0.05, 5))),
         "large_shifted_ms": 200.0 * median_ms(1, lambda: shifted(32, axis(-0.0995, 200), axis(-0.0995, 200), axis(0.1, 1))),

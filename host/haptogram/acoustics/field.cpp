@@ -15,7 +15,10 @@
 #include <optional>
 #include <thread>
 
+#include "haptogram/acoustics/coarse.hpp"
+#include "haptogram/acoustics/interpolate.hpp"
 #include "haptogram/acoustics/propagation.hpp"
+#include "haptogram/acoustics/quantities.hpp"
 #include "haptogram/acoustics/shift.hpp"
 #include "haptogram/acoustics/wave.hpp"
 #include "haptogram/base/error.hpp"
@@ -119,14 +122,15 @@ struct Sources {
     WaveModel model;
     double half_turns_per_m = 0.0;
 
-    Sources(const Array& array, std::vector<Element> at)
+    /// @param pattern  of all elements, as fit_pattern() gives it
+    Sources(const Array& array, std::vector<Element> at, const FittedPattern& pattern)
         : elements(std::move(at)),
           half_turns(elements.size()),
           amplitudes(elements.size(), 1.0F),
           half_turns_per_m(2.0 / array.wavelength_m()) {
         model.half_turns_per_m = static_cast<float>(half_turns_per_m);
         model.absorption_np_m = static_cast<float>(array.medium.absorption_np_m);
-        model.pattern = fit_pattern(array.transducer, std::numbers::pi * half_turns_per_m);
+        model.pattern = pattern;
         model.tilted = std::any_of(elements.begin(), elements.end(), [](const Element& e) {
             return e.normal != Vec3{0.0, 0.0, 1.0};
         });
@@ -138,7 +142,19 @@ struct Sources {
             amplitudes[m] = static_cast<float>(std::abs(drives[m]));
         }
     }
+
+    /// Makes all waves meet in phase everywhere: their sum is then the largest |p| that the drives, with any phases,
+    /// could make.
+    void align() {
+        std::fill(half_turns.begin(), half_turns.end(), 0.0);
+        half_turns_per_m = 0.0;
+        model.half_turns_per_m = 0.0F;
+    }
 };
+
+FittedPattern fitted(const Array& array, const FieldOptions& options) {
+    return fit_pattern(array.transducer, 2.0 * std::numbers::pi / array.wavelength_m(), options.pattern_error);
+}
 
 void check(const Array& array, Drives drives) {
     if (drives.size() != array.elements.size())
@@ -221,9 +237,9 @@ void sum_block(const Array& array, Drives drives, const Sources& sources, Workpl
 
 /// Sums every element's wave at every point of a list or a grid.
 template <class Where>
-void add_directly(const Array& array, Drives drives, const Where& where, std::span<std::complex<float>> found,
-                  const FieldOptions& options) {
-    Sources sources(array, array.elements);
+void add_directly(const Array& array, const FittedPattern& pattern, Drives drives, const Where& where,
+                  std::span<std::complex<float>> found, const FieldOptions& options) {
+    Sources sources(array, array.elements, pattern);
     sources.play(drives);
     const unsigned threads = workers(options);
     const auto places = workplaces(threads);
@@ -266,9 +282,9 @@ std::size_t most_lattice_points(const Grid& grid) { return std::max(grid.size(),
 
 /// Pressure on a grid that find_shifts() accepts. In each plane, one element's field is computed on the lattice once;
 /// then every element's field is that field, shifted to where the element is and multiplied by its drive.
-void add_shifted(const Array& array, Drives drives, const Grid& grid, const ShiftedGrid& shifted,
-                 std::span<std::complex<float>> found, const FieldOptions& options) {
-    const Sources one(array, {Element{{0.0, 0.0, array.elements[0].position.z}}});
+void add_shifted(const Array& array, const FittedPattern& pattern, Drives drives, const Grid& grid,
+                 const ShiftedGrid& shifted, std::span<std::complex<float>> found, const FieldOptions& options) {
+    const Sources one(array, {Element{{0.0, 0.0, array.elements[0].position.z}}}, pattern);
     const std::complex<double> unit = 1.0;
     const std::size_t columns = shifted.x.size(), lattice = columns * shifted.y.size();
     // Each thread holds a lattice of its own, so memory limits the threads. It must not make pressure_on() choose the
@@ -303,19 +319,140 @@ void add_shifted(const Array& array, Drives drives, const Grid& grid, const Shif
     });
 }
 
-/// The shifts of array and grid, if using them is faster than the direct sum: a plane's lattice must have far fewer
-/// points than the plane has pairs of point and element, and fit into memory. A plane within 1 mm of the elements goes
-/// to the direct sum, which computes points near an element in double precision.
-std::optional<ShiftedGrid> worthwhile_shifts(const Array& array, const Grid& grid) {
-    if (grid.x.size() < 8 || array.elements.size() < 4) return {};
+/// What the steps of a method take, in vector instructions a point. They need not be exact: they only choose.
+namespace cost {
+constexpr double wave = 45.0;           ///< one element's wave
+constexpr double share = 4.0;           ///< one shifted copy
+constexpr double interpolation = 70.0;  ///< along x and y
+}  // namespace cost
+
+/// Sums on a grid, and what they take: by shifts if array and grid have any and these take less than summing every
+/// wave.
+struct Sums {
+    std::optional<ShiftedGrid> shifted;
+    double cost = 0.0;
+};
+
+/// A lattice must fit into memory. A plane within 1 mm of the elements goes to the direct sum, which computes points
+/// near an element in double precision.
+Sums plan_sums(const Array& array, const Grid& grid) {
+    const auto points = static_cast<double>(grid.size()), elements = static_cast<double>(array.elements.size());
+    const Sums direct{{}, points * elements * cost::wave};
+    if (grid.x.size() < 8 || elements < 4) return direct;
     for (const double z : grid.z)
-        if (!(std::abs(z - array.elements[0].position.z) >= 1e-3)) return {};
+        if (!(std::abs(z - array.elements[0].position.z) >= 1e-3)) return direct;
     auto shifted = find_shifts(array, grid);
-    if (!shifted) return {};
+    if (!shifted) return direct;
     const std::size_t lattice = shifted->x.size() * shifted->y.size();
     const std::size_t waves = grid.x.size() * grid.y.size() * array.elements.size();
-    if (lattice > most_lattice_points(grid) || lattice > waves / 2) return {};
-    return shifted;
+    if (lattice > most_lattice_points(grid) || lattice > waves / 2) return direct;
+    const double most = static_cast<double>(lattice * grid.z.size()) * cost::wave + points * elements * cost::share;
+    return {std::move(shifted), most};
+}
+
+void add_sums(const Array& array, const FittedPattern& pattern, Drives drives, const Grid& grid, const Sums& sums,
+              std::span<std::complex<float>> found, const FieldOptions& options) {
+    if (sums.shifted)
+        add_shifted(array, pattern, drives, grid, *sums.shifted, found, options);
+    else
+        add_directly(array, pattern, drives, grid, found, options);
+}
+
+/// How far a field on a grid is from the sum of the waves, as PressureField::error says: at the grid's corners and at
+/// points all over it, whose fractions of its sides are multiples of irrational numbers.
+double deviation(const Array& array, const FittedPattern& pattern, Drives drives, const Grid& grid,
+                 std::span<const std::complex<float>> found) {
+    constexpr std::size_t checked = 64, corners = 8;
+    const auto place = std::make_unique<Workplace>();
+    std::array<std::size_t, checked> indices{};
+    const auto at = [](const std::vector<double>& axis, double fraction) {
+        return std::min(axis.size() - 1, static_cast<std::size_t>(fraction * static_cast<double>(axis.size())));
+    };
+    const auto part = [](std::size_t i, double irrational) {
+        const double turns = static_cast<double>(i) * irrational + 0.5;
+        return turns - std::floor(turns);
+    };
+    std::vector<Vec3> points;
+    for (std::size_t i = 0; i < checked; ++i) {
+        const std::size_t x = i < corners ? i % 2 * (grid.x.size() - 1) : at(grid.x, part(i, 0.8191725133961645));
+        const std::size_t y = i < corners ? i / 2 % 2 * (grid.y.size() - 1) : at(grid.y, part(i, 0.6710436067037893));
+        const std::size_t z = i < corners ? i / 4 * (grid.z.size() - 1) : at(grid.z, part(i, 0.5497004779019703));
+        indices[i] = (z * grid.y.size() + y) * grid.x.size() + x;
+        points.push_back(grid.point(indices[i]));
+    }
+    Sources sources(array, array.elements, pattern);
+    sources.play(drives);
+    take_block(std::span<const Vec3>(points), 0, place->points);
+    sum_block(array, drives, sources, *place);
+    float off = 0.0F, most = 0.0F;
+    for (std::size_t i = 0; i < checked; ++i)
+        off = std::max(off, std::abs(found[indices[i]] - std::complex<float>(place->re[i], place->im[i])));
+    sources.align();
+    place->prepared.set(sources, place->points);
+    sum_waves(sources.model, place->prepared.block, place->prepared.elements, place->re.data(), place->im.data());
+    for (std::size_t i = 0; i < checked; ++i) most = std::max(most, place->re[i]);
+    return most > 0.0F ? static_cast<double>(off / most) : 0.0;
+}
+
+/// What sums of waves in single precision are held to (tests/unit/test_kernel.cpp). Coordinates are rounded relative to
+/// the blocks of points, so points that are spread over metres are less exact.
+double error_of_sums(const Grid& grid) {
+    double square = 0.0;
+    for (const auto* axis : {&grid.x, &grid.y, &grid.z}) {
+        if (axis->empty()) return 0.0;
+        const auto [low, high] = std::minmax_element(axis->begin(), axis->end());
+        square += (*high - *low) * (*high - *low);
+    }
+    return square <= 1.0 ? 3e-5 : 1e-4;
+}
+/// Points that are not checked may be further off than those that are.
+constexpr double unseen = 2.0;
+
+/// The field on a coarse grid, and interpolated from there.
+void interpolate(const Array& array, const FittedPattern& pattern, Drives drives, const CoarseGrid& coarse,
+                 std::span<std::complex<float>> found, const FieldOptions& options) {
+    const Grid points = coarse.grid();
+    const Sums sums = plan_sums(array, points);
+    std::vector<std::complex<float>> values(points.size() + interpolation_overrun);
+    FieldOptions part = options;
+    const double share = sums.cost / (sums.cost + static_cast<double>(found.size()) * cost::interpolation);
+    part.progress = options.progress.between(0.0, share);
+    add_sums(array, pattern, drives, points, sums, std::span(values).first(points.size()), part);
+
+    constexpr std::size_t rows = 64;
+    const std::size_t strips = (coarse.y.size + rows - 1) / rows;
+    const unsigned threads = workers(options);
+    std::vector<hwy::AlignedFreeUniquePtr<float[]>> scratch;
+    for (unsigned i = 0; i < threads; ++i)
+        scratch.push_back(hwy::AllocateAligned<float>(scratch_of_interpolation(coarse, rows)));
+    in_parallel(coarse.z.size * strips, threads, options.progress.between(share, 1.0),
+                [&](unsigned worker, std::size_t strip) {
+                    const std::size_t plane = strip / strips, begin = strip % strips * rows;
+                    const std::size_t end = std::min(begin + rows, coarse.y.size);
+                    interpolate_rows(coarse, values.data(), plane, begin, end, scratch[worker].get(),
+                                     &found[(plane * coarse.y.size + begin) * coarse.x.size]);
+                });
+}
+
+/// The same in slabs of planes, one after the other, so that the coarse grid takes little memory beside the result: a
+/// 32nd of it, or 2 MB. Neighbouring slabs both compute the coarse planes that both need.
+void interpolate_slabs(const Array& array, const FittedPattern& pattern, Drives drives, const CoarseGrid& coarse,
+                       std::span<std::complex<float>> found, const FieldOptions& options) {
+    const std::size_t planes = coarse.z.size, most = std::max<std::size_t>(found.size() / 32, std::size_t{1} << 18U);
+    const auto coarse_points = [&](std::size_t of_slab) {
+        return coarse.x.coarse.size() * coarse.y.coarse.size() *
+               (coarse.z.coarse.size() * of_slab / planes + coarse.z.taps);
+    };
+    std::size_t slab = planes;
+    while (slab > 32 && coarse_points(slab) > most) slab -= slab / 8;
+    for (std::size_t begin = 0; begin < planes; begin += slab) {
+        const std::size_t end = std::min(begin + slab, planes), plane = coarse.x.size * coarse.y.size;
+        FieldOptions part = options;
+        part.progress = options.progress.between(static_cast<double>(begin) / static_cast<double>(planes),
+                                                 static_cast<double>(end) / static_cast<double>(planes));
+        interpolate(array, pattern, drives, {coarse.x, coarse.y, part_of(coarse.z, begin, end)},
+                    found.subspan(begin * plane, (end - begin) * plane), part);
+    }
 }
 
 /// Σ weight·|p|²/2 over Σ weight at every point of a list or a grid.
@@ -341,7 +478,7 @@ std::vector<float> mean_square(const Array& array, std::span<const WeightedDrive
             pair.im[r % 2] = static_cast<float>(played[r].drives[m].imag());
         }
     }
-    const Sources sources(array, array.elements);
+    const Sources sources(array, array.elements, fitted(array, options));
     const unsigned threads = workers(options);
     const auto places = workplaces(threads);
     std::vector<hwy::AlignedFreeUniquePtr<float[]>> scratch;
@@ -376,19 +513,77 @@ std::vector<std::complex<float>> pressure_at(const Array& array, Drives drives, 
                                              const FieldOptions& options) {
     check(array, drives);
     std::vector<std::complex<float>> found(points.size());
-    add_directly(array, drives, points, found, options);
+    add_directly(array, fitted(array, options), drives, points, found, options);
+    return found;
+}
+
+std::vector<PressureGradient> pressure_gradient_at(const Array& array, Drives drives, std::span<const Vec3> points,
+                                                   const FieldOptions& options) {
+    check(array, drives);
+    Sources sources(array, array.elements, fitted(array, options));
+    sources.play(drives);
+    const bool by_table = sources.model.pattern.kind == FittedPattern::Kind::table;
+    const unsigned threads = workers(options);
+    const auto places = workplaces(threads);
+    std::vector<std::array<std::array<float, WaveBlock::most>, 6>> sums(threads);
+    std::vector<PressureGradient> found(points.size());
+    in_parallel(blocks_of(points.size()), threads, options.progress, [&](unsigned worker, std::size_t block) {
+        Workplace& place = *places[worker];
+        PressureGradient* to = &found[block * WaveBlock::most];
+        const auto in_double = [&](std::size_t i) {
+            const ComplexVec3 slope = pressure_gradient(array, drives, place.points[i]);
+            to[i] = {std::complex<float>(slope.x), std::complex<float>(slope.y), std::complex<float>(slope.z)};
+        };
+        take_block(points, block, place.points);
+        place.prepared.set(sources, place.points);
+        if (by_table) {
+            for (std::size_t i = 0; i < place.points.count; ++i) in_double(i);
+            return;
+        }
+        auto& s = sums[worker];
+        sum_gradients(sources.model, place.prepared.block, place.prepared.elements,
+                      {s[0].data(), s[1].data(), s[2].data(), s[3].data(), s[4].data(), s[5].data()});
+        for (std::size_t i = 0; i < place.points.count; ++i)
+            to[i] = {{s[0][i], s[1][i]}, {s[2][i], s[3][i]}, {s[4][i], s[5][i]}};
+        for (const std::size_t i : place.prepared.near_points) in_double(i);
+    });
+    return found;
+}
+
+PressureField pressure_field(const Array& array, Drives drives, const Grid& grid, const FieldOptions& options) {
+    check(array, drives);
+    PressureField found;
+    found.values.resize(grid.size());
+    found.error = error_of_sums(grid);
+    const FittedPattern pattern = fitted(array, options);
+    found.pattern_error = pattern.error;
+    const Sums sums = plan_sums(array, grid);
+    FieldOptions rest = options;
+    const auto coarse =
+        options.interpolation_error > found.error ? find_coarse_grid(array, grid) : std::optional<CoarseGrid>();
+    if (coarse && plan_sums(array, coarse->grid()).cost + static_cast<double>(grid.size()) * cost::interpolation <
+                      0.8 * sums.cost) {
+        constexpr double most = 0.9;  // of the progress; what is left is for the case that its error is too large
+        FieldOptions part = options;
+        part.progress = options.progress.between(0.0, most);
+        interpolate_slabs(array, pattern, drives, *coarse, found.values, part);
+        const double error = found.error + unseen * deviation(array, pattern, drives, grid, found.values);
+        if (error <= options.interpolation_error) {
+            options.progress(1.0);
+            found.method = FieldMethod::interpolated;
+            found.error = error;
+            return found;
+        }
+        rest.progress = options.progress.between(most, 1.0);
+    }
+    found.method = sums.shifted ? FieldMethod::shifts : FieldMethod::sums;
+    add_sums(array, pattern, drives, grid, sums, found.values, rest);
     return found;
 }
 
 std::vector<std::complex<float>> pressure_on(const Array& array, Drives drives, const Grid& grid,
                                              const FieldOptions& options) {
-    check(array, drives);
-    std::vector<std::complex<float>> found(grid.size());
-    if (const auto shifted = worthwhile_shifts(array, grid))
-        add_shifted(array, drives, grid, *shifted, found, options);
-    else
-        add_directly(array, drives, grid, found, options);
-    return found;
+    return pressure_field(array, drives, grid, options).values;
 }
 
 std::vector<float> mean_square_pressure_at(const Array& array, std::span<const WeightedDrives> sequence,

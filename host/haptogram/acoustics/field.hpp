@@ -19,11 +19,36 @@ struct WeightedDrives {
     Drives drives;
 };
 
+/// How a field is computed.
+enum class FieldMethod {
+    sums,          ///< every element's wave is summed at every point
+    shifts,        ///< one element's wave is computed on a lattice, and shifted copies of it are summed (shift.hpp)
+    interpolated,  ///< either of these on a coarser grid, and interpolated between its points (coarse.hpp)
+};
+
 struct FieldOptions {
     /// How many threads may work on this call; 0: one a processor, and never more than that. Calls that run at the same
     /// time do not affect each other's number. The result is the same, byte by byte, for any number.
     unsigned threads = 1;
     Progress progress{};  ///< told from the calling thread; when it ends the work, the call throws Error{cancelled}
+    /// What an interpolated field may be off by, of the largest |p| that the drives, with any phases, could make at any
+    /// of the points asked. A field that would be off by more is summed at every point. 0: nothing is interpolated.
+    double interpolation_error = 1e-4;
+    /// What a polynomial may differ by from a measured pattern, of the amplitude on the axis. Where one of low degree
+    /// does not, it takes the place of the table's straight lines, which takes a third of the time. 0: always the
+    /// table.
+    double pattern_error = 0.0;
+};
+
+/// Complex pressures, how they were computed, and how far they may be off.
+struct PressureField {
+    std::vector<std::complex<float>> values;  ///< Pa, in the order of the points asked
+    FieldMethod method = FieldMethod::sums;
+    /// Of the largest |p| that the drives, with any phases, could make at any of the points asked. Of sums it is the
+    /// bound that tests hold them to. Of an interpolated field it is found by summing the waves at 64 of the points.
+    double error = 0.0;
+    /// Largest difference of the directivity that was used from the transducer's, of the amplitude on the axis.
+    double pattern_error = 0.0;
 };
 
 /// Complex pressure in Pa, convention e^{jωt}: the sum over the elements of drive · propagation (propagation.hpp), each
@@ -33,10 +58,25 @@ struct FieldOptions {
 [[nodiscard]] std::vector<std::complex<float>> pressure_at(const Array& array, Drives drives,
                                                            std::span<const Vec3> points,
                                                            const FieldOptions& options = {});
-/// The same on a grid, in the order of Grid::point(). Much faster where the grid's steps divide the pitch of an array
-/// that is a grid itself (shift.hpp).
+/// The same on a grid, in the order of Grid::point(), by the quickest method that keeps the error. Interpolation needs
+/// grids that are two and a half wavelengths away from all elements. An oblique plane is a grid in the coordinates of
+/// the plane's pose: ask for the field of seen_from(array, pose) (model/rig.hpp).
+[[nodiscard]] PressureField pressure_field(const Array& array, Drives drives, const Grid& grid,
+                                           const FieldOptions& options = {});
+/// Its values alone.
 [[nodiscard]] std::vector<std::complex<float>> pressure_on(const Array& array, Drives drives, const Grid& grid,
                                                            const FieldOptions& options = {});
+
+/// Gradient of the complex pressure, Pa/m, at any points: the derivative of what pressure_at() computes, with
+/// directivity and absorption. The error is at most 1e-4 of k times the largest |p| that the drives, with any phases,
+/// could make at any of the points asked. A measured pattern that no polynomial replaces (FieldOptions::pattern_error)
+/// is computed in double precision, point by point (quantities.hpp). Errors as above.
+struct PressureGradient {
+    std::complex<float> x, y, z;
+};
+[[nodiscard]] std::vector<PressureGradient> pressure_gradient_at(const Array& array, Drives drives,
+                                                                 std::span<const Vec3> points,
+                                                                 const FieldOptions& options = {});
 
 /// Mean square of the pressure over a sequence of drives, Pa²: Σ weight·|p|²/2 over Σ weight, at any points or on a
 /// grid. Zero when nothing plays. Errors as above.

@@ -109,9 +109,15 @@ struct PointPattern {
     HWY_INLINE V operator()(const Seen&, V /*inverse_range*/) const {
         return hn::Set(D(), 1.0F);
     }
+    template <class Seen>
+    HWY_INLINE V with_slope(const Seen&, V /*inverse_range*/, V& slope) const {
+        slope = hn::Zero(D());
+        return hn::Set(D(), 1.0F);
+    }
 };
 
-template <std::size_t degree>
+/// @tparam behind  elements radiate backwards, too
+template <std::size_t degree, bool behind = true>
 struct PolynomialPattern {
     const float* c;
     explicit PolynomialPattern(const FittedPattern& pattern) : c(pattern.values.data()) {}
@@ -119,10 +125,32 @@ struct PolynomialPattern {
     HWY_INLINE V operator()(const Seen& seen, V inverse_range) const {
         const D d;
         // √2·cos θ, so that its square less 1 is the polynomial's variable, 2·cos²θ − 1.
-        const V cosine = hn::Mul(hn::Mul(seen.along(), hn::Set(d, 1.41421356F)), inverse_range);
+        const V along = seen.along();
+        const V cosine = hn::Mul(hn::Mul(along, hn::Set(d, 1.41421356F)), inverse_range);
         const V t = hn::MulSub(cosine, cosine, hn::Set(d, 1.0F));
         V sum = hn::MulAdd(hn::Set(d, c[degree]), t, hn::Set(d, c[degree - 1]));
         for (std::size_t i = degree - 1; i-- > 0;) sum = hn::MulAdd(sum, t, hn::Set(d, c[i]));
+        if constexpr (!behind) sum = hn::IfThenElseZero(hn::Ge(along, hn::Zero(d)), sum);
+        return sum;
+    }
+    /// Also the slope dD/d(cos θ), which is 4·cos θ·dD/dt.
+    template <class Seen>
+    HWY_INLINE V with_slope(const Seen& seen, V inverse_range, V& slope) const {
+        const D d;
+        const V along = seen.along(), cosine = hn::Mul(along, inverse_range);
+        const V t = hn::MulSub(hn::Add(cosine, cosine), cosine, hn::Set(d, 1.0F));
+        V sum = hn::Set(d, c[degree]);
+        slope = hn::Zero(d);
+        for (std::size_t i = degree; i-- > 0;) {  // Horner's rule, and its derivative
+            slope = hn::MulAdd(slope, t, sum);
+            sum = hn::MulAdd(sum, t, hn::Set(d, c[i]));
+        }
+        slope = hn::Mul(slope, hn::Mul(hn::Set(d, 4.0F), cosine));
+        if constexpr (!behind) {
+            const auto front = hn::Ge(along, hn::Zero(d));
+            sum = hn::IfThenElseZero(front, sum);
+            slope = hn::IfThenElseZero(front, slope);
+        }
         return sum;
     }
 };
@@ -157,6 +185,32 @@ struct TablePattern {
     }
 };
 
+/// From an element to points: their range, and by how much the wave lags there.
+struct Way {
+    V dx, dy, dz, inverse, range, phase;
+    HWY_INLINE Way(const WaveElement& element, V half_turns, V x, V y, V z, V half_square) {
+        const D d;
+        const V ex = hn::Set(d, element.x), ey = hn::Set(d, element.y), ez = hn::Set(d, element.z);
+        dx = hn::Sub(x, ex);
+        dy = hn::Sub(y, ey);
+        dz = hn::Sub(z, ez);
+        const V square = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
+        inverse = inverse_root(square);
+        range = hn::Mul(square, inverse);
+        // The phase needs r − r0, the point's range less the block centre's. Subtracting two nearly equal ranges would
+        // lose digits; (r² − r0²)/(r + r0) does not, with r² − r0² written as |p|² − 2·p·e.
+        const V half_growth = hn::NegMulAdd(x, ex, hn::NegMulAdd(y, ey, hn::NegMulAdd(z, ez, half_square)));
+        const V half_way = quotient(half_growth, hn::Add(range, hn::Set(d, element.range)));
+        phase = hn::MulAdd(half_way, half_turns, hn::Set(d, element.phase));
+    }
+};
+
+/// The gradient of a wave is e^{−jφ}·(radial·r̂ + axial·n), with the direction r̂ from the element and its normal n.
+/// What changes along r̂ is the range; the directivity D changes with cos θ, whose gradient is (n − cos θ·r̂)/R.
+struct Gradient {
+    V along_re, along_im, axial_re, axial_im;  ///< along is over R, so that it multiplies the way itself
+};
+
 template <class PatternAt, class Seen, bool absorbs>
 struct Wave {
     PatternAt pattern;
@@ -167,21 +221,31 @@ struct Wave {
     /// p = amplitude·(cosine − j·sine), from `element` to the points (x, y, z).
     HWY_INLINE Polar operator()(const WaveElement& element, V x, V y, V z, V half_square) const {
         const D d;
-        const V ex = hn::Set(d, element.x), ey = hn::Set(d, element.y), ez = hn::Set(d, element.z);
-        const V range_0 = hn::Set(d, element.range);
-        const V dx = hn::Sub(x, ex), dy = hn::Sub(y, ey), dz = hn::Sub(z, ez);
-        const V square = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
-        const V inverse = inverse_root(square);
-        const V range = hn::Mul(square, inverse);
-        // The phase needs r − r0, the point's range less the block centre's. Subtracting two nearly equal ranges would
-        // lose digits; (r² − r0²)/(r + r0) does not, with r² − r0² written as |p|² − 2·p·e.
-        const V half_growth = hn::NegMulAdd(x, ex, hn::NegMulAdd(y, ey, hn::NegMulAdd(z, ez, half_square)));
-        const V half_way = quotient(half_growth, hn::Add(range, range_0));
-        const V phase = hn::MulAdd(half_way, hn::Set(d, half_turns), hn::Set(d, element.phase));
-        const V directivity = pattern(Seen(element, dx, dy, dz), inverse);
-        V amplitude = hn::Mul(hn::Mul(inverse, hn::Set(d, element.amplitude)), directivity);
-        if constexpr (absorbs) amplitude = hn::Mul(amplitude, hn::Exp(d, hn::Mul(hn::Set(d, absorption), range)));
-        return turn(amplitude, phase);
+        const Way way(element, hn::Set(d, half_turns), x, y, z, half_square);
+        const V directivity = pattern(Seen(element, way.dx, way.dy, way.dz), way.inverse);
+        V amplitude = hn::Mul(hn::Mul(way.inverse, hn::Set(d, element.amplitude)), directivity);
+        if constexpr (absorbs) amplitude = hn::Mul(amplitude, hn::Exp(d, hn::Mul(hn::Set(d, absorption), way.range)));
+        return turn(amplitude, way.phase);
+    }
+
+    HWY_INLINE Gradient gradient(const WaveElement& element, const Way& way) const {
+        const D d;
+        const Seen seen(element, way.dx, way.dy, way.dz);
+        V slope;
+        const V directivity = pattern.with_slope(seen, way.inverse, slope);
+        V amplitude = hn::Mul(way.inverse, hn::Set(d, element.amplitude));
+        if constexpr (absorbs) amplitude = hn::Mul(amplitude, hn::Exp(d, hn::Mul(hn::Set(d, absorption), way.range)));
+        const Polar wave = turn(amplitude, way.phase);
+        const V re = hn::Mul(wave.amplitude, wave.cosine), im = hn::Neg(hn::Mul(wave.amplitude, wave.sine));
+        const V axial = hn::Mul(slope, way.inverse);
+        const V cosine = hn::Mul(seen.along(), way.inverse);
+        // radial = −D·(1/R + α) − axial·cos θ − jkD
+        const V loss = hn::Sub(way.inverse, hn::Set(d, absorption));
+        const V radial_re = hn::Neg(hn::MulAdd(directivity, loss, hn::Mul(axial, cosine)));
+        const V radial_im = hn::Mul(directivity, hn::Set(d, -1.57079633F * half_turns));  // −k, as half_turns is 4/λ
+        return {hn::Mul(hn::MulSub(re, radial_re, hn::Mul(im, radial_im)), way.inverse),
+                hn::Mul(hn::MulAdd(re, radial_im, hn::Mul(im, radial_re)), way.inverse), hn::Mul(re, axial),
+                hn::Mul(im, axial)};
     }
 };
 
@@ -194,14 +258,24 @@ void with_absorption(const WaveModel& model, Call call) {
 }
 
 template <class Seen, class Call>
-void with_pattern(const WaveModel& model, Call call) {
+void with_polynomial(const WaveModel& model, Call call) {
     const FittedPattern& pattern = model.pattern;
-    if (pattern.kind == FittedPattern::Kind::table) return with_absorption<TablePattern, Seen>(model, call);
-    if (pattern.values.size() == polynomial_degrees[0] + 1)
-        return with_absorption<PolynomialPattern<polynomial_degrees[0]>, Seen>(model, call);
+    const bool lowest = pattern.values.size() == polynomial_degrees[0] + 1;
+    if (!pattern.behind && lowest)
+        return with_absorption<PolynomialPattern<polynomial_degrees[0], false>, Seen>(model, call);
+    if (!pattern.behind) return with_absorption<PolynomialPattern<polynomial_degrees[1], false>, Seen>(model, call);
+    if (lowest) return with_absorption<PolynomialPattern<polynomial_degrees[0]>, Seen>(model, call);
     if (pattern.values.size() == polynomial_degrees[1] + 1)
         return with_absorption<PolynomialPattern<polynomial_degrees[1]>, Seen>(model, call);
     with_absorption<PolynomialPattern<polynomial_degrees[2]>, Seen>(model, call);
+}
+
+template <class Seen, class Call>
+void with_pattern(const WaveModel& model, Call call) {
+    if (model.pattern.kind == FittedPattern::Kind::table)
+        with_absorption<TablePattern, Seen>(model, call);
+    else
+        with_polynomial<Seen>(model, call);
 }
 
 /// Calls call(wave) with the Wave type that fits the model. All choices are made here, once, so that the loops over
@@ -250,6 +324,38 @@ void sum_waves_to(const WaveModel& model, const WaveBlock& block, const WaveElem
             hn::StoreU(sum_im, d, im + i);
         }
     });
+}
+
+void sum_gradients_to(const WaveModel& model, const WaveBlock& block, const WaveElement* elements, std::size_t count,
+                      const std::array<float*, 6>& parts) {
+    const D d;
+    const auto sum = [&](auto wave) HWY_ATTR {
+        const V half_turns = hn::Set(d, wave.half_turns);
+        for (std::size_t i = 0; i < block.count; i += hn::Lanes(d)) {
+            const V x = hn::Load(d, &block.x[i]), y = hn::Load(d, &block.y[i]), z = hn::Load(d, &block.z[i]);
+            const V half_square = hn::Load(d, &block.half_square[i]);
+            V sums[6];
+            for (V& one : sums) one = hn::Zero(d);
+            for (const WaveElement* e = elements; e != elements + count; ++e) {
+                const Way way(*e, half_turns, x, y, z, half_square);
+                const Gradient g = wave.gradient(*e, way);
+                const V ways[3] = {way.dx, way.dy, way.dz};
+                const V normal[3] = {hn::Set(d, e->nx), hn::Set(d, e->ny), hn::Set(d, e->nz)};
+                for (std::size_t axis = 0; axis < 3; ++axis) {
+                    V& re = sums[2 * axis];
+                    V& im = sums[2 * axis + 1];
+                    re = hn::MulAdd(g.along_re, ways[axis], hn::MulAdd(g.axial_re, normal[axis], re));
+                    im = hn::MulAdd(g.along_im, ways[axis], hn::MulAdd(g.axial_im, normal[axis], im));
+                }
+            }
+            for (std::size_t part = 0; part < 6; ++part) hn::StoreU(sums[part], d, parts[part] + i);
+        }
+    };
+    // Seen as tilted whether they are or not: the normals are needed in any case.
+    if (model.pattern.kind == FittedPattern::Kind::point)
+        with_absorption<PointPattern, SeenTilted>(model, sum);
+    else
+        with_polynomial<SeenTilted>(model, sum);
 }
 
 /// The pair's weighted |p|² at two vectors of points, added to `sum`.
@@ -381,6 +487,7 @@ namespace haptogram {
 
 HWY_EXPORT(centre_block_at);
 HWY_EXPORT(sum_waves_to);
+HWY_EXPORT(sum_gradients_to);
 HWY_EXPORT(sum_squares_to);
 HWY_EXPORT(sum_shifted_to);
 HWY_EXPORT(lanes);
@@ -393,6 +500,11 @@ void centre_block(const double* x, const double* y, const double* z, std::size_t
 void sum_waves(const WaveModel& model, const WaveBlock& block, std::span<const WaveElement> elements, float* re,
                float* im) {
     HWY_DYNAMIC_DISPATCH(sum_waves_to)(model, block, elements.data(), elements.size(), re, im);
+}
+
+void sum_gradients(const WaveModel& model, const WaveBlock& block, std::span<const WaveElement> elements,
+                   const std::array<float*, 6>& parts) {
+    HWY_DYNAMIC_DISPATCH(sum_gradients_to)(model, block, elements.data(), elements.size(), parts);
 }
 
 void sum_squares(const WaveModel& model, const WaveBlock& block, std::span<const WaveElement> elements,

@@ -52,6 +52,12 @@ struct DrivePair {
 void sum_waves(const WaveModel& model, const WaveBlock& block, std::span<const WaveElement> elements, float* re,
                float* im);
 
+/// Gradient of the sum of the elements' waves at each point: d/dx, d/dy and d/dz, real and imaginary part of each, in
+/// Pa/m. Not for patterns that are tables, whose straight lines have no slope where they meet.
+/// @param parts  six times room for WaveBlock::most: x.re, x.im, y.re, y.im, z.re, z.im
+void sum_gradients(const WaveModel& model, const WaveBlock& block, std::span<const WaveElement> elements,
+                   const std::array<float*, 6>& parts);
+
 /// Σ weight·|p|² at each point over many records of drives. The elements' own amplitudes are to be 1.
 /// @param drives   of the first pair of records, one an element; then of the second pair, and so on
 /// @param weights  of the records, two a pair

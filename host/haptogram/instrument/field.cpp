@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <thread>
 
 #include "haptogram/acoustics/quantities.hpp"
@@ -14,20 +15,32 @@
 namespace haptogram {
 namespace {
 
-/// In double precision, point by point.
-std::vector<float> rms_velocity(const Excitation& excitation, const Grid& grid, const Progress& progress) {
+/// Rms particle velocity, m/s, by Euler's equation: |∇p|/(ωρ√2).
+std::vector<float> rms_velocity(const Excitation& excitation, const Grid& grid, const FieldOptions& options) {
+    const Array& array = excitation.array;
     double total = 0.0;
     for (const double weight : excitation.weights) total += weight;
-    std::vector<float> found;
-    for (std::size_t i = 0; i < grid.size(); ++i) {
-        double square = 0.0;
-        for (std::size_t r = 0; r < excitation.drives.size(); ++r) {
-            const ComplexVec3 v = particle_velocity(excitation.array, excitation.drives[r], grid.point(i));
-            square += excitation.weights[r] / total * (std::norm(v.x) + std::norm(v.y) + std::norm(v.z)) / 2.0;
+    std::vector<Vec3> points;
+    points.reserve(grid.size());
+    for (std::size_t i = 0; i < grid.size(); ++i) points.push_back(grid.point(i));
+    std::vector<double> square(points.size());
+    const auto records = static_cast<double>(excitation.drives.size());
+    for (std::size_t r = 0; r < excitation.drives.size(); ++r) {
+        FieldOptions part = options;
+        part.progress =
+            options.progress.between(static_cast<double>(r) / records, static_cast<double>(r + 1) / records);
+        const auto slopes = pressure_gradient_at(array, excitation.drives[r], points, part);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const double here = static_cast<double>(std::norm(slopes[i].x)) +
+                                static_cast<double>(std::norm(slopes[i].y)) +
+                                static_cast<double>(std::norm(slopes[i].z));
+            square[i] += excitation.weights[r] / total * here / 2.0;
         }
-        found.push_back(static_cast<float>(std::sqrt(square)));
-        progress(static_cast<double>(i + 1) / static_cast<double>(grid.size()));
     }
+    const double per_slope = 1.0 / (2.0 * std::numbers::pi * array.carrier_hz * array.medium.density_kg_m3);
+    std::vector<float> found;
+    found.reserve(points.size());
+    for (const double one : square) found.push_back(static_cast<float>(per_slope * std::sqrt(one)));
     return found;
 }
 
@@ -45,7 +58,9 @@ Quantity quantity_of(std::string_view name) {
 Field field(const Excitation& excitation, const Region& region, Quantity quantity, unsigned threads,
             const Progress& progress) {
     Field found{region, {}, {}, {}, excitation.foci, excitation.title};
-    const FieldOptions options{threads == 0 ? std::max(1U, std::thread::hardware_concurrency()) : threads, progress};
+    FieldOptions options;
+    options.threads = threads == 0 ? std::max(1U, std::thread::hardware_concurrency()) : threads;
+    options.progress = progress;
     if (quantity == Quantity::complex) {
         if (excitation.drives.size() != 1)
             throw bad_argument("quantity",
@@ -64,7 +79,7 @@ Field field(const Excitation& excitation, const Region& region, Quantity quantit
     if (quantity == Quantity::velocity) {
         found.quantity = "rms_velocity_m_s";
         found.label = "rms particle velocity / (m/s)";
-        found.parts = {rms_velocity(excitation, region.grid, progress)};
+        found.parts = {rms_velocity(excitation, region.grid, options)};
         return found;
     }
     found.parts = {mean_square_pressure(excitation.array, excitation.sequence(), region.grid, options)};

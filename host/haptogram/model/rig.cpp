@@ -61,4 +61,15 @@ Array joined(const Rig& rig) {
     return whole;
 }
 
+Array seen_from(Array array, const Pose& pose) {
+    const Pose straight;
+    if (pose.x != straight.x || pose.y != straight.y || pose.z != straight.z) array.columns = 0;
+    for (Element& element : array.elements) {
+        const Vec3 n = element.normal;
+        element.position = pose.inwards(element.position);
+        element.normal = {dot(n, pose.x), dot(n, pose.y), dot(n, pose.z)};
+    }
+    return array;
+}
+
 }  // namespace haptogram

@@ -44,4 +44,8 @@ struct Rig {
 /// @throws Error{bad_argument} when the rig is empty, or its arrays differ in carrier, duty, air or transducer
 [[nodiscard]] Array joined(const Rig& rig);
 
+/// The array in the coordinates of a pose: what its elements look like from there. A plane that lies obliquely to the
+/// array is an even plane in the coordinates of its own pose, and so is the array's field on it.
+[[nodiscard]] Array seen_from(Array array, const Pose& pose);
+
 }  // namespace haptogram

@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How the module behaves: no copies, the interpreter's lock, Ctrl-C, errors, types."""
+import ast
+import inspect
+import os
+import pathlib
+import pickle
+import signal
+import threading
+import time
+
+import haptogram_native as native
+import numpy as np
+import pytest
+
+
+@pytest.fixture(scope="module")
+def array():
+    return native.Array.find("tile-10x10")
+
+
+def test_positions_are_a_view_that_outlives_its_array():
+    made = native.Array.find("tile-10x10")
+    positions, normals = made.positions_m, made.normals
+    assert positions.shape == normals.shape == (100, 3)
+    assert not positions.flags.owndata and not positions.flags.writeable
+    assert positions.strides == (48, 8)  # position and normal of an element lie beside each other
+    del made
+    assert np.allclose(positions[0], (-0.045, -0.045, 0.0)) and np.all(normals == (0, 0, 1))
+
+
+def test_results_are_not_copied(array):
+    field = native.pressure_on(array, native.ideal_drives(array, (0, 0, 0.13)), np.linspace(-0.02, 0.02, 50), np.linspace(-0.02, 0.02, 40), [0.13])
+    assert not field.values.flags.owndata and field.values.flags.c_contiguous
+    assert field.values is field.values
+
+
+def large(array, threads=1):
+    axis = np.linspace(-0.1, 0.1, 260)
+    return native.pressure_on(array, native.ideal_drives(array, (0, 0, 0.15)), axis, axis, np.linspace(0.05, 0.25, 200), threads=threads, interpolation_error=0.0)
+
+
+def test_others_run_while_it_computes(array):
+    ticks = 0
+    over = threading.Event()
+
+    def count():
+        nonlocal ticks
+        while not over.is_set():
+            ticks += 1
+            time.sleep(1e-3)
+
+    other = threading.Thread(target=count)
+    other.start()
+    begun = time.perf_counter()
+    large(array)
+    lasted = time.perf_counter() - begun
+    seen = ticks
+    over.set()
+    other.join()
+    assert lasted > 0.05
+    assert seen >= 10  # with the lock held it would be one or two
+
+
+def test_control_c_ends_it(array):
+    handler = signal.signal(signal.SIGINT, signal.default_int_handler)
+    timer = threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT))
+    try:
+        timer.start()
+        with pytest.raises(KeyboardInterrupt):
+            for _ in range(1000):
+                large(array)
+    finally:
+        timer.join()
+        signal.signal(signal.SIGINT, handler)
+
+
+def test_the_same_bytes_for_any_number_of_threads(array):
+    drives = native.ideal_drives(array, (0, 0, 0.13))
+    axis = np.linspace(-0.05, 0.05, 120)
+    first, *others = [native.pressure_on(array, drives, axis, axis, [0.1, 0.13], threads=n).values.tobytes() for n in (1, 2, 0)]
+    assert all(other == first for other in others)
+
+
+def test_errors_are_one_family(array, tmp_path):
+    drives = native.ideal_drives(array, (0, 0, 0.13))
+    with pytest.raises(native.BadInput, match="3 drives for 100 elements") as caught:
+        native.pressure(array, drives[:3], [[0, 0, 0.1]])
+    assert caught.value.code == 3 and caught.value.where == "field" and caught.value.message in str(caught.value)
+    again = pickle.loads(pickle.dumps(caught.value))
+    assert type(again) is native.BadInput and str(again) == str(caught.value)
+    with pytest.raises(native.BadInput, match="coincides with an element"):
+        native.pressure(array, drives, array.positions_m[:1])
+    with pytest.raises(native.BadArgument, match="expected an array of points × 3, found 4"):
+        native.pressure(array, drives, [0.0, 0.0, 0.1, 0.2])
+    with pytest.raises(native.BadArgument, match="one dimension, found 2 × 50"):
+        native.pressure(array, drives.reshape(2, 50), [[0, 0, 0.1]])
+    with pytest.raises(ValueError, match="must be one of radiation"):
+        native.field(native.Excitation.of_focus(array, (0, 0, 0.13)), quantity="warmth")
+    with pytest.raises(native.BadArgument, match="more than one of plane, line and volume"):
+        native.field(native.Excitation.of_focus(array, (0, 0, 0.13)), plane="xy@z=100", volume=True)
+    with pytest.raises(native.HaptogramError, match="nowhere.toml"):
+        native.compile_project(str(tmp_path / "nowhere.toml"))
+    with pytest.raises(native.BadInput, match="project"):
+        native.compile_text('format = "haptogram-project-1"\ncolour = 3\n')
+    with pytest.raises(native.BadArgument, match="divide it by that"):
+        array.with_elements([[0, 0, 0]], [[0, 0, 2.0]])
+    with pytest.raises(native.BadArgument, match="2 for 1 elements"):
+        array.with_elements([[0, 0, 0]], [[0, 0, 1.0], [0, 0, 1.0]])
+    assert issubclass(native.Failed, native.HaptogramError) and issubclass(native.DeviceError, native.HaptogramError)
+
+
+def test_types_name_all_that_there_is():
+    """The .pyi file against the module: the same classes, members, functions and parameters."""
+    stub = ast.parse((pathlib.Path(native.__file__).parent / "_native.pyi").read_text(encoding="utf-8"))
+    declared = {node.name: node for node in stub.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
+    module = inspect.getmodule(native._native.solve) or native._native
+    there = {name for name in dir(native._native) if not name.startswith("_")}
+    assert there == set(declared) == {name for name in native.__all__ if name in there}, module
+    for name, node in declared.items():
+        actual = getattr(native._native, name)
+        if isinstance(node, ast.ClassDef):
+            members = {part.name for part in node.body if isinstance(part, ast.FunctionDef)}
+            public = {part for part in dir(actual) if not part.startswith("_")}
+            assert public <= members, name
+            assert {part for part in members if not part.startswith("_")} == public, name
+            assert actual.__doc__, name
+        else:
+            parameters = [one.arg for one in (*node.args.args, *node.args.kwonlyargs)]
+            for parameter in parameters:
+                assert f"{parameter}:" in actual.__doc__, (name, parameter)
