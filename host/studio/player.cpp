@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "player.hpp"
+
+#include <utility>
+
+#include "haptogram/base/error.hpp"
+#include "haptogram/link/play.hpp"
+#include "haptogram/link/port.hpp"
+#include "haptogram/link/to_json.hpp"
+#include "haptogram/link/transfer.hpp"
+#include "messages.hpp"
+
+namespace haptogram::studio {
+
+using nlohmann::ordered_json;
+
+Player::Player(Settings settings) : settings_(std::move(settings)), thread_([this] { run(); }) {}
+
+Player::~Player() {
+    disconnect();
+    {
+        const std::lock_guard lock(mutex_);
+        over_ = true;
+    }
+    changed_.notify_all();
+    thread_.join();
+}
+
+void Player::connect(const std::string& port) {
+    connect([port] { return link::open_port(port, link::PortSettings{}.baud); }, nullptr);
+}
+
+void Player::connect_virtual(std::uint32_t channels) {
+    auto board = std::make_shared<VirtualBoard>(channels);
+    connect([board] { return board->open(); }, board);
+}
+
+void Player::connect(std::function<std::unique_ptr<link::Transport>()> open, std::shared_ptr<VirtualBoard> board) {
+    disconnect();
+    auto device = std::make_shared<link::DeviceThread>(
+        link::DeviceThread::Settings{.open = std::move(open), .told = settings_.told});
+    const std::lock_guard lock(mutex_);
+    device_ = std::move(device);
+    board_ = std::move(board);
+}
+
+void Player::disconnect() {
+    stop();
+    std::shared_ptr<link::DeviceThread> device;
+    std::shared_ptr<VirtualBoard> board;
+    {
+        const std::lock_guard lock(mutex_);
+        device = std::move(device_);
+        board = std::move(board_);
+    }
+    device.reset();  // waits until the outputs are off, and only then the board goes
+}
+
+bool Player::connected() const {
+    const std::lock_guard lock(mutex_);
+    return device_ != nullptr;
+}
+
+std::optional<std::uint64_t> Player::stop() {
+    const std::lock_guard lock(mutex_);
+    ++stops_;
+    for (const Work& work : std::exchange(waiting_, {}))
+        settings_.work({{"t", "stopped"}, {"work", work.name}, {"n", work.n}});
+    if (!device_) return {};
+    return device_->shut_off();
+}
+
+void Player::ask(Work work) {
+    {
+        const std::lock_guard lock(mutex_);
+        if (!device_)
+            throw Error(ErrorCode::device, "board", "there is no connection; start a virtual board or connect");
+        work.stops = stops_;
+        waiting_.push_back(std::move(work));
+    }
+    changed_.notify_all();
+}
+
+void Player::tell_progress(const char* name, std::uint32_t n, double fraction, std::string_view stage) const {
+    settings_.work({{"t", "progress"}, {"work", name}, {"n", n}, {"fraction", fraction}, {"stage", stage}});
+}
+
+void Player::bring(link::Commands& device, const char* name, std::uint32_t n, const Scene& scene,
+                   ordered_json& report) const {
+    const Image& image = scene.compiled.bundle.image;
+    link::require_fits(image, device.identity(), "scene");
+    const link::Uploaded uploaded =
+        link::upload(device, image, Progress([this, name, n](double fraction, std::string_view) {
+                         tell_progress(name, n, fraction, "upload");
+                         return true;
+                     }));
+    report["frames"] = uploaded.pieces;
+    report["frames_written"] = uploaded.written;
+}
+
+void Player::upload(std::uint32_t n, std::shared_ptr<const Scene> scene) {
+    const auto act = [this, n, scene = std::move(scene)](link::Commands& device) {
+        ordered_json report;
+        bring(device, "upload", n, *scene, report);
+        return report;
+    };
+    ask({"upload", n, act});
+}
+
+void Player::play(std::uint32_t n, std::shared_ptr<const Scene> scene) {
+    const auto act = [this, n, scene = std::move(scene)](link::Commands& device) {
+        ordered_json report;
+        bring(device, "play", n, *scene, report);
+        const link::Played played = link::play(device, {}, [&](const link::Playing& now) {
+            settings_.work(
+                {{"t", "progress"}, {"work", "play"}, {"n", n}, {"seconds", now.seconds}, {"stage", "play"}});
+            return true;
+        });
+        report.update(link::played_to_json(played));
+        return report;
+    };
+    ask({"play", n, act});
+}
+
+void Player::run() {
+    for (;;) {
+        Work work;
+        std::shared_ptr<link::DeviceThread> device;
+        {
+            std::unique_lock lock(mutex_);
+            changed_.wait(lock, [this] { return over_ || !waiting_.empty(); });
+            if (over_) return;
+            work = std::move(waiting_.front());
+            waiting_.pop_front();
+            device = device_;
+        }
+        ordered_json report{{"t", "done"}, {"work", work.name}, {"n", work.n}};
+        try {
+            if (!device) throw Error(ErrorCode::cancelled, {}, "the connection was closed");
+            const auto channel = device->channel(std::chrono::seconds(20));  // a virtual board may still be starting
+            device.reset();                                                  // a channel may outlive its device
+            {
+                // A channel that was opened after stop() would play on; one that was opened before it is cancelled.
+                const std::lock_guard lock(mutex_);
+                if (work.stops != stops_) throw Error(ErrorCode::cancelled, {}, "stopped");
+            }
+            report["report"] = work.act(*channel);
+        } catch (const Error& error) {
+            report["t"] = error.code() == ErrorCode::cancelled ? "stopped" : "failed";
+            report["error"] = to_json(error);
+        } catch (const std::exception& error) {
+            report["t"] = "failed";
+            report["error"] = {{"where", work.name}, {"message", error.what()}};
+        }
+        settings_.work(std::move(report));
+    }
+}
+
+}  // namespace haptogram::studio

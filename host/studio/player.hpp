@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "haptogram/link/device_thread.hpp"
+#include "scenes.hpp"
+#include "virtual_board.hpp"
+
+namespace haptogram::studio {
+
+/// The one board that the studio drives. Every function returns at once; the work is done in a thread of its own, one
+/// after the other. stop() overtakes all of it.
+class Player {
+public:
+    struct Settings {
+        /// Told in some thread of each status of the board, and of each change. It must return soon.
+        std::function<void(const link::DeviceState&)> told;
+        /// Told in some thread what happens to work: {"t": "progress" or "done" or "failed", "work", "n", …}.
+        std::function<void(nlohmann::ordered_json)> work;
+    };
+
+    explicit Player(Settings settings);
+    Player(const Player&) = delete;
+    Player& operator=(const Player&) = delete;
+    /// Outputs off, and the end of the connection.
+    ~Player();
+
+    /// Connects to a port, in place of the present one.
+    void connect(const std::string& port);
+    /// Starts a virtual board that has so many channels, and connects to it.
+    void connect_virtual(std::uint32_t channels);
+    void disconnect();
+    [[nodiscard]] bool connected() const;
+
+    /// Brings a scene's image into the board's memories. @throws Error{device} without a connection
+    void upload(std::uint32_t n, std::shared_ptr<const Scene> scene);
+    /// The same, then plays it until its end or stop(). @throws Error{device} without a connection
+    void play(std::uint32_t n, std::shared_ptr<const Scene> scene);
+
+    /// Outputs off: what waits is dropped, what is under way is cut off. May be called from any thread.
+    /// @return a number; the outputs are off once the state's `confirmed` has reached it. None without a connection
+    std::optional<std::uint64_t> stop();
+
+private:
+    struct Work {
+        std::string name;
+        std::uint32_t n = 0;
+        std::function<nlohmann::ordered_json(link::Commands&)> act;
+        std::uint64_t stops = 0;  ///< that there had been when it was asked for
+    };
+    void connect(std::function<std::unique_ptr<link::Transport>()> open, std::shared_ptr<VirtualBoard> board);
+    void ask(Work work);
+    void run();
+    void tell_progress(const char* name, std::uint32_t n, double fraction, std::string_view stage) const;
+    void bring(link::Commands& device, const char* name, std::uint32_t n, const Scene& scene,
+               nlohmann::ordered_json& report) const;
+
+    Settings settings_;
+    mutable std::mutex mutex_;
+    std::condition_variable changed_;
+    std::deque<Work> waiting_;
+    bool over_ = false;
+    std::uint64_t stops_ = 0;
+    std::shared_ptr<VirtualBoard> board_;
+    std::shared_ptr<link::DeviceThread> device_;
+    std::thread thread_;
+};
+
+}  // namespace haptogram::studio

@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: Apache-2.0
+// What stands beside the view. Panels read the signals of the state, and call the actions.
+import type { ComponentChildren } from "preact";
+import { useEffect, useId, useState } from "preact/hooks";
+import { type Actions, state } from "./app";
+import { stops } from "./colours";
+import { canRedo, canUndo, edit, having, project, type ProjectDocument, redo, type ShapeEntry, undo } from "./document";
+import type { Device, Point } from "./link";
+import { quantities, quantity, type Quantity, short, valueOf, valueOnScale } from "./quantity";
+import type { Orientation } from "./view";
+
+interface WithActions {
+  actions: Actions;
+}
+
+/** A number with its unit. It is taken when the field is left or Enter is pressed; arrow keys take steps at once. */
+function NumberField({ label, unit, value, step = 1, least, onValue }: { label: string; unit: string; value: number; step?: number; least?: number; onValue: (value: number) => void }) {
+  const id = useId();
+  const [text, setText] = useState(String(value));
+  useEffect(() => setText(String(value)), [value]);
+  const take = (given: string): void => {
+    const number = Number(given.replace(",", "."));
+    if (given.trim() === "" || !Number.isFinite(number) || (least !== undefined && number < least)) return setText(String(value));
+    if (number !== value) onValue(number);
+  };
+  const key = (event: KeyboardEvent): void => {
+    if (event.key === "Enter") take(text);
+    const way = event.key === "ArrowUp" ? 1 : event.key === "ArrowDown" ? -1 : 0;
+    if (way === 0) return;
+    event.preventDefault();
+    const size = step * (event.shiftKey ? 10 : event.altKey ? 0.1 : 1);
+    take(String(Number((Number(text) + way * size).toPrecision(12))));
+  };
+  return (
+    <div class="field">
+      <label for={id}>{label}</label>
+      <input id={id} type="text" inputMode="decimal" value={text} onInput={(e) => setText(e.currentTarget.value)} onBlur={() => take(text)} onKeyDown={key} />
+      <span class="unit">{unit}</span>
+    </div>
+  );
+}
+
+function Choice({ label, value, choices, onValue }: { label: string; value: string; choices: [string, string][]; onValue: (value: string) => void }) {
+  const id = useId();
+  return (
+    <div class="field">
+      <label for={id}>{label}</label>
+      <select id={id} value={value} onChange={(e) => onValue(e.currentTarget.value)}>
+        {choices.map(([key, name]) => <option key={key} value={key}>{name}</option>)}
+      </select>
+    </div>
+  );
+}
+
+function Panel({ title, children }: { title: string; children: ComponentChildren }) {
+  return <section><h2>{title}</h2>{children}</section>;
+}
+
+export function Tools({ actions }: WithActions) {
+  const toggle = (): void => {
+    const system = matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light";
+    const theme = (document.documentElement.dataset["theme"] ?? system) === "dark" ? "light" : "dark";
+    document.documentElement.dataset["theme"] = theme;
+    localStorage.setItem("theme", theme);
+    actions.paint();
+  };
+  return (
+    <>
+      <button type="button" disabled={!canUndo.value} onClick={undo} title="Undo (Ctrl+Z)">↶ Undo</button>
+      <button type="button" disabled={!canRedo.value} onClick={redo} title="Redo (Ctrl+Shift+Z)">↷ Redo</button>
+      <button type="button" onClick={toggle}>◐ Theme</button>
+    </>
+  );
+}
+
+/** Without measures of a kind of shape, the project file's default stands. */
+export function Shape({ actions }: WithActions) {
+  const hello = state.hello.value;
+  const now = project.value;
+  if (!hello || !now) return <Panel title="Object"><p>Waiting for the server…</p></Panel>;
+  const shapes = now.shape ?? [];
+  const first: ShapeEntry = shapes[0] ?? {};
+  const files = shapes.filter((shape) => shape.file !== undefined);
+  const change = (changes: Partial<Record<keyof ProjectDocument, unknown>>): void => edit(having(now, changes));
+  const placed = (changes: Record<string, unknown>): void => change({ place: having((now.place ?? {}) as ProjectDocument, changes) });
+  const centre = (now.place?.center_mm ?? [0, 0, 130]) as Point;
+  const turned = (now.place?.rotate_deg ?? [0, 0, 0]) as Point;
+  const replaced = (list: Point, at: number, value: number): number[] => list.map((each, i) => (i === at ? value : each));
+  const axes = ["x", "y", "z"];
+  return (
+    <>
+      <Panel title="Object">
+        {shapes.length > 1 && <p>{shapes.length} shapes together.</p>}
+        {files.length === 0 ? (
+          <Choice label="Shape" value={first.kind ?? ""} choices={hello.primitives.map((kind) => [kind, kind])} onValue={(kind) => change({ shape: [{ kind }] })} />
+        ) : (
+          <>
+            <p class="file">{files.map((shape) => shape.file).join(", ")}</p>
+            <Choice label="Unit of the file" value={first.unit ?? "mm"} choices={[["mm", "mm"], ["cm", "cm"], ["m", "m"]]} onValue={(unit) => change({ shape: shapes.map((shape) => ({ ...shape, unit })) })} />
+            <button type="button" onClick={() => edit(having(now, { shape: [{ kind: "hemisphere" }], place: undefined }))}>Back to a built-in shape</button>
+          </>
+        )}
+        <label class="drop">
+          Drop a file anywhere, or choose one
+          <input type="file" multiple accept=".ply,.obj,.stl,.xyz,.csv" onChange={(e) => void actions.drop([...(e.currentTarget.files ?? [])])} />
+          <small>PLY, OBJ, STL, XYZ or CSV</small>
+        </label>
+      </Panel>
+      <Panel title="Place">
+        {axes.map((axis, i) => <NumberField key={axis} label={`Centre ${axis}`} unit="mm" value={centre[i] ?? 0} onValue={(value) => placed({ center_mm: replaced(centre, i, value) })} />)}
+        <NumberField label="Largest extent" unit="mm" value={now.place?.size_mm ?? 0} least={0} onValue={(size) => placed({ size_mm: size > 0 ? size : undefined })} />
+        <p class="hint">An extent of 0 leaves the size as it is.</p>
+        {axes.map((axis, i) => <NumberField key={axis} label={`Turn about ${axis}`} unit="°" value={turned[i] ?? 0} step={5} onValue={(value) => placed({ rotate_deg: replaced(turned, i, value) })} />)}
+      </Panel>
+      <Panel title="Sample and play">
+        <NumberField label="Focal points" unit="" value={now.points ?? 200} step={10} least={1} onValue={(points) => change({ points: Math.round(points) })} />
+        <NumberField label="Passes a second" unit="Hz" value={now.rate_hz ?? 10} least={0} onValue={(rate) => change({ rate_hz: rate })} />
+        <Choice label="Array" value={now.array ?? "tile-10x10"} choices={[...new Set([...hello.arrays, now.array ?? "tile-10x10"])].map((name) => [name, name])} onValue={(array) => change({ array })} />
+      </Panel>
+    </>
+  );
+}
+
+export function TakeAway({ actions }: WithActions) {
+  const ready = state.scene.value !== undefined && state.current.value;
+  return (
+    <Panel title="Take away">
+      <div class="buttons">
+        <button type="button" disabled={!ready} onClick={() => void actions.take("hex")}>Image (.hex)</button>
+        <button type="button" disabled={!ready} onClick={() => void actions.take("manifest")}>Manifest (.json)</button>
+        <button type="button" disabled={!ready} onClick={() => void actions.take("project")}>Project (.toml)</button>
+      </div>
+      <p class="hint">“haptogram compile” makes the same image of the project, with dropped files beside it.</p>
+      <p class="hint"><a href="notices.html" target="_blank" rel="noreferrer">Licences of this page's parts</a></p>
+    </Panel>
+  );
+}
+
+function Row({ name, value, unit, mark }: { name: string; value: string; unit: string; mark?: string | undefined }) {
+  return <tr class={mark ? "low" : ""}><th scope="row">{name}</th><td>{value}</td><td class="unit">{unit}{mark && <span class="mark"> ▲ {mark}</span>}</td></tr>;
+}
+
+export function Numbers() {
+  const scene = state.scene.value;
+  const object = state.object.value;
+  const slice = state.slice.value;
+  if (!scene) return <Panel title="Numbers"><p>Compiling…</p></Panel>;
+  const drawn = object ? object.triangles.length / 9 : 0;
+  return (
+    <Panel title="Numbers">
+      <table class={state.current.value ? "" : "stale"}>
+        <tbody>
+          <Row name="Focal points" value={String(scene.foci.length)} unit={scene.clipped > 0 ? `, ${scene.clipped} out of reach` : ""} />
+          <Row name="Tour" value={short(scene.tour_mm)} unit="mm" />
+          <Row name="Passes a second" value={short(scene.rate_hz)} unit="Hz" />
+          <Row name="Shortest dwell" value={short(scene.dwell_s * 1e6)} unit="µs" mark={scene.dwell_s < scene.formation_s ? "too short" : undefined} />
+          <Row name="A focus forms in" value={short(scene.formation_s * 1e6)} unit="µs" />
+          <Row name="with ring-up" value={short(scene.formation_with_ring_up_s * 1e6)} unit="µs" />
+          <Row name="Most points at this rate" value={String(scene.most_points)} unit="" />
+          <Row name="Bandwidth leaves" value={short(100 * scene.pressure_left_least)} unit="% at least" />
+          {slice && <Row name="Greatest on the plane" value={short(valueOf(slice.greatest, quantity.value, slice.greatest, slice.skinPerSquare))} unit={quantities[quantity.value].unit} />}
+          <Row name="Image" value={short(scene.image_bytes / 1000)} unit="kB" />
+        </tbody>
+      </table>
+      {object && object.allTriangles > drawn && <p class="hint">{short(drawn)} of the object's {short(object.allTriangles)} triangles are drawn; all of them are sampled.</p>}
+      {scene.warnings.map((warning) => <p key={warning} class="warning">▲ {warning}</p>)}
+    </Panel>
+  );
+}
+
+const orientations: [Orientation, string][] = [["xy", "level (xy)"], ["xz", "upright, x (xz)"], ["yz", "upright, y (yz)"]];
+
+export function SliceControls({ actions, turn }: WithActions & { turn: (on: boolean) => void }) {
+  const middle = state.middle.value;
+  const orientation = state.orientation.value;
+  const height = useId();
+  const move = (at: number, value: number): void => actions.place(orientation, middle.map((each, i) => (i === at ? value : each)) as Point);
+  return (
+    <Panel title="Field">
+      <Choice label="Shown" value={quantity.value} choices={Object.entries(quantities).map(([key, { name, unit }]) => [key, `${name} / ${unit}`])} onValue={(value) => (quantity.value = value as Quantity)} />
+      <Choice label="Plane" value={orientation} choices={orientations} onValue={(value) => actions.place(value as Orientation, value === "xy" ? [0, 0, middle[2]] : [0, 0, Math.max(90, middle[2])])} />
+      <div class="field">
+        <label for={height}>Height</label>
+        <input id={height} type="range" min={20} max={300} step={0.5} value={middle[2]} onInput={(e) => move(2, Number(e.currentTarget.value))} />
+      </div>
+      {["x", "y", "z"].map((axis, i) => <NumberField key={axis} label={`Middle ${axis}`} unit="mm" value={Number((middle[i] ?? 0).toFixed(2))} onValue={(value) => move(i, value)} />)}
+      <label class="check"><input type="checkbox" checked={state.turning.value} onChange={(e) => { state.turning.value = e.currentTarget.checked; turn(e.currentTarget.checked); }} /> Handles turn the plane</label>
+    </Panel>
+  );
+}
+
+function boardWords(device: Device): string {
+  if (device.connection === "none") return "Board: none";
+  const name = device.port === "virtual" ? "virtual board" : `board at ${device.port ?? ""}`;
+  if (device.connection !== "connected") return `Board: ${name}, ${device.connection === "lost" ? "connection lost" : "connecting…"}`;
+  const status = device.status;
+  return `Board: ${name}, outputs ${status?.outputs === "on" ? "ON" : "off"}${status?.mode === "idle" ? "" : `, ${status?.mode ?? ""}`}`;
+}
+
+export function Board({ actions }: WithActions) {
+  const device = state.device.value;
+  const scene = state.scene.value;
+  const work = state.work.value;
+  const [port, setPort] = useState("");
+  const id = useId();
+  const connected = device.connection === "connected";
+  const busy = work?.t === "progress";
+  const on = device.status?.outputs === "on";
+  const ready = connected && scene !== undefined && state.current.value && !busy;
+  useEffect(() => {
+    const words = document.getElementById("board");
+    if (words) {
+      words.textContent = boardWords(device);
+      words.classList.toggle("on", on);
+    }
+    document.title = on ? "● Outputs on: Haptogram studio" : "Haptogram studio";
+  }, [device]);
+  return (
+    <Panel title="Board">
+      {device.connection === "none" ? (
+        <>
+          <button type="button" class="wide" disabled={scene === undefined} onClick={() => actions.send("connect", { port: "virtual", scene: scene?.name ?? "" })}>Start a virtual board</button>
+          <p class="hint">The FPGA's own Verilog, simulated on this machine; slower than a real board.</p>
+          <div class="field">
+            <label for={id}>Port</label>
+            <input id={id} type="text" list="ports" value={port} placeholder="/dev/ttyUSB0" onInput={(e) => setPort(e.currentTarget.value)} />
+            <datalist id="ports">{state.hello.value?.ports.map((each) => <option key={each.port} value={each.port}>{each.name}</option>)}</datalist>
+            <button type="button" disabled={port === ""} onClick={() => actions.send("connect", { port, scene: scene?.name ?? "" })}>Connect</button>
+          </div>
+        </>
+      ) : (
+        <>
+          <p>{boardWords(device)}{device.identity && connected && `; ${device.identity.channels} channels, ${device.identity.records} records`}</p>
+          {device.trouble && <p class="warning">▲ {device.trouble}</p>}
+          <div class="buttons">
+            <button type="button" disabled={!ready} onClick={() => actions.send("upload", { scene: scene?.name ?? "" })}>Upload</button>
+            <button type="button" class="play" disabled={!ready} onClick={() => actions.send("play", { scene: scene?.name ?? "" })}>▶ Play</button>
+            <button type="button" onClick={() => actions.send("disconnect")}>Disconnect</button>
+          </div>
+          <p class="hint">Playing turns the outputs on: ultrasound at these levels is loud though inaudible, so keep ears away. They go off when this page is closed, or hidden for 10 s.</p>
+          <Work />
+        </>
+      )}
+    </Panel>
+  );
+}
+
+function Work() {
+  const work = state.work.value;
+  if (!work) return null;
+  if (work.t === "progress" && work.stage === "upload")
+    return <div class="field"><label for="upload">Uploading</label><progress id="upload" max={1} value={work.fraction ?? 0} /><span class="unit">{Math.round(100 * (work.fraction ?? 0))} %</span></div>;
+  if (work.t === "progress") return <p>Playing for {(work.seconds ?? 0).toFixed(1)} s.</p>;
+  if (work.t === "done" && work.work === "upload") return <p>Uploaded: {work.report?.frames_written} of {work.report?.frames} pieces had to be written.</p>;
+  if (work.t === "done") return <p>Played to its end.</p>;
+  if (work.t === "stopped") return <p>Stopped.</p>;
+  return null;
+}
+
+export function Bar() {
+  const slice = state.slice.value;
+  if (!slice) return null;
+  const { name, unit } = quantities[quantity.value];
+  return (
+    <figure class="bar">
+      <figcaption>{name} / {unit}</figcaption>
+      <svg width="14" height="160" role="img" aria-label="Colours from low to high">
+        <defs><linearGradient id="colours" x1="0" y1="1" x2="0" y2="0">{stops.map((colour, i) => <stop key={colour} offset={i / (stops.length - 1)} stop-color={colour} />)}</linearGradient></defs>
+        <rect width="14" height="160" fill="url(#colours)" />
+      </svg>
+      <ol>{[1, 0.75, 0.5, 0.25, 0].map((part) => <li key={part}>{short(valueOnScale(part, quantity.value, slice.greatest, slice.skinPerSquare))}</li>)}</ol>
+    </figure>
+  );
+}
+
+export function Failed() {
+  const failure = state.failure.value;
+  if (!failure) return null;
+  return <p class="failed" role="alert"><strong>{failure.where}</strong> {failure.message} <button type="button" onClick={() => (state.failure.value = undefined)}>Close</button></p>;
+}
+
+export function Status() {
+  const { slice, scene, current } = state;
+  const words = !current.value ? "Compiling…" : `${state.hello.value?.project ?? ""}: ${scene.value?.foci.length ?? 0} focal points for ${scene.value?.array.name ?? ""}`;
+  return (
+    <footer>
+      <span>{words}</span>
+      {slice.value && <span>slice {slice.value.width} × {slice.value.height}, computed in {short(slice.value.tookMs)} ms, here after {short(state.latencyMs.value)} ms</span>}
+      <span>Haptogram {state.hello.value?.version}</span>
+    </footer>
+  );
+}

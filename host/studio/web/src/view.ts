@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+// The 3-D view: array, object, foci, tour and a plane that shows the field. Millimetres, z up. It draws when something has
+// changed, and not otherwise.
+import {
+  AmbientLight, BufferAttribute, BufferGeometry, CircleGeometry, Color, DataTexture, DirectionalLight, DoubleSide, FloatType, Group, InstancedMesh,
+  Line, LineBasicMaterial, LineLoop, LineSegments, LinearFilter, type Material, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial, NearestFilter,
+  type Object3D, PerspectiveCamera, PlaneGeometry, Points, PointsMaterial, RedFormat, Scene as World, ShaderMaterial, Vector3, WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { TransformControls } from "three/addons/controls/TransformControls.js";
+import { viridis } from "./colours";
+import type { Drawn, Point, Scene, SliceData } from "./link";
+import { quantities, type Quantity } from "./quantity";
+
+export type Orientation = "xy" | "xz" | "yz";
+
+/** A corner of the plane and the edges that begin there, millimetres. */
+export interface Edges {
+  origin: Point;
+  u: Point;
+  v: Point;
+}
+
+const vertexShader = `
+  varying vec2 place;
+  void main() {
+    place = uv;
+    gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+  }`;
+
+// Mean square pressure to a place on the colour map: linear, by its root, or in decibels below the greatest.
+const fragmentShader = `
+  varying vec2 place;
+  uniform sampler2D field, colours;
+  uniform float greatest, range;
+  uniform int root;
+  void main() {
+    float part = max(texture2D(field, place).r / greatest, 1e-20);
+    float level = range > 0.0 ? 1.0 + 4.342944819 * log(part) / range : (root == 1 ? sqrt(part) : part);
+    gl_FragColor = vec4(texture2D(colours, vec2(clamp(level, 0.002, 0.998), 0.5)).rgb, 0.94);
+  }`;
+
+function geometryOf(positions: Float32Array<ArrayBuffer>): BufferGeometry {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(positions, 3));
+  return geometry;
+}
+
+function flat(points: Point[]): Float32Array<ArrayBuffer> {
+  return new Float32Array(points.flat());
+}
+
+export class View {
+  readonly canvas: HTMLCanvasElement;
+  /** Called when the plane was moved. */
+  moved: () => void = () => {};
+
+  private readonly renderer = new WebGLRenderer({ antialias: true, powerPreference: "high-performance" });
+  private readonly world = new World();
+  private readonly camera = new PerspectiveCamera(38, 1, 1, 4000);
+  private readonly gizmo: TransformControls;
+  private readonly plane = new Group();
+  private readonly sheet: Mesh<PlaneGeometry, ShaderMaterial>;
+  private readonly frame: LineLoop<BufferGeometry, LineBasicMaterial>;
+  private readonly array = new Group();
+  private readonly object = new Group();
+  private readonly path = new Group();
+  private texture: DataTexture | undefined;
+  private waiting = false;
+
+  /** @throws Error when the browser has no WebGL 2 */
+  constructor(host: HTMLElement) {
+    this.canvas = this.renderer.domElement;
+    this.canvas.setAttribute("role", "img");
+    this.canvas.setAttribute("aria-label", "3-D view of the array, the object, its focal points and the field on a plane");
+    this.canvas.tabIndex = 0;
+    host.append(this.canvas);
+    this.camera.up.set(0, 0, 1);
+    this.camera.position.set(230, -350, 300);
+    const orbit = new OrbitControls(this.camera, this.canvas);
+    orbit.target.set(0, 0, 80);
+    orbit.update();
+    orbit.addEventListener("change", () => this.redraw());
+
+    const sun = new DirectionalLight(0xffffff, 2);
+    sun.position.set(1, -2, 3);
+    this.world.add(new AmbientLight(0xffffff, 1.6), sun, this.array, this.object, this.path, this.plane);
+
+    const colours = new DataTexture(viridis(), 256, 1);
+    colours.minFilter = colours.magFilter = LinearFilter;
+    colours.needsUpdate = true;
+    const uniforms = { field: { value: null }, colours: { value: colours }, greatest: { value: 1 }, range: { value: 0 }, root: { value: 0 } };
+    this.sheet = new Mesh(new PlaneGeometry(1, 1), new ShaderMaterial({ side: DoubleSide, transparent: true, uniforms, vertexShader, fragmentShader }));
+    this.sheet.visible = false;
+    const corners: Point[] = [[-0.5, -0.5, 0], [0.5, -0.5, 0], [0.5, 0.5, 0], [-0.5, 0.5, 0]];
+    this.frame = new LineLoop(geometryOf(flat(corners)), new LineBasicMaterial());
+    this.plane.add(this.sheet, this.frame);
+    this.gizmo = new TransformControls(this.camera, this.canvas);
+    this.gizmo.attach(this.plane);
+    this.gizmo.setSize(0.7);
+    this.gizmo.addEventListener("dragging-changed", (event) => {
+      orbit.enabled = !event.value;
+    });
+    this.gizmo.addEventListener("change", () => this.redraw());
+    this.gizmo.addEventListener("objectChange", () => this.moved());
+    this.world.add(this.gizmo.getHelper());
+    this.place("xy", [0, 0, 130]);
+
+    this.canvas.addEventListener("webglcontextrestored", () => this.redraw());
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.paint());
+    new ResizeObserver(() => this.fit(host)).observe(host);
+    this.fit(host);
+    this.paint();
+  }
+
+  /** Puts the plane parallel to two axes, with its middle at a point. */
+  place(orientation: Orientation, middle: Point): void {
+    this.plane.rotation.set(orientation === "xy" ? 0 : Math.PI / 2, orientation === "yz" ? Math.PI / 2 : 0, 0, "YXZ");
+    this.plane.scale.set(160, 160, 1);
+    this.plane.position.set(...middle);
+    this.redraw();
+  }
+
+  get middle(): Point {
+    return this.plane.position.toArray();
+  }
+  set middle(middle: Point) {
+    this.plane.position.set(...middle);
+    this.redraw();
+  }
+
+  set turning(on: boolean) {
+    this.gizmo.setMode(on ? "rotate" : "translate");
+    this.redraw();
+  }
+
+  /** Rounded to a picometre, so that a plane along the axes has edges along the axes. */
+  edges(): Edges {
+    this.plane.updateMatrixWorld();
+    const corner = (x: number, y: number): Vector3 => new Vector3(x, y, 0).applyMatrix4(this.plane.matrixWorld);
+    const round = (vector: Vector3): Point => vector.toArray().map((each) => Math.round(each * 1e9) / 1e9) as Point;
+    const origin = corner(-0.5, -0.5);
+    return { origin: round(origin), u: round(corner(0.5, -0.5).sub(origin)), v: round(corner(-0.5, 0.5).sub(origin)) };
+  }
+
+  showScene(scene: Scene): void {
+    this.clear(this.array);
+    const { elements, radius_mm: radius } = scene.array;
+    const discs = new InstancedMesh(new CircleGeometry(radius, 20), new MeshBasicMaterial({ side: DoubleSide }), elements.length);
+    discs.userData["colour"] = "--array";
+    elements.forEach((element, i) => discs.setMatrixAt(i, new Matrix4().makeTranslation(...element)));
+    this.array.add(discs);
+    this.clear(this.path);
+    const first = scene.foci[0];
+    if (first) {
+      const tour = new Line(geometryOf(flat([...scene.foci, first])), new LineBasicMaterial());
+      tour.userData["colour"] = "--tour";
+      const foci = new Points(geometryOf(flat(scene.foci)), new PointsMaterial({ size: 5, sizeAttenuation: false }));
+      foci.userData["colour"] = "--focus";
+      this.path.add(tour, foci);
+    }
+    this.paint();
+  }
+
+  showObject(drawn: Drawn): void {
+    this.clear(this.object);
+    const surface = geometryOf(drawn.triangles);
+    surface.computeVertexNormals();
+    const skin = new Mesh(surface, new MeshLambertMaterial({ side: DoubleSide, transparent: true, opacity: 0.3, depthWrite: false }));
+    const lines = new LineSegments(geometryOf(drawn.segments), new LineBasicMaterial());
+    const points = new Points(geometryOf(drawn.points), new PointsMaterial({ size: 2, sizeAttenuation: false }));
+    for (const part of [skin, lines, points]) part.userData["colour"] = "--object";
+    this.object.add(skin, lines, points);
+    this.paint();
+  }
+
+  showSlice(slice: SliceData, shown: Quantity): void {
+    const { texture } = this;
+    if (texture?.image.width === slice.width && texture.image.height === slice.height) {
+      texture.image.data = slice.values;
+      texture.needsUpdate = true;
+    } else {
+      texture?.dispose();
+      this.texture = new DataTexture(slice.values, slice.width, slice.height, RedFormat, FloatType);
+      const smooth = this.renderer.extensions.has("OES_texture_float_linear");
+      this.texture.minFilter = this.texture.magFilter = smooth ? LinearFilter : NearestFilter;
+      this.texture.needsUpdate = true;
+    }
+    const { uniforms } = this.sheet.material;
+    Object.assign(uniforms["field"]!, { value: this.texture });
+    Object.assign(uniforms["greatest"]!, { value: slice.greatest });
+    this.sheet.visible = slice.greatest > 0;
+    this.showQuantity(shown);
+  }
+
+  showQuantity(shown: Quantity): void {
+    const { uniforms } = this.sheet.material;
+    Object.assign(uniforms["range"]!, { value: quantities[shown].range });
+    Object.assign(uniforms["root"]!, { value: shown === "rms" ? 1 : 0 });
+    this.redraw();
+  }
+
+  /** Takes the colours of the page's theme. */
+  paint(): void {
+    const style = getComputedStyle(document.documentElement);
+    const colour = (name: string): Color => new Color(style.getPropertyValue(name).trim());
+    this.world.background = colour("--view");
+    this.frame.material.color = colour("--frame");
+    for (const group of [this.array, this.object, this.path])
+      for (const part of group.children)
+        (part as Mesh<BufferGeometry, MeshBasicMaterial>).material.color = colour(part.userData["colour"] as string);
+    this.redraw();
+  }
+
+  redraw(): void {
+    if (this.waiting) return;
+    this.waiting = true;
+    requestAnimationFrame(() => {
+      this.waiting = false;
+      this.renderer.render(this.world, this.camera);
+    });
+  }
+
+  private clear(group: Group): void {
+    for (const part of group.children as (Object3D & { geometry: BufferGeometry; material: Material })[]) {
+      part.geometry.dispose();
+      part.material.dispose();
+    }
+    group.clear();
+  }
+
+  private fit(host: HTMLElement): void {
+    const { clientWidth: width, clientHeight: height } = host;
+    if (width === 0 || height === 0) return;
+    this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
+    this.renderer.setSize(width, height);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.redraw();
+  }
+}
