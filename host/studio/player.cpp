@@ -65,61 +65,64 @@ std::optional<std::uint64_t> Player::stop() {
     const std::lock_guard lock(mutex_);
     ++stops_;
     for (const Work& work : std::exchange(waiting_, {}))
-        settings_.work({{"t", "stopped"}, {"work", work.name}, {"n", work.n}});
+        settings_.work({{"t", "stopped"}, {"work", work.name}, {"number", work.number}});
     if (!device_) return {};
     return device_->shut_off();
 }
 
-void Player::ask(Work work) {
+std::uint64_t Player::ask(Work work) {
+    std::uint64_t number = 0;
     {
         const std::lock_guard lock(mutex_);
         if (!device_)
             throw Error(ErrorCode::device, "board", "there is no connection; start a virtual board or connect");
+        work.number = number = ++asked_;
         work.stops = stops_;
         waiting_.push_back(std::move(work));
     }
     changed_.notify_all();
+    return number;
 }
 
-void Player::tell_progress(const char* name, std::uint32_t n, double fraction, std::string_view stage) const {
-    settings_.work({{"t", "progress"}, {"work", name}, {"n", n}, {"fraction", fraction}, {"stage", stage}});
+void Player::tell_progress(const char* name, std::uint64_t number, double fraction, std::string_view stage) const {
+    settings_.work({{"t", "progress"}, {"work", name}, {"number", number}, {"fraction", fraction}, {"stage", stage}});
 }
 
-void Player::bring(link::Commands& device, const char* name, std::uint32_t n, const Scene& scene,
+void Player::bring(link::Commands& device, const char* name, std::uint64_t number, const Scene& scene,
                    ordered_json& report) const {
     const Image& image = scene.compiled.bundle.image;
     link::require_fits(image, device.identity(), "scene");
     const link::Uploaded uploaded =
-        link::upload(device, image, Progress([this, name, n](double fraction, std::string_view) {
-                         tell_progress(name, n, fraction, "upload");
+        link::upload(device, image, Progress([this, name, number](double fraction, std::string_view) {
+                         tell_progress(name, number, fraction, "upload");
                          return true;
                      }));
     report["frames"] = uploaded.pieces;
     report["frames_written"] = uploaded.written;
 }
 
-void Player::upload(std::uint32_t n, std::shared_ptr<const Scene> scene) {
-    const auto act = [this, n, scene = std::move(scene)](link::Commands& device) {
+std::uint64_t Player::upload(std::shared_ptr<const Scene> scene) {
+    const auto act = [this, scene = std::move(scene)](link::Commands& device, std::uint64_t number) {
         ordered_json report;
-        bring(device, "upload", n, *scene, report);
+        bring(device, "upload", number, *scene, report);
         return report;
     };
-    ask({"upload", n, act});
+    return ask({"upload", act});
 }
 
-void Player::play(std::uint32_t n, std::shared_ptr<const Scene> scene) {
-    const auto act = [this, n, scene = std::move(scene)](link::Commands& device) {
+std::uint64_t Player::play(std::shared_ptr<const Scene> scene) {
+    const auto act = [this, scene = std::move(scene)](link::Commands& device, std::uint64_t number) {
         ordered_json report;
-        bring(device, "play", n, *scene, report);
+        bring(device, "play", number, *scene, report);
         const link::Played played = link::play(device, {}, [&](const link::Playing& now) {
             settings_.work(
-                {{"t", "progress"}, {"work", "play"}, {"n", n}, {"seconds", now.seconds}, {"stage", "play"}});
+                {{"t", "progress"}, {"work", "play"}, {"number", number}, {"seconds", now.seconds}, {"stage", "play"}});
             return true;
         });
         report.update(link::played_to_json(played));
         return report;
     };
-    ask({"play", n, act});
+    return ask({"play", act});
 }
 
 void Player::run() {
@@ -134,7 +137,7 @@ void Player::run() {
             waiting_.pop_front();
             device = device_;
         }
-        ordered_json report{{"t", "done"}, {"work", work.name}, {"n", work.n}};
+        ordered_json report{{"t", "done"}, {"work", work.name}, {"number", work.number}};
         try {
             if (!device) throw Error(ErrorCode::cancelled, {}, "the connection was closed");
             const auto channel = device->channel(std::chrono::seconds(20));  // a virtual board may still be starting
@@ -144,7 +147,7 @@ void Player::run() {
                 const std::lock_guard lock(mutex_);
                 if (work.stops != stops_) throw Error(ErrorCode::cancelled, {}, "stopped");
             }
-            report["report"] = work.act(*channel);
+            report["report"] = work.act(*channel, work.number);
         } catch (const Error& error) {
             report["t"] = error.code() == ErrorCode::cancelled ? "stopped" : "failed";
             report["error"] = to_json(error);

@@ -23,7 +23,8 @@ public:
     struct Settings {
         /// Told in some thread of each status of the board, and of each change. It must return soon.
         std::function<void(const link::DeviceState&)> told;
-        /// Told in some thread what happens to work: {"t": "progress" or "done" or "failed", "work", "n", …}.
+        /// Told in some thread what happens to work: {"t": "progress", "done", "stopped" or "failed", "work",
+        /// "number", …}.
         std::function<void(nlohmann::ordered_json)> work;
     };
 
@@ -40,10 +41,12 @@ public:
     void disconnect();
     [[nodiscard]] bool connected() const;
 
-    /// Brings a scene's image into the board's memories. @throws Error{device} without a connection
-    void upload(std::uint32_t n, std::shared_ptr<const Scene> scene);
-    /// The same, then plays it until its end or stop(). @throws Error{device} without a connection
-    void play(std::uint32_t n, std::shared_ptr<const Scene> scene);
+    /// Brings a scene's image into the board's memories.
+    /// @return the number by which the work is told of
+    /// @throws Error{device} without a connection
+    std::uint64_t upload(std::shared_ptr<const Scene> scene);
+    /// The same, then plays it until its end or stop().
+    std::uint64_t play(std::shared_ptr<const Scene> scene);
 
     /// Outputs off: what waits is dropped, what is under way is cut off. May be called from any thread.
     /// @return a number; the outputs are off once the state's `confirmed` has reached it. None without a connection
@@ -52,15 +55,15 @@ public:
 private:
     struct Work {
         std::string name;
-        std::uint32_t n = 0;
-        std::function<nlohmann::ordered_json(link::Commands&)> act;
+        std::function<nlohmann::ordered_json(link::Commands&, std::uint64_t number)> act;
+        std::uint64_t number = 0;
         std::uint64_t stops = 0;  ///< that there had been when it was asked for
     };
     void connect(std::function<std::unique_ptr<link::Transport>()> open, std::shared_ptr<VirtualBoard> board);
-    void ask(Work work);
+    std::uint64_t ask(Work work);
     void run();
-    void tell_progress(const char* name, std::uint32_t n, double fraction, std::string_view stage) const;
-    void bring(link::Commands& device, const char* name, std::uint32_t n, const Scene& scene,
+    void tell_progress(const char* name, std::uint64_t number, double fraction, std::string_view stage) const;
+    void bring(link::Commands& device, const char* name, std::uint64_t number, const Scene& scene,
                nlohmann::ordered_json& report) const;
 
     Settings settings_;
@@ -68,7 +71,7 @@ private:
     std::condition_variable changed_;
     std::deque<Work> waiting_;
     bool over_ = false;
-    std::uint64_t stops_ = 0;
+    std::uint64_t stops_ = 0, asked_ = 0;
     std::shared_ptr<VirtualBoard> board_;
     std::shared_ptr<link::DeviceThread> device_;
     std::thread thread_;

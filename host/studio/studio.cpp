@@ -206,14 +206,14 @@ private:
     }
 
     void act(Visitor& visitor, const UploadMessage& message) {
-        tell_failure(visitor.page, message.n, [&] { player_.upload(message.n, scenes_.find(message.scene)); });
+        tell_failure(visitor.page, message.n, [&] { (void)player_.upload(scenes_.find(message.scene)); });
     }
 
     void act(Visitor& visitor, const PlayMessage& message) {
         tell_failure(visitor.page, message.n, [&] {
             if (driver_ && *driver_ != visitor.page->number())
                 throw Error(ErrorCode::device, "board", "another page drives it; press STOP there or here first");
-            player_.play(message.n, scenes_.find(message.scene));
+            driver_work_ = player_.play(scenes_.find(message.scene));
             driver_ = visitor.page->number();
             visitor.hidden = {};
         });
@@ -264,7 +264,7 @@ private:
     }
 
     void tell_work(const ordered_json& report) {
-        if (report["t"] != "progress" && report["work"] == "play") driver_ = {};
+        if (report["t"] != "progress" && report["number"] == driver_work_) driver_ = {};
         broadcast(report);
     }
 
@@ -278,7 +278,7 @@ private:
         const Clock::time_point now = Clock::now();
         if (driver_) {
             const Visitor& visitor = visitors_.at(*driver_);
-            if (now - visitor.heard > most_silence)
+            if (now - visitor.heard > (visitor.hidden ? most_silence_hidden : most_silence))
                 outputs_off("the page that drove the board was silent");
             else if (visitor.hidden && now - *visitor.hidden > most_hidden)
                 outputs_off("the page that drove the board was out of sight");
@@ -301,6 +301,7 @@ private:
     Server server_;
     std::map<std::uint64_t, Visitor> visitors_;
     std::optional<std::uint64_t> driver_;  // the page that keeps the outputs on
+    std::uint64_t driver_work_ = 0;        // and what it asked to be played
     std::vector<Stop> stops_;              // that the board has not confirmed
     link::DeviceState state_;
     std::string port_;

@@ -9,7 +9,7 @@ import pytest
 from support import USAGE, refuse, succeed, text
 
 COMMANDS = ["compile", "inspect", "simulate", "solve", "field", "analyze", "magnitude", "robot", "board", "bitstream", "device", "upload", "download",
-            "play", "stream", "completion"]  # fmt: skip
+            "play", "stream", "studio", "completion"]  # fmt: skip
 
 
 def printed(kind, folder):

@@ -83,10 +83,10 @@ export type Event =
   | { t: "slice"; slice: SliceData }
   | { t: "object"; object: Drawn }
   | Device
-  | { t: "progress"; work: string; n: number; stage: string; fraction?: number; seconds?: number }
-  | { t: "done"; work: string; n: number; report?: { frames: number; frames_written: number } }
-  | { t: "stopped"; work: string; n: number }
-  | { t: "failed"; n?: number; work?: string; error: Failure }
+  | { t: "progress"; work: string; number: number; stage: string; fraction?: number; seconds?: number }
+  | { t: "done"; work: string; number: number; report?: { frames: number; frames_written: number } }
+  | { t: "stopped"; work: string; number: number }
+  | { t: "failed"; n?: number; work?: string; number?: number; error: Failure }
   | { t: "error"; error: Failure }
   | { t: "off"; n: number; confirmed: boolean }
   | { t: "notice"; message: string };
