@@ -7,6 +7,7 @@
 #include <boost/beast.hpp>
 #include <deque>
 #include <exception>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string_view>
@@ -196,7 +197,8 @@ private:
             stream.expires_after(most_pause);
             http::request_parser<http::string_body> parser;
             parser.header_limit(most_header_bytes);
-            parser.body_limit(boost::none);  // refuse() knows it, and has an answer
+            // refuse() knows the limit, and has an answer. Boost 1.74 takes "none" for 0.
+            parser.body_limit(std::numeric_limits<std::uint64_t>::max());
             beast::error_code error;
             co_await http::async_read_header(stream, buffer, parser, net::redirect_error(net::use_awaitable, error));
             if (error == http::error::header_limit) {

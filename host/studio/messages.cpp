@@ -6,9 +6,14 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <initializer_list>
 #include <limits>
+#include <map>
+#include <set>
+
+#include "haptogram/shape/place.hpp"
 
 namespace haptogram::studio {
 namespace {
@@ -68,6 +73,38 @@ void append(std::vector<float>& values, Vec3 point) {
     for (const double each : {point.x, point.y, point.z}) values.push_back(static_cast<float>(each / millimetre));
 }
 
+/// A mesh of fewer triangles for drawing: a vertex becomes the first one of those in its cell of a grid, which has so
+/// many cells along the longest side of the mesh. What becomes a line or a point, or is there already, is left out.
+std::vector<std::array<std::uint32_t, 3>> coarser(const Mesh& mesh, double cells) {
+    const Box box = bounding_box(Shape{{mesh}});
+    const Vec3 extent = box.extent();
+    const double cell = std::max({extent.x, extent.y, extent.z}) / cells;
+    std::map<std::array<std::int64_t, 3>, std::uint32_t> first;
+    std::vector<std::uint32_t> becomes;
+    for (const Vec3& vertex : mesh.vertices) {
+        const Vec3 place = (1.0 / cell) * (vertex - box.low);
+        const std::array<std::int64_t, 3> key{std::llround(place.x), std::llround(place.y), std::llround(place.z)};
+        becomes.push_back(first.try_emplace(key, static_cast<std::uint32_t>(becomes.size())).first->second);
+    }
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+    std::set<std::array<std::uint32_t, 3>> known;
+    for (const auto& [a, b, c] : mesh.triangles) {
+        const std::array<std::uint32_t, 3> triangle{becomes[a], becomes[b], becomes[c]};
+        std::array<std::uint32_t, 3> sorted = triangle;
+        std::sort(sorted.begin(), sorted.end());
+        if (sorted[0] != sorted[1] && sorted[1] != sorted[2] && known.insert(sorted).second)
+            triangles.push_back(triangle);
+    }
+    return triangles;
+}
+
+/// The triangles of a mesh that are drawn, `most` at most.
+std::vector<std::array<std::uint32_t, 3>> drawn(const Mesh& mesh, std::size_t most) {
+    std::vector<std::array<std::uint32_t, 3>> triangles = mesh.triangles;
+    for (double cells = 96.0; triangles.size() > most; cells /= 1.5) triangles = coarser(mesh, cells);
+    return triangles;
+}
+
 /// Every so many-th of `count`, so that at most `most` are taken.
 std::size_t stride(std::size_t count, std::size_t most) { return std::max<std::size_t>(1, (count + most - 1) / most); }
 
@@ -122,6 +159,10 @@ Message read_message(std::string_view text) {
     throw bad_input("message", fmt::format("there is no message '{}'", type));
 }
 
+std::string to_text(const ordered_json& message) {
+    return message.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+}
+
 ordered_json to_json(const Error& error) {
     return {{"where", error.where()}, {"message", error.message()}, {"remedies", error.remedies()}};
 }
@@ -153,15 +194,16 @@ std::vector<std::uint8_t> shape_bytes(std::uint32_t n, const Shape& shape) {
     }
     for (const Piece& piece : shape.pieces) {
         if (const auto* const mesh = std::get_if<Mesh>(&piece)) {
-            for (std::size_t i = 0; i < mesh->triangles.size(); i += stride(triangles, most_drawn_triangles))
-                for (const std::uint32_t corner : mesh->triangles[i]) append(corners[0], mesh->vertices[corner]);
+            const double share = static_cast<double>(mesh->triangles.size()) / static_cast<double>(triangles);
+            for (const auto& triangle : drawn(*mesh, static_cast<std::size_t>(share * most_drawn_triangles)))
+                for (const std::uint32_t corner : triangle) append(corners[0], mesh->vertices[corner]);
         } else if (const auto* const curve = std::get_if<Curve>(&piece)) {
             constexpr int segments = 200;
             for (int i = 0; i < segments; ++i)
                 for (const int end : {i, i + 1}) append(corners[1], curve->at(curve->length * end / segments));
         } else {
             const Cloud& cloud = std::get<Cloud>(piece);
-            for (std::size_t i = 0; i < cloud.points.size(); i += stride(points, most_drawn_triangles))
+            for (std::size_t i = 0; i < cloud.points.size(); i += stride(points, most_drawn_points))
                 append(corners[2], cloud.points[i]);
         }
     }

@@ -60,6 +60,9 @@ using Message = std::variant<SceneMessage, SliceMessage, ConnectMessage, Disconn
 /// @throws Error{bad_input} naming the message and the member
 [[nodiscard]] Message read_message(std::string_view text);
 
+/// A message as text. Messages quote what stands in files; bytes that are no UTF-8 become U+FFFD.
+[[nodiscard]] std::string to_text(const nlohmann::ordered_json& message);
+
 /// An error as a page shows it: {"where", "message", "remedies"}.
 [[nodiscard]] nlohmann::ordered_json to_json(const Error& error);
 
@@ -79,11 +82,12 @@ using Message = std::variant<SceneMessage, SliceMessage, ConnectMessage, Disconn
 [[nodiscard]] std::vector<std::uint8_t> slice_bytes(const SliceMessage& asked, const std::vector<float>& values,
                                                     double skin_per_square, double took_ms, std::size_t sets);
 
-inline constexpr std::size_t most_drawn_triangles = 50'000;
+inline constexpr std::size_t most_drawn_triangles = 50'000, most_drawn_points = 50'000;
 
 /// A shape as bytes for drawing, little-endian, millimetres: a header of 64 bytes, then float32 x, y, z of the corners
-/// of triangles (three each), of line segments (two each) and of points. Of larger meshes, every so many-th triangle is
-/// sent, most_drawn_triangles at most, and likewise of clouds; the header says how many there are.
+/// of triangles (three each), of line segments (two each) and of points. Larger meshes are sent coarser: vertices in
+/// one cell of a grid become one, which leaves no holes. Of larger clouds every so many-th point is sent. The header
+/// says how many there are.
 ///
 /// | at | type | what |
 /// |----|------|------|

@@ -122,7 +122,7 @@ Project Scenes::project_of(const std::string& text, std::string& identity) const
     return project;
 }
 
-std::shared_ptr<const Scene> Scenes::compile(const ordered_json& document) {
+Made Scenes::compile(const ordered_json& document) {
     std::string identity;
     Project project = project_of(toml_of(document), identity);
     const std::string name = sha256(identity).substr(0, 28);
@@ -131,21 +131,21 @@ std::shared_ptr<const Scene> Scenes::compile(const ordered_json& document) {
         const auto known = std::find_if(scenes_.begin(), scenes_.end(), [&](const auto& s) { return s->name == name; });
         if (known != scenes_.end()) {
             scenes_.splice(scenes_.begin(), scenes_, known);
-            return *scenes_.begin();
+            return {scenes_.front(), std::move(project)};
         }
     }
     Compiled compiled = haptogram::compile(project, "image.hex");
     Excitation excitation = excitation_of(compiled.bundle);
-    Shape shape = shape_of(project);
-    for (ShapeSource& source : project.shapes) source.content.reset();
+    Project named = project;
+    for (ShapeSource& source : named.shapes) source.content.reset();
     // A complex amplitude of √2 Pa is a mean square of 1 Pa².
     const double skin = radiation_pressure(std::sqrt(2.0), compiled.bundle.manifest.array.medium);
-    const auto scene = std::make_shared<const Scene>(
-        Scene{name, to_toml(project), std::move(compiled), std::move(excitation), std::move(shape), skin});
+    const auto scene =
+        std::make_shared<const Scene>(Scene{name, to_toml(named), std::move(compiled), std::move(excitation), skin});
     const std::lock_guard lock(mutex_);
     scenes_.push_front(scene);
     if (scenes_.size() > most_scenes) scenes_.pop_back();
-    return scene;
+    return {scene, std::move(project)};
 }
 
 std::shared_ptr<const Scene> Scenes::find(const std::string& name) const {

@@ -20,8 +20,13 @@ struct Scene {
     std::string project;  ///< text of the project file
     Compiled compiled;
     Excitation excitation;   ///< of the image
-    Shape shape;             ///< at its place
     double skin_per_square;  ///< radiation pressure on skin over the mean square pressure, 1/Pa
+};
+
+/// A scene together with its project, which has the contents of its files: shape_of() makes the object of it.
+struct Made {
+    std::shared_ptr<const Scene> scene;
+    Project project;
 };
 
 /// What a scene is in numbers, millimetres and seconds, for the page.
@@ -47,7 +52,7 @@ public:
     /// Compiles a document, unless it is one of the scenes already.
     /// @throws Error naming what is wrong with the document; a shape file must have been sent, or be the project's, and
     /// an array or a board must be shipped, or be the project's: a page cannot name other files of this machine
-    std::shared_ptr<const Scene> compile(const nlohmann::ordered_json& document);
+    Made compile(const nlohmann::ordered_json& document);
     /// @throws Error{bad_argument} when there is no such scene
     [[nodiscard]] std::shared_ptr<const Scene> find(const std::string& name) const;
 

@@ -91,16 +91,16 @@ private:
     // Requests.
 
     Answer answer(Request request) {
-        if (request.path == "/api/hello") return {.body = hello().dump()};
+        if (request.path == "/api/hello") return {.body = to_text(hello())};
         if (request.path == "/api/files" && request.method == "POST") {
             const std::optional<std::string> name = query_value(request.query, "name");
             if (!name) return error_answer(400, "a file has a name: /api/files?name=NAME");
             scenes_.add_file(*name, std::move(request.body));
-            return {.body = ordered_json{{"name", *name}}.dump()};
+            return {.body = to_text({{"name", *name}})};
         }
         if (request.path == "/api/stop" && request.method == "POST") {
             const bool connected = player_.stop().has_value();
-            return {.body = ordered_json{{"connected", connected}}.dump()};
+            return {.body = to_text({{"connected", connected}})};
         }
         if (request.path == "/api/take") return take_away(request);
         if (request.path.starts_with("/api/")) return error_answer(404, "there is no " + request.path);
@@ -134,8 +134,9 @@ private:
     // Pages.
 
     void open(std::shared_ptr<Page> page) {
-        page->send(device_json().dump());
-        visitors_[page->number()] = {std::move(page)};
+        page->send(to_text(device_json()));
+        const std::uint64_t number = page->number();
+        visitors_[number].page = std::move(page);
     }
 
     void close(Page& page) {
@@ -151,7 +152,7 @@ private:
         visitor->second.heard = Clock::now();
         std::optional<Message> message;
         if (const auto error = error_of([&] { message = read_message(text); })) {
-            page.send(ordered_json{{"t", "error"}, {"error", *error}}.dump());
+            page.send(to_text({{"t", "error"}, {"error", *error}}));
             page.close(error->at("message"));
             return;
         }
@@ -161,16 +162,15 @@ private:
     /// Work in another thread whose failure the page is told as the answer to message `n`.
     template <class Work>
     void tell_failure(const std::shared_ptr<Page>& page, std::uint32_t n, Work work) {
-        if (const auto error = error_of(work))
-            page->send(ordered_json{{"t", "failed"}, {"n", n}, {"error", *error}}.dump());
+        if (const auto error = error_of(work)) page->send(to_text({{"t", "failed"}, {"n", n}, {"error", *error}}));
     }
 
     void act(Visitor& visitor, const SceneMessage& message) {
         compilers_.ask(visitor.page->number(), [this, page = visitor.page, message] {
             tell_failure(page, message.n, [&] {
-                const auto scene = scenes_.compile(message.document);
-                page->send(ordered_json{{"t", "scene"}, {"n", message.n}, {"scene", to_json(*scene)}}.dump());
-                page->send(shape_bytes(message.n, scene->shape));
+                const Made made = scenes_.compile(message.document);
+                page->send(to_text({{"t", "scene"}, {"n", message.n}, {"scene", to_json(*made.scene)}}));
+                page->send(shape_bytes(message.n, shape_of(made.project)));
             });
         });
     }
@@ -224,7 +224,7 @@ private:
         if (const auto number = player_.stop())
             stops_.push_back({visitor.page->number(), *number, message.n});
         else
-            visitor.page->send(ordered_json{{"t", "off"}, {"n", message.n}, {"confirmed", true}}.dump());
+            visitor.page->send(to_text({{"t", "off"}, {"n", message.n}, {"confirmed", true}}));
     }
 
     void act(Visitor& visitor, const BeatMessage& message) {
@@ -260,7 +260,7 @@ private:
     void tell_off(const Stop& stop, bool confirmed) {
         const auto visitor = visitors_.find(stop.page);
         if (visitor == visitors_.end()) return;
-        visitor->second.page->send(ordered_json{{"t", "off"}, {"n", stop.n}, {"confirmed", confirmed}}.dump());
+        visitor->second.page->send(to_text({{"t", "off"}, {"n", stop.n}, {"confirmed", confirmed}}));
     }
 
     void tell_work(const ordered_json& report) {
@@ -292,7 +292,7 @@ private:
     }
 
     void broadcast(const ordered_json& message) {
-        for (const auto& [number, visitor] : visitors_) visitor.page->send(message.dump());
+        for (const auto& [number, visitor] : visitors_) visitor.page->send(to_text(message));
     }
 
     Assets assets_;

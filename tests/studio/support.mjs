@@ -66,9 +66,10 @@ export async function startBrowser(t, ...args) {
 
 /**
  * A page of the studio. After the test it must have had no error on its console, no violation of its policy, and no request
- * but to its server.
+ * but to its server. Errors on its console that a test provokes are `allowed`; `mayFail` is for lost servers, of which the browser
+ * says many things.
  */
-export async function openPage(t, browser, studio, { colorScheme = "light", mayFail = false } = {}) {
+export async function openPage(t, browser, studio, { colorScheme = "light", mayFail = false, allowed = /^$/ } = {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, colorScheme, acceptDownloads: true });
   const page = await context.newPage();
   const wrong = [];
@@ -83,7 +84,7 @@ export async function openPage(t, browser, studio, { colorScheme = "light", mayF
     addEventListener("securitypolicyviolation", (event) => window.reportViolation(`${event.violatedDirective} ${event.blockedURI}`));
   });
   await page.goto(studio.address);
-  t.after(() => mayFail || assert.deepEqual(wrong, []));
+  t.after(() => mayFail || assert.deepEqual(wrong.filter((each) => !allowed.test(each)), []));
   return page;
 }
 
@@ -91,6 +92,12 @@ export async function openPage(t, browser, studio, { colorScheme = "light", mayF
 export async function settled(page) {
   await page.locator("footer", { hasText: "focal points for" }).waitFor();
   await page.locator("footer", { hasText: "slice 200 × 200" }).waitFor();
+}
+
+/** Waits until a field has a value. */
+export async function hasValue(field, value) {
+  for (let i = 0; i < 100 && (await field.inputValue()) !== value; i++) await sleep(50);
+  assert.equal(await field.inputValue(), value);
 }
 
 /** Number of slices that were shown. */

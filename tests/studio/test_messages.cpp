@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Messages: what is read, what is refused with which words, and the bytes of the binary layouts.
+#include <array>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <cstring>
 #include <random>
 
@@ -97,6 +99,11 @@ TEST_CASE("studio messages: text that was damaged is read or refused, and nothin
     CHECK(refused > 10'000);
 }
 
+TEST_CASE("studio messages: bytes of a file that are no text do no harm in a message") {
+    const std::string text = to_text(to_json(bad_input("a.xyz", "found '\xff\xc3('")));
+    CHECK(nlohmann::json::parse(text)["message"] == "found '\xEF\xBF\xBD\xEF\xBF\xBD('");
+}
+
 TEST_CASE("studio messages: the bytes of a slice") {
     SliceMessage asked{9, "0123456789abcdef0123456789abXXXX", {{}, {}, {}, 3, 2}};
     const std::vector<float> values = {4, 5, 6, 7, 1, 2};
@@ -135,13 +142,40 @@ TEST_CASE("studio messages: the bytes of an object") {
     CHECK(at<float>(bytes, bytes.size() - 4) == Approx(3.0));
 }
 
-TEST_CASE("studio messages: of a large object every so many-th triangle is sent, and the header says so") {
-    Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {}};
-    mesh.triangles.assign(most_drawn_triangles + 1, {0, 1, 2});
+TEST_CASE("studio messages: a large object is drawn coarser, without holes, and the header says so") {
+    // A dome of radius 50 mm over a disc of cells: its area is 2πr² whatever its triangles are.
+    Mesh mesh;
+    constexpr std::uint32_t rings = 200, sides = 400;
+    for (std::uint32_t i = 0; i <= rings; ++i)
+        for (std::uint32_t j = 0; j < sides; ++j) {
+            const double a = 1.5707963267948966 * i / rings, b = 6.283185307179586 * j / sides;
+            mesh.vertices.push_back(
+                {0.05 * std::sin(a) * std::cos(b), 0.05 * std::sin(a) * std::sin(b), 0.05 * std::cos(a)});
+        }
+    for (std::uint32_t i = 0; i < rings; ++i)
+        for (std::uint32_t j = 0; j < sides; ++j) {
+            const std::uint32_t k = i * sides + j, next = i * sides + (j + 1) % sides;
+            mesh.triangles.push_back({k, k + sides, next});
+            mesh.triangles.push_back({next, k + sides, next + sides});
+        }
     Shape shape;
     shape.pieces.push_back(mesh);
     const auto bytes = shape_bytes(1, shape);
-    CHECK(at<std::uint32_t>(bytes, 8) == most_drawn_triangles / 2 + 1);
-    CHECK(at<std::uint32_t>(bytes, 20) == most_drawn_triangles + 1);
-    CHECK(bytes.size() == 64 + 36 * (most_drawn_triangles / 2 + 1));
+    const auto drawn = at<std::uint32_t>(bytes, 8);
+    CHECK(at<std::uint32_t>(bytes, 20) == mesh.triangles.size());
+    CHECK(drawn <= most_drawn_triangles);
+    CHECK(drawn > 5'000);
+    CHECK(bytes.size() == 64 + 36 * std::size_t{drawn});
+    double area = 0.0;
+    for (std::uint32_t i = 0; i < drawn; ++i) {
+        std::array<Vec3, 3> corner;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::size_t place = 64 + 36 * std::size_t{i} + 12 * k;
+            corner[k] = {at<float>(bytes, place), at<float>(bytes, place + 4), at<float>(bytes, place + 8)};
+            CHECK(std::hypot(corner[k].x, corner[k].y, corner[k].z) == Approx(50.0));  // a vertex of the mesh
+        }
+        const Vec3 u = corner[1] - corner[0], v = corner[2] - corner[0];
+        area += std::hypot(u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x) / 2.0;
+    }
+    CHECK(area == Approx(2.0 * 3.141592653589793 * 50.0 * 50.0).epsilon(0.05));
 }

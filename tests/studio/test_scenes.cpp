@@ -33,7 +33,7 @@ ordered_json with_file(const std::string& name) {
 
 TEST_CASE("studio scenes: a document makes the image that its project file makes") {
     Scenes scenes;
-    const auto scene = scenes.compile(document_of(circle, "circle"));
+    const auto scene = scenes.compile(document_of(circle, "circle")).scene;
     const Compiled direct = compile(project_from_toml(circle, "circle"));
     CHECK(scene->compiled.bundle.hex == direct.bundle.hex);
     CHECK(to_text(scene->compiled.bundle.manifest) == to_text(direct.bundle.manifest));
@@ -42,17 +42,17 @@ TEST_CASE("studio scenes: a document makes the image that its project file makes
     CHECK(to_text(again.bundle.manifest) == to_text(direct.bundle.manifest));
     CHECK(to_json(*scene)["foci"].size() == 8);
     CHECK(scenes.find(scene->name) == scene);
-    CHECK(scenes.compile(document_of(circle, "circle")) == scene);
+    CHECK(scenes.compile(document_of(circle, "circle")).scene == scene);
 }
 
 TEST_CASE("studio scenes: a dropped file makes the image that the file makes") {
-    const std::filesystem::path file = std::filesystem::path(data) / "tetrahedron.ply";
+    const std::filesystem::path file = std::filesystem::path(data) / "shapes/trimesh_binary.stl";
     REQUIRE(std::filesystem::exists(file));
     Scenes scenes;
-    scenes.add_file("tetrahedron.ply", read_file(file));
-    const auto scene = scenes.compile(with_file("tetrahedron.ply"));
+    scenes.add_file("trimesh_binary.stl", read_file(file));
+    const auto scene = scenes.compile(with_file("trimesh_binary.stl")).scene;
     TemporaryFolder folder;
-    std::filesystem::copy(file, folder.path() / "tetrahedron.ply");
+    std::filesystem::copy(file, folder.path() / "trimesh_binary.stl");
     write_file(folder.path() / "project.toml", scene->project);
     const Compiled direct = compile(load_project(folder.path() / "project.toml"));
     CHECK(scene->compiled.bundle.hex == direct.bundle.hex);
@@ -62,9 +62,9 @@ TEST_CASE("studio scenes: a dropped file makes the image that the file makes") {
 TEST_CASE("studio scenes: a new file of an old name is another scene") {
     Scenes scenes;
     scenes.add_file("a.xyz", "0 0 0\n10 0 0\n");
-    const auto first = scenes.compile(with_file("a.xyz"));
+    const auto first = scenes.compile(with_file("a.xyz")).scene;
     scenes.add_file("a.xyz", "0 0 0\n10 0 0\n0 10 0\n");
-    const auto second = scenes.compile(with_file("a.xyz"));
+    const auto second = scenes.compile(with_file("a.xyz")).scene;
     CHECK(first->name != second->name);
     CHECK(second->compiled.path.steps.size() == 3);
 }
@@ -72,7 +72,8 @@ TEST_CASE("studio scenes: a new file of an old name is another scene") {
 TEST_CASE("studio scenes: a document names no other files of this machine") {
     Scenes scenes;
     CHECK_THROWS_WITH(scenes.compile(with_file("/etc/passwd.csv")), Contains("does not have this file"));
-    CHECK_THROWS_WITH(scenes.compile(with_file(data + "/tetrahedron.ply")), Contains("does not have this file"));
+    CHECK_THROWS_WITH(scenes.compile(with_file(data + "/shapes/trimesh_binary.stl")),
+                      Contains("does not have this file"));
     ordered_json document = document_of(circle, "circle");
     document["array"] = "/tmp/array.toml";
     CHECK_THROWS_WITH(scenes.compile(document), Contains("shipped ones only"));
@@ -108,7 +109,7 @@ TEST_CASE("studio scenes: a project that is opened brings its files, and what is
     scenes.open(folder.path() / "project.toml");
     const ordered_json document = scenes.first_document();
     CHECK(document["rate_hz"] == 50);
-    CHECK(scenes.compile(document)->compiled.bundle.hex ==
+    CHECK(scenes.compile(document).scene->compiled.bundle.hex ==
           compile(load_project(folder.path() / "project.toml")).bundle.hex);
     write_file(folder.path() / "bad.toml",
                "format = \"haptogram-project-1\"\nrate = 5\n\n[[shape]]\nkind = \"circle\"\n");
@@ -118,7 +119,7 @@ TEST_CASE("studio scenes: a project that is opened brings its files, and what is
 TEST_CASE("studio scenes: only the last ones are kept") {
     Scenes scenes;
     ordered_json document = document_of(circle, "circle");
-    const std::string first = scenes.compile(document)->name;
+    const std::string first = scenes.compile(document).scene->name;
     for (std::size_t i = 0; i < Scenes::most_scenes; ++i) {
         document["points"] = 9 + i;
         (void)scenes.compile(document);

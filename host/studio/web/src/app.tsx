@@ -154,7 +154,7 @@ export function start(link: Link): void {
         anchor.href = URL.createObjectURL(await link.take(scene.name, as));
         anchor.download = names[as];
         anchor.click();
-        URL.revokeObjectURL(anchor.href);
+        setTimeout(() => URL.revokeObjectURL(anchor.href), 10_000); // when it has surely been read
       } catch (error) {
         wrong(error);
       }

@@ -162,7 +162,7 @@ export function Numbers() {
           <Row name="Image" value={short(scene.image_bytes / 1000)} unit="kB" />
         </tbody>
       </table>
-      {object && object.allTriangles > drawn && <p class="hint">{short(drawn)} of the object's {short(object.allTriangles)} triangles are drawn; all of them are sampled.</p>}
+      {object && object.allTriangles > drawn && <p class="hint">The object's {short(object.allTriangles)} triangles are drawn as {short(drawn)}; all of them are sampled.</p>}
       {scene.warnings.map((warning) => <p key={warning} class="warning">▲ {warning}</p>)}
     </Panel>
   );
@@ -221,7 +221,7 @@ export function Board({ actions }: WithActions) {
         <>
           <button type="button" class="wide" disabled={scene === undefined} onClick={() => actions.send("connect", { port: "virtual", scene: scene?.name ?? "" })}>Start a virtual board</button>
           <p class="hint">The FPGA's own Verilog, simulated on this machine; slower than a real board.</p>
-          <div class="field">
+          <div class="field port">
             <label for={id}>Port</label>
             <input id={id} type="text" list="ports" value={port} placeholder="/dev/ttyUSB0" onInput={(e) => setPort(e.currentTarget.value)} />
             <datalist id="ports">{state.hello.value?.ports.map((each) => <option key={each.port} value={each.port}>{each.name}</option>)}</datalist>

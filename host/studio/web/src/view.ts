@@ -76,9 +76,9 @@ export class View {
     this.canvas.tabIndex = 0;
     host.append(this.canvas);
     this.camera.up.set(0, 0, 1);
-    this.camera.position.set(230, -350, 300);
+    this.camera.position.set(260, -400, 340);
     const orbit = new OrbitControls(this.camera, this.canvas);
-    orbit.target.set(0, 0, 80);
+    orbit.target.set(0, 0, 100);
     orbit.update();
     orbit.addEventListener("change", () => this.redraw());
 
@@ -236,6 +236,6 @@ export class View {
     this.renderer.setSize(width, height);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
-    this.redraw();
+    this.renderer.render(this.world, this.camera); // at once: a new size clears the canvas
   }
 }
