@@ -117,7 +117,7 @@ test("a slice follows the hand, and is whole at rest", async (t) => {
     return { hz: (Number(app.dataset.slices) - before) / seconds, frames: frames / seconds };
   });
   t.diagnostic(`sequence of 200 foci: ${moved.hz.toFixed(1)} slices/s at ${moved.frames.toFixed(1)} frames/s`);
-  assert.ok(moved.hz > 2, "generous: this machine may be busy");
+  assert.ok(moved.hz > 0.5 * moved.frames, "slices keep up with what is drawn, however busy this machine is");
   await settled(page);
   await page.getByLabel("Plane", { exact: true }).selectOption("xz");
   await settled(page);

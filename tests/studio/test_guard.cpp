@@ -10,7 +10,7 @@ using namespace haptogram::studio;
 namespace {
 
 const std::string token = "0123456789abcdef0123456789abcdef";
-const Access access = access_for(8123, token);
+const Access ours = access_for(8123, token);
 const std::string host = "127.0.0.1:8123";
 
 /// A request of the page itself.
@@ -38,7 +38,7 @@ RequestHead socket_request() {
 }
 
 unsigned status(const RequestHead& head) {
-    const auto refusal = refuse(head, access);
+    const auto refusal = refuse(head, ours);
     return refusal ? refusal->status : 200;
 }
 
@@ -102,8 +102,9 @@ TEST_CASE("studio guard: another site may open the page by a link and nothing el
 
 TEST_CASE("studio guard: without the whole token there is neither interface nor socket") {
     const std::string other(32, '0');
-    for (const std::string wrong : {std::string(), "Bearer", "Bearer " + other, "Bearer " + token.substr(1),
-                                    "bearer " + token, "Basic " + token, "Bearer " + token + " "}) {
+    for (const std::string& wrong :
+         {std::string(), std::string("Bearer"), "Bearer " + other, "Bearer " + token.substr(1), "bearer " + token,
+          "Basic " + token, "Bearer " + token + " "}) {
         INFO(wrong);
         RequestHead head = api_request();
         head.authorization = wrong;
@@ -111,7 +112,7 @@ TEST_CASE("studio guard: without the whole token there is neither interface nor 
         head.target = "/api/nothing";
         CHECK(status(head) == 401);
     }
-    for (const std::string wrong :
+    for (const std::string& wrong :
          {std::string(), std::string("haptogram.1"), "token." + token, "haptogram.1, token." + other,
           "haptogram.2, token." + token, "haptogram.1, token." + token + "0"}) {
         INFO(wrong);

@@ -91,7 +91,7 @@ TEST_CASE("studio scenes: names of files") {
     Scenes scenes;
     scenes.add_file("<img src=x onerror=alert(1)>.ply", "x");
     scenes.add_file("\xE2\x97\x8F two words.stl", "x");
-    for (const std::string wrong :
+    for (const std::string& wrong :
          {std::string(), std::string("../a.ply"), std::string("/a.ply"), std::string(".a.ply"), std::string("a\nb.ply"),
           std::string("a\0b.ply", 7), std::string(97, 'a') + ".ply"}) {
         INFO(wrong);
