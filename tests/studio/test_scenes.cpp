@@ -133,8 +133,12 @@ TEST_CASE("studio worker: of an owner the newest work waits, and owners take tur
     std::mutex gate;
     std::vector<int> done;
     std::unique_lock closed(gate);
-    worker.ask(1, [&] { const std::lock_guard lock(gate); });  // holds the thread
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    std::promise<void> begun;
+    worker.ask(1, [&] {
+        begun.set_value();
+        const std::lock_guard lock(gate);  // holds the thread
+    });
+    begun.get_future().wait();
     for (int i = 0; i < 10'000; ++i) worker.ask(1, [&done, i] { done.push_back(i); });
     worker.ask(2, [&done] { done.push_back(-2); });
     worker.ask(3, [&done] { done.push_back(-3); });
