@@ -61,8 +61,9 @@ flash: ## load BOARD=… through openFPGALoader, with IMAGE=… in it if given; 
 	@$(PYTHON) tools/flash.py $(BOARD) --program $(BUILD)/host/cli/haptogram $(if $(IMAGE),--image $(IMAGE)) $(if $(AUTOSTART),--autostart) \
 	  $(if $(filter write,$(FLASH)),--write) $(if $(DRY_RUN),--dry-run)
 
-soak: build ## torture of the link and fuzzers at full size: hours; FUZZ_RUNS=10000000 of each target
+soak: build ## torture of the link, reference board and fuzzers at full size: hours; FUZZ_RUNS=10000000 of each target
 	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/test_torture --rng-seed time --durations yes
+	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/test_reference --rng-seed time --durations yes
 	@$(PYTHON) tests/fuzz/run.py --program $(BUILD)/host/cli/haptogram --runs $(or $(FUZZ_RUNS),10000000)
 
 formal: ## the proofs alone, with a line each

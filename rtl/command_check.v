@@ -22,6 +22,8 @@ module command_check #(
     input  wire [15:0] i_argument_2,
     input  wire [15:0] i_tail_words,
     input  wire [15:0] i_live_free,
+    input  wire        i_stopped,       // the stop input is active
+    input  wire        i_header_valid,  // the sequence header's length is in range
     output reg  [7:0]  o_status
 );
     localparam RECORD_WORDS = CHANNELS + `HG_RECORD_HEADER_WORDS;
@@ -78,8 +80,10 @@ module command_check #(
             `HG_COMMAND_PUSH:
                 if (i_tail_words > live_free_q) o_status = `HG_REPLY_FIFO_FULL;
             `HG_COMMAND_START:
-                if (i_argument_1 != 16'd0 && (i_argument_0 == 16'd0 || far_entry_q || beyond_entry_q > ENTRIES))
+                if (i_argument_1 == 16'd0 ? !i_header_valid : i_argument_0 == 16'd0 || far_entry_q || beyond_entry_q > ENTRIES)
                     o_status = `HG_REPLY_BAD_RANGE;
+            `HG_COMMAND_ENABLE:
+                if (i_stopped) o_status = `HG_REPLY_STOPPED;
             default: ;
         endcase
     end

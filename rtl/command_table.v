@@ -22,6 +22,8 @@ module command_table (
             8'h0a: o_shape = {1'b1, 2'd1, 1'b0, 2'd0};  // watchdog
             8'h0b: o_shape = {1'b1, 2'd0, 1'b0, 2'd2};  // status
             8'h0c: o_shape = {1'b1, 2'd3, 1'b0, 2'd3};  // digest
+            8'h0d: o_shape = {1'b1, 2'd0, 1'b0, 2'd0};  // keep_alive
+            8'h0e: o_shape = {1'b1, 2'd0, 1'b0, 2'd0};  // reset
             default: o_shape = 6'd0;
         endcase
     end

@@ -36,6 +36,7 @@ module command_unit #(
     output reg         o_execute,           // o_command is applied
     output reg         o_repeated,          // it was applied before
     output reg         o_refused,
+    output wire        o_session,           // since reset a host has said where its numbers begin
     // WRITE: each word for o_address in o_region
     output wire        o_write,
     input  wire        i_hold,              // this word is being read, write it later
@@ -68,7 +69,7 @@ module command_unit #(
     reg [15:0] argument_q [0:2];
     reg [1:0]  count_q;                     // arguments taken
     reg        bad_index_q;                 // a PUSH has named an index above RECORDS
-    reg        session_q;                   // since reset a host has said where its numbers begin
+    reg        session_q;
 
     // What command_table says of this command.
     wire [5:0] shape_d;
@@ -97,6 +98,7 @@ module command_unit #(
     wire takes_rest     = (state_q == TAIL && !hold) || state_q == DRAIN;
 
     assign {o_command, o_argument_2, o_argument_1, o_argument_0} = {command_q, argument_q[2], argument_q[1], argument_q[0]};
+    assign o_session     = session_q;
     assign o_settle      = state_q == SETTLE;
     assign o_tail_words  = {{(16-LENGTH_BITS){1'b0}}, tail_words_q};
     assign o_take        = i_valid && (state_q == LENGTH || state_q == HEADER || (!done && (takes_rest || takes_argument)));

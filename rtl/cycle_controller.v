@@ -8,6 +8,7 @@
 // A record plays for i_dwell cycles; 0 repeats it until the next one is ready. i_preempt asks for a change at the end of this
 // cycle, whatever is left of the dwell. o_underrun strobes once for each change that is due but cannot happen: because the next
 // record is not ready, or because a pulse from before the last change still runs, which takes a cycle shorter than that pulse.
+// While i_allow is low there are no pulses to complete, so a change that i_preempt asked for does not wait for the cycle's end.
 // PULSE_BITS and TIMING_BITS are the core's. IDLE_CLOCKS is the length of the cycle before the first record, in clocks.
 `default_nettype none
 module cycle_controller #(
@@ -17,6 +18,7 @@ module cycle_controller #(
 ) (
     input  wire                   clk,
     input  wire                   rst,
+    input  wire                   i_allow,    // from output_guard: pulses may reach the pins
     input  wire                   i_preempt,  // strobe
     input  wire                   i_settled,  // every pulse from before the last commit has ended
     input  wire                   i_ready,    // the next record: its fields below, and its timings in the shadow registers
@@ -45,10 +47,11 @@ module cycle_controller #(
     reg        preempt_q;
     reg        late_q;       // the underrun that is under way has been counted
 
-    wire tick_ends = phase_q == last_phase_q;
-    wire boundary  = tick_ends && count_q == last_count_q;
     wire due       = dwell_q == 16'd1;
     wire ready     = i_ready && i_settled;
+    wire at_once   = !i_allow && preempt_q && ready;
+    wire tick_ends = phase_q == last_phase_q || at_once;
+    wire boundary  = (tick_ends && count_q == last_count_q) || at_once;
 
     assign o_commit      = boundary && ready && (due || dwell_q == 16'd0 || preempt_q);
     assign o_underrun    = boundary && due && !ready && !preempt_q && !late_q;

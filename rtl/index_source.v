@@ -6,8 +6,9 @@
 // prepared, and the cycle controller changes at the next cycle boundary. When a selected index or a sequence has ended, one
 // last entry is offered: silence for ever. Sequence entries are fetched ahead and take 3 clocks each. o_entry/i_take is
 // valid/ready.
-// At power-up, once, the sequence header is read without a command: if its autostart bit is set, the sequence starts and
-// o_autostart strobes. That is how a bitstream with an image plays without a host.
+// After a reset the sequence header is read without a command: if its autostart bit is set, and no host has taken over since
+// power-up, the sequence starts and o_autostart strobes. That is how a bitstream with an image plays without a host, and how it goes
+// on after the PLL has lost its lock for a moment.
 // SEQUENCE_DEPTH is the core's: the number of words of sequence memory.
 `default_nettype none
 `include "interface.vh"
@@ -21,6 +22,10 @@ module index_source #(
     input  wire        i_start,
     input  wire        i_stop,
     input  wire        i_live,    // strobe: indices were pushed
+    input  wire        i_host,    // strobe: a host has done more than ask
+    input  wire        i_header,  // strobe: a host writes the lower half of the sequence header, i_header_word
+    input  wire [14:0] i_header_word,  // its length
+    output reg         o_header_valid,  // its length is in range
     input  wire [15:0] i_argument_0,  // select: index; start: first entry
     input  wire [15:0] i_argument_1,  // select: dwell; start: length, 0 as the sequence header says
     input  wire [15:0] i_argument_2,  // start: loops, 0 for ever
@@ -50,13 +55,16 @@ module index_source #(
     reg            header_q;     // the word being fetched is the sequence header
     reg [BITS-1:0] first_q, last_q, number_q;  // first and last entry of the sequence; the one to be fetched
     reg [15:0]     loops_q;
-    reg            power_up_q;   // no header has been looked at since power-up
+    reg            after_reset_q;  // no header has been looked at since reset
+    reg            alone_q;      // no host has taken over since power-up
 
     // The word that arrives, and what becomes of it.
     wire        header    = fetch_q[2] && header_q;
     wire        fetched   = fetch_q[2] && !header_q;
     wire [14:0] length    = i_sequence_word[14:0];
-    wire        plays     = length != 15'd0 && length <= TOP_ENTRY && (!power_up_q || o_autostart);
+    wire        in_range  = length != 15'd0 && length <= TOP_ENTRY;
+    wire        new_in_range = i_header_word != 15'd0 && i_header_word <= TOP_ENTRY;  // i_header arrives late in the clock
+    wire        plays     = in_range && (!after_reset_q || o_autostart);
     wire        commanded = i_select || i_start || i_stop;
     wire        enter_live = i_live && mode_q != LIVE;
     wire        taken     = offer_q && i_take && !fetch_q[2];
@@ -74,17 +82,20 @@ module index_source #(
     assign {o_dwell, o_index} = mode_q == LIVE ? i_live_entry : entry_q;
     assign o_live_take        = mode_q == LIVE && i_take;
     assign o_live_clear       = commanded;
-    assign o_autostart        = power_up_q && header && i_sequence_word[`HG_AUTOSTART_BIT] && !rst;
+    assign o_autostart        = after_reset_q && alone_q && header && in_range && i_sequence_word[`HG_AUTOSTART_BIT] && !rst;
 
-    initial {power_up_q, fetch_q} = 4'b1000;  // so nothing starts before reset, whatever the registers wake up with
+    initial {alone_q, after_reset_q, fetch_q} = 5'b11000;  // so nothing starts before reset, whatever the registers wake up with
     always @(posedge clk) begin
         o_preempt <= !rst && (commanded || enter_live);
         fetch_q   <= {fetch_q[1:0], 1'b0};
-        if (header) power_up_q <= 1'b0;
+        if (header) after_reset_q <= 1'b0;
+        if (i_host) alone_q <= 1'b0;
+        if (header || i_header) o_header_valid <= i_header ? new_in_range : in_range;
         if (rst) begin
+            after_reset_q <= 1'b1;
             mode_q   <= IDLE;
             offer_q  <= 1'b0;
-            fetch_q  <= {2'b00, power_up_q};
+            fetch_q  <= 3'b001;
             header_q <= 1'b1;
         end else if (commanded || enter_live) begin
             mode_q   <= i_select ? SINGLE : i_start ? SEQUENCE : i_stop ? IDLE : LIVE;

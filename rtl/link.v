@@ -25,6 +25,12 @@ module link #(
     input  wire        i_take,
     output wire        o_good,
     output wire        o_damaged,
+    input  wire        i_done,       // strobe: the frame has been carried out or refused
+    input  wire        i_session,
+    input  wire [7:0]  i_expected,   // the sequence number that would be applied next
+    output wire        o_disable,    // from the moment a DISABLE has arrived until it is done; o_stop alike
+    output wire        o_stop,
+    output wire        o_break,      // strobe: the line has been low for 20 bits
     input  wire        i_reply_valid,
     output wire        o_reply_ready,
     input  wire [15:0] i_reply_word,
@@ -55,6 +61,11 @@ module link #(
     frame_receiver #(.WORDS(1 << RING_BITS)) frames (
         .clk(clk), .rst(rst), .i_valid(data_valid), .i_byte(data_byte), .i_end(data_end), .i_intact(data_intact),
         .o_valid(o_valid), .o_word(o_word), .i_take(i_take), .o_good(o_good), .o_damaged(o_damaged));
+    // A frame takes two words of the ring or more.
+    urgent_commands #(.FRAMES(1 << (RING_BITS - 1))) urgency (
+        .clk(clk), .rst(rst), .i_valid(data_valid), .i_byte(data_byte), .i_end(data_end), .i_good(o_good),
+        .i_done(i_done), .i_session(i_session), .i_expected(i_expected), .o_disable(o_disable), .o_stop(o_stop));
+    line_break #(.BIT_CLOCKS(CLOCK_HZ / BAUD)) silence (.clk(clk), .rst(rst), .i_line(line), .o_break(o_break));
 
     wire       plain_valid, plain_ready, plain_last, tx_valid, tx_ready;
     wire [7:0] plain_byte, tx_byte;

@@ -8,6 +8,8 @@
 // How the bound works: time is cut into windows of MAX_HIGH_CLOCKS / 2 − 1 clocks. A channel that was high through a whole
 // window trips the guard, which disables every output until the host enables them again. That takes one bit a channel, not a
 // counter.
+// o_alive is for a retriggerable monostable beside the FPGA: when the clock stops, pins stay as they are, and no logic that needs
+// the clock can help.
 // CHANNELS is the core's. MAX_HIGH_CLOCKS is even, from 8 to 2^24 − 1: above the longest pulse of the images that are played,
 // and below what a transducer and its driver bear.
 `default_nettype none
@@ -18,12 +20,13 @@ module output_guard #(
     input  wire                clk,
     input  wire                rst,
     input  wire                i_enable,   // strobe
-    input  wire                i_disable,  // strobe; wins over i_enable
-    input  wire                i_expired,  // strobe from the watchdog; wins over i_enable
+    input  wire                i_disable,  // wins over i_enable
+    input  wire                i_expired,  // strobe from the watchdog; outputs go off, but an i_enable in this clock counts
     input  wire [CHANNELS-1:0] i_pins,
     output wire                o_allow,
     output reg                 o_enabled,
-    output reg                 o_trip      // strobe: some channel was high for too long
+    output reg                 o_trip,     // strobe: some channel was high for too long
+    output reg                 o_alive     // changes once a window, as long as there is a clock
 );
     localparam WINDOW      = MAX_HIGH_CLOCKS / 2 - 1;
     localparam WINDOW_BITS = $clog2(MAX_HIGH_CLOCKS + 1);
@@ -39,6 +42,7 @@ module output_guard #(
     wire                  off = rst || i_disable || i_expired || o_trip;
 
     always @(posedge clk) begin
+        o_alive <= !rst && (o_alive ^ window_ends);
         if (rst || window_ends) window_q <= {WINDOW_BITS{1'b0}};
         else window_q <= window_q + 1'b1;
     end
@@ -54,8 +58,9 @@ module output_guard #(
 
     initial o_enabled = 1'b0;
     always @(posedge clk) begin
-        if (off) o_enabled <= 1'b0;
+        if (rst || i_disable || o_trip) o_enabled <= 1'b0;
         else if (i_enable) o_enabled <= 1'b1;
+        else if (i_expired) o_enabled <= 1'b0;
     end
     assign o_allow = o_enabled && !off;
 

@@ -4,10 +4,12 @@
 //
 // It is a module of its own because everything that contracts 1, 2 and 4 promise happens in here. Its only inputs are entries,
 // a memory to read, and the guard's three strobes, so it can be built, proved and measured by itself. i_entry/o_take is a
-// valid/ready stream. A pin rises two clocks after the tick that its timing names; o_index and o_cycle_start are delayed alike.
-// CHANNELS, RECORDS, TIMING_BITS, PULSE_BITS and MAX_HIGH_CLOCKS are the core's. PULSE_BITS must not exceed TIMING_BITS,
-// because the end of a pulse is found by comparing the lowest PULSE_BITS of its timing. IDLE_CLOCKS is the cycle before the
-// first record.
+// valid/ready stream. A pin rises one tick and two clocks after the tick that its timing names; o_index and o_cycle_start are
+// delayed alike.
+// CHANNELS, RECORDS, TIMING_BITS, PULSE_BITS, MAX_HIGH_CLOCKS, MIN_PULSE_CLOCKS and MAX_DUTY_256 are the core's. PULSE_BITS must not
+// exceed TIMING_BITS, because the end of a pulse is found by comparing the lowest PULSE_BITS of its timing. IDLE_CLOCKS is the
+// cycle before the first record. MAX_PULSE_CLOCKS, MAX_CYCLE_CLOCKS and PRESCALER_BITS bound what a record may ask for, see
+// memory_controller.
 `default_nettype none
 `include "interface.vh"
 module player #(
@@ -17,6 +19,11 @@ module player #(
     parameter PULSE_BITS      = 8,
     parameter IDLE_CLOCKS     = 1250,
     parameter MAX_HIGH_CLOCKS = 10000,
+    parameter MIN_PULSE_CLOCKS = 5,
+    parameter MAX_PULSE_CLOCKS = 999,
+    parameter MAX_DUTY_256    = 128,
+    parameter MAX_CYCLE_CLOCKS = 50000000,
+    parameter PRESCALER_BITS  = 24,
     parameter ADDRESS_BITS    = $clog2(RECORDS * (CHANNELS + `HG_RECORD_HEADER_WORDS))  // follows from the others
 ) (
     input  wire                clk,
@@ -34,6 +41,7 @@ module player #(
     input  wire                i_expired,
     output wire [CHANNELS-1:0] o_pins,
     output wire                o_enabled,
+    output wire                o_alive,
     output wire [15:0]         o_index,
     output wire                o_cycle_start,
     output wire                o_refused,
@@ -52,7 +60,9 @@ module player #(
     wire [PULSE_BITS-1:0]  next_pulse_length, pulse_length;
 
     memory_controller #(
-        .CHANNELS(CHANNELS), .RECORDS(RECORDS), .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS)
+        .CHANNELS(CHANNELS), .RECORDS(RECORDS), .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS),
+        .MIN_PULSE_CLOCKS(MIN_PULSE_CLOCKS), .MAX_PULSE_CLOCKS(MAX_PULSE_CLOCKS), .MAX_DUTY_256(MAX_DUTY_256),
+        .MAX_CYCLE_CLOCKS(MAX_CYCLE_CLOCKS), .PRESCALER_BITS(PRESCALER_BITS)
     ) memory (
         .clk(clk), .rst(rst),
         .i_preempt(i_preempt), .i_entry(i_entry), .i_settled(settled), .o_take(o_take), .i_index(i_index), .i_dwell(i_dwell),
@@ -65,7 +75,7 @@ module player #(
         .PULSE_BITS(PULSE_BITS), .TIMING_BITS(TIMING_BITS), .IDLE_CLOCKS(IDLE_CLOCKS)
     ) cycle (
         .clk(clk), .rst(rst),
-        .i_preempt(i_preempt), .i_settled(settled),
+        .i_allow(allow), .i_preempt(i_preempt), .i_settled(settled),
         .i_ready(ready), .i_index(index), .i_dwell(dwell), .i_silent(silent),
         .i_cycle_length(cycle_length), .i_prescaler(prescaler), .i_pulse_length(next_pulse_length),
         .o_commit(commit), .o_tick(tick), .o_count(count), .o_can_match(can_match), .o_pulse_length(pulse_length),
@@ -84,13 +94,19 @@ module player #(
     ) guard (
         .clk(clk), .rst(rst),
         .i_enable(i_enable), .i_disable(i_disable), .i_expired(i_expired), .i_pins(o_pins),
-        .o_allow(allow), .o_enabled(o_enabled), .o_trip(o_guard_trip));
+        .o_allow(allow), .o_enabled(o_enabled), .o_trip(o_guard_trip), .o_alive(o_alive));
 
-    // The two clocks by which the pins are late, for the signals beside them.
+    // The tick and the two clocks by which the pins are late, for the signals beside them.
+    reg        starts_q;  // the last tick was the first of a cycle
+    reg [15:0] index_q;   // the record of the last tick
     reg [16:0] beside_0_q, beside_1_q;
     always @(posedge clk) begin
-        if (rst) {beside_0_q, beside_1_q} <= 34'd0;
-        else {beside_0_q, beside_1_q} <= {{cycle_start, present}, beside_0_q};
+        if (rst) {starts_q, index_q, beside_0_q, beside_1_q} <= 51'd0;
+        else begin
+            if (tick) {starts_q, index_q} <= {cycle_start, present};
+            beside_0_q <= {tick && starts_q, tick ? index_q : beside_0_q[15:0]};
+            beside_1_q <= beside_0_q;
+        end
     end
     assign {o_cycle_start, o_index} = beside_1_q;
 

@@ -9,7 +9,9 @@
 // compared ones in one clock; a pulse that is under way then finds its end by its old timing in the shadow registers, so it
 // completes, and a new pulse that overlaps it merges with it. Until o_settled the shadow registers must not change.
 // While i_allow is low the pins are low, from the next clock on, and no pulse starts, so the first one after enabling is whole.
-// A pin follows its tick by two clocks.
+// At a change of focus a new pulse can begin one tick after the old one has ended. A driver cannot follow such a short gap, so it
+// is filled, as long as pulses from before the change can have ended just now; gaps between pulses of one record stay. To know the
+// tick ahead, all pins are one tick late: a pin follows its tick by one tick and two clocks.
 // CHANNELS is the core's. TIMING_BITS (4 to 16) is how late in a cycle a pulse can start, in ticks, and sets most of the cells.
 // PULSE_BITS (1 to 8, at most TIMING_BITS) sets the longest pulse: every channel compares so many bits to find its end.
 `default_nettype none
@@ -38,20 +40,33 @@ module pulse_generators #(
     // What all channels compare with, one clock after the tick. fall_q is the count delayed by one pulse length: NEVER until the
     // first pulse of a record can end; then it keeps counting over the cycle's end. A commit hands its value to old_fall_q, by
     // which the pulses from before that commit end.
-    reg                   start_q, commit_q, moves_q;
+    // After the outputs were off, they stay so for a clock more: then no pulse begins in a tick that is not its record's any more.
+    reg                   allowed_q;
+    wire                  off = rst || !i_allow || !allowed_q;
+    initial allowed_q = 1'b0;
+    always @(posedge clk) allowed_q <= i_allow && !rst;
+
+    reg                   start_q, commit_q, tick_q, moves_q;
     reg [TIMING_BITS-1:0] count_q, fall_q;
     reg [PULSE_BITS-1:0]  old_fall_q;  // its low bits are enough: those pulses end within 2^PULSE_BITS ticks
     reg [PULSE_BITS-1:0]  old_left_q;  // ticks until the last of them has ended
     reg [PULSE_BITS-1:0]  lead_q;      // ticks until the first pulse of this cycle can end
+    reg                   ending_q, fills_q;  // in the last tick, and in the one before it, such a pulse could still be high
     wire [TIMING_BITS-1:0] fall_next = fall_q + 1'b1;
     assign o_settled = old_left_q == NONE || (i_tick && old_left_q == ONE);
 
     always @(posedge clk) begin
         commit_q <= i_commit && !rst;
+        tick_q   <= i_tick;
         moves_q  <= i_tick || i_commit;
         start_q  <= i_tick && i_can_match && !rst;
+        if (rst) {ending_q, fills_q} <= 2'b00;
+        else if (i_commit) {ending_q, fills_q} <= 2'b11;
+        else if (off) {ending_q, fills_q} <= 2'b00;
+        else if (tick_q && !commit_q) {ending_q, fills_q} <= {old_left_q != NONE, ending_q};
         if (rst) old_left_q <= NONE;
         else if (i_commit) old_left_q <= i_pulse_length;
+        else if (off) old_left_q <= NONE;
         else if (i_tick && old_left_q != NONE) old_left_q <= old_left_q - ONE;
         if (i_tick) begin  // commit_q is high in the first tick of a record
             count_q    <= i_count;
@@ -90,15 +105,15 @@ module pulse_generators #(
     end
     wire [CHANNELS-1:0] new_d = (new_q & ~ends) | (~new_q & begins & {CHANNELS{start_q}});
     wire [CHANNELS-1:0] old_d = old_q & ~old_ends;
-    wire off = rst || !i_allow;
+    // new_q and old_q are the state in the last tick, new_d and old_d in this one.
     initial {o_pins, new_q, old_q} = {3*CHANNELS{1'b0}};
     always @(posedge clk) begin
         if (off || commit_q) new_q <= {CHANNELS{1'b0}};
         else if (moves_q) new_q <= new_d;
         if (off) {o_pins, old_q} <= {2*CHANNELS{1'b0}};
         else if (moves_q) begin
-            old_q  <= commit_q ? new_d : old_d;
-            o_pins <= new_d | old_d;
+            old_q <= commit_q ? new_d : old_d;
+            if (tick_q) o_pins <= new_q | old_q | (o_pins & (new_d | old_d) & {CHANNELS{fills_q}});
         end
     end
 

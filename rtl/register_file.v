@@ -14,7 +14,11 @@ module register_file #(
     parameter LIVE_DEPTH     = 256,
     parameter TIMING_BITS    = 16,
     parameter PULSE_BITS     = 8,
-    parameter CLOCK_HZ       = 50000000
+    parameter CLOCK_HZ       = 50000000,
+    parameter MIN_PULSE_CLOCKS = 5,
+    parameter MAX_PULSE_CLOCKS = 999,
+    parameter MAX_DUTY_256     = 128,
+    parameter MAX_CYCLE_CLOCKS = 50000000
 ) (
     input  wire        clk,
     input  wire        rst,
@@ -23,6 +27,7 @@ module register_file #(
     input  wire [4:0]  i_address,  // number of the word
     output reg  [15:0] o_word,
     input  wire        i_enabled,
+    input  wire        i_stopped,
     input  wire [1:0]  i_mode,
     input  wire [15:0] i_present_index,
     input  wire [15:0] i_live_level,
@@ -38,7 +43,10 @@ module register_file #(
 );
     localparam [15:0] CHANNELS_16 = CHANNELS[15:0], RECORDS_16 = RECORDS[15:0], SEQUENCE_16 = SEQUENCE_DEPTH[15:0],
                       LIVE_16 = LIVE_DEPTH[15:0], TIMING_16 = TIMING_BITS[15:0], PULSE_16 = PULSE_BITS[15:0];
-    localparam [31:0] CLOCK_32 = CLOCK_HZ;
+    localparam [31:0] CLOCK_32 = CLOCK_HZ, CYCLE_32 = MAX_CYCLE_CLOCKS;
+    localparam [15:0] MIN_16 = MIN_PULSE_CLOCKS[15:0], DUTY_16 = MAX_DUTY_256[15:0];
+    // More than the field holds is said as its largest value: what a host then keeps to, the board plays.
+    localparam [15:0] MAX_16 = MAX_PULSE_CLOCKS > 65535 ? 16'hffff : MAX_PULSE_CLOCKS[15:0];
     // A WRITE of one whole record, in bytes: 2 of head, 4 of address, and the record.
     localparam FRAME = 6 + 2 * (CHANNELS + `HG_RECORD_HEADER_WORDS);
     localparam [127:0] NAME = `HG_NAME;
@@ -75,9 +83,14 @@ module register_file #(
             `HG_IDENTITY_CLOCK_HZ_HIGH:  o_word <= CLOCK_32[31:16];
             `HG_IDENTITY_FEATURES:       o_word <= `HG_FEATURES;
             `HG_IDENTITY_FRAME_BYTES:    o_word <= FRAME[15:0];
+            `HG_IDENTITY_MIN_PULSE_CLOCKS: o_word <= MIN_16;
+            `HG_IDENTITY_MAX_PULSE_CLOCKS: o_word <= MAX_16;
+            `HG_IDENTITY_MAX_DUTY_256:   o_word <= DUTY_16;
+            `HG_IDENTITY_MAX_CYCLE_LOW:  o_word <= CYCLE_32[15:0];
+            `HG_IDENTITY_MAX_CYCLE_HIGH: o_word <= CYCLE_32[31:16];
             default:                     o_word <= NAME[{i_address[2:0], 4'd0} +: 16];
         endcase else case (i_address)
-            `HG_STATUS_FLAGS:            o_word <= {13'd0, i_mode, i_enabled};
+            `HG_STATUS_FLAGS:            o_word <= {12'd0, i_stopped, i_mode, i_enabled};
             `HG_STATUS_PRESENT_INDEX:    o_word <= i_present_index;
             `HG_STATUS_UNDERRUNS:        o_word <= underruns_q;
             `HG_STATUS_REFUSED_RECORDS:  o_word <= records_refused_q;

@@ -17,7 +17,7 @@ class Model {
 public:
     /// What is at the ports after a clock's rising edge.
     struct Outputs {
-        bool tx = true, enabled = false, playing = false, fault = false, cycle_start = false;
+        bool tx = true, enabled = false, alive = false, playing = false, fault = false, cycle_start = false;
         std::uint16_t index = 0;
         std::vector<std::uint32_t> pins;  ///< channel k is bit k % 32 of word k / 32
     };
@@ -27,8 +27,13 @@ public:
     Model& operator=(const Model&) = delete;
     virtual ~Model() = default;
 
+    /// What is at the ports before it.
+    struct Inputs {
+        bool reset = false, rx = true, stop = false;
+    };
+
     /// One rising clock edge with these inputs; `outputs` is what follows it.
-    virtual void clock(bool reset, bool rx, Outputs& outputs) = 0;
+    virtual void clock(const Inputs& inputs, Outputs& outputs) = 0;
     /// Its name and the parameters that it was built with.
     [[nodiscard]] virtual const interface::CoreConfiguration& configuration() const = 0;
     /// The memories' words, to read and to write beside the link; empty where they cannot be reached, as in a netlist.

@@ -10,6 +10,7 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/link/transfer.hpp"
+#include "simulated_board.hpp"
 #include "simulated_transport.hpp"
 
 namespace haptogram::sim {
@@ -98,12 +99,14 @@ std::pair<std::uint64_t, std::uint64_t> comparable(const std::vector<CycleStart>
 
 }  // namespace
 
-std::string_view model_for(const Image& image, const std::string& where) {
-    const auto model = find_model(image.clock_hz, image.channels, static_cast<std::uint32_t>(image.records.size()),
-                                  static_cast<std::uint32_t>(image.sequence.size() + 1), image.timing_bits);
+std::string_view model_for(const Image& image, const std::string& where,
+                           std::span<const interface::CoreConfiguration> models) {
+    const auto model =
+        find_model(models, image.clock_hz, image.channels, static_cast<std::uint32_t>(image.records.size()),
+                   static_cast<std::uint32_t>(image.sequence.size() + 1), image.timing_bits);
     if (model) return *model;
     std::string known;
-    for (const auto& [name, p, about] : available_models())
+    for (const auto& [name, p, about] : models)
         known += fmt::format("\n  {}: {} channels, {} records, {} sequence entries, {} timing bits, {} Hz", name,
                              p.channels, p.records, p.sequence_depth - 1, p.timing_bits, p.clock_hz);
     throw bad_input(
@@ -115,7 +118,7 @@ std::string_view model_for(const Image& image, const std::string& where) {
             image.channels, image.records.size(), image.sequence.size(), image.timing_bits, image.clock_hz, known));
 }
 
-void load_directly(SimulatedBoard& board, const Image& image) {
+void load_directly(Board& board, const Image& image) {
     std::ranges::copy(primary_words(image), board.primary_memory().begin());
     std::ranges::copy(sequence_words(image), board.sequence_memory().begin());
 }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -36,13 +37,14 @@ struct Playback {
     double playing_seconds = 0.0;
 };
 
-/// The Verilated core that can play an image, by the name of its configuration.
+/// The first of these configurations that can play an image, by its name.
 /// @param where  names the image in messages
 /// @throws Error{bad_input} when there is none
-[[nodiscard]] std::string_view model_for(const Image& image, const std::string& where);
+[[nodiscard]] std::string_view model_for(const Image& image, const std::string& where,
+                                         std::span<const interface::CoreConfiguration> models = available_models());
 
 /// Puts an image straight into a board's memories, as a bitstream does.
-void load_directly(SimulatedBoard& board, const Image& image);
+void load_directly(Board& board, const Image& image);
 
 /// Loads an image into a simulated board, enables the outputs, plays the sequence, stops, and checks at the pins what
 /// the contracts promise: every pulse equal to the image, every record for its dwell and in order, nothing refused,

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "board.hpp"
 #include "haptogram/image/image.hpp"
 #include "haptogram/image/pulses.hpp"
-#include "simulated_board.hpp"
 
 namespace haptogram::sim {
 
@@ -22,7 +22,7 @@ struct Dwell {
 class PulseRecorder {
 public:
     /// Takes over the board's edge and cycle callbacks; the board must not outlive the recorder.
-    explicit PulseRecorder(SimulatedBoard& board);
+    explicit PulseRecorder(Board& board);
 
     [[nodiscard]] const std::vector<Pulse>& pulses() const { return pulses_; }
     [[nodiscard]] const std::vector<CycleStart>& cycles() const { return cycles_; }

@@ -14,8 +14,10 @@ public:
     explicit SerialSender(double clocks_per_bit) : clocks_per_bit_(clocks_per_bit) {}
 
     void send(std::span<const std::uint8_t> bytes) { waiting_.insert(waiting_.end(), bytes.begin(), bytes.end()); }
-    /// Level of the line at a clock; to be asked for every clock in turn.
+    /// Level of the line at a clock; to be asked for every clock in turn, or at least when next_change() says.
     [[nodiscard]] bool level(std::uint64_t clock);
+    /// The next clock, or one that has passed, from which on the level may be another one; the highest number: none.
+    [[nodiscard]] std::uint64_t next_change() const { return idle() ? ~std::uint64_t{0} : next_change_; }
     [[nodiscard]] bool idle() const { return waiting_.empty() && bit_ == idle_bit; }
     /// Unplugs the cable: what was waiting, and the byte under way, are lost.
     void drop();

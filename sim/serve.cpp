@@ -29,7 +29,7 @@ void LinkCounters::out(std::span<const std::uint8_t> bytes) {
                                                          : refused);
 }
 
-Served serve(SimulatedBoard& board, PseudoTerminal& terminal, const ServeOptions& options,
+Served serve(Board& board, PseudoTerminal& terminal, const ServeOptions& options,
              const std::function<bool(const Served&)>& watch) {
     using Clock = std::chrono::steady_clock;
     constexpr std::uint64_t slice = 2000;  // clocks, less than one byte at 115,200 baud
@@ -66,9 +66,9 @@ Served serve(SimulatedBoard& board, PseudoTerminal& terminal, const ServeOptions
     return served;
 }
 
-std::string_view model_with_channels(std::uint32_t channels) {
+std::string_view model_with_channels(std::uint32_t channels, std::span<const interface::CoreConfiguration> models) {
     std::string known;
-    for (const auto& [name, parameters, about] : available_models()) {
+    for (const auto& [name, parameters, about] : models) {
         if (parameters.channels == channels) return name;
         known += fmt::format("{}{}", known.empty() ? "" : ", ", parameters.channels);
     }

@@ -4,9 +4,9 @@
 #include <functional>
 #include <span>
 
+#include "board.hpp"
 #include "haptogram/link/frame.hpp"
 #include "pseudo_terminal.hpp"
-#include "simulated_board.hpp"
 
 namespace haptogram::sim {
 
@@ -44,11 +44,12 @@ struct Served {
 
 /// Runs a simulated board behind a pseudo-terminal: what others write there reaches its line, and the other way round.
 /// @param watch  told many times a second what was done so far; false ends the serving
-Served serve(SimulatedBoard& board, PseudoTerminal& terminal, const ServeOptions& options,
+Served serve(Board& board, PseudoTerminal& terminal, const ServeOptions& options,
              const std::function<bool(const Served&)>& watch);
 
-/// The first simulated board with so many channels, by its name in available_models().
+/// The first of these configurations with so many channels, by its name.
 /// @throws Error{bad_argument} for "channels" when there is none; the message lists those that there are
-[[nodiscard]] std::string_view model_with_channels(std::uint32_t channels);
+[[nodiscard]] std::string_view model_with_channels(
+    std::uint32_t channels, std::span<const interface::CoreConfiguration> models = available_models());
 
 }  // namespace haptogram::sim

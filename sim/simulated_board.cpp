@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simulated_board.hpp"
 
-#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <utility>
@@ -33,7 +32,7 @@ void SimulatedBoard::reset(unsigned clocks) {
 
 void SimulatedBoard::clock() {
     const bool line = sender_.level(now_);
-    model_->clock(in_reset_, forced_line_.value_or(line), outputs_);
+    model_->clock({.reset = in_reset_, .rx = forced_line_.value_or(line), .stop = stop_}, outputs_);
     if (outputs_.cycle_start && on_cycle_start_) on_cycle_start_({now_, outputs_.index, outputs_.enabled});
     for (std::size_t word = 0; word < last_pins_.size(); ++word) {
         std::uint32_t changed = outputs_.pins[word] ^ last_pins_[word];
@@ -46,7 +45,10 @@ void SimulatedBoard::clock() {
             on_edge_({now_, channel, outputs_.index, ((outputs_.pins[word] >> bit) & 1U) != 0});
         }
     }
-    if (const auto byte = receiver_.sample(now_, outputs_.tx)) arrived_.push_back(*byte);
+    if (const auto byte = receiver_.sample(now_, outputs_.tx)) {
+        arrived_.push_back(*byte);
+        if (on_arrival_) on_arrival_({now_, *byte});
+    }
     ++now_;
 }
 
@@ -54,23 +56,12 @@ void SimulatedBoard::run(std::uint64_t clocks) {
     for (std::uint64_t i = 0; i < clocks; ++i) clock();
 }
 
-bool SimulatedBoard::run_until(const std::function<bool()>& done, std::uint64_t limit) {
-    for (const std::uint64_t end = now_ + limit; !done();) {
-        if (now_ >= end) return false;
-        run(16);
-    }
-    return true;
-}
-
-bool SimulatedBoard::any_pin() const {
-    return std::any_of(outputs_.pins.begin(), outputs_.pins.end(), [](std::uint32_t word) { return word != 0; });
-}
-
 std::vector<std::uint8_t> SimulatedBoard::receive() { return std::exchange(arrived_, {}); }
 
-std::optional<std::string_view> find_model(double clock_hz, std::uint32_t channels, std::uint32_t records,
-                                           std::uint32_t sequence_words, std::uint32_t timing_bits) {
-    for (const auto& [name, p, about] : available_models())
+std::optional<std::string_view> find_model(std::span<const interface::CoreConfiguration> models, double clock_hz,
+                                           std::uint32_t channels, std::uint32_t records, std::uint32_t sequence_words,
+                                           std::uint32_t timing_bits) {
+    for (const auto& [name, p, about] : models)
         if (std::abs(p.clock_hz - clock_hz) < 0.5 && p.channels == channels && p.records >= records &&
             p.sequence_depth >= sequence_words && p.timing_bits >= timing_bits)
             return name;

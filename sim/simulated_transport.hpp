@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include "board.hpp"
 #include "haptogram/link/transport.hpp"
-#include "simulated_board.hpp"
 
 namespace haptogram::sim {
 
 /// The simulated serial line as a link::Transport: waiting for bytes runs the board's clock.
 class SimulatedTransport final : public link::Transport {
 public:
-    explicit SimulatedTransport(SimulatedBoard& board) : board_(board) {}
+    explicit SimulatedTransport(Board& board) : board_(board) {}
 
     void write(std::span<const std::uint8_t> bytes) override { board_.send(bytes); }
 
@@ -24,7 +24,7 @@ public:
     [[nodiscard]] std::chrono::microseconds patience() const override { return std::chrono::milliseconds(50); }
 
 private:
-    SimulatedBoard& board_;
+    Board& board_;
 };
 
 }  // namespace haptogram::sim

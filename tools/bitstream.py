@@ -25,6 +25,7 @@ ROOT = Path(__file__).resolve().parent.parent
 BOARDS = ROOT / "constraints"
 VENV = ROOT / "build" / "venv" / "bin"
 RECORD_HEADER_WORDS = configurations.load()["record"]["header_words"]
+AUTOSTART = sum(1 << f["low"] for f in configurations.load()["sequence_header"]["fields"] if f["name"] == "autostart")
 BLOCK_WORDS = 256  # of icebram
 
 
@@ -77,7 +78,10 @@ def fingerprint(folder, board):
     """Random contents, by which the block RAMs of a placed design are found again; and empty ones for the bitstream."""
     for seed, (name, (width, depth)) in enumerate(memories(board).items(), 1):
         words = random.Random(seed)
-        lines = [f"{words.getrandbits(width):0{width // 4}x}\n" for _ in range(depth)]
+        contents = [words.getrandbits(width) for _ in range(depth)]
+        if name == "sequence":
+            contents[0] &= ~AUTOSTART  # a placed design without an image must never start by itself
+        lines = [f"{word:0{width // 4}x}\n" for word in contents]
         # icebram takes whole blocks; where a memory ends within one, its rest is zero.
         zero = "0" * (width // 4) + "\n"
         padding = [zero] * (-depth % BLOCK_WORDS)
@@ -90,9 +94,14 @@ def synthesise(folder, board):
     family, top = board["fpga"]["family"], board["fpga"]["top"]
     sources = sorted(ROOT.glob("rtl/*.v"))
     if top != "haptogram_core":
-        sources += [ROOT / "rtl" / "boards" / f"{top}.v"] + ([ROOT / "rtl" / "boards" / "ecp5_50mhz.v"] if family == "ecp5" else [])
+        with_ecp5 = [top, "ecp5_50mhz", "clock_watch"] if family == "ecp5" else [top]
+        sources += [ROOT / "rtl" / "boards" / f"{name}.v" for name in with_ecp5]
     pins = board["pins"]
-    defines = (["-DHG_LED"] if "led" in pins else []) + ([f"-DHG_HIGH={len(pins['high'])}"] if pins.get("high") else [])
+    given = {"HG_LED": "led" in pins, "HG_ALIVE": "alive" in pins, "HG_ACTIVE_LOW": pins.get("active") == "low"}
+    defines = [f"-D{name}" for name, wanted in given.items() if wanted]
+    defines += [f"-DHG_STOP={pins.get('stop_level', 0)}"] if "stop" in pins else []
+    defines += [f"-DHG_DRIVER_ENABLE={pins.get('driver_enable_level', 1)}"] if "driver_enable" in pins else []
+    defines += [f"-DHG_HIGH={len(pins['high'])}"] if pins.get("high") else []
     sets = " ".join(f"-set {k} {v}" for k, v in board["parameters"].items())
     files = " ".join(f'-set {n.upper()}_FILE "{n}_init.hex"' for n in memories(board))
     # Without the one multiplier, for which Yosys has no simulation model.
@@ -125,13 +134,20 @@ def constraints(board):
     """The pin file of nextpnr: .pcf for the iCE40, .lpf for the ECP5."""
     pins, channels = board["pins"], board["parameters"]["CHANNELS"]
     sites = [("i_clk", pins["clk"]), ("i_rx", pins["rx"]), ("o_tx", pins["tx"])]
-    sites += [("o_led", pins["led"])] if "led" in pins else []
+    sites += [(port, pins[key]) for port, key in [("o_led", "led"), ("i_stop", "stop"), ("o_driver_enable", "driver_enable"),
+                                                  ("o_alive", "alive")] if key in pins]
+    # At rest the serial line is high, and a stop switch that nobody has fitted is not pressed.
+    pulls = {"i_rx": "UP", "i_stop": "DOWN" if pins.get("stop_level", 0) else "UP"}
     sites += [(f"o_high[{i}]", ball) for i, ball in enumerate(pins.get("high", []))]
     sites += [(f"o_pins[{k}]", row[3]) for k, row in enumerate(board["outputs"][:channels])]
     if board["fpga"]["family"] == "ice40":
-        return "pins.pcf", "".join(f"set_io {'-pullup yes ' if port == 'i_rx' else ''}{port} {ball}\n" for port, ball in sites)
-    text = "".join(f'LOCATE COMP "{port}" SITE "{ball}";\nIOBUF PORT "{port}" IO_TYPE=LVCMOS33'
-                   f'{" PULLMODE=UP" if port == "i_rx" else ""};\n' for port, ball in sites)
+        return "pins.pcf", "".join(f"set_io {'-pullup yes ' if pulls.get(port) == 'UP' else ''}{port} {ball}\n" for port, ball in sites)
+    outputs = (f" DRIVE={pins['drive_ma']}" if "drive_ma" in pins else "") + (f" SLEWRATE={pins['slew'].upper()}" if "slew" in pins else "")
+
+    def attributes(port):
+        return f" PULLMODE={pulls[port]}" if port in pulls else outputs if port.startswith("o_pins") else ""
+
+    text = "".join(f'LOCATE COMP "{port}" SITE "{ball}";\nIOBUF PORT "{port}" IO_TYPE=LVCMOS33{attributes(port)};\n' for port, ball in sites)
     return "pins.lpf", text + 'FREQUENCY PORT "i_clk" 25 MHz;\n'
 
 

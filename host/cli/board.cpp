@@ -50,6 +50,27 @@ std::string fpga_name(const Board::Fpga& fpga) {
 /// Rounded to a ten-thousandth of a millimetre, as in a manifest.
 double to_mm(double metres) { return std::round(metres * 1e7) / 1e4 + 0.0; }
 
+template <class T>
+ordered_json or_null(const std::optional<T>& value) {
+    return value ? ordered_json(*value) : ordered_json(nullptr);
+}
+
+ordered_json to_json(const Board::Pins& pins) {
+    return {{"clk", pins.clk},
+            {"rx", pins.rx},
+            {"tx", pins.tx},
+            {"led", or_null(pins.led)},
+            {"stop", or_null(pins.stop)},
+            {"stop_level", pins.stop_level},
+            {"driver_enable", or_null(pins.driver_enable)},
+            {"driver_enable_level", pins.driver_enable_level},
+            {"alive", or_null(pins.alive)},
+            {"active", pins.active_low ? "low" : "high"},
+            {"drive_ma", or_null(pins.drive_ma)},
+            {"slew", or_null(pins.slew)},
+            {"high", pins.high}};
+}
+
 ordered_json to_json(const Pinout& pinout) {
     const Board& board = pinout.board;
     ordered_json json = {
@@ -64,17 +85,11 @@ ordered_json to_json(const Pinout& pinout) {
           {"top", board.fpga.top}}},
         {"parameters", ordered_json::object()},
         {"flash", {{"load", board.flash.load}, {"write", board.flash.write}, {"note", board.flash.note}}},
-        {"pins",
-         {{"clk", board.pins.clk},
-          {"rx", board.pins.rx},
-          {"tx", board.pins.tx},
-          {"led", nullptr},
-          {"high", board.pins.high}}},
+        {"pins", to_json(board.pins)},
         {"array", pinout.array.name},
         {"outputs", ordered_json::array()}};
     for (const auto& one : interface::core_parameters) json["parameters"][one.name] = board.parameters.*one.member;
     if (board.fpga.speed) json["fpga"]["speed"] = *board.fpga.speed;
-    if (board.pins.led) json["pins"]["led"] = *board.pins.led;
     for (const PinoutRow& row : pinout.rows) {
         const Board::Output& o = row.output;
         ordered_json cells = {{"connector", o.connector}, {"pin", o.pin},   {"net", o.net},     {"ball", o.ball},
@@ -106,6 +121,8 @@ std::string to_csv(const Pinout& pinout) {
     return text;
 }
 
+const char* level(std::uint32_t value) { return value == 0 ? "low" : "high"; }
+
 std::string to_text(const Pinout& pinout) {
     const Board& board = pinout.board;
     const Board::Pins& pins = board.pins;
@@ -113,6 +130,13 @@ std::string to_text(const Pinout& pinout) {
     text += fmt::format("clock  ball {}; the instrument runs at {} MHz\n", pins.clk, board.parameters.clock_hz / 1e6);
     text += fmt::format("UART   rx ball {}, tx ball {}, {} baud\n", pins.rx, pins.tx, board.parameters.baud);
     if (pins.led) text += fmt::format("LED    ball {}\n", *pins.led);
+    if (pins.stop)
+        text += fmt::format("stop   ball {}; outputs are off while it is {}\n", *pins.stop, level(pins.stop_level));
+    if (pins.driver_enable)
+        text += fmt::format("enable ball {}; {} while outputs are on, for the drivers' enable inputs\n",
+                            *pins.driver_enable, level(pins.driver_enable_level));
+    if (pins.alive) text += fmt::format("alive  ball {}; changes as long as there is a clock\n", *pins.alive);
+    if (pins.active_low) text += "active low: a transducer's driver is on while its pin is low\n";
     if (!pins.high.empty()) text += fmt::format("high   ball {}\n", fmt::join(pins.high, ", "));
     text += fmt::format("array  {}, {} elements; x to the right, y up, seen from the side of the hand\n",
                         pinout.array.name, pinout.array.elements.size());

@@ -7,6 +7,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
+#include <string_view>
 #include <vector>
 
 #include "command.hpp"
@@ -19,7 +21,9 @@
 #include "playback.hpp"
 #include "pseudo_terminal.hpp"
 #include "pulse_check.hpp"
+#include "reference_board.hpp"
 #include "serve.hpp"
+#include "simulated_board.hpp"
 
 namespace haptogram::cli {
 namespace {
@@ -30,6 +34,7 @@ struct RunOptions {
     std::string image;
     std::string pty;
     std::string speed = "real";
+    std::string model = "rtl";
     std::string trace;
     std::string pulses;
     std::uint32_t channels = 100;
@@ -83,15 +88,28 @@ int run_board(const RunOptions& options) {
     if (!options.trace.empty()) outputs.push_back({"--trace", options.trace});
     require_distinct({{"--image", options.image}}, outputs);
     const std::optional<Image> image = read_image(options.image);
-    sim::SimulatedBoard board(image ? sim::model_for(*image, options.image)
-                                    : sim::model_with_channels(options.channels));
+    const bool is_rtl = options.model == "rtl";
+    if (!is_rtl && !options.trace.empty())
+        throw bad_argument("trace", "the reference board has no signals; give --model rtl, or leave out the trace");
+    const std::span<const interface::CoreConfiguration> models =
+        is_rtl ? std::span<const interface::CoreConfiguration>(sim::available_models())
+               : interface::core_configurations;
+    const std::string_view model =
+        image ? sim::model_for(*image, options.image, models) : sim::model_with_channels(options.channels, models);
+    std::unique_ptr<sim::SimulatedBoard> core;
+    std::unique_ptr<sim::ReferenceBoard> reference;
+    if (is_rtl)
+        core = std::make_unique<sim::SimulatedBoard>(model);
+    else
+        reference = std::make_unique<sim::ReferenceBoard>(model);
+    sim::Board& board = is_rtl ? static_cast<sim::Board&>(*core) : *reference;
     std::optional<StagedFile> trace;
     std::optional<StagedFile> pulses;
     if (!options.trace.empty()) {
         trace.emplace(options.trace);
         if (trace->beside().empty())
             throw bad_input(options.trace, "a trace needs a file of its own; name one that is no device or pipe");
-        board.trace(trace->beside());
+        core->trace(trace->beside());
     }
     std::optional<sim::PulseRecorder> recorder;
     if (!options.pulses.empty()) {
@@ -103,6 +121,7 @@ int run_board(const RunOptions& options) {
     sim::PseudoTerminal terminal(options.pty);
     const interface::CoreParameters& p = board.parameters();
     tell_line({{"port", terminal.name()},
+               {"model", options.model},
                {"channels", p.channels},
                {"records", p.records},
                {"clock_hz", p.clock_hz},
@@ -123,22 +142,28 @@ int run_board(const RunOptions& options) {
     }
     const double playing_mclk_per_s =
         served.playing_s > 0.0 ? 1e-6 * static_cast<double>(served.playing_clocks) / served.playing_s : 0.0;
-    tell_line(
-        {{"simulated_s", served.simulated_s},
-         {"wall_s", served.wall_s},
-         {"bytes_in", served.link.bytes_in},
-         {"bytes_out", served.link.bytes_out},
-         {"frames_in", served.link.frames},
-         {"frames_applied", served.link.applied},
-         {"frames_repeated", served.link.repeated},
-         {"frames_refused", served.link.refused},
-         {"playing_mclk_per_s", playing_mclk_per_s},
-         {"enabled", served.enabled}},
-        options.json,
-        fmt::format("{:.3f} s simulated in {:.1f} s, {} frames in, {} applied, {:.2f} Mclk/s while playing",
-                    served.simulated_s, served.wall_s, served.link.frames, served.link.applied, playing_mclk_per_s));
-    board.end_trace();
-    if (trace) trace->commit();
+    const double times_real_time = 1e6 * playing_mclk_per_s / p.clock_hz;
+    tell_line({{"simulated_s", served.simulated_s},
+               {"wall_s", served.wall_s},
+               {"bytes_in", served.link.bytes_in},
+               {"bytes_out", served.link.bytes_out},
+               {"frames_in", served.link.frames},
+               {"frames_applied", served.link.applied},
+               {"frames_repeated", served.link.repeated},
+               {"frames_refused", served.link.refused},
+               {"playing_mclk_per_s", playing_mclk_per_s},
+               {"playing_times_real_time", times_real_time},
+               {"enabled", served.enabled}},
+              options.json,
+              fmt::format(
+                  "{:.3f} s simulated in {:.1f} s, {} frames in, {} applied, {:.2f} Mclk/s while playing, {:.2f} times "
+                  "real time",
+                  served.simulated_s, served.wall_s, served.link.frames, served.link.applied, playing_mclk_per_s,
+                  times_real_time));
+    if (trace) {
+        core->end_trace();
+        trace->commit();
+    }
     return 0;
 }
 
@@ -147,12 +172,16 @@ int run_board(const RunOptions& options) {
 void add_board_run(CLI::App& board, Action& action) {
     auto options = std::make_shared<RunOptions>();
     CLI::App* sub = board.add_subcommand("run",
-                                         "Run the Verilated FPGA behind a pseudo-terminal, which any program can open "
-                                         "as its serial port; prints the port");
+                                         "Run a board without hardware behind a pseudo-terminal, which any program can "
+                                         "open as its serial port; prints the port");
     auto* image = sub->add_option("--image", options->image,
                                   "Intel HEX image, or a project (.toml), that is in its memories from the start");
     sub->add_option("--channels", options->channels, "Channels of the board, without an image")
         ->excludes(image)
+        ->capture_default_str();
+    sub->add_option("--model", options->model,
+                    "The Verilated FPGA, or the reference board, which does the same in real time")
+        ->check(CLI::IsMember({"rtl", "reference"}))
         ->capture_default_str();
     sub->add_option("--pty", options->pty, "A name for the port: a link to it, removed at the end");
     sub->add_option("--speed", options->speed, "No faster than a real board, or as fast as this machine can")
@@ -160,7 +189,7 @@ void add_board_run(CLI::App& board, Action& action) {
         ->capture_default_str();
     sub->add_option("--seconds", options->seconds, "End after so much simulated time (default: Ctrl-C)")
         ->check(positive());
-    sub->add_option("--trace", options->trace, "Write every signal (FST, for GTKWave)");
+    sub->add_option("--trace", options->trace, "Write every signal (FST, for GTKWave; the Verilated FPGA only)");
     sub->add_option("--pulses", options->pulses, "Write the pulses measured at the pins (CSV)");
     sub->add_flag("--json", options->json, "Print the port, and the outcome at the end, as a line of JSON each");
     sub->callback([options, &action] { action = [options] { return run_board(*options); }; });

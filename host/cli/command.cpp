@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/solve/segments.hpp"
 
 namespace haptogram::cli {
 
@@ -50,6 +51,14 @@ void add_am(CLI::App& command, std::optional<std::string>& am, std::optional<std
         ->check(CLI::IsMember({"pressure", "radiation"}))
         ->default_str("pressure")
         ->needs(wave);
+}
+
+CLI::Option* add_quantise(CLI::App& command, std::optional<std::string>& quantise) {
+    return command
+        .add_option("--quantise", quantise,
+                    fmt::format("Phases and pulse lengths as a device has them: {} ({})", hoshi_segments.name,
+                                hoshi_segments.about))
+        ->check(CLI::IsMember({hoshi_segments.name}));
 }
 
 AmplitudeLaw law_of(const std::string& name) {

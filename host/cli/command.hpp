@@ -20,6 +20,9 @@ void add_inspect(CLI::App& app, Action& action);
 void add_simulate(CLI::App& app, Action& action);
 void add_field(CLI::App& app, Action& action);
 void add_solve(CLI::App& app, Action& action);
+void add_render(CLI::App& app, Action& action);
+void add_movement(CLI::App& app, Action& action);
+void add_interact(CLI::App& app, Action& action);
 void add_analyze(CLI::App& app, Action& action);
 void add_magnitude(CLI::App& app, Action& action);
 void add_robot(CLI::App& app, Action& action);
@@ -49,6 +52,9 @@ void require_distinct(const std::vector<NamedPath>& inputs, const std::vector<Na
 /// The options --am and --am-law.
 void add_am(CLI::App& command, std::optional<std::string>& am, std::optional<std::string>& law);
 [[nodiscard]] AmplitudeLaw law_of(const std::string& name);
+
+/// The option --quantise.
+CLI::Option* add_quantise(CLI::App& command, std::optional<std::string>& quantise);
 
 /// Checks of option values that say what was found.
 [[nodiscard]] CLI::Validator positive();

@@ -31,7 +31,8 @@ struct CompileOptions {
     std::optional<std::uint16_t> loops;
     std::vector<double> center_mm, rotate_deg;
     bool clip = false, even = false;
-    std::optional<std::string> am, am_law;
+    std::optional<std::string> am, am_law, quantise;
+    std::optional<double> magnitude;
     std::string output = "image.hex";
     std::string path, save_path;
     std::string manifest, readmemh;
@@ -88,6 +89,8 @@ Project project_of(const CompileOptions& options) {
     project.clip = project.clip || options.clip;
     project.even = project.even || options.even;
     put(project.am, options.am);
+    if (options.magnitude) project.magnitude = options.magnitude;
+    put(project.quantise, options.quantise);
     if (options.am_law) project.am_law = law_of(*options.am_law);
     if (!project.path.empty() && project.even) throw bad_argument("even", "is of shapes; a path has dwells of its own");
     return project;
@@ -135,6 +138,15 @@ void add_evened(Report& report, const Evened& evened) {
                          evened.after.spread, evened.before.spread, weakest))
         .add("spread_before", evened.before.spread)
         .add("weakest_of_before", weakest);
+}
+
+void add_magnitude_of(Report& report, const perception::PathMagnitude& made) {
+    report
+        .add("least_command", made.least_command,
+             fmt::format("magnitude         commands {:.4f}…{:.4f}{}", made.least_command, made.most_command,
+                         made.moves ? "; it was measured with a focus that rests, and this one moves" : ""))
+        .add("most_command", made.most_command)
+        .add("focus_moves", made.moves);
 }
 
 Report report_of(const Compiled& compiled, const CompileOptions& options) {
@@ -191,6 +203,7 @@ Report report_of(const Compiled& compiled, const CompileOptions& options) {
     if (!compiled.am_hz.empty())
         report.add("am_hz", compiled.am_hz,
                    fmt::format("modulation        {:.6g} Hz", fmt::join(compiled.am_hz, " Hz, ")));
+    if (compiled.magnitude) add_magnitude_of(report, *compiled.magnitude);
     const PressureLeft& left = compiled.pressure_left;
     report
         .add("pressure_left_least", left.least,
@@ -284,6 +297,11 @@ void add_compile(CLI::App& app, Action& action) {
                   "Choose dwells that make all points feel alike, with what the foci add to each other, instead of "
                   "equal ones");
     add_am(*sub, options->am, options->am_law);
+    sub->add_option("--magnitude", options->magnitude,
+                    "How strong each focus feels to a palm under --am, from the array's force and the Multimodal "
+                    "paper's tables (see haptogram magnitude)")
+        ->check(positive());
+    add_quantise(*sub, options->quantise);
     sub->add_option("--loops", options->loops, "Passes when the image is played by itself; 0 is for ever")
         ->check(whole(0, 65535))
         ->default_str(fmt::to_string(standard.loops));

@@ -22,7 +22,7 @@ struct FieldCommand {
     bool volume = false;
     double extent_mm = 80.0, step_mm = 1.0;
     std::string x, y, z;
-    std::optional<std::string> am, am_law;
+    std::optional<std::string> am, am_law, quantise;
     std::string quantity = "radiation";
     unsigned threads = 0;
     std::string output = "-";
@@ -47,6 +47,7 @@ int field(const FieldCommand& command) {
         {{"--output", command.output}});
     Source source = command.source;
     if (!command.focus.empty()) source.focus = parse_point_mm("focus", command.focus);
+    source.quantise = command.quantise.value_or("");
     Excitation excitation = open_excitation(source);
     if (command.am) {
         const MadeModulation made =
@@ -98,6 +99,7 @@ void add_field(CLI::App& app, Action& action) {
     }
     sub->add_option("--quantity", options->quantity, about)->check(CLI::IsMember(names))->capture_default_str();
     add_am(*sub, options->am, options->am_law);
+    add_quantise(*sub, options->quantise)->needs(focus);
     sub->add_option("--threads", options->threads, "0: as many as there are")
         ->check(whole(0, 1024))
         ->capture_default_str();

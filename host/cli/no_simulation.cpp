@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// In place of simulate.cpp and board_run.cpp in a build without Verilator (HAPTOGRAM_SIMULATION=OFF): the commands are
-// known, and say why they do nothing.
+// In place of simulate.cpp, board_run.cpp and pins.cpp in a build without Verilator (HAPTOGRAM_SIMULATION=OFF): the
+// commands are known, and say why they do nothing.
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
+#include "pins.hpp"
 
 namespace haptogram::cli {
 namespace {
@@ -23,5 +24,11 @@ void add_absent(CLI::App& app, const std::string& name, Action& action) {
 void add_simulate(CLI::App& app, Action& action) { add_absent(app, "simulate", action); }
 
 void add_board_run(CLI::App& board, Action& action) { add_absent(board, "run", action); }
+
+PinsOfFrame pins_of(const fusion::Frame&, const Array&, const Core&, const perception::Tables&) {
+    throw bad_argument("frames",
+                       "this build has no simulated board to play them; ask for 0, or build with "
+                       "HAPTOGRAM_SIMULATION=ON, which needs Verilator");
+}
 
 }  // namespace haptogram::cli

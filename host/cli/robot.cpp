@@ -16,6 +16,7 @@
 #include "haptogram/robot/workspace.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
+#include "robot_place.hpp"
 
 namespace haptogram::cli {
 namespace {
@@ -237,7 +238,7 @@ void add_robot(CLI::App& app, Action& action) {
             action = []() -> int {
                 throw Error(
                     ErrorCode::bad_argument, "robot",
-                    "expected a subcommand: ik, fk, tension, workspace or simulate; see haptogram robot --help");
+                    "expected a subcommand: ik, fk, tension, workspace, simulate or place; see haptogram robot --help");
             };
     });
     const auto options = std::make_shared<RobotOptions>();
@@ -296,6 +297,8 @@ void add_robot(CLI::App& app, Action& action) {
                     "KIND:CABLE:TIME: broken, slip (by 5 mm), lost or frozen; cables from 1; may be repeated");
     run->add_option("--seed", options->seed, "Of the noise and of the hand")->capture_default_str();
     run->add_option("-o,--output", options->output, "The trace as .csv or .png; - is CSV on standard output");
+
+    add_robot_place(*robot, action);
 }
 
 }  // namespace haptogram::cli

@@ -17,7 +17,7 @@ namespace {
 struct SolveCommand {
     std::string foci;
     std::vector<std::string> focus;
-    std::optional<std::string> array, board;
+    std::optional<std::string> array, board, quantise;
     std::string solver = name_of(Method::gauss_newton);
     std::string level = "reachable";
     bool amplitudes = false, follow = false, json = false;
@@ -69,7 +69,7 @@ int solve(const SolveCommand& command) {
     const ProjectInstrument instrument = instrument_of(project);
     ProgressLine progress("solve");
     const Solved solved = solve_steps(foci_of(command), instrument.array, instrument.core, options_of(command),
-                                      command.follow, progress.callback());
+                                      command.follow, progress.callback(), command.quantise.value_or(""));
     if (!command.output.empty()) write_solved(command.output, solved, command.rate_hz);
     if (command.output == "-") return 0;
     if (command.json)
@@ -111,6 +111,7 @@ void add_solve(CLI::App& app, Action& action) {
         ->check(whole(0, 1'000'000));
     sub->add_flag("--follow", options->follow,
                   "Begin each set with the drives of the one before; the first takes the rounds of the default");
+    add_quantise(*sub, options->quantise);
     sub->add_flag("--json", options->json, "Everything as JSON on standard output");
     sub->add_option(
         "-o,--output", options->output,

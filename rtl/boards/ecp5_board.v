@@ -3,7 +3,13 @@
 // The top of every board with an ECP5: 25 MHz in, 50 MHz from the PLL, reset, LED and pins around the core.
 //
 // tools/bitstream.py sets the parameters to the configuration that the board's file in constraints/ names. It also defines
-// HG_LED when the board has an LED, and HG_HIGH as the number of pins that must be held high for the rest of the board to work.
+// HG_LED when the board has an LED, HG_HIGH as the number of pins that must be held high for the rest of the board to work, and:
+//   HG_STOP           the level of the stop input at which outputs are off, 0 or 1, when the board has one
+//   HG_DRIVER_ENABLE  the level, 0 or 1, at which the drivers are on, when it has a pin for their enable input: they are while
+//                     outputs are enabled and the clock runs
+//   HG_ALIVE          when it has a pin that changes as long as there is a clock
+//   HG_ACTIVE_LOW     when a transducer's driver is on while its pin is low
+// The enable is taken away by clock_watch, which has a clock of its own, when this one stops.
 `default_nettype none
 `include "interface.vh"
 module ecp5_board #(
@@ -17,12 +23,23 @@ module ecp5_board #(
     parameter BAUD            = `HG_DEFAULT_BAUD,
     parameter WATCHDOG_MS     = `HG_DEFAULT_WATCHDOG_MS,
     parameter MAX_HIGH_CLOCKS = `HG_DEFAULT_MAX_HIGH_CLOCKS,
+    parameter MIN_PULSE_CLOCKS = `HG_DEFAULT_MIN_PULSE_CLOCKS,
+    parameter MAX_DUTY_256    = `HG_DEFAULT_MAX_DUTY_256,
     parameter PRIMARY_FILE    = "",
     parameter SEQUENCE_FILE   = ""
 ) (
     input  wire                i_clk,
     input  wire                i_rx,
+`ifdef HG_STOP
+    input  wire                i_stop,
+`endif
     output wire                o_tx,
+`ifdef HG_DRIVER_ENABLE
+    output wire                o_driver_enable,
+`endif
+`ifdef HG_ALIVE
+    output wire                o_alive,
+`endif
 `ifdef HG_LED
     output wire                o_led,
 `endif
@@ -31,19 +48,37 @@ module ecp5_board #(
 `endif
     output wire [CHANNELS-1:0] o_pins
 );
-    wire clk, locked, rst, playing, fault, cycle_start, led;
+`ifdef HG_STOP
+    wire stop = i_stop == 1'b`HG_STOP;
+`else
+    wire stop = 1'b0;
+`endif
+    wire clk, locked, rst, enabled, alive, running, playing, fault, cycle_start, led;
+    wire [CHANNELS-1:0] pins;
     ecp5_50mhz pll (.i_clk(i_clk), .clk(clk), .o_locked(locked));
     power_on start (.clk(clk), .i_locked(locked), .rst(rst));
 
     haptogram_core #(
         .CHANNELS(CHANNELS), .RECORDS(RECORDS), .SEQUENCE_DEPTH(SEQUENCE_DEPTH), .LIVE_DEPTH(LIVE_DEPTH), .TIMING_BITS(TIMING_BITS),
         .PULSE_BITS(PULSE_BITS), .CLOCK_HZ(CLOCK_HZ), .BAUD(BAUD), .WATCHDOG_MS(WATCHDOG_MS), .MAX_HIGH_CLOCKS(MAX_HIGH_CLOCKS),
-        .PRIMARY_FILE(PRIMARY_FILE), .SEQUENCE_FILE(SEQUENCE_FILE)
+        .MIN_PULSE_CLOCKS(MIN_PULSE_CLOCKS), .MAX_DUTY_256(MAX_DUTY_256), .PRIMARY_FILE(PRIMARY_FILE), .SEQUENCE_FILE(SEQUENCE_FILE)
     ) core (
-        .clk(clk), .rst(rst), .i_rx(i_rx), .o_tx(o_tx), .o_pins(o_pins), .o_enabled(), .o_playing(playing), .o_fault(fault),
-        .o_index(), .o_cycle_start(cycle_start));
+        .clk(clk), .rst(rst), .i_rx(i_rx), .i_stop(stop), .o_tx(o_tx), .o_pins(pins), .o_enabled(enabled), .o_alive(alive),
+        .o_playing(playing), .o_fault(fault), .o_index(), .o_cycle_start(cycle_start));
+    clock_watch watch (.i_alive(alive), .o_running(running));
+`ifdef HG_DRIVER_ENABLE
+    assign o_driver_enable = (enabled && running) == 1'b`HG_DRIVER_ENABLE;
+`endif
+`ifdef HG_ALIVE
+    assign o_alive = alive;
+`endif
+`ifdef HG_ACTIVE_LOW
+    assign o_pins = ~pins;
+`else
+    assign o_pins = pins;
+`endif
     status_led status (
-        .clk(clk), .rst(rst), .i_cycle_start(cycle_start), .i_playing(playing), .i_fault(fault), .o_led(led));
+        .clk(clk), .rst(rst), .i_alive(alive), .i_cycle_start(cycle_start), .i_playing(playing), .i_fault(fault), .o_led(led));
 `ifdef HG_LED
     assign o_led = led;
 `endif

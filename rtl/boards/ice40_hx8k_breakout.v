@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The top of the Lattice iCE40HX8K-B-EVN: 12 MHz in, 48 MHz from the PLL, reset, LED and pins (active high) around the core.
+// The top of the Lattice iCE40HX8K-B-EVN: 12 MHz in, 48 MHz from the PLL, reset, LED and pins around the core. With HG_ACTIVE_LOW a
+// transducer's driver is on while its pin is low. The chip has no second clock that could watch this one: the LED's pin changes all
+// the time, for a monostable beside the board.
 //
 // tools/bitstream.py sets the parameters to the configuration that constraints/ice40-hx8k-breakout.toml names.
 `default_nettype none
@@ -16,16 +18,21 @@ module ice40_hx8k_breakout #(
     parameter BAUD            = `HG_DEFAULT_BAUD,
     parameter WATCHDOG_MS     = `HG_DEFAULT_WATCHDOG_MS,
     parameter MAX_HIGH_CLOCKS = `HG_DEFAULT_MAX_HIGH_CLOCKS,
+    parameter MIN_PULSE_CLOCKS = `HG_DEFAULT_MIN_PULSE_CLOCKS,
+    parameter MAX_DUTY_256    = `HG_DEFAULT_MAX_DUTY_256,
     parameter PRIMARY_FILE    = "",
     parameter SEQUENCE_FILE   = ""
 ) (
     input  wire                i_clk,
     input  wire                i_rx,
+    input  wire                i_stop,           // pulled up: outputs are off while it is low
     output wire                o_tx,
+    output wire                o_driver_enable,  // high while outputs are on
     output wire                o_led,
     output wire [CHANNELS-1:0] o_pins
 );
-    wire clk, locked, rst, playing, fault, cycle_start;
+    wire clk, locked, rst, alive, playing, fault, cycle_start;
+    wire [CHANNELS-1:0] pins;
     // 12 MHz · (63 + 1) / 2^4 = 48 MHz; the oscillator at 768 MHz
     SB_PLL40_CORE #(
         .FEEDBACK_PATH("SIMPLE"), .DIVR(4'd0), .DIVF(7'd63), .DIVQ(3'd4), .FILTER_RANGE(3'd1)
@@ -36,11 +43,24 @@ module ice40_hx8k_breakout #(
     haptogram_core #(
         .CHANNELS(CHANNELS), .RECORDS(RECORDS), .SEQUENCE_DEPTH(SEQUENCE_DEPTH), .LIVE_DEPTH(LIVE_DEPTH), .TIMING_BITS(TIMING_BITS),
         .PULSE_BITS(PULSE_BITS), .CLOCK_HZ(CLOCK_HZ), .BAUD(BAUD), .WATCHDOG_MS(WATCHDOG_MS), .MAX_HIGH_CLOCKS(MAX_HIGH_CLOCKS),
-        .PRIMARY_FILE(PRIMARY_FILE), .SEQUENCE_FILE(SEQUENCE_FILE)
+        .MIN_PULSE_CLOCKS(MIN_PULSE_CLOCKS), .MAX_DUTY_256(MAX_DUTY_256), .PRIMARY_FILE(PRIMARY_FILE), .SEQUENCE_FILE(SEQUENCE_FILE)
     ) core (
-        .clk(clk), .rst(rst), .i_rx(i_rx), .o_tx(o_tx), .o_pins(o_pins), .o_enabled(), .o_playing(playing), .o_fault(fault),
-        .o_index(), .o_cycle_start(cycle_start));
+        .clk(clk), .rst(rst), .i_rx(i_rx), .i_stop(!i_stop), .o_tx(o_tx), .o_pins(pins), .o_enabled(o_driver_enable), .o_alive(alive),
+        .o_playing(playing), .o_fault(fault), .o_index(), .o_cycle_start(cycle_start));
+    // The registers in the I/O cells: all pins change within the same nanosecond, wherever their channels were placed.
+    genvar k;
+    generate
+        for (k = 0; k < CHANNELS; k = k + 1) begin : pin
+            SB_IO #(.PIN_TYPE(6'b0101_01)) io (.PACKAGE_PIN(o_pins[k]), .OUTPUT_CLK(clk), .D_OUT_0(
+`ifdef HG_ACTIVE_LOW
+                !pins[k]
+`else
+                pins[k]
+`endif
+            ));
+        end
+    endgenerate
     status_led status (
-        .clk(clk), .rst(rst), .i_cycle_start(cycle_start), .i_playing(playing), .i_fault(fault), .o_led(o_led));
+        .clk(clk), .rst(rst), .i_alive(alive), .i_cycle_start(cycle_start), .i_playing(playing), .i_fault(fault), .o_led(o_led));
 endmodule
 `default_nettype wire

@@ -10,6 +10,7 @@ wire [23:0] prescaler_q = last_phase_q + 1'b1;
 wire [7:0] f_ticks  = cycle_length_q[7:0] - count_q[7:0];
 wire       f_due    = f_dwell_q != 16'd0 && f_played_q >= f_dwell_q - 1'b1;
 wire       f_change = f_due || f_asked_q || f_dwell_q == 16'd0;
+wire       f_at_once = !i_allow && f_asked_q && i_ready && i_settled;  // nothing to complete, so no reason to wait
 always @(posedge clk) begin
     f_reset_seen_q <= f_reset_seen_q || rst;
     f_left_q       <= f_left_q - 1'b1;
@@ -20,7 +21,7 @@ always @(posedge clk) begin
     if (rst) {f_left_q, f_dwell_q, f_played_q, f_asked_q} <= {IDLE_CYCLE[7:0], 33'd0};
 `ifdef FORMAL_CYCLE_CONTROLLER
     if (i_ready && !i_silent) assume (i_cycle_length >= 1 && i_cycle_length < 8 && i_prescaler >= 1 && i_prescaler < 4);
-    if (f_reset_seen_q) assert (cycle_length_q < 8 && prescaler_q < 4 && boundary == (f_left_q == 8'd1));
+    if (f_reset_seen_q) assert (cycle_length_q < 8 && prescaler_q < 4 && boundary == (f_left_q == 8'd1 || f_at_once));
 `else
     if (f_reset_seen_q && i_ready && !i_silent) assert (i_cycle_length != 0 && i_prescaler != 0);
 `endif
@@ -31,7 +32,7 @@ always @(posedge clk) begin
         assert (f_asked_q || late_q == (f_dwell_q != 0 && f_played_q >= f_dwell_q));
         // A cycle starts right after the last one, and ends where its length says.
         assert (o_cycle_start == ($past(boundary) || $past(rst)));
-        assert (!boundary || f_left_q == 8'd1);
+        assert (!boundary || f_left_q == 8'd1 || f_at_once);
         assert (o_commit == (boundary && i_ready && i_settled && f_change));
         assert (o_underrun == (boundary && !(i_ready && i_settled) && !f_asked_q && f_due && f_played_q == f_dwell_q - 1'b1));
         if ($past(o_commit) && !$past(rst)) begin
@@ -43,5 +44,6 @@ always @(posedge clk) begin
         cover (o_commit && f_dwell_q == 16'd2 && !f_asked_q && prescaler_q == 24'd2 && cycle_length_q == 24'd3);
         cover (o_commit && f_asked_q && !f_due && f_dwell_q != 16'd0);
         cover (o_commit && late_q);
+        cover (o_commit && f_left_q > 8'd2);
     end
 end

@@ -46,7 +46,8 @@ always @(posedge clk) begin
         `F_EXPECT (!commit_q || i_cycle_start);
         `F_EXPECT (!i_tick || !f_first_q || i_cycle_start);
         `F_EXPECT (!i_commit || (o_settled && (!f_first_q || i_cycle_start)));
-        if (i_commit) begin `F_EXPECT ({{(F_BITS-PULSE_BITS){1'b0}}, i_pulse_length} < f_next + {{(F_BITS-1){1'b0}}, i_tick}); end
+        // A cycle is whole before the next record is committed, unless outputs are off.
+        if (i_commit && i_allow) begin `F_EXPECT ({{(F_BITS-PULSE_BITS){1'b0}}, i_pulse_length} < f_next + {{(F_BITS-1){1'b0}}, i_tick}); end
         else if (i_cycle_start && !f_first_q) begin `F_EXPECT ({{(F_BITS-PULSE_BITS){1'b0}}, i_pulse_length} < f_next_q); end
         if (f_repeats_q && !f_first_q && i_tick) begin `F_EXPECT (i_cycle_start ? f_next_q == f_length_q : f_next_q < f_length_q); end
         `F_EXPECT (!i_shift || (old_left_q == NONE && !commit_q));
@@ -73,6 +74,28 @@ always @(posedge clk) if (f_known_q) begin
     cover (f_repeats_q && f_count_q == {F_BITS{1'b0}} && f_pulse_length_q == ONE + ONE && !f_off_q);
 end
 
+// Ticks since the last commit, and whether in the last of them a gap was to be filled: as long as the pulses before it could last.
+reg [F_BITS-1:0]     f_since_q;
+reg [PULSE_BITS-1:0] f_old_length_q;
+reg                  f_filled_q;
+localparam [F_BITS-1:0] F_NONE = {F_BITS{1'b1}};
+wire [F_BITS-1:0]    f_old_length = {{(F_BITS-PULSE_BITS){1'b0}}, f_old_length_q};
+wire [F_BITS-1:0]    f_gone = f_since_q + {{(F_BITS-1){1'b0}}, tick_q && !commit_q};  // ticks, with the one in this clock
+wire                 f_fills = f_since_q != F_NONE && (commit_q || f_since_q < 2 || f_since_q <= f_old_length);
+always @(posedge clk) begin
+    if (rst) f_since_q <= F_NONE;
+    else if (i_commit) {f_since_q, f_old_length_q} <= {{F_BITS{1'b0}}, i_pulse_length};
+    else if (off) f_since_q <= F_NONE;  // such pulses are cut
+    else if (tick_q && !commit_q && f_since_q < F_NONE - 1'b1) f_since_q <= f_since_q + 1'b1;
+    if (f_reset_seen_q) assert (fills_q == f_fills);
+    if (f_reset_seen_q && f_since_q == F_NONE) assert (old_left_q == NONE && !ending_q);
+    if (f_reset_seen_q && f_since_q != F_NONE) begin
+        assert (ending_q == (f_since_q < 1 || f_since_q < f_old_length));
+        assert (old_left_q == (f_gone < f_old_length ? f_old_length_q - f_gone[PULSE_BITS-1:0] : NONE));
+    end
+    if (f_tick_q) f_filled_q <= f_fills;
+end
+
 // Follows any one word through the chain: f_word_q was shifted in f_age_q shifts ago; 0 means that no word is followed.
 `ifdef FORMAL_PULSE_GENERATORS
 (* anyseq *) wire f_watch;
@@ -95,6 +118,7 @@ generate
         wire [TIMING_BITS-1:0] f_timing = timings_q[f_k*TIMING_BITS +: TIMING_BITS];
         // Bit j: the pin is high in the j-th tick from now.
         reg [F_TICKS-1:0]     f_future_q;
+        reg                   f_last_q, f_before_q;  // the marks of the last tick and of the one before it
         reg                   f_pin_past_q;  // because Yosys does not build $past of a part of a wide vector
         reg [TIMING_BITS-1:0] f_timing_q;
         wire [F_TICKS-1:0]    f_pulse  = ~({F_TICKS{1'b1}} << f_pulse_length_q);
@@ -112,8 +136,11 @@ generate
             {f_pin_past_q, f_timing_q} <= {o_pins[f_k], f_timing};
             if (off) f_future_q <= {F_TICKS{1'b0}};
             else if (f_tick_q) f_future_q <= (f_future_q >> 1) | (f_starts ? f_pulse : {F_TICKS{1'b0}});
+            if (off) {f_last_q, f_before_q} <= 2'b00;
+            else if (f_tick_q) {f_last_q, f_before_q} <= {f_future_q[0], f_last_q};
             if (f_reset_seen_q) begin
-                assert (o_pins[f_k] == f_future_q[0]);
+                // A tick late, and high where only this tick is unmarked, if a pulse from before a change has just ended.
+                assert (o_pins[f_k] == (f_last_q || (f_before_q && f_future_q[0] && f_filled_q)));
                 assert (f_future_q == f_left);
                 assert (!new_q[f_k] || (f_known_q && f_timing != NEVER && f_new != {F_BITS{1'b0}} && f_new <= f_pulse_length));
                 assert (!new_q[f_k] || (f_ahead ? f_start + {{(F_BITS-1){1'b0}}, f_tick_q} <= f_count_q : f_start >= f_fall));
@@ -123,6 +150,7 @@ generate
                 if (f_age_q == F_CHANNELS - f_k) assert (shadow_q[f_k*TIMING_BITS +: TIMING_BITS] == f_word_q);
                 if ($past(f_reset_seen_q && commit_q) && $past(f_age_q) == F_CHANNELS - f_k) assert (f_timing == $past(f_word_q));
                 if (!$past(commit_q)) assert (f_timing == f_timing_q);
+                cover (o_pins[f_k] && !f_last_q);
                 cover (f_starts && !off && f_future_q[1] && !f_future_q[2] && f_pulse[2]);  // merges
                 cover (f_starts && !off && f_future_q[2] && !f_pulse[1]);  // within another
                 cover (!o_pins[f_k] && f_pin_past_q && !f_off_q);

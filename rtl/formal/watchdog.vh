@@ -8,13 +8,13 @@ always @(posedge clk) begin
     f_reset_seen_q <= f_reset_seen_q || rst;
     f_expired_q    <= o_expired && !rst;
     f_quiet_q      <= rst || i_set || i_kick || !i_running || o_milliseconds == 16'd0 ? 36'd0 : f_quiet_q + 1'b1;
-    // After an expiry the outputs are disabled in the next clock.
+    // After an expiry the outputs are disabled in the next clock, unless a command in this one enabled them anew.
 `ifdef FORMAL_WATCHDOG
     assume (!i_set || i_milliseconds < 16'd4);
-    if (f_reset_seen_q && f_expired_q) assume (!i_running);
+    if (f_reset_seen_q && f_expired_q && f_quiet_q != 36'd0) assume (!i_running);
     if (f_reset_seen_q) assert (o_milliseconds < 16'd4);
 `else
-    if (f_reset_seen_q && f_expired_q) assert (!i_running);
+    if (f_reset_seen_q && f_expired_q && f_quiet_q != 36'd0) assert (!i_running);
 `endif
     if (f_reset_seen_q) begin
         assert (o_expired == (f_quiet_q != 36'd0 && f_quiet_q == f_limit));

@@ -62,6 +62,8 @@ CLOCK_HZ = 48000000
 BAUD = 3000000
 WATCHDOG_MS = 500
 MAX_HIGH_CLOCKS = 10000
+MIN_PULSE_CLOCKS = 5
+MAX_DUTY_256 = 128
 [flash]
 load = ["-b", "it"]
 write = ["-b", "it", "-f"]
@@ -119,7 +121,7 @@ def test_a_shipped_board_drives_its_array(board):
         assert output["y_mm"] == pytest.approx((row - (rows - 1) / 2) * pitch)
     pins = file["pins"]
     balls = [o["ball"] for o in outputs] + [pins["clk"], pins["rx"], pins["tx"], *pins["high"]]
-    balls += [pins["led"]] if "led" in pins else []
+    balls += [pins[key] for key in ("led", "stop", "driver_enable", "alive") if key in pins]
     assert len(set(balls)) == len(balls)
     assert len({(o["connector"], o["pin"]) for o in outputs}) == len(outputs)
 
@@ -132,7 +134,9 @@ def test_the_pinout_says_what_the_file_says(board):
     assert shown["parameters"] == parameters(board)
     assert shown["board"] == board
     assert shown["fpga"] == {"speed": None, **file["fpga"]}
-    assert shown["pins"] == {"led": None, **file["pins"]}
+    unsaid = {"led": None, "stop": None, "stop_level": 0, "driver_enable": None, "driver_enable_level": 1, "alive": None, "active": "high",
+              "drive_ma": None, "slew": None}  # fmt: skip
+    assert shown["pins"] == unsaid | file["pins"]
 
 
 @pytest.mark.parametrize("board", BOARDS)
@@ -149,7 +153,7 @@ def test_a_shipped_board_makes_its_carrier(board, tmp_path):
         assert record["pulse_length"] * record["prescaler"] < p["MAX_HIGH_CLOCKS"]
     succeed(["inspect", "image.hex"], cwd=tmp_path)
     manifest = read_json(tmp_path / "image.json")
-    assert manifest["board"] == {"name": board, **{key.lower(): p[key] for key in p if key not in ("LIVE_DEPTH", "WATCHDOG_MS", "MAX_HIGH_CLOCKS")}}
+    assert manifest["board"] == {"name": board, **{key.lower(): p[key] for key in p if key not in ("LIVE_DEPTH", "WATCHDOG_MS", "MAX_HIGH_CLOCKS", "MIN_PULSE_CLOCKS", "MAX_DUTY_256")}}
     assert manifest["array"]["name"] == board_file(board)["array"]
 
 
@@ -269,6 +273,10 @@ BAD = {
     "unknown configuration": ("CHANNELS = 3", 'configuration = "tile-99"', ["tile-99"]),
     "unknown parameter": ("RECORDS", "RECORD", [r"parameters\.RECORD\b", "RECORDS"]),
     "unknown flash key": ("note =", "notes =", [r"flash\.notes", "note"]),
+    "odd stop level": ('led = "A4"', 'stop_level = 2', [r"pins\.stop_level", "2"]),
+    "neither high nor low": ('led = "A4"', 'active = "up"', [r"pins\.active", "high", "low", "up"]),
+    "odd strength": ('led = "A4"', 'drive_ma = 5', [r"pins\.drive_ma", "4, 8, 12 or 16"]),
+    "odd slew": ('led = "A4"', 'slew = "quick"', [r"pins\.slew", "slow", "fast"]),
     "unknown pin": ("rx =", "rxd =", [r"pins\.rxd", "rx"]),
     "number for a description": ('description = "A board"', "description = 3", ["description", "text", "found 3"]),
     "empty description": ('description = "A board"', 'description = ""', ["description", "text"]),
@@ -316,6 +324,8 @@ SHARED = {
     "clock on an output": ('clk = "P1"', 'clk = "A2"', "J1 pin 2", r"pins\.clk"),
     "receive and transmit": ('tx = "P3"', 'tx = "P2"', r"pins\.rx", r"pins\.tx"),
     "LED on a channel": ('led = "A4"', 'led = "A1"', "J1 pin 1", r"pins\.led"),
+    "stop on a channel": ('led = "A4"', 'stop = "A1"', "J1 pin 1", r"pins\.stop"),
+    "enable is the clock": ('led = "A4"', 'driver_enable = "P1"', r"pins\.clk", r"pins\.driver_enable"),
     "held twice": ('high = ["P4"]', 'high = ["P4", "P4"]', r"pins\.high", r"pins\.high"),
     "clock held": ('high = ["P4"]', 'high = ["P1"]', r"pins\.clk", r"pins\.high"),
 }

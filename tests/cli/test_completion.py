@@ -8,7 +8,8 @@ import pytest
 
 from support import USAGE, refuse, succeed, text
 
-COMMANDS = ["compile", "inspect", "simulate", "solve", "field", "analyze", "magnitude", "robot", "board", "bitstream", "device", "upload", "download",
+COMMANDS = ["compile", "inspect", "simulate", "solve", "render", "field", "analyze", "magnitude", "robot", "movement", "interact",
+            "board", "bitstream", "device", "upload", "download",
             "play", "stream", "studio", "completion"]  # fmt: skip
 
 

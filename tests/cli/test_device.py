@@ -42,6 +42,33 @@ def test_upload_play_and_the_files_of_the_board(tmp_path, image):
     assert len(whole) > 0.9 * len(ours)  # at a change of focus pulses may merge
 
 
+def test_the_reference_board_is_a_board_in_real_time(tmp_path, image):
+    command = [str(PROGRAM), "board", "run", "--model", "reference", "--json", "--pty", "port", "--pulses", "pulses.csv"]
+    board = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    try:
+        says = json.loads(board.stdout.readline())
+        assert (says["model"], says["channels"]) == ("reference", 100)
+        assert json.loads(ask(tmp_path, "upload", image, "--verify", "--json").stdout)["verified"]
+        played = json.loads(ask(tmp_path, "play", "--loops", 2, "--json").stdout)
+        assert played == {"underruns": 0, "refused_records": 0, "watchdog_trips": 0, "guard_trips": 0, "interrupted": False}
+        board.send_signal(signal.SIGINT)
+        said = json.loads(board.communicate(timeout=30)[0])
+    finally:
+        board.kill()
+        board.communicate()
+    assert said["simulated_s"] < 1.02 * said["wall_s"] + 0.01  # no faster than a real board
+    assert said["playing_times_real_time"] > 0
+    rows = [[int(n) for n in line.split(",")] for line in (tmp_path / "pulses.csv").read_text().splitlines()[1:]]
+    assert {row[0] for row in rows} == set(range(100))
+    assert {row[3] for row in rows if row[3] > 0} == {1, 2, 3, 4}
+
+
+def test_the_reference_board_has_no_signals_to_trace(tmp_path):
+    said = run(["board", "run", "--model", "reference", "--trace", "t.fst"], cwd=tmp_path)
+    assert_one_message(said, USAGE, "--trace", "--model rtl")
+    assert not (tmp_path / "t.fst").exists()
+
+
 def test_an_image_from_the_start_plays_without_an_upload(tmp_path, image):
     with virtual_board(tmp_path, "--image", image):
         ask(tmp_path, "play", "--loops", 1)

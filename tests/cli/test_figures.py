@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`make figures`: three of the figures, their pictures, and their numbers against what the papers' formulas give."""
+"""`make figures`: some of the figures, their pictures, and their numbers against what the papers' formulas give."""
 import html.parser
 import json
 import struct
@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from support import PROGRAM, ROOT, USAGE
 
-ONLY = ["haptogram-11", "haptogram-13", "hoshi-force"]
+ONLY = ["haptogram-11", "haptogram-13", "hoshi-force", "hoshi-7", "hoshi-12c", "hoshi-eq9"]
 
 
 def figures(folder, *arguments):
@@ -44,6 +44,49 @@ def test_the_focus_of_hoshi(made):
     assert ours(made, "hoshi-force", "force (eq. 5") == pytest.approx(143, abs=0.5)
     half = np.pi * 10 / (8.5 * 200) * np.arange(9.5, 20, 0.001)  # kdx/2r
     assert ours(made, "hoshi-force", "first side lobe") == pytest.approx(((np.sin(18 * half) / np.sin(half) / 18) ** 2).max(), rel=1e-3)
+
+
+def test_the_quantised_drive(made):
+    clocks = 25.6e6 / 40e3
+    assert ours(made, "hoshi-7", "clocks of 25.6 MHz") == clocks / 16
+    x = np.pi / 16  # phases that are off by up to half a step, evenly
+    assert ours(made, "hoshi-7", "pressure that 16 phases keep") == pytest.approx(100 * np.sin(x) / x, abs=0.07)
+
+
+def test_the_frequency_response(made):
+    """A one-pole envelope that follows the switched carrier, and the fundamental of its square."""
+
+    def fundamental(bandwidth, f):
+        tau, t = 1 / (np.pi * bandwidth), (np.arange(20000) + 0.5) / 20000 / f
+        half = 0.5 / f
+        low = np.exp(-half / tau) / (1 + np.exp(-half / tau))
+        envelope = np.where(t < half, 1 - (1 - low) * np.exp(-t / tau), (1 - low) * np.exp(-(t - half) / tau))
+        return abs((envelope**2 * np.exp(-2j * np.pi * t * f)).mean())
+
+    def decibels(bandwidth, f):
+        return 20 * np.log10(fundamental(bandwidth, f) / fundamental(bandwidth, 10))
+
+    for f in (200, 500, 1000):
+        assert ours(made, "hoshi-12c", f"at {f} Hz") == pytest.approx(decibels(2000, f), abs=0.03)
+    fitted = ours(made, "hoshi-12c", "bandwidth that gives")
+    assert decibels(fitted, 1000) == pytest.approx(-5.8, abs=0.02)
+
+
+def test_two_spots(made):
+    grid = (np.arange(18) - 8.5) * 10.0
+    x, y = np.meshgrid(grid, grid)
+    near = np.sqrt(x**2 + y**2 + 200.0**2)
+    drives = np.cos(2 * np.pi / 8.5 * x * 20 / 200) * np.exp(2j * np.pi / 8.5 * near)
+
+    def pressure(at, drives):
+        r = np.sqrt((at - x) ** 2 + y**2 + 200.0**2)
+        return abs((drives * np.exp(-2j * np.pi / 8.5 * r) / r).sum())
+
+    places = np.arange(15, 30, 0.1)
+    found = [pressure(at, drives) for at in places]
+    assert ours(made, "hoshi-eq9", "spot's place by spherical waves") == pytest.approx(places[int(np.argmax(found))], abs=0.15)
+    assert ours(made, "hoshi-eq9", "spot's place by eq. 9") == pytest.approx(20.4, abs=0.06)
+    assert ours(made, "hoshi-eq9", "first copy of a single focus") == pytest.approx(170, abs=0.3)
 
 
 def test_a_single_point(made):

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from support import BAD_INPUT, USAGE, assert_one_message, run, succeed, text
+from support import BAD_INPUT, USAGE, Image, assert_one_message, refuse, run, succeed, text
 
 # Tables I and II of the paper Multimodal, highest power first.
 COMMAND = {80: (2.079, -3.131, 2.411, 0.2146), 180: (3.744, -4.675, 2.791, 0.2585), 300: (5.454, -6.006, 3.105, 0.2759)}
@@ -67,3 +67,40 @@ def test_for_an_array():
 ])  # fmt: skip
 def test_what_is_refused(arguments, code, needle):
     assert_one_message(run(["magnitude", *arguments]), code, needle)
+
+
+def compiled(folder, name, *args):
+    """The report of `compile`, and the records' pulses as a part of their cycle."""
+    report = json.loads(succeed(["compile", *args, "-o", name, "--json"], cwd=folder).stdout)
+    return report, {record["pulse_length"] / record["cycle_length"] for record in Image(folder / name).records()}
+
+
+POINT = ("--shape", "point", "--center", "0,0,150")
+
+
+def test_an_image_that_feels_with_a_magnitude(tmp_path):
+    setting = asked(2, "--frequency", 180, "--array", "tile-10x10", "--focus", "0,0,150")
+    report, pulses = compiled(tmp_path, "image.hex", *POINT, "--am", "square:180", "--magnitude", 2)
+    assert report["least_command"] == report["most_command"] == pytest.approx(setting["command"])
+    assert report["focus_moves"] is False
+    assert max(pulses) == pytest.approx(setting["pulse_duty"], abs=1 / 250)
+    (tmp_path / "project.toml").write_text(
+        'format = "haptogram-project-1"\nam = "square:180"\nmagnitude = 2.0\n'
+        '[place]\ncenter_mm = [0, 0, 150]\n[[shape]]\nkind = "point"\n'
+    )
+    compiled(tmp_path, "same.hex", "project.toml")
+    assert (tmp_path / "same.hex").read_bytes() == (tmp_path / "image.hex").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("options", "code", "words"),
+    [
+        (["--magnitude", 2], USAGE, ["--magnitude", "square:200", "--am"]),
+        (["--am", "sine:200", "--am-law", "radiation", "--magnitude", 2], USAGE, ["--magnitude", "radiation pressure"]),
+        (["--am", "square:400", "--magnitude", 2], USAGE, ["frequency", "400"]),
+        (["--am", "square:180", "--magnitude", 7.6], USAGE, ["--magnitude", r"at \(0\.0, 0\.0, 150\.0\) mm"]),
+        (["--am", "square:180", "--magnitude", 0], USAGE, ["--magnitude"]),
+    ],
+)
+def test_magnitudes_that_no_image_has(tmp_path, options, code, words):
+    refuse(tmp_path, ["compile", *POINT, *options], code, *words)

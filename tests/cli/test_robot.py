@@ -93,7 +93,7 @@ def test_a_fault_is_told():
 
 
 @pytest.mark.parametrize(("arguments", "code", "needle"), [
-    ([], USAGE, "ik, fk, tension, workspace or simulate"), (["ik", "--position", "1,2"], USAGE, "--position"), (["fk", 1, 2], USAGE, "8"),
+    ([], USAGE, "ik, fk, tension, workspace, simulate or place"), (["ik", "--position", "1,2"], USAGE, "--position"), (["fk", 1, 2], USAGE, "8"),
     (["tension", "--force", "99,0,0"], BAD_INPUT, "--force.*no tensions"), (["tension", "--largest", "--choice", "sum"], USAGE, "exclude"),
     (["workspace", "--angle", 90], USAGE, "--angle"), (["workspace", "--step", 0.01], USAGE, "--step.*coarser"), (["workspace", "-o", "w.gif"], USAGE, "gif"),
     (["simulate", "--push", "1:2"], USAGE, "FROM:TO"), (["simulate", "--fault", "burnt:1:1"], USAGE, "KIND:CABLE"),

@@ -24,19 +24,20 @@ def in_order(pulses):
 
 
 def expected_pulses(image, passes=1, cycles=None):
-    """From the image's bits alone: a pulse in every cycle of every step, clocks from the first cycle on; those that touch are one."""
+    """From the image's bits alone: a pulse in every cycle of every step, clocks from the first cycle on; those that touch are one, and
+    so are those of two different records with one tick between them."""
     records = image.records()
     steps = [(int(w) & 0xFFFF, int(w) >> 16) for w in image.sequence()[1:]] * passes
     plays = [index for index, dwell in steps for _ in range(dwell)][:cycles]
     rows = []
     for channel in range(image.channels):
         start, last = 0, None
-        for index in plays:
+        for before, index in zip([None, *plays], plays):
             r = records[index - 1]
             timing, prescaler = r["timings"][channel], r["prescaler"]
             if timing < r["cycle_length"]:
                 rise, fall = start + timing * prescaler, start + (timing + r["pulse_length"]) * prescaler
-                if last and last[2] >= rise:
+                if last and last[2] + (prescaler if before not in (None, index) else 0) >= rise:
                     last[2] = max(last[2], fall)
                 else:
                     last = [channel, rise, fall, index]

@@ -48,16 +48,18 @@ TEST_CASE("contract 2: the focus changes every carrier period with zero dead tim
 TEST_CASE("contract 2: a record of 100 channels is loaded within the paper's 108 clocks", "[contract2][tile100]") {
     // Nothing inside is looked at: with a cycle of N clocks a new record every cycle is only possible when a record
     // loads in N.
-    REQUIRE(alternate(108, 50, 1).underruns == 0);
-    REQUIRE(alternate(load_clocks(100) + 1, 50, 1).underruns == 0);
-    REQUIRE(alternate(load_clocks(100) - 6, 50, 1).underruns > 0);
+    // The records have no pulses, because pulses from before the change have to end first.
+    REQUIRE(alternate(108, 50, 0).underruns == 0);
+    REQUIRE(alternate(load_clocks(100) + 1, 50, 0).underruns == 0);
+    REQUIRE(alternate(load_clocks(100) - 6, 50, 0).underruns > 0);
 }
 
 TEST_CASE("contract 2: loading begins when the last pulse from before the change has ended", "[contract2][tile100]") {
     // The shadow registers tell such pulses their end. At half the carrier period there is time left for 500 channels.
+    // The rule: (pulse - 1) · prescaler + CHANNELS + 8 <= cycle, in clocks; 213 clocks at half of the cycle.
     REQUIRE(alternate(1250, 50, 255).underruns == 0);
-    REQUIRE(alternate(200 + load_clocks(100), 50, 200).underruns == 0);
-    const Alternation late = alternate(190 + load_clocks(100), 50, 200);
+    REQUIRE(alternate(213, 50, 106).underruns == 0);
+    const Alternation late = alternate(212, 50, 106);
     REQUIRE(late.underruns > 0);
     require_equal(late.report, 1000);
 }
@@ -93,4 +95,24 @@ TEST_CASE("contract 2: all channels change on one clock edge", "[contract2]") {
             REQUIRE(pulses[0].rise == expected);
         }
     }
+}
+
+TEST_CASE("contract 2: 40 kHz at half of the cycle, a new focus with other phases in every period",
+          "[contract2][tile100]") {
+    auto g = generator();
+    Bench bench("tile-100");
+    std::vector<Record> records;
+    for (int i = 0; i < 20; ++i) records.push_back(random_record(g, 100, 250, 5, 125));
+    const Image image = image_of(100, records);
+    bench.load(image);
+    bench.open();
+    bench.client.start(1, 20, 10);
+    bench.wait_for_index(20);
+    REQUIRE(bench.board.run_until([&] { return bench.board.outputs().index == 0; }, 2'000'000));
+    bench.board.run(5000);
+    const link::Status status = bench.client.status();
+    REQUIRE(status.underruns == 0);
+    REQUIRE(status.refused_records == 0);
+    REQUIRE(status.guard_trips == 0);
+    require_equal(bench.check(image), 100 * 100);  // pulses that merge count as one
 }

@@ -102,7 +102,7 @@ TEST_CASE("contract 5: what is refused says why and changes nothing", "[contract
         {static_cast<int>(Command::write), words({0, 0x2000, 7}), Status::bad_address},  // identity cannot be written
         {static_cast<int>(Command::write), words({0, 0x3000, 7}), Status::bad_address},
         {static_cast<int>(Command::write), words({0, 0x4000, 7}), Status::bad_address},
-        {static_cast<int>(Command::read), words({36, 0x2000, 2}), Status::bad_address},
+        {static_cast<int>(Command::read), words({46, 0x2000, 2}), Status::bad_address},
         {static_cast<int>(Command::write), words({1, 0, 7}), Status::bad_alignment},
         {static_cast<int>(Command::write), words({2, 0x1000, 7, 7}), Status::bad_alignment},
         {static_cast<int>(Command::write), words({0, 0x1000, 7}), Status::bad_alignment},

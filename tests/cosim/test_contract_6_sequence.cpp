@@ -73,14 +73,14 @@ TEST_CASE("contract 6: length 0 takes length and loops from the sequence header"
     bench.client.start(0, 0, 0);
     bench.board.run(20'000);
     REQUIRE(played(bench) == Steps{{2, 1}, {4, 2}, {2, 1}, {4, 2}});
-    SECTION("a header that describes nothing playable is silence") {
+    SECTION("a header that describes nothing playable is refused, and what plays goes on") {
         const std::uint16_t header = GENERATE(std::uint16_t{0}, std::uint16_t{64}, std::uint16_t{0xffff});
         bench.client.select(1);
         bench.wait_for_index(1);
         bench.client.write(interface::sequence_base, words({header, 0}));
-        bench.client.start(0, 0, 0);
+        REQUIRE_THROWS_WITH(bench.client.start(0, 0, 0), Catch::Contains("bad_range"));
         bench.board.run(5000);
-        REQUIRE(bench.board.outputs().index == 0);
+        REQUIRE(bench.board.outputs().index == 1);
     }
 }
 

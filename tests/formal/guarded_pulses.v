@@ -30,6 +30,6 @@ module guarded_pulses #(
         .o_settled(), .o_pins(pins));
     output_guard #(.CHANNELS(CHANNELS), .MAX_HIGH_CLOCKS(MAX_HIGH_CLOCKS)) guard (
         .clk(clk), .rst(rst), .i_enable(i_enable), .i_disable(i_disable), .i_expired(i_expired), .i_pins(pins),
-        .o_allow(allow), .o_enabled(enabled), .o_trip(trip));
+        .o_allow(allow), .o_enabled(enabled), .o_trip(trip), .o_alive());
 endmodule
 `default_nettype wire

@@ -10,6 +10,7 @@
 `default_nettype none
 // The modules' own assertions are left out, because they would find the planted bugs first.
 `undef FORMAL
+`include "serial_product.v"
 `include "memory_controller.v"
 `default_nettype none
 module torn #(
@@ -41,7 +42,7 @@ module torn #(
     wire       ended = (f_begun_q && f_at_q == f_to) || (write && f_at_q + 5'd1 == f_to);  // with this clock at the latest
     initial f_begun_q = 1'b0;
     wire [15:0] word = {15'd0, f_shown_q};
-    memory_controller #(.CHANNELS(CHANNELS), .RECORDS(2), .TIMING_BITS(4), .PULSE_BITS(3)) loader (
+    memory_controller #(.CHANNELS(CHANNELS), .RECORDS(2), .TIMING_BITS(4), .PULSE_BITS(3), .PRESCALER_BITS(1)) loader (
         .clk(clk), .rst(rst), .i_preempt(i_preempt), .i_entry(i_entry), .i_settled(1'b1), .o_take(take), .i_index({14'd0, i_second, !i_second}), .i_dwell(16'd1),
         .o_reading(reading), .o_address(address), .i_word(word), .o_shift(shift), .o_timing(), .i_commit(1'b1),
         .o_ready(ready), .o_silent(silent), .o_index(), .o_dwell(), .o_cycle_length(), .o_prescaler(), .o_pulse_length(),

@@ -52,6 +52,8 @@ def elaborate(modules, model, folder):
     yosys([f"read_verilog -defer -I{ROOT}/rtl {' '.join(str(f) for f in sorted((ROOT / 'rtl').glob('*.v')))}",
            f"hierarchy -check -top haptogram_core {chparam}",
            "prep",
+           # What is below a module that is mutated becomes a part of it.
+           "setattr -mod -set keep_hierarchy 1 *", "setattr -mod -unset keep_hierarchy *serial_product*", "flatten",
            # Registers with enable and reset as the source has them, and nothing that no mutant could change anything in.
            "opt_dff", "opt_expr -fine t:$lt t:$le t:$gt t:$ge t:$and t:$or", "opt_clean -purge", "wreduce", "opt_clean -purge",
            "write_json all.json",

@@ -81,8 +81,11 @@ def judge(group, mutants, survivors, share):
         if not mutant["killer"] and mutant["name"] not in survivors:
             yield f"survives, and survivors.toml does not say why: {mutant['name']} (HAPTOGRAM_MUTANT={mutant['number']})"
     killed = sum(1 for mutant in mutants if mutant["killer"])
-    if killed < share * len(mutants):
-        yield f"{group}: {killed} of {len(mutants)} killed, {share:.0%} are asked for"
+    can_be = sum(1 for mutant in mutants if mutant["killer"] or mutant["name"] not in survivors)
+    if killed < share * can_be:
+        yield f"{group}: {killed} of {can_be} that can be noticed are killed, {share:.0%} are asked for"
+    if can_be < 0.9 * len(mutants):
+        yield f"{group}: {len(mutants) - can_be} of {len(mutants)} are said to change nothing, at most a tenth may"
 
 
 def run(options):

@@ -93,6 +93,18 @@ def test_the_watchdog_and_that_there_can_be_none(board):
     assert not board.status().enabled
 
 
+def test_keep_alive_and_reset(board, image):
+    board.upload(image)
+    with board.outputs(watchdog_ms=60000):
+        board.start(1, 4, 0)
+        board.keep_alive()
+        assert board.status().enabled and board.status().mode == "sequence"
+        board.reset()
+        status = board.status()
+        assert (status.enabled, status.stopped, status.mode, status.watchdog_ms) == (False, False, "idle", 500)
+    assert board.identity.max_duty_256 == 128 and board.identity.max_cycle_clocks == board.identity.clock_hz
+
+
 def test_upload_writes_what_differs_and_download_brings_it_back(board, folder, image):
     assert board.upload(image) == 9
     assert board.upload(image) == 0

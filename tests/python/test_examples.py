@@ -68,7 +68,7 @@ def test_follow_point_interrupted(folder):
     with boards.virtual_board(folder):
         host = subprocess.Popen([sys.executable, EXAMPLES / "follow_point.py", "--port", "port"], cwd=folder, env=boards.ENVIRONMENT,
                                 stderr=subprocess.PIPE, text=True)  # fmt: skip
-        time.sleep(1.5)
+        time.sleep(4)  # until numpy is there on a busy machine, too
         host.send_signal(signal.SIGINT)
         assert host.communicate(timeout=20)[1] == "follow_point.py: interrupted; outputs are off\n"
         assert_silent(folder)

@@ -3,6 +3,7 @@
 // did. `make test` runs them at a size of seconds; HAPTOGRAM_SOAK=1, as in `make soak`, at full size.
 #include <fmt/format.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <deque>
 #include <functional>
@@ -149,6 +150,8 @@ TEST_CASE("torture: images over a line that damages, loses, doubles and delays b
     Watcher watcher(bench.board);
     BadLine line(bench.line, g, {.bit_errors = 1e-4, .lost = 1e-4, .doubled = 1e-4, .delayed = 1e-3});
     link::Client client(line);
+    // Of simulated time; the policy's ten seconds would take the simulation minutes.
+    client.set_patience(line.patience(), std::chrono::milliseconds(100));
     Image image = inner_image(g, points);
     for (std::uint16_t i = 0; i < points; ++i) watcher.may_be(static_cast<std::uint16_t>(i + 1), image.records[i]);
     bench.load(image);

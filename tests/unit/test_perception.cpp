@@ -7,11 +7,13 @@
 #include <random>
 
 #include "haptogram/acoustics/propagation.hpp"
+#include "haptogram/acoustics/quantities.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/process.hpp"
 #include "haptogram/perception/consistency.hpp"
 #include "haptogram/perception/magnitude.hpp"
+#include "haptogram/perception/path_magnitude.hpp"
 #include "haptogram/perception/setting.hpp"
 #include "haptogram/perception/staircase.hpp"
 #include "haptogram/perception/tables.hpp"
@@ -28,15 +30,15 @@ namespace {
 
 /// What was computed from the printed tables with numpy's roots, to the digits given.
 struct Derived {
-    double hz, full_gf, magnitude_there, zero_gf;
+    double hz, full_gf, magnitude_there, vertex_gf, zero_gf;
     std::array<double, 3> commands;  ///< for magnitudes of 1, 2 and 3; 0: not reachable
 };
-constexpr Derived derived[] = {{80, 0.6185, 10.149, 0.0090, {0.33468, 0.42594, 0.51003}},
-                               {100, 0.5804, 8.928, 0.0123, {0.35204, 0.43678, 0.51672}},
-                               {140, 0.5587, 8.070, -0.0058, {0.33926, 0.44367, 0.53973}},
-                               {180, 0.5478, 7.592, 0.0051, {0.39805, 0.50983, 0.60865}},
-                               {240, 0.5280, 4.363, -0.0145, {0.43890, 0.61582, 0.76236}},
-                               {300, 0.4926, 2.458, -0.0535, {0.56460, 0.85367, 0.0}}};
+constexpr Derived derived[] = {{80, 0.6185, 10.149, 1.115, 0.0090, {0.33468, 0.42594, 0.51003}},
+                               {100, 0.5804, 8.928, 0.680, 0.0123, {0.35204, 0.43678, 0.51672}},
+                               {140, 0.5587, 8.070, 0.707, -0.0058, {0.33926, 0.44367, 0.53973}},
+                               {180, 0.5478, 7.592, 0.838, 0.0051, {0.39805, 0.50983, 0.60865}},
+                               {240, 0.5280, 4.363, 0.679, -0.0145, {0.43890, 0.61582, 0.76236}},
+                               {300, 0.4926, 2.458, 0.831, -0.0535, {0.56460, 0.85367, 0.0}}};
 
 std::string message_of(const std::function<void()>& work) {
     try {
@@ -61,6 +63,14 @@ TEST_CASE("perception: what follows from Tables I and II, to the digits", "[perc
         REQUIRE(full == Approx(expected.full_gf).margin(0.00005));
         REQUIRE(command_of_output(fit, full) == Approx(1.0).margin(1e-12));
         REQUIRE(magnitude_of_output(fit, full) == Approx(expected.magnitude_there).margin(0.0005));
+        // Magnitudes rise up to the parabola's vertex, which lies beyond all that the device can do.
+        REQUIRE(-fit.magnitude[1] / (2 * fit.magnitude[0]) == Approx(expected.vertex_gf).margin(0.0005));
+        REQUIRE(full < expected.vertex_gf);
+        // The command rises everywhere: its slope is least at the inflection of the cubic, N − M²/(3L).
+        const auto [l, m, n, u] = fit.command;
+        const double least_slope = n - m * m / (3 * l);
+        REQUIRE(least_slope >= 0.839 - 0.0005);
+        REQUIRE(least_slope <= 0.900 + 0.0005);
         // The parabola's zero, with the textbook formula; where it is negative there is a sensation at no output.
         const auto [g, j, v] = fit.magnitude;
         REQUIRE((-j + std::sqrt(j * j - 4 * g * v)) / (2 * g) == Approx(expected.zero_gf).margin(0.00005));
@@ -348,4 +358,50 @@ TEST_CASE("perception: printed statistics that cannot be true", "[perception]") 
     const double thirds[] = {33.3, 33.3, 33.3};
     REQUIRE(fewest_people(thirds, 1) == 3);
     REQUIRE_THROWS_AS(fewest_people(preferred, 1, 100), Error);
+}
+
+TEST_CASE("perception: a path whose foci feel with one magnitude", "[perception]") {
+    const Tables tables = find_tables();
+    const Array array = find_array("tile-10x10");
+    const Wanted wanted = wanted_of(1.5, "square:180", false);
+    const std::vector<Vec3> places = {{0.0, 0.0, 0.15}, {0.02, -0.01, 0.12}};
+    Path path;
+    for (const Vec3& place : {places[0], places[1], places[0]}) path.steps.push_back({{{place, 0.5}}, 10});
+    path.steps.push_back({{}, 3});  // silence
+    const PathMagnitude made = give_magnitude(path, tables, wanted, array);
+    REQUIRE(made.moves);
+    REQUIRE(path.steps[0] == path.steps[2]);
+    REQUIRE(path.steps[3].foci.empty());
+    // The force on the disc, summed over a square lattice: what a square wave leaves of it is the asked output.
+    const double output = output_of_magnitude(fit_at(tables, 180.0), 1.5);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        const Focus& focus = path.steps[i].foci.front();
+        const auto drives = ideal_drives(array, focus.position);
+        constexpr double step = 0.0004, radius = 0.01;
+        double force = 0.0;
+        for (double x = -radius + step / 2; x < radius; x += step)
+            for (double y = -radius + step / 2; y < radius; y += step)
+                if (x * x + y * y < radius * radius)
+                    force +=
+                        step * step *
+                        radiation_pressure(pressure(array, drives, focus.position + Vec3{x, y, 0.0}), array.medium);
+        const double command = focus.amplitude / 0.5;  // half was asked of it already
+        REQUIRE(0.5 * force * command * command / gram_force_n == Approx(output).epsilon(0.01));
+        REQUIRE(command >= made.least_command);
+        REQUIRE(command <= made.most_command);
+    }
+
+    REQUIRE(wanted_of(2.0, "square:120:0.25", false).duty == 0.25);
+    REQUIRE(wanted_of(2.0, "abs-sine:200", false).waveform == Waveform::abs_sine);
+    for (const char* am : {"", "static", "sine:200+sine:100", "wav:a.wav", "square:", "square:200:0.5:1", "sine:x"})
+        REQUIRE_THAT(message_of([&] { (void)wanted_of(2.0, am, false); }),
+                     Contains("magnitude") && Contains("square:200"));
+    REQUIRE_THAT(message_of([] { (void)wanted_of(2.0, "sine:200", true); }), Contains("radiation pressure"));
+    Path two;
+    two.steps.push_back({{{places[0], 1.0}, {places[1], 1.0}}, 1});
+    REQUIRE_THAT(message_of([&] { give_magnitude(two, tables, wanted, array); }), Contains("one focus at a time"));
+    Path weak;
+    weak.steps.push_back({{{{0.0, 0.0, 0.5}, 1.0}}, 1});
+    REQUIRE_THAT(message_of([&] { give_magnitude(weak, tables, wanted_of(7.0, "square:180", false), array); }),
+                 Contains("magnitude: at (0.0, 0.0, 500.0) mm") && Contains("at most"));
 }

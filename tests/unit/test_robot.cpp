@@ -309,6 +309,8 @@ TEST_CASE("robot: useful workspaces", "[robot]") {
     CHECK(volume(0.34, Turns::one_axis) == Approx(8.42e6).margin(0.005e6));
     CHECK(volume(0.36, Turns::one_axis) == Approx(7.99e6).margin(0.005e6));
     CHECK(volume(0.38, Turns::one_axis) == Approx(6.89e6).margin(0.005e6));
+    // The printed volume, 7.518·10⁶ mm³, lies near an edge of 370 mm; one cube of the grid is 0.4 % of it.
+    CHECK(volume(0.37, Turns::one_axis) == Approx(7.518e6).epsilon(0.01));
     const Workspace all = workspace(geometry, 0.030, Turns::all_axes, 15 * degree);
     REQUIRE(all.useful.size() == 12 * 12 * 12);
     REQUIRE(static_cast<std::size_t>(std::count(all.useful.begin(), all.useful.end(), true)) == all.count);

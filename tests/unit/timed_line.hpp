@@ -125,7 +125,8 @@ private:
             data.assign(16, 0);
             std::ranges::copy(interface::name, data.begin());
             for (const unsigned value : {unsigned{interface::version_major} << 8, 100U, 400U, 1024U, 256U,
-                                         8U << 8 | 16U, 50'000'000U & 0xffffU, 50'000'000U >> 16, 15U, 214U})
+                                         8U << 8 | 16U, 50'000'000U & 0xffffU, 50'000'000U >> 16, 15U, 214U, 5U, 999U,
+                                         128U, 50'000'000U & 0xffffU, 50'000'000U >> 16})
                 word(value);
         } else if (command == Command::status) {
             for (const unsigned value :

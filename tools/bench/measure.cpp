@@ -6,6 +6,7 @@
 
 #include "haptogram/link/client.hpp"
 #include "haptogram/link/transfer.hpp"
+#include "simulated_board.hpp"
 #include "simulated_transport.hpp"
 
 namespace {

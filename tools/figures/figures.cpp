@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What tools/figures.py needs beyond the command line: transducers in time, elevations below the far field, and Hoshi's
-// closed forms. Prints one JSON object; nothing in it is fitted to a paper.
+// closed forms. Prints one JSON object; nothing in it is fitted to a paper but the one bandwidth of
+// frequency_response().
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -12,7 +13,12 @@
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/acoustics/quantities.hpp"
 #include "haptogram/acoustics/transient.hpp"
+#include "haptogram/render/movement.hpp"
+#include "haptogram/render/waveform.hpp"
+#include "haptogram/solve/drives.hpp"
 #include "haptogram/solve/formation.hpp"
+#include "haptogram/solve/segments.hpp"
+#include "haptogram/solve/solver.hpp"
 
 namespace {
 
@@ -182,14 +188,144 @@ Json modulation(const Array& hoshi) {
     return found;
 }
 
+/// Section 3.1 and eq. 7: pulses of whole segments, what they radiate, and what 16 phases keep of a focus' pressure.
+Json quantised_drive(const Array& hoshi) {
+    constexpr double segment_s = 25e-6 / 16.0;
+    Json found;
+    for (std::uint32_t length = 0; length <= 8; ++length) {
+        const DrivePulse pulse{0.0, length * segment_s};
+        found["carrier"].push_back(length == 0 ? 0.0 : std::abs(carrier_component({&pulse, 1}, 40e3, 25e-6)));
+        found["drive"].push_back(std::abs(drive_of({0, length}, hoshi_segments)));
+    }
+    std::vector<double> kept;
+    for (const Vec3 position : PositionGrid{}.positions()) {
+        const Focus focus{position};
+        const auto exact = superposed_drives(hoshi, {&focus, 1});
+        kept.push_back(std::abs(pressure(hoshi, in_segments(exact, hoshi_segments), position)) /
+                       std::abs(pressure(hoshi, exact, position)));
+    }
+    double sum = 0.0;
+    for (const double one : kept) sum += one;
+    found["kept_mean"] = sum / static_cast<double>(kept.size());
+    found["kept_least"] = *std::min_element(kept.begin(), kept.end());
+    // One row of elements, for a focus above the centre.
+    const Focus focus{{0.0, 0.0, 0.2}};
+    const auto drives = superposed_drives(hoshi, {&focus, 1});
+    for (std::size_t column = 9; column < 18; ++column) {
+        const std::size_t m = 9 * 18 + column;
+        const SegmentPulse pulse = segment_pulse(drives[m], hoshi_segments);
+        found["row"].push_back({{"x_mm", hoshi.elements[m].position.x / millimetre},
+                                {"start", pulse.start},
+                                {"length", pulse.length},
+                                {"exact_start", std::fmod(-std::arg(drives[m]) / (2.0 * pi) * 16.0 + 16.0, 16.0)}});
+    }
+    return found;
+}
+
+/// The fundamental of the squared envelope while the carrier is on for `half` periods and off for as many, again and
+/// again: by the resonator itself, over one settled period.
+double fundamental(double bandwidth_hz, std::size_t half) {
+    constexpr std::size_t samples = 4;  // a carrier period
+    const std::size_t cycle = 2 * half, settle = (200 / cycle + 2) * cycle;
+    std::vector<DrivePulse> pulses;
+    for (std::size_t i = 0; i < settle + cycle + half; ++i)
+        if (i / half % 2 == 0) pulses.push_back({static_cast<double>(i) / 40e3, (static_cast<double>(i) + 0.5) / 40e3});
+    const auto wave = output(second_order(40e3, bandwidth_hz), pulses,
+                             {0.0, 1.0 / 40e3 / samples, samples * (settle + cycle + half)});
+    const auto amplitude = envelope(wave, samples);
+    std::complex<double> sum = 0.0;
+    for (std::size_t i = 0; i < cycle * samples; ++i)
+        sum += std::norm(amplitude[settle * samples + i]) *
+               std::polar(1.0, -2.0 * pi * static_cast<double>(i) / static_cast<double>(cycle * samples));
+    return std::abs(sum) / static_cast<double>(cycle * samples);
+}
+
+/// Fig. 12c: the radiation pressure over the modulation's frequency, with the bandwidth that the paper prints, and with
+/// the one that gives its −5.8 dB at 1 kHz.
+Json frequency_response() {
+    const auto response_db = [](double bandwidth, std::size_t half) {
+        return 20.0 * std::log10(fundamental(bandwidth, half) / fundamental(bandwidth, 2000));  // 10 Hz
+    };
+    double low = 500.0, high = 2000.0;
+    for (int i = 0; i < 20; ++i) {
+        const double middle = 0.5 * (low + high);
+        (response_db(middle, 20) > -5.8 ? high : low) = middle;
+    }
+    Json found{{"fitted_hz", high}, {"printed_hz", 2000.0}};
+    const double tau = second_order(40e3, high).time_constant_s();
+    found["fitted_tau_us"] = tau / microsecond;
+    found["fitted_envelope_90_ms"] = tau * std::log(10.0) * 1e3;
+    found["fitted_radiation_95_ms"] = -tau * std::log(1.0 - std::sqrt(0.95)) * 1e3;
+    for (const double hertz : hoshi_frequencies_hz()) {
+        if (hertz < 9.0) continue;
+        const auto half = static_cast<std::size_t>(std::lround(20e3 / hertz));
+        found["hz"].push_back(20e3 / static_cast<double>(half));
+        found["printed_db"].push_back(response_db(2000.0, half));
+        found["fitted_db"].push_back(response_db(high, half));
+    }
+    for (const std::size_t half : {100U, 40U, 20U}) found["printed_at"].push_back(response_db(2000.0, half));
+    return found;
+}
+
+/// Eq. 9: spots 20 mm left and right of the axis, and the first copy of a single focus. Pressures are over that of a
+/// single focus.
+Json pattern(const Array& hoshi) {
+    Array point = hoshi;
+    point.transducer.pattern = Pattern::point;
+    point.transducer.source_pa_m = 1.0;
+    const double k = 2.0 * pi / hoshi.wavelength_m(), r = 0.2;
+    const auto fresnel = [&](double x) {
+        return hoshi_eq4(x, 0.0, 1.0, 0.01, k, r) / hoshi_eq4(0.0, 0.0, 1.0, 0.01, k, r);
+    };
+    // First line of eq. 4: equal amplitudes, exact distances.
+    const auto equal = [&](double x, bool two) {
+        std::complex<double> sum = 0.0;
+        for (const Element& e : hoshi.elements)
+            sum += std::polar(two ? std::cos(k * e.position.x * 0.02 / r) : 1.0,
+                              k * (distance(e, {0, 0, r}) - distance(e, {x, 0, r})));
+        return std::abs(sum) / static_cast<double>(hoshi.elements.size());
+    };
+    const double single = std::abs(pressure(point, ideal_drives(point, {0, 0, r}), {0, 0, r}));
+    const std::vector<Focus> foci{{{-0.02, 0, r}}, {{0.02, 0, r}}};
+    const auto by = [&](Method method) {
+        SolveOptions options;
+        options.method = method;
+        options.amplitudes = method == Method::inverse_transform;
+        return solve(point, foci, options);
+    };
+    Json found;
+    const auto transform = by(Method::inverse_transform), sum = by(Method::superposition), gs = by(Method::gs),
+               weighted = by(Method::weighted_gs);
+    for (int i = -600; i <= 600; ++i) {
+        const double x = i * 1e-4;
+        found["x_mm"].push_back(x / millimetre);
+        found["fresnel"].push_back(std::abs(fresnel(x - 0.02) + fresnel(x + 0.02)) / 2.0);
+        found["equal"].push_back(equal(x, true));
+        for (const auto& [name, drives] :
+             {std::pair("transform", &transform), {"superposition", &sum}, {"gs", &gs}, {"weighted_gs", &weighted}})
+            found[name].push_back(std::abs(pressure(point, *drives, {x, 0, r})) / single);
+    }
+    const auto one = ideal_drives(point, {0, 0, r});
+    for (int i = 0; i <= 520; ++i) {
+        const double x = i * 5e-4;
+        found["copy_x_mm"].push_back(x / millimetre);
+        found["copy_fresnel"].push_back(std::abs(fresnel(x)));
+        found["copy_equal"].push_back(equal(x, false));
+        found["copy_exact"].push_back(std::abs(pressure(point, one, {x, 0, r})) / single);
+    }
+    found["repeats_mm"] = hoshi.wavelength_m() * r / 0.01 / millimetre;
+    return found;
+}
+
 }  // namespace
 
 int main() try {
     const Array tile = find_array("tile-10x10");
     const Array hoshi = find_array("hoshi-18x18");
-    const Json found{{"formation", formation_over_time(tile)}, {"alternation", alternation(tile)},
-                     {"elevations", elevations(tile)},         {"hoshi_focus", hoshi_focus(hoshi)},
-                     {"energy_loss", energy_loss()},           {"modulation", modulation(hoshi)}};
+    const Json found{
+        {"formation", formation_over_time(tile)}, {"alternation", alternation(tile)}, {"elevations", elevations(tile)},
+        {"hoshi_focus", hoshi_focus(hoshi)},      {"energy_loss", energy_loss()},     {"modulation", modulation(hoshi)},
+        {"quantised", quantised_drive(hoshi)},    {"response", frequency_response()}, {"pattern", pattern(hoshi)}};
     fmt::print("{}\n", found.dump());
     return 0;
 } catch (const std::exception& error) {

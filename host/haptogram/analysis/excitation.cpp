@@ -48,6 +48,16 @@ Excitation excitation_of(const Array& array, Vec3 focus) {
                         focus.y / millimetre, focus.z / millimetre)};
 }
 
+Excitation in_segments(const Excitation& excitation, const Segments& segments) {
+    Excitation made = excitation;
+    const double full = made.array.transducer.source_pa_m;
+    for (auto& drives : made.drives)
+        for (std::complex<double>& drive : drives)
+            drive = full * drive_of(segment_pulse(drive / full, segments), segments);
+    made.title += fmt::format(", in the segments of {}", segments.name);
+    return made;
+}
+
 Excitation excitation_of(const Bundle& bundle, std::uint32_t record) {
     const Image& image = bundle.image;
     require_record(record, image.records.size(), "image");

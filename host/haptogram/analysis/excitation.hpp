@@ -8,6 +8,7 @@
 #include "haptogram/acoustics/field.hpp"
 #include "haptogram/image/bundle.hpp"
 #include "haptogram/image/pulses.hpp"
+#include "haptogram/solve/segments.hpp"
 
 namespace haptogram {
 
@@ -31,6 +32,9 @@ void weaken(Excitation& excitation, double factor);
 /// One focal point, exact phases, full strength.
 /// @throws Error{bad_argument} when the array cannot reach it
 [[nodiscard]] Excitation excitation_of(const Array& array, Vec3 focus);
+
+/// The same as a device makes it whose pulses lie on segments of the carrier period.
+[[nodiscard]] Excitation in_segments(const Excitation& excitation, const Segments& segments);
 
 /// An image: each record as its pulses would be measured, for the time that it plays in one pass.
 /// @param record  only this one; 0: all

@@ -96,19 +96,38 @@ Board::Flash read_flash(const Section& section) {
     return {list(section, "load", is_line), list(section, "write", is_line), line(section, "note")};
 }
 
-Board::Pins read_pins(const Section& section) {
-    section.only({"clk", "rx", "tx", "led", "high"});
+Board::Pins read_pins(const Section& section, const Board::Fpga& fpga) {
+    section.only({"clk", "rx", "tx", "led", "stop", "stop_level", "driver_enable", "driver_enable_level", "alive",
+                  "active", "drive_ma", "slew", "high"});
     Board::Pins pins;
     pins.clk = ball(section, "clk");
     pins.rx = ball(section, "rx");
     pins.tx = ball(section, "tx");
     pins.led = section.text("led", a_ball, is_word);
+    pins.stop = section.text("stop", a_ball, is_word);
+    pins.stop_level = section.whole("stop_level", 0, 1).value_or(0);
+    pins.driver_enable = section.text("driver_enable", a_ball, is_word);
+    pins.driver_enable_level = section.whole("driver_enable_level", 0, 1).value_or(1);
+    pins.alive = section.text("alive", a_ball, is_word);
+    if (const auto active = section.text("active")) {
+        if (*active != "high" && *active != "low")
+            throw section.wrong(*section.find("active"), "active", "\"high\" or \"low\"");
+        pins.active_low = *active == "low";
+    }
+    pins.drive_ma = section.whole("drive_ma", 4, 16);
+    if (pins.drive_ma && *pins.drive_ma % 4 != 0)
+        throw section.wrong(*section.find("drive_ma"), "drive_ma", "4, 8, 12 or 16");
+    pins.slew = section.text("slew");
+    if (pins.slew && *pins.slew != "slow" && *pins.slew != "fast")
+        throw section.wrong(*section.find("slew"), "slew", "\"slow\" or \"fast\"");
+    for (const char* key : {"drive_ma", "slew"})
+        if (section.find(key) != nullptr && fpga.family != "ecp5")
+            throw section.wrong(*section.find(key), key, "no such key: the outputs of this FPGA have no choice of it");
     pins.high = list(section, "high", is_word);
     return pins;
 }
 
-/// Reads the outputs, and checks that no ball has two uses. The LED and the pins that are held high may use the balls
-/// of spare outputs.
+/// Reads the outputs, and checks that no ball has two uses. The other pins may use the balls of spare outputs.
 std::vector<Board::Output> read_outputs(const Section& root, const std::string& file, std::uint32_t channels,
                                         const Board::Pins& pins) {
     constexpr const char* expected = "a list of [connector, pin, net, ball]";
@@ -147,6 +166,9 @@ std::vector<Board::Output> read_outputs(const Section& root, const std::string& 
     use(file, pins.rx, "pins.rx");
     use(file, pins.tx, "pins.tx");
     if (pins.led) use(file, *pins.led, "pins.led");
+    if (pins.stop) use(file, *pins.stop, "pins.stop");
+    if (pins.driver_enable) use(file, *pins.driver_enable, "pins.driver_enable");
+    if (pins.alive) use(file, *pins.alive, "pins.alive");
     for (const std::string& ball : pins.high) use(file, ball, "in pins.high");
     return outputs;
 }
@@ -167,7 +189,7 @@ Board read_board(const std::filesystem::path& path) {
     board.fpga = read_fpga(table(board.file, tables, "fpga"));
     board.parameters = read_core(table(board.file, tables, "parameters"));
     board.flash = read_flash(table(board.file, tables, "flash"));
-    board.pins = read_pins(table(board.file, tables, "pins"));
+    board.pins = read_pins(table(board.file, tables, "pins"), board.fpga);
     board.outputs = read_outputs(root, board.file, board.parameters.channels, board.pins);
     return board;
 }

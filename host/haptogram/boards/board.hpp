@@ -26,7 +26,15 @@ struct Board {
     struct Pins {
         std::string clk, rx, tx;
         std::optional<std::string> led;
-        std::vector<std::string> high;  ///< held high, which the rest of the board needs in order to work
+        std::optional<std::string> stop;           ///< input of a switch that disables the outputs
+        std::uint32_t stop_level = 0;              ///< at which it does so
+        std::optional<std::string> driver_enable;  ///< output for the enable inputs of the transducers' drivers
+        std::uint32_t driver_enable_level = 1;     ///< at which they are on
+        std::optional<std::string> alive;          ///< output that changes as long as there is a clock
+        bool active_low = false;                   ///< a transducer's driver is on while its pin is low
+        std::optional<std::uint32_t> drive_ma;     ///< strength of the outputs; only an ecp5 has a choice
+        std::optional<std::string> slew;           ///< "slow" or "fast"; only an ecp5 has a choice
+        std::vector<std::string> high;             ///< held high, which the rest of the board needs in order to work
     };
     struct Output {
         std::string connector, pin, net, ball;

@@ -23,6 +23,17 @@ struct Core {
     friend bool operator==(const Core&, const Core&) = default;
 };
 
+/// The longest pulse of a record that the core plays, in clocks. Pulses that merge at changes of focus last up to five
+/// times as long, and the guard takes half of max_high_clocks for good.
+[[nodiscard]] constexpr std::uint32_t max_pulse_clocks(const interface::CoreParameters& core) {
+    return (core.max_high_clocks / 2 - 2) / 5;
+}
+
+/// The smallest max_high_clocks of a core with this max_pulse_clocks().
+[[nodiscard]] constexpr std::uint32_t max_high_clocks(std::uint32_t max_pulse_clocks) {
+    return 2 * (5 * max_pulse_clocks + 2);
+}
+
 /// A named configuration of the core, such as "tile-100".
 /// @throws Error{bad_input} naming those that there are
 [[nodiscard]] Core find_configuration(const std::string& name);

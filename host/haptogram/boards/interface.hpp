@@ -14,8 +14,8 @@
 namespace haptogram::interface {
 
 inline constexpr std::string_view name = "Haptogram";
-inline constexpr unsigned version_major = 1;
-inline constexpr unsigned version_minor = 1;
+inline constexpr unsigned version_major = 2;
+inline constexpr unsigned version_minor = 0;
 inline constexpr std::uint32_t primary_base = 0x00000000;
 inline constexpr unsigned primary_word_bits = 16;
 inline constexpr std::uint32_t sequence_base = 0x10000000;
@@ -80,7 +80,7 @@ inline constexpr BitField reserved = {"reserved", 56, 8};  // zero; a record in 
 
 namespace sequence_header_field {  // words of 32 bits
 inline constexpr BitField length = {"length", 0, 15};  // entries of the sequence
-inline constexpr BitField autostart = {"autostart", 15, 1};  // in a bitstream: the board enables its outputs and plays the sequence at power-up, once, with no host and no watchdog; a header that is written over the link cannot
+inline constexpr BitField autostart = {"autostart", 15, 1};  // in a bitstream: the board enables its outputs and plays the sequence with no host and no watchdog, at power-up and again after a reset of the FPGA, until a host has sent any command that does not only ask
 inline constexpr BitField loops = {"loops", 16, 16};  // how many times it is played; 0 is for ever
 }  // namespace sequence_header_field
 
@@ -101,11 +101,16 @@ inline constexpr BitField pulse_bits = {"pulse_bits", 216, 8};  // PULSE_BITS
 inline constexpr BitField clock_hz = {"clock_hz", 224, 32};  // CLOCK_HZ
 inline constexpr BitField features = {"features", 256, 16};  // see the feature bits
 inline constexpr BitField frame_bytes = {"frame_bytes", 272, 16};  // longest frame that is always taken, decoded, without its CRC
+inline constexpr BitField min_pulse_clocks = {"min_pulse_clocks", 288, 16};  // shortest pulse of a playable record, in clocks
+inline constexpr BitField max_pulse_clocks = {"max_pulse_clocks", 304, 16};  // longest pulse of a playable record, in clocks
+inline constexpr BitField max_duty_256 = {"max_duty_256", 320, 16};  // largest part of its cycle that a pulse may take, in 1/256
+inline constexpr BitField max_cycle_clocks = {"max_cycle_clocks", 336, 32};  // longest cycle of a playable record, in clocks: one second
 }  // namespace identity_field
 
 namespace status_field {  // words of 16 bits
 inline constexpr BitField enabled = {"enabled", 0, 1};  // pulses reach the pins
 inline constexpr BitField mode = {"mode", 1, 2};  // where the next record comes from, see the modes
+inline constexpr BitField stopped = {"stopped", 3, 1};  // the stop input is active: outputs are off, and enable is refused
 inline constexpr BitField present_index = {"present_index", 16, 16};  // record at the pins; 0 is silence
 inline constexpr BitField underruns = {"underruns", 32, 16};  // changes that were due before their record was ready
 inline constexpr BitField refused_records = {"refused_records", 48, 16};  // records that could not be played; silence took their place
@@ -162,8 +167,13 @@ enum class IdentityWord : unsigned {
     clock_hz_high = 15,
     features = 16,
     frame_bytes = 17,
+    min_pulse_clocks = 18,
+    max_pulse_clocks = 19,
+    max_duty_256 = 20,
+    max_cycle_low = 21,
+    max_cycle_high = 22,
 };
-inline constexpr unsigned identity_words = 18;
+inline constexpr unsigned identity_words = 23;
 
 enum class StatusWord : unsigned {
     flags = 0,
@@ -225,6 +235,8 @@ enum class Command : std::uint8_t {
     watchdog = 0x0a,
     status = 0x0b,
     digest = 0x0c,
+    keep_alive = 0x0d,
+    reset = 0x0e,
 };
 
 enum class Status : std::uint8_t {
@@ -238,6 +250,7 @@ enum class Status : std::uint8_t {
     bad_index = 0x07,
     bad_range = 0x08,
     fifo_full = 0x09,
+    stopped = 0x0a,
 };
 
 /// Whether its reply carries data.
@@ -269,6 +282,8 @@ constexpr std::string_view to_string(Command command) {
         case Command::watchdog: return "watchdog";
         case Command::status: return "status";
         case Command::digest: return "digest";
+        case Command::keep_alive: return "keep_alive";
+        case Command::reset: return "reset";
     }
     return "unknown";
 }
@@ -283,8 +298,9 @@ constexpr std::string_view to_string(Status status) {
         case Status::bad_address: return "bad_address: outside the memory, or not writable";
         case Status::bad_alignment: return "bad_alignment: address or length is no multiple of the region's word";
         case Status::bad_index: return "bad_index: index above RECORDS";
-        case Status::bad_range: return "bad_range: sequence entries outside 1…SEQUENCE_DEPTH−1";
+        case Status::bad_range: return "bad_range: sequence entries outside 1…SEQUENCE_DEPTH−1, or the sequence header's length is";
         case Status::fifo_full: return "fifo_full: fewer free places in the live FIFO than indices in the frame; nothing was pushed";
+        case Status::stopped: return "stopped: the stop input is active; release it, then enable";
     }
     return "unknown status";
 }
@@ -301,6 +317,8 @@ struct CoreParameters {
     std::uint32_t baud = 1000000;
     std::uint32_t watchdog_ms = 500;
     std::uint32_t max_high_clocks = 10000;
+    std::uint32_t min_pulse_clocks = 5;
+    std::uint32_t max_duty_256 = 128;
     friend bool operator==(const CoreParameters&, const CoreParameters&) = default;
 };
 
@@ -332,7 +350,7 @@ struct ParameterDescription {
     }
 };
 
-inline constexpr std::array<ParameterDescription, 10> core_parameters = {{
+inline constexpr std::array<ParameterDescription, 12> core_parameters = {{
     {"CHANNELS", &CoreParameters::channels, 2, 1000, {}, {}, false,
      "transducers", "how many transducers, and so pins",
      "Each channel costs its timing and a comparator in cells, and a word of every record. 1000 is what a record can load within a carrier period."},
@@ -360,9 +378,15 @@ inline constexpr std::array<ParameterDescription, 10> core_parameters = {{
     {"WATCHDOG_MS", &CoreParameters::watchdog_ms, 0, 65535, {}, {}, false,
      "ms", "silence of the host after which the outputs are disabled; 0 is never",
      "A host that died must not leave a hand under ultrasound. It holds after reset; a command changes it."},
-    {"MAX_HIGH_CLOCKS", &CoreParameters::max_high_clocks, 8, 16777215, {}, {}, false,
+    {"MAX_HIGH_CLOCKS", &CoreParameters::max_high_clocks, 64, 16777215, {}, {}, false,
      "clocks", "how long a pin can be high before the guard disables all outputs",
-     "A wrong record must not hold a transducer's driver on: 10000 clocks are 200 µs at 50 MHz, 16 times the longest 40 kHz pulse."},
+     "Whatever goes wrong must not hold a transducer's driver on: 10000 clocks are 200 µs at 50 MHz, 16 times the longest 40 kHz pulse. A record's pulse may be a tenth of it, (MAX_HIGH_CLOCKS / 2 − 2) / 5 clocks, so that pulses that merge at changes of focus do not trip the guard."},
+    {"MIN_PULSE_CLOCKS", &CoreParameters::min_pulse_clocks, 1, 65535, {}, {}, false,
+     "clocks", "shortest pulse of a record that is played",
+     "A driver needs some tens of nanoseconds to switch; a shorter pulse only heats it. 5 clocks are 100 ns at 50 MHz."},
+    {"MAX_DUTY_256", &CoreParameters::max_duty_256, 1, 255, {}, {}, false,
+     "1/256", "largest part of its cycle that a record's pulse may take",
+     "A transducer gets nothing more from pulses above half a period (128), and its driver only warmer. It also keeps a pin low for as long as it was high."},
 }};
 
 /// A named set of parameters.
@@ -374,34 +398,34 @@ struct CoreConfiguration {
 
 inline constexpr std::array<CoreConfiguration, 10> core_configurations = {{
     {"tile-100",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128},
      "the paper's tile of 10 × 10; what images are compiled for unless a board is named"},
     {"small-16",
-     {.channels = 16, .records = 40, .sequence_depth = 64, .live_depth = 16, .timing_bits = 12, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 4000},
+     {.channels = 16, .records = 40, .sequence_depth = 64, .live_depth = 16, .timing_bits = 12, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 255},
      "small and quick to reach its limits: most contract tests run on it"},
     {"hoshi-324",
-     {.channels = 324, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000},
+     {.channels = 324, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128},
      "the array of 18 × 18 of Hoshi et al."},
     {"wide-256",
-     {.channels = 256, .records = 160, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000},
+     {.channels = 256, .records = 160, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128},
      "256 channels with as many records as the block RAM of an ECP5-25F holds: a question of size"},
     {"tile-100-3m",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128},
      "the tile behind a USB bridge of 3 Mbaud, for the bench of the link"},
     {"colorlight-5a-75b-v8.0",
-     {.channels = 56, .records = 600, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000},
+     {.channels = 56, .records = 600, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128},
      "56 outputs; the serial line is a button's pin, which probably carries a capacitor: nothing faster is known to work"},
     {"colorlight-5a-75e-v6.0",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128},
      "the tile; the serial line is a button's pin, which probably carries a capacitor: nothing faster is known to work"},
     {"colorlight-5a-75e-v7.1",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128},
      "the tile; the serial line is a button's pin, which probably carries a capacitor: nothing faster is known to work"},
     {"ice40-hx8k-breakout",
-     {.channels = 100, .records = 64, .sequence_depth = 256, .live_depth = 256, .timing_bits = 8, .pulse_bits = 8, .clock_hz = 48000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000},
+     {.channels = 100, .records = 64, .sequence_depth = 256, .live_depth = 256, .timing_bits = 8, .pulse_bits = 8, .clock_hz = 48000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128},
      "the tile in 7,680 cells: 8 timing bits are 240 ticks of 5 clocks a cycle, 9 would need 93 % of the cells"},
     {"ulx3s-85f",
-     {.channels = 56, .records = 600, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000},
+     {.channels = 56, .records = 600, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128},
      "56 outputs behind a USB bridge of 3 Mbaud"},
 }};
 

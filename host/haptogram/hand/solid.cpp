@@ -25,25 +25,40 @@ struct Profile {
     double r, z;
 };
 
+/// A line of the profile.
+struct ProfileLine {
+    Profile from;
+    double er, ez;          ///< to its end
+    double inverse_square;  ///< of its length
+};
+
 /// Distance to the surface of a convex solid of revolution: the nearest of its profile's lines, negative when the point
-/// is on the inner side of all. Lines that lie on the axis are no surface, so they are not given.
-/// @param corners  in the order in which the solid is on the left of the way
-double revolved_distance(const std::vector<Profile>& corners, double r, double z) {
-    double nearest = std::numeric_limits<double>::infinity();
+/// is on the inner side of all.
+double revolved_distance(const std::vector<ProfileLine>& lines, double r, double z) {
+    double nearest = std::numeric_limits<double>::infinity();  // squared
     bool inside = true;
-    for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
-        const double er = corners[i + 1].r - corners[i].r, ez = corners[i + 1].z - corners[i].z;
-        const double pr = r - corners[i].r, pz = z - corners[i].z;
-        const double part = std::clamp((pr * er + pz * ez) / (er * er + ez * ez), 0.0, 1.0);
-        nearest = std::min(nearest, std::hypot(pr - part * er, pz - part * ez));
-        inside = inside && er * pz - ez * pr > 0.0;
+    for (const ProfileLine& line : lines) {
+        const double pr = r - line.from.r, pz = z - line.from.z;
+        const double part = std::clamp((pr * line.er + pz * line.ez) * line.inverse_square, 0.0, 1.0);
+        const double dr = pr - part * line.er, dz = pz - part * line.ez;
+        nearest = std::min(nearest, dr * dr + dz * dz);
+        inside = inside && line.er * pz - line.ez * pr > 0.0;
     }
-    return inside ? -nearest : nearest;
+    return inside ? -std::sqrt(nearest) : std::sqrt(nearest);
 }
 
-Solid revolved(Vec3 at, std::vector<Profile> corners) {
-    return {[at, corners = std::move(corners)](Vec3 p) {
-        return revolved_distance(corners, std::hypot(p.x - at.x, p.y - at.y), p.z - at.z);
+/// @param corners  of the profile, in the order in which the solid is on the left of the way. Lines that lie on the
+/// axis
+///                 are no surface, so they are not given
+Solid revolved(Vec3 at, const std::vector<Profile>& corners) {
+    std::vector<ProfileLine> lines;
+    for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
+        const double er = corners[i + 1].r - corners[i].r, ez = corners[i + 1].z - corners[i].z;
+        lines.push_back({corners[i], er, ez, 1.0 / (er * er + ez * ez)});
+    }
+    return {[at, lines = std::move(lines)](Vec3 p) {
+        const double x = p.x - at.x, y = p.y - at.y;
+        return revolved_distance(lines, std::sqrt(x * x + y * y), p.z - at.z);
     }};
 }
 
@@ -108,16 +123,20 @@ Solid solid_pyramid(Vec3 base, double edge, double height) {
                                     base + Vec3{-h, h, 0}};
     std::vector<std::vector<Vec3>> faces{{corners[3], corners[2], corners[1], corners[0]}};
     for (std::size_t i = 0; i < 4; ++i) faces.push_back({corners[i], corners[(i + 1) % 4], tip});
-    return {[faces](Vec3 p) {
+    std::vector<Vec3> normals;
+    for (const std::vector<Vec3>& face : faces) {
+        const Vec3 across = cross(face[1] - face[0], face[2] - face[0]);
+        normals.push_back(across * (1.0 / norm(across)));
+    }
+    return {[faces, normals](Vec3 p) {
+        // Inside a convex solid the nearest plane of a face is the nearest face.
+        double highest = -std::numeric_limits<double>::infinity();
+        for (std::size_t i = 0; i < faces.size(); ++i) highest = std::max(highest, dot(p - faces[i][0], normals[i]));
+        if (highest < 0.0) return highest;
         double nearest = std::numeric_limits<double>::infinity();
-        bool inside = true;
-        for (const std::vector<Vec3>& face : faces) {
-            const Vec3 across = cross(face[1] - face[0], face[2] - face[0]);
-            const Vec3 normal = across * (1.0 / norm(across));
-            nearest = std::min(nearest, face_distance(p, face, normal));
-            inside = inside && dot(p - face[0], normal) < 0.0;
-        }
-        return inside ? -nearest : nearest;
+        for (std::size_t i = 0; i < faces.size(); ++i)
+            nearest = std::min(nearest, face_distance(p, faces[i], normals[i]));
+        return nearest;
     }};
 }
 

@@ -2,12 +2,35 @@
 #pragma once
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <string_view>
 #include <vector>
 
 #include "haptogram/hand/hand.hpp"
 
 namespace haptogram {
+
+/// A place on the skin.
+struct SkinPoint {
+    Vec3 position;  ///< metres, array frame
+    Vec3 normal;    ///< out of the skin, length 1
+};
+
+/// A simple piece of the palmar skin: half of the side of a round finger segment, or the flat palm.
+struct SkinPatch {
+    Vec3 from;                ///< the near end of the segment's axis; of the palm, the middle of its edge at the wrist
+    Vec3 along, side, out;    ///< length 1: to the far end, across, and out of the middle of the skin
+    double length = 0.0;      ///< along it, metres
+    double radius = 0.0;      ///< of a segment; 0: flat
+    double width = 0.0;       ///< of the palm, across
+    double thickness = 0.0;   ///< of the palm's box, half of it on either side of the skin
+    std::size_t end_row = 0;  ///< of the region's raster: the first row behind the patch
+    /// The nearest place of the skin. From behind a segment, that is on the edge of its palmar half.
+    [[nodiscard]] SkinPoint nearest(Vec3 point) const;
+    /// The part of a line that is in the box around the hand here: around the segment as a capsule, or the palm.
+    /// @return shares of the way from a to b, 0 to 1; nothing when the line misses the box
+    [[nodiscard]] std::optional<std::array<double, 2>> clip(Vec3 a, Vec3 b) const;
+};
 
 /// A part of the palmar skin as a raster: cells of rows and columns, about square.
 struct SkinRegion {
@@ -16,9 +39,14 @@ struct SkinRegion {
     std::size_t columns = 0;    ///< of a finger: around it, over half a turn
     std::vector<Vec3> points;   ///< row by row, array frame, metres
     std::vector<Vec3> normals;  ///< out of the skin, length 1
+    std::vector<SkinPatch> patches;  ///< what the raster lies on, from the first row on: up to three of a finger
     [[nodiscard]] const Vec3& point(std::size_t row, std::size_t column) const {
         return points[row * columns + column];
     }
+    /// The patch under a row of the raster.
+    [[nodiscard]] const SkinPatch& patch(std::size_t row) const;
+    /// The nearest place of the skin to a point.
+    [[nodiscard]] SkinPoint nearest(Vec3 point) const;
 };
 
 /// Measures of the hand where a recording has none; the cells' size. Metres.
@@ -26,7 +54,8 @@ struct SkinOptions {
     std::array<double, 3> finger_radii_m{9.5e-3, 8.5e-3, 7.5e-3};  ///< of the three segments
     std::array<double, 3> thumb_radii_m{10.5e-3, 9.5e-3, 8.5e-3};  ///< of the three segments
     double palm_width_m = 85e-3, palm_length_m = 90e-3;
-    double cell_m = 1e-3;  ///< neighbours in a raster are at most this far apart
+    double palm_thickness_m = 25e-3;  ///< of the box in which the palm meets edges and corners
+    double cell_m = 1e-3;             ///< neighbours in a raster are at most this far apart
 };
 
 /// The palmar surface of a hand. A finger is a chain of three round segments; the half of their surface whose normals
@@ -34,7 +63,8 @@ struct SkinOptions {
 /// around it. When a recording says how wide the finger is, its radii are scaled so that the middle segment is. The
 /// palm is a rectangle around its centre, along the hand's direction and across it. Fingers that the tracker did not
 /// see are left out.
-/// @throws Error{bad_argument} for measures that are not positive
+/// @throws Error{bad_argument} for measures that are not positive, and for hands whose coordinates are not finite or
+/// whose normal and direction are parallel
 [[nodiscard]] std::vector<SkinRegion> palmar_surface(const Hand& hand, const SkinOptions& options = {});
 
 }  // namespace haptogram

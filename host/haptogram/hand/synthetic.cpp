@@ -54,25 +54,29 @@ HandScript hand_script(std::string_view name) {
     throw bad_argument("hand", fmt::format("found \"{}\", expected press, slide, grasp or wave", name));
 }
 
+double seconds_of(HandScript script) {
+    return script == HandScript::slide ? 3.0 : script == HandScript::wave ? 1.0 : 2.0;
+}
+
 Hand synthetic_hand(HandScript script, double time_s, double height_m) {
     Hand hand;
     double bend = 0.0;
     hand.palm = {0, 0, height_m};
     double turn = 0.0, turn_rate = 0.0;
     if (script == HandScript::press) {
-        const Swing s = swing(time_s, 2.0);
+        const Swing s = swing(time_s, seconds_of(script));
         hand.palm.z -= 0.03 * s.value;
         hand.velocity.z = -0.03 * s.rate;
     } else if (script == HandScript::slide) {
-        const Swing s = swing(time_s, 3.0);
+        const Swing s = swing(time_s, seconds_of(script));
         hand.palm.x += 0.06 * s.value;
         hand.velocity.x = 0.06 * s.rate;
     } else if (script == HandScript::grasp) {
-        const Swing s = swing(time_s, 2.0);
+        const Swing s = swing(time_s, seconds_of(script));
         bend = 70.0 * pi / 180.0 * s.value;
         hand.grab = s.value;
     } else {
-        const double turns = 2.0 * pi * time_s;
+        const double turns = 2.0 * pi * time_s / seconds_of(script);
         turn = pi / 6.0 * std::sin(turns);
         turn_rate = pi / 6.0 * 2.0 * pi * std::cos(turns);
     }

@@ -18,6 +18,9 @@ enum class HandScript {
 /// @throws Error{bad_argument} for another name
 [[nodiscard]] HandScript hand_script(std::string_view name);
 
+/// After which it repeats.
+[[nodiscard]] double seconds_of(HandScript script);
+
 /// A right hand of a usual size at a time of its script: palm down, fingers along y. All moves are smooth, and the
 /// velocity is their exact derivative.
 /// @param height_m  of the palm above the array when the script begins

@@ -7,6 +7,7 @@
 #include <array>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/boards/core.hpp"
 #include "haptogram/image/intel_hex.hpp"
 
 namespace haptogram {
@@ -175,10 +176,8 @@ std::vector<std::string> problems(const Image& image) {
         const double cycle_s =
             static_cast<double>(record.cycle_length) * record.prescaler / std::max(image.clock_hz, 1U);
         if (cycle_s > interface::longest_cycle_s)
-            found.push_back(
-                fmt::format("record {}: a cycle lasts {:.3g} s, and until it ends the board changes to nothing "
-                            "else, not even to silence; at most {} s",
-                            r + 1, cycle_s, interface::longest_cycle_s));
+            found.push_back(fmt::format("record {}: a cycle lasts {:.3g} s, at most {} s; the board will refuse it",
+                                        r + 1, cycle_s, interface::longest_cycle_s));
         if (record.pulse_length >= record.cycle_length)
             found.push_back(fmt::format(
                 "record {}: a pulse of {} ticks is not shorter than its cycle of {}; the board will refuse it", r + 1,
@@ -224,6 +223,17 @@ void require_fits(const Image& image, const interface::CoreParameters& core, con
     require(image.sequence.size() < core.sequence_depth,
             fmt::format("the image has {} sequence entries, the board holds {}", image.sequence.size(),
                         core.sequence_depth - 1));
+    for (std::size_t r = 0; r < image.records.size(); ++r) {
+        const Record& record = image.records[r];
+        if (record.pulse_length == 0) continue;
+        const std::uint64_t pulse = std::uint64_t{record.pulse_length} * record.prescaler;
+        require(pulse >= core.min_pulse_clocks && pulse <= max_pulse_clocks(core),
+                fmt::format("record {}: a pulse lasts {} clocks, the board plays {} to {}", r + 1, pulse,
+                            core.min_pulse_clocks, max_pulse_clocks(core)));
+        require(256 * record.pulse_length <= core.max_duty_256 * record.cycle_length,
+                fmt::format("record {}: a pulse takes {:.1f} % of its cycle, the board plays at most {:.1f} %", r + 1,
+                            100.0 * record.pulse_length / record.cycle_length, core.max_duty_256 / 2.56));
+    }
 }
 
 std::vector<std::uint64_t> record_clocks(const Image& image) {

@@ -193,6 +193,7 @@ ordered_json to_json(const Manifest& m) {
                          {"formation_s", m.formation.formation_s},
                          {"ring_up_s", m.formation.ring_up_s}};
     if (m.has_several_foci()) json["solver"] = name_of(m.solver);
+    if (!m.quantise.empty()) json["quantise"] = m.quantise;
     json["records"] = ordered_json::array();
     for (std::size_t i = 0; i < m.records.size(); ++i) json["records"].push_back(record_to_json(m.records[i], i + 1));
     return json;
@@ -238,6 +239,7 @@ Manifest manifest_from_json(std::string_view text, const std::string& where) {
                        not_negative(rendering, "formation_s", where), not_negative(rendering, "ring_up_s", where)};
         for (const auto& record : json.at("records")) m.records.push_back(record_from_json(record, where));
         m.solver = solver_from_json(json, where);
+        if (json.contains("quantise")) m.quantise = json.at("quantise").get<std::string>();
         if (m.array.elements.empty() || m.array.elements.size() > m.core.parameters.channels)
             throw bad_input(where, fmt::format("{} elements for {} channels; compile the image again",
                                                m.array.elements.size(), m.core.parameters.channels));

@@ -30,10 +30,11 @@ struct Manifest {
     Timer timer;
     std::vector<RecordMeaning> records;    ///< record i of the image is records[i − 1]
     Method solver = Method::gauss_newton;  ///< of records of several foci
-    double rate_hz = 0.0;                  ///< passes a second, as it came out
-    Formation formation;                   ///< of the slowest focus
-    std::string input_sha256;              ///< of every input and setting that shaped the image
-    std::string image_sha256;              ///< of the HEX file's bytes
+    std::string quantise;      ///< device on whose segments all pulses lie (solve/segments.hpp); empty: none
+    double rate_hz = 0.0;      ///< passes a second, as it came out
+    Formation formation;       ///< of the slowest focus
+    std::string input_sha256;  ///< of every input and setting that shaped the image
+    std::string image_sha256;  ///< of the HEX file's bytes
 
     /// Every focal point, record by record.
     [[nodiscard]] std::vector<Vec3> points() const;

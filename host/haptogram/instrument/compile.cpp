@@ -18,6 +18,7 @@
 #include "haptogram/render/schedule.hpp"
 #include "haptogram/shape/import.hpp"
 #include "haptogram/solve/drives.hpp"
+#include "haptogram/solve/segments.hpp"
 
 namespace haptogram {
 namespace {
@@ -92,7 +93,8 @@ struct Timeline {
 
 class TimelineMaker {
 public:
-    TimelineMaker(const Path& path, const Timer& timer, const Core& core) : path_(path), timer_(timer), core_(core) {}
+    TimelineMaker(const Path& path, const Timer& timer, const Core& core, const std::optional<Segments>& segments)
+        : path_(path), timer_(timer), core_(core), segments_(segments) {}
 
     Timeline make() {
         const std::uint64_t length = path_.periods();
@@ -130,7 +132,8 @@ private:
     std::uint16_t record_of(const PathStep& step, double factor) {
         double largest = 0.0;
         for (const Focus& focus : step.foci) largest = std::max(largest, focus.amplitude);
-        const std::uint32_t pulse = pulse_ticks(timer_, largest * factor);
+        std::uint32_t pulse = pulse_ticks(timer_, largest * factor);
+        if (segments_) pulse = length_in_segments(pulse, timer_, *segments_);
         if (pulse == 0) return 0;
         std::string key(reinterpret_cast<const char*>(step.foci.data()), step.foci.size() * sizeof(Focus));
         key += fmt::format(" {}", pulse);
@@ -166,6 +169,7 @@ private:
     const Path& path_;
     const Timer& timer_;
     const Core& core_;
+    const std::optional<Segments>& segments_;
     std::uint16_t waiting_index_ = 0;  ///< of the next entry, which may still grow
     std::uint64_t waiting_ = 0;
     Timeline timeline_;
@@ -266,6 +270,14 @@ std::vector<double> modulate(Path& path, const Project& project, double carrier_
     return made.frequencies_hz;
 }
 
+/// Lets the foci feel as strong as the project says.
+std::optional<perception::PathMagnitude> feel(Path& path, const Project& project, const Array& array) {
+    if (!project.magnitude) return {};
+    const auto wanted =
+        perception::wanted_of(*project.magnitude, project.am, project.am_law == AmplitudeLaw::radiation);
+    return perception::give_magnitude(path, perception::find_tables(), wanted, array);
+}
+
 /// A pattern that is looked at too seldom loses the shape of its brush.
 void warn_of_few_samples(Compiled& compiled, const Project& project) {
     if (!project.path.ends_with(".adaptics")) return;
@@ -278,9 +290,11 @@ void warn_of_few_samples(Compiled& compiled, const Project& project) {
             samples_hz, adaptics_brush_hz));
 }
 
-/// A modulation that keeps step with the path may be off whenever a focus has its turn.
+/// A modulation that keeps step with the path may be off whenever a focus has its turn, and a weak pulse may round to
+/// none on a device's segments.
 void warn_of_unheard_foci(Compiled& compiled) {
-    if (compiled.path.modulation.samples.empty()) return;
+    const bool modulated = !compiled.path.modulation.samples.empty();
+    if (!modulated && compiled.bundle.manifest.quantise.empty()) return;
     std::size_t unheard = 0;
     const auto& records = compiled.bundle.manifest.records;
     for (const PathStep& step : compiled.path.steps) {
@@ -294,20 +308,24 @@ void warn_of_unheard_foci(Compiled& compiled) {
     }
     if (unheard > 0)
         compiled.warnings.push_back(fmt::format(
-            "{} of {} steps of the path are never heard, because the modulation is at 0 whenever they play; "
-            "take a frequency that does not divide the modulation's",
-            unheard, compiled.path.steps.size()));
+            "{} of {} steps of the path are never heard, because {}", unheard, compiled.path.steps.size(),
+            modulated ? "the modulation is at 0 whenever they play; take a frequency that does not divide the "
+                        "modulation's"
+                      : "their pulses are shorter than half a segment of the device; raise their amplitudes"));
 }
 
 Compiled compile_path(Path path, const Array& array, const Core& core, std::uint16_t loops, const std::string& name,
-                      std::string settings, Method solver) {
+                      std::string settings, Method solver, const std::string& quantise) {
     require_sound(path);
     require_channels(array, core);
     Manifest manifest;
     manifest.array = array;
     manifest.core = core;
     manifest.timer = choose_timer(array, core);
-    const Timeline timeline = TimelineMaker(path, manifest.timer, core).make();
+    manifest.quantise = quantise;
+    std::optional<Segments> segments;
+    if (!quantise.empty()) segments = segments_of(quantise);
+    const Timeline timeline = TimelineMaker(path, manifest.timer, core, segments).make();
     if (timeline.steps.empty()) throw bad_argument("path", "every step is silent; there is nothing to play");
 
     Image image;
@@ -317,6 +335,8 @@ Compiled compile_path(Path path, const Array& array, const Core& core, std::uint
     image.pulse_bits = core.parameters.pulse_bits;
     image.loops = loops;
     image.records = records_of(array, manifest.timer, image.channels, timeline.steps, timeline.amplitudes, solver);
+    if (segments)
+        for (Record& record : image.records) record = in_segments(record, manifest.timer, *segments);
     image.sequence = timeline.entries;
 
     std::vector<std::uint32_t> dwells(image.records.size());
@@ -346,7 +366,7 @@ Compiled compile_path(Path path, const Array& array, const Core& core, std::uint
     std::string hex = to_intel_hex(image);
     manifest.image_sha256 = sha256(hex);
     Compiled compiled{
-        {std::move(image), std::move(manifest), std::move(hex), name}, std::move(path), {}, {}, {}, {}, {}, {}};
+        {std::move(image), std::move(manifest), std::move(hex), name}, std::move(path), {}, {}, {}, {}, {}, {}, {}};
     compiled.pressure_left = summary_of(compiled.path, pressure_left(array, compiled.path));
     warn_of_unheard_foci(compiled);
     if (compiled.path.modulation.samples.empty()) warn_of_short_dwells(compiled);
@@ -402,10 +422,12 @@ Compiled compile(const Project& project, const std::string& name, const Progress
     if (!project.path.empty()) {
         Path path = path_in_file(project, instrument.array, timer.carrier_hz(), hashes);
         const std::vector<double> am_hz = modulate(path, project, timer.carrier_hz(), hashes);
+        const auto magnitude = feel(path, project, instrument.array);
         progress(0.8, "focusing");
         Compiled compiled = compile_path(std::move(path), instrument.array, instrument.core, project.loops, name,
-                                         settings_text(project) + hashes, Method::gauss_newton);
+                                         settings_text(project) + hashes, Method::gauss_newton, project.quantise);
         compiled.am_hz = am_hz;
+        compiled.magnitude = magnitude;
         warn_of_few_samples(compiled, project);
         progress(1.0, "focusing");
         return compiled;
@@ -439,19 +461,21 @@ Compiled compile(const Project& project, const std::string& name, const Progress
         }
     }
     const std::vector<double> am_hz = modulate(path, project, timer.carrier_hz(), hashes);
+    const auto magnitude = feel(path, project, instrument.array);
     progress(0.8, "focusing");
     Compiled compiled = compile_path(std::move(path), instrument.array, instrument.core, project.loops, name,
-                                     settings_text(project) + hashes, Method::gauss_newton);
+                                     settings_text(project) + hashes, Method::gauss_newton, project.quantise);
     compiled.points = std::move(points);
     compiled.pace = pace;
     compiled.evened = evened;
     compiled.am_hz = am_hz;
+    compiled.magnitude = magnitude;
     progress(1.0, "focusing");
     return compiled;
 }
 
 Compiled compile(const Path& path, const Array& array, const Core& core, std::uint16_t loops, const std::string& name,
-                 Method solver) {
+                 Method solver, const std::string& quantise) {
     std::string settings = fmt::format("path {}", loops);
     for (const PathStep& step : path.steps) {
         settings += fmt::format("\n{}", step.periods);
@@ -459,7 +483,8 @@ Compiled compile(const Path& path, const Array& array, const Core& core, std::ui
             settings += fmt::format(" {} {} {} {}", f.position.x, f.position.y, f.position.z, f.amplitude);
     }
     settings += fmt::format("\n{} {}", path.modulation.periods_a_sample, fmt::join(path.modulation.samples, " "));
-    return compile_path(path, array, core, loops, name, settings, solver);
+    if (!quantise.empty()) settings += fmt::format("\nquantise {}", quantise);
+    return compile_path(path, array, core, loops, name, settings, solver, quantise);
 }
 
 }  // namespace haptogram

@@ -7,6 +7,7 @@
 #include "haptogram/base/progress.hpp"
 #include "haptogram/image/bundle.hpp"
 #include "haptogram/instrument/project.hpp"
+#include "haptogram/perception/path_magnitude.hpp"
 #include "haptogram/render/draw.hpp"
 #include "haptogram/render/path.hpp"
 #include "haptogram/render/shape_path.hpp"
@@ -33,13 +34,14 @@ struct Evened {
 /// An image with its manifest, and what became of the shape on the way.
 struct Compiled {
     Bundle bundle;
-    Path path;                          ///< what the image plays
-    TouredPoints points;                ///< of a shape; empty for a path
-    std::optional<DrawnPace> pace;      ///< of a shape that is drawn at a speed or a frequency
-    std::optional<Evened> evened;       ///< of a shape whose points shall feel alike
-    std::vector<double> am_hz;          ///< frequencies of the modulation, as they came out
-    PressureLeft pressure_left;         ///< by the transducers' bandwidth
-    std::vector<std::string> warnings;  ///< whole sentences
+    Path path;                                           ///< what the image plays
+    TouredPoints points;                                 ///< of a shape; empty for a path
+    std::optional<DrawnPace> pace;                       ///< of a shape that is drawn at a speed or a frequency
+    std::optional<Evened> evened;                        ///< of a shape whose points shall feel alike
+    std::vector<double> am_hz;                           ///< frequencies of the modulation, as they came out
+    std::optional<perception::PathMagnitude> magnitude;  ///< of foci that shall feel with a magnitude
+    PressureLeft pressure_left;                          ///< by the transducers' bandwidth
+    std::vector<std::string> warnings;                   ///< whole sentences
 
     /// The least time that any focus lasts, s.
     [[nodiscard]] double shortest_dwell_s() const;
@@ -68,10 +70,12 @@ struct ProjectInstrument {
 /// of whole records, so that each strength of a focus that occurs is a record of its own. When the modulation does not
 /// end with the path, one pass of the image is as many passes of the path as it takes until both end together.
 /// @param loops   passes of the image when it is played by itself; 0 is for ever
-/// @param solver  for steps of several foci
+/// @param solver    for steps of several foci
+/// @param quantise  device on whose segments all pulses shall lie, as segments_of() knows it; empty: none
 /// @throws Error{bad_argument} for a path that makes no sense, Error{bad_input} naming the numbers when the core cannot
 /// hold the records or the sequence
 [[nodiscard]] Compiled compile(const Path& path, const Array& array, const Core& core, std::uint16_t loops = 0,
-                               const std::string& name = "image", Method solver = Method::gauss_newton);
+                               const std::string& name = "image", Method solver = Method::gauss_newton,
+                               const std::string& quantise = {});
 
 }  // namespace haptogram

@@ -38,8 +38,10 @@ struct Project {
     bool even = false;                ///< dwells that make all points feel alike, instead of equal ones
     std::string am;                   ///< waveform of the amplitude, as modulation_of() reads it; empty: none
     AmplitudeLaw am_law = AmplitudeLaw::pressure;  ///< what the waveform's values are
-    std::uint16_t loops = 0;                       ///< passes when the image is played by itself; 0 is for ever
-    std::optional<std::string> array;              ///< file or shipped array; by default the board's, or tile-10x10
+    std::optional<double> magnitude;   ///< how strong each focus feels under that waveform (perception/magnitude.hpp)
+    std::string quantise;              ///< device on whose segments pulses lie (segments_of()); empty: none
+    std::uint16_t loops = 0;           ///< passes when the image is played by itself; 0 is for ever
+    std::optional<std::string> array;  ///< file or shipped array; by default the board's, or tile-10x10
     std::optional<std::string> board;  ///< file, shipped board or configuration; by default what the array's file says
     std::filesystem::path folder;      ///< that relative paths start from; empty: the present one
 };

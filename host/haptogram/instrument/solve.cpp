@@ -18,6 +18,7 @@
 #include "haptogram/instrument/picture.hpp"
 #include "haptogram/render/schedule.hpp"
 #include "haptogram/solve/drives.hpp"
+#include "haptogram/solve/segments.hpp"
 
 namespace haptogram {
 namespace {
@@ -90,6 +91,7 @@ ordered_json to_json(const Solved& solved) {
                          {"amplitudes", solved.options.amplitudes},
                          {"level", solved.options.level == Level::reachable ? "reachable" : "pressure"},
                          {"steps", ordered_json::array()}};
+    if (!solved.quantise.empty()) json["quantise"] = solved.quantise;
     for (const SolvedStep& step : solved.steps) json["steps"].push_back(to_json(step));
     return json;
 }
@@ -158,9 +160,11 @@ Focus parse_focus_mm(const std::string& setting, const std::string& line) {
 }
 
 Solved solve_steps(const std::vector<std::vector<Focus>>& steps, const Array& array, const Core& core,
-                   const SolveOptions& options, bool follow, const Progress& progress) {
+                   const SolveOptions& options, bool follow, const Progress& progress, const std::string& device) {
     require_channels(array, core);
-    Solved solved{array, core, choose_timer(array, core), options, follow, {}};
+    Solved solved{array, core, choose_timer(array, core), options, follow, device, {}};
+    std::optional<Segments> segments;
+    if (!device.empty()) segments = segments_of(device);
     std::vector<std::complex<double>> last;
     for (std::size_t i = 0; i < steps.size(); ++i) {
         progress(static_cast<double>(i) / static_cast<double>(steps.size()), "solving");
@@ -179,9 +183,11 @@ Solved solve_steps(const std::vector<std::vector<Focus>>& steps, const Array& ar
             throw Error(error.code(), fmt::format("set {}", i + 1), error.what(), error.remedies());
         }
         step.record = quantise(step.drives, solved.timer, core.parameters.channels);
+        if (segments) step.record = in_segments(step.record, solved.timer, *segments);
         double strongest = 0.0;
         for (const auto& drive : step.drives) strongest = std::max(strongest, std::abs(drive));
-        const auto pulses = drives_of(step.record, array.elements.size(), strongest);
+        const auto pulses =
+            segments ? in_segments(step.drives, *segments) : drives_of(step.record, array.elements.size(), strongest);
         step.quantised = quality_of(array, step.foci, pulses, options.level);
         last = step.drives;
         solved.steps.push_back(std::move(step));
@@ -201,7 +207,7 @@ Compiled image_of(const Solved& solved, double rate_hz, const std::string& name)
                                                           interface::sequence_entry_field::dwell.most());
     Path path;
     for (std::size_t i = 0; i < solved.steps.size(); ++i) path.steps.push_back({solved.steps[i].foci, dwells[i]});
-    return compile(path, solved.array, solved.core, 0, name, solved.options.method);
+    return compile(path, solved.array, solved.core, 0, name, solved.options.method, solved.quantise);
 }
 
 std::string to_json_text(const Solved& solved) { return to_json(solved).dump(1) + "\n"; }

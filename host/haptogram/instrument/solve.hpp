@@ -21,7 +21,7 @@ struct SolvedStep {
     std::vector<std::complex<double>> drives;  ///< one an element, 1 at full strength
     Record record;                             ///< the drives' phases in ticks, all pulses of one length
     Quality exact;                             ///< of the drives
-    Quality quantised;                         ///< of the record
+    Quality quantised;  ///< of the record; with `quantise`, of that device's pulses, which may differ in length
 };
 
 /// Sets of foci, one after the other.
@@ -30,7 +30,8 @@ struct Solved {
     Core core;
     Timer timer;
     SolveOptions options;
-    bool follow = false;  ///< each set began with the drives of the one before
+    bool follow = false;   ///< each set began with the drives of the one before
+    std::string quantise;  ///< device on whose segments the pulses lie, as segments_of() knows it; empty: none
     std::vector<SolvedStep> steps;
 };
 
@@ -46,9 +47,11 @@ struct Solved {
 /// Solves each set.
 /// @param follow  begin each set with the drives of the one before, for foci that move by a small part of a wavelength;
 ///                the first set has none before it, and takes as many rounds as by default
+/// @param device  on whose segments the pulses shall lie, as segments_of() knows it; empty: none
 /// @throws Error as solve() and choose_timer(), naming the set, and Error{bad_input} for foci out of the array's reach
 [[nodiscard]] Solved solve_steps(const std::vector<std::vector<Focus>>& steps, const Array& array, const Core& core,
-                                 const SolveOptions& options, bool follow, const Progress& progress = {});
+                                 const SolveOptions& options, bool follow, const Progress& progress = {},
+                                 const std::string& device = {});
 
 /// The sets as an image that plays them in turn: compile() with the same solver, which makes the records again.
 /// @param rate_hz  passes over all sets a second

@@ -25,7 +25,10 @@ std::string open_hex(const std::string& path, const Progress& progress) {
 }
 
 Excitation open_excitation(const Source& source, const Progress& progress) {
-    if (source.focus) return excitation_of(find_array(source.array), *source.focus);
+    if (source.focus) {
+        const Excitation exact = excitation_of(find_array(source.array), *source.focus);
+        return source.quantise.empty() ? exact : in_segments(exact, segments_of(source.quantise));
+    }
     if (!source.image.empty()) {
         if (source.image.ends_with(".json"))
             return excitation_of(manifest_from_json(read_file(source.image), source.image), source.image,

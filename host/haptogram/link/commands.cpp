@@ -37,7 +37,8 @@ void require_words(const Bytes& block, unsigned words) {
 
 Identity to_identity(const Bytes& block) {
     namespace field = interface::identity_field;
-    require_words(block, interface::identity_words);
+    // Name and version come first in every version of the protocol; what follows them may be shorter in another one.
+    require_words(block, field::version_major.offset / 16 + 1);
     Identity identity;
     for (std::size_t i = 0; i < 16 && block[i] != 0; ++i) identity.name += static_cast<char>(block[i]);
     identity.version_major = field::version_major.get(block);
@@ -46,6 +47,7 @@ Identity to_identity(const Bytes& block) {
         throw device_error(fmt::format("it says it is '{}' {}.{}, expected '{}' {}.x", identity.name,
                                        identity.version_major, identity.version_minor, interface::name,
                                        interface::version_major));
+    require_words(block, interface::identity_words);
     identity.channels = field::channels.get(block);
     identity.records = field::records.get(block);
     identity.sequence_depth = field::sequence_depth.get(block);
@@ -55,6 +57,10 @@ Identity to_identity(const Bytes& block) {
     identity.clock_hz = field::clock_hz.get(block);
     identity.features = field::features.get(block);
     identity.frame_bytes = field::frame_bytes.get(block);
+    identity.min_pulse_clocks = field::min_pulse_clocks.get(block);
+    identity.max_pulse_clocks = field::max_pulse_clocks.get(block);
+    identity.max_duty_256 = field::max_duty_256.get(block);
+    identity.max_cycle_clocks = field::max_cycle_clocks.get(block);
     return identity;
 }
 
@@ -63,6 +69,7 @@ Status to_status(const Bytes& block) {
     require_words(block, interface::status_words);
     const auto word = [&block](const interface::BitField& f) { return static_cast<std::uint16_t>(f.get(block)); };
     return {.enabled = field::enabled.get(block) != 0,
+            .stopped = field::stopped.get(block) != 0,
             .mode = static_cast<Mode>(field::mode.get(block)),
             .present_index = word(field::present_index),
             .underruns = word(field::underruns),

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "haptogram/base/progress.hpp"
+#include "haptogram/boards/core.hpp"
 #include "haptogram/link/frame.hpp"
 
 namespace haptogram::link {
@@ -23,6 +24,8 @@ struct Identity {
     std::uint32_t channels = 0, records = 0, sequence_depth = 0, live_depth = 0;
     std::uint32_t timing_bits = 0, pulse_bits = 0, clock_hz = 0, features = 0;
     std::uint32_t frame_bytes = 0;  ///< the longest frame that it always takes, decoded and without its CRC
+    std::uint32_t min_pulse_clocks = 0, max_pulse_clocks = 0, max_cycle_clocks = 0;  ///< of a record that it plays
+    std::uint32_t max_duty_256 = 0;                                                  ///< of its cycle, in 1/256
     friend bool operator==(const Identity&, const Identity&) = default;
 
     /// The parameters of the core that it tells; those that it does not tell have their default.
@@ -35,6 +38,9 @@ struct Identity {
         core.timing_bits = timing_bits;
         core.pulse_bits = pulse_bits;
         core.clock_hz = clock_hz;
+        core.min_pulse_clocks = min_pulse_clocks;
+        core.max_duty_256 = max_duty_256;
+        core.max_high_clocks = max_high_clocks(max_pulse_clocks);
         return core;
     }
 };
@@ -44,12 +50,13 @@ using interface::Mode;
 /// What a device says it is doing. Counters begin at 0 again after 65,535.
 struct Status {
     bool enabled = false;             ///< pulses are let out
+    bool stopped = false;             ///< the stop input is active: outputs stay off
     Mode mode = Mode::idle;           ///< idle: the last record may still be playing
     std::uint16_t present_index = 0;  ///< of the record that plays; 0 is silence
     std::uint16_t underruns = 0, refused_records = 0, frames_good = 0, frames_damaged = 0, frames_repeated = 0,
                   frames_refused = 0, watchdog_trips = 0, guard_trips = 0;
     std::uint16_t live_level = 0;   ///< entries in the live FIFO
-    std::uint16_t watchdog_ms = 0;  ///< outputs go off after so long without a frame; 0: never
+    std::uint16_t watchdog_ms = 0;  ///< outputs go off after so long without a new command; 0: never
     friend bool operator==(const Status&, const Status&) = default;
 };
 
@@ -90,8 +97,12 @@ public:
     std::uint16_t push(const std::vector<std::uint16_t>& indices, std::uint16_t dwell);
     /// Plays entries of the sequence. @param length  0: length and loops are those of the sequence's header
     void start(std::uint16_t first, std::uint16_t length, std::uint16_t loops);
-    /// After how long without a frame the outputs go off; 0: never.
+    /// After how long without a new command the outputs go off; 0: never.
     void set_watchdog(std::uint16_t milliseconds);
+    /// Starts the watchdog's time anew and does nothing else.
+    void keep_alive() { request({interface::Command::keep_alive, {}}); }
+    /// As after power-up, but memories and session stay.
+    void reset() { request({interface::Command::reset, {}}); }
     void write(std::uint32_t address, const Bytes& bytes);
     Bytes read(std::uint32_t address, std::uint16_t bytes);
 

@@ -17,11 +17,16 @@ ordered_json to_json(const Identity& i) {
             {"timing_bits", i.timing_bits},
             {"pulse_bits", i.pulse_bits},
             {"clock_hz", i.clock_hz},
-            {"frame_bytes", i.frame_bytes}};
+            {"frame_bytes", i.frame_bytes},
+            {"min_pulse_clocks", i.min_pulse_clocks},
+            {"max_pulse_clocks", i.max_pulse_clocks},
+            {"max_duty_256", i.max_duty_256},
+            {"max_cycle_clocks", i.max_cycle_clocks}};
 }
 
 ordered_json to_json(const Status& s) {
     return {{"outputs", s.enabled ? "on" : "off"},
+            {"stop_input", s.stopped ? "active" : "released"},
             {"mode", to_string(s.mode)},
             {"index", s.present_index},
             {"live_level", s.live_level},

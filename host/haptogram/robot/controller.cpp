@@ -221,7 +221,7 @@ void Controller::period() {
 
     AdmittanceState next = wanted_;
     if (!resting_) {
-        next = admit(wanted_, user_, options_.admittance);
+        next = admit(wanted_, user_ + scene_, options_.admittance);
         if (const std::string why = infeasible(geometry_, next.pose(), geometry_.weight()); !why.empty()) {
             report(Event::Kind::out_of_reach, -1,
                    fmt::format("({:.1f}, {:.1f}, {:.1f}) mm is out of reach: {}", next.place[0] * 1e3,

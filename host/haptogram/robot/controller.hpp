@@ -53,6 +53,10 @@ public:
     /// One servo period. @return the torque codes for the drives
     [[nodiscard]] std::array<std::int16_t, cable_count> step(const std::array<DriveReading, cable_count>& readings);
 
+    /// A wrench of the virtual scene, which the virtual body feels beside the user's from the next period on: a weight
+    /// that is carried, a surface, friction. The user then feels it through the handle.
+    void render(const Wrench& scene) { scene_ = scene; }
+
     [[nodiscard]] double time_s() const { return time_; }
     [[nodiscard]] const AdmittanceState& wanted() const { return wanted_; }
     [[nodiscard]] const Pose& pose() const { return pose_; }    ///< from the encoders
@@ -80,7 +84,7 @@ private:
     int ticks_a_period_;
     AdmittanceState wanted_;
     Pose pose_;
-    Wrench user_ = Wrench::Zero();
+    Wrench user_ = Wrench::Zero(), scene_ = Wrench::Zero();
     PerCable home_, lengths_, last_lengths_, speeds_ = PerCable::Zero();
     PerCable from_, target_, next_target_, correction_ = PerCable::Zero(), pulls_;
     Wrench cable_sum_ = Wrench::Zero();  ///< of the cables on the handle, over the ticks of a period

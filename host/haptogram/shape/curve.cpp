@@ -11,11 +11,8 @@
 namespace haptogram {
 namespace {
 
-/// One way to draw a curve: where the focus enters and where it leaves.
-struct Visit {
-    std::size_t curve = 0;
-    double start = 0.0;  ///< arc length, of a closed curve
-    bool backwards = false;
+/// One way to draw a curve, with where the focus enters and where it leaves.
+struct Visit : CurveVisit {
     Vec3 entry, exit;
 };
 
@@ -26,13 +23,13 @@ Ways ways_through(const Curve& curve, std::size_t number) {
     if (!curve.closed) {
         const Vec3 begin = curve.at(0.0);
         const Vec3 end = curve.at(curve.length);
-        return {{number, 0.0, false, begin, end}, {number, 0.0, true, end, begin}};
+        return {{{number, 0.0, false}, begin, end}, {{number, 0.0, true}, end, begin}};
     }
     Ways ways;
     for (int i = 0; i < places; ++i) {
         const double start = curve.length * i / places;
         const Vec3 place = curve.at(start);
-        ways.push_back({number, start, false, place, place});
+        ways.push_back({{number, start, false}, place, place});
     }
     return ways;
 }
@@ -190,6 +187,7 @@ CurveTour curve_tour(const std::vector<Curve>& curves) {
     round.shorten();
     for (const Visit& visit : round.visits()) {
         const Curve& curve = curves[visit.curve];
+        tour.visits.push_back(visit);
         tour.curves.push_back(visit.backwards ? reversed(curve) : begun_at(curve, visit.start));
     }
     tour.jumps_m = round.jumps();

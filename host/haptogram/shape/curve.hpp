@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstddef>
 #include <vector>
 
 #include "haptogram/shape/shape.hpp"
@@ -18,9 +19,17 @@ namespace haptogram {
 /// @throws Error{bad_argument} when the curve is open and `start` is not 0
 [[nodiscard]] Curve begun_at(const Curve& curve, double start);
 
+/// How a curve of a list is drawn: from an arc length on when it is closed, or backwards when it is open.
+struct CurveVisit {
+    std::size_t curve = 0;  ///< its number in the list
+    double start = 0.0;
+    bool backwards = false;
+};
+
 /// Curves in the order in which a focus draws them, and how far it jumps between them.
 struct CurveTour {
     std::vector<Curve> curves;
+    std::vector<CurveVisit> visits;  ///< what each of them is of the list that was given
     double jumps_m = 0.0;  ///< all jumps of a pass, also that from the last curve's end to the first curve's beginning
 };
 

@@ -22,7 +22,8 @@ namespace haptogram {
 
 /// Length in ticks of the pulse whose carrier has `amplitude` times that of the timer's own pulse:
 /// (cycle/π)·asin(amplitude·sin(π·duty)), rounded (Hoshi et al. 2010, eq. 7, solved for the pulse). It is 0 for 0, and
-/// the timer's own pulse for 1.
+/// the timer's own pulse for 1. Below the shortest pulse that the board plays, it is that one or 0, whichever is
+/// nearer.
 [[nodiscard]] std::uint32_t pulse_ticks(const Timer& timer, double amplitude);
 
 /// The record whose pulses come nearest to the drives: each channel starts at its drive's phase, rounded to the nearest

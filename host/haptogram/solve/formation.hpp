@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <span>
 
@@ -19,7 +20,7 @@ struct Formation {
 };
 
 /// Clocks from when an index is known until its record is loaded (rtl/memory_controller.v): C in Haptogram eq. 12.
-[[nodiscard]] constexpr std::uint32_t load_clocks(std::uint32_t channels) { return channels + 7; }
+[[nodiscard]] constexpr std::uint32_t load_clocks(std::uint32_t channels) { return std::max(channels + 7, 33U); }
 
 /// @param focus  metres, array frame
 [[nodiscard]] Formation formation(const Array& array, const Core& core, Vec3 focus);

@@ -3,6 +3,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "haptogram/base/error.hpp"
@@ -13,25 +14,33 @@ Timer choose_timer(const Array& array, const Core& core) {
     const interface::CoreParameters& board = core.parameters;
     constexpr double carrier_tolerance = 100e-6;
     const double clocks = board.clock_hz / array.carrier_hz;
+    if (256.0 * array.duty > board.max_duty_256 + 1e-9)
+        throw bad_input(
+            array.file.empty() ? array.name : array.file,
+            fmt::format("pulses of {:.1f} % duty, but the board plays at most {:.1f} %; choose a smaller duty",
+                        100.0 * array.duty, board.max_duty_256 / 2.56),
+            {"array", "board"});
     const std::uint32_t longest_pulse = (1U << board.pulse_bits) - 1U;
     // The last tick of the longest cycle is one less than this. So no tick has all bits set, which would mean silence.
     const std::uint32_t longest_cycle = (1U << board.timing_bits) - 1U;
     for (std::uint32_t prescaler = 1; prescaler * 8.0 <= clocks; ++prescaler) {
         const double ticks = clocks / prescaler;
         const double cycle = std::round(ticks);
-        const double pulse = std::round(array.duty * cycle);
+        const double pulse = std::min(std::round(array.duty * cycle), std::floor(board.max_duty_256 * cycle / 256.0));
+        const std::uint32_t shortest_pulse = (board.min_pulse_clocks + prescaler - 1) / prescaler;
         if (std::abs(cycle / ticks - 1.0) > carrier_tolerance || cycle > longest_cycle || pulse > longest_pulse ||
-            pulse < 1.0)
+            pulse < shortest_pulse || pulse * prescaler > max_pulse_clocks(board))
             continue;
         return {static_cast<double>(board.clock_hz), prescaler, static_cast<std::uint32_t>(cycle),
-                static_cast<std::uint32_t>(pulse)};
+                static_cast<std::uint32_t>(pulse), shortest_pulse};
     }
     throw bad_input(array.file.empty() ? array.name : array.file,
                     fmt::format("no timer of at least 8 ticks makes a {} Hz carrier with {:.1f} % duty from a {} Hz "
-                                "clock with {} timing bits (at most {} ticks a cycle) and {} pulse bits; "
+                                "clock with {} timing bits (at most {} ticks a cycle), {} pulse bits and pulses of {} "
+                                "to {} clocks; "
                                 "choose a clock that is a multiple of the carrier, or a smaller duty",
                                 array.carrier_hz, 100.0 * array.duty, board.clock_hz, board.timing_bits, longest_cycle,
-                                board.pulse_bits));
+                                board.pulse_bits, board.min_pulse_clocks, max_pulse_clocks(board)));
 }
 
 }  // namespace haptogram

@@ -13,6 +13,7 @@ struct Timer {
     std::uint32_t prescaler = 5;
     std::uint32_t cycle_ticks = 250;
     std::uint32_t pulse_ticks = 125;
+    std::uint32_t shortest_pulse_ticks = 1;  ///< the shortest pulse that the board plays
 
     [[nodiscard]] double tick_s() const { return prescaler / clock_hz; }
     [[nodiscard]] double period_s() const { return cycle_ticks * tick_s(); }
@@ -24,7 +25,7 @@ struct Timer {
 
 /// The finest timer, that is, the smallest prescaler, whose carrier is within 100 ppm of the array's, whose pulse
 /// counter can hold the wanted duty to half a tick, and whose every tick is a timing that the board's timing bits can
-/// hold.
+/// hold. Its pulse is one that the board plays: a duty of one half of an odd number of ticks is rounded down.
 /// @throws Error{bad_input} when no prescaler does
 [[nodiscard]] Timer choose_timer(const Array& array, const Core& core);
 

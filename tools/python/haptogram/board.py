@@ -27,6 +27,10 @@ class Identity:
     clock_hz: int
     features: int
     frame_bytes: int
+    min_pulse_clocks: int
+    max_pulse_clocks: int
+    max_duty_256: int
+    max_cycle_clocks: int
 
     @classmethod
     def parse(cls, data: bytes) -> "Identity":
@@ -43,6 +47,7 @@ class Status:
     """What a board says it is doing. Counters begin at 0 again after 65,535."""
 
     enabled: bool
+    stopped: bool  # by the stop input: outputs stay off
     mode: str  # a name of Mode, in lower case: where the next record comes from
     present_index: int
     underruns: int
@@ -60,4 +65,4 @@ class Status:
     def parse(cls, data: bytes) -> "Status":
         values = _unpack(STATUS_FIELDS, STATUS_WORDS, data)
         mode = Mode(values.pop("mode")).name.lower()
-        return cls(enabled=bool(values.pop("enabled")), mode=mode, **values)
+        return cls(enabled=bool(values.pop("enabled")), stopped=bool(values.pop("stopped")), mode=mode, **values)

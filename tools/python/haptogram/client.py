@@ -65,6 +65,14 @@ class Client:
     def stop(self) -> None:
         self._ask(Command.STOP)
 
+    def keep_alive(self) -> None:
+        """Starts the watchdog's time anew and does nothing else."""
+        self._ask(Command.KEEP_ALIVE)
+
+    def reset(self) -> None:
+        """As after power-up, but memories and session stay."""
+        self._ask(Command.RESET)
+
     def select(self, index: int, dwell: int = 0) -> None:
         self._ask(Command.SELECT, index, dwell)
 

@@ -65,7 +65,8 @@ def device_info(options: argparse.Namespace) -> None:
 def device_status(options: argparse.Namespace) -> None:
     with connect(options) as board:
         values = dataclasses.asdict(board.status())
-    first = {"outputs": "on" if values.pop("enabled") else "off", "mode": values.pop("mode"), "index": values.pop("present_index")}
+    first = {"outputs": "on" if values.pop("enabled") else "off", "stop_input": "active" if values.pop("stopped") else "released",
+             "mode": values.pop("mode"), "index": values.pop("present_index")}  # fmt: skip
     show(first | values, options.json)
 
 

@@ -4,7 +4,7 @@ import enum
 from typing import NamedTuple
 
 NAME = 'Haptogram'
-VERSION = (1, 1)
+VERSION = (2, 0)
 PRIMARY_BASE = 0x00000000
 SEQUENCE_BASE = 0x10000000
 IDENTITY_BASE = 0x20000000
@@ -27,7 +27,7 @@ LINK_ASKING_BYTES = 12
 LINK_KEEP_ALIVE_MS = 100
 LINK_KEEP_ALIVE_SHARE = 5
 
-IDENTITY_WORDS = ["name_0", "name_1", "name_2", "name_3", "name_4", "name_5", "name_6", "name_7", "version", "channels", "records", "sequence_depth", "live_depth", "bits", "clock_hz_low", "clock_hz_high", "features", "frame_bytes"]
+IDENTITY_WORDS = ["name_0", "name_1", "name_2", "name_3", "name_4", "name_5", "name_6", "name_7", "version", "channels", "records", "sequence_depth", "live_depth", "bits", "clock_hz_low", "clock_hz_high", "features", "frame_bytes", "min_pulse_clocks", "max_pulse_clocks", "max_duty_256", "max_cycle_low", "max_cycle_high"]
 STATUS_WORDS = ["flags", "present_index", "underruns", "refused_records", "frames_good", "frames_damaged", "frames_repeated", "watchdog_trips", "guard_trips", "live_level", "watchdog_ms", "frames_refused"]
 DESCRIPTION_WORDS = ["magic", "format", "channels", "records", "sequence_words", "bits", "clock_hz_low", "clock_hz_high"]
 
@@ -86,10 +86,15 @@ IDENTITY_FIELDS = {
     "clock_hz": BitField(224, 32),
     "features": BitField(256, 16),
     "frame_bytes": BitField(272, 16),
+    "min_pulse_clocks": BitField(288, 16),
+    "max_pulse_clocks": BitField(304, 16),
+    "max_duty_256": BitField(320, 16),
+    "max_cycle_clocks": BitField(336, 32),
 }
 STATUS_FIELDS = {
     "enabled": BitField(0, 1),
     "mode": BitField(1, 2),
+    "stopped": BitField(3, 1),
     "present_index": BitField(16, 16),
     "underruns": BitField(32, 16),
     "refused_records": BitField(48, 16),
@@ -141,6 +146,8 @@ class Command(enum.IntEnum):
     WATCHDOG = 0x0a
     STATUS = 0x0b
     DIGEST = 0x0c
+    KEEP_ALIVE = 0x0d
+    RESET = 0x0e
 
 
 class Status(enum.IntEnum):
@@ -154,3 +161,4 @@ class Status(enum.IntEnum):
     BAD_INDEX = 0x07
     BAD_RANGE = 0x08
     FIFO_FULL = 0x09
+    STOPPED = 0x0a

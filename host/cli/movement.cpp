@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/render/movement.hpp"
+
+#include <fmt/format.h>
+
+#include <memory>
+#include <numbers>
+#include <set>
+#include <tuple>
+
+#include "command.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/base/file.hpp"
+#include "haptogram/instrument/compile.hpp"
+#include "haptogram/instrument/source.hpp"
+#include "haptogram/render/path_file.hpp"
+#include "haptogram/render/shape_path.hpp"
+#include "report.hpp"
+
+namespace haptogram::cli {
+namespace {
+
+struct MovementCommand {
+    std::string movement, center = "0,0,200";
+    double size_mm = 50.0, spacing_mm = 0.5, direction_deg = 90.0, hop_ms = 10.0;
+    bool grid = false, json = false;
+    MovementOptions movement_options;
+    std::optional<std::string> am, am_law, array, board;
+    std::string output;
+};
+
+int movement(const MovementCommand& command) {
+    Project project;
+    project.array = command.array;
+    project.board = command.board;
+    const ProjectInstrument instrument = instrument_of(project);
+    const double carrier_hz = choose_timer(instrument.array, instrument.core).carrier_hz();
+    MovementOptions options = command.movement_options;
+    options.centre = parse_point_mm("center", command.center);
+    options.size_m = command.size_mm * millimetre;
+    options.spacing_m = command.spacing_mm * millimetre;
+    options.direction_rad = command.direction_deg * std::numbers::pi / 180.0;
+    options.hop_s = command.hop_ms * 1e-3;
+    if (command.grid) {
+        options.grid = PositionGrid{};
+        options.grid->lowest_m = options.centre.z;
+    }
+    options.modulation =
+        modulation_of(command.am.value_or("square:200"), law_of(command.am_law.value_or("pressure")), carrier_hz)
+            .modulation;
+    const MadeMovement made = movement_path(movement_of(command.movement), options, carrier_hz);
+    std::vector<Vec3> places;
+    std::set<std::tuple<double, double, double>> different;
+    for (const PathStep& step : made.path.steps) {
+        const Vec3 p = step.foci.front().position;
+        places.push_back(p);
+        different.insert({p.x, p.y, p.z});
+    }
+    static_cast<void>(reachable_points(places, instrument.array, false));
+    write_file(command.output, to_json_text(made.path, carrier_hz));
+    if (command.output == "-") return 0;
+    const double seconds = static_cast<double>(made.path.periods()) / carrier_hz;
+    Report report;
+    report.add("movement", command.movement, fmt::format("movement          {}", command.movement));
+    report.add("array", instrument.array.name, fmt::format("array             {}", instrument.array.name));
+    report.add("steps", made.path.steps.size(),
+               fmt::format("path              {} steps at {} places, {:.4g} s, {}", made.path.steps.size(),
+                           different.size(), seconds, command.output));
+    report.add("places", different.size()).add("seconds", seconds);
+    report.add("length_mm", made.length_m / millimetre,
+               made.speed_m_s > 0.0 ? fmt::format("drawn             {:.1f} mm at {:.4g} mm/s",
+                                                  made.length_m / millimetre, made.speed_m_s / millimetre)
+                                    : fmt::format("hops              {:.1f} mm in all", made.length_m / millimetre));
+    report.add("speed_m_s", made.speed_m_s);
+    report.print(command.json);
+    return 0;
+}
+
+}  // namespace
+
+void add_movement(CLI::App& app, Action& action) {
+    auto options = std::make_shared<MovementCommand>();
+    CLI::App* sub = app.add_subcommand(
+        "movement", "A modulated focus that moves over the palm as in Hoshi et al. 2010: a path for compile");
+    sub->add_option("movement", options->movement, "line, circle, spiral (outwards) or random (hops)")->required();
+    sub->add_option("--size", options->size_mm,
+                    "Length of the line, diameter of circle and spiral, edge of the square of random places, mm")
+        ->check(positive())
+        ->capture_default_str();
+    sub->add_option("--center", options->center, "x,y,z mm")->capture_default_str();
+    sub->add_option("--direction", options->direction_deg, "Of the line: degrees from x towards y")
+        ->capture_default_str();
+    MovementOptions& m = options->movement_options;
+    sub->add_option("--turns", m.turns, "Of the spiral")->check(positive())->capture_default_str();
+    sub->add_option("--speed", m.speed_m_s, "Along line, circle and spiral, m/s")
+        ->check(positive())
+        ->capture_default_str();
+    sub->add_option("--spacing", options->spacing_mm, "At most, from one place to the next, mm")
+        ->check(positive())
+        ->capture_default_str();
+    sub->add_option("--hop", options->hop_ms, "Of random: time at each place, ms")
+        ->check(positive())
+        ->capture_default_str();
+    sub->add_option("--seconds", m.seconds, "Of random: before the hops begin again")
+        ->check(positive())
+        ->capture_default_str();
+    sub->add_option("--seed", m.seed, "Of random")->check(whole(0, UINT64_MAX))->capture_default_str();
+    sub->add_flag("--grid", options->grid,
+                  "Only the device's positions: 18 x 18, 10 mm apart, at the height of the center");
+    add_am(*sub, options->am, options->am_law);
+    sub->get_option("--am")->default_str("square:200");
+    sub->add_option("--array", options->array, "Array file or shipped array; by default the board's, or tile-10x10");
+    sub->add_option("--board", options->board, "Board file, shipped board or configuration");
+    sub->add_flag("--json", options->json, "Print as JSON");
+    sub->add_option("-o,--output", options->output, "The path, .json; - is standard output")->required();
+    sub->callback([options, &action] { action = [options] { return movement(*options); }; });
+}
+
+}  // namespace haptogram::cli

@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/instrument/render.hpp"
+
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "command.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/base/file.hpp"
+#include "haptogram/instrument/compile.hpp"
+#include "haptogram/instrument/source.hpp"
+#include "haptogram/render/path_file.hpp"
+#include "progress_line.hpp"
+#include "report.hpp"
+
+namespace haptogram::cli {
+namespace {
+
+using nlohmann::ordered_json;
+
+struct RenderCommand {
+    std::string object, hand, model, algorithm = "A";
+    double hand_rate_hz = 60.0;
+    std::optional<double> size_mm, height_mm;
+    std::string center = "0,0,200", rotate = "0,0,0", unit = "mm";
+    std::optional<std::string> array, board;
+    std::optional<std::size_t> frame, points;
+    std::optional<std::uint32_t> dwell;
+    std::optional<double> speed_m_s, frequency_hz;
+    std::string jump = "hop", corner = "rotating-line", priority = "gap";
+    bool off_skin = false, report = false, json = false;
+    double gap_mm = 10.0;
+    TouchOptions touch;
+    std::vector<std::string> outputs;
+};
+
+RenderOptions options_of(const RenderCommand& command) {
+    RenderOptions options;
+    options.algorithm = algorithm_of(command.algorithm);
+    options.touch = command.touch;
+    if (command.speed_m_s || command.frequency_hz) options.touch.pace = Pace{command.speed_m_s, command.frequency_hz};
+    options.touch.jump = command.jump == "hop" ? Jump::hop : Jump::blank;
+    options.touch.feature.corner = corner_figure(command.corner);
+    options.touch.feature.project = !command.off_skin;
+    options.touch.priority = command.priority == "gap" ? Priority::gap : Priority::finger;
+    options.touch.gap_m = command.gap_mm * millimetre;
+    options.touch.grain.seed = options.touch.feature.seed;
+    options.frame = command.frame;
+    options.points = command.points;
+    options.dwell = command.dwell;
+    return options;
+}
+
+ObjectSource object_of(const RenderCommand& command) {
+    ObjectSource source;
+    source.name = command.object;
+    if (command.size_mm) source.size_m = *command.size_mm * millimetre;
+    if (command.height_mm) source.height_m = *command.height_mm * millimetre;
+    source.centre = parse_point_mm("center", command.center);
+    source.angles_deg = parse_point_mm("rotate", command.rotate) * (1.0 / millimetre);
+    source.unit = command.unit;
+    return source;
+}
+
+ordered_json to_json(const FrameReport& f) {
+    ordered_json json = {{"frame", f.frame},
+                         {"time_s", f.time_s},
+                         {"hands", f.hands},
+                         {"lines", f.lines},
+                         {"foci", f.foci},
+                         {"length_mm", f.length_m / millimetre},
+                         {"draw_hz", f.draw_hz},
+                         {"focus_pa", f.focus_pa},
+                         {"width_mm", f.width_m / millimetre},
+                         {"strength_pa", f.strength_pa},
+                         {"tilt", f.tilt},
+                         {"weak", f.weak},
+                         {"out_of_reach", f.out_of_reach},
+                         {"lines_missed", f.lines_missed},
+                         {"compute_ms", f.compute_s * 1e3}};
+    if (!f.why.empty()) json["why"] = f.why;
+    return json;
+}
+
+void print_frames(const std::vector<FrameReport>& frames) {
+    fmt::print("{:>6} {:>8} {:>5} {:>5} {:>10} {:>8} {:>9} {:>7} {:>7} {:>7} {:>8}\n", "frame", "time s", "lines",
+               "foci", "length mm", "draw Hz", "Pa", "cos²", "weak %", "lost %", "ms");
+    for (const FrameReport& f : frames)
+        fmt::print("{:6} {:8.3f} {:5} {:5} {:10.1f} {:8.2f} {:9.2f} {:7.3f} {:7.1f} {:7.1f} {:8.3f}\n", f.frame,
+                   f.time_s, f.lines, f.foci, f.length_m / millimetre, f.draw_hz, f.strength_pa, f.tilt, 100.0 * f.weak,
+                   100.0 * f.out_of_reach, f.compute_s * 1e3);
+}
+
+int render(const RenderCommand& command) {
+    std::string path, picture;
+    std::vector<NamedPath> inputs, outputs;
+    if (!command.object.empty()) inputs.push_back({"the object", command.object});
+    inputs.push_back({"--hand", command.hand});
+    for (const std::string& output : command.outputs) {
+        std::string& place = output.ends_with(".png") ? picture : path;
+        if (output != "-" && !output.ends_with(".png") && !output.ends_with(".json"))
+            throw bad_argument("output",
+                               fmt::format("found \"{}\", expected a .json path, a .png picture, or -", output));
+        if (!place.empty())
+            throw bad_argument("output", "there are two of one kind; give one .json and one .png at most");
+        place = output;
+        outputs.push_back({"--output", output});
+    }
+    require_distinct(inputs, outputs);
+    if (path == "-" && (command.report || command.json))
+        throw bad_argument("output", "the path would go to standard output with the report; give it a file");
+    const RenderOptions options = options_of(command);
+    const TouchObject object = open_object(object_of(command));
+    const HandRecording hands = open_hands(command.hand, command.model, command.hand_rate_hz);
+    Project project;
+    project.array = command.array;
+    project.board = command.board;
+    const ProjectInstrument instrument = instrument_of(project);
+    const double carrier_hz = choose_timer(instrument.array, instrument.core).carrier_hz();
+    Rendered rendered;
+    {
+        ProgressLine progress("render");
+        rendered = haptogram::render(object, hands, instrument.array, carrier_hz, options, progress.callback());
+    }
+    if (!path.empty()) write_file(path, to_json_text(rendered.path, carrier_hz));
+    if (!picture.empty()) draw_render(picture, object, hands, instrument.array, carrier_hz, options, rendered);
+    for (const std::string& warning : rendered.warnings) complain("warning: " + warning);
+    if (path == "-") return 0;
+    double length = 0.0, strength = 0.0, compute = 0.0, slowest = 0.0;
+    std::size_t touching = 0;
+    ordered_json frames = ordered_json::array();
+    for (const FrameReport& frame : rendered.frames) {
+        frames.push_back(to_json(frame));
+        compute += frame.compute_s / static_cast<double>(rendered.frames.size());
+        slowest = std::max(slowest, frame.compute_s);
+        if (frame.foci == 0) continue;
+        ++touching;
+        length += frame.length_m;
+        strength += frame.strength_pa;
+    }
+    const auto count = static_cast<double>(std::max<std::size_t>(touching, 1));
+    const double seconds = static_cast<double>(rendered.path.periods()) / carrier_hz;
+    if (command.report && !command.json) print_frames(rendered.frames);
+    Report report;
+    report.add(
+        "algorithm", std::string(1, name_of(options.algorithm).letter),
+        fmt::format("algorithm         {}: {}", name_of(options.algorithm).letter, name_of(options.algorithm).about));
+    report.add("object", object.name, fmt::format("object            {}", object.name));
+    report.add("array", instrument.array.name, fmt::format("array             {}", instrument.array.name));
+    report.add("steps", rendered.path.steps.size(),
+               fmt::format("path              {} steps, {:.4g} s{}", rendered.path.steps.size(), seconds,
+                           path.empty() ? "" : ", " + path));
+    report.add("seconds", seconds);
+    report.add("touching", touching,
+               fmt::format("touching          {} of {} frames, {:.1f} mm of lines on average, {:.2f} Pa by estimate",
+                           touching, rendered.frames.size(), length / count / millimetre, strength / count));
+    report.add("length_mm", length / count / millimetre).add("strength_pa", strength / count);
+    report.add("compute_ms", compute * 1e3,
+               fmt::format("computed in       {:.3f} ms a frame, {:.3f} ms at most", compute * 1e3, slowest * 1e3));
+    if (command.report) report.add("frames", frames);
+    report.add("warnings", rendered.warnings);
+    report.print(command.json);
+    return 0;
+}
+
+/// A length in mm on the command line that is metres inside.
+void add_mm(CLI::App& app, const std::string& name, double& metres, const std::string& about) {
+    app.add_option_function<double>(
+           name, [&metres](double mm) { metres = mm * millimetre; }, about)
+        ->check(positive())
+        ->default_str(fmt::format("{:g}", metres / millimetre));
+}
+
+}  // namespace
+
+void add_render(CLI::App& app, Action& action) {
+    auto options = std::make_shared<RenderCommand>();
+    CLI::App* sub = app.add_subcommand(
+        "render",
+        "Let recorded or synthetic hands feel a solid object: a path for compile, a report for each frame, a picture");
+    sub->add_option(
+           "object", options->object,
+           fmt::format("{}, or a mesh file (PLY, OBJ, STL) of a closed surface", fmt::join(object_kinds(), ", ")))
+        ->required();
+    sub->add_option("--hand", options->hand,
+                    "A Leap recording (.json, .lz), poses (.pose), or synthetic:press, slide, grasp or wave, with "
+                    ":HEIGHT of the palm in mm behind it if it is not 200")
+        ->required();
+    sub->add_option("--hand-model", options->model, "Bones of a .pose file (default: model_hand.json beside it)");
+    sub->add_option("--hand-rate", options->hand_rate_hz, "Frames a second of a .pose file")
+        ->check(positive())
+        ->capture_default_str();
+    std::string about;
+    std::vector<std::string> letters;
+    for (const AlgorithmName& one : algorithm_names()) {
+        about += fmt::format("{}{} ({})", about.empty() ? "" : ", ", one.letter, one.about);
+        letters.emplace_back(1, one.letter);
+    }
+    sub->add_option("--algorithm", options->algorithm, about)
+        ->check(CLI::IsMember(letters, CLI::ignore_case))
+        ->capture_default_str();
+    sub->add_option("--size", options->size_mm,
+                    "Edge or diameter of the object, largest extent of a mesh, mm (default: 100, a mesh as it is)")
+        ->check(positive());
+    sub->add_option("--height", options->height_mm, "Of a cone, pyramid or cylinder, mm (default: the size)")
+        ->check(positive());
+    sub->add_option("--center", options->center, "Of the object: x,y,z mm")->capture_default_str();
+    sub->add_option("--rotate", options->rotate, "Of the object: degrees about x, then y, then z")
+        ->capture_default_str();
+    sub->add_option("--unit", options->unit, "Of a mesh file's coordinates")
+        ->check(CLI::IsMember({"mm", "cm", "m"}))
+        ->capture_default_str();
+    sub->add_option("--array", options->array, "Array file or shipped array; by default the board's, or tile-10x10");
+    sub->add_option("--board", options->board, "Board file, shipped board or configuration");
+    sub->add_option("--frame", options->frame, "Only this frame, from 1: one pass, to be repeated")
+        ->check(whole(1, 1'000'000'000));
+    auto* speed = sub->add_option("--speed", options->speed_m_s,
+                                  fmt::format("Of the focus, m/s (default: {:g}; of K 0.1)", usual_speed_m_s))
+                      ->check(positive());
+    sub->add_option("--frequency", options->frequency_hz,
+                    "Passes over all lines a second instead, Hz (default of L: 5)")
+        ->check(positive())
+        ->excludes(speed);
+    auto* points = sub->add_option("--points", options->points, "Of the pass of one frame, instead of --dwell")
+                       ->check(whole(1, 1'000'000));
+    sub->add_option("--dwell", options->dwell, "Carrier periods of a step (default: 10; of K and L 400)")
+        ->check(whole(1, 1'000'000))
+        ->excludes(points);
+    sub->add_option("--jump", options->jump,
+                    "Between lines: hop, which takes no time, or blank, silence for as long as the way takes")
+        ->check(CLI::IsMember({"hop", "blank"}))
+        ->capture_default_str();
+    TouchOptions& touch = options->touch;
+    sub->add_option("--corner", options->corner, "Of B, H, I, J: what is drawn at a corner")
+        ->check(CLI::IsMember({"circle", "pulsing-circle", "rotating-line", "triangle", "random-points"}))
+        ->capture_default_str();
+    add_mm(*sub, "--corner-radius", touch.feature.radius_m, "Of circles and random points, mm");
+    add_mm(*sub, "--corner-line", touch.feature.line_m, "Length of the rotating line, mm");
+    add_mm(*sub, "--corner-triangle", touch.feature.triangle_m, "Side of the triangle, mm");
+    sub->add_flag("--off-skin", options->off_skin, "Draw edges and corners where the object has them, not on the skin");
+    sub->add_option("--priority", options->priority,
+                    "Of H, I, J: other lines keep a gap from features, or are left out on a finger that has a feature")
+        ->check(CLI::IsMember({"gap", "finger"}))
+        ->capture_default_str();
+    sub->add_option("--gap", options->gap_mm, "That gap, mm")->check(not_negative())->capture_default_str();
+    sub->add_option("--solid-level", touch.solid_level,
+                    "Of D, I: the second contour's depth over the deepest point's, 0 to 1")
+        ->capture_default_str();
+    sub->add_flag("--two-foci", touch.two_foci, "Of D: both contours at the same time");
+    add_mm(*sub, "--grain-spacing", touch.grain.spacing_m,
+           "Of E and F: a line for each square or cube of this edge, mm");
+    add_mm(*sub, "--grain-length", touch.grain.length_m, "Of E and F: of a line, mm");
+    add_mm(*sub, "--blob-finger", touch.blob_finger_m, "Of G, J: the largest circle on a fingertip, radius in mm");
+    add_mm(*sub, "--blob-palm", touch.blob_palm_m, "Of G, J: the same on the palm");
+    sub->add_option("--am-frequency", touch.am_hz, "Of the modulation in C and K, Hz")
+        ->check(positive())
+        ->capture_default_str();
+    sub->add_option("--wait", touch.pointer_wait_s, "Of K: at each corner, s")
+        ->check(not_negative())
+        ->capture_default_str();
+    add_mm(*sub, "--press-radius", touch.press_radius_m, "Of L: of the circles, mm");
+    sub->add_option("--press-foci", touch.press_foci, "Of L: on each circle")
+        ->check(whole(1, 16))
+        ->capture_default_str();
+    sub->add_option("--seed", touch.feature.seed, "Of what is random")
+        ->check(whole(0, UINT64_MAX))
+        ->capture_default_str();
+    sub->add_flag("--report", options->report,
+                  "A line for each frame: length, draw frequency, strength, tilt, what is lost, time");
+    sub->add_flag("--json", options->json, "Print as JSON");
+    sub->add_option("-o,--output", options->outputs,
+                    "The path as .json (- is standard output), or a .png picture; may be repeated");
+    sub->callback([options, &action] { action = [options] { return render(*options); }; });
+}
+
+}  // namespace haptogram::cli

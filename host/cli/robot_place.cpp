@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "robot_place.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "haptogram/base/error.hpp"
+#include "haptogram/base/file.hpp"
+#include "haptogram/fusion/place.hpp"
+#include "haptogram/instrument/compile.hpp"
+#include "haptogram/instrument/picture.hpp"
+#include "haptogram/solve/timer.hpp"
+#include "pins.hpp"
+#include "progress_line.hpp"
+#include "report.hpp"
+
+namespace haptogram::cli {
+namespace {
+
+using namespace fusion;
+using nlohmann::ordered_json;
+
+struct PlaceCommand {
+    std::string mapping, robot = "cube-360", tables = "multimodal", array = "hoshi-18x18";
+    std::optional<std::string> board;
+    double target_mm = 250.0, start_mm = 300.0;
+    PlaceOptions place;
+    std::uint64_t frames = 5, seed = 1;
+    std::string output;
+    bool json = false;
+};
+
+/// How far the pins may be from what was asked: a burst begins on a whole carrier period, and a pulse has whole ticks.
+constexpr double most_frequency_off = 0.005, most_ticks_off = 0.6;
+
+struct PlayedFrame {
+    std::size_t number;  ///< from 0
+    PinsOfFrame pins;
+};
+
+bool good(const PlayedFrame& played, const Frame& frame) {
+    const PinsOfFrame& pins = played.pins;
+    return pins.violations.empty() && pins.points.size() == frame.points.size() &&
+           std::abs(pins.frequency_hz - frame.frequency_hz) <= most_frequency_off * frame.frequency_hz &&
+           std::all_of(pins.points.begin(), pins.points.end(),
+                       [](const auto& point) { return std::abs(point.ticks_off) <= most_ticks_off; });
+}
+
+/// Plays some of the frames in which something is felt, evenly over the run.
+std::vector<PlayedFrame> play_some(const Placed& placed, std::uint64_t count, const ProjectInstrument& instrument,
+                                   const perception::Tables& tables) {
+    std::vector<std::size_t> felt;
+    for (std::size_t i = 0; i < placed.frames.size(); ++i)
+        if (!placed.frames[i].points.empty()) felt.push_back(i);
+    const std::size_t wanted = std::min<std::size_t>(count, felt.size());
+    std::vector<PlayedFrame> played;
+    ProgressLine progress("board");
+    for (std::size_t k = 0; k < wanted; ++k) {
+        const std::size_t number = felt[wanted == 1 ? 0 : k * (felt.size() - 1) / (wanted - 1)];
+        played.push_back({number, pins_of(placed.frames[number], instrument.array, instrument.core, tables)});
+        progress.callback()(static_cast<double>(k + 1) / static_cast<double>(wanted), "board");
+    }
+    return played;
+}
+
+ordered_json to_json(const PlayedFrame& played, const Placed& placed) {
+    const Frame& frame = placed.frames[played.number];
+    ordered_json points = ordered_json::array();
+    for (const PinsOfFrame::Point& point : played.pins.points)
+        points.push_back(
+            {{"position_mm",
+              {point.position.x / millimetre, point.position.y / millimetre, point.position.z / millimetre}},
+             {"command", point.asked},
+             {"command_at_pins", point.measured},
+             {"ticks_off", point.ticks_off},
+             {"magnitude_at_pins", point.magnitude}});
+    return {{"time_s", placed.rows[played.number].time_s},
+            {"height_mm", placed.rows[played.number].height_m / millimetre},
+            {"frequency_hz", frame.frequency_hz},
+            {"frequency_hz_at_pins", played.pins.frequency_hz},
+            {"magnitude", frame.magnitude},
+            {"points", points},
+            {"pulses", played.pins.pulses},
+            {"violations", played.pins.violations},
+            {"good", good(played, frame)}};
+}
+
+void write_output(const std::string& path, const Placed& placed, const ordered_json& json) {
+    if (!path.ends_with(".png")) {
+        write_file(path, to_csv(placed));
+        return;
+    }
+    Picture picture("shipped:tools/plot_placed.py");
+    picture.add("rows.csv", to_csv(placed));
+    picture.add("report.json", json.dump());
+    picture.draw(path, ".csv and --json");
+}
+
+int place(PlaceCommand command) {
+    PlaceOptions& options = command.place;
+    options.mapping = mapping_of(command.mapping);
+    options.target_m = command.target_mm * millimetre;
+    options.start_m = command.start_mm * millimetre;
+    options.robot_centre = {0.0, 0.0, options.target_m};
+    options.geometry = robot::find_geometry(command.robot);
+    options.plant.seed = command.seed;
+    if (!command.output.empty() && command.output != "-" && !command.output.ends_with(".png") &&
+        !command.output.ends_with(".csv"))
+        throw bad_argument("output",
+                           fmt::format("found \"{}\", expected a .csv table, a .png picture, or -", command.output));
+    Project project;
+    project.array = command.array;
+    project.board = command.board;
+    const ProjectInstrument instrument = instrument_of(project);
+    const perception::Tables tables = perception::find_tables(command.tables);
+    const SharedClock clock = shared_clock(options.controller.admittance.period_s,
+                                           choose_timer(instrument.array, instrument.core).carrier_hz());
+    const Placed placed = [&] {
+        ProgressLine progress("place");
+        return place_cube(options, instrument.array, tables, clock, progress.callback());
+    }();
+    const std::vector<PlayedFrame> played = play_some(placed, command.frames, instrument, tables);
+    const bool all_good = std::all_of(played.begin(), played.end(),
+                                      [&](const PlayedFrame& one) { return good(one, placed.frames[one.number]); });
+
+    Report report;
+    report.add("mapping", command.mapping).add("target_mm", command.target_mm);
+    report.add("array", instrument.array.name).add("robot", options.geometry.name);
+    report.add("placed", placed.placed,
+               placed.placed ? "" : "the cube was not placed: see the events, or take another start or range");
+    report.add("time_s", placed.time_s);
+    if (placed.placed) {
+        report.add("error_mm", placed.error_m / millimetre,
+                   fmt::format("{}: placed after {:.2f} s, {:+.2f} mm from {:g} mm", command.mapping, placed.time_s,
+                               placed.error_m / millimetre, command.target_mm));
+        report.add("weight_n", options.weight_n);
+        report.add("weight_felt_n", placed.weight_n,
+                   fmt::format("a weight of {:g} N was rendered; at rest the user held {:.3f} N, {:.3f} N by the "
+                               "controller",
+                               options.weight_n, placed.weight_n, placed.measured_n));
+        report.add("weight_measured_n", placed.measured_n);
+    }
+    report.add("wrench", {0.0, 0.0, placed.rows.back().scene_n, 0.0, 0.0, 0.0});
+    report.add("least_tension_n", placed.least_tension_n);
+    report.add("period_s", clock.period_s(),
+               fmt::format("one clock: {} carrier periods are one of the robot, {:.4g} Hz", clock.carrier_periods,
+                           1.0 / clock.period_s()));
+    report.add("frames", placed.frames.size()).add("points", placed.points);
+    report.add("silent_points", placed.silent,
+               placed.silent == 0 ? ""
+                                  : fmt::format("{} of {} points stay silent; the first: {}", placed.silent,
+                                                placed.points, placed.why));
+    ordered_json events = ordered_json::array();
+    for (const robot::Event& event : placed.events) {
+        events.push_back({{"time_s", event.time_s}, {"kind", robot::name_of(event.kind)}, {"text", event.text}});
+        report.tell(fmt::format("{:8.3f} s  {}: {}", event.time_s, robot::name_of(event.kind), event.text));
+    }
+    report.add("events", events);
+    ordered_json pins = ordered_json::array();
+    for (const PlayedFrame& one : played) {
+        pins.push_back(to_json(one, placed));
+        const Frame& frame = placed.frames[one.number];
+        double asked = 0.0, measured = 0.0, felt = 0.0;
+        for (const PinsOfFrame::Point& point : one.pins.points) {
+            asked += point.asked / static_cast<double>(one.pins.points.size());
+            measured += point.measured / static_cast<double>(one.pins.points.size());
+            felt += point.magnitude / static_cast<double>(one.pins.points.size());
+        }
+        report.tell(
+            fmt::format("{:8.3f} s  {:.1f} Hz asked, {:.1f} at the pins; command {:.4f} asked, {:.4f} at the "
+                        "pins; magnitude {:.2f} asked, {:.2f} by the pins{}",
+                        placed.rows[one.number].time_s, frame.frequency_hz, one.pins.frequency_hz, asked, measured,
+                        frame.magnitude, felt, good(one, frame) ? "" : "  NOT AS ASKED"));
+        for (const std::string& violation : one.pins.violations) report.tell("          " + violation);
+    }
+    report.add("pins", pins);
+    if (!command.output.empty()) write_output(command.output, placed, report.json());
+    if (command.output != "-") report.print(command.json);
+    return placed.placed && all_good ? 0 : 1;
+}
+
+void add_number(CLI::App& sub, const std::string& name, double& value, const std::string& about) {
+    sub.add_option(name, value, about)->check(positive())->capture_default_str();
+}
+
+}  // namespace
+
+void add_robot_place(CLI::App& robot, Action& action) {
+    const auto command = std::make_shared<PlaceCommand>();
+    PlaceOptions& place_options = command->place;
+    CLI::App* sub = robot.add_subcommand(
+        "place",
+        "Cables and ultrasound together: a scripted user carries a cube to a height that only touch tells, and the "
+        "simulated board plays it; exit code 1 when it was not placed, or the pins are not as asked");
+    sub->add_option("--mapping", command->mapping,
+                    "G1: a plane at the height is felt where it cuts the hand; G2: a focus on the palm rises in "
+                    "frequency; G3: in perceived magnitude")
+        ->required()
+        ->check(CLI::IsMember({"G1", "G2", "G3"}));
+    add_number(*sub, "--target", command->target_mm,
+               "Height to find above the array, mm; the robot's frame is around it");
+    add_number(*sub, "--start", command->start_mm, "Height at which the cube starts, mm");
+    add_number(*sub, "--weight", place_options.weight_n, "Of the cube, by the cables, N");
+    add_number(*sub, "--magnitude", place_options.magnitude, "Perceived magnitude of each focus, of G1 and G2");
+    add_number(*sub, "--longest", place_options.longest_s, "The run ends after this, s");
+    sub->add_option("--robot", command->robot, "Shipped robot, or a robot file (.toml)")->capture_default_str();
+    sub->add_option("--array", command->array, "Shipped array, or an array file (.toml)")->capture_default_str();
+    sub->add_option("--board", command->board, "Shipped board, board file, or configuration of the core");
+    sub->add_option("--tables", command->tables, "Shipped perception file, or one of yours (.toml)")
+        ->capture_default_str();
+    sub->add_option("--frames", command->frames,
+                    "Periods of the robot, evenly over the run, that the simulated board plays; 0: none")
+        ->check(whole(0, 100000))
+        ->capture_default_str();
+    sub->add_option("--seed", command->seed, "Of the sensors' noise")->capture_default_str();
+    sub->add_option("-o,--output", command->output, "The trace as .csv or .png; - is CSV on standard output");
+    sub->add_flag("--json", command->json, "Print as JSON");
+    sub->callback([command, &action] { action = [command] { return place(*command); }; });
+}
+
+}  // namespace haptogram::cli

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "haptogram/base/progress.hpp"
+#include "haptogram/hand/object.hpp"
+#include "haptogram/hand/surface.hpp"
+#include "haptogram/model/array.hpp"
+#include "haptogram/render/path.hpp"
+#include "haptogram/render/touch.hpp"
+
+namespace haptogram {
+
+/// An object as a user names it.
+struct ObjectSource {
+    std::string name = "sphere";     ///< a kind of object_kinds(), or a mesh file
+    std::optional<double> size_m;    ///< by default 100 mm, and a mesh as it is
+    std::optional<double> height_m;  ///< of a cone, a pyramid and a cylinder; by default the size
+    Vec3 centre{0.0, 0.0, 0.2};      ///< of its bounding box
+    Vec3 angles_deg;
+    std::string unit = "mm";  ///< of a mesh file's coordinates: mm, cm or m
+};
+/// @throws Error{bad_input} for files that cannot be used or have no volume, Error{bad_argument} for measures
+[[nodiscard]] TouchObject open_object(const ObjectSource& source);
+
+/// A recording as a user names it: a file as load_hands() reads it, or "synthetic:SCRIPT" or "synthetic:SCRIPT:HEIGHT"
+/// with the height of the palm in mm, which is one round of the script at 100 frames a second.
+/// @throws Error{bad_input} or Error{bad_argument}
+[[nodiscard]] HandRecording open_hands(const std::string& name, const std::string& model = {}, double rate_hz = 60.0);
+
+struct RenderOptions {
+    Algorithm algorithm = Algorithm::intersection;
+    TouchOptions touch;
+    SkinOptions skin;
+    std::optional<std::size_t> frame;    ///< only this one, from 1: one pass, which can be repeated
+    std::optional<std::uint32_t> dwell;  ///< carrier periods of a step; by default usual_dwell()
+    std::optional<std::size_t> points;   ///< of the pass of one frame, instead of the dwell
+    double least_force_n = 0.63e-3;  ///< below which a place counts as not felt: what a palm needs (Multimodal, Table
+                                     ///< III, for a hand that holds 1 N)
+};
+
+/// What became of one frame.
+struct FrameReport {
+    std::size_t frame = 0;  ///< its number in the recording, from 1
+    double time_s = 0.0;
+    std::size_t hands = 0, lines = 0, foci = 0;  ///< foci: at the same time
+    double length_m = 0.0;                       ///< of all lines
+    double draw_hz = 0.0;                        ///< passes of the first focus a second
+    double focus_pa = 0.0;  ///< radiation pressure of one focus alone, in the middle of the lines, on skin that faces
+                            ///< the sound
+    double width_m = 0.0;   ///< of this focus: full width at half maximum of the radiation pressure
+    double strength_pa = 0.0;  ///< estimate of the mean over time on the lines: focus_pa · width / length of the first
+                               ///< focus' lines, over the number of foci, without tilt; of K and L focus_pa over the
+                               ///< number of foci, as they are felt where the foci are
+    double tilt = 0.0;         ///< mean of cos²θ along the lines, θ between the sound's way and the skin's normal; 0
+                               ///< where the skin faces away
+    double weak = 0.0;         ///< the share of the length where strength · tilt · width² is below the least force
+    double out_of_reach = 0.0;     ///< the share of the time at which a focus is out of the array's reach, and silent
+    std::string why;               ///< the first focus is
+    std::size_t lines_missed = 0;  ///< by the steps, in the pass of one frame
+    double compute_s = 0.0;        ///< processor time that skin, lines and path took
+};
+
+struct Rendered {
+    Path path;
+    std::vector<FrameReport> frames;
+    double carrier_hz = 0.0;
+    std::vector<std::string> warnings;  ///< whole sentences
+};
+
+/// A path that lets hands feel an object. A recording's frame lasts until the next one; the foci go on where they are
+/// in their pass. What the array cannot reach, and frames that touch nothing, are silent.
+/// @param carrier_hz  in whose periods the path counts
+/// @throws Error{bad_input} when no frame touches the object, saying how far it is, or when nothing that is touched can
+/// be reached; Error{bad_argument} for options that make no sense, and hands that are not finite
+[[nodiscard]] Rendered render(const TouchObject& object, const HandRecording& hands, const Array& array,
+                              double carrier_hz, const RenderOptions& options, const Progress& progress = {});
+
+/// Full width at half maximum of the radiation pressure through a focus of exact phases, along x, metres.
+[[nodiscard]] double focal_width(const Array& array, Vec3 focus);
+
+/// Draws up to six frames, evenly chosen of those that touch the object: hand, object, lines, and the radiation
+/// pressure on the skin, averaged over a pass and with the skin's tilt.
+/// @param path  .png
+/// @throws Error{bad_input} when it cannot be drawn
+void draw_render(const std::string& path, const TouchObject& object, const HandRecording& hands, const Array& array,
+                 double carrier_hz, const RenderOptions& options, const Rendered& rendered);
+
+}  // namespace haptogram

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reference_frames.hpp"
+
+#include <bit>
+
+#include "haptogram/link/frame.hpp"
+
+namespace haptogram::sim {
+namespace {
+
+constexpr std::size_t crc_bytes = 2;
+constexpr std::size_t shortest = 2 + crc_bytes;  // sequence number, command
+constexpr std::size_t plain_command = 2 + crc_bytes;
+
+}  // namespace
+
+/// Room for two of the longest frames: length, sequence number and command, address, record.
+FrameInput::FrameInput(const interface::CoreParameters& p)
+    : room_(std::bit_ceil(2 * (std::uint64_t{p.channels} + interface::record_header_words + 4))) {}
+
+void FrameInput::clear() {
+    bytes_.clear();
+    full_ = false;
+    count_ = 0;
+    left_ = 0;
+    zero_ = false;
+}
+
+void FrameInput::reset() {
+    clear();
+    frames.clear();
+    start_ = 0;
+    number_ = 0;
+}
+
+FrameInput::Outcome FrameInput::byte(Clock clock, std::uint8_t byte, std::uint64_t taken, bool session,
+                                     std::uint8_t expected) {
+    if (byte != 0) {
+        const bool is_code = left_ == 0;
+        const bool yields = !is_code || zero_;
+        if (yields) {
+            const std::uint8_t value = is_code ? 0 : byte;
+            if (count_ == 0) fresh_ = !session || static_cast<std::uint8_t>(value - expected) < 0x80;
+            if (count_ == 1) last_command_ = value;
+            ++count_;
+            data(value, taken);
+        }
+        left_ = static_cast<std::uint8_t>((is_code ? byte : left_) - 1);
+        if (is_code) zero_ = byte != 0xff;
+        return Outcome::nothing;
+    }
+    const bool intact = left_ == 0;
+    const bool whole = intact && !full_ && bytes_.size() >= shortest && link::crc16(bytes_) == 0;
+    const bool empty = intact && count_ == 0;
+    last_count_ = count_;
+    last_fresh_ = fresh_;
+    if (whole) {
+        bytes_.resize(bytes_.size() - crc_bytes);
+        frames.push_back({bytes_, clock + 2, ++number_});
+        start_ += frames.back().words();
+    }
+    clear();
+    return whole ? Outcome::good : empty ? Outcome::nothing : Outcome::damaged;
+}
+
+/// A pair of bytes takes a word, when its second one comes. The word before the first pair is kept for the length.
+void FrameInput::data(std::uint8_t byte, std::uint64_t taken) {
+    if (full_) return;
+    bytes_.push_back(byte);
+    if (bytes_.size() % 2 == 0) full_ = start_ + bytes_.size() / 2 - taken >= room_;
+}
+
+bool FrameInput::urgent(interface::Command command) const {
+    return last_count_ == plain_command && last_fresh_ && last_command_ == static_cast<std::uint8_t>(command);
+}
+
+}  // namespace haptogram::sim

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+#include "clock.hpp"
+#include "haptogram/boards/interface.hpp"
+
+namespace haptogram::sim {
+
+/// A good frame that waits to be carried out.
+struct Frame {
+    std::vector<std::uint8_t> bytes;  ///< without the CRC
+    Clock readable;                   ///< in which its first word can be taken
+    std::uint64_t number;             ///< of the good frames since reset, from 1
+    /// Words of the board's frame memory: its length, and its bytes in pairs.
+    [[nodiscard]] std::uint64_t words() const { return 1 + (bytes.size() + 1) / 2; }
+};
+
+/// Takes frames out of bytes, as far as the board's frame memory has room. Only whole ones leave (rtl/README.md,
+/// contract 5).
+class FrameInput {
+public:
+    explicit FrameInput(const interface::CoreParameters& p);
+
+    enum class Outcome { nothing, good, damaged };
+    /// @param taken       words of frames that have been taken out of the memory before this clock, since reset
+    /// @param session, expected  as they are before this clock
+    Outcome byte(Clock clock, std::uint8_t byte, std::uint64_t taken, bool session, std::uint8_t expected);
+    /// Whether the last good frame is a DISABLE or a STOP that acts before its turn: it had not been applied when it
+    /// began.
+    [[nodiscard]] bool urgent(interface::Command command) const;
+    void reset();
+
+    std::deque<Frame> frames;
+
+private:
+    void data(std::uint8_t byte, std::uint64_t taken);
+    void clear();
+
+    std::uint64_t room_;       // words
+    std::uint64_t start_ = 0;  // words that the good frames so far have taken
+    std::uint64_t number_ = 0;
+    std::vector<std::uint8_t> bytes_;
+    bool full_ = false;  // no room for what came
+    bool fresh_ = false;
+    std::size_t count_ = 0;  // bytes, those without room, too
+    std::uint8_t left_ = 0;  // of a COBS group
+    bool zero_ = false;      // follows the group
+    std::size_t last_count_ = 0;
+    std::uint8_t last_command_ = 0;
+    bool last_fresh_ = false;
+};
+
+}  // namespace haptogram::sim

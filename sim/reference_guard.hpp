@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <algorithm>
+#include <cstdint>
+
+#include "clock.hpp"
+#include "haptogram/boards/interface.hpp"
+
+namespace haptogram::sim {
+
+/// Whether pulses may reach the pins, and the watchdog (rtl/README.md, contract 4).
+class Guard {
+public:
+    explicit Guard(const interface::CoreParameters& p)
+        : clocks_per_ms_(p.clock_hz / 1000), default_ms_(static_cast<std::uint16_t>(p.watchdog_ms)) {}
+
+    /// A command begins the watchdog's time anew, and may set it.
+    void kick(Clock clock) { expiry_ = enabled_ ? expiry_after(clock) : never; }
+    void set_watchdog(Clock clock, std::uint16_t milliseconds) {
+        watchdog_ms_ = milliseconds;
+        kick(clock);
+    }
+    void trip_at(Clock clock) { trips_at_ = clock; }
+    void wake_at(Clock clock) { wakes_at_ = std::min(wakes_at_, clock); }
+    void reset() {
+        enabled_ = allow_ = allowed_ = fault_ = false;
+        off_ = true;
+        watchdog_ms_ = default_ms_;
+        expiry_ = expires_at_ = trips_at_ = wakes_at_ = never;
+    }
+
+    [[nodiscard]] Clock next() const { return std::min({wakes_at_, expiry_, expires_at_, trips_at_}); }
+    struct Verdict {
+        bool expired, tripped;  ///< to be counted
+    };
+    /// @param enable, disable  what commands, the line and the stop input want in this clock
+    Verdict at(Clock clock, bool enable, bool disable) {
+        if (clock == expiry_) {
+            expires_at_ = clock + 1;
+            expiry_ = never;
+        }
+        const bool expired = clock == expires_at_;
+        const bool tripped = clock == trips_at_;
+        if (expired) expires_at_ = never;
+        if (tripped) trips_at_ = never;
+        if (clock >= wakes_at_) wakes_at_ = never;
+
+        const bool allow = enabled_ && !disable && !expired && !tripped;
+        const bool off = !allow || !allowed_;  // a clock more, so that the first pulse is whole
+        const bool enabled = !disable && !tripped && (enable || (enabled_ && !expired));
+        if (allow != allow_ || off != off_ || enabled != enabled_) wakes_at_ = clock + 1;
+        if (tripped || (expired && !enable))
+            fault_ = true;
+        else if (enable)
+            fault_ = false;
+        allowed_ = allow_ = allow;
+        off_ = off;
+        enabled_ = enabled;
+        if (!enabled) expiry_ = never;
+        if (enabled && enable) expiry_ = expiry_after(clock);
+        return {expired, tripped};
+    }
+
+    /// After at(): whether pulses may reach the pins in this clock, and whether the pins' registers are cleared by it.
+    [[nodiscard]] bool allows() const { return allow_; }
+    [[nodiscard]] bool off() const { return off_; }
+    /// As the next clock finds them.
+    [[nodiscard]] bool enabled() const { return enabled_; }
+    [[nodiscard]] bool fault() const { return fault_; }
+    [[nodiscard]] std::uint16_t watchdog_ms() const { return watchdog_ms_; }
+
+private:
+    [[nodiscard]] Clock expiry_after(Clock clock) const {
+        return watchdog_ms_ == 0 ? never : clock + watchdog_ms_ * clocks_per_ms_;
+    }
+
+    Clock clocks_per_ms_;
+    std::uint16_t default_ms_, watchdog_ms_ = 0;
+    bool enabled_ = false, allow_ = false, allowed_ = false, off_ = true, fault_ = false;
+    Clock expiry_ = never, expires_at_ = never, trips_at_ = never, wakes_at_ = never;
+};
+
+}  // namespace haptogram::sim

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "clock.hpp"
+#include "haptogram/boards/interface.hpp"
+#include "serial_line.hpp"
+
+namespace haptogram::sim {
+
+/// A byte on the board's serial line has 10 bits; the board counts them with a phase of 20 bits, so that its bits are a
+/// whole number of clocks, and on average of the right length.
+struct BitClock {
+    explicit BitClock(const interface::CoreParameters& p);
+    std::array<Clock, 11> middle{};  ///< of bit 0 (start) to 9 (stop), in clocks from the beginning of the start bit
+    std::array<Clock, 11> begin{};   ///< of these bits when sent, and the end of the last one
+    Clock break_clocks;              ///< for so long no line that carries bytes is low
+    double host_clocks;              ///< of a bit at the host's end, which is exact
+};
+
+/// The line towards the board: the host's sender, or what holds the line, and what the board makes of it.
+class LineIn {
+public:
+    explicit LineIn(const interface::CoreParameters& p) : bits_(p), sender_(bits_.host_clocks) {}
+
+    void send(std::span<const std::uint8_t> bytes) { sender_.send(bytes); }
+    [[nodiscard]] bool idle() const { return sender_.idle(); }
+    /// From this clock on.
+    void force(Clock now, std::optional<bool> level);
+    void unplug(Clock now);
+    /// The board's reset ends with this clock. Until then it sees an idle line.
+    void reset(Clock last);
+
+    /// The next clock in which something may happen, unless the host does something before.
+    [[nodiscard]] Clock next() const;
+    struct Event {
+        std::optional<std::uint8_t> byte;  ///< its good stop bit was seen three clocks ago
+        bool broken = false;               ///< the line has been low for too long
+    };
+    /// What the board learns in this clock; to be asked at every clock that next() says, in turn.
+    Event at(Clock clock);
+
+private:
+    void level_is(Clock clock, bool level);
+    void sample(Clock clock);
+
+    BitClock bits_;
+    SerialSender sender_;
+    std::optional<bool> forced_;
+    Clock ask_at_ = 0;  // the host has done something
+    // The board's side.
+    Clock deaf_to_ = 0;  // last clock of reset
+    bool level_ = true;
+    bool connected_ = false;  // the line has been high since reset; otherwise nobody is there who could send a break
+    Clock low_since_ = 0, break_at_ = never;
+    std::size_t bit_ = 0;  // the one that is sampled next
+    Clock started_ = 0, sample_at_ = never, byte_at_ = never;
+    std::uint8_t shift_ = 0, byte_ = 0;
+};
+
+/// The line from the board: frames as bytes with their clocks at the host's end.
+class LineOut {
+public:
+    explicit LineOut(const interface::CoreParameters& p) : bits_(p) {}
+
+    /// The board collects a reply byte by byte, one a clock, and sends it when it is whole. A byte that is offered from
+    /// this clock on is taken in the clock that is returned.
+    Clock collect(Clock offered, std::uint8_t byte);
+    /// The last two bytes, which are the reply's CRC, follow. From here on nothing can be collected until all is sent.
+    void close(Clock offered);
+    /// The board's reset begins: what has not been sent is lost, and the byte under way is cut off.
+    void reset(Clock clock);
+
+    [[nodiscard]] Clock next() const { return sent_.empty() ? never : sent_.front().arrives; }
+    /// The byte that arrives at the host in next().
+    std::uint8_t arrive();
+    /// Level of the line after this clock, the last one that was run.
+    [[nodiscard]] bool level(Clock clock) const;
+
+private:
+    struct Sent {
+        Clock begin, arrives;
+        std::uint8_t byte;
+    };
+
+    BitClock bits_;
+    std::vector<std::uint8_t> frame_;
+    unsigned run_ = 1;          // bytes since the last zero, and one; COBS needs a clock more after 254 of them
+    Clock collects_from_ = 0;   // the encoder has room
+    Clock sends_from_ = 0;      // the line is free
+    std::deque<Sent> sent_;     // those that have not arrived
+    std::optional<Sent> last_;  // that has arrived
+    Clock silent_from_ = never;
+};
+
+}  // namespace haptogram::sim

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reference_pulses.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+namespace haptogram::sim {
+namespace {
+
+constexpr Clock lateness = 2;  // clocks from the beginning of the next tick until a pin shows a tick's state
+
+}  // namespace
+
+void PulseTrain::begin_cycle(Clock begin, std::uint32_t ticks, std::uint32_t prescaler,
+                             std::shared_ptr<const Firing> firing, bool committed, std::uint32_t old_pulse) {
+    Cycle cycle{begin, 0, ticks, prescaler, std::move(firing), committed, 0};
+    if (!cycles_.empty()) {
+        Cycle& before = cycles_.back();
+        const Clock lasted = begin - before.begin;
+        before.ticks = static_cast<std::uint32_t>((lasted + before.prescaler - 1) / before.prescaler);
+        cycle.first = before.first + before.ticks;
+        cycle.filled_to = alive_from_ == never ? 0 : before.filled_to;
+    }
+    if (committed) cycle.filled_to = cycle.first + std::max(old_pulse, 1U);
+    cycles_.push_back(std::move(cycle));
+    if (!awake_) forget_before(alive_from_ == never ? begin : begin - std::min(begin, history_));
+}
+
+/// Two cycles are kept whatever their age: the last ticks of one may be under way when the next begins.
+void PulseTrain::forget_before(Clock clock) {
+    while (cycles_.size() > 2 && cycles_[1].begin <= clock) cycles_.pop_front();
+}
+
+void PulseTrain::stop(Clock clock) {
+    if (awake_) advance(clock - 1);
+    alive_from_ = never;
+    for (Cycle& cycle : cycles_) cycle.filled_to = 0;
+    old_falls_.clear();
+    new_falls_.clear();
+    std::ranges::fill(pulses_, std::uint8_t{0});
+    if (!awake_) return;
+    for (std::size_t word = 0; word < pins_.size(); ++word)
+        while (pins_[word] != 0) {
+            const auto bit = static_cast<std::uint32_t>(std::countr_zero(pins_[word]));
+            set(clock, static_cast<std::uint32_t>(32 * word) + bit, false);
+        }
+}
+
+/// A commit in the clock before is the only one while stopped whose gaps are still filled.
+void PulseTrain::resume(Clock clock) {
+    if (awake_) advance(clock - 1);
+    alive_from_ = clock;
+    for (Cycle& cycle : cycles_)
+        if (cycle.begin + 1 < clock) cycle.filled_to = 0;
+}
+
+void PulseTrain::wake(Clock last) {
+    if (awake_) return;
+    awake_ = true;
+    next_rise_ = 0;
+    old_falls_.clear();
+    new_falls_.clear();
+    std::ranges::fill(pulses_, std::uint8_t{0});
+    std::ranges::fill(pins_, 0U);
+    quiet_ = true;
+    advance(last);
+    quiet_ = false;
+}
+
+void PulseTrain::advance(Clock last) {
+    while (!cycles_.empty()) {
+        const Cycle& cycle = cycles_.front();
+        const std::uint64_t end = cycle.first + cycle.ticks;
+        // The next change: of one tick, the lowest channel; of one channel, the rise.
+        std::uint64_t tick = end;
+        std::uint32_t channel = 0;
+        Falls* falls = nullptr;
+        if (cycle.firing && next_rise_ < cycle.firing->rises.size()) {
+            const Firing::Rise& rise = cycle.firing->rises[next_rise_];
+            if (cycle.first + rise.tick < end) tick = cycle.first + rise.tick, channel = rise.channel;
+        }
+        for (Falls* queue : {&old_falls_, &new_falls_}) {
+            if (queue->empty()) continue;
+            const Fall& fall = queue->front();
+            if (fall.tick < tick || (fall.tick == tick && tick < end && fall.channel < channel))
+                tick = fall.tick, channel = fall.channel, falls = queue;
+        }
+        if (tick >= end) {
+            if (cycles_.size() == 1) return;
+            leave_cycle();
+            continue;
+        }
+        const Clock clock = cycle.begin + (tick - cycle.first + 1) * cycle.prescaler + lateness;
+        if (clock > last) return;
+        if (falls != nullptr) {
+            falls->pop();
+            fall(clock, tick, channel);
+        } else {
+            ++next_rise_;
+            if (alive_from_ != never && clock - cycle.prescaler >= alive_from_) rise(clock, tick, channel);
+        }
+    }
+}
+
+void PulseTrain::leave_cycle() {
+    cycles_.pop_front();
+    next_rise_ = 0;
+    // A record is only committed when the pulses from before the last change have ended.
+    if (cycles_.front().committed) old_falls_.swap(new_falls_);
+}
+
+void PulseTrain::rise(Clock clock, std::uint64_t tick, std::uint32_t channel) {
+    new_falls_.push({tick + cycles_.front().firing->pulse, channel});
+    if (pulses_[channel]++ == 0 && !is_high(channel)) set(clock, channel, true);
+}
+
+void PulseTrain::fall(Clock clock, std::uint64_t tick, std::uint32_t channel) {
+    if (--pulses_[channel] == 0 && !fills(tick + 1, channel)) set(clock, channel, false);
+}
+
+/// Whether a pulse that begins in this tick fills the gap of one tick before it: at a change of record, as long as a
+/// pulse from before it can have ended just now.
+bool PulseTrain::fills(std::uint64_t tick, std::uint32_t channel) const {
+    const Cycle* cycle = &cycles_.front();
+    const Cycle* next = cycles_.size() > 1 ? &cycles_[1] : nullptr;
+    if (tick == cycle->first + cycle->ticks) {
+        cycle = std::exchange(next, nullptr);
+        if (cycle == nullptr) return false;
+    }
+    if (!cycle->firing || cycle->firing->tick[channel] != tick - cycle->first) return false;
+    // With one clock a tick, the commit is known before the last tick's state has reached the pin.
+    const bool before_commit = next != nullptr && next->committed && cycle->prescaler == 1 && tick + 1 == next->first;
+    return tick <= cycle->filled_to || before_commit;
+}
+
+void PulseTrain::set(Clock clock, std::uint32_t channel, bool level) {
+    pins_[channel / 32] ^= 1U << channel % 32;
+    if (level) high_since_[channel] = clock;
+    if (on_change_ && !quiet_) on_change_(clock, channel, level);
+}
+
+bool PulseTrain::any_high_since(Clock clock) const {
+    for (std::uint32_t channel = 0; channel < high_since_.size(); ++channel)
+        if (is_high(channel) && high_since_[channel] <= clock) return true;
+    return false;
+}
+
+}  // namespace haptogram::sim

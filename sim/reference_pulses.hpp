@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "clock.hpp"
+
+namespace haptogram::sim {
+
+/// When a record's channels rise within its cycle.
+struct Firing {
+    struct Rise {
+        std::uint32_t tick, channel;
+    };
+    static constexpr std::uint32_t silent = ~0U;
+
+    std::uint32_t pulse = 0;          ///< ticks
+    std::vector<std::uint32_t> tick;  ///< of each channel; `silent` when it has no pulse
+    std::vector<Rise> rises;          ///< the same, by tick and then by channel
+};
+
+/// The pulses at the pins, from the cycles that are played (rtl/README.md, contract 1).
+///
+/// Ticks are counted from the first cycle on. A channel's pulse is high in the ticks from its timing on, as many as the
+/// record says; pulses that overlap merge. A pin shows a tick's state from two clocks after the beginning of the tick
+/// behind it. So the change in a cycle's last tick may depend on the next cycle, and everything is computed as late as
+/// it is asked for.
+class PulseTrain {
+public:
+    /// @param history  clocks; cycles that ended longer ago are forgotten while nobody asks for pulses
+    PulseTrain(std::uint32_t channels, Clock history)
+        : history_(history), pulses_(channels), high_since_(channels), pins_((channels + 31) / 32) {}
+
+    /// Told of each change of a pin, in the order of clocks, and of channels within a clock.
+    void on_change(std::function<void(Clock, std::uint32_t channel, bool rises)> callback) {
+        on_change_ = std::move(callback);
+    }
+
+    /// A cycle begins; the one before it ends there, even if it had ticks left, which happens only while stopped.
+    /// @param firing     none when it is silent; kept until the cycle's pulses have ended
+    /// @param committed  a record was committed with it, instead of one with pulses of `old_pulse` ticks
+    void begin_cycle(Clock begin, std::uint32_t ticks, std::uint32_t prescaler, std::shared_ptr<const Firing> firing,
+                     bool committed, std::uint32_t old_pulse);
+    /// All pins are low from this clock on, and no pulse begins until resume().
+    void stop(Clock clock);
+    /// Pulses whose tick began two clocks before this one, or later, reach the pins again.
+    void resume(Clock clock);
+    /// Pulses are wanted, from clock `last` + 1 on; the state at `last` is found from what is still known.
+    void wake(Clock last);
+    /// Nobody wants pulses any more: cycles are noted, and nothing is computed.
+    void sleep() { awake_ = false; }
+    [[nodiscard]] bool awake() const { return awake_; }
+
+    /// Makes every change up to and with this clock.
+    void advance(Clock last);
+    /// Whether some pin is high, and has been so since this clock or longer.
+    [[nodiscard]] bool any_high_since(Clock clock) const;
+    [[nodiscard]] const std::vector<std::uint32_t>& pins() const { return pins_; }
+
+private:
+    struct Cycle {
+        Clock begin;
+        std::uint64_t first;  // number of its tick 0
+        std::uint32_t ticks, prescaler;
+        std::shared_ptr<const Firing> firing;
+        bool committed;
+        std::uint64_t filled_to;  // up to this tick, a gap of one tick between pulses is filled
+    };
+    struct Fall {
+        std::uint64_t tick;
+        std::uint32_t channel;
+    };
+    /// A queue whose storage is used again.
+    class Falls {
+    public:
+        [[nodiscard]] bool empty() const { return head_ == falls_.size(); }
+        [[nodiscard]] const Fall& front() const { return falls_[head_]; }
+        void push(const Fall& fall) { falls_.push_back(fall); }
+        void pop() {
+            if (++head_ == falls_.size()) clear();
+        }
+        void clear() { falls_.clear(), head_ = 0; }
+        void swap(Falls& other) { falls_.swap(other.falls_), std::swap(head_, other.head_); }
+
+    private:
+        std::vector<Fall> falls_;
+        std::size_t head_ = 0;
+    };
+
+    void forget_before(Clock clock);
+    void leave_cycle();
+    void rise(Clock clock, std::uint64_t tick, std::uint32_t channel);
+    void fall(Clock clock, std::uint64_t tick, std::uint32_t channel);
+    [[nodiscard]] bool fills(std::uint64_t tick, std::uint32_t channel) const;
+    void set(Clock clock, std::uint32_t channel, bool level);
+    [[nodiscard]] bool is_high(std::uint32_t channel) const { return (pins_[channel / 32] >> channel % 32 & 1U) != 0; }
+
+    Clock history_;
+    std::deque<Cycle> cycles_;          // those whose changes have not all been made
+    std::size_t next_rise_ = 0;         // in the first of them
+    Falls old_falls_, new_falls_;       // of pulses from before the last change of record, and from after it
+    std::vector<std::uint8_t> pulses_;  // how many each channel is in
+    std::vector<Clock> high_since_;
+    std::vector<std::uint32_t> pins_;
+    Clock alive_from_ = never;
+    bool awake_ = false;
+    bool quiet_ = false;  // while the state is found again, nobody is told
+    std::function<void(Clock, std::uint32_t, bool)> on_change_;
+};
+
+}  // namespace haptogram::sim

@@ -1,0 +1,319 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The runner as an experimenter meets it: sessions that are killed and go on, files of results, analyses, power."""
+import itertools
+import json
+import signal
+import subprocess
+import sys
+import time
+
+import boards
+import matplotlib
+import pytest
+from boards import BAD_INPUT, OK, RUN_FAILED, USAGE, run, virtual_board
+from haptogram import HaptogramError
+from haptogram.study import analysis, figures, observers, protocol, results
+from haptogram.study.design import cells
+from haptogram.study.session import Session
+from haptogram.study.stimulus import Presenter
+from test_study_protocols import SMALL
+
+STAIRS = SMALL.split("[[question]]")[0].replace('"{shape} at', '"{shape} at {level.db} dB,') + """
+[[question]]
+name = "felt"
+text = "Felt?"
+kind = "yes-no"
+
+[staircase]
+question = "felt"
+first_step_db = 3
+step_db = 1
+first_reversals = 3
+reversals = 8
+starts_db = { high = 0, low = -40 }
+lowest_db = -60
+highest_db = 0
+
+[[analysis]]
+name = "thresholds"
+test = "thresholds"
+of = "threshold_db"
+by = "shape"
+
+[[analysis]]
+name = "functions"
+test = "psychometric"
+of = "felt"
+by = "shape"
+
+[simulated.felt]
+model = "psychometric"
+by = "shape"
+threshold_db = { circle = -20, line = -15 }
+sd_db = 0.5
+lapse = 0
+"""
+
+
+def study(*args):
+    return [sys.executable, "-m", "haptogram.study", *map(str, args)]
+
+
+def session(*more, name="small.toml", participant=3):
+    return study("run", name, "--participant", participant, "--seed", 7, "-o", "out.jsonl", *more)
+
+
+def records(path):
+    """Without when they were made."""
+    found = [json.loads(line) for line in path.read_text().splitlines()]
+    return [{key: value for key, value in record.items() if key != "at"} for record in found]
+
+
+def assert_says(result, code, *needles):
+    assert result.returncode == code, result.stderr
+    assert "Traceback" not in result.stderr
+    for needle in needles:
+        assert needle in result.stderr, result.stderr
+
+
+@pytest.fixture
+def place(tmp_path):
+    (tmp_path / "small.toml").write_text(SMALL)
+    (tmp_path / "stairs.toml").write_text(STAIRS)
+    return tmp_path
+
+
+def simulate(p, participants=None, observer="simulated:protocol", seed=1):
+    found = []
+    for participant in range(1, (participants or p.participants) + 1):
+        Session(p, participant, seed, observers.simulated(p, observer), Presenter(p), lambda record: found.append(("here", record))).run()
+    return found
+
+
+def test_a_session_that_was_killed_goes_on(place):
+    expected = [c.factors["shape"] for c in cells(protocol.read(place / "small.toml"), 3, 7)]
+    keys = {"circle": "1", "line": "2"}
+    host = subprocess.Popen(session(), cwd=place, env=boards.ENVIRONMENT, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
+    host.stdin.write("".join(f"\n{keys[shape]}\n" for shape in expected[:3]).encode())
+    host.stdin.flush()
+    end = time.monotonic() + 30
+    while not (place / "out.jsonl").exists() or (place / "out.jsonl").read_bytes().count(b"\n") < 3:
+        assert time.monotonic() < end and host.poll() is None
+        time.sleep(0.02)
+    host.kill()
+    host.communicate()
+    before = (place / "out.jsonl").read_bytes()
+    # A kill within a write leaves half a line.
+    (place / "out.jsonl").write_bytes(before + b'{"format": "haptogram-tri')
+    typed = "".join(f"\nwrong\n{keys[shape]}\n" for shape in expected[3:])
+    result = run(session(), place, stdin=None, input=typed)
+    assert_says(result, OK, "out.jsonl.unfinished-1", "goes on after 3 records", "complete, 5 new answers", "type 1 for circle, 2 for line", "no stimulus is played")
+    assert (place / "out.jsonl").read_bytes().startswith(before) and (place / "out.jsonl.unfinished-1").read_bytes() == b'{"format": "haptogram-tri'
+    made = records(place / "out.jsonl")
+    assert [r["trial"] for r in made] == list(range(1, 9)) and [r["factors"]["shape"] for r in made] == expected
+    assert all(r["answers"]["answer"]["correct"] and r["seed"] == 7 and r["versions"]["python"] and len(r["stimulus"]["sha256"]) == 64 for r in made)
+    assert not any(r["stimulus"]["played"] for r in made) and len({r["stimulus"]["sha256"] for r in made}) == 4
+    whole = (place / "out.jsonl").read_bytes()
+    assert_says(run(session(), place), OK, "complete, 0 new answers")
+    assert (place / "out.jsonl").read_bytes() == whole
+
+
+@pytest.mark.parametrize("name", ["small.toml", "stairs.toml"])
+def test_wherever_it_is_cut_it_ends_the_same(place, name):
+    p = protocol.read(place / name)
+    whole = [record for _, record in simulate(p, 1)]
+    for cut in {0, 1, len(whole) // 3, len(whole) // 2, len(whole) - 1, len(whole)}:
+        kept = json.loads(json.dumps(whole[:cut]))
+        more = []
+        Session(p, 1, 1, observers.simulated(p, "simulated:protocol"), Presenter(p), more.append, before=[("file:1", r) for r in kept]).run()
+        assert [r | {"at": 0} for r in kept + more] == [r | {"at": 0} for r in whole], cut
+
+
+def test_stopping(place):
+    result = run(session(), place, stdin=None, input="\n1\nq\n")
+    assert_says(result, RUN_FAILED, "stopped after 1 more answers")
+    host = subprocess.Popen(session(), cwd=place, env=boards.ENVIRONMENT, stdin=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    while "Trial 2" not in host.stderr.readline():
+        assert host.poll() is None
+    host.send_signal(signal.SIGINT)
+    assert "stopped after 0 more answers" in host.communicate(timeout=20)[1] and host.returncode == RUN_FAILED
+    assert len(records(place / "out.jsonl")) == 1
+
+
+def test_time_runs_out(place):
+    (place / "small.toml").write_text(SMALL.replace('correct = "{shape}"', 'correct = "{shape}"\nlimit_s = 0.2').replace("sets = 2", "sets = 1"))
+    host = subprocess.Popen(session(), cwd=place, env=boards.ENVIRONMENT, stdin=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    said = ""
+    for _ in range(4):
+        host.stdin.write("\n")
+        host.stdin.flush()
+        while "time is up" not in (line := host.stderr.readline()):
+            assert host.poll() is None, said
+            said += line
+    assert host.wait(timeout=20) == OK
+    host.communicate()
+    assert all(r["answers"]["answer"]["value"] is None and r["answers"]["answer"]["cancelled"] for r in records(place / "out.jsonl"))
+
+
+def test_files_of_other_sessions_are_left_alone(place):
+    assert run(session("--observer", "simulated:protocol"), place).returncode == OK
+    whole = (place / "out.jsonl").read_bytes()
+    assert_says(run(session("--observer", "simulated:protocol", participant=4), place), BAD_INPUT, "out.jsonl:1", "participant is '3', not '4'", "another file")
+    assert_says(run(session("--observer", "simulated:chance"), place), BAD_INPUT, "observer")
+    (place / "small.toml").write_text(SMALL + "# changed\n")
+    assert_says(run(session("--observer", "simulated:protocol"), place), BAD_INPUT, "protocol_sha256")
+    assert (place / "out.jsonl").read_bytes() == whole
+
+
+def test_hostile_results(place):
+    p = protocol.read(place / "small.toml")
+    good = [json.dumps(record) for _, record in simulate(p, 1)]
+    path = place / "out.jsonl"
+
+    def refused(text, *needles):
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        before = path.read_bytes()
+        with pytest.raises(HaptogramError) as caught, results.ResultsFile(path) as file:
+            Session(p, 1, 1, observers.simulated(p, "simulated:protocol"), Presenter(p), file.append, before=file.before).run()
+        for needle in needles:
+            assert needle in str(caught.value), str(caught.value)
+        assert path.read_bytes() == before
+
+    refused("hello\n", "out.jsonl:1", "'hello'", "JSON")
+    refused(b"\xff\xfe\n", "JSON")
+    refused("[" * 100_000 + "\n", "JSON")
+    refused('{"format": NaN}\n', "JSON")
+    refused("3\n", "format")
+    refused(good[0].replace("haptogram-trial-1", "haptogram-trial-2") + "\n", "haptogram-trial-2", "haptogram-trial-1")
+    refused("x" * 1_100_000 + "\n", "bytes")
+    refused(good[1] + "\n", "trial is '2', expected '1'")
+    refused("\n".join([good[0], good[0], ""]), "out.jsonl:2", "trial is '1', expected '2'")
+    refused("\n".join([*good, good[-1], ""]), "out.jsonl:9", "had ended")
+    refused(good[0].replace('"answers"', '"answered"') + "\n", "answers answer expected")
+    refused(good[0].replace('"factors": {"shape": "', '"factors": {"shape": "un') + "\n", "factors")
+    broken = [good[0].replace(old, new) for old, new in (('"value"', '"worth"'), ('"value": "', '"value": "un'), ('"correct": ', '"correct": 1, "x": '), ('"seconds": ', '"seconds": "x", "x": '),
+              ('"circle"', '"star"'), ('"line"', '"star"'), ('"answer":', '"reply":'))]  # fmt: skip
+    for bad in (json.dumps({"format": "haptogram-trial-1", "protocol": p.name, "protocol_sha256": p.sha256}), *(b for b in broken if b != good[0] and json.loads(b))):
+        with pytest.raises(HaptogramError, match="no complete record"):
+            analysis.frame(p, results.parse(bad.encode() + b"\n", "x"))
+    with pytest.raises(HaptogramError, match="second record"):
+        analysis.frame(p, results.parse("\n".join([good[0], good[0], ""]).encode(), "x"))
+    with pytest.raises(HaptogramError, match="not complete"):
+        path.write_text(good[0])
+        results.read(path)
+    with pytest.raises(HaptogramError, match="no ordinary file"), results.ResultsFile(type(path)("/dev/full")):
+        pass
+    with pytest.raises(HaptogramError, match="Is a directory"), results.ResultsFile(place):
+        pass
+    path.unlink()
+    with results.ResultsFile(path), pytest.raises(HaptogramError, match="another program"), results.ResultsFile(path):
+        pass
+
+
+def test_analyses_find_what_was_simulated(place):
+    people = 12
+    assert run(session("--observer", "simulated:protocol"), place).returncode == OK
+    said = run(study("analyse", "small.toml", "out.jsonl", "--json"), place)
+    assert said.returncode == OK, said.stderr
+    right = sum(r["answers"]["answer"]["correct"] for r in records(place / "out.jsonl"))
+    assert json.loads(said.stdout)[0]["numbers"]["successes"] == right
+    p = protocol.read(place / "stairs.toml")
+    found, functions = (one.numbers for one in analysis.analyse(p, analysis.frame(p, simulate(p, people))))
+    for shape, threshold in (("circle", -20.0), ("line", -15.0)):
+        assert functions[shape]["threshold_db"] == pytest.approx(threshold, abs=0.3) and functions[shape]["spread_db"] == pytest.approx(0.5, abs=0.25)
+    assert found["lost"] == 0 and found["mean_db"] == pytest.approx({"circle": -20, "line": -15}, abs=0.3)
+    votes = protocol.read(protocol.shipped()["shapes_comparison"])
+    given = simulate(votes, 5)
+    answers = [record["answers"] for _, record in given if record["kind"] == "trial"]
+    for_h = sum(a["similar_confidence"]["value"] * a["similar"]["correct"] for a in answers) / sum(a["similar_confidence"]["value"] for a in answers)
+    assert analysis.analyse(votes, analysis.frame(votes, given))[0].numbers["weighted"] == pytest.approx(for_h, rel=1e-12)
+    direction = protocol.read(protocol.shipped()["hoshi_direction"])
+    assert analysis.analyse(direction, analysis.frame(direction, simulate(direction)))[0].numbers["successes"] == 240
+    placing = protocol.read(protocol.shipped()["multimodal_placing"])
+    tests = analysis.analyse(placing, analysis.frame(placing, simulate(placing)))
+    assert [t.numbers["statistic"][""]["df"] for t in tests[:3]] == [[2.0, 24.0], [2.0, 16.0], [2.0, 24.0]]
+    magnitude = protocol.read(protocol.shipped()["multimodal_magnitude"])
+    fits = analysis.analyse(magnitude, analysis.frame(magnitude, simulate(magnitude)))[0].numbers
+    for hz, (g, j, v) in magnitude.simulated["magnitude"]["polynomials"].items():
+        made = fits[hz]["coefficients"]
+        for gf in (0.13, 0.31, 0.43):  # up to the factor that normalises free scales
+            assert made[0] * gf**2 + made[1] * gf + made[2] == pytest.approx(g * gf**2 + j * gf + v, rel=0.5)
+        assert fits[hz]["r2"] > 0.8
+
+
+def test_power(place):
+    p = protocol.read(place / "small.toml")
+    strong = analysis.power(p, "simulated:protocol", 6, 20, 1, 0.05)
+    # 90 % right in 48 trials against one half: practically always found.
+    assert strong["rate"][0] == 1.0
+    guessing = analysis.power(p, "simulated:chance", 6, 60, 1, 0.05)["rate"]
+    assert guessing[0] <= 0.05 + 4 * (0.05 * 0.95 / 60) ** 0.5 and guessing[1] <= guessing[0] <= guessing[2]
+    with pytest.raises(HaptogramError, match="no analysis with a p-value"):
+        analysis.power(protocol.read(place / "stairs.toml"), "simulated:protocol", 2, 1, 1, 0.05)
+
+
+def test_observers_of_a_file(place):
+    (place / "people.toml").write_text('[answer]\nmodel = "preference"\nweights = { circle = 1, line = 0 }\nseconds = [2, 0]\n')
+    assert_says(run(session("--observer", "simulated:people.toml"), place), OK, "complete")
+    assert {r["answers"]["answer"]["value"] for r in records(place / "out.jsonl")} == {"circle"}
+    (place / "people.toml").write_text('[answer]\nmodel = "preference"\nweights = { circle = 1 }\n')
+    assert_says(run(session("--observer", "simulated:people.toml"), place), BAD_INPUT, "people.toml: answer: weights: line", "missing")
+    assert_says(run(session("--observer", "oracle"), place), USAGE, "oracle", "simulated:chance")
+
+
+def test_commands_of_the_terminal(place):
+    assert_says(run(study("check", "small.toml", "absent.toml", "haptogram_shapes"), place), BAD_INPUT, "absent.toml", "no such file")
+    listed = json.loads(run(study("list", "--json"), place).stdout)
+    assert set(listed) == set(protocol.shipped())
+    assert_says(run(study("run", "small.toml", "-o", "x"), place), USAGE, "--participant")
+    assert_says(run(study("check", "nothing"), place), BAD_INPUT, "nothing", "haptogram_shapes")
+    assert_says(run(study("power", "small.toml", "--alpha", "2"), place), USAGE, "between 0 and 1")
+
+
+def test_the_runner_needs_no_statistics(place):
+    blocked = "import sys; sys.modules.update(dict.fromkeys(('numpy', 'scipy', 'pandas', 'statsmodels', 'matplotlib'))); "
+    command = [sys.executable, "-c", blocked + "from haptogram.study.cli import main; sys.exit(main())"]
+    assert_says(run([*command, *session("--observer", "simulated:protocol")[3:]], place), OK, "complete, 8 new answers")
+    assert_says(run([*command, "analyse", "small.toml", "out.jsonl"], place), USAGE, "haptogram[study]")
+
+
+def test_stimuli_on_a_board(place):
+    few = SMALL.replace('compile = ["--rate", "10"]', 'compile = ["--rate", "500", "--points", "4", "--shape", "circle"]').replace("sets = 2", "sets = 1")
+    (place / "small.toml").write_text("\n".join(line for line in few.splitlines() if not line.startswith("path =")))
+    with virtual_board(place):
+        result = run(session("--observer", "simulated:protocol", "--port", "port", "--program", boards.PROGRAM, "--images", "made"), place)
+        assert_says(result, OK, "complete, 4 new answers")
+        assert "outputs          off" in boards.ask(place, "device", "status")
+    made = records(place / "out.jsonl")
+    assert all(r["stimulus"]["played"] and r["versions"]["haptogram"] for r in made)
+    assert {(r["stimulus"]["image"]) for r in made} == {path.name for path in (place / "made").glob("*.hex")}
+    (place / "out.jsonl").unlink()
+    assert_says(run(session("--observer", "simulated:protocol", "--port", "nowhere", "--program", boards.PROGRAM), place), 4, "nowhere")
+    assert_says(run(session("--observer", "simulated:protocol", "--images", "x", "--program", "absent-program"), place), BAD_INPUT, "absent-program")
+    described = ["--participant", 1, "-o", "other.jsonl", "--observer", "simulated:protocol", "--images", "x", "--program", boards.PROGRAM]
+    assert_says(run(study("run", "fingers_surface", *described), place), BAD_INPUT, "another apparatus")
+
+
+def test_every_path_of_two_factors_has_its_own_hash(place):
+    p = protocol.read(place / "small.toml")
+    found = {}
+    for shape, where in itertools.product(*(f.levels for f in p.factors)):
+        found[shape.name, where.name] = Presenter(p).prepare(protocol.places(p, {"shape": shape, "place": where}, {}))["sha256"]
+    assert len(set(found.values())) == 4
+    again = Presenter(p).prepare(protocol.places(p, {"shape": p.factors[0].levels[0], "place": p.factors[1].levels[0]}, {}))
+    assert again == {"sha256": found["circle", "left"], "played": False}
+
+
+def test_pictures(place):
+    matplotlib.use("Agg")
+    figure, paper, made = figures.confusion()
+    shown = {text.get_text() for text in figure.axes[0].texts}
+    assert {"62.2%\n56", "51.1%\n46", "75.6%\n68"} <= shown and len(figure.axes[0].texts) == 16
+    assert paper.share == pytest.approx(223 / 360) and made.share == pytest.approx(paper.share, abs=5 * (0.62 * 0.38 / 360) ** 0.5)
+    figure.savefig(place / "confusion.png")
+    figure, found = figures.staircase(-20.0, 0.3)
+    assert set(found) == {"high", "low"} and all(level == pytest.approx(-20.0, abs=1.0) for level in found.values())
+    counted = [line for line in figure.axes[0].lines if line.get_label() == "reversals that count"][0]
+    assert found["high"] == pytest.approx(sum(counted.get_ydata()) / 5)
+    figure.savefig(place / "staircase.png")
+    assert all((place / name).stat().st_size > 10_000 for name in ("confusion.png", "staircase.png"))

@@ -1,0 +1,412 @@
+// SPDX-License-Identifier: Apache-2.0
+// Two boards that are given the same things at the same clocks, and a host that gives them commands, images and faults
+// at random.
+#pragma once
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "board.hpp"
+#include "haptogram/link/frame.hpp"
+
+namespace haptogram::test {
+
+using link::Bytes;
+
+/// What a board shows, with its clocks.
+struct Seen {
+    std::vector<sim::Edge> edges;
+    std::vector<sim::CycleStart> cycles;
+    std::vector<sim::Arrival> arrivals;
+
+    void watch(sim::Board& board, bool pins = true) {
+        if (pins) board.on_edge([this](const sim::Edge& e) { edges.push_back(e); });
+        board.on_cycle_start([this](const sim::CycleStart& c) { cycles.push_back(c); });
+        board.on_arrival([this](const sim::Arrival& a) { arrivals.push_back(a); });
+    }
+    void clear() { edges.clear(), cycles.clear(), arrivals.clear(); }
+};
+
+class LockStep {
+public:
+    /// @param pins  whether to look at them; otherwise the reference board has no reason to compute pulses
+    LockStep(sim::Board& core, sim::Board& reference, bool pins = true)
+        : core_(core), reference_(reference), pins_(pins) {
+        of_core_.watch(core, pins);
+        of_reference_.watch(reference, pins);
+    }
+
+    /// Does the same to both.
+    template <class Action>
+    void both(Action&& action) {
+        action(core_);
+        action(reference_);
+    }
+
+    /// Runs both for so many clocks and compares what they show.
+    /// @return the first difference in words; empty when there is none
+    [[nodiscard]] std::string run(std::uint64_t clocks) {
+        both([clocks](sim::Board& board) { board.run(clocks); });
+        std::string difference = first_difference("edge", of_core_.edges, of_reference_.edges, [](const sim::Edge& e) {
+            return fmt::format("{} of channel {} at {}, record {}", e.rises ? "rise" : "fall", e.channel, e.clock,
+                               e.index);
+        });
+        if (difference.empty())
+            difference = first_difference("cycle", of_core_.cycles, of_reference_.cycles, [](const sim::CycleStart& c) {
+                return fmt::format("begins at {}, record {}, {}", c.clock, c.index, c.enabled ? "on" : "off");
+            });
+        if (difference.empty())
+            difference = first_difference("byte", of_core_.arrivals, of_reference_.arrivals, [](const sim::Arrival& a) {
+                return fmt::format("0x{:02x} at {}", a.byte, a.clock);
+            });
+        if (difference.empty() && pins_) difference = difference_of_outputs();
+        edges += of_core_.edges.size();
+        cycles += of_core_.cycles.size();
+        bytes += of_core_.arrivals.size();
+        received_ = of_core_.arrivals;
+        of_core_.clear();
+        of_reference_.clear();
+        static_cast<void>(core_.receive());
+        static_cast<void>(reference_.receive());
+        return difference;
+    }
+
+    [[nodiscard]] const std::vector<sim::Arrival>& received() const { return received_; }
+    [[nodiscard]] sim::Board& core() { return core_; }
+
+    std::uint64_t edges = 0, cycles = 0, bytes = 0;
+
+private:
+    template <class T, class Describe>
+    [[nodiscard]] std::string first_difference(const char* what, const std::vector<T>& core,
+                                               const std::vector<T>& reference, Describe&& describe) const {
+        for (std::size_t i = 0; i < std::max(core.size(), reference.size()); ++i) {
+            if (i < core.size() && i < reference.size() && core[i] == reference[i]) continue;
+            return fmt::format("{}: core {}; reference {}", what, i < core.size() ? describe(core[i]) : "none",
+                               i < reference.size() ? describe(reference[i]) : "none");
+        }
+        return {};
+    }
+
+    [[nodiscard]] std::string difference_of_outputs() const {
+        const sim::Model::Outputs& a = core_.outputs();
+        const sim::Model::Outputs& b = reference_.outputs();
+        const auto describe = [](const sim::Model::Outputs& o) {
+            std::string pins;
+            for (const std::uint32_t word : o.pins) pins += fmt::format(" {:08x}", word);
+            return fmt::format("tx {} enabled {} alive {} playing {} fault {} cycle start {} index {} pins{}", o.tx,
+                               o.enabled, o.alive, o.playing, o.fault, o.cycle_start, o.index, pins);
+        };
+        const std::string core = describe(a);
+        const std::string reference = describe(b);
+        if (core == reference) return {};
+        return fmt::format("after clock {}: core {}; reference {}", core_.now() - 1, core, reference);
+    }
+
+    sim::Board& core_;
+    sim::Board& reference_;
+    bool pins_;
+    Seen of_core_, of_reference_;
+    std::vector<sim::Arrival> received_;
+};
+
+/// A host that does anything, most of it sensible.
+class RandomHost {
+public:
+    RandomHost(LockStep& boards, std::uint32_t seed) : boards_(boards), p_(boards.core().parameters()), g_(seed) {}
+
+    /// One command, fault or pause. @return the first difference between the boards in words; empty when there is none
+    [[nodiscard]] std::string step() {
+        if (images == 0 || one_in(100)) new_image();
+        if (one_in(300)) reset();
+        if (one_in(60)) press_stop();
+        if (one_in(150)) disturb_line();
+        if (one_in(60)) send(noise());
+        send_frame();
+        return pause();
+    }
+
+    std::uint64_t commands = 0, images = 0, replies = 0, applied = 0;
+
+private:
+    using Command = interface::Command;
+
+    std::uint32_t below(std::uint32_t count) { return static_cast<std::uint32_t>(g_()) % count; }
+    std::uint32_t between(std::uint32_t low, std::uint32_t high) { return low + below(high - low + 1); }
+    bool one_in(std::uint32_t count) { return below(count) == 0; }
+    std::uint16_t any_word() { return static_cast<std::uint16_t>(g_()); }
+
+    void send(const Bytes& bytes) {
+        boards_.both([&](sim::Board& board) { board.send(bytes); });
+    }
+
+    // ---- Records and images
+
+    /// Lengths of cycle and pulse: usual ones, and those at the limits. In some images all pulses leave gaps of one
+    /// tick, which are filled at changes: they merge until the guard trips.
+    std::vector<std::uint16_t> record() {
+        std::uint32_t cycle = between(100, 400);
+        std::uint32_t prescaler = one_in(3) ? between(1, 6) : 1;
+        std::uint32_t pulse = between(1, std::min(cycle / 2, 255U));
+        switch (below(12)) {
+            case 0: cycle = between(2, 40), pulse = between(0, cycle - 1); break;
+            case 1: cycle = between(100, 256), pulse = cycle - 1; break;
+            case 2: cycle = between(200, 260), pulse = between(cycle / 2, 255); break;
+            case 3: cycle = between(4000, 6000), pulse = 255; break;
+            case 4: prescaler = between(20, 60), cycle = between(20, 60), pulse = between(0, 10); break;
+            case 5: pulse = 0; break;
+            case 6: cycle = 250, pulse = 125, prescaler = 5; break;
+            default: break;
+        }
+        if (sticky_) cycle = 20, pulse = 19, prescaler = 90;
+        std::vector<std::uint16_t> words(p_.channels + interface::record_header_words);
+        interface::record_field::cycle_length.set(words, one_in(60) ? below(1U << 24) : cycle);
+        interface::record_field::pulse_length.set(words, pulse & 0xffU);
+        interface::record_field::prescaler.set(words, one_in(60) ? below(1U << 24) : prescaler);
+        if (one_in(60)) interface::record_field::reserved.set(words, 1 + below(255));
+        const std::uint32_t kind = sticky_ ? 0 : below(6);
+        const std::uint32_t common = sticky_ ? 3 : below(cycle);
+        for (std::size_t k = interface::record_header_words; k < words.size(); ++k) {
+            std::uint32_t timing = kind == 0 ? common : kind == 1 ? common + below(3) : below(cycle);
+            if (kind == 2 && one_in(2)) timing = cycle - 1 - below(3);
+            if (kind == 3 && one_in(2)) timing = below(3);
+            if (one_in(20)) timing = cycle + below(4);
+            if (one_in(20)) timing = (1U << p_.timing_bits) - 2 + below(3);
+            words[k] = static_cast<std::uint16_t>(one_in(20) ? interface::silent_timing : timing);
+        }
+        return words;
+    }
+
+    std::uint32_t entry() {
+        const std::uint32_t index = one_in(15) ? below(p_.records + 3) : 1 + below(std::min(p_.records, 40U));
+        return index | (one_in(30) ? 0 : one_in(3) ? between(2, 6) : 1) << 16;
+    }
+
+    std::uint32_t header() {
+        return (one_in(20) ? below(0x8000) : between(1, p_.sequence_depth - 1)) | (one_in(2) ? 0x8000U : 0U) |
+               below(4) << 16;
+    }
+
+    /// Beside the link and at reset, as a bitstream brings it.
+    void new_image() {
+        ++images;
+        reset();
+        sticky_ = one_in(8);
+        for (std::uint32_t index = 0; index < std::min(p_.records, 40U); ++index) {
+            const auto words = record();
+            boards_.both([&](sim::Board& board) {
+                std::ranges::copy(words,
+                                  board.primary_memory().begin() + static_cast<std::ptrdiff_t>(index * words.size()));
+            });
+        }
+        for (std::size_t i = 0; i < p_.sequence_depth; ++i) {
+            const std::uint32_t word = i == 0 ? header() : entry();
+            boards_.both([&](sim::Board& board) { board.sequence_memory()[i] = word; });
+        }
+    }
+
+    // ---- Frames
+
+    struct Request {
+        Command command;
+        std::vector<std::uint16_t> words;
+    };
+
+    Request memory_command(Command command) {
+        const std::uint32_t record_words = p_.channels + interface::record_header_words;
+        std::uint32_t address = interface::primary_base + 2 * record_words * below(std::min(p_.records, 40U));
+        std::uint32_t words = record_words;
+        std::vector<std::uint16_t> data = record();
+        switch (below(8)) {
+            case 0:
+                address = interface::sequence_base + 4 * below(p_.sequence_depth);
+                words = 2 * between(1, 4);
+                data.clear();
+                for (std::uint32_t i = 0; i < words; i += 2) {
+                    const std::uint32_t word = address == interface::sequence_base && i == 0 ? header() : entry();
+                    data.push_back(static_cast<std::uint16_t>(word));
+                    data.push_back(static_cast<std::uint16_t>(word >> 16));
+                }
+                break;
+            case 1: address += 2 * below(record_words), words = between(1, 4); break;
+            case 2:
+                address = one_in(2) ? interface::identity_base : interface::status_base;
+                address += 2 * below(4), words = between(1, 8);
+                break;
+            case 3:
+                if (one_in(4)) address = static_cast<std::uint32_t>(g_()), words = below(2 * record_words);
+                break;
+            default: break;
+        }
+        if (one_in(40)) ++address;
+        data.resize(words, 7);
+        Request request{command, {static_cast<std::uint16_t>(address), static_cast<std::uint16_t>(address >> 16)}};
+        if (command == Command::write)
+            request.words.insert(request.words.end(), data.begin(), data.end());
+        else
+            request.words.push_back(static_cast<std::uint16_t>(2 * words + (one_in(40) ? 1 : 0)));
+        return request;
+    }
+
+    Request request() {
+        const auto w = [](std::uint32_t value) { return static_cast<std::uint16_t>(value); };
+        switch (below(28)) {
+            case 0:
+            case 1:
+            case 2: return {Command::enable, {}};
+            case 3: return {Command::disable, {}};
+            case 4: return {Command::stop, {}};
+            case 5: return {Command::keep_alive, {}};
+            case 6: return {one_in(4) ? Command::reset : Command::status, {}};
+            case 7:
+            case 8: return {Command::status, {}};
+            case 9: return {Command::watchdog, {w(one_in(3) ? 0 : one_in(10) ? any_word() : between(1, 3))}};
+            case 10:
+            case 11: return {Command::select, {w(one_in(15) ? below(p_.records + 4) : 1 + below(40)), w(below(4))}};
+            case 12:
+            case 13: {
+                const std::uint32_t first = 1 + below(p_.sequence_depth - 1);
+                const std::uint32_t length = one_in(4) ? 0 : 1 + below(p_.sequence_depth - first);
+                return {Command::start, {w(one_in(20) ? any_word() : first), w(length), w(below(3))}};
+            }
+            case 14:
+            case 15:
+            case 16: {
+                Request push{Command::push, {w(one_in(10) ? 0 : between(1, 3))}};
+                for (std::uint32_t i = between(1, 6); i > 0; --i)
+                    push.words.push_back(w(one_in(40) ? p_.records + 1 + below(3) : below(p_.records + 1)));
+                return push;
+            }
+            case 17:
+            case 18: return memory_command(Command::read);
+            case 19: return memory_command(Command::digest);
+            case 20: return {static_cast<Command>(one_in(2) ? below(256) : 0), {}};
+            case 21: return {Command::identify, {}};
+            default: return memory_command(Command::write);
+        }
+    }
+
+    void send_frame() {
+        ++commands;
+        Request request = this->request();
+        if (lost_ > 3 || commands == 1) request = {Command::identify, {}};
+        if (one_in(60)) request.words.resize(below(8), any_word());
+        Bytes payload;
+        for (const std::uint16_t word : request.words) {
+            payload.push_back(static_cast<std::uint8_t>(word));
+            payload.push_back(static_cast<std::uint8_t>(word >> 8));
+        }
+        if (one_in(80)) payload.push_back(static_cast<std::uint8_t>(g_()));
+        std::uint8_t number = number_;
+        if (request.command == Command::identify) {
+            if (one_in(3)) number = static_cast<std::uint8_t>(g_());
+            lost_ = 0;
+        } else if (one_in(25)) {  // applied before, or a frame is missing before it
+            number = static_cast<std::uint8_t>(number + (one_in(4) ? between(1, 3) : 256 - between(1, 20)));
+        }
+        Bytes frame = link::encode_request(number, request.command, payload);
+        const bool damaged = one_in(25);
+        if (damaged) damage(frame);
+        send(frame);
+        if (!damaged && (number == number_ || request.command == Command::identify))
+            number_ = static_cast<std::uint8_t>(number + 1);
+    }
+
+    void damage(Bytes& frame) {
+        const std::size_t at = below(static_cast<std::uint32_t>(frame.size()));
+        switch (below(5)) {
+            case 0: frame[at] = static_cast<std::uint8_t>(frame[at] ^ 1U << below(8)); break;
+            case 1: frame.erase(frame.begin() + static_cast<std::ptrdiff_t>(at)); break;
+            case 2: frame.resize(at); break;
+            case 3: frame.insert(frame.begin() + static_cast<std::ptrdiff_t>(at), frame[at]); break;
+            default: {
+                const Bytes more(2 * p_.channels + 2 * below(2 * p_.channels), 0x55);
+                frame.insert(frame.begin() + static_cast<std::ptrdiff_t>(at), more.begin(), more.end());
+            }
+        }
+    }
+
+    Bytes noise() {
+        Bytes bytes(1 + below(40));
+        const std::uint32_t values = one_in(2) ? 256 : 4;
+        for (auto& byte : bytes) byte = static_cast<std::uint8_t>(below(values));
+        return bytes;
+    }
+
+    // ---- The rest of the world
+
+    void reset() {
+        const unsigned clocks = between(1, 6);
+        boards_.both([clocks](sim::Board& board) { board.reset(clocks); });
+        lost_ = 4;
+    }
+
+    void press_stop() {
+        pressed_ = !pressed_ && one_in(2);
+        boards_.both([this](sim::Board& board) { board.press_stop(pressed_); });
+    }
+
+    void disturb_line() {
+        if (one_in(3)) {
+            boards_.both([](sim::Board& board) { board.unplug(); });
+            return;
+        }
+        const bool level = one_in(4);
+        boards_.both([level](sim::Board& board) { board.force_line(level); });
+        forced_for_ = one_in(2) ? between(1, 60) : between(1, 30 * p_.clock_hz / p_.baud);
+    }
+
+    std::string pause() {
+        if (forced_for_ > 0) {
+            std::string difference = run(std::exchange(forced_for_, 0U));
+            boards_.both([](sim::Board& board) { board.force_line({}); });
+            if (!difference.empty()) return difference;
+        }
+        const std::uint32_t byte_clocks = 10 * p_.clock_hz / p_.baud;
+        switch (below(6)) {
+            case 0: return {};  // the next frame follows at once
+            case 1: return run(between(1, 4));
+            case 2: return run(between(1, byte_clocks));
+            case 3: return run(between(1, 30 * byte_clocks));
+            default: break;
+        }
+        if (one_in(400)) return run(between(1, 4 * (p_.clock_hz / 1000)));
+        // Until the line is idle, so that not too much waits in it.
+        for (int i = 0; i < 50 && !boards_.core().line_idle(); ++i)
+            if (std::string difference = run(8 * byte_clocks); !difference.empty()) return difference;
+        return run(between(1, 12 * byte_clocks));
+    }
+
+    std::string run(std::uint64_t clocks) {
+        std::string difference = boards_.run(clocks);
+        Bytes bytes;
+        for (const sim::Arrival& arrival : boards_.received()) bytes.push_back(arrival.byte);
+        std::vector<link::Reply> found;
+        decoder_.feed(bytes, found);
+        for (const link::Reply& reply : found) {
+            ++replies;
+            const bool strange = reply.status == interface::Status::out_of_order;
+            lost_ = strange ? lost_ + 1 : 0;
+            applied += reply.status == interface::Status::ok ? 1 : 0;
+        }
+        return difference;
+    }
+
+    LockStep& boards_;
+    const interface::CoreParameters& p_;
+    std::mt19937 g_;
+    std::uint8_t number_ = 0;
+    unsigned lost_ = 0;
+    bool pressed_ = false;
+    bool sticky_ = false;
+    std::uint32_t forced_for_ = 0;
+    link::ReplyDecoder decoder_;
+};
+
+}  // namespace haptogram::test

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// The reference board against the Verilated core: the same bytes at the same clocks, and what they answer and show.
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <cstdlib>
+
+#include "lock_step.hpp"
+#include "reference_board.hpp"
+#include "simulated_board.hpp"
+
+using namespace haptogram;
+using namespace haptogram::test;
+
+namespace {
+
+/// Runs random commands on both boards until `commands` are sent or they differ.
+void compare(std::string_view configuration, std::uint64_t commands, std::uint32_t seed, bool pins = true) {
+    sim::SimulatedBoard core(configuration);
+    sim::ReferenceBoard reference(configuration);
+    LockStep boards(core, reference, pins);
+    RandomHost host(boards, seed);
+    while (host.commands < commands) {
+        const std::string difference = host.step();
+        INFO(difference);
+        INFO(fmt::format("{}, seed {}, command {}, clock {}", configuration, seed, host.commands, core.now()));
+        REQUIRE(difference.empty());
+    }
+    fmt::print("{}, seed {}: {} commands, {} replies, {} of them applied, {} images, {} edges, {} cycles, {} clocks\n",
+               configuration, seed, host.commands, host.replies, host.applied, host.images, boards.edges, boards.cycles,
+               core.now());
+    REQUIRE(host.applied > commands / 4);
+    REQUIRE((!pins || boards.edges > 5 * commands));
+}
+
+std::uint64_t size(std::uint64_t full, std::uint64_t quick) {
+    if (const char* asked = std::getenv("HAPTOGRAM_COMMANDS")) return std::strtoull(asked, nullptr, 10);
+    return std::getenv("HAPTOGRAM_SOAK") != nullptr ? full : quick;
+}
+
+}  // namespace
+
+TEST_CASE("reference: no reply and no pulse differs from the small core's") {
+    compare("small-16", size(100'000, 10'000), Catch::rngSeed());
+}
+
+TEST_CASE("reference: no reply and no pulse differs from the tile's") {
+    compare("tile-100", size(100'000, 300), Catch::rngSeed());
+}
+
+TEST_CASE("reference: no reply differs when nobody looks at the pins") {
+    compare("small-16", size(100'000, 1'000), Catch::rngSeed() + 1, false);
+}
+
+TEST_CASE("reference: pulses that merge at every change trip the guard at the same clock") {
+    sim::SimulatedBoard core("small-16");
+    sim::ReferenceBoard reference("small-16");
+    const bool pins = GENERATE(true, false);
+    LockStep boards(core, reference, pins);
+    std::vector<std::uint16_t> record(20, interface::silent_timing);
+    interface::record_field::cycle_length.set(record, 20);
+    interface::record_field::pulse_length.set(record, 19);
+    interface::record_field::prescaler.set(record, 100);
+    interface::record_field::reserved.set(record, 0);
+    record[4 + 5] = 7;
+    boards.both([&](sim::Board& board) {
+        std::ranges::copy(record, board.primary_memory().begin());
+        for (std::uint32_t i = 1; i <= 2; ++i) board.sequence_memory()[i] = 1U | 1U << 16;
+        board.send(link::encode_request(0, interface::Command::identify, {}));
+        board.send(link::encode_request(1, interface::Command::watchdog, std::vector<std::uint8_t>{0, 0}));
+        board.send(link::encode_request(2, interface::Command::enable, {}));
+        board.send(link::encode_request(3, interface::Command::start, std::vector<std::uint8_t>{1, 0, 2, 0, 0, 0}));
+    });
+    for (std::uint8_t round = 0; round < 4; ++round) {
+        REQUIRE(boards.run(60'000).empty());
+        REQUIRE(core.outputs().fault);
+        boards.both([&](sim::Board& board) {
+            board.send(link::encode_request(static_cast<std::uint8_t>(4 + 2 * round), interface::Command::status, {}));
+            board.send(link::encode_request(static_cast<std::uint8_t>(5 + 2 * round), interface::Command::enable, {}));
+        });
+    }
+}
+
+TEST_CASE("reference: one wrong timing in one record is noticed") {
+    sim::SimulatedBoard core("small-16");
+    sim::ReferenceBoard reference("small-16");
+    LockStep boards(core, reference);
+    const std::vector<std::uint16_t> record = {250, 20 << 8, 1, 0,  1,  2,  3,  4,  5,  6,
+                                               7,   8,       9, 10, 11, 12, 13, 14, 15, 16};
+    boards.both([&](sim::Board& board) { std::ranges::copy(record, board.primary_memory().begin()); });
+    SECTION("equal") {}
+    SECTION("a timing") { reference.primary_memory()[7] = 44; }
+    SECTION("the last timing") { reference.primary_memory()[19] = 17; }
+    SECTION("the pulse") { reference.primary_memory()[1] = 21 << 8; }
+    const bool equal = std::ranges::equal(core.primary_memory(), reference.primary_memory());
+    boards.both([](sim::Board& board) {
+        board.send(link::encode_request(0, interface::Command::identify, {}));
+        board.send(link::encode_request(1, interface::Command::enable, {}));
+        board.send(link::encode_request(2, interface::Command::select, std::vector<std::uint8_t>{1, 0, 0, 0}));
+    });
+    REQUIRE(boards.run(30'000).empty() == equal);
+    REQUIRE(boards.edges > 1000);
+}
+
+TEST_CASE("reference: in one go or clock by clock, with or without an audience, it does the same") {
+    const auto seed = Catch::rngSeed();
+    const auto play = [&](bool watched, bool by_clocks) {
+        sim::ReferenceBoard board("small-16");
+        Seen seen;
+        board.on_arrival([&](const sim::Arrival& a) { seen.arrivals.push_back(a); });
+        board.on_cycle_start([&](const sim::CycleStart& c) { seen.cycles.push_back(c); });
+        if (watched) board.on_edge([&](const sim::Edge& e) { seen.edges.push_back(e); });
+        std::mt19937 g(seed);
+        for (auto& word : board.primary_memory()) word = static_cast<std::uint16_t>(g() % 250);
+        for (std::size_t i = 0; i < board.primary_memory().size(); i += 20) {
+            const std::vector<std::uint16_t> head = {250, static_cast<std::uint16_t>((1 + g() % 249) << 8), 1, 0};
+            std::ranges::copy(head, board.primary_memory().begin() + static_cast<std::ptrdiff_t>(i));
+        }
+        std::uint8_t number = 0;
+        const auto send = [&](interface::Command command, const std::vector<std::uint8_t>& payload = {}) {
+            board.send(link::encode_request(number++, command, payload));
+        };
+        send(interface::Command::identify);
+        send(interface::Command::watchdog, {0, 0});
+        for (int i = 0; i < 200; ++i) {
+            send(interface::Command::enable);
+            std::vector<std::uint8_t> push = {1, 0};
+            for (int k = 0; k < 5; ++k) push.insert(push.end(), {static_cast<std::uint8_t>(1 + g() % 40), 0});
+            send(interface::Command::push, push);
+            const std::uint64_t clocks = 9000 + g() % 2000;
+            for (std::uint64_t done = 0; done < clocks; done += by_clocks ? 1 : clocks)
+                board.run(by_clocks ? 1 : clocks);
+            // A look at the pins in the middle must change nothing.
+            if (i % 7 == 0) seen.arrivals.push_back({board.now(), static_cast<std::uint8_t>(board.outputs().pins[0])});
+        }
+        return seen;
+    };
+    const Seen once = play(true, false);
+    const Seen stepped = play(true, true);
+    const Seen alone = play(false, false);
+    REQUIRE(once.edges == stepped.edges);
+    REQUIRE(once.cycles == stepped.cycles);
+    REQUIRE(once.arrivals == stepped.arrivals);
+    REQUIRE(once.cycles == alone.cycles);
+    REQUIRE(once.arrivals == alone.arrivals);
+    REQUIRE(once.edges.size() > 10'000);
+}

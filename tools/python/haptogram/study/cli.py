@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The commands of `python3 -m haptogram.study`. Messages are `haptogram-study: where: message` on stderr."""
+import argparse
+import json
+import os
+import platform
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+from .. import __version__
+from ..cli import Parser, whole
+from ..errors import ErrorCode, HaptogramError
+from . import protocol as protocols
+from . import results
+from .asking import Keyboard, Observer, Stopped
+from .observers import simulated
+from .protocol import Protocol
+from .session import Session
+from .stimulus import Board, Compiler, Presenter, program
+
+NOT_FINISHED = 1
+
+
+def say(text: str) -> None:
+    print(f"haptogram-study: {text}", file=sys.stderr, flush=True)
+
+
+def list_command(options: argparse.Namespace) -> int:
+    found = {name: protocols.read(path) for name, path in protocols.shipped().items()}
+    if options.json:
+        print(json.dumps({name: {"title": p.title, "source": p.source, "trials": p.trials, "participants": p.participants} for name, p in found.items()}, indent=1))
+    else:
+        for name, p in found.items():
+            print(f"{name:22} {p.participants:3} people × {p.trials:3} {'runs  ' if p.staircase else 'trials'}  {p.title} ({p.source})")
+    return 0
+
+
+def check_command(options: argparse.Namespace) -> int:
+    bad = 0
+    for name in options.protocols:
+        try:
+            found = protocols.read(protocols.find(name))
+            print(f"{name}: good: {found.trials} {'runs' if found.staircase else 'trials'} a participant, {len(found.questions)} questions, {len(found.analyses)} analyses")
+        except HaptogramError as error:
+            say(str(error))
+            bad += 1
+    return ErrorCode.BAD_INPUT if bad else 0
+
+
+def _presenter(options: argparse.Namespace, protocol: Protocol) -> Presenter:
+    if options.port:
+        return Board(protocol, Path(options.images or "study-images"), program(options.program), options.port, options.baud)
+    if options.images:
+        return Compiler(protocol, Path(options.images), program(options.program))
+    return Presenter(protocol)
+
+
+def _versions(presenter: Presenter) -> dict[str, str]:
+    found = {"haptogram-py": __version__, "python": platform.python_version()}
+    if isinstance(presenter, Compiler):
+        said = subprocess.run([presenter.program, "--version"], capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False)
+        found["haptogram"] = said.stdout.strip().removeprefix("haptogram ")
+    return found
+
+
+def run_command(options: argparse.Namespace) -> int:
+    protocol = protocols.read(protocols.find(options.protocol))
+    observer: Observer = Keyboard() if options.observer == "keyboard" else simulated(protocol, options.observer)
+    with results.ResultsFile(Path(options.output)) as file:
+        if file.moved:
+            say(f"{options.output}: its last line was not complete; it is now in {file.moved}, and its trial is asked again")
+        same = list(file.same_session(protocol=protocol.name, protocol_sha256=protocol.sha256, participant=options.participant, seed=options.seed,
+                                      observer=observer.name))  # fmt: skip
+        presenter = _presenter(options, protocol)
+        if not options.port:
+            say("no --port was given: no stimulus is played")
+        if same:
+            say(f"{options.output}: goes on after {len(same)} records")
+        elif observer.waits:
+            for text in (protocol.title, *protocol.instructions):
+                observer.tell(text)
+        session = Session(protocol, options.participant, options.seed, observer, presenter, file.append, before=same, versions=_versions(presenter))
+        try:
+            session.run()
+        except (Stopped, KeyboardInterrupt):
+            say(f"{options.output}: stopped after {session.asked} more answers; the same command goes on with it")
+            return NOT_FINISHED
+        finally:
+            presenter.close()
+    say(f"{options.output}: complete, {session.asked} new answers")
+    return 0
+
+
+def analyse_command(options: argparse.Namespace) -> int:
+    from . import analysis
+
+    protocol = protocols.read(protocols.find(options.protocol))
+    frame = analysis.frame(protocol, [pair for name in options.results for pair in results.read(Path(name))])
+    found = analysis.analyse(protocol, frame)
+    print(json.dumps([f.as_json() for f in found], indent=1, allow_nan=False) if options.json else analysis.report(found))
+    return 0
+
+
+def power_command(options: argparse.Namespace) -> int:
+    from . import analysis
+
+    protocol = protocols.read(protocols.find(options.protocol))
+    found = analysis.power(protocol, options.observer, options.participants or protocol.participants, options.runs, options.seed, options.alpha)
+    if options.json:
+        print(json.dumps(found, indent=1))
+    else:
+        for name, (share, low, high) in found.items():
+            print(f"{name:50} {share:6.3f}  [{low:.3f}, {high:.3f}]")
+    return 0
+
+
+def printed_command(options: argparse.Namespace) -> int:
+    from . import printed
+
+    lines = printed.recompute()
+    if options.check:
+        try:
+            good = Path(options.check).read_text(encoding="utf-8") == printed.page(lines)
+        except (OSError, UnicodeDecodeError):
+            good = False
+        if not good:
+            say(f"{options.check}: is not what printed.toml makes; write it again with 'printed --markdown'")
+            return NOT_FINISHED
+    elif options.markdown:
+        print(printed.page(lines), end="")
+    elif options.json:
+        print(json.dumps([line.as_json() for line in lines], indent=1, ensure_ascii=False))
+    else:
+        print(printed.text(lines, options.differing))
+    return 0
+
+
+def share(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0.0 < value < 1.0:
+        raise argparse.ArgumentTypeError(f"must be a number between 0 and 1, found {text!r}")
+    return value
+
+
+def parser() -> Parser:
+    top = Parser(prog="haptogram-study", description="Studies with people: protocols, a runner, simulated observers, statistics, printed numbers.",
+                 epilog="Exit codes: 0 ok, 1 a session is not finished or a page is stale, 2 usage, 3 bad input, 4 device or link.")  # fmt: skip
+    top.add_argument("--version", action="version", version=f"haptogram-study {__version__}")
+    sub = top.add_subparsers(required=True, metavar="COMMAND")
+
+    def add(name: str, run: Callable[[argparse.Namespace], int], about: str) -> Parser:
+        command: Parser = sub.add_parser(name, help=about, description=about)
+        command.set_defaults(run=run)
+        return command
+
+    def json_option(command: Parser) -> None:
+        command.add_argument("--json", action="store_true", help="print as JSON")
+
+    json_option(add("list", list_command, "print the shipped protocols"))
+    check = add("check", check_command, "say whether protocols make sense")
+    check.add_argument("protocols", nargs="+", metavar="PROTOCOL", help="file, or name of a shipped protocol")
+    run = add("run", run_command, "run a participant's session, or go on with it")
+    run.add_argument("protocol", help="file, or name of a shipped protocol")
+    run.add_argument("--participant", type=whole(1, 100_000), required=True, help="number of the participant, from 1; it decides the orders")
+    run.add_argument("--seed", type=whole(0, 2**63), default=1, help="of all random numbers (1)")
+    run.add_argument("-o", "--output", required=True, help="results, JSON lines; an unfinished session in it goes on")
+    run.add_argument("--observer", default="keyboard", help="keyboard, simulated:protocol, simulated:chance or simulated:FILE.toml")
+    run.add_argument("--port", help="serial port of the board that plays the stimuli; without one nothing is played")
+    run.add_argument("--baud", type=whole(300, 12_000_000), default=1_000_000, help="its rate")
+    run.add_argument("--images", help="folder of the stimuli's images (with --port: study-images); without a port they are compiled only")
+    run.add_argument("--program", help="the C++ program (HAPTOGRAM_PROGRAM, or haptogram)")
+    analyse = add("analyse", analyse_command, "the statistics that a protocol asks for, of results")
+    analyse.add_argument("protocol")
+    analyse.add_argument("results", nargs="+", help="files of results, usually one a participant")
+    json_option(analyse)
+    power = add("power", power_command, "how often each analysis of a protocol finds its effect (p < alpha) with simulated people")
+    power.add_argument("protocol")
+    power.add_argument("--participants", type=whole(2, 1000), help="as the protocol says")
+    power.add_argument("--runs", type=whole(1, 100_000), default=200, help="simulated studies (200)")
+    power.add_argument("--seed", type=whole(0, 2**63), default=1)
+    power.add_argument("--alpha", type=share, default=0.05)
+    power.add_argument("--observer", default="simulated:protocol", help="simulated:protocol, simulated:chance or simulated:FILE.toml")
+    json_option(power)
+    printed = add("printed", printed_command, "the numbers that the papers print, beside what follows from their own data and formulas")
+    printed.add_argument("--differing", action="store_true", help="only those that do not agree")
+    printed.add_argument("--markdown", action="store_true", help="as docs/printed-numbers.md has them")
+    printed.add_argument("--check", metavar="FILE", help="fail when that page is stale")
+    json_option(printed)
+    return top
+
+
+def main() -> int:
+    try:
+        options = parser().parse_args()
+        code: int = options.run(options)
+        sys.stdout.flush()
+        return code
+    except HaptogramError as error:
+        say("; ".join([str(error), *getattr(error, "__notes__", [])]))
+        return error.code
+    except ModuleNotFoundError as error:
+        say(f"Python's {error.name} is missing; install the package with its extra: pip install 'haptogram[study]'")
+        return ErrorCode.USAGE
+    except OSError as error:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # or Python tries again at its end
+        say(f"standard output: {error.strerror}; what was printed is incomplete")
+        return ErrorCode.BAD_INPUT

@@ -1,0 +1,209 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Simulated people, to test runners, analyses and power. What they answer is never a measurement. A model answers one question; its numbers
+stand in the protocol under [simulated.QUESTION], or in a file. A number may be a table with a number for each level of the factor `by`."""
+import math
+import random
+from collections.abc import Callable
+from pathlib import Path
+from statistics import NormalDist
+from typing import Any
+
+from ..errors import HaptogramError, ErrorCode, bad_input
+from . import tables
+from .asking import Answer, Occasion
+from .design import digest
+from .protocol import Protocol, Question, fill, places
+from .tables import Table
+
+Model = Callable[[Occasion, random.Random], tuple[Answer, float]]  # the answer, and the seconds that it takes
+MODELS = {"psychometric": "yes-no", "confusion": "choice", "preference": "choice", "matching": "number", "magnitude": "number",
+          "lognormal": "number", "rating": "scale", "words": "text"}  # fmt: skip
+
+
+def felt(level_db: float, threshold_db: float, sd_db: float, lapse: float, guess: float) -> float:
+    """The probability of a yes: a cumulative normal distribution between `guess` and 1 − `lapse`."""
+    return guess + (1.0 - guess - lapse) * NormalDist(threshold_db, sd_db).cdf(level_db)
+
+
+class _ByLevel:
+    """A number, or one for each level of a factor."""
+
+    def __init__(self, table: Table, key: str, by: str, protocol: Protocol, default: Any = tables.REQUIRED, low: float = -math.inf) -> None:
+        self._by, self._one = by, 0.0
+        self._values: dict[str, float] = {}
+        value = table.any(key, default, "a number, or a table of numbers")
+        if isinstance(value, dict):
+            if not by:
+                table.fail(key, value, "a number, or also `by`, the factor whose levels are meant")
+            inner = Table(value, f"{table.where}: {key}")
+            self._values = {level.name: inner.number(level.name, low=low) for level in protocol.factor(by).levels}
+            inner.done()
+        else:
+            self._one = Table({key: value}, table.where).number(key, low=low)
+
+    def __call__(self, occasion: Occasion) -> float:
+        return self._values[occasion.cell.levels[self._by].name] if self._values else self._one
+
+
+def _seconds_of(mean: float, sd: float, dice: random.Random) -> float:
+    """Log-normal with this mean and standard deviation."""
+    spread = math.log1p((sd / mean) ** 2)
+    return dice.lognormvariate(math.log(mean) - spread / 2.0, math.sqrt(spread)) if sd else mean
+
+
+def _person(occasion: Occasion, question: str, sd: float) -> float:
+    """How a person differs from the mean, the same in all trials."""
+    return random.Random(digest(occasion.seed, occasion.participant, "person", question)).gauss(0.0, sd) if sd else 0.0
+
+
+def _truth(protocol: Protocol, question: Question, occasion: Occasion) -> float:
+    return float(fill(question.truth, places(protocol, occasion.cell.levels, occasion.cell.drawn, occasion.level_db)))
+
+
+def _model(protocol: Protocol, question: Question, table: Table) -> Model:
+    kind = table.text("model", among=[m for m, answers in MODELS.items() if answers == question.kind])
+    by = table.text("by", "", among=[f.name for f in protocol.factors])
+
+    def number(key: str, default: Any = tables.REQUIRED, low: float = -math.inf) -> _ByLevel:
+        return _ByLevel(table, key, by, protocol, default, low)
+
+    if kind == "psychometric":
+        if protocol.staircase is None:
+            table.fail("model", kind, "a protocol with a staircase, which has levels")
+        threshold, sd = number("threshold_db"), number("sd_db", low=0.01)
+        lapse, guess = table.number("lapse", 0.02, low=0.0, high=0.5), table.number("guess", 0.0, low=0.0, high=0.5)
+
+        def answer(occasion: Occasion, dice: random.Random) -> Answer:
+            assert occasion.level_db is not None
+            return dice.random() < felt(occasion.level_db, threshold(occasion), sd(occasion), lapse, guess)
+
+    elif kind == "confusion":
+        factor = protocol.factor(table.text("factor", among=[f.name for f in protocol.factors]))
+        answers: list[str] = table.list("answers", of=str, expected="the answers, in the order of the columns")
+        if sorted(answers) != sorted(question.keys.values()):
+            table.fail("answers", answers, f"each of {', '.join(question.keys.values())} once")
+        rows_table = table.table("rows")
+        rows = {level.name: rows_table.list(level.name, of=(int, float), expected="a row of weights") for level in factor.levels}
+        for name, row in rows.items():
+            if len(row) != len(answers) or min(row) < 0 or not 0 < sum(row) < math.inf:
+                rows_table.fail(name, row, f"{len(answers)} weights, none negative, not all zero")
+        rows_table.done()
+
+        def answer(occasion: Occasion, dice: random.Random) -> Answer:
+            return dice.choices(answers, rows[occasion.cell.levels[factor.name].name])[0]
+
+    elif kind == "preference":
+        weights_table = table.table("weights")
+        weights = {meaning: _ByLevel(weights_table, meaning, by, protocol, low=0.0) for meaning in question.keys.values()}
+        weights_table.done()
+
+        def answer(occasion: Occasion, dice: random.Random) -> Answer:
+            return dice.choices(list(weights), [w(occasion) for w in weights.values()])[0]
+
+    elif kind == "matching":
+        if not question.truth:
+            table.fail("model", kind, "a question with a `truth`")
+        sd, bias, centre, step = number("sd", low=0.0), number("bias", 0.0, low=0.0), table.number("centre", 0.0), table.number("step", 0.0, above=0.0)
+
+        def answer(occasion: Occasion, dice: random.Random) -> Answer:
+            truth = _truth(protocol, question, occasion)
+            value: float = truth + bias(occasion) * (centre - truth) + dice.gauss(0.0, sd(occasion))
+            value = min(max(value, question.low), question.high)  # as the keys that change the value stop at its ends
+            return round(value / step) * step if step else value
+
+    elif kind == "magnitude":
+        frequency, output = (table.text(key, among=[f.name for f in protocol.factors]) for key in ("frequency", "output"))
+        inner, log_sd, person = table.table("polynomials"), table.number("log_sd", low=0.0), table.number("person_log_sd", 0.0, low=0.0)
+        polynomials = {level.name: inner.list(level.name, of=(int, float), least=3, expected="G, J and V of eq. 10") for level in protocol.factor(frequency).levels}
+        inner.done()
+
+        def answer(occasion: Occasion, dice: random.Random) -> Answer:
+            g, j, v = polynomials[occasion.cell.levels[frequency].name]
+            force = float(occasion.cell.levels[output].value)
+            mean: float = g * force**2 + j * force + v
+            if mean <= 0.0:
+                raise bad_input(f"{protocol.path}: simulated.{question.name}", f"the magnitude of {force:g} gf is {mean:g}; expected > 0; choose outputs that are felt")
+            return mean * math.exp(dice.gauss(0.0, log_sd) + _person(occasion, question.name, person))
+
+    elif kind == "lognormal":
+        mean, sd, person = number("mean", low=1e-9), number("sd", low=0.0), table.number("person_log_sd", 0.0, low=0.0)
+
+        def answer(occasion: Occasion, dice: random.Random) -> Answer:
+            return _seconds_of(mean(occasion), sd(occasion), dice) * math.exp(_person(occasion, question.name, person))
+
+    elif kind == "rating":
+        mean, sd, person = number("mean"), number("sd", low=0.0), table.number("person_sd", 0.0, low=0.0)
+
+        def answer(occasion: Occasion, dice: random.Random) -> Answer:
+            wanted = mean(occasion) + _person(occasion, question.name, person) + dice.gauss(0.0, sd(occasion))
+            return round(min(max(wanted, question.low), question.high))  # a scale ends there
+
+    else:
+
+        def answer(occasion: Occasion, dice: random.Random) -> Answer:
+            return "simulated"
+
+    seconds = table.list("seconds", [1.0, 0.0], of=(int, float), least=2, expected="mean and standard deviation, s")
+    if len(seconds) != 2 or seconds[0] <= 0 or seconds[1] < 0:
+        table.fail("seconds", seconds, "a mean > 0 and a standard deviation >= 0")
+    table.done()
+
+    mean_s, sd_s = seconds
+    return lambda occasion, dice: (answer(occasion, dice), _seconds_of(mean_s, sd_s, dice))
+
+
+def read_models(protocol: Protocol, given: dict[str, Any], where: str) -> dict[str, Model]:
+    """A model a question. Raises HaptogramError when one is missing or makes no sense."""
+    top = Table(given, where)
+    models = {q.name: _model(protocol, q, top.table(q.name)) for q in protocol.questions}
+    top.done()
+    return models
+
+
+def _guess(question: Question) -> Model:
+    def answer(_: Occasion, dice: random.Random) -> Answer:
+        if question.kind == "yes-no":
+            return dice.random() < 0.5
+        if question.kind == "choice":
+            return dice.choice(list(question.keys.values()))
+        if question.kind == "text":
+            return "simulated"
+        if math.isinf(question.low) or math.isinf(question.high):
+            raise bad_input(f"simulated:chance: {question.name}", "has no limits between which to guess; expected `from` and `to`; add them")
+        return dice.randint(int(question.low), int(question.high)) if question.whole else dice.uniform(question.low, question.high)
+
+    return lambda occasion, dice: (answer(occasion, dice), 1.0)
+
+
+class Simulated:
+    """Answers at once and reproducibly: all follows from seed, participant and trial."""
+
+    waits = False
+
+    def __init__(self, name: str, models: dict[str, Model]) -> None:
+        self.name, self._models = name, models
+
+    def tell(self, text: str) -> None:
+        pass
+
+    def ready(self) -> None:
+        pass
+
+    def ask(self, question: Question, occasion: Occasion) -> tuple[Answer, float]:
+        dice = random.Random(digest(occasion.seed, occasion.participant, "answer", question.name, *occasion.key))
+        value, seconds = self._models[question.name](occasion, dice)
+        return (None, question.limit_s) if question.limit_s and seconds > question.limit_s else (value, seconds)
+
+
+def simulated(protocol: Protocol, name: str) -> Simulated:
+    """`simulated:protocol`, with the protocol's own models, `simulated:chance`, which guesses, or `simulated:FILE.toml`."""
+    kind, _, which = name.partition(":")
+    if kind != "simulated" or not which:
+        raise HaptogramError(ErrorCode.USAGE, "--observer", f"found {name!r}, expected keyboard, simulated:protocol, simulated:chance or simulated:FILE.toml")
+    if which == "chance":
+        return Simulated(name, {q.name: _guess(q) for q in protocol.questions})
+    if which == "protocol":
+        if not protocol.simulated:
+            raise bad_input(str(protocol.path), "has no [simulated] models; use simulated:chance or a file")
+        return Simulated(name, read_models(protocol, protocol.simulated, f"{protocol.path}: simulated"))
+    return Simulated(name, read_models(protocol, tables.load(Path(which)).rest(), which))

@@ -1,0 +1,198 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a trial presents: its description and hash, its image by `haptogram compile`, and playing it on a board while a person answers."""
+import hashlib
+import math
+import os
+import shutil
+import subprocess
+import threading
+from collections.abc import Mapping
+from pathlib import Path
+
+from ..client import Client
+from ..driving import play
+from ..errors import HaptogramError, bad_input, device_error
+from ..image import Image
+from .protocol import PLACEHOLDER, PathPlan, Protocol, Stimulus, Value, canonical, fill
+
+MOST_ROWS = 100_000
+
+
+def _number(value: Value, values: Mapping[str, object], where: str) -> float:
+    text = fill(value, values) if isinstance(value, str) else str(value)
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise bad_input(where, f"{value} stands for {text!r}, expected a number; give the factor's levels such a number")
+    return number
+
+
+def path_rows(plan: PathPlan, values: Mapping[str, object], where: str) -> list[tuple[float, float, float, float, float]]:
+    """Rows of a path file: time_ms, x_mm, y_mm, z_mm, intensity. A focus lasts until the next row's time."""
+    corners = [tuple(_number(v, values, where) for v in point) for point in plan.waypoints_mm]
+    intensity = _number(plan.intensity, values, where)
+    if not 0.0 <= intensity <= 1.0:
+        raise bad_input(where, f"the intensity is {intensity:g}, expected 0 to 1")
+    square_hz = _number(plan.square_hz, values, where)
+    if square_hz < 0.0:
+        raise bad_input(where, f"square_hz is {square_hz:g}, expected a rate, or 0 for none")
+    lengths = [math.dist(begin, end) for begin, end in zip(corners, corners[1:])]
+    travel_s = sum(lengths) / plan.speed_mm_s if lengths else 0.0
+    rows = (travel_s + plan.hold_s) * 2.0 * square_hz if square_hz else sum(lengths) / plan.step_mm
+    if not rows < MOST_ROWS:
+        raise bad_input(where, f"needs {rows:.3g} points, expected at most {MOST_ROWS}; make step_mm larger, or the path shorter")
+    if square_hz:
+        halves = math.ceil(rows - 1e-9)
+        # The place is that of the period's beginning.
+        times = [(k / (2.0 * square_hz), (k - k % 2) / (2.0 * square_hz), 0.0 if k % 2 else intensity) for k in range(halves)]
+    else:
+        steps = max(math.ceil(rows), 1)
+        moving = [travel_s * k / steps for k in range(steps + 1)] if lengths else [0.0]
+        # The last row lasts as long as the one before it.
+        times = [(t, t, intensity) for t in moving + ([travel_s + plan.hold_s / 2.0] if plan.hold_s else [])]
+    found = [(1e3 * t, *_place(corners, lengths, plan.speed_mm_s * at), level) for t, at, level in times]
+    return [tuple(round(number, 6) for number in row) for row in found]  # type: ignore[misc]
+
+
+def _place(corners: list[tuple[float, ...]], lengths: list[float], gone_mm: float) -> tuple[float, float, float]:
+    """Where a focus is that has gone so far; at the end it stays."""
+    for begin, end, length in zip(corners, corners[1:], lengths):
+        if gone_mm < length:
+            x, y, z = (b + gone_mm / length * (e - b) for b, e in zip(begin, end))
+            return x, y, z
+        gone_mm -= length
+    x, y, z = corners[-1]
+    return x, y, z
+
+
+def describe(stimulus: Stimulus, values: Mapping[str, object], where: str) -> dict[str, object]:
+    """All that determines the stimulus of a trial."""
+    found: dict[str, object] = {"text": fill(stimulus.text, values)}
+    if stimulus.compile:
+        found["compile"] = [fill(word, values) for word in stimulus.compile]
+    if stimulus.path:
+        found["path"] = path_rows(stimulus.path, values, where)
+    if stimulus.array:
+        found["array"] = stimulus.array
+    return found
+
+
+def used_places(stimulus: Stimulus) -> set[str]:
+    """Names of the placeholders that a stimulus depends on."""
+    path = stimulus.path
+    numbers = [v for point in path.waypoints_mm for v in point] + [path.intensity, path.square_hz] if path else []
+    return {name for text in (stimulus.text, *stimulus.compile, *(v for v in numbers if isinstance(v, str))) for name in PLACEHOLDER.findall(text)}
+
+
+def program(given: str | None) -> str:
+    """The C++ program: as given, or of the environment's HAPTOGRAM_PROGRAM, or `haptogram` on the path."""
+    wanted = given or os.environ.get("HAPTOGRAM_PROGRAM") or "haptogram"
+    found = shutil.which(wanted)
+    if not found:
+        raise bad_input(wanted, "there is no such program; give --program, or set HAPTOGRAM_PROGRAM")
+    return found
+
+
+class Presenter:
+    """Plays nothing: what there is without a port. A trial that is asked without a stimulus says so in its results."""
+
+    def __init__(self, protocol: Protocol) -> None:
+        self.protocol = protocol
+        self._hashes: dict[tuple[str, ...], dict[str, object]] = {}
+        self._used = sorted(used_places(protocol.stimulus))
+
+    def prepare(self, values: Mapping[str, object]) -> dict[str, object]:
+        """What the results say of the stimulus: `sha256` of its description, and `played`."""
+        key = tuple(str(values[name]) for name in self._used)
+        if key not in self._hashes:
+            found = describe(self.protocol.stimulus, values, f"{self.protocol.path}: stimulus")
+            self._hashes[key] = {"sha256": hashlib.sha256(canonical(found)).hexdigest(), **self._more(found)}
+        return self._hashes[key] | {"played": False}
+
+    def _more(self, description: dict[str, object]) -> dict[str, object]:
+        return {}
+
+    def start(self) -> None: ...
+
+    def stop(self) -> None: ...
+
+    def close(self) -> None: ...
+
+
+class Compiler(Presenter):
+    """Makes the images of the stimuli in a folder, and plays none."""
+
+    def __init__(self, protocol: Protocol, folder: Path, program: str) -> None:
+        super().__init__(protocol)
+        self._folder, self.program = folder, program
+        if not protocol.stimulus.compile:
+            raise bad_input(str(protocol.path), "its stimuli are presented by another apparatus, `haptogram` has no image of them; run it without "
+                            "--port and --images")  # fmt: skip
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise bad_input(str(folder), f"cannot be made: {error.strerror}; choose another folder") from error
+
+    def _more(self, description: dict[str, object]) -> dict[str, object]:
+        name = hashlib.sha256(canonical(description)).hexdigest()[:16]
+        image, words = self._folder / f"{name}.hex", [str(w) for w in description["compile"]]  # type: ignore[attr-defined]
+        rows = description.get("path")
+        if isinstance(rows, list):
+            path = self._folder / f"{name}.csv"
+            path.write_text("time_ms,x_mm,y_mm,z_mm,intensity\n" + "".join(",".join(map(repr, row)) + "\n" for row in rows), encoding="utf-8")
+            words += ["--path", str(path), "--points", str(len(rows))]
+        if "array" in description:
+            words += ["--array", str(description["array"])]
+        if not image.exists():
+            done = subprocess.run([self.program, "compile", *words, "-o", str(image)], capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False)
+            if done.returncode:
+                raise bad_input(f"{self.protocol.path}: stimulus", f"'haptogram compile {' '.join(words)}' failed: {done.stderr.strip() or done.stdout.strip()}")
+        return {"image_sha256": hashlib.sha256(image.read_bytes()).hexdigest(), "image": image.name}
+
+
+class Board(Compiler):
+    """Plays the images on a board: from start() to stop(), or to the image's end."""
+
+    def __init__(self, protocol: Protocol, folder: Path, program: str, port: str, baud: int) -> None:
+        super().__init__(protocol, folder, program)
+        self._client = Client.open(port, baud)
+        self._thread: threading.Thread | None = None
+        self._asked = threading.Event()
+        self._failed: BaseException | None = None
+
+    def prepare(self, values: Mapping[str, object]) -> dict[str, object]:
+        found = super().prepare(values)
+        path = self._folder / str(found["image"])
+        self._client.upload(Image.load(str(path)), str(path))
+        return found | {"played": True}
+
+    def start(self) -> None:
+        self._asked.clear()
+        self._failed = None
+        self._thread = threading.Thread(target=self._play, daemon=True)
+        self._thread.start()
+
+    def _play(self) -> None:
+        try:
+            play(self._client, stopped=self._asked.is_set)
+        except BaseException as error:
+            self._failed = error
+
+    def stop(self) -> None:
+        """Outputs off. Raises HaptogramError when playing had failed."""
+        if self._thread:
+            self._asked.set()
+            self._thread.join()
+            self._thread = None
+        if isinstance(self._failed, HaptogramError):
+            raise self._failed
+        if self._failed:
+            raise device_error("board", f"playing failed: {self._failed}") from self._failed
+
+    def close(self) -> None:
+        try:
+            self.stop()
+        finally:
+            self._client.__exit__(None, None, None)
