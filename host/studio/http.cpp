@@ -236,23 +236,46 @@ private:
             if (error) co_return;
             auto request = parser.release();
             const bool keep_alive = request.keep_alive(), head_only = request.method() == http::verb::head;
-            co_await answer(stream, answer_of(request), head_only, keep_alive);
+            stream.expires_never();  // a picture may take its time
+            co_await answer(stream, co_await answer_to(request), head_only, keep_alive);
             if (!keep_alive) co_return;
         }
     }
 
-    Answer answer_of(http::request<http::string_body>& request) {
+    /// Waits for the reply, which may come from another thread, and comes once.
+    net::awaitable<Answer> answer_to(http::request<http::string_body>& request) {
+        struct Waiting {
+            explicit Waiting(net::io_context& context) : timer(context, net::steady_timer::time_point::max()) {}
+            net::steady_timer timer;  // cancelled when the answer is there
+            std::optional<Answer> answer;
+        };
+        const auto waiting = std::make_shared<Waiting>(context_);
+        const Reply reply = [this, waiting](Answer answer) {
+            net::post(context_, [waiting, answer = std::move(answer)]() mutable {
+                waiting->answer = std::move(answer);
+                waiting->timer.cancel();
+            });
+        };
+        hand_over(request, reply);
+        while (!waiting->answer) {
+            beast::error_code cancelled;
+            co_await waiting->timer.async_wait(net::redirect_error(net::use_awaitable, cancelled));
+        }
+        co_return std::move(*waiting->answer);
+    }
+
+    void hand_over(http::request<http::string_body>& request, const Reply& reply) {
         const std::string target = text(request.target());
         const std::size_t end = std::min(target.find('?'), target.size());
         const bool gzip = text(request[http::field::accept_encoding]).find("gzip") != std::string::npos;
         try {
-            return callbacks_.request({text(request.method_string()), target.substr(0, end),
-                                       target.substr(std::min(end + 1, target.size())), std::move(request.body()),
-                                       gzip});
+            callbacks_.request({text(request.method_string()), target.substr(0, end),
+                                target.substr(std::min(end + 1, target.size())), std::move(request.body()), gzip},
+                               reply);
         } catch (const Error& error) {
-            return error_answer(422, error.what());
+            reply(error_answer(422, error.what()));
         } catch (const std::exception& error) {
-            return error_answer(500, error.what());
+            reply(error_answer(500, error.what()));
         }
     }
 

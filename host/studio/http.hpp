@@ -45,12 +45,16 @@ public:
     virtual void close(const std::string& reason) = 0;
 };
 
+/// Takes the answer to a request, once; may be called from any thread, also after a while.
+using Reply = std::function<void(Answer)>;
+
 /// Serves requests and WebSockets on the loopback interface. All callbacks run in the thread that is in run(), one
 /// after the other, and must return soon.
 class Server {
 public:
     struct Callbacks {
-        std::function<Answer(Request)> request;
+        /// Answers by the reply, or throws what is wrong: the client gets an Error as 422.
+        std::function<void(Request, Reply)> request;
         std::function<void(std::shared_ptr<Page>)> opened;
         std::function<void(Page&, std::string)> message;
         std::function<void(Page&)> closed;

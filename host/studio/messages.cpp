@@ -148,6 +148,10 @@ Message read_message(std::string_view text) {
         members.only({"n", "scene"});
         return PlayMessage{members.whole("n"), members.text("scene")};
     }
+    if (type == "stream") {
+        members.only({"n", "scene", "index"});
+        return StreamMessage{members.whole("n"), members.text("scene"), members.whole("index")};
+    }
     if (type == "stop") {
         members.only({"n"});
         return StopMessage{members.whole("n")};

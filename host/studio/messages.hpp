@@ -25,7 +25,7 @@ struct SliceMessage {
     std::string scene;
     Slice slice;  ///< metres; millimetres on the line
 };
-/// Connect to a port; "virtual" starts a virtual board that can play the scene.
+/// Connect to a port. "virtual" starts a reference board that can play the scene, "virtual-rtl" the simulated Verilog.
 struct ConnectMessage {
     std::uint32_t n = 0;
     std::string port, scene;
@@ -43,6 +43,12 @@ struct PlayMessage {
     std::uint32_t n = 0;
     std::string scene;
 };
+/// Bring the image, and play one record until the next such message names another: the page's scrubber moves.
+struct StreamMessage {
+    std::uint32_t n = 0;
+    std::string scene;
+    std::uint32_t index = 0;  ///< of a record, from 1 on
+};
 /// Outputs off, ahead of everything.
 struct StopMessage {
     std::uint32_t n = 0;
@@ -53,7 +59,7 @@ struct BeatMessage {
 };
 
 using Message = std::variant<SceneMessage, SliceMessage, ConnectMessage, DisconnectMessage, UploadMessage, PlayMessage,
-                             StopMessage, BeatMessage>;
+                             StreamMessage, StopMessage, BeatMessage>;
 
 /// Reads a message. A member that is missing, of another type, or unknown is an error, because page and server are
 /// always of one version.

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "player.hpp"
 
+#include <fmt/format.h>
+
 #include <utility>
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/link/play.hpp"
 #include "haptogram/link/port.hpp"
+#include "haptogram/link/stream.hpp"
 #include "haptogram/link/to_json.hpp"
 #include "haptogram/link/transfer.hpp"
 #include "messages.hpp"
@@ -13,6 +16,35 @@
 namespace haptogram::studio {
 
 using nlohmann::ordered_json;
+
+/// The record that a stream plays: the one that was asked for last.
+class Player::Scrub final : public link::StreamSource {
+public:
+    explicit Scrub(std::shared_ptr<const Scene> of) : scene(std::move(of)) {}
+
+    void put(std::uint16_t index) {
+        {
+            const std::lock_guard lock(mutex_);
+            asked_ = index;
+        }
+        changed_.notify_all();
+    }
+    std::optional<SequenceEntry> next(std::chrono::milliseconds patience) override {
+        std::unique_lock lock(mutex_);
+        changed_.wait_for(lock, patience, [this] { return asked_.has_value(); });
+        if (!asked_) return {};
+        return SequenceEntry{*std::exchange(asked_, {}), 0};  // until the next arrives
+    }
+    [[nodiscard]] bool ended() const override { return false; }
+
+    const std::shared_ptr<const Scene> scene;
+    std::uint64_t number = 0;  ///< of the work
+
+private:
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    std::optional<std::uint16_t> asked_;
+};
 
 Player::Player(Settings settings) : settings_(std::move(settings)), thread_([this] { run(); }) {}
 
@@ -30,8 +62,8 @@ void Player::connect(const std::string& port) {
     connect([port] { return link::open_port(port, link::PortSettings{}.baud); }, nullptr);
 }
 
-void Player::connect_virtual(std::uint32_t channels) {
-    auto board = std::make_shared<VirtualBoard>(channels);
+void Player::connect_virtual(std::uint32_t channels, const std::string& model) {
+    auto board = std::make_shared<VirtualBoard>(channels, model);
     connect([board] { return board->open(); }, board);
 }
 
@@ -64,6 +96,7 @@ bool Player::connected() const {
 std::optional<std::uint64_t> Player::stop() {
     const std::lock_guard lock(mutex_);
     ++stops_;
+    scrub_.reset();
     for (const Work& work : std::exchange(waiting_, {}))
         settings_.work({{"t", "stopped"}, {"work", work.name}, {"number", work.number}});
     if (!device_) return {};
@@ -78,6 +111,10 @@ std::uint64_t Player::ask(Work work) {
             throw Error(ErrorCode::device, "board", "there is no connection; start a virtual board or connect");
         work.number = number = ++asked_;
         work.stops = stops_;
+        if (work.scrub) {
+            work.scrub->number = number;
+            scrub_ = work.scrub;
+        }
         waiting_.push_back(std::move(work));
     }
     changed_.notify_all();
@@ -107,7 +144,7 @@ std::uint64_t Player::upload(std::shared_ptr<const Scene> scene) {
         bring(device, "upload", number, *scene, report);
         return report;
     };
-    return ask({"upload", act});
+    return ask({.name = "upload", .act = act});
 }
 
 std::uint64_t Player::play(std::shared_ptr<const Scene> scene) {
@@ -122,7 +159,39 @@ std::uint64_t Player::play(std::shared_ptr<const Scene> scene) {
         report.update(link::played_to_json(played));
         return report;
     };
-    return ask({"play", act});
+    return ask({.name = "play", .act = act});
+}
+
+std::uint64_t Player::stream(std::shared_ptr<const Scene> scene, std::uint32_t index) {
+    const std::size_t records = scene->compiled.bundle.image.records.size();
+    if (index < 1 || index > records)
+        throw bad_argument("index", fmt::format("{} is no record; the scene has 1 to {}", index, records));
+    {
+        const std::lock_guard lock(mutex_);
+        if (scrub_ && scrub_->scene != scene)
+            throw Error(ErrorCode::device, "board", "it streams another scene; press STOP first");
+        if (scrub_) {
+            scrub_->put(static_cast<std::uint16_t>(index));
+            return scrub_->number;
+        }
+    }
+    const auto scrub = std::make_shared<Scrub>(std::move(scene));
+    scrub->put(static_cast<std::uint16_t>(index));
+    const auto act = [this, scrub](link::Commands& device, std::uint64_t number) {
+        ordered_json report;
+        bring(device, "stream", number, *scrub->scene, report);
+        const link::Played played = link::stream(device, {}, *scrub, [&](const link::Playing& now) {
+            settings_.work({{"t", "progress"},
+                            {"work", "stream"},
+                            {"number", number},
+                            {"seconds", now.seconds},
+                            {"stage", "play"}});
+            return true;
+        });
+        report.update(link::played_to_json(played));
+        return report;
+    };
+    return ask({.name = "stream", .act = act, .scrub = scrub});
 }
 
 void Player::run() {
@@ -154,6 +223,10 @@ void Player::run() {
         } catch (const std::exception& error) {
             report["t"] = "failed";
             report["error"] = {{"where", work.name}, {"message", error.what()}};
+        }
+        {
+            const std::lock_guard lock(mutex_);
+            if (work.scrub && scrub_ == work.scrub) scrub_.reset();
         }
         settings_.work(std::move(report));
     }

@@ -36,8 +36,8 @@ public:
 
     /// Connects to a port, in place of the present one.
     void connect(const std::string& port);
-    /// Starts a virtual board that has so many channels, and connects to it.
-    void connect_virtual(std::uint32_t channels);
+    /// Starts a virtual board of a model, as VirtualBoard has it, with so many channels, and connects to it.
+    void connect_virtual(std::uint32_t channels, const std::string& model);
     void disconnect();
     [[nodiscard]] bool connected() const;
 
@@ -48,14 +48,21 @@ public:
     /// The same, then plays it until its end or stop().
     std::uint64_t play(std::shared_ptr<const Scene> scene);
 
+    /// The same, then plays one record until the next call names another. Calls while it plays cost one message each.
+    /// @param index  of the record, from 1 on
+    /// @throws Error{bad_argument} for a record that the scene does not have, Error{device} while another scene streams
+    std::uint64_t stream(std::shared_ptr<const Scene> scene, std::uint32_t index);
+
     /// Outputs off: what waits is dropped, what is under way is cut off. May be called from any thread.
     /// @return a number; the outputs are off once the state's `confirmed` has reached it. None without a connection
     std::optional<std::uint64_t> stop();
 
 private:
+    class Scrub;
     struct Work {
         std::string name;
         std::function<nlohmann::ordered_json(link::Commands&, std::uint64_t number)> act;
+        std::shared_ptr<Scrub> scrub{};  ///< of a stream
         std::uint64_t number = 0;
         std::uint64_t stops = 0;  ///< that there had been when it was asked for
     };
@@ -72,6 +79,7 @@ private:
     std::deque<Work> waiting_;
     bool over_ = false;
     std::uint64_t stops_ = 0, asked_ = 0;
+    std::shared_ptr<Scrub> scrub_;  // what a stream under way plays
     std::shared_ptr<VirtualBoard> board_;
     std::shared_ptr<link::DeviceThread> device_;
     std::thread thread_;

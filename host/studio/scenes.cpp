@@ -9,9 +9,9 @@
 #include "haptogram/acoustics/quantities.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/instrument/compile_numbers.hpp"
 #include "haptogram/instrument/document.hpp"
 #include "haptogram/shape/import.hpp"
-#include "haptogram/solve/formation.hpp"
 
 namespace haptogram::studio {
 namespace {
@@ -37,28 +37,22 @@ void require_ours(const std::string& key, const std::optional<std::string>& foun
 ordered_json to_json(const Scene& scene) {
     const Compiled& c = scene.compiled;
     const Manifest& m = c.bundle.manifest;
-    ordered_json elements = ordered_json::array(), foci = ordered_json::array();
+    ordered_json elements = ordered_json::array(), foci = ordered_json::array(), tour = ordered_json::array();
     for (const Element& element : m.array.elements) elements.push_back(millimetres(element.position));
     for (const PathStep& step : c.path.steps)
         for (const Focus& focus : step.foci) foci.push_back(millimetres(focus.position));
-    const double formed_s = m.formation.formation_s, risen_s = m.formation.with_ring_up_s();
+    for (const SequenceEntry& entry : c.bundle.image.sequence) {
+        if (entry.index == 0 || (!tour.empty() && tour.back()["index"] == entry.index)) continue;
+        tour.push_back(
+            {{"index", entry.index}, {"at", millimetres(m.records[entry.index - 1U].foci.front().position)}});
+    }
     return {{"name", scene.name},
             {"array",
              {{"name", m.array.name}, {"radius_mm", m.array.transducer.radius_m / millimetre}, {"elements", elements}}},
             {"foci", foci},
-            {"records", m.records.size()},
+            {"tour", tour},
             {"channels", m.core.parameters.channels},
-            {"clipped", c.points.clipped},
-            {"duplicates", c.points.duplicates},
-            {"tour_mm", c.points.tour_m / millimetre},
-            {"rate_hz", m.rate_hz},
-            {"dwell_s", c.shortest_dwell_s()},
-            {"formation_s", formed_s},
-            {"formation_with_ring_up_s", risen_s},
-            {"most_points", most_points(m.rate_hz, formed_s)},
-            {"most_points_with_ring_up", most_points(m.rate_hz, risen_s)},
-            {"pressure_left_least", c.pressure_left.least},
-            {"image_bytes", c.bundle.hex.size()},
+            {"numbers", numbers_of(c)},
             {"image_sha256", m.image_sha256},
             {"warnings", c.warnings}};
 }

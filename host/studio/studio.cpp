@@ -6,6 +6,9 @@
 #include <spawn.h>
 #include <unistd.h>
 
+#include <atomic>
+#include <charconv>
+#include <cmath>
 #include <cstdlib>
 #include <map>
 #include <memory>
@@ -18,6 +21,7 @@
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/process.hpp"
 #include "haptogram/base/shipped.hpp"
+#include "haptogram/instrument/field_file.hpp"
 #include "haptogram/instrument/slice.hpp"
 #include "haptogram/link/port.hpp"
 #include "haptogram/link/to_json.hpp"
@@ -69,11 +73,12 @@ public:
     [[nodiscard]] std::uint16_t port() const { return server_.port(); }
 
     void run(const Access& access, const std::function<bool()>& ended) {
-        server_.run(access, {.request = [this](Request request) { return answer(std::move(request)); },
-                             .opened = [this](std::shared_ptr<Page> page) { open(std::move(page)); },
-                             .message = [this](Page& page, std::string text) { take(page, text); },
-                             .closed = [this](Page& page) { close(page); },
-                             .tick = [this, &ended] { return tick(ended); }});
+        server_.run(access,
+                    {.request = [this](Request request, const Reply& reply) { answer(std::move(request), reply); },
+                     .opened = [this](std::shared_ptr<Page> page) { open(std::move(page)); },
+                     .message = [this](Page& page, std::string text) { take(page, text); },
+                     .closed = [this](Page& page) { close(page); },
+                     .tick = [this, &ended] { return tick(ended); }});
     }
 
 private:
@@ -90,7 +95,14 @@ private:
 
     // Requests.
 
-    Answer answer(Request request) {
+    void answer(Request request, const Reply& reply) {
+        if (request.path == "/api/field")
+            compute_field(request, reply);
+        else
+            reply(answer_at_once(std::move(request)));
+    }
+
+    Answer answer_at_once(Request request) {
         if (request.path == "/api/hello") return {.body = to_text(hello())};
         if (request.path == "/api/files" && request.method == "POST") {
             const std::optional<std::string> name = query_value(request.query, "name");
@@ -129,6 +141,49 @@ private:
         if (as == "manifest") return {.body = to_text(scene->compiled.bundle.manifest)};
         if (as == "project") return {.type = "text/plain; charset=utf-8", .body = scene->project};
         return error_answer(400, fmt::format("as '{}'; expected hex, manifest or project", as));
+    }
+
+    /// The field on a plane as a file, in another thread: the same function writes it as for `haptogram field`.
+    void compute_field(const Request& request, const Reply& reply) {
+        const auto value = [&](const char* name) {
+            const std::optional<std::string> found = query_value(request.query, name);
+            if (!found) throw bad_argument(name, "is missing in the query");
+            return *found;
+        };
+        const auto scene = scenes_.find(value("scene"));
+        Reach reach;
+        reach.step_m = millimetres_of("step", value("step"));
+        for (const auto& [axis, range] : {std::pair{"x", &reach.x}, {"y", &reach.y}, {"z", &reach.z}})
+            if (const auto given = query_value(request.query, axis)) *range = parse_range(axis, *given);
+        const Region region = parse_region("plane", value("plane"), reach);
+        const Quantity quantity = quantity_of(value("quantity"));
+        const std::string name = "field." + value("as");
+        check_field_path(name, region, quantity);
+        if (region.axes.size() != 2) throw bad_argument("plane", "the studio gives planes, such as xy@z=130");
+        const double terms = static_cast<double>(region.grid.size() * scene->excitation.array.elements.size() *
+                                                 scene->excitation.drives.size());
+        if (terms > most_slice_terms)
+            throw bad_argument("step",
+                               "asks for more points than the studio computes; take a larger one, or "
+                               "'haptogram field'");
+        // Owners differ, so that none is dropped for a newer one: each has a client who waits.
+        fields_.ask(++field_number_, [this, scene, region, quantity, name, reply] {
+            const auto error = error_of([&] {
+                const Progress going([this](double, std::string_view) { return !over_; });
+                const TemporaryFolder folder;
+                write_field((folder.path() / name).string(), field(scene->excitation, region, quantity, 1, going));
+                reply({.type = "application/octet-stream", .body = read_file(folder.path() / name)});
+            });
+            if (error) reply(error_answer(422, error->at("message")));
+        });
+    }
+
+    static double millimetres_of(const char* name, const std::string& text) {
+        double value = 0.0;
+        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+        if (error != std::errc() || end != text.data() + text.size() || !(value > 0.0) || !std::isfinite(value))
+            throw bad_argument(name, fmt::format("found '{}', expected a length in mm above 0", text));
+        return value * millimetre;
     }
 
     // Pages.
@@ -189,8 +244,9 @@ private:
 
     void act(Visitor& visitor, const ConnectMessage& message) {
         tell_failure(visitor.page, message.n, [&] {
-            if (message.port == "virtual")
-                player_.connect_virtual(scenes_.find(message.scene)->compiled.bundle.image.channels);
+            if (message.port == "virtual" || message.port == "virtual-rtl")
+                player_.connect_virtual(scenes_.find(message.scene)->compiled.bundle.image.channels,
+                                        message.port == "virtual" ? "reference" : "rtl");
             else
                 player_.connect(message.port);
             state_ = {};
@@ -210,10 +266,20 @@ private:
     }
 
     void act(Visitor& visitor, const PlayMessage& message) {
-        tell_failure(visitor.page, message.n, [&] {
+        drive(visitor, message.n, [&] { return player_.play(scenes_.find(message.scene)); });
+    }
+
+    void act(Visitor& visitor, const StreamMessage& message) {
+        drive(visitor, message.n, [&] { return player_.stream(scenes_.find(message.scene), message.index); });
+    }
+
+    /// Work that turns the outputs on, for the one page that then keeps them on. @param work  returns its number
+    template <class Work>
+    void drive(Visitor& visitor, std::uint32_t n, Work work) {
+        tell_failure(visitor.page, n, [&] {
             if (driver_ && *driver_ != visitor.page->number())
                 throw Error(ErrorCode::device, "board", "another page drives it; press STOP there or here first");
-            driver_work_ = player_.play(scenes_.find(message.scene));
+            driver_work_ = work();
             driver_ = visitor.page->number();
             visitor.hidden = {};
         });
@@ -288,7 +354,8 @@ private:
             tell_off(stop, false);
             return true;
         });
-        return !ended();
+        over_ = ended();
+        return !over_;
     }
 
     void broadcast(const ordered_json& message) {
@@ -306,7 +373,9 @@ private:
     link::DeviceState state_;
     std::string port_;
     Player player_;  // after what it tells of
-    Worker slices_, compilers_;
+    std::atomic<bool> over_ = false;
+    std::uint64_t field_number_ = 0;
+    Worker slices_, compilers_, fields_;
 };
 
 std::filesystem::path built_page(std::string& looked_in) {

@@ -19,14 +19,14 @@
 
 namespace haptogram::studio {
 
-VirtualBoard::VirtualBoard(std::uint32_t channels) {
+VirtualBoard::VirtualBoard(std::uint32_t channels, std::string model) {
     std::array<int, 2> pipe{};
     if (::pipe2(pipe.data(), O_CLOEXEC) != 0)
         throw Error(ErrorCode::failed, "virtual board", "no pipe can be made; close other programs");
     std::string count = std::to_string(channels);
-    std::string words[] = {"haptogram", "board", "run", "--json", "--channels"};
-    char* const arguments[] = {words[0].data(), words[1].data(), words[2].data(), words[3].data(),
-                               words[4].data(), count.data(),    nullptr};
+    std::string words[] = {"haptogram", "board", "run", "--json", "--model", "--channels"};
+    char* const arguments[] = {words[0].data(), words[1].data(), words[2].data(), words[3].data(), words[4].data(),
+                               model.data(),    words[5].data(), count.data(),    nullptr};
     process_ = ::fork();
     if (process_ == 0) {                     // only what is safe between fork and exec
         ::setpgid(0, 0);                     // Ctrl-C is for us: the outputs go off first

@@ -13,12 +13,14 @@
 
 namespace haptogram::studio {
 
-/// The simulated board in a process of its own: this program as 'board run'. It ends with this object, and also with
+/// A simulated board in a process of its own: this program as 'board run'. It ends with this object, and also with
 /// the thread that made it, whatever became of that.
 class VirtualBoard {
 public:
-    /// Starts it and returns at once. @throws Error{failed} when no process can be started
-    explicit VirtualBoard(std::uint32_t channels);
+    /// Starts it and returns at once.
+    /// @param model  as 'board run --model' takes it: "reference" keeps real time, "rtl" is the FPGA's own Verilog
+    /// @throws Error{failed} when no process can be started
+    VirtualBoard(std::uint32_t channels, std::string model);
     VirtualBoard(const VirtualBoard&) = delete;
     VirtualBoard& operator=(const VirtualBoard&) = delete;
     ~VirtualBoard();

@@ -66,7 +66,7 @@ test("two clicks to a playing virtual board, and STOP", async (t) => {
   await page.getByRole("button", { name: "Start a virtual board" }).click();
   await boardSays(page, "virtual board, outputs off");
   await page.getByRole("button", { name: "Upload" }).click();
-  await page.getByText(/Uploaded: \d+ of \d+ pieces/).waitFor({ timeout: 60_000 });
+  await page.getByText(/Uploaded: \d+ of \d+ pieces/).waitFor();
   const begun = performance.now();
   await page.getByRole("button", { name: "Play" }).click();
   await boardSays(page, "outputs ON");
@@ -185,7 +185,7 @@ test("the page is hidden for ten seconds: outputs off", async (t) => {
     document.dispatchEvent(new Event("visibilitychange"));
   });
   const begun = performance.now();
-  await page.locator("#banner", { hasText: "out of sight" }).waitFor({ timeout: 30_000 });
+  await page.locator("#banner", { hasText: "out of sight" }).waitFor();
   assert.ok(performance.now() - begun > 9000);
   await boardSays(page, "outputs off");
   await page.getByRole("button", { name: "Disconnect" }).click();

@@ -19,6 +19,8 @@ const axeSource = readFileSync(require.resolve("axe-core/axe.min.js"), "utf8");
 export const program = process.env.HAPTOGRAM_PROGRAM;
 assert.ok(program, "HAPTOGRAM_PROGRAM names the program to test");
 export const shapes = join(here, "../data/shapes");
+/** How long anything is waited for, ms: long enough for a machine that does much else, and the end of it is a failure. */
+export const patience = 90_000;
 export const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
 
 /** Runs the program to its end and returns what it printed. */
@@ -59,7 +61,7 @@ export async function startStudio(t, ...args) {
 export async function startBrowser(t, ...args) {
   const flags = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-dev-shm-usage", ...args];
   if (process.getuid() === 0) flags.push("--no-sandbox");
-  const browser = await chromium.launch({ executablePath: process.env.HAPTOGRAM_CHROMIUM ?? "/usr/bin/chromium", args: flags });
+  const browser = await chromium.launch({ timeout: patience, executablePath: process.env.HAPTOGRAM_CHROMIUM ?? "/usr/bin/chromium", args: flags });
   t.after(() => browser.close());
   return browser;
 }
@@ -71,6 +73,7 @@ export async function startBrowser(t, ...args) {
  */
 export async function openPage(t, browser, studio, { colorScheme = "light", mayFail = false, allowed = /^$/ } = {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, colorScheme, acceptDownloads: true });
+  context.setDefaultTimeout(patience);
   const page = await context.newPage();
   const wrong = [];
   page.on("console", (message) => message.type() === "error" && wrong.push(`console: ${message.text()}`));
@@ -94,10 +97,14 @@ export async function settled(page) {
   await page.locator("footer", { hasText: "slice 200 × 200" }).waitFor();
 }
 
+/** Waits until something is so. @param words  what is there instead, for the message */
+export async function eventually(isSo, words = () => "it never came to be") {
+  for (const end = performance.now() + patience; !(await isSo()); await sleep(50)) if (performance.now() > end) assert.fail(await words());
+}
+
 /** Waits until a field has a value. */
 export async function hasValue(field, value) {
-  for (let i = 0; i < 100 && (await field.inputValue()) !== value; i++) await sleep(50);
-  assert.equal(await field.inputValue(), value);
+  await eventually(async () => (await field.inputValue()) === value, async () => `${await field.inputValue()} instead of ${value}`);
 }
 
 /** Number of slices that were shown. */
@@ -140,7 +147,7 @@ export async function picture(page, name) {
 }
 
 /** What the status line of the board says. */
-export const boardSays = (page, text) => page.locator("#board", { hasText: text }).waitFor({ timeout: 60_000 });
+export const boardSays = (page, text) => page.locator("#board", { hasText: text }).waitFor();
 
 /** The part `part` of sorted numbers: 0.5 is the median. */
 export function quantile(numbers, part) {

@@ -2,12 +2,16 @@
 // The page: puts the parts together, and keeps scene, slice and board as the server told them.
 import { effect, signal } from "@preact/signals";
 import { render } from "preact";
-import { edit, project, redo, undo } from "./document";
+import { commands } from "./commands";
+import { edit, endGesture, having, project, type ProjectDocument, redo, undo } from "./document";
 import type { Device, Drawn, Event, Failure, Hello, Link, Point, Scene, SliceData } from "./link";
-import { Bar, Board, Failed, Numbers, Shape, SliceControls, Status, TakeAway, Tools } from "./panels";
-import { quantity } from "./quantity";
+import { Bar, Board, Failed, Numbers, Scrubber, Shape, SliceControls, Status, TakeAway, Tools } from "./panels";
+import { look, quantities } from "./quantity";
 import { Slicer } from "./slicer";
-import { type Orientation, View } from "./view";
+import { type Edges, type Orientation, View } from "./view";
+
+/** What the handles in the view do. */
+export type Handles = `${"plane" | "object"} ${"move" | "turn"}`;
 
 /** What the panels show and call. */
 export const state = {
@@ -23,7 +27,14 @@ export const state = {
   work: signal<Event | undefined>(undefined),
   middle: signal<Point>([0, 0, 130]),
   orientation: signal<Orientation>("xy"),
-  turning: signal(false),
+  handles: signal<Handles>("plane move"),
+  edges: signal<Edges>({ origin: [-80, -80, 130], u: [160, 0, 0], v: [0, 160, 0] }),
+  /** Of files of the field. */
+  stepMm: signal(1),
+  writing: signal(false),
+  /** Place in the tour that the scrubber marks. */
+  at: signal<number | undefined>(undefined),
+  probe: signal<{ at: Point; square: number } | undefined>(undefined),
 };
 
 export interface Actions {
@@ -31,6 +42,12 @@ export interface Actions {
   drop(files: File[]): Promise<void>;
   send(t: string, members?: Record<string, unknown>): void;
   take(as: "hex" | "manifest" | "project"): Promise<void>;
+  takeField(as: "png" | "csv" | "npy" | "vti"): Promise<void>;
+  copy(text: string): Promise<void>;
+  /** Marks a focal point, and plays it when the marked point is being played. */
+  mark(at: number): void;
+  stream(): void;
+  handle(handles: Handles): void;
   paint(): void;
 }
 
@@ -43,7 +60,7 @@ export function start(link: Link): void {
   let view: View | undefined;
   const slicer = new Slicer(
     link,
-    () => view?.edges() ?? { origin: [-80, -80, 130], u: [160, 0, 0], v: [0, 160, 0] },
+    () => state.edges.peek(),
     () => state.scene.value?.name,
   );
 
@@ -61,6 +78,20 @@ export function start(link: Link): void {
     state.current.value = !changed;
     if (changed) askScene();
     return true;
+  }
+  const planeMoved = (): void => {
+    if (view) {
+      state.edges.value = view.edges();
+      state.middle.value = view.middle;
+    }
+    slicer.ask(true);
+  };
+  function save(blob: Blob, name: string): void {
+    const anchor = document.createElement("a");
+    anchor.href = URL.createObjectURL(blob);
+    anchor.download = name;
+    anchor.click();
+    setTimeout(() => URL.revokeObjectURL(anchor.href), 10_000); // when it has surely been read
   }
   const wrong = (error: unknown): void => {
     state.failure.value = { where: "", message: error instanceof Error ? error.message : String(error) };
@@ -80,13 +111,15 @@ export function start(link: Link): void {
       state.failure.value = undefined;
       state.scene.value = event.scene;
       view?.showScene(event.scene);
+      state.at.value = undefined;
+      view?.showFocus(undefined);
       slicer.ask(false);
     } else if (event.t === "object") {
       state.object.value = event.object;
       view?.showObject(event.object);
     } else if (event.t === "slice") {
       if (!slicer.take(event.slice)) return;
-      view?.showSlice(event.slice, quantity.value);
+      view?.showSlice(event.slice, look.value);
       // Numbers are for reading: ten times a second is enough.
       const now = performance.now();
       if (now - told > 100 || event.slice.width === 200) {
@@ -123,7 +156,7 @@ export function start(link: Link): void {
       state.orientation.value = orientation;
       state.middle.value = middle;
       view?.place(orientation, middle);
-      slicer.ask(true);
+      planeMoved();
     },
     async drop(files) {
       try {
@@ -150,14 +183,43 @@ export function start(link: Link): void {
         const scene = state.scene.value;
         if (!scene) return;
         const names = { hex: "image.hex", manifest: "image.json", project: "project.toml" };
-        const anchor = document.createElement("a");
-        anchor.href = URL.createObjectURL(await link.take(scene.name, as));
-        anchor.download = names[as];
-        anchor.click();
-        setTimeout(() => URL.revokeObjectURL(anchor.href), 10_000); // when it has surely been read
+        save(await link.take(scene.name, as), names[as]);
       } catch (error) {
         wrong(error);
       }
+    },
+    async takeField(as) {
+      const scene = state.scene.value;
+      const { field } = commands(state.edges.value, look.value.quantity, state.stepMm.value);
+      if (!scene || !field) return;
+      try {
+        state.writing.value = true;
+        const { command: quantity } = quantities[look.value.quantity];
+        save(await link.field({ scene: scene.name, plane: field.plane, ...field.ranges, step: String(state.stepMm.value), quantity, as }), `field.${as}`);
+      } catch (error) {
+        wrong(error);
+      } finally {
+        state.writing.value = false;
+      }
+    },
+    copy: async (text) => await navigator.clipboard.writeText(text).catch(wrong),
+    mark(at) {
+      const entry = state.scene.value?.tour[at];
+      state.at.value = at;
+      view?.showFocus(entry?.at);
+      const work = state.work.value;
+      if (work?.t === "progress" && work.work === "stream") actions.stream();
+    },
+    stream() {
+      const scene = state.scene.value;
+      const entry = scene?.tour[state.at.value ?? -1];
+      if (scene && entry) link.send({ t: "stream", scene: scene.name, index: entry.index });
+    },
+    handle(handles) {
+      state.handles.value = handles;
+      if (!view) return;
+      view.handles = handles.startsWith("object") ? "object" : "plane";
+      view.turning = handles.endsWith("turn");
     },
     paint: () => view?.paint(),
   };
@@ -172,11 +234,12 @@ export function start(link: Link): void {
       </aside>
       <main id="view">
         <Bar />
+        <Scrubber actions={actions} />
         <Failed />
       </main>
       <aside aria-label="Results and board">
         <Board actions={actions} />
-        <SliceControls actions={actions} turn={(on) => view && (view.turning = on)} />
+        <SliceControls actions={actions} />
         <Numbers />
       </aside>
       <Status />
@@ -188,9 +251,20 @@ export function start(link: Link): void {
   if (place) {
     try {
       view = new View(place);
-      view.moved = () => {
-        if (view) state.middle.value = view.middle;
-        slicer.ask(true);
+      state.edges.value = view.edges();
+      view.moved = planeMoved;
+      view.probed = (found) => {
+        if (found !== state.probe.peek()) state.probe.value = found;
+      };
+      view.objectMoved = (centre, turn, done) => {
+        const now = project.peek();
+        if (now) {
+          const rounded = (point: Point, part: number): number[] => point.map((each) => Number((Math.round(each / part) * part).toFixed(3)));
+          const moving = state.handles.peek().endsWith("move");
+          const change = moving ? { center_mm: rounded(centre, 0.1) } : { rotate_deg: rounded(turn, 0.5) };
+          edit(having(now, { place: having((now.place ?? {}) as ProjectDocument, change) }), "handles");
+        }
+        if (done) endGesture();
       };
     } catch (error) {
       place.append(Object.assign(document.createElement("p"), { className: "failed", textContent: `There is no 3-D view: ${String(error)}. All else works.` }));
@@ -209,16 +283,18 @@ export function start(link: Link): void {
     void actions.drop([...(event.dataTransfer?.files ?? [])]);
   });
   addEventListener("keydown", (event) => {
-    if (!(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") return;
+    const key = event.key.toLowerCase();
+    if (!(event.ctrlKey || event.metaKey) || (key !== "z" && key !== "y")) return;
     event.preventDefault();
-    if (event.shiftKey) redo();
+    if (event.shiftKey || key === "y") redo();
     else undo();
   });
   effect(() => {
     if (project.value === undefined) return;
     state.current.value = false;
     askScene();
+    if (view) view.turn = (project.value.place?.rotate_deg ?? [0, 0, 0]) as Point;
   });
-  effect(() => view?.showQuantity(quantity.value));
+  effect(() => view?.showLook(look.value));
   if (link.open) void begin().catch(wrong);
 }

@@ -27,19 +27,29 @@ export const project = computed(() => steps.value.documents[steps.value.at]);
 export const canUndo = computed(() => steps.value.at > 0);
 export const canRedo = computed(() => steps.value.at < steps.value.documents.length - 1);
 
-/** Replaces the document; the old one is a step back. */
-export function edit(changed: ProjectDocument): void {
+let underWay: string | undefined; // the gesture that made the last step
+
+/** Replaces the document; the old one is a step back. All edits of one gesture, until it has ended, are one step. */
+export function edit(changed: ProjectDocument, gesture?: string): void {
   const { documents, at } = steps.peek();
   if (JSON.stringify(documents[at]) === JSON.stringify(changed)) return;
-  const kept = [...documents.slice(0, at + 1), changed].slice(-mostSteps);
-  steps.value = { documents: kept, at: kept.length - 1 };
+  const kept = documents.slice(0, gesture !== undefined && gesture === underWay ? at : at + 1);
+  underWay = gesture;
+  const all = [...kept, changed].slice(-mostSteps);
+  steps.value = { documents: all, at: all.length - 1 };
+}
+
+export function endGesture(): void {
+  underWay = undefined;
 }
 
 export function undo(): void {
+  underWay = undefined;
   if (canUndo.peek()) steps.value = { ...steps.peek(), at: steps.peek().at - 1 };
 }
 
 export function redo(): void {
+  underWay = undefined;
   if (canRedo.peek()) steps.value = { ...steps.peek(), at: steps.peek().at + 1 };
 }
 

@@ -4,23 +4,28 @@ import type { ProjectDocument } from "./document";
 
 export type Point = [number, number, number];
 
-export interface Scene {
-  name: string;
-  array: { name: string; radius_mm: number; elements: Point[] };
-  foci: Point[];
-  records: number;
-  channels: number;
+/** What `haptogram compile --json` prints. */
+export interface Numbers {
   clipped: number;
-  duplicates: number;
   tour_mm: number;
   rate_hz: number;
-  dwell_s: number;
+  shortest_dwell_s: number;
   formation_s: number;
   formation_with_ring_up_s: number;
   most_points: number;
   most_points_with_ring_up: number;
   pressure_left_least: number;
   image_bytes: number;
+}
+
+export interface Scene {
+  name: string;
+  array: { name: string; radius_mm: number; elements: Point[] };
+  foci: Point[];
+  /** records in the order of play, and where their focus is */
+  tour: { index: number; at: Point }[];
+  channels: number;
+  numbers: Numbers;
   image_sha256: string;
   warnings: string[];
 }
@@ -176,6 +181,11 @@ export class Link {
 
   async take(scene: string, as: "hex" | "manifest" | "project"): Promise<Blob> {
     return await (await this.fetch(`/api/take?scene=${scene}&as=${as}`)).blob();
+  }
+
+  /** The field on a plane as a file; the query's members are those of README.md. */
+  async field(query: Record<string, string>): Promise<Blob> {
+    return await (await this.fetch(`/api/field?${new URLSearchParams(query)}`)).blob();
   }
 
   private async post(path: string, body: Blob | null = null): Promise<Response> {

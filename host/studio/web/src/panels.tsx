@@ -2,11 +2,12 @@
 // What stands beside the view. Panels read the signals of the state, and call the actions.
 import type { ComponentChildren } from "preact";
 import { useEffect, useId, useState } from "preact/hooks";
-import { type Actions, state } from "./app";
-import { stops } from "./colours";
+import { type Actions, type Handles, state } from "./app";
+import { type ColourMap, colourMaps, stops } from "./colours";
+import { commands } from "./commands";
 import { canRedo, canUndo, edit, having, project, type ProjectDocument, redo, type ShapeEntry, undo } from "./document";
-import type { Device, Point } from "./link";
-import { quantities, quantity, type Quantity, short, valueOf, valueOnScale } from "./quantity";
+import type { Device, Point, SliceData } from "./link";
+import { look, quantities, type Quantity, short, squareOf, valueOf, valueOnScale } from "./quantity";
 import type { Orientation } from "./view";
 
 interface WithActions {
@@ -121,8 +122,11 @@ export function Shape({ actions }: WithActions) {
   );
 }
 
+const fieldFiles = ["png", "csv", "npy", "vti"] as const;
+
 export function TakeAway({ actions }: WithActions) {
   const ready = state.scene.value !== undefined && state.current.value;
+  const told = commands(state.edges.value, look.value.quantity, state.stepMm.value);
   return (
     <Panel title="Take away">
       <div class="buttons">
@@ -130,7 +134,16 @@ export function TakeAway({ actions }: WithActions) {
         <button type="button" disabled={!ready} onClick={() => void actions.take("manifest")}>Manifest (.json)</button>
         <button type="button" disabled={!ready} onClick={() => void actions.take("project")}>Project (.toml)</button>
       </div>
-      <p class="hint">“haptogram compile” makes the same image of the project, with dropped files beside it.</p>
+      <h3>Field on the plane</h3>
+      <NumberField label="Step" unit="mm" value={state.stepMm.value} step={0.1} least={0.05} onValue={(value) => (state.stepMm.value = value)} />
+      <div class="buttons">
+        {fieldFiles.map((as) => <button key={as} type="button" disabled={!ready || told.field === undefined || state.writing.value} onClick={() => void actions.takeField(as)}>Field (.{as})</button>)}
+      </div>
+      {told.field === undefined && <p class="hint">The plane lies askew; files are of planes along the axes.</p>}
+      <h3>The same by command</h3>
+      <pre class="command" tabIndex={0} aria-label="Commands that make these files">{told.text}</pre>
+      <button type="button" disabled={!ready} onClick={() => void actions.copy(told.text)}>Copy as command</button>
+      <p class="hint">Run it beside the project and the files that were dropped.</p>
       <p class="hint"><a href="notices.html" target="_blank" rel="noreferrer">Licences of this page's parts</a></p>
     </Panel>
   );
@@ -140,26 +153,36 @@ function Row({ name, value, unit, mark }: { name: string; value: string; unit: s
   return <tr class={mark ? "low" : ""}><th scope="row">{name}</th><td>{value}</td><td class="unit">{unit}{mark && <span class="mark"> ▲ {mark}</span>}</td></tr>;
 }
 
+/** The mean of the points around the middle: one, two or four of them. */
+function middleOf({ width, height, values }: SliceData): number {
+  const [i, j] = [(width - 1) / 2, (height - 1) / 2];
+  const around = [Math.floor(j), Math.ceil(j)].flatMap((row) => [Math.floor(i), Math.ceil(i)].map((column) => values[row * width + column] ?? 0));
+  return around.reduce((sum, value) => sum + value, 0) / around.length;
+}
+
 export function Numbers() {
   const scene = state.scene.value;
   const object = state.object.value;
   const slice = state.slice.value;
   if (!scene) return <Panel title="Numbers"><p>Compiling…</p></Panel>;
+  const { numbers } = scene;
+  const { quantity: shown, top } = look.value;
   const drawn = object ? object.triangles.length / 9 : 0;
   return (
     <Panel title="Numbers">
       <table class={state.current.value ? "" : "stale"}>
         <tbody>
-          <Row name="Focal points" value={String(scene.foci.length)} unit={scene.clipped > 0 ? `, ${scene.clipped} out of reach` : ""} />
-          <Row name="Tour" value={short(scene.tour_mm)} unit="mm" />
-          <Row name="Passes a second" value={short(scene.rate_hz)} unit="Hz" />
-          <Row name="Shortest dwell" value={short(scene.dwell_s * 1e6)} unit="µs" mark={scene.dwell_s < scene.formation_s ? "too short" : undefined} />
-          <Row name="A focus forms in" value={short(scene.formation_s * 1e6)} unit="µs" />
-          <Row name="with ring-up" value={short(scene.formation_with_ring_up_s * 1e6)} unit="µs" />
-          <Row name="Most points at this rate" value={String(scene.most_points)} unit="" />
-          <Row name="Bandwidth leaves" value={short(100 * scene.pressure_left_least)} unit="% at least" />
-          {slice && <Row name="Greatest on the plane" value={short(valueOf(slice.greatest, quantity.value, slice.greatest, slice.skinPerSquare))} unit={quantities[quantity.value].unit} />}
-          <Row name="Image" value={short(scene.image_bytes / 1000)} unit="kB" />
+          <Row name="Focal points" value={String(scene.foci.length)} unit={numbers.clipped > 0 ? `, ${numbers.clipped} out of reach` : ""} />
+          <Row name="Tour" value={short(numbers.tour_mm)} unit="mm" />
+          <Row name="Passes a second" value={short(numbers.rate_hz)} unit="Hz" />
+          <Row name="Shortest dwell" value={short(numbers.shortest_dwell_s * 1e6)} unit="µs" mark={numbers.shortest_dwell_s < numbers.formation_s ? "too short" : undefined} />
+          <Row name="A focus forms in" value={short(numbers.formation_s * 1e6)} unit="µs" />
+          <Row name="with ring-up" value={short(numbers.formation_with_ring_up_s * 1e6)} unit="µs" />
+          <Row name="Most points at this rate" value={String(numbers.most_points)} unit="" />
+          <Row name="Bandwidth leaves" value={short(100 * numbers.pressure_left_least)} unit="% at least" />
+          {slice && <Row name="Greatest on the plane" value={short(valueOf(slice.greatest, shown, top ?? slice.greatest, slice.skinPerSquare))} unit={quantities[shown].unit} />}
+          {slice && <Row name="At the plane's middle" value={short(valueOf(middleOf(slice), shown, top ?? slice.greatest, slice.skinPerSquare))} unit={quantities[shown].unit} />}
+          <Row name="Image" value={short(numbers.image_bytes / 1000)} unit="kB" />
         </tbody>
       </table>
       {object && object.allTriangles > drawn && <p class="hint">The object's {short(object.allTriangles)} triangles are drawn as {short(drawn)}; all of them are sampled.</p>}
@@ -170,28 +193,36 @@ export function Numbers() {
 
 const orientations: [Orientation, string][] = [["xy", "level (xy)"], ["xz", "upright, x (xz)"], ["yz", "upright, y (yz)"]];
 
-export function SliceControls({ actions, turn }: WithActions & { turn: (on: boolean) => void }) {
+const handles: [Handles, string][] = [["plane move", "move the plane"], ["plane turn", "turn the plane"], ["object move", "move the object"], ["object turn", "turn the object"]];
+
+export function SliceControls({ actions }: WithActions) {
   const middle = state.middle.value;
   const orientation = state.orientation.value;
+  const slice = state.slice.value;
+  const { quantity: shown, colours, rangeDb, top } = look.value;
   const height = useId();
   const move = (at: number, value: number): void => actions.place(orientation, middle.map((each, i) => (i === at ? value : each)) as Point);
   return (
     <Panel title="Field">
-      <Choice label="Shown" value={quantity.value} choices={Object.entries(quantities).map(([key, { name, unit }]) => [key, `${name} / ${unit}`])} onValue={(value) => (quantity.value = value as Quantity)} />
+      <Choice label="Shown" value={shown} choices={Object.entries(quantities).map(([key, { name, unit }]) => [key, `${name} / ${unit}`])} onValue={(value) => (look.value = { ...look.value, quantity: value as Quantity })} />
+      <Choice label="Colours" value={colours} choices={colourMaps.map((map) => [map, map])} onValue={(value) => (look.value = { ...look.value, colours: value as ColourMap })} />
+      {quantities[shown].decibels && <NumberField label="Range" unit="dB" value={rangeDb} step={5} least={1} onValue={(range) => (look.value = { ...look.value, rangeDb: range })} />}
+      <label class="check"><input type="checkbox" checked={top !== undefined} disabled={!slice} onChange={(e) => (look.value = { ...look.value, top: e.currentTarget.checked ? slice?.greatest : undefined })} /> Hold the top of the scale</label>
+      {slice && top !== undefined && shown !== "below" && <NumberField label="Top" unit={quantities[shown].unit} value={Number(valueOf(top, shown, top, slice.skinPerSquare).toPrecision(6))} least={shown === "level" ? -100 : 1e-6} onValue={(value) => (look.value = { ...look.value, top: squareOf(value, shown, top, slice.skinPerSquare) })} />}
       <Choice label="Plane" value={orientation} choices={orientations} onValue={(value) => actions.place(value as Orientation, value === "xy" ? [0, 0, middle[2]] : [0, 0, Math.max(90, middle[2])])} />
       <div class="field">
         <label for={height}>Height</label>
         <input id={height} type="range" min={20} max={300} step={0.5} value={middle[2]} onInput={(e) => move(2, Number(e.currentTarget.value))} />
       </div>
       {["x", "y", "z"].map((axis, i) => <NumberField key={axis} label={`Middle ${axis}`} unit="mm" value={Number((middle[i] ?? 0).toFixed(2))} onValue={(value) => move(i, value)} />)}
-      <label class="check"><input type="checkbox" checked={state.turning.value} onChange={(e) => { state.turning.value = e.currentTarget.checked; turn(e.currentTarget.checked); }} /> Handles turn the plane</label>
+      <Choice label="Handles" value={state.handles.value} choices={handles} onValue={(value) => actions.handle(value as Handles)} />
     </Panel>
   );
 }
 
 function boardWords(device: Device): string {
   if (device.connection === "none") return "Board: none";
-  const name = device.port === "virtual" ? "virtual board" : `board at ${device.port ?? ""}`;
+  const name = device.port === "virtual" ? "virtual board" : device.port === "virtual-rtl" ? "virtual board of Verilog" : `board at ${device.port ?? ""}`;
   if (device.connection !== "connected") return `Board: ${name}, ${device.connection === "lost" ? "connection lost" : "connecting…"}`;
   const status = device.status;
   return `Board: ${name}, outputs ${status?.outputs === "on" ? "ON" : "off"}${status?.mode === "idle" ? "" : `, ${status?.mode ?? ""}`}`;
@@ -220,7 +251,9 @@ export function Board({ actions }: WithActions) {
       {device.connection === "none" ? (
         <>
           <button type="button" class="wide" disabled={scene === undefined} onClick={() => actions.send("connect", { port: "virtual", scene: scene?.name ?? "" })}>Start a virtual board</button>
-          <p class="hint">The FPGA's own Verilog, simulated on this machine; slower than a real board.</p>
+          <p class="hint">It answers and plays as a real board does, in real time.</p>
+          <button type="button" class="wide" disabled={scene === undefined} onClick={() => actions.send("connect", { port: "virtual-rtl", scene: scene?.name ?? "" })}>Simulate the FPGA's Verilog</button>
+          <p class="hint">The same by the FPGA's own circuit, cycle by cycle; some ten times slower than a board.</p>
           <div class="field port">
             <label for={id}>Port</label>
             <input id={id} type="text" list="ports" value={port} placeholder="/dev/ttyUSB0" onInput={(e) => setPort(e.currentTarget.value)} />
@@ -230,11 +263,12 @@ export function Board({ actions }: WithActions) {
         </>
       ) : (
         <>
-          <p>{boardWords(device)}{device.identity && connected && `; ${device.identity.channels} channels, ${device.identity.records} records`}</p>
+          <p>{boardWords(device)}{device.identity && connected && `; ${device.identity.channels} channels, ${device.identity.records} records`}{on && device.status && `; plays record ${device.status.index}`}</p>
           {device.trouble && <p class="warning">▲ {device.trouble}</p>}
           <div class="buttons">
             <button type="button" disabled={!ready} onClick={() => actions.send("upload", { scene: scene?.name ?? "" })}>Upload</button>
             <button type="button" class="play" disabled={!ready} onClick={() => actions.send("play", { scene: scene?.name ?? "" })}>▶ Play</button>
+            <button type="button" disabled={!ready || state.at.value === undefined} onClick={() => actions.stream()}>▶ Play the marked point</button>
             <button type="button" onClick={() => actions.send("disconnect")}>Disconnect</button>
           </div>
           <p class="hint">Playing turns the outputs on: ultrasound at these levels is loud though inaudible, so keep ears away. They go off when this page is closed, or hidden for 10 s.</p>
@@ -250,6 +284,7 @@ function Work() {
   if (!work) return null;
   if (work.t === "progress" && work.stage === "upload")
     return <div class="field"><label for="upload">Uploading</label><progress id="upload" max={1} value={work.fraction ?? 0} /><span class="unit">{Math.round(100 * (work.fraction ?? 0))} %</span></div>;
+  if (work.t === "progress" && work.work === "stream") return <p>Playing the marked point for {(work.seconds ?? 0).toFixed(1)} s; move the slider below the view.</p>;
   if (work.t === "progress") return <p>Playing for {(work.seconds ?? 0).toFixed(1)} s.</p>;
   if (work.t === "done" && work.work === "upload") return <p>Uploaded: {work.report?.frames_written} of {work.report?.frames} pieces had to be written.</p>;
   if (work.t === "done") return <p>Played to its end.</p>;
@@ -260,16 +295,38 @@ function Work() {
 export function Bar() {
   const slice = state.slice.value;
   if (!slice) return null;
-  const { name, unit } = quantities[quantity.value];
+  const { quantity, colours, top } = look.value;
+  const { name, unit } = quantities[quantity];
+  const upper = top ?? slice.greatest;
+  const map = stops(colours);
+  const probe = state.probe.value;
   return (
     <figure class="bar">
       <figcaption>{name} / {unit}</figcaption>
       <svg width="14" height="160" role="img" aria-label="Colours from low to high">
-        <defs><linearGradient id="colours" x1="0" y1="1" x2="0" y2="0">{stops.map((colour, i) => <stop key={colour} offset={i / (stops.length - 1)} stop-color={colour} />)}</linearGradient></defs>
+        <defs><linearGradient id="colours" x1="0" y1="1" x2="0" y2="0">{map.map((colour, i) => <stop key={i} offset={i / (map.length - 1)} stop-color={colour} />)}</linearGradient></defs>
         <rect width="14" height="160" fill="url(#colours)" />
       </svg>
-      <ol>{[1, 0.75, 0.5, 0.25, 0].map((part) => <li key={part}>{short(valueOnScale(part, quantity.value, slice.greatest, slice.skinPerSquare))}</li>)}</ol>
+      <ol>{[1, 0.75, 0.5, 0.25, 0].map((part) => <li key={part}>{short(valueOnScale(part, look.value, upper, slice.skinPerSquare))}</li>)}</ol>
+      {slice.greatest > 1.001 * upper && <p class="warning">Hatched: above the top.</p>}
+      {probe && <p class="probe">{short(valueOf(probe.square, quantity, upper, slice.skinPerSquare))} {unit} at<br />{probe.at.map((each) => each.toFixed(1)).join(", ")} mm</p>}
     </figure>
+  );
+}
+
+/** The focal points one by one, in the order of play. */
+export function Scrubber({ actions }: WithActions) {
+  const id = useId();
+  const tour = state.scene.value?.tour ?? [];
+  const at = state.at.value;
+  const entry = at === undefined ? undefined : tour[at];
+  if (tour.length === 0) return null;
+  return (
+    <div class="scrubber">
+      <label for={id}>Focal point</label>
+      <input id={id} type="range" min={0} max={tour.length - 1} step={1} value={at ?? 0} onInput={(e) => actions.mark(Number(e.currentTarget.value))} />
+      <output for={id}>{entry ? `${(at ?? 0) + 1} of ${tour.length}: ${entry.at.map((each) => each.toFixed(1)).join(", ")} mm` : `none of ${tour.length}`}</output>
+    </div>
   );
 }
 

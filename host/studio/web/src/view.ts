@@ -4,13 +4,14 @@
 import {
   AmbientLight, BufferAttribute, BufferGeometry, CircleGeometry, Color, DataTexture, DirectionalLight, DoubleSide, FloatType, Group, InstancedMesh,
   Line, LineBasicMaterial, LineLoop, LineSegments, LinearFilter, type Material, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial, NearestFilter,
-  type Object3D, PerspectiveCamera, PlaneGeometry, Points, PointsMaterial, RedFormat, Scene as World, ShaderMaterial, Vector3, WebGLRenderer,
+  type Object3D, PerspectiveCamera, PlaneGeometry, Points, PointsMaterial, Raycaster, RedFormat, Scene as World, ShaderMaterial, Vector2, Vector3,
+  WebGLRenderer, Box3,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { TransformControls } from "three/addons/controls/TransformControls.js";
-import { viridis } from "./colours";
+import { type ColourMap, table } from "./colours";
 import type { Drawn, Point, Scene, SliceData } from "./link";
-import { quantities, type Quantity } from "./quantity";
+import { type Look, quantities } from "./quantity";
 
 export type Orientation = "xy" | "xz" | "yz";
 
@@ -28,16 +29,19 @@ const vertexShader = `
     gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
   }`;
 
-// Mean square pressure to a place on the colour map: linear, by its root, or in decibels below the greatest.
+// Mean square pressure to a place on the colour map: linear, by its root, or in decibels below the top. The slice's first and
+// last points lie on the edges, but the first and last texels beside them. What is above the top is hatched.
 const fragmentShader = `
   varying vec2 place;
   uniform sampler2D field, colours;
-  uniform float greatest, range;
+  uniform float top, range, points;
   uniform int root;
   void main() {
-    float part = max(texture2D(field, place).r / greatest, 1e-20);
+    float part = max(texture2D(field, (place * (points - 1.0) + 0.5) / points).r / top, 1e-20);
     float level = range > 0.0 ? 1.0 + 4.342944819 * log(part) / range : (root == 1 ? sqrt(part) : part);
-    gl_FragColor = vec4(texture2D(colours, vec2(clamp(level, 0.002, 0.998), 0.5)).rgb, 0.94);
+    vec3 colour = texture2D(colours, vec2(clamp(level, 0.002, 0.998), 0.5)).rgb;
+    if (level > 1.001 && mod(gl_FragCoord.x + gl_FragCoord.y, 10.0) < 3.0) colour = vec3(1.0) - colour;
+    gl_FragColor = vec4(colour, 0.94);
   }`;
 
 function geometryOf(positions: Float32Array<ArrayBuffer>): BufferGeometry {
@@ -54,6 +58,10 @@ export class View {
   readonly canvas: HTMLCanvasElement;
   /** Called when the plane was moved. */
   moved: () => void = () => {};
+  /** Called while the object is moved or turned by its handles, and once more when it is let go. */
+  objectMoved: (centre: Point, turnDeg: Point, done: boolean) => void = () => {};
+  /** Called when the pointer is over the plane, with the place in millimetres and the mean square pressure there; and when it has left. */
+  probed: (found: { at: Point; square: number } | undefined) => void = () => {};
 
   private readonly renderer: WebGLRenderer;
   private readonly world = new World();
@@ -65,6 +73,14 @@ export class View {
   private readonly array = new Group();
   private readonly object = new Group();
   private readonly path = new Group();
+  private readonly pivot = new Group();
+  private readonly focus: Points<BufferGeometry, PointsMaterial>;
+  private readonly uniforms = {
+    field: { value: null as DataTexture | null }, colours: { value: null as DataTexture | null }, points: { value: 2 }, top: { value: 1 }, range: { value: 0 }, root: { value: 0 },
+  };
+  private slice: SliceData | undefined;
+  private shownColours: ColourMap | undefined;
+  private pointer: Vector2 | undefined;
   private texture: DataTexture | undefined;
   private waiting = false;
 
@@ -89,26 +105,37 @@ export class View {
     sun.position.set(1, -2, 3);
     this.world.add(new AmbientLight(0xffffff, 1.6), sun, this.array, this.object, this.path, this.plane);
 
-    const colours = new DataTexture(viridis(), 256, 1);
-    colours.minFilter = colours.magFilter = LinearFilter;
-    colours.needsUpdate = true;
-    const uniforms = { field: { value: null }, colours: { value: colours }, greatest: { value: 1 }, range: { value: 0 }, root: { value: 0 } };
+    const { uniforms } = this;
     this.sheet = new Mesh(new PlaneGeometry(1, 1), new ShaderMaterial({ side: DoubleSide, transparent: true, uniforms, vertexShader, fragmentShader }));
     this.sheet.visible = false;
     const corners: Point[] = [[-0.5, -0.5, 0], [0.5, -0.5, 0], [0.5, 0.5, 0], [-0.5, 0.5, 0]];
     this.frame = new LineLoop(geometryOf(flat(corners)), new LineBasicMaterial());
     this.plane.add(this.sheet, this.frame);
+    this.pivot.rotation.order = "ZYX"; // about x, then y, then z, as a project file says it
+    this.focus = new Points(geometryOf(new Float32Array(3)), new PointsMaterial({ size: 12, sizeAttenuation: false, depthTest: false }));
+    this.focus.visible = false;
+    this.world.add(this.pivot, this.focus);
     this.gizmo = new TransformControls(this.camera, this.canvas);
     this.gizmo.attach(this.plane);
     this.gizmo.setSize(0.7);
     this.gizmo.addEventListener("dragging-changed", (event) => {
       orbit.enabled = !event.value;
+      if (!event.value && this.gizmo.object === this.pivot) this.tellObject(true);
     });
     this.gizmo.addEventListener("change", () => this.redraw());
-    this.gizmo.addEventListener("objectChange", () => this.moved());
+    this.gizmo.addEventListener("objectChange", () => (this.gizmo.object === this.pivot ? this.tellObject(false) : this.moved()));
     this.world.add(this.gizmo.getHelper());
     this.place("xy", [0, 0, 130]);
 
+    this.canvas.addEventListener("pointermove", (event) => {
+      const box = this.canvas.getBoundingClientRect();
+      this.pointer = new Vector2((2 * (event.clientX - box.left)) / box.width - 1, 1 - (2 * (event.clientY - box.top)) / box.height);
+      this.redraw();
+    });
+    this.canvas.addEventListener("pointerleave", () => {
+      this.pointer = undefined;
+      this.redraw();
+    });
     this.canvas.addEventListener("webglcontextrestored", () => this.redraw());
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.paint());
     new ResizeObserver(() => this.fit(host)).observe(host);
@@ -134,6 +161,26 @@ export class View {
 
   set turning(on: boolean) {
     this.gizmo.setMode(on ? "rotate" : "translate");
+    this.redraw();
+  }
+
+  /** What the handles move. */
+  set handles(of: "plane" | "object") {
+    this.gizmo.attach(of === "plane" ? this.plane : this.pivot);
+    this.redraw();
+  }
+
+  /** How the object is turned, so that its handles go on from there. */
+  set turn(degrees: Point) {
+    if (this.gizmo.dragging) return;
+    this.pivot.rotation.set(...(degrees.map((each) => (each * Math.PI) / 180) as Point), "ZYX");
+    this.redraw();
+  }
+
+  /** Marks the focal point of the scrubber. */
+  showFocus(at: Point | undefined): void {
+    this.focus.visible = at !== undefined;
+    if (at) this.focus.position.set(...at);
     this.redraw();
   }
 
@@ -174,10 +221,13 @@ export class View {
     const points = new Points(geometryOf(drawn.points), new PointsMaterial({ size: 2, sizeAttenuation: false }));
     for (const part of [skin, lines, points]) part.userData["colour"] = "--object";
     this.object.add(skin, lines, points);
+    const box = new Box3().setFromObject(this.object);
+    if (!this.gizmo.dragging && !box.isEmpty()) box.getCenter(this.pivot.position);
     this.paint();
   }
 
-  showSlice(slice: SliceData, shown: Quantity): void {
+  showSlice(slice: SliceData, shown: Look): void {
+    this.slice = slice;
     const { texture } = this;
     if (texture?.image.width === slice.width && texture.image.height === slice.height) {
       texture.image.data = slice.values;
@@ -189,17 +239,25 @@ export class View {
       this.texture.minFilter = this.texture.magFilter = smooth ? LinearFilter : NearestFilter;
       this.texture.needsUpdate = true;
     }
-    const { uniforms } = this.sheet.material;
-    Object.assign(uniforms["field"]!, { value: this.texture });
-    Object.assign(uniforms["greatest"]!, { value: slice.greatest });
+    this.uniforms.field.value = this.texture ?? null;
+    this.uniforms.points.value = slice.width;
     this.sheet.visible = slice.greatest > 0;
-    this.showQuantity(shown);
+    this.showLook(shown);
   }
 
-  showQuantity(shown: Quantity): void {
-    const { uniforms } = this.sheet.material;
-    Object.assign(uniforms["range"]!, { value: quantities[shown].range });
-    Object.assign(uniforms["root"]!, { value: shown === "rms" ? 1 : 0 });
+  showLook({ quantity, colours, rangeDb, top }: Look): void {
+    const { uniforms } = this;
+    uniforms.top.value = top ?? this.slice?.greatest ?? 1;
+    uniforms.range.value = quantities[quantity].decibels ? rangeDb : 0;
+    uniforms.root.value = quantity === "rms" ? 1 : 0;
+    if (colours !== this.shownColours) {
+      uniforms.colours.value?.dispose();
+      const texture = new DataTexture(table(colours), 256, 1);
+      texture.minFilter = texture.magFilter = LinearFilter;
+      texture.needsUpdate = true;
+      uniforms.colours.value = texture;
+      this.shownColours = colours;
+    }
     this.redraw();
   }
 
@@ -209,6 +267,7 @@ export class View {
     const colour = (name: string): Color => new Color(style.getPropertyValue(name).trim());
     this.world.background = colour("--view");
     this.frame.material.color = colour("--frame");
+    this.focus.material.color = colour("--stop");
     for (const group of [this.array, this.object, this.path])
       for (const part of group.children)
         (part as Mesh<BufferGeometry, MeshBasicMaterial>).material.color = colour(part.userData["colour"] as string);
@@ -221,7 +280,31 @@ export class View {
     requestAnimationFrame(() => {
       this.waiting = false;
       this.renderer.render(this.world, this.camera);
+      this.probed(this.probe());
     });
+  }
+
+  private tellObject(done: boolean): void {
+    const { x, y, z } = this.pivot.rotation;
+    this.objectMoved(this.pivot.position.toArray(), [x, y, z].map((each) => (each * 180) / Math.PI) as Point, done);
+  }
+
+  /** What is under the pointer on the plane: between the slice's points by their four neighbours. */
+  private probe(): { at: Point; square: number } | undefined {
+    const { slice, pointer } = this;
+    if (!slice || !pointer || !this.sheet.visible) return undefined;
+    const ray = new Raycaster();
+    ray.setFromCamera(pointer, this.camera);
+    const hit = ray.intersectObject(this.sheet)[0];
+    if (!hit?.uv) return undefined;
+    const { width, height, values } = slice;
+    const [x, y] = [hit.uv.x * (width - 1), hit.uv.y * (height - 1)];
+    const [i, j] = [Math.min(width - 2, Math.floor(x)), Math.min(height - 2, Math.floor(y))];
+    const row = (at: number): number => {
+      const [left, right] = [values[at * width + i] ?? 0, values[at * width + i + 1] ?? 0];
+      return left + (right - left) * (x - i);
+    };
+    return { at: hit.point.toArray(), square: row(j) + (row(j + 1) - row(j)) * (y - j) };
   }
 
   private clear(group: Group): void {
