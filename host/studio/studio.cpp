@@ -157,7 +157,10 @@ private:
             if (const auto given = query_value(request.query, axis)) *range = parse_range(axis, *given);
         const Region region = parse_region("plane", value("plane"), reach);
         const Quantity quantity = quantity_of(value("quantity"));
-        const std::string name = "field." + value("as");
+        const std::string as = value("as");
+        if (as != "png" && as != "csv" && as != "npy" && as != "vti")
+            throw bad_argument("as", fmt::format("found '{}', expected png, csv, npy or vti", as));
+        const std::string name = "field." + as;
         check_field_path(name, region, quantity);
         if (region.axes.size() != 2) throw bad_argument("plane", "the studio gives planes, such as xy@z=130");
         const double terms = static_cast<double>(region.grid.size() * scene->excitation.array.elements.size() *

@@ -102,7 +102,7 @@ test("STOP is confirmed by the board while slices are computed", async (t) => {
     await play(page);
     took.push(
       await page.evaluate(async () => {
-        const slider = document.querySelector("input[type=range]");
+        const slider = document.querySelector("aside input[type=range]");
         const moving = setInterval(() => {
           slider.value = String(100 + 100 * Math.random());
           slider.dispatchEvent(new Event("input", { bubbles: true }));

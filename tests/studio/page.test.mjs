@@ -99,7 +99,7 @@ test("a slice follows the hand, and is whole at rest", async (t) => {
   const page = await openPage(t, await startBrowser(t), studio);
   await settled(page);
   const moved = await page.evaluate(async () => {
-    const slider = document.querySelector("input[type=range]");
+    const slider = document.querySelector("aside input[type=range]");
     const app = document.getElementById("app");
     const begun = performance.now(), before = Number(app.dataset.slices);
     let frames = 0;

@@ -43,6 +43,9 @@ TEST_CASE("studio messages: every kind is read, lengths become metres") {
     CHECK(std::get<DisconnectMessage>(read_message(R"({"t":"disconnect","n":2})")).n == 2);
     CHECK(std::get<UploadMessage>(read_message(R"({"t":"upload","n":3,"scene":"s"})")).scene == "s");
     CHECK(std::get<PlayMessage>(read_message(R"({"t":"play","n":4,"scene":"s"})")).n == 4);
+    const auto stream = std::get<StreamMessage>(read_message(R"({"t":"stream","n":5,"scene":"s","index":3})"));
+    CHECK(stream.scene == "s");
+    CHECK(stream.index == 3);
     CHECK(std::get<StopMessage>(read_message(R"({"t":"stop","n":4294967295})")).n == 4294967295);
     CHECK(std::get<BeatMessage>(read_message(R"({"t":"beat","hidden":true})")).hidden);
 }
@@ -57,6 +60,8 @@ TEST_CASE("studio messages: bad ones are refused by name") {
         {R"({"t":5})", "expected an object"},
         {R"({"t":"fly"})", "no message 'fly'"},
         {R"({"t":"stop"})", "'n' is missing"},
+        {R"({"t":"stream","n":1,"scene":"s"})", "'index' is missing"},
+        {R"({"t":"stream","n":1,"scene":"s","index":-1})", "'index' is missing or not a whole number"},
         {R"({"t":"stop","n":-1})", "'n' is missing or not a whole number"},
         {R"({"t":"stop","n":1.5})", "'n' is missing or not a whole number"},
         {R"({"t":"stop","n":4294967296})", "'n' is missing or not a whole number"},
@@ -124,9 +129,9 @@ TEST_CASE("studio messages: the bytes of a slice") {
 
 TEST_CASE("studio messages: the bytes of an object") {
     Shape shape;
-    shape.pieces.push_back(Mesh{{{0, 0, 0.1}, {0.01, 0, 0.1}, {0, 0.02, 0.1}}, {{0, 1, 2}}});
-    shape.pieces.push_back(Curve{[](double s) { return Vec3{s, 0, 0}; }, 0.2, false});
-    shape.pieces.push_back(Cloud{{{0.001, 0.002, 0.003}}});
+    shape.pieces.emplace_back(Mesh{{{0, 0, 0.1}, {0.01, 0, 0.1}, {0, 0.02, 0.1}}, {{0, 1, 2}}});
+    shape.pieces.emplace_back(Curve{[](double s) { return Vec3{s, 0, 0}; }, 0.2, false});
+    shape.pieces.emplace_back(Cloud{{{0.001, 0.002, 0.003}}});
     const auto bytes = shape_bytes(4, shape);
     REQUIRE(bytes.size() == 64 + 4 * (9 + 200 * 6 + 3));
     CHECK(std::string(bytes.begin(), bytes.begin() + 4) == "HOB1");
@@ -159,7 +164,7 @@ TEST_CASE("studio messages: a large object is drawn coarser, without holes, and 
             mesh.triangles.push_back({next, k + sides, next + sides});
         }
     Shape shape;
-    shape.pieces.push_back(mesh);
+    shape.pieces.emplace_back(mesh);
     const auto bytes = shape_bytes(1, shape);
     const auto drawn = at<std::uint32_t>(bytes, 8);
     CHECK(at<std::uint32_t>(bytes, 20) == mesh.triangles.size());

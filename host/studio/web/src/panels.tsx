@@ -268,7 +268,7 @@ export function Board({ actions }: WithActions) {
           <div class="buttons">
             <button type="button" disabled={!ready} onClick={() => actions.send("upload", { scene: scene?.name ?? "" })}>Upload</button>
             <button type="button" class="play" disabled={!ready} onClick={() => actions.send("play", { scene: scene?.name ?? "" })}>▶ Play</button>
-            <button type="button" disabled={!ready || state.at.value === undefined} onClick={() => actions.stream()}>▶ Play the marked point</button>
+            <button type="button" disabled={!ready || state.at.value === undefined} onClick={() => actions.stream()}>▶ Follow the slider</button>
             <button type="button" onClick={() => actions.send("disconnect")}>Disconnect</button>
           </div>
           <p class="hint">Playing turns the outputs on: ultrasound at these levels is loud though inaudible, so keep ears away. They go off when this page is closed, or hidden for 10 s.</p>
@@ -284,7 +284,7 @@ function Work() {
   if (!work) return null;
   if (work.t === "progress" && work.stage === "upload")
     return <div class="field"><label for="upload">Uploading</label><progress id="upload" max={1} value={work.fraction ?? 0} /><span class="unit">{Math.round(100 * (work.fraction ?? 0))} %</span></div>;
-  if (work.t === "progress" && work.work === "stream") return <p>Playing the marked point for {(work.seconds ?? 0).toFixed(1)} s; move the slider below the view.</p>;
+  if (work.t === "progress" && work.work === "stream") return <p>Playing the marked focal point for {(work.seconds ?? 0).toFixed(1)} s; the slider below the view moves it.</p>;
   if (work.t === "progress") return <p>Playing for {(work.seconds ?? 0).toFixed(1)} s.</p>;
   if (work.t === "done" && work.work === "upload") return <p>Uploaded: {work.report?.frames_written} of {work.report?.frames} pieces had to be written.</p>;
   if (work.t === "done") return <p>Played to its end.</p>;
