@@ -91,10 +91,11 @@ export async function openPage(t, browser, studio, { colorScheme = "light", mayF
   return page;
 }
 
-/** Waits until a slice of the document's scene is shown. */
+/** Waits until a whole slice of the document's scene is shown and nothing else is to come. */
 export async function settled(page) {
   await page.locator("footer", { hasText: "focal points for" }).waitFor();
   await page.locator("footer", { hasText: "slice 200 × 200" }).waitFor();
+  await page.locator("#view[aria-busy=false]").waitFor();
 }
 
 /** Waits until something is so. @param words  what is there instead, for the message */

@@ -242,8 +242,8 @@ test("the slider below the view moves the focus on the board", async (t) => {
     await slider.fill(String(at));
     await page.getByText(`plays record ${record}`, { exact: false }).waitFor();
   }
-  await accessible(page);
   await picture(page, "slider-plays");
+  await accessible(page);
   await page.keyboard.press("Escape");
   await boardSays(page, "outputs off");
   // It only marks now.

@@ -29,6 +29,8 @@ export const state = {
   orientation: signal<Orientation>("xy"),
   handles: signal<Handles>("plane move"),
   edges: signal<Edges>({ origin: [-80, -80, 130], u: [160, 0, 0], v: [0, 160, 0] }),
+  /** Whether a slice is still to come. */
+  slicing: signal(false),
   /** Of files of the field. */
   stepMm: signal(1),
   writing: signal(false),
@@ -62,6 +64,7 @@ export function start(link: Link): void {
     link,
     () => state.edges.peek(),
     () => state.scene.value?.name,
+    (busy) => (state.slicing.value = busy),
   );
 
   /** One scene is under way at a time; the newest document is asked for when it has come. */
@@ -249,6 +252,7 @@ export function start(link: Link): void {
 
   const place = document.getElementById("view");
   if (place) {
+    effect(() => place.setAttribute("aria-busy", String(!state.current.value || state.slicing.value)));
     try {
       view = new View(place);
       state.edges.value = view.edges();

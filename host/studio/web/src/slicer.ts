@@ -22,11 +22,13 @@ export class Slicer {
     private readonly link: Link,
     private readonly edges: () => Edges,
     private readonly scene: () => string | undefined,
+    /** Told whether a slice is still to come. */
+    private readonly busy: (busy: boolean) => void,
   ) {}
 
   ask(moving: boolean): void {
     clearTimeout(this.rest);
-    if (moving) this.rest = setTimeout(() => this.ask(false), restMs);
+    this.rest = moving ? setTimeout(() => this.ask(false), restMs) : undefined;
     this.wanted = { moving };
     this.next();
   }
@@ -59,6 +61,7 @@ export class Slicer {
 
   private next(): void {
     const scene = this.scene();
+    this.busy(this.underWay !== undefined || this.wanted !== undefined || this.rest !== undefined);
     if (this.underWay !== undefined || this.wanted === undefined || scene === undefined || !this.link.open) return;
     let points = full;
     if (this.wanted.moving && this.costMs > 0) points = Math.max(least, Math.min(full, Math.floor(Math.sqrt(budgetMs / this.costMs))));

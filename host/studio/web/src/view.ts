@@ -112,7 +112,8 @@ export class View {
     this.frame = new LineLoop(geometryOf(flat(corners)), new LineBasicMaterial());
     this.plane.add(this.sheet, this.frame);
     this.pivot.rotation.order = "ZYX"; // about x, then y, then z, as a project file says it
-    this.focus = new Points(geometryOf(new Float32Array(3)), new PointsMaterial({ size: 12, sizeAttenuation: false, depthTest: false }));
+    this.focus = new Points(geometryOf(new Float32Array(3)), new PointsMaterial({ size: 12, sizeAttenuation: false, depthTest: false, transparent: true }));
+    this.focus.renderOrder = 1; // over the plane, which is drawn late, too
     this.focus.visible = false;
     this.world.add(this.pivot, this.focus);
     this.gizmo = new TransformControls(this.camera, this.canvas);
