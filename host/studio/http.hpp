@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The HTTP server, without the headers of the library behind it, which take most of a minute to compile.
+// The HTTP server, without the headers of the library behind it, which take half a minute to compile.
 #pragma once
 #include <chrono>
 #include <cstdint>

@@ -102,7 +102,8 @@ Project Scenes::project_of(const std::string& text, std::string& identity) const
     require_ours("board", project.board, opened_.board);
     if (!project.path.empty() && project.path != opened_.path)
         throw bad_input("path", "the page may not name files of this machine; start the studio with the project");
-    if (project.am.find('/') != std::string::npos && project.am != opened_.am)
+    const auto am_has = [&](const char* kind) { return project.am.find(kind) != std::string::npos; };
+    if ((am_has("wav:") || am_has("csv:")) && project.am != opened_.am)
         throw bad_input("am", "the page may not name files of this machine; start the studio with the project");
     identity = text;
     for (ShapeSource& source : project.shapes) {

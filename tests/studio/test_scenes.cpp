@@ -83,8 +83,10 @@ TEST_CASE("studio scenes: a document names no other files of this machine") {
     CHECK_THROWS_WITH(scenes.compile({{"format", "haptogram-project-1"}, {"path", "/tmp/path.json"}}),
                       Contains("may not name files"));
     document = document_of(circle, "circle");
-    document["am"] = "/tmp/wave.csv";
-    CHECK_THROWS_AS(scenes.compile(document), Error);
+    for (const char* am : {"csv:/tmp/wave.csv", "csv:wave.csv", "sine:200+wav:sound.wav"}) {
+        document["am"] = am;
+        CHECK_THROWS_WITH(scenes.compile(document), Contains("may not name files"));
+    }
 }
 
 TEST_CASE("studio scenes: names of files") {

@@ -223,6 +223,43 @@ test("every edit is taken back and made again, by keys", async (t) => {
   assert.equal(String(await takeAway(page, "Project")), last);
 });
 
+test("the library, and the ways to play an object", async (t) => {
+  const studio = await startStudio(t);
+  const page = await openPage(t, await startBrowser(t), studio);
+  await settled(page);
+  const scenes = new Set();
+  const compiled = async () => {
+    await settled(page);
+    assert.equal(await page.locator(".failed").count(), 0, await page.locator(".failed").allInnerTexts().then(String));
+    return String(await takeAway(page, "Project"));
+  };
+  const names = (await field(page, "Library").locator("option").allInnerTexts()).slice(1);
+  assert.ok(names.length >= 7);
+  for (const name of names) {
+    await field(page, "Library").selectOption(name);
+    scenes.add(await compiled());
+  }
+  assert.equal(scenes.size, names.length, "each is another object");
+  await field(page, "Library").selectOption("Ring drawn at 7 m/s");
+  await hasValue(field(page, "Speed"), "7");
+  await field(page, "Pace").selectOption("frequency_hz");
+  await fill(page, "Drawings a second", 20);
+  await field(page, "All points feel alike").check();
+  assert.match(await compiled(), /frequency_hz = 20[^]*even = true|even = true[^]*frequency_hz = 20/);
+  await field(page, "Pace").selectOption("rate_hz");
+  await field(page, "All points feel alike").uncheck();
+  await fill(page, "Focal points", 4);
+  await field(page, "Modulation").selectOption("sine:200");
+  const where = await folder(t);
+  const project = await compiled();
+  assert.match(project, /am = "sine:200"/);
+  assert.doesNotMatch(project, /speed|frequency|even/);
+  writeFileSync(join(where, "project.toml"), project);
+  await run("compile", join(where, "project.toml"), "-o", join(where, "image.hex"));
+  assert.deepEqual(await takeAway(page, "Image"), readFileSync(join(where, "image.hex")));
+  await accessible(page);
+});
+
 test("the slider below the view moves the focus on the board", async (t) => {
   const studio = await startStudio(t);
   const page = await openPage(t, await startBrowser(t), studio);

@@ -14,7 +14,12 @@ export interface ProjectDocument {
   format: string;
   array?: string;
   points?: number;
+  /** At most one of these three is there. */
   rate_hz?: number;
+  speed_m_s?: number;
+  frequency_hz?: number;
+  even?: boolean;
+  am?: string;
   place?: { size_mm?: number; rotate_deg?: number[]; center_mm?: number[]; scale?: number };
   shape?: ShapeEntry[];
   [key: string]: unknown;

@@ -7,6 +7,7 @@ import { type ColourMap, colourMaps, stops } from "./colours";
 import { commands } from "./commands";
 import { canRedo, canUndo, edit, having, project, type ProjectDocument, redo, type ShapeEntry, undo } from "./document";
 import type { Device, Point, SliceData } from "./link";
+import { library } from "./library";
 import { look, quantities, type Quantity, short, squareOf, valueOf, valueOnScale } from "./quantity";
 import type { Orientation } from "./view";
 
@@ -74,6 +75,17 @@ export function Tools({ actions }: WithActions) {
   );
 }
 
+/** What says how fast the object is played; the others follow. `usual` is what a change of pace begins with. */
+const paces = [
+  { key: "rate_hz", name: "passes a second", label: "Passes a second", unit: "Hz", usual: 10 },
+  { key: "speed_m_s", name: "speed of the focus", label: "Speed", unit: "m/s", usual: 7 },
+  { key: "frequency_hz", name: "drawings a second", label: "Drawings a second", unit: "Hz", usual: 10 },
+] as const;
+const noPace = { rate_hz: undefined, speed_m_s: undefined, frequency_hz: undefined };
+
+/** Waveforms of the amplitude, as a project file names them. */
+const modulations = [["", "none"], ["sine:50", "sine, 50 Hz"], ["sine:100", "sine, 100 Hz"], ["sine:200", "sine, 200 Hz"], ["square:200", "square, 200 Hz"]] as const;
+
 /** Without measures of a kind of shape, the project file's default stands. */
 export function Shape({ actions }: WithActions) {
   const hello = state.hello.value;
@@ -88,9 +100,12 @@ export function Shape({ actions }: WithActions) {
   const turned = (now.place?.rotate_deg ?? [0, 0, 0]) as Point;
   const replaced = (list: Point, at: number, value: number): number[] => list.map((each, i) => (i === at ? value : each));
   const axes = ["x", "y", "z"];
+  const led = paces.find(({ key }) => now[key] !== undefined) ?? paces[0];
+  const pace = led.key;
   return (
     <>
       <Panel title="Object">
+        <Choice label="Library" value="" choices={[["", "choose…"], ...Object.keys(library).map((name): [string, string] => [name, name])]} onValue={(name) => { const chosen = library[name]; if (chosen) edit(having(chosen, { array: now.array, board: now["board"] })); }} />
         {shapes.length > 1 && <p>{shapes.length} shapes together.</p>}
         {files.length === 0 ? (
           <Choice label="Shape" value={first.kind ?? ""} choices={hello.primitives.map((kind) => [kind, kind])} onValue={(kind) => change({ shape: [{ kind }] })} />
@@ -115,7 +130,10 @@ export function Shape({ actions }: WithActions) {
       </Panel>
       <Panel title="Sample and play">
         <NumberField label="Focal points" unit="" value={now.points ?? 200} step={10} least={1} onValue={(points) => change({ points: Math.round(points) })} />
-        <NumberField label="Passes a second" unit="Hz" value={now.rate_hz ?? 10} least={0} onValue={(rate) => change({ rate_hz: rate })} />
+        <Choice label="Pace" value={pace} choices={paces.map(({ key, name }) => [key, name])} onValue={(key) => change({ ...noPace, [key]: paces.find((each) => each.key === key)?.usual })} />
+        <NumberField label={led.label} unit={led.unit} value={(now[pace] as number | undefined) ?? led.usual} least={0} onValue={(value) => change({ [pace]: value })} />
+        <label class="check"><input type="checkbox" checked={now.even ?? false} onChange={(e) => change({ even: e.currentTarget.checked || undefined })} /> All points feel alike</label>
+        <Choice label="Modulation" value={now.am ?? ""} choices={[...new Set([...modulations.map(([key]) => key), now.am ?? ""])].map((key) => [key, modulations.find(([known]) => known === key)?.[1] ?? key])} onValue={(am) => change({ am: am || undefined })} />
         <Choice label="Array" value={now.array ?? "tile-10x10"} choices={[...new Set([...hello.arrays, now.array ?? "tile-10x10"])].map((name) => [name, name])} onValue={(array) => change({ array })} />
       </Panel>
     </>
