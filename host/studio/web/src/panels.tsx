@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What stands beside the view. Panels read the signals of the state, and call the actions.
-import type { ComponentChildren } from "preact";
+import type { ComponentChildren, TargetedKeyboardEvent } from "preact";
 import { useEffect, useId, useState } from "preact/hooks";
 import { type Actions, type Handles, state } from "./app";
 import { type ColourMap, colourMaps, stops } from "./colours";
@@ -25,18 +25,20 @@ function NumberField({ label, unit, value, step = 1, least, onValue }: { label: 
     if (given.trim() === "" || !Number.isFinite(number) || (least !== undefined && number < least)) return setText(String(value));
     if (number !== value) onValue(number);
   };
-  const key = (event: KeyboardEvent): void => {
-    if (event.key === "Enter") take(text);
+  // What stands in the field, not what was rendered last: keys may come faster than the page is drawn.
+  const key = (event: TargetedKeyboardEvent<HTMLInputElement>): void => {
+    const given = event.currentTarget.value;
+    if (event.key === "Enter") take(given);
     const way = event.key === "ArrowUp" ? 1 : event.key === "ArrowDown" ? -1 : 0;
     if (way === 0) return;
     event.preventDefault();
     const size = step * (event.shiftKey ? 10 : event.altKey ? 0.1 : 1);
-    take(String(Number((Number(text) + way * size).toPrecision(12))));
+    take(String(Number((Number(given) + way * size).toPrecision(12))));
   };
   return (
     <div class="field">
       <label for={id}>{label}</label>
-      <input id={id} type="text" inputMode="decimal" value={text} onInput={(e) => setText(e.currentTarget.value)} onBlur={() => take(text)} onKeyDown={key} />
+      <input id={id} type="text" inputMode="decimal" value={text} onInput={(e) => setText(e.currentTarget.value)} onBlur={(e) => take(e.currentTarget.value)} onKeyDown={key} />
       <span class="unit">{unit}</span>
     </div>
   );
