@@ -21,25 +21,26 @@ INSTRUMENT = [*IMAGE, "analysis", "instrument"]
 
 # The rule. A layer may include itself and the layers that stand here. "at" is its place in the picture, as column and row.
 LAYERS = {
-    "base":       {"may": [], "at": (1, 8), "knows": "errors, files, processes, progress"},
-    "model":      {"may": ["base"], "at": (1, 7), "knows": "air, transducers, arrays, rigs"},
-    "robot":      {"may": ["base"], "at": (4, 7), "knows": "a handle on eight cables"},
-    "boards":     {"may": BASICS, "at": (2, 6), "knows": "board files, the core's parameters"},
-    "acoustics":  {"may": BASICS, "at": (0, 6), "knows": "waves, fields, transients"},
-    "shape":      {"may": BASICS, "at": (1, 6), "knows": "files, built-in shapes, points"},
-    "hand":       {"may": BASICS, "at": (3, 6), "knows": "hands, skin, solids"},
-    "render":     {"may": [*BASICS, "shape", "hand"], "at": (1, 5), "knows": "paths: foci in time"},
-    "perception": {"may": [*BASICS, "acoustics", "render"], "at": (3, 5), "knows": "how strong a focus feels"},
-    "fusion":     {"may": [*BASICS, "acoustics", "hand", "render", "perception", "robot"], "at": (4, 4), "knows": "a scene to cables and ultrasound"},
-    "solve":      {"may": [*PHYSICS, "render"], "at": (1, 4), "knows": "foci to drives to records"},
-    "image":      {"may": [*PHYSICS, "render", "solve"], "at": (1, 3), "knows": "memories, Intel HEX, bundles"},
-    "analysis":   {"may": IMAGE, "at": (0, 2), "knows": "pulses to drives, checks of foci"},
-    "instrument": {"may": [*IMAGE, "perception", "analysis"], "at": (0, 1), "knows": "the verbs as functions"},
-    "link":       {"may": IMAGE, "at": (2, 2), "knows": "frames, ports, devices"},
-    "sim":        {"may": [*IMAGE, "analysis", "link"], "at": (2, 1), "knows": "boards without hardware"},
-    "cli":        {"may": [*INSTRUMENT, "perception", "robot", "fusion", "link", "sim"], "at": (1, 0), "knows": "the program: parse, call, print"},
+    "base":       {"may": [], "at": (1, 9), "knows": "errors, files, processes, progress"},
+    "model":      {"may": ["base"], "at": (1, 8), "knows": "air, transducers, arrays, rigs"},
+    "robot":      {"may": ["base"], "at": (4, 8), "knows": "a handle on eight cables"},
+    "boards":     {"may": BASICS, "at": (2, 7), "knows": "board files, the core's parameters"},
+    "acoustics":  {"may": BASICS, "at": (0, 7), "knows": "waves, fields, transients"},
+    "shape":      {"may": BASICS, "at": (1, 7), "knows": "files, built-in shapes, points"},
+    "hand":       {"may": BASICS, "at": (3, 7), "knows": "hands, skin, solids"},
+    "render":     {"may": [*BASICS, "shape", "hand"], "at": (1, 6), "knows": "paths: foci in time"},
+    "perception": {"may": [*BASICS, "acoustics", "render"], "at": (3, 6), "knows": "how strong a focus feels"},
+    "fusion":     {"may": [*BASICS, "acoustics", "hand", "render", "perception", "robot"], "at": (4, 5), "knows": "a scene to cables and ultrasound"},
+    "solve":      {"may": [*PHYSICS, "render"], "at": (1, 5), "knows": "foci to drives to records"},
+    "image":      {"may": [*PHYSICS, "render", "solve"], "at": (1, 4), "knows": "memories, Intel HEX, bundles"},
+    "analysis":   {"may": IMAGE, "at": (0, 3), "knows": "pulses to drives, checks of foci"},
+    "instrument": {"may": [*IMAGE, "perception", "analysis"], "at": (0, 2), "knows": "the verbs as functions"},
+    "link":       {"may": IMAGE, "at": (2, 3), "knows": "frames, ports, devices"},
+    "sim":        {"may": [*IMAGE, "analysis", "link"], "at": (2, 2), "knows": "boards without hardware"},
+    "studio":     {"may": [*INSTRUMENT, "link"], "at": (1, 1), "knows": "the page in the browser, its server"},
+    "cli":        {"may": [*INSTRUMENT, "perception", "robot", "fusion", "link", "sim", "studio"], "at": (1, 0), "knows": "the program: parse, call, print"},
 }  # fmt: skip
-FOLDERS = {name: f"host/haptogram/{name}" for name in LAYERS} | {"sim": "sim", "cli": "host/cli"}
+FOLDERS = {name: f"host/haptogram/{name}" for name in LAYERS} | {"sim": "sim", "studio": "host/studio", "cli": "host/cli"}
 ROW, GAP = 44, 32  # of the picture, pixels
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^">]+)[">]')
 
@@ -50,7 +51,7 @@ def layer_of(included, file):
         return found[1]
     if (file.parent / included).exists():
         return None
-    return next((name for name in ("sim", "cli") if (ROOT / FOLDERS[name] / included).exists()), None)
+    return next((name for name in ("sim", "studio", "cli") if (ROOT / FOLDERS[name] / included).exists()), None)
 
 
 def read_includes():

@@ -11,6 +11,7 @@
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/instrument/compile_numbers.hpp"
 #include "haptogram/render/path_file.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
@@ -117,100 +118,59 @@ void check_paths(CompileOptions& options) {
     require_distinct(inputs, outputs);
 }
 
-void add_pace(Report& report, const DrawnPace& pace) {
-    report
-        .add("speed_m_s", pace.speed_m_s,
-             fmt::format("drawn             {:.1f} mm and jumps of {:.1f} mm at {:.4g} m/s, {:.4g} Hz, a point every "
-                         "{:.3g} mm",
-                         pace.length_m / millimetre, pace.jumps_m / millimetre, pace.speed_m_s, pace.frequency_hz,
-                         pace.spacing_m / millimetre))
-        .add("frequency_hz", pace.frequency_hz)
-        .add("length_mm", pace.length_m / millimetre)
-        .add("jumps_mm", pace.jumps_m / millimetre)
-        .add("spacing_mm", pace.spacing_m / millimetre);
-}
-
-void add_evened(Report& report, const Evened& evened) {
-    const double weakest = evened.after.weakest / evened.before.weakest;
-    report
-        .add("spread", evened.after.spread,
-             fmt::format("even              spread {:.4f}, {:.4f} with equal dwells; weakest point {:.3f} of before",
-                         evened.after.spread, evened.before.spread, weakest))
-        .add("spread_before", evened.before.spread)
-        .add("weakest_of_before", weakest);
-}
-
-void add_magnitude_of(Report& report, const perception::PathMagnitude& made) {
-    report
-        .add("least_command", made.least_command,
-             fmt::format("magnitude         commands {:.4f}…{:.4f}{}", made.least_command, made.most_command,
-                         made.moves ? "; it was measured with a focus that rests, and this one moves" : ""))
-        .add("most_command", made.most_command)
-        .add("focus_moves", made.moves);
-}
-
+/// What stands behind each number, in lines for a person.
 Report report_of(const Compiled& compiled, const CompileOptions& options) {
+    const nlohmann::ordered_json numbers = numbers_of(compiled);
+    const auto number = [&](const char* name) { return numbers[name].get<double>(); };
     const Manifest& m = compiled.bundle.manifest;
     const TouredPoints& p = compiled.points;
-    const Formation& f = m.formation;
     const Timer& t = m.timer;
-    const std::uint32_t most = most_points(m.rate_hz, f.formation_s);
-    const std::uint32_t most_risen = most_points(m.rate_hz, f.with_ring_up_s());
-    const double dwell_s = compiled.shortest_dwell_s();
-    const std::size_t bytes = compiled.bundle.hex.size();
     std::string points = fmt::format("points            {}", m.records.size());
     if (p.clipped > 0) points += fmt::format(", {} out of reach left out", p.clipped);
     if (p.duplicates > 0) points += fmt::format(", {} duplicates left out", p.duplicates);
-    Report report;
+    Report report(numbers);
+    report.tell(fmt::format("array             {}, {} elements on {} channels", m.array.name, m.array.elements.size(),
+                            m.core.parameters.channels));
+    report.tell(points);
+    if (!p.points.empty())
+        report.tell(fmt::format("tour              {:.1f} mm, {:.1f} mm as given", number("tour_mm"),
+                                number("tour_as_given_mm")));
     report
-        .add("array", m.array.name,
-             fmt::format("array             {}, {} elements on {} channels", m.array.name, m.array.elements.size(),
-                         m.core.parameters.channels))
-        .add("points", m.records.size(), points)
-        .add("clipped", p.clipped)
-        .add("duplicates", p.duplicates)
-        .add("tour_mm", p.tour_m / millimetre,
-             p.points.empty() ? ""
-                              : fmt::format("tour              {:.1f} mm, {:.1f} mm as given", p.tour_m / millimetre,
-                                            p.as_given_m / millimetre))
-        .add("tour_as_given_mm", p.as_given_m / millimetre)
-        .add("prescaler", t.prescaler,
-             fmt::format("timer             prescaler {}, {} ticks of {:.0f} ns a cycle, pulse {} ticks ({:.1f} %), "
-                         "carrier {:.1f} Hz",
-                         t.prescaler, t.cycle_ticks, t.tick_s() * 1e9, t.pulse_ticks, 100.0 * t.duty(), t.carrier_hz()))
-        .add("cycle_ticks", t.cycle_ticks)
-        .add("pulse_ticks", t.pulse_ticks)
-        .add("carrier_hz", t.carrier_hz())
-        .add("rate_hz", m.rate_hz,
-             fmt::format("rendering rate    {:.4g} Hz, {:.1f} µs a point", m.rate_hz, dwell_s * 1e6))
-        .add("shortest_dwell_s", dwell_s)
-        .add("flight_spread_s", f.flight_spread_s,
-             fmt::format("flight spread ΔT  {:.1f} µs, β = {} periods", f.flight_spread_s * 1e6, f.periods))
-        .add("beta_periods", f.periods)
-        .add("formation_s", f.formation_s,
-             fmt::format("focus forms in    T_f = {:.1f} µs, {:.1f} µs with the transducers' ring-up",
-                         f.formation_s * 1e6, f.with_ring_up_s() * 1e6))
-        .add("formation_with_ring_up_s", f.with_ring_up_s())
-        .add("most_points", most,
-             fmt::format("full pressure for at most {} points at this rate, {} with ring-up", most, most_risen))
-        .add("most_points_with_ring_up", most_risen)
+        .tell(fmt::format("timer             prescaler {}, {} ticks of {:.0f} ns a cycle, pulse {} ticks ({:.1f} %), "
+                          "carrier {:.1f} Hz",
+                          t.prescaler, t.cycle_ticks, t.tick_s() * 1e9, t.pulse_ticks, 100.0 * t.duty(),
+                          t.carrier_hz()))
+        .tell(
+            fmt::format("rendering rate    {:.4g} Hz, {:.1f} µs a point", m.rate_hz, number("shortest_dwell_s") * 1e6))
+        .tell(fmt::format("flight spread ΔT  {:.1f} µs, β = {} periods", number("flight_spread_s") * 1e6,
+                          m.formation.periods))
+        .tell(fmt::format("focus forms in    T_f = {:.1f} µs, {:.1f} µs with the transducers' ring-up",
+                          number("formation_s") * 1e6, number("formation_with_ring_up_s") * 1e6))
+        .tell(fmt::format("full pressure for at most {} points at this rate, {} with ring-up",
+                          numbers["most_points"].get<std::uint32_t>(),
+                          numbers["most_points_with_ring_up"].get<std::uint32_t>()))
         .add("image", options.output,
-             fmt::format("image             {} ({} bytes), manifest {}", options.output, bytes, options.manifest))
-        .add("image_bytes", bytes)
+             fmt::format("image             {} ({} bytes), manifest {}", options.output, compiled.bundle.hex.size(),
+                         options.manifest))
         .add("manifest", options.manifest);
-    if (compiled.pace) add_pace(report, *compiled.pace);
-    if (compiled.evened) add_evened(report, *compiled.evened);
+    if (compiled.pace)
+        report.tell(
+            fmt::format("drawn             {:.1f} mm and jumps of {:.1f} mm at {:.4g} m/s, {:.4g} Hz, a point "
+                        "every {:.3g} mm",
+                        number("length_mm"), number("jumps_mm"), number("speed_m_s"), number("frequency_hz"),
+                        number("spacing_mm")));
+    if (compiled.evened)
+        report.tell(
+            fmt::format("even              spread {:.4f}, {:.4f} with equal dwells; weakest point {:.3f} of "
+                        "before",
+                        number("spread"), number("spread_before"), number("weakest_of_before")));
     if (!compiled.am_hz.empty())
-        report.add("am_hz", compiled.am_hz,
-                   fmt::format("modulation        {:.6g} Hz", fmt::join(compiled.am_hz, " Hz, ")));
-    if (compiled.magnitude) add_magnitude_of(report, *compiled.magnitude);
-    const PressureLeft& left = compiled.pressure_left;
-    report
-        .add("pressure_left_least", left.least,
-             fmt::format("bandwidth leaves  {:.1f} % of the pressure at the worst point, {:.1f} % on average",
-                         100.0 * left.least, 100.0 * left.mean))
-        .add("pressure_left_mean", left.mean);
-    return report;
+        report.tell(fmt::format("modulation        {:.6g} Hz", fmt::join(compiled.am_hz, " Hz, ")));
+    if (const auto& made = compiled.magnitude)
+        report.tell(fmt::format("magnitude         commands {:.4f}…{:.4f}{}", made->least_command, made->most_command,
+                                made->moves ? "; it was measured with a focus that rests, and this one moves" : ""));
+    return report.tell(fmt::format("bandwidth leaves  {:.1f} % of the pressure at the worst point, {:.1f} % on average",
+                                   100.0 * number("pressure_left_least"), 100.0 * number("pressure_left_mean")));
 }
 
 int compile(CompileOptions options) {

@@ -13,6 +13,10 @@ void tell(const nlohmann::ordered_json& report, bool as_json, const std::string&
 /// What a command with more to say tells at its end, written once: as lines for a person, or as one JSON object.
 class Report {
 public:
+    Report() = default;
+    /// Begins with numbers that a library gathered; their lines follow by tell().
+    explicit Report(nlohmann::ordered_json numbers) : json_(std::move(numbers)) {}
+
     /// @param line  for a person, without its newline; empty for what only programs want
     Report& add(const std::string& key, nlohmann::ordered_json value, std::string line = {}) {
         json_[key] = std::move(value);

@@ -10,7 +10,7 @@ from support import USAGE, refuse, succeed, text
 
 COMMANDS = ["compile", "inspect", "simulate", "solve", "render", "field", "analyze", "magnitude", "robot", "movement", "interact",
             "board", "bitstream", "device", "upload", "download",
-            "play", "stream", "completion"]  # fmt: skip
+            "play", "stream", "studio", "completion"]  # fmt: skip
 
 
 def printed(kind, folder):

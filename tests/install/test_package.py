@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Other people's projects, out of the tree: with the installed package, by find_package and by pkg-config, and with the sources."""
+import json
 import re
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -74,3 +76,27 @@ def test_fetch_content(work):
 def test_the_installed_program_works(package, work):
     run(package / "bin/haptogram", "compile", "--shape", "circle", "--points", "8", "-o", "image.hex", cwd=work)
     run(package / "bin/haptogram", "inspect", "image.hex", cwd=work)
+
+
+def studio_address(program):
+    """What the studio says first; it is ended then."""
+    studio = subprocess.Popen([program, "studio", "--no-browser", "--json"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        return studio.stdout.readline() or studio.stderr.read()
+    finally:
+        studio.terminate()
+        studio.communicate(timeout=60)
+
+
+def test_the_installed_studio_has_its_page(package, work):
+    """It takes the installed page, not the one in the build: it notices when one of the installed files is another."""
+    page = Path("share/haptogram/studio")
+    if not (ROOT / "host/studio/web/node_modules/esbuild").exists():
+        assert json.loads(studio_address(package / "bin/haptogram"))["page"] is False
+        return
+    assert json.loads(studio_address(package / "bin/haptogram"))["page"] is True
+    moved = work / "moved"
+    shutil.copytree(package / "bin", moved / "bin")
+    shutil.copytree(package / page, moved / page)
+    (moved / page / "index.html").write_text("another")
+    assert "is not the file that page.json lists" in studio_address(moved / "bin/haptogram")

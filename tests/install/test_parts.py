@@ -35,8 +35,8 @@ def folder(beside):
 
 @pytest.fixture(scope="module")
 def without_both(folder, work):
-    """The program with neither the simulated board nor FTDI, on a machine that has the packages of neither."""
-    configure(folder, "-DHAPTOGRAM_SIMULATION=OFF", "-DHAPTOGRAM_FTDI=OFF", "-DHAPTOGRAM_TESTS=OFF", NO_VERILATOR, environment=NO_LIBFTDI)
+    """The program with neither the simulated board nor FTDI nor the studio, on a machine that has the packages of neither."""
+    configure(folder, "-DHAPTOGRAM_SIMULATION=OFF", "-DHAPTOGRAM_FTDI=OFF", "-DHAPTOGRAM_STUDIO=OFF", "-DHAPTOGRAM_TESTS=OFF", NO_VERILATOR, environment=NO_LIBFTDI)
     program = work / "haptogram-without-both"
     shutil.copy(build(folder), program)
     return program
@@ -61,6 +61,10 @@ def test_ftdi_that_is_left_out_says_so(without_both, work):
     assert "HAPTOGRAM_FTDI=ON" in says(without_both, work, "device", "info", "--port", "ftdi:", expect=USAGE)
 
 
+def test_studio_that_is_left_out_says_so(without_both, work):
+    assert "HAPTOGRAM_STUDIO=ON" in says(without_both, work, "studio", "--no-browser", expect=USAGE)
+
+
 def test_tests_without_simulation(without_both, folder):
     """The unit tests do not need it."""
     configure(folder, "-DHAPTOGRAM_SIMULATION=OFF", "-DHAPTOGRAM_FTDI=ON", "-DHAPTOGRAM_TESTS=ON", NO_VERILATOR)
@@ -70,7 +74,7 @@ def test_tests_without_simulation(without_both, folder):
     assert not any(name == "cli" or name.startswith("cosim/") for name in listed)
 
 
-@pytest.mark.parametrize("options", [["-DHAPTOGRAM_FTDI=OFF"], ["-DHAPTOGRAM_TESTS=OFF"], ["-DHAPTOGRAM_PROGRAM=OFF"],
+@pytest.mark.parametrize("options", [["-DHAPTOGRAM_FTDI=OFF"], ["-DHAPTOGRAM_STUDIO=OFF"], ["-DHAPTOGRAM_TESTS=OFF"], ["-DHAPTOGRAM_PROGRAM=OFF"],
                                      ["-DHAPTOGRAM_PROGRAM=OFF", "-DHAPTOGRAM_SIMULATION=OFF"]])
 def test_other_combinations_configure(work, options):
     configure(work / "configured", "--fresh", *options)

@@ -408,6 +408,12 @@ ProjectInstrument instrument_of(const Project& project) {
     return found;
 }
 
+Shape shape_of(const Project& project) {
+    if (!project.path.empty()) return {};
+    std::string hashes;
+    return place(gather(project, hashes), placement(project));
+}
+
 Compiled compile(const Project& project, const std::string& name, const Progress& progress) {
     const ProjectInstrument instrument = instrument_of(project);
     const Timer timer = choose_timer(instrument.array, instrument.core);

@@ -11,6 +11,7 @@
 #include "haptogram/render/draw.hpp"
 #include "haptogram/render/path.hpp"
 #include "haptogram/render/shape_path.hpp"
+#include "haptogram/shape/shape.hpp"
 #include "haptogram/solve/even.hpp"
 #include "haptogram/solve/pressure_left.hpp"
 
@@ -53,6 +54,10 @@ struct ProjectInstrument {
 };
 /// @throws Error{bad_input} for files that cannot be read, or an array that is too large for the board
 [[nodiscard]] ProjectInstrument instrument_of(const Project& project);
+
+/// The union of a project's shapes at its place in the array frame, metres: what compile() samples. Empty for a path.
+/// @throws Error naming what is wrong with the shapes or their placement
+[[nodiscard]] Shape shape_of(const Project& project);
 
 /// From shapes to the memories' contents: reads and places the shapes, samples them, orders the points into a short
 /// tour, gives each its share of the time, and focuses the array on each.

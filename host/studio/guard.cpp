@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "guard.hpp"
+
+#include <fmt/format.h>
+#include <sys/random.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+
+#include "haptogram/base/error.hpp"
+
+namespace haptogram::studio {
+namespace {
+
+/// In a time that does not tell how much of it is right.
+bool same(std::string_view found, std::string_view expected) {
+    if (found.size() != expected.size()) return false;
+    unsigned char difference = 0;
+    for (std::size_t i = 0; i < found.size(); ++i)
+        difference = static_cast<unsigned char>(difference | (found[i] ^ expected[i]));
+    return difference == 0;
+}
+
+/// The members of a header field that is a list.
+std::vector<std::string_view> members(std::string_view list) {
+    std::vector<std::string_view> found;
+    while (!list.empty()) {
+        const std::size_t end = std::min(list.find(','), list.size());
+        std::string_view member = list.substr(0, end);
+        while (!member.empty() && member.front() == ' ') member.remove_prefix(1);
+        while (!member.empty() && member.back() == ' ') member.remove_suffix(1);
+        found.push_back(member);
+        list.remove_prefix(std::min(end + 1, list.size()));
+    }
+    return found;
+}
+
+bool has_token(const RequestHead& head, const Access& access) {
+    constexpr std::string_view bearer = "Bearer ";
+    const std::string_view given = head.authorization;
+    return given.starts_with(bearer) && same(given.substr(bearer.size()), access.token);
+}
+
+bool offers_token(const RequestHead& head, const Access& access) {
+    constexpr std::string_view prefix = "token.";
+    bool protocol = false, token = false;
+    for (const std::string_view offered : members(head.protocols)) {
+        protocol = protocol || offered == subprotocol;
+        token = token || (offered.starts_with(prefix) && same(offered.substr(prefix.size()), access.token));
+    }
+    return protocol && token;
+}
+
+const char* const no_token =
+    "the token is missing or is not that of this server; open the address that 'haptogram studio' printed";
+
+}  // namespace
+
+std::string make_token() {
+    std::array<unsigned char, 16> bytes{};
+    if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
+        throw Error(ErrorCode::failed, "token", "the system gives no random numbers");
+    std::string token;
+    for (const unsigned char byte : bytes) token += fmt::format("{:02x}", byte);
+    return token;
+}
+
+Access access_for(std::uint16_t port, std::string token) {
+    return {{fmt::format("127.0.0.1:{}", port), fmt::format("localhost:{}", port)}, std::move(token)};
+}
+
+std::optional<Refusal> refuse(const RequestHead& head, const Access& access) {
+    if (std::find(access.hosts.begin(), access.hosts.end(), head.host) == access.hosts.end())
+        return Refusal{421, fmt::format("the host is '{}', expected {}", head.host, access.hosts.front())};
+    const std::string_view path = std::string_view(head.target).substr(0, head.target.find('?'));
+    if (!head.origin.empty() && head.origin != "http://" + head.host)
+        return Refusal{403, "the request comes from a page of another origin"};
+    const bool follows_link =
+        head.method == "GET" && path == "/" && head.fetch_mode == "navigate" && head.fetch_dest == "document";
+    if (!head.fetch_site.empty() && head.fetch_site != "same-origin" && head.fetch_site != "none" && !follows_link)
+        return Refusal{403, "the request was made by a page of another site"};
+    if (head.upgrade) {
+        if (path != "/ws") return Refusal{404, "there is a WebSocket at /ws only"};
+        if (head.origin.empty()) return Refusal{403, "a WebSocket needs an Origin"};
+        if (!offers_token(head, access)) return Refusal{401, no_token};
+        return {};
+    }
+    const bool api = path.starts_with("/api/");
+    if (head.method != "GET" && head.method != "HEAD" && !(head.method == "POST" && api))
+        return Refusal{405, fmt::format("{} is not served here", head.method)};
+    if (api && !has_token(head, access)) return Refusal{401, no_token};
+    if (head.content_length.value_or(0) > most_body_bytes)
+        return Refusal{413,
+                       fmt::format("{} bytes are more than the {} that the studio takes; 'haptogram compile' takes "
+                                   "files of any size",
+                                   *head.content_length, most_body_bytes)};
+    return {};
+}
+
+std::optional<std::string> query_value(std::string_view query, std::string_view name) {
+    while (!query.empty()) {
+        const std::size_t end = std::min(query.find('&'), query.size());
+        const std::string_view part = query.substr(0, end);
+        query.remove_prefix(std::min(end + 1, query.size()));
+        const std::size_t equals = std::min(part.find('='), part.size());
+        if (part.substr(0, equals) != name || equals == part.size()) continue;
+        std::string value;
+        for (std::string_view rest = part.substr(equals + 1); !rest.empty(); rest.remove_prefix(1)) {
+            if (rest.front() != '%') {
+                value += rest.front();
+                continue;
+            }
+            unsigned byte = 0;
+            if (rest.size() < 3) return {};
+            const auto [after, error] = std::from_chars(rest.data() + 1, rest.data() + 3, byte, 16);
+            if (error != std::errc() || after != rest.data() + 3) return {};
+            value += static_cast<char>(byte);
+            rest.remove_prefix(2);
+        }
+        return value;
+    }
+    return {};
+}
+
+}  // namespace haptogram::studio

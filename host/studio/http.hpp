@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// The HTTP server, without the headers of the library behind it, which take half a minute to compile.
+#pragma once
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>  // for Boost 1.74, whose coroutines use std::exchange without it
+#include <vector>
+
+#include "guard.hpp"
+
+namespace haptogram::studio {
+
+struct Request {
+    std::string method, path, query;
+    std::string body;
+    bool takes_gzip = false;
+};
+
+struct Answer {
+    unsigned status = 200;
+    std::string type = "application/json";
+    std::string body;
+    bool gzip = false;  ///< how the body is encoded
+};
+
+/// {"error": {"message": …}}
+[[nodiscard]] Answer error_answer(unsigned status, const std::string& message);
+
+/// A page that is connected.
+class Page {
+public:
+    Page() = default;
+    Page(const Page&) = delete;
+    Page& operator=(const Page&) = delete;
+    virtual ~Page() = default;
+
+    [[nodiscard]] virtual std::uint64_t number() const = 0;
+    /// Queues a message; may be called from any thread. Bulk is dropped while the page takes nothing, text never.
+    virtual void send(std::string text) = 0;
+    virtual void send(std::vector<std::uint8_t> bulk) = 0;
+    /// Ends the connection and says why.
+    virtual void close(const std::string& reason) = 0;
+};
+
+/// Takes the answer to a request, once; may be called from any thread, also after a while.
+using Reply = std::function<void(Answer)>;
+
+/// Serves requests and WebSockets on the loopback interface. All callbacks run in the thread that is in run(), one
+/// after the other, and must return soon.
+class Server {
+public:
+    struct Callbacks {
+        /// Answers by the reply, or throws what is wrong: the client gets an Error as 422.
+        std::function<void(Request, Reply)> request;
+        std::function<void(std::shared_ptr<Page>)> opened;
+        std::function<void(Page&, std::string)> message;
+        std::function<void(Page&)> closed;
+        std::function<bool()> tick;  ///< every tick_pause; false ends run()
+    };
+    static constexpr std::chrono::milliseconds tick_pause{50};
+    static constexpr std::size_t most_connections = 32, most_pages = 8;
+
+    /// Listens from now on. @param port  0: one that is free
+    /// @throws Error{failed} when the port is taken
+    explicit Server(std::uint16_t port);
+    ~Server();
+
+    [[nodiscard]] std::uint16_t port() const;
+    /// Serves until a tick says false.
+    void run(const Access& access, Callbacks callbacks);
+    /// Calls `work` from within run(); may be called from any thread.
+    void post(std::function<void()> work);
+
+private:
+    class Inside;
+    std::unique_ptr<Inside> inside_;
+};
+
+}  // namespace haptogram::studio

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "messages.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <initializer_list>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "haptogram/shape/place.hpp"
+
+namespace haptogram::studio {
+namespace {
+
+using nlohmann::ordered_json;
+
+static_assert(std::endian::native == std::endian::little, "the layouts are those of the processor's memory");
+
+/// A message's members, each of which must be asked for.
+class Members {
+public:
+    Members(const ordered_json& message, std::string type) : message_(message), type_(std::move(type)) {}
+
+    void only(std::initializer_list<std::string_view> known) const {
+        for (const auto& [key, value] : message_.items())
+            if (key != "t" && std::find(known.begin(), known.end(), key) == known.end())
+                throw bad_input(type_, fmt::format("unknown member '{}'", key));
+    }
+    [[nodiscard]] const ordered_json& get(const char* name, bool right, const char* expected) const {
+        if (!right) throw bad_input(type_, fmt::format("member '{}' is missing or not {}", name, expected));
+        return message_[name];
+    }
+    [[nodiscard]] bool has(const char* name) const { return message_.contains(name); }
+    [[nodiscard]] std::uint32_t whole(const char* name) const {
+        const bool right = has(name) && message_[name].is_number_unsigned() &&
+                           message_[name].get<std::uint64_t>() <= std::numeric_limits<std::uint32_t>::max();
+        return get(name, right, "a whole number of 32 bits").get<std::uint32_t>();
+    }
+    [[nodiscard]] std::string text(const char* name) const {
+        return get(name, has(name) && message_[name].is_string(), "text").get<std::string>();
+    }
+    [[nodiscard]] bool truth(const char* name) const {
+        return get(name, has(name) && message_[name].is_boolean(), "true or false").get<bool>();
+    }
+    [[nodiscard]] Vec3 millimetres(const char* name) const {
+        const bool right = has(name) && message_[name].is_array() && message_[name].size() == 3 &&
+                           std::all_of(message_[name].begin(), message_[name].end(),
+                                       [](const ordered_json& each) { return each.is_number(); });
+        const ordered_json& found = get(name, right, "three numbers");
+        return from_mm(found[0].get<double>(), found[1].get<double>(), found[2].get<double>());
+    }
+    [[nodiscard]] ordered_json object(const char* name) const {
+        return get(name, has(name) && message_[name].is_object(), "an object");
+    }
+
+private:
+    const ordered_json& message_;
+    std::string type_;
+};
+
+template <class T>
+void put(std::vector<std::uint8_t>& bytes, std::size_t at, T value) {
+    std::memcpy(bytes.data() + at, &value, sizeof value);
+}
+
+void append(std::vector<float>& values, Vec3 point) {
+    for (const double each : {point.x, point.y, point.z}) values.push_back(static_cast<float>(each / millimetre));
+}
+
+/// A mesh of fewer triangles for drawing: a vertex becomes the first one of those in its cell of a grid, which has so
+/// many cells along the longest side of the mesh. What becomes a line or a point, or is there already, is left out.
+std::vector<std::array<std::uint32_t, 3>> coarser(const Mesh& mesh, double cells) {
+    const Box box = bounding_box(Shape{{mesh}});
+    const Vec3 extent = box.extent();
+    const double cell = std::max({extent.x, extent.y, extent.z}) / cells;
+    std::map<std::array<std::int64_t, 3>, std::uint32_t> first;
+    std::vector<std::uint32_t> becomes;
+    for (const Vec3& vertex : mesh.vertices) {
+        const Vec3 place = (1.0 / cell) * (vertex - box.low);
+        const std::array<std::int64_t, 3> key{std::llround(place.x), std::llround(place.y), std::llround(place.z)};
+        becomes.push_back(first.try_emplace(key, static_cast<std::uint32_t>(becomes.size())).first->second);
+    }
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+    std::set<std::array<std::uint32_t, 3>> known;
+    for (const auto& [a, b, c] : mesh.triangles) {
+        const std::array<std::uint32_t, 3> triangle{becomes[a], becomes[b], becomes[c]};
+        std::array<std::uint32_t, 3> sorted = triangle;
+        std::sort(sorted.begin(), sorted.end());
+        if (sorted[0] != sorted[1] && sorted[1] != sorted[2] && known.insert(sorted).second)
+            triangles.push_back(triangle);
+    }
+    return triangles;
+}
+
+/// The triangles of a mesh that are drawn, `most` at most.
+std::vector<std::array<std::uint32_t, 3>> drawn(const Mesh& mesh, std::size_t most) {
+    std::vector<std::array<std::uint32_t, 3>> triangles = mesh.triangles;
+    for (double cells = 96.0; triangles.size() > most; cells /= 1.5) triangles = coarser(mesh, cells);
+    return triangles;
+}
+
+/// Every so many-th of `count`, so that at most `most` are taken.
+std::size_t stride(std::size_t count, std::size_t most) { return std::max<std::size_t>(1, (count + most - 1) / most); }
+
+}  // namespace
+
+Message read_message(std::string_view text) {
+    ordered_json message;
+    try {
+        message = ordered_json::parse(text);
+    } catch (const ordered_json::exception& error) {
+        throw bad_input("message", fmt::format("no JSON: {}", error.what()));
+    }
+    if (!message.is_object() || !message.contains("t") || !message["t"].is_string())
+        throw bad_input("message", "expected an object with the member 't', the name of the message");
+    const std::string type = message["t"];
+    const Members members(message, fmt::format("message '{}'", type));
+    if (type == "scene") {
+        members.only({"n", "document"});
+        return SceneMessage{members.whole("n"), members.object("document")};
+    }
+    if (type == "slice") {
+        members.only({"n", "scene", "origin", "u", "v", "width", "height"});
+        return SliceMessage{members.whole("n"),
+                            members.text("scene"),
+                            {members.millimetres("origin"), members.millimetres("u"), members.millimetres("v"),
+                             members.whole("width"), members.whole("height")}};
+    }
+    if (type == "connect") {
+        members.only({"n", "port", "scene"});
+        return ConnectMessage{members.whole("n"), members.text("port"), members.text("scene")};
+    }
+    if (type == "disconnect") {
+        members.only({"n"});
+        return DisconnectMessage{members.whole("n")};
+    }
+    if (type == "upload") {
+        members.only({"n", "scene"});
+        return UploadMessage{members.whole("n"), members.text("scene")};
+    }
+    if (type == "play") {
+        members.only({"n", "scene"});
+        return PlayMessage{members.whole("n"), members.text("scene")};
+    }
+    if (type == "stream") {
+        members.only({"n", "scene", "index"});
+        return StreamMessage{members.whole("n"), members.text("scene"), members.whole("index")};
+    }
+    if (type == "stop") {
+        members.only({"n"});
+        return StopMessage{members.whole("n")};
+    }
+    if (type == "beat") {
+        members.only({"hidden"});
+        return BeatMessage{members.truth("hidden")};
+    }
+    throw bad_input("message", fmt::format("there is no message '{}'", type));
+}
+
+std::string to_text(const ordered_json& message) {
+    return message.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+}
+
+ordered_json to_json(const Error& error) {
+    return {{"where", error.where()}, {"message", error.message()}, {"remedies", error.remedies()}};
+}
+
+std::vector<std::uint8_t> slice_bytes(const SliceMessage& asked, const std::vector<float>& values,
+                                      double skin_per_square, double took_ms, std::size_t sets) {
+    std::vector<std::uint8_t> bytes(64 + sizeof(float) * values.size());
+    const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
+    std::memcpy(bytes.data(), "HSL1", 4);
+    put(bytes, 4, asked.n);
+    put(bytes, 8, asked.slice.width);
+    put(bytes, 12, asked.slice.height);
+    put(bytes, 16, *least);
+    put(bytes, 20, *greatest);
+    put(bytes, 24, static_cast<float>(skin_per_square));
+    put(bytes, 28, static_cast<float>(took_ms));
+    put(bytes, 32, static_cast<std::uint32_t>(sets));
+    std::memcpy(bytes.data() + 36, asked.scene.data(), std::min<std::size_t>(28, asked.scene.size()));
+    std::memcpy(bytes.data() + 64, values.data(), sizeof(float) * values.size());
+    return bytes;
+}
+
+std::vector<std::uint8_t> shape_bytes(std::uint32_t n, const Shape& shape) {
+    std::array<std::vector<float>, 3> corners;  // of triangles, segments, points
+    std::size_t triangles = 0, points = 0;
+    for (const Piece& piece : shape.pieces) {
+        if (const auto* const mesh = std::get_if<Mesh>(&piece)) triangles += mesh->triangles.size();
+        if (const auto* const cloud = std::get_if<Cloud>(&piece)) points += cloud->points.size();
+    }
+    for (const Piece& piece : shape.pieces) {
+        if (const auto* const mesh = std::get_if<Mesh>(&piece)) {
+            const double share = static_cast<double>(mesh->triangles.size()) / static_cast<double>(triangles);
+            for (const auto& triangle : drawn(*mesh, static_cast<std::size_t>(share * most_drawn_triangles)))
+                for (const std::uint32_t corner : triangle) append(corners[0], mesh->vertices[corner]);
+        } else if (const auto* const curve = std::get_if<Curve>(&piece)) {
+            constexpr int segments = 200;
+            for (int i = 0; i < segments; ++i)
+                for (const int end : {i, i + 1}) append(corners[1], curve->at(curve->length * end / segments));
+        } else {
+            const Cloud& cloud = std::get<Cloud>(piece);
+            for (std::size_t i = 0; i < cloud.points.size(); i += stride(points, most_drawn_points))
+                append(corners[2], cloud.points[i]);
+        }
+    }
+    std::vector<std::uint8_t> bytes(64);
+    std::memcpy(bytes.data(), "HOB1", 4);
+    put(bytes, 4, n);
+    put(bytes, 8, static_cast<std::uint32_t>(corners[0].size() / 9));
+    put(bytes, 12, static_cast<std::uint32_t>(corners[1].size() / 6));
+    put(bytes, 16, static_cast<std::uint32_t>(corners[2].size() / 3));
+    put(bytes, 20, static_cast<std::uint32_t>(triangles));
+    put(bytes, 24, static_cast<std::uint32_t>(points));
+    for (const std::vector<float>& each : corners) {
+        const auto* const begin = reinterpret_cast<const std::uint8_t*>(each.data());
+        bytes.insert(bytes.end(), begin, begin + sizeof(float) * each.size());
+    }
+    return bytes;
+}
+
+}  // namespace haptogram::studio

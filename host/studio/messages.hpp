@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a page and the server say to each other over the WebSocket. README.md has the table.
+#pragma once
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "haptogram/base/error.hpp"
+#include "haptogram/instrument/slice.hpp"
+#include "haptogram/shape/shape.hpp"
+
+namespace haptogram::studio {
+
+/// Compile a project. The answer has the same number.
+struct SceneMessage {
+    std::uint32_t n = 0;
+    nlohmann::ordered_json document;  ///< haptogram/instrument/document.hpp
+};
+/// Compute a slice of a scene's field.
+struct SliceMessage {
+    std::uint32_t n = 0;
+    std::string scene;
+    Slice slice;  ///< metres; millimetres on the line
+};
+/// Connect to a port. "virtual" starts a reference board that can play the scene, "virtual-rtl" the simulated Verilog.
+struct ConnectMessage {
+    std::uint32_t n = 0;
+    std::string port, scene;
+};
+struct DisconnectMessage {
+    std::uint32_t n = 0;
+};
+/// Bring a scene's image into the board's memories.
+struct UploadMessage {
+    std::uint32_t n = 0;
+    std::string scene;
+};
+/// The same, and play it.
+struct PlayMessage {
+    std::uint32_t n = 0;
+    std::string scene;
+};
+/// Bring the image, and play one record until the next such message names another: the page's scrubber moves.
+struct StreamMessage {
+    std::uint32_t n = 0;
+    std::string scene;
+    std::uint32_t index = 0;  ///< of a record, from 1 on
+};
+/// Outputs off, ahead of everything.
+struct StopMessage {
+    std::uint32_t n = 0;
+};
+/// The page is alive.
+struct BeatMessage {
+    bool hidden = false;  ///< nobody sees it
+};
+
+using Message = std::variant<SceneMessage, SliceMessage, ConnectMessage, DisconnectMessage, UploadMessage, PlayMessage,
+                             StreamMessage, StopMessage, BeatMessage>;
+
+/// Reads a message. A member that is missing, of another type, or unknown is an error, because page and server are
+/// always of one version.
+/// @throws Error{bad_input} naming the message and the member
+[[nodiscard]] Message read_message(std::string_view text);
+
+/// A message as text. Messages quote what stands in files; bytes that are no UTF-8 become U+FFFD.
+[[nodiscard]] std::string to_text(const nlohmann::ordered_json& message);
+
+/// An error as a page shows it: {"where", "message", "remedies"}.
+[[nodiscard]] nlohmann::ordered_json to_json(const Error& error);
+
+/// A slice as bytes, little-endian: a header of 64 bytes, so that what follows is aligned for typed arrays, then
+/// width × height values of float32, the mean square pressure in Pa², rows of v = 0 first.
+///
+/// | at | type | what |
+/// |----|------|------|
+/// | 0  | u8[4] | "HSL1" |
+/// | 4  | u32 | number of the request |
+/// | 8, 12 | u32 | width, height |
+/// | 16, 20 | f32 | least and greatest value |
+/// | 24 | f32 | radiation pressure on skin over mean square, 1/Pa |
+/// | 28 | f32 | time that it took, ms |
+/// | 32 | u32 | sets of foci that were averaged |
+/// | 36 | u8[28] | the first characters of the scene's name |
+[[nodiscard]] std::vector<std::uint8_t> slice_bytes(const SliceMessage& asked, const std::vector<float>& values,
+                                                    double skin_per_square, double took_ms, std::size_t sets);
+
+inline constexpr std::size_t most_drawn_triangles = 50'000, most_drawn_points = 50'000;
+
+/// A shape as bytes for drawing, little-endian, millimetres: a header of 64 bytes, then float32 x, y, z of the corners
+/// of triangles (three each), of line segments (two each) and of points. Larger meshes are sent coarser: vertices in
+/// one cell of a grid become one, which leaves no holes. Of larger clouds every so many-th point is sent. The header
+/// says how many there are.
+///
+/// | at | type | what |
+/// |----|------|------|
+/// | 0  | u8[4] | "HOB1" |
+/// | 4  | u32 | number of the request |
+/// | 8, 12, 16 | u32 | triangles, line segments, points that follow |
+/// | 20, 24 | u32 | triangles and points that the shape has |
+[[nodiscard]] std::vector<std::uint8_t> shape_bytes(std::uint32_t n, const Shape& shape);
+
+}  // namespace haptogram::studio

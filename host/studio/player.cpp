@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "player.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "haptogram/base/error.hpp"
+#include "haptogram/link/play.hpp"
+#include "haptogram/link/port.hpp"
+#include "haptogram/link/stream.hpp"
+#include "haptogram/link/to_json.hpp"
+#include "haptogram/link/transfer.hpp"
+#include "messages.hpp"
+
+namespace haptogram::studio {
+
+using nlohmann::ordered_json;
+
+/// The record that a stream plays: the one that was asked for last.
+class Player::Scrub final : public link::StreamSource {
+public:
+    explicit Scrub(std::shared_ptr<const Scene> of) : scene(std::move(of)) {}
+
+    void put(std::uint16_t index) {
+        {
+            const std::lock_guard lock(mutex_);
+            asked_ = index;
+        }
+        changed_.notify_all();
+    }
+    std::optional<SequenceEntry> next(std::chrono::milliseconds patience) override {
+        std::unique_lock lock(mutex_);
+        changed_.wait_for(lock, patience, [this] { return asked_.has_value(); });
+        if (!asked_) return {};
+        return SequenceEntry{*std::exchange(asked_, {}), 0};  // until the next arrives
+    }
+    [[nodiscard]] bool ended() const override { return false; }
+
+    const std::shared_ptr<const Scene> scene;
+    std::uint64_t number = 0;  ///< of the work
+
+private:
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    std::optional<std::uint16_t> asked_;
+};
+
+Player::Player(Settings settings) : settings_(std::move(settings)), thread_([this] { run(); }) {}
+
+Player::~Player() {
+    disconnect();
+    {
+        const std::lock_guard lock(mutex_);
+        over_ = true;
+    }
+    changed_.notify_all();
+    thread_.join();
+}
+
+void Player::connect(const std::string& port) {
+    connect([port] { return link::open_port(port, link::PortSettings{}.baud); }, nullptr);
+}
+
+void Player::connect_virtual(std::uint32_t channels, const std::string& model) {
+    auto board = std::make_shared<VirtualBoard>(channels, model);
+    connect([board] { return board->open(); }, board);
+}
+
+void Player::connect(std::function<std::unique_ptr<link::Transport>()> open, std::shared_ptr<VirtualBoard> board) {
+    disconnect();
+    auto device = std::make_shared<link::DeviceThread>(
+        link::DeviceThread::Settings{.open = std::move(open), .told = settings_.told});
+    const std::lock_guard lock(mutex_);
+    device_ = std::move(device);
+    board_ = std::move(board);
+}
+
+void Player::disconnect() {
+    stop();
+    std::shared_ptr<link::DeviceThread> device;
+    std::shared_ptr<VirtualBoard> board;
+    {
+        const std::lock_guard lock(mutex_);
+        device = std::move(device_);
+        board = std::move(board_);
+    }
+    device.reset();  // waits until the outputs are off, and only then the board goes
+}
+
+bool Player::connected() const {
+    const std::lock_guard lock(mutex_);
+    return device_ != nullptr;
+}
+
+std::optional<std::uint64_t> Player::stop() {
+    const std::lock_guard lock(mutex_);
+    ++stops_;
+    scrub_.reset();
+    for (const Work& work : std::exchange(waiting_, {}))
+        settings_.work({{"t", "stopped"}, {"work", work.name}, {"number", work.number}});
+    if (!device_) return {};
+    return device_->shut_off();
+}
+
+std::uint64_t Player::ask(Work work) {
+    std::uint64_t number = 0;
+    {
+        const std::lock_guard lock(mutex_);
+        if (!device_)
+            throw Error(ErrorCode::device, "board", "there is no connection; start a virtual board or connect");
+        work.number = number = ++asked_;
+        work.stops = stops_;
+        if (work.scrub) {
+            work.scrub->number = number;
+            scrub_ = work.scrub;
+        }
+        waiting_.push_back(std::move(work));
+    }
+    changed_.notify_all();
+    return number;
+}
+
+void Player::tell_progress(const char* name, std::uint64_t number, double fraction, std::string_view stage) const {
+    settings_.work({{"t", "progress"}, {"work", name}, {"number", number}, {"fraction", fraction}, {"stage", stage}});
+}
+
+void Player::bring(link::Commands& device, const char* name, std::uint64_t number, const Scene& scene,
+                   ordered_json& report) const {
+    const Image& image = scene.compiled.bundle.image;
+    link::require_fits(image, device.identity(), "scene");
+    const link::Uploaded uploaded =
+        link::upload(device, image, Progress([this, name, number](double fraction, std::string_view) {
+                         tell_progress(name, number, fraction, "upload");
+                         return true;
+                     }));
+    report["frames"] = uploaded.pieces;
+    report["frames_written"] = uploaded.written;
+}
+
+std::uint64_t Player::upload(std::shared_ptr<const Scene> scene) {
+    const auto act = [this, scene = std::move(scene)](link::Commands& device, std::uint64_t number) {
+        ordered_json report;
+        bring(device, "upload", number, *scene, report);
+        return report;
+    };
+    return ask({.name = "upload", .act = act});
+}
+
+std::uint64_t Player::play(std::shared_ptr<const Scene> scene) {
+    const auto act = [this, scene = std::move(scene)](link::Commands& device, std::uint64_t number) {
+        ordered_json report;
+        bring(device, "play", number, *scene, report);
+        const link::Played played = link::play(device, {}, [&](const link::Playing& now) {
+            settings_.work(
+                {{"t", "progress"}, {"work", "play"}, {"number", number}, {"seconds", now.seconds}, {"stage", "play"}});
+            return true;
+        });
+        report.update(link::played_to_json(played));
+        return report;
+    };
+    return ask({.name = "play", .act = act});
+}
+
+std::uint64_t Player::stream(std::shared_ptr<const Scene> scene, std::uint32_t index) {
+    const std::size_t records = scene->compiled.bundle.image.records.size();
+    if (index < 1 || index > records)
+        throw bad_argument("index", fmt::format("{} is no record; the scene has 1 to {}", index, records));
+    {
+        const std::lock_guard lock(mutex_);
+        if (scrub_ && scrub_->scene != scene)
+            throw Error(ErrorCode::device, "board", "it streams another scene; press STOP first");
+        if (scrub_) {
+            scrub_->put(static_cast<std::uint16_t>(index));
+            return scrub_->number;
+        }
+    }
+    const auto scrub = std::make_shared<Scrub>(std::move(scene));
+    scrub->put(static_cast<std::uint16_t>(index));
+    const auto act = [this, scrub](link::Commands& device, std::uint64_t number) {
+        ordered_json report;
+        bring(device, "stream", number, *scrub->scene, report);
+        const link::Played played = link::stream(device, {}, *scrub, [&](const link::Playing& now) {
+            settings_.work({{"t", "progress"},
+                            {"work", "stream"},
+                            {"number", number},
+                            {"seconds", now.seconds},
+                            {"stage", "play"}});
+            return true;
+        });
+        report.update(link::played_to_json(played));
+        return report;
+    };
+    return ask({.name = "stream", .act = act, .scrub = scrub});
+}
+
+void Player::run() {
+    for (;;) {
+        Work work;
+        std::shared_ptr<link::DeviceThread> device;
+        {
+            std::unique_lock lock(mutex_);
+            changed_.wait(lock, [this] { return over_ || !waiting_.empty(); });
+            if (over_) return;
+            work = std::move(waiting_.front());
+            waiting_.pop_front();
+            device = device_;
+        }
+        ordered_json report{{"t", "done"}, {"work", work.name}, {"number", work.number}};
+        try {
+            if (!device) throw Error(ErrorCode::cancelled, {}, "the connection was closed");
+            const auto channel = device->channel(std::chrono::seconds(20));  // a virtual board may still be starting
+            device.reset();                                                  // a channel may outlive its device
+            {
+                // A channel that was opened after stop() would play on; one that was opened before it is cancelled.
+                const std::lock_guard lock(mutex_);
+                if (work.stops != stops_) throw Error(ErrorCode::cancelled, {}, "stopped");
+            }
+            report["report"] = work.act(*channel, work.number);
+        } catch (const Error& error) {
+            report["t"] = error.code() == ErrorCode::cancelled ? "stopped" : "failed";
+            report["error"] = to_json(error);
+        } catch (const std::exception& error) {
+            report["t"] = "failed";
+            report["error"] = {{"where", work.name}, {"message", error.what()}};
+        }
+        {
+            const std::lock_guard lock(mutex_);
+            if (work.scrub && scrub_ == work.scrub) scrub_.reset();
+        }
+        settings_.work(std::move(report));
+    }
+}
+
+}  // namespace haptogram::studio

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "haptogram/link/device_thread.hpp"
+#include "scenes.hpp"
+#include "virtual_board.hpp"
+
+namespace haptogram::studio {
+
+/// The one board that the studio drives. Every function returns at once; the work is done in a thread of its own, one
+/// after the other. stop() overtakes all of it.
+class Player {
+public:
+    struct Settings {
+        /// Told in some thread of each status of the board, and of each change. It must return soon.
+        std::function<void(const link::DeviceState&)> told;
+        /// Told in some thread what happens to work: {"t": "progress", "done", "stopped" or "failed", "work",
+        /// "number", …}.
+        std::function<void(nlohmann::ordered_json)> work;
+    };
+
+    explicit Player(Settings settings);
+    Player(const Player&) = delete;
+    Player& operator=(const Player&) = delete;
+    /// Outputs off, and the end of the connection.
+    ~Player();
+
+    /// Connects to a port, in place of the present one.
+    void connect(const std::string& port);
+    /// Starts a virtual board of a model, as VirtualBoard has it, with so many channels, and connects to it.
+    void connect_virtual(std::uint32_t channels, const std::string& model);
+    void disconnect();
+    [[nodiscard]] bool connected() const;
+
+    /// Brings a scene's image into the board's memories.
+    /// @return the number by which the work is told of
+    /// @throws Error{device} without a connection
+    std::uint64_t upload(std::shared_ptr<const Scene> scene);
+    /// The same, then plays it until its end or stop().
+    std::uint64_t play(std::shared_ptr<const Scene> scene);
+
+    /// The same, then plays one record until the next call names another. Calls while it plays cost one message each.
+    /// @param index  of the record, from 1 on
+    /// @throws Error{bad_argument} for a record that the scene does not have, Error{device} while another scene streams
+    std::uint64_t stream(std::shared_ptr<const Scene> scene, std::uint32_t index);
+
+    /// Outputs off: what waits is dropped, what is under way is cut off. May be called from any thread.
+    /// @return a number; the outputs are off once the state's `confirmed` has reached it. None without a connection
+    std::optional<std::uint64_t> stop();
+
+private:
+    class Scrub;
+    struct Work {
+        std::string name;
+        std::function<nlohmann::ordered_json(link::Commands&, std::uint64_t number)> act;
+        std::shared_ptr<Scrub> scrub{};  ///< of a stream
+        std::uint64_t number = 0;
+        std::uint64_t stops = 0;  ///< that there had been when it was asked for
+    };
+    void connect(std::function<std::unique_ptr<link::Transport>()> open, std::shared_ptr<VirtualBoard> board);
+    std::uint64_t ask(Work work);
+    void run();
+    void tell_progress(const char* name, std::uint64_t number, double fraction, std::string_view stage) const;
+    void bring(link::Commands& device, const char* name, std::uint64_t number, const Scene& scene,
+               nlohmann::ordered_json& report) const;
+
+    Settings settings_;
+    mutable std::mutex mutex_;
+    std::condition_variable changed_;
+    std::deque<Work> waiting_;
+    bool over_ = false;
+    std::uint64_t stops_ = 0, asked_ = 0;
+    std::shared_ptr<Scrub> scrub_;  // what a stream under way plays
+    std::shared_ptr<VirtualBoard> board_;
+    std::shared_ptr<link::DeviceThread> device_;
+    std::thread thread_;
+};
+
+}  // namespace haptogram::studio

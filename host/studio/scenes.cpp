@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "haptogram/acoustics/quantities.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/base/file.hpp"
+#include "haptogram/instrument/compile_numbers.hpp"
+#include "haptogram/instrument/document.hpp"
+#include "haptogram/shape/import.hpp"
+
+namespace haptogram::studio {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json millimetres(Vec3 point) { return {point.x / millimetre, point.y / millimetre, point.z / millimetre}; }
+
+bool names_file(const std::string& name) { return name.ends_with(".toml") || name.find('/') != std::string::npos; }
+
+/// @throws Error{bad_input} when a page names a file of this machine that the studio was not started with
+void require_ours(const std::string& key, const std::optional<std::string>& found,
+                  const std::optional<std::string>& opened) {
+    if (found && names_file(*found) && found != opened)
+        throw bad_input(key,
+                        fmt::format("'{}' is a file, and the page may name shipped ones only; start the studio with "
+                                    "a project that names it",
+                                    *found));
+}
+
+}  // namespace
+
+ordered_json to_json(const Scene& scene) {
+    const Compiled& c = scene.compiled;
+    const Manifest& m = c.bundle.manifest;
+    ordered_json elements = ordered_json::array(), foci = ordered_json::array(), tour = ordered_json::array();
+    for (const Element& element : m.array.elements) elements.push_back(millimetres(element.position));
+    for (const PathStep& step : c.path.steps)
+        for (const Focus& focus : step.foci) foci.push_back(millimetres(focus.position));
+    for (const SequenceEntry& entry : c.bundle.image.sequence) {
+        if (entry.index == 0 || (!tour.empty() && tour.back()["index"] == entry.index)) continue;
+        tour.push_back(
+            {{"index", entry.index}, {"at", millimetres(m.records[entry.index - 1U].foci.front().position)}});
+    }
+    return {{"name", scene.name},
+            {"array",
+             {{"name", m.array.name}, {"radius_mm", m.array.transducer.radius_m / millimetre}, {"elements", elements}}},
+            {"foci", foci},
+            {"tour", tour},
+            {"channels", m.core.parameters.channels},
+            {"numbers", numbers_of(c)},
+            {"image_sha256", m.image_sha256},
+            {"warnings", c.warnings}};
+}
+
+void Scenes::open(const std::filesystem::path& path) {
+    const std::string text = read_file(path);
+    Project project = project_from_toml(text, path.string());
+    project.folder = path.parent_path();
+    std::map<std::string, std::string> files;
+    for (const ShapeSource& source : project.shapes)
+        if (!source.file.empty()) files[source.file] = read_file(project.folder / source.file);
+    ordered_json document = document_of(text, path.string());
+    const std::lock_guard lock(mutex_);
+    files_.merge(files);
+    opened_ = std::move(project);
+    first_ = std::move(document);
+}
+
+ordered_json Scenes::first_document() const {
+    const std::lock_guard lock(mutex_);
+    if (!first_.is_null()) return first_;
+    return document_of("format = \"haptogram-project-1\"\nrate_hz = 7\n\n[[shape]]\nkind = \"hemisphere\"\n",
+                       "example");
+}
+
+void Scenes::add_file(const std::string& name, std::string content) {
+    const bool plain = std::none_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
+    if (name.empty() || name.size() > 100 || name.front() == '.' || !plain || name.find('/') != std::string::npos)
+        throw bad_input("name",
+                        "a shape file's name has 1 to 100 bytes, no slash, and no dot in front; rename the file");
+    (void)shape_format(name);
+    const std::lock_guard lock(mutex_);
+    std::size_t total = content.size();
+    for (const auto& [other, kept] : files_) total += other == name ? 0 : kept.size();
+    if (total > most_file_bytes)
+        throw bad_input(name, fmt::format("all files together would have {} bytes, and the studio keeps {}; start it "
+                                          "again",
+                                          total, most_file_bytes));
+    files_[name] = std::move(content);
+}
+
+Project Scenes::project_of(const std::string& text, std::string& identity) const {
+    Project project = project_from_toml(text, "project");
+    const std::lock_guard lock(mutex_);
+    project.folder = opened_.folder;
+    require_ours("array", project.array, opened_.array);
+    require_ours("board", project.board, opened_.board);
+    if (!project.path.empty() && project.path != opened_.path)
+        throw bad_input("path", "the page may not name files of this machine; start the studio with the project");
+    const auto am_has = [&](const char* kind) { return project.am.find(kind) != std::string::npos; };
+    if ((am_has("wav:") || am_has("csv:")) && project.am != opened_.am)
+        throw bad_input("am", "the page may not name files of this machine; start the studio with the project");
+    identity = text;
+    for (ShapeSource& source : project.shapes) {
+        if (source.file.empty()) continue;
+        const auto file = files_.find(source.file);
+        if (file == files_.end())
+            throw bad_input(source.file, "the studio does not have this file; drop it onto the page again");
+        source.content = file->second;
+        identity += sha256(file->second);
+    }
+    return project;
+}
+
+Made Scenes::compile(const ordered_json& document) {
+    std::string identity;
+    Project project = project_of(toml_of(document), identity);
+    const std::string name = sha256(identity).substr(0, 28);
+    {
+        const std::lock_guard lock(mutex_);
+        const auto known = std::find_if(scenes_.begin(), scenes_.end(), [&](const auto& s) { return s->name == name; });
+        if (known != scenes_.end()) {
+            scenes_.splice(scenes_.begin(), scenes_, known);
+            return {scenes_.front(), std::move(project)};
+        }
+    }
+    Compiled compiled = haptogram::compile(project, "image.hex");
+    Excitation excitation = excitation_of(compiled.bundle);
+    Project named = project;
+    for (ShapeSource& source : named.shapes) source.content.reset();
+    // A complex amplitude of √2 Pa is a mean square of 1 Pa².
+    const double skin = radiation_pressure(std::sqrt(2.0), compiled.bundle.manifest.array.medium);
+    const auto scene =
+        std::make_shared<const Scene>(Scene{name, to_toml(named), std::move(compiled), std::move(excitation), skin});
+    const std::lock_guard lock(mutex_);
+    scenes_.push_front(scene);
+    if (scenes_.size() > most_scenes) scenes_.pop_back();
+    return {scene, std::move(project)};
+}
+
+std::shared_ptr<const Scene> Scenes::find(const std::string& name) const {
+    const std::lock_guard lock(mutex_);
+    for (const auto& scene : scenes_)
+        if (scene->name == name) return scene;
+    throw bad_argument("scene", fmt::format("there is no scene '{}' any more; send its document again", name));
+}
+
+}  // namespace haptogram::studio

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <filesystem>
+#include <list>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "haptogram/analysis/excitation.hpp"
+#include "haptogram/instrument/compile.hpp"
+
+namespace haptogram::studio {
+
+/// A project that was compiled: what the page shows, plays and takes away.
+struct Scene {
+    std::string name;     ///< a hash of the document and its files, so that equal projects are one scene
+    std::string project;  ///< text of the project file
+    Compiled compiled;
+    Excitation excitation;   ///< of the image
+    double skin_per_square;  ///< radiation pressure on skin over the mean square pressure, 1/Pa
+};
+
+/// A scene together with its project, which has the contents of its files: shape_of() makes the object of it.
+struct Made {
+    std::shared_ptr<const Scene> scene;
+    Project project;
+};
+
+/// What a scene is in numbers, millimetres and seconds, for the page.
+[[nodiscard]] nlohmann::ordered_json to_json(const Scene& scene);
+
+/// The files that pages sent, the project that the studio was started with, and the scenes that were compiled last. All
+/// functions may be called from any thread.
+class Scenes {
+public:
+    static constexpr std::size_t most_file_bytes = 512 * 1024 * 1024;  ///< of all files together
+    static constexpr std::size_t most_scenes = 16;
+
+    /// Reads a project's shape files, so that the page can refer to them by the names that the project has for them.
+    /// @throws Error as load_project() and read_file()
+    void open(const std::filesystem::path& project);
+    /// The document that a page begins with: the project that was opened, or a hemisphere.
+    [[nodiscard]] nlohmann::ordered_json first_document() const;
+
+    /// Keeps a file under a name, in place of an older one of that name.
+    /// @throws Error{bad_input} for a name that no shape file of a project can have, or when all files are too large
+    void add_file(const std::string& name, std::string content);
+
+    /// Compiles a document, unless it is one of the scenes already.
+    /// @throws Error naming what is wrong with the document; a shape file must have been sent, or be the project's, and
+    /// an array or a board must be shipped, or be the project's: a page cannot name other files of this machine
+    Made compile(const nlohmann::ordered_json& document);
+    /// @throws Error{bad_argument} when there is no such scene
+    [[nodiscard]] std::shared_ptr<const Scene> find(const std::string& name) const;
+
+private:
+    [[nodiscard]] Project project_of(const std::string& text, std::string& identity) const;
+
+    mutable std::mutex mutex_;
+    std::map<std::string, std::string> files_;
+    nlohmann::ordered_json first_;
+    Project opened_;
+    std::list<std::shared_ptr<const Scene>> scenes_;  // the one used last in front
+};
+
+}  // namespace haptogram::studio

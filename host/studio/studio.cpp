@@ -1,0 +1,438 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "studio.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "assets.hpp"
+#include "haptogram/acoustics/quantities.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/base/file.hpp"
+#include "haptogram/base/process.hpp"
+#include "haptogram/base/shipped.hpp"
+#include "haptogram/instrument/field_file.hpp"
+#include "haptogram/instrument/slice.hpp"
+#include "haptogram/link/port.hpp"
+#include "haptogram/link/to_json.hpp"
+#include "haptogram/shape/primitives.hpp"
+#include "http.hpp"
+#include "messages.hpp"
+#include "player.hpp"
+#include "scenes.hpp"
+#include "worker.hpp"
+
+extern char** environ;
+
+namespace haptogram::studio {
+namespace {
+
+using nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+/// What may be wrong is told to the page; what cannot be told ends the program.
+template <class Work>
+std::optional<ordered_json> error_of(Work work) {
+    try {
+        work();
+        return {};
+    } catch (const Error& error) {
+        return to_json(error);
+    } catch (const std::bad_alloc&) {
+        return ordered_json{{"where", ""}, {"message", "out of memory; take fewer points"}};
+    } catch (const std::exception& error) {
+        return ordered_json{{"where", ""}, {"message", error.what()}};
+    }
+}
+
+/// The one server with its pages, scenes and board. Its callbacks run in the server's thread.
+class Studio {
+public:
+    Studio(const Options& options, Assets assets)
+        : assets_(std::move(assets)),
+          server_(options.port),
+          player_({.told = [this](const link::DeviceState& state) { server_.post([this, state] { tell(state); }); },
+                   .work =
+                       [this](ordered_json report) {
+                           server_.post([this, report = std::move(report)] { tell_work(report); });
+                       }}) {
+        if (!options.project.empty()) scenes_.open(options.project);
+        name_ = options.project.empty() ? "example" : options.project.filename().string();
+    }
+
+    [[nodiscard]] std::uint16_t port() const { return server_.port(); }
+
+    void run(const Access& access, const std::function<bool()>& ended) {
+        server_.run(access,
+                    {.request = [this](Request request, const Reply& reply) { answer(std::move(request), reply); },
+                     .opened = [this](std::shared_ptr<Page> page) { open(std::move(page)); },
+                     .message = [this](Page& page, std::string text) { take(page, text); },
+                     .closed = [this](Page& page) { close(page); },
+                     .tick = [this, &ended] { return tick(ended); }});
+    }
+
+private:
+    struct Visitor {
+        std::shared_ptr<Page> page;
+        Clock::time_point heard = Clock::now();
+        std::optional<Clock::time_point> hidden{};  ///< since when
+    };
+    struct Stop {
+        std::uint64_t page, number;  ///< number: of the DeviceThread
+        std::uint32_t n;
+        Clock::time_point asked = Clock::now();
+    };
+
+    // Requests.
+
+    void answer(Request request, const Reply& reply) {
+        if (request.path == "/api/field")
+            compute_field(request, reply);
+        else
+            reply(answer_at_once(std::move(request)));
+    }
+
+    Answer answer_at_once(Request request) {
+        if (request.path == "/api/hello") return {.body = to_text(hello())};
+        if (request.path == "/api/files" && request.method == "POST") {
+            const std::optional<std::string> name = query_value(request.query, "name");
+            if (!name) return error_answer(400, "a file has a name: /api/files?name=NAME");
+            scenes_.add_file(*name, std::move(request.body));
+            return {.body = to_text({{"name", *name}})};
+        }
+        if (request.path == "/api/stop" && request.method == "POST") {
+            const bool connected = player_.stop().has_value();
+            return {.body = to_text({{"connected", connected}})};
+        }
+        if (request.path == "/api/take") return take_away(request);
+        if (request.path.starts_with("/api/")) return error_answer(404, "there is no " + request.path);
+        const auto asset = assets_.find(request.path);
+        if (asset == assets_.end()) return error_answer(404, "there is no such file");
+        const bool gzip = request.takes_gzip && !asset->second.gzip.empty();
+        return {200, asset->second.type, gzip ? asset->second.gzip : asset->second.plain, gzip};
+    }
+
+    ordered_json hello() const {
+        ordered_json ports = link::to_json(link::available_ports());
+        return {{"version", version()},
+                {"project", name_},
+                {"document", scenes_.first_document()},
+                {"primitives", primitive_kinds()},
+                {"arrays", shipped_arrays()},
+                {"ports", ports},
+                {"most_file_bytes", most_body_bytes}};
+    }
+
+    /// The files that a scene is taken away as.
+    Answer take_away(const Request& request) const {
+        const auto scene = scenes_.find(query_value(request.query, "scene").value_or(""));
+        const std::string as = query_value(request.query, "as").value_or("");
+        if (as == "hex") return {.type = "text/plain; charset=utf-8", .body = scene->compiled.bundle.hex};
+        if (as == "manifest") return {.body = to_text(scene->compiled.bundle.manifest)};
+        if (as == "project") return {.type = "text/plain; charset=utf-8", .body = scene->project};
+        return error_answer(400, fmt::format("as '{}'; expected hex, manifest or project", as));
+    }
+
+    /// The field on a plane as a file, in another thread: the same function writes it as for `haptogram field`.
+    void compute_field(const Request& request, const Reply& reply) {
+        const auto value = [&](const char* name) {
+            const std::optional<std::string> found = query_value(request.query, name);
+            if (!found) throw bad_argument(name, "is missing in the query");
+            return *found;
+        };
+        const auto scene = scenes_.find(value("scene"));
+        Reach reach;
+        reach.step_m = millimetres_of("step", value("step"));
+        for (const auto& [axis, range] : {std::pair{"x", &reach.x}, {"y", &reach.y}, {"z", &reach.z}})
+            if (const auto given = query_value(request.query, axis)) *range = parse_range(axis, *given);
+        const Region region = parse_region("plane", value("plane"), reach);
+        const Quantity quantity = quantity_of(value("quantity"));
+        const std::string as = value("as");
+        if (as != "png" && as != "csv" && as != "npy" && as != "vti")
+            throw bad_argument("as", fmt::format("found '{}', expected png, csv, npy or vti", as));
+        const std::string name = "field." + as;
+        check_field_path(name, region, quantity);
+        if (region.axes.size() != 2) throw bad_argument("plane", "the studio gives planes, such as xy@z=130");
+        const double terms = static_cast<double>(region.grid.size() * scene->excitation.array.elements.size() *
+                                                 scene->excitation.drives.size());
+        if (terms > most_slice_terms)
+            throw bad_argument("step",
+                               "asks for more points than the studio computes; take a larger one, or "
+                               "'haptogram field'");
+        // Owners differ, so that none is dropped for a newer one: each has a client who waits.
+        fields_.ask(++field_number_, [this, scene, region, quantity, name, reply] {
+            const auto error = error_of([&] {
+                const Progress going([this](double, std::string_view) { return !over_; });
+                const TemporaryFolder folder;
+                write_field((folder.path() / name).string(), field(scene->excitation, region, quantity, 1, going));
+                reply({.type = "application/octet-stream", .body = read_file(folder.path() / name)});
+            });
+            if (error) reply(error_answer(422, error->at("message")));
+        });
+    }
+
+    static double millimetres_of(const char* name, const std::string& text) {
+        double value = 0.0;
+        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+        if (error != std::errc() || end != text.data() + text.size() || !(value > 0.0) || !std::isfinite(value))
+            throw bad_argument(name, fmt::format("found '{}', expected a length in mm above 0", text));
+        return value * millimetre;
+    }
+
+    // Pages.
+
+    void open(std::shared_ptr<Page> page) {
+        page->send(to_text(device_json()));
+        const std::uint64_t number = page->number();
+        visitors_[number].page = std::move(page);
+    }
+
+    void close(Page& page) {
+        slices_.forget(page.number());
+        compilers_.forget(page.number());
+        visitors_.erase(page.number());
+        if (driver_ == page.number()) outputs_off("the page that drove the board was closed");
+    }
+
+    void take(Page& page, const std::string& text) {
+        const auto visitor = visitors_.find(page.number());
+        if (visitor == visitors_.end()) return;
+        visitor->second.heard = Clock::now();
+        std::optional<Message> message;
+        if (const auto error = error_of([&] { message = read_message(text); })) {
+            page.send(to_text({{"t", "error"}, {"error", *error}}));
+            page.close(error->at("message"));
+            return;
+        }
+        std::visit([&](const auto& each) { act(visitor->second, each); }, *message);
+    }
+
+    /// Work in another thread whose failure the page is told as the answer to message `n`.
+    template <class Work>
+    void tell_failure(const std::shared_ptr<Page>& page, std::uint32_t n, Work work) {
+        if (const auto error = error_of(work)) page->send(to_text({{"t", "failed"}, {"n", n}, {"error", *error}}));
+    }
+
+    void act(Visitor& visitor, const SceneMessage& message) {
+        compilers_.ask(visitor.page->number(), [this, page = visitor.page, message] {
+            tell_failure(page, message.n, [&] {
+                const Made made = scenes_.compile(message.document);
+                page->send(to_text({{"t", "scene"}, {"n", message.n}, {"scene", to_json(*made.scene)}}));
+                page->send(shape_bytes(message.n, shape_of(made.project)));
+            });
+        });
+    }
+
+    void act(Visitor& visitor, const SliceMessage& message) {
+        slices_.ask(visitor.page->number(), [this, page = visitor.page, message] {
+            tell_failure(page, message.n, [&] {
+                const auto scene = scenes_.find(message.scene);
+                const Clock::time_point begun = Clock::now();
+                const std::vector<float> values = mean_square_on(scene->excitation, message.slice);
+                const double ms = std::chrono::duration<double, std::milli>(Clock::now() - begun).count();
+                page->send(slice_bytes(message, values, scene->skin_per_square, ms, scene->excitation.drives.size()));
+            });
+        });
+    }
+
+    void act(Visitor& visitor, const ConnectMessage& message) {
+        tell_failure(visitor.page, message.n, [&] {
+            if (message.port == "virtual" || message.port == "virtual-rtl")
+                player_.connect_virtual(scenes_.find(message.scene)->compiled.bundle.image.channels,
+                                        message.port == "virtual" ? "reference" : "rtl");
+            else
+                player_.connect(message.port);
+            state_ = {};
+            port_ = message.port;
+            broadcast(device_json());
+        });
+    }
+
+    void act(Visitor&, const DisconnectMessage&) {
+        player_.disconnect();
+        driver_ = {};
+        broadcast(device_json());
+    }
+
+    void act(Visitor& visitor, const UploadMessage& message) {
+        tell_failure(visitor.page, message.n, [&] { (void)player_.upload(scenes_.find(message.scene)); });
+    }
+
+    void act(Visitor& visitor, const PlayMessage& message) {
+        drive(visitor, message.n, [&] { return player_.play(scenes_.find(message.scene)); });
+    }
+
+    void act(Visitor& visitor, const StreamMessage& message) {
+        drive(visitor, message.n, [&] { return player_.stream(scenes_.find(message.scene), message.index); });
+    }
+
+    /// Work that turns the outputs on, for the one page that then keeps them on. @param work  returns its number
+    template <class Work>
+    void drive(Visitor& visitor, std::uint32_t n, Work work) {
+        tell_failure(visitor.page, n, [&] {
+            if (driver_ && *driver_ != visitor.page->number())
+                throw Error(ErrorCode::device, "board", "another page drives it; press STOP there or here first");
+            driver_work_ = work();
+            driver_ = visitor.page->number();
+            visitor.hidden = {};
+        });
+    }
+
+    void act(Visitor& visitor, const StopMessage& message) {
+        driver_ = {};
+        if (const auto number = player_.stop())
+            stops_.push_back({visitor.page->number(), *number, message.n});
+        else
+            visitor.page->send(to_text({{"t", "off"}, {"n", message.n}, {"confirmed", true}}));
+    }
+
+    void act(Visitor& visitor, const BeatMessage& message) {
+        if (!message.hidden)
+            visitor.hidden = {};
+        else if (!visitor.hidden)
+            visitor.hidden = Clock::now();
+    }
+
+    // The board.
+
+    [[nodiscard]] ordered_json device_json() const {
+        if (!player_.connected()) return {{"t", "device"}, {"connection", "none"}};
+        ordered_json json{{"t", "device"}, {"connection", to_string(state_.connection)}, {"port", port_}};
+        if (state_.connection != link::Connection::connecting) {
+            json["identity"] = link::to_json(state_.identity);
+            json["status"] = link::to_json(state_.status);
+        }
+        if (!state_.trouble.empty()) json["trouble"] = state_.trouble;
+        return json;
+    }
+
+    void tell(const link::DeviceState& state) {
+        state_ = state;
+        std::erase_if(stops_, [&](const Stop& stop) {
+            if (state.confirmed < stop.number) return false;
+            tell_off(stop, true);
+            return true;
+        });
+        broadcast(device_json());
+    }
+
+    void tell_off(const Stop& stop, bool confirmed) {
+        const auto visitor = visitors_.find(stop.page);
+        if (visitor == visitors_.end()) return;
+        visitor->second.page->send(to_text({{"t", "off"}, {"n", stop.n}, {"confirmed", confirmed}}));
+    }
+
+    void tell_work(const ordered_json& report) {
+        if (report["t"] != "progress" && report["number"] == driver_work_) driver_ = {};
+        broadcast(report);
+    }
+
+    void outputs_off(const std::string& why) {
+        driver_ = {};
+        player_.stop();
+        broadcast({{"t", "notice"}, {"message", "Outputs off: " + why + "."}});
+    }
+
+    bool tick(const std::function<bool()>& ended) {
+        const Clock::time_point now = Clock::now();
+        if (driver_) {
+            const Visitor& visitor = visitors_.at(*driver_);
+            if (now - visitor.heard > (visitor.hidden ? most_silence_hidden : most_silence))
+                outputs_off("the page that drove the board was silent");
+            else if (visitor.hidden && now - *visitor.hidden > most_hidden)
+                outputs_off("the page that drove the board was out of sight");
+        }
+        std::erase_if(stops_, [&](const Stop& stop) {
+            if (now - stop.asked < std::chrono::seconds(2)) return false;
+            tell_off(stop, false);
+            return true;
+        });
+        over_ = ended();
+        return !over_;
+    }
+
+    void broadcast(const ordered_json& message) {
+        for (const auto& [number, visitor] : visitors_) visitor.page->send(to_text(message));
+    }
+
+    Assets assets_;
+    std::string name_;
+    Scenes scenes_;
+    Server server_;
+    std::map<std::uint64_t, Visitor> visitors_;
+    std::optional<std::uint64_t> driver_;  // the page that keeps the outputs on
+    std::uint64_t driver_work_ = 0;        // and what it asked to be played
+    std::vector<Stop> stops_;              // that the board has not confirmed
+    link::DeviceState state_;
+    std::string port_;
+    Player player_;  // after what it tells of
+    std::atomic<bool> over_ = false;
+    std::uint64_t field_number_ = 0;
+    Worker slices_, compilers_, fields_;
+};
+
+std::filesystem::path built_page(std::string& looked_in) {
+    std::error_code ignored;
+    const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", ignored);
+    const std::filesystem::path places[] = {program.parent_path() / "../share/haptogram/studio", HAPTOGRAM_BUILT_PAGE};
+    for (const std::filesystem::path& place : places) {
+        if (std::filesystem::exists(place / "page.json", ignored)) return place;
+        looked_in += (looked_in.empty() ? "" : ", ") + place.lexically_normal().string();
+    }
+    return {};
+}
+
+}  // namespace
+
+void run(const Options& options,
+         const std::function<void(const std::string& address, const std::string& missing)>& listening,
+         const std::function<bool()>& ended) {
+    std::string looked_in;
+    const std::filesystem::path page = options.page.empty() ? built_page(looked_in) : options.page;
+    Studio studio(options, page.empty() ? assets_without_page(looked_in) : load_assets(page));
+    const Access access = access_for(studio.port(), make_token());
+    listening(fmt::format("http://{}/#{}", access.hosts.front(), access.token),
+              page.empty()
+                  ? "the page was not built: it needs node and the packages of host/studio/web; run tools/setup, "
+                    "then build again"
+                  : "");
+    studio.run(access, ended);
+}
+
+BrowserDoor::BrowserDoor(const std::string& address) {
+    const std::filesystem::path program = find_program("xdg-open");
+    const char* const folder = std::getenv("XDG_RUNTIME_DIR");
+    if (program.empty() || folder == nullptr ||
+        (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr))
+        return;
+    std::string name = (std::filesystem::path(folder) / "haptogram-XXXXXX.html").string();
+    const int descriptor = ::mkstemps(name.data(), 5);  // readable by the user alone
+    if (descriptor < 0) return;
+    file_ = name;
+    const std::string text =
+        fmt::format("<!DOCTYPE html><meta http-equiv=\"refresh\" content=\"0;url={}\">\n", address);
+    const bool written = ::write(descriptor, text.data(), text.size()) == static_cast<ssize_t>(text.size());
+    ::close(descriptor);
+    if (!written) return;
+    std::string path = program.string();
+    char* const arguments[] = {path.data(), name.data(), nullptr};
+    pid_t child = 0;
+    (void)::posix_spawn(&child, path.c_str(), nullptr, nullptr, arguments, environ);
+}
+
+BrowserDoor::~BrowserDoor() {
+    std::error_code ignored;
+    if (!file_.empty()) std::filesystem::remove(file_, ignored);
+}
+
+}  // namespace haptogram::studio

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// What must be there at once: the link to the server and STOP. The view, which is large, comes after it.
+import { Link } from "./link";
+
+function element(id: string): HTMLElement {
+  const found = document.getElementById(id);
+  if (!found) throw new Error(`the page has no element ${id}`);
+  return found;
+}
+
+/** The token is in the address only until it has been read: an address is shown, copied and kept. */
+function takeToken(): string {
+  const given = location.hash.slice(1);
+  if (/^[0-9a-f]{32}$/.test(given)) {
+    sessionStorage.setItem("token", given);
+    history.replaceState(null, "", location.pathname);
+  }
+  return sessionStorage.getItem("token") ?? "";
+}
+
+const banner = element("banner");
+function show(message: string): void {
+  banner.textContent = message;
+  banner.hidden = message === "";
+}
+
+/** The theme of the system, unless another was chosen. */
+const theme = localStorage.getItem("theme");
+if (theme) document.documentElement.dataset["theme"] = theme;
+
+const token = takeToken();
+if (token === "") {
+  element("app").replaceChildren();
+  element("stop").hidden = true;
+  element("board").textContent = "";
+  show("This page needs its key: open the address that “haptogram studio” printed.");
+} else {
+  const link = new Link(token);
+  const stop = (): void => {
+    element("board").textContent = "Board: stopping…";
+    link.stop();
+  };
+  element("stop").addEventListener("click", stop);
+  addEventListener("keydown", (event) => {
+    if (event.key === "Escape") stop();
+  });
+  link.listen((event) => {
+    if (event.t === "open") show("");
+    if (event.t === "lost")
+      show("The server is gone. If the board was playing, its watchdog has turned the outputs off. Trying to reach it again…");
+    if (event.t === "refused") show("The server does not take this page's key: open the address that “haptogram studio” printed last.");
+    if (event.t === "off" && !event.confirmed)
+      show("The board has not confirmed that its outputs are off. Its watchdog should have done it; to be sure, switch its power off.");
+    if (event.t === "notice") show(event.message);
+  });
+  // Two frames, so that what is there is drawn first.
+  requestAnimationFrame(() =>
+    requestAnimationFrame(() => {
+      void import("./app").then((app) => app.start(link), (error: unknown) => show(`The view could not be loaded: ${String(error)}`));
+    }),
+  );
+}

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// The commands that make the same files as the page, for the same plane.
+import type { Point } from "./link";
+import { quantities, type Quantity } from "./quantity";
+import type { Edges } from "./view";
+
+/** What the server and the command line are asked for a field: the text of the plane, and ranges along its axes. */
+export interface FieldQuery {
+  plane: string;
+  ranges: Record<string, string>;
+}
+
+const axes = ["x", "y", "z"];
+const rounded = (value: number): number => Number(value.toFixed(4)); // mm
+const isAlong = (edge: Point, axis: number): boolean => edge.every((each, i) => i === axis || Math.abs(each) < 1e-6);
+
+/** The plane as the command line names it; none when it lies askew. Points at or below the array have no field, so that z begins one step above it. */
+export function fieldQuery({ origin, u, v }: Edges, stepMm: number): FieldQuery | undefined {
+  const along = [u, v].map((edge) => axes.findIndex((_, axis) => isAlong(edge, axis)));
+  if (along.includes(-1) || along[0] === along[1]) return undefined;
+  const across = [0, 1, 2].find((axis) => !along.includes(axis)) ?? 2;
+  const ranges: Record<string, string> = {};
+  for (const axis of [...along].sort()) {
+    const ends = [origin[axis] ?? 0, (origin[axis] ?? 0) + (u[axis] ?? 0) + (v[axis] ?? 0)].sort((a, b) => a - b).map(rounded);
+    if (axis === 2) ends[0] = Math.max(stepMm, ends[0] ?? 0);
+    ranges[axes[axis] ?? ""] = ends.join(":");
+  }
+  return { plane: `${Object.keys(ranges).join("")}@${axes[across]}=${rounded(origin[across] ?? 0)}`, ranges };
+}
+
+/** Lines for a shell, and what they ask of the field; that is none when the plane lies askew. */
+export function commands(edges: Edges, quantity: Quantity, stepMm: number): { text: string; field: FieldQuery | undefined } {
+  const field = fieldQuery(edges, stepMm);
+  const lines = ["haptogram compile project.toml -o image.hex"];
+  if (field) {
+    const ranges = Object.entries(field.ranges).map(([axis, range]) => `--${axis}=${range}`);
+    lines.push(`haptogram field image.hex --plane ${field.plane} ${ranges.join(" ")} --step ${stepMm} --quantity ${quantities[quantity].command} -o field.png`);
+  }
+  return { text: lines.join("\n"), field };
+}

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// The document: a project file's keys and values, host/haptogram/instrument/README.md. It is never changed, only replaced,
+// so that undo is a step back.
+import { computed, signal } from "@preact/signals";
+
+export interface ShapeEntry {
+  kind?: string;
+  file?: string;
+  unit?: string;
+  [key: string]: unknown;
+}
+
+export interface ProjectDocument {
+  format: string;
+  array?: string;
+  points?: number;
+  /** At most one of these three is there. */
+  rate_hz?: number;
+  speed_m_s?: number;
+  frequency_hz?: number;
+  even?: boolean;
+  am?: string;
+  place?: { size_mm?: number; rotate_deg?: number[]; center_mm?: number[]; scale?: number };
+  shape?: ShapeEntry[];
+  [key: string]: unknown;
+}
+
+const mostSteps = 500;
+const steps = signal<{ documents: ProjectDocument[]; at: number }>({ documents: [], at: -1 });
+
+export const project = computed(() => steps.value.documents[steps.value.at]);
+export const canUndo = computed(() => steps.value.at > 0);
+export const canRedo = computed(() => steps.value.at < steps.value.documents.length - 1);
+
+let underWay: string | undefined; // the gesture that made the last step
+
+/** Replaces the document; the old one is a step back. All edits of one gesture, until it has ended, are one step. */
+export function edit(changed: ProjectDocument, gesture?: string): void {
+  const { documents, at } = steps.peek();
+  if (JSON.stringify(documents[at]) === JSON.stringify(changed)) return;
+  const kept = documents.slice(0, gesture !== undefined && gesture === underWay ? at : at + 1);
+  underWay = gesture;
+  const all = [...kept, changed].slice(-mostSteps);
+  steps.value = { documents: all, at: all.length - 1 };
+}
+
+export function endGesture(): void {
+  underWay = undefined;
+}
+
+export function undo(): void {
+  underWay = undefined;
+  if (canUndo.peek()) steps.value = { ...steps.peek(), at: steps.peek().at - 1 };
+}
+
+export function redo(): void {
+  underWay = undefined;
+  if (canRedo.peek()) steps.value = { ...steps.peek(), at: steps.peek().at + 1 };
+}
+
+/** A document with other values of some keys; undefined takes a key out. */
+export function having(document: ProjectDocument, changes: Partial<Record<keyof ProjectDocument, unknown>>): ProjectDocument {
+  const all = Object.entries({ ...document, ...changes }).filter(([, value]) => value !== undefined);
+  return Object.fromEntries(all) as ProjectDocument;
+}

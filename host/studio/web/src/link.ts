@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+// The link to the server: messages over the WebSocket, files and downloads over HTTP. ../../README.md has the table.
+import type { ProjectDocument } from "./document";
+
+export type Point = [number, number, number];
+
+/** What `haptogram compile --json` prints. */
+export interface Numbers {
+  clipped: number;
+  tour_mm: number;
+  rate_hz: number;
+  shortest_dwell_s: number;
+  formation_s: number;
+  formation_with_ring_up_s: number;
+  most_points: number;
+  most_points_with_ring_up: number;
+  pressure_left_least: number;
+  image_bytes: number;
+}
+
+export interface Scene {
+  name: string;
+  array: { name: string; radius_mm: number; elements: Point[] };
+  foci: Point[];
+  /** records in the order of play, and where their focus is */
+  tour: { index: number; at: Point }[];
+  channels: number;
+  numbers: Numbers;
+  image_sha256: string;
+  warnings: string[];
+}
+
+export interface Failure {
+  where: string;
+  message: string;
+}
+
+export interface Device {
+  t: "device";
+  connection: "none" | "connecting" | "connected" | "lost";
+  port?: string;
+  identity?: { name: string; channels: number; records: number };
+  status?: { outputs: "on" | "off"; mode: string; index: number; watchdog_trips: number; underruns: number };
+  trouble?: string;
+}
+
+export interface Hello {
+  version: string;
+  project: string;
+  document: ProjectDocument;
+  primitives: string[];
+  arrays: string[];
+  ports: { port: string; name: string }[];
+  most_file_bytes: number;
+}
+
+/** A slice of the field as the server sent it. */
+export interface SliceData {
+  n: number;
+  width: number;
+  height: number;
+  least: number;
+  greatest: number;
+  /** radiation pressure on skin over mean square pressure, 1/Pa */
+  skinPerSquare: number;
+  tookMs: number;
+  /** the first characters of the name of the scene that it is of */
+  scene: string;
+  /** mean square pressure, Pa² */
+  values: Float32Array<ArrayBuffer>;
+}
+
+/** An object for drawing, millimetres. */
+export interface Drawn {
+  n: number;
+  triangles: Float32Array<ArrayBuffer>;
+  segments: Float32Array<ArrayBuffer>;
+  points: Float32Array<ArrayBuffer>;
+  allTriangles: number;
+  allPoints: number;
+}
+
+export type Event =
+  | { t: "open" }
+  | { t: "lost" }
+  | { t: "refused" }
+  | { t: "scene"; n: number; scene: Scene }
+  | { t: "slice"; slice: SliceData }
+  | { t: "object"; object: Drawn }
+  | Device
+  | { t: "progress"; work: string; number: number; stage: string; fraction?: number; seconds?: number }
+  | { t: "done"; work: string; number: number; report?: { frames: number; frames_written: number } }
+  | { t: "stopped"; work: string; number: number }
+  | { t: "failed"; n?: number; work?: string; number?: number; error: Failure }
+  | { t: "error"; error: Failure }
+  | { t: "off"; n: number; confirmed: boolean }
+  | { t: "notice"; message: string };
+
+export function readSlice(bytes: ArrayBuffer): SliceData {
+  const view = new DataView(bytes);
+  const width = view.getUint32(8, true);
+  const height = view.getUint32(12, true);
+  return {
+    n: view.getUint32(4, true),
+    width,
+    height,
+    least: view.getFloat32(16, true),
+    greatest: view.getFloat32(20, true),
+    skinPerSquare: view.getFloat32(24, true),
+    tookMs: view.getFloat32(28, true),
+    scene: new TextDecoder().decode(new Uint8Array(bytes, 36, 28)),
+    values: new Float32Array(bytes, 64, width * height),
+  };
+}
+
+export function readObject(bytes: ArrayBuffer): Drawn {
+  const view = new DataView(bytes);
+  const [triangles, segments, points] = [8, 12, 16].map((at) => view.getUint32(at, true)) as Point;
+  return {
+    n: view.getUint32(4, true),
+    triangles: new Float32Array(bytes, 64, 9 * triangles),
+    segments: new Float32Array(bytes, 64 + 36 * triangles, 6 * segments),
+    points: new Float32Array(bytes, 64 + 36 * triangles + 24 * segments, 3 * points),
+    allTriangles: view.getUint32(20, true),
+    allPoints: view.getUint32(24, true),
+  };
+}
+
+const longestPause = 4000; // ms between attempts to reach the server
+const beatPause = 200; // ms between signs of life
+const stopPatience = 100; // ms until STOP also goes over HTTP
+
+export class Link {
+  private socket: WebSocket | undefined;
+  private pause = 250;
+  private n = 0;
+  private everOpen = false;
+  private readonly listeners: ((event: Event) => void)[] = [];
+
+  constructor(private readonly token: string) {
+    this.connect();
+    setInterval(() => this.beat(), beatPause);
+    document.addEventListener("visibilitychange", () => this.beat());
+  }
+
+  listen(listener: (event: Event) => void): void {
+    this.listeners.push(listener);
+  }
+
+  get open(): boolean {
+    return this.socket?.readyState === WebSocket.OPEN;
+  }
+
+  /** Sends a message and returns its number, which the answer has, too. */
+  send(message: { t: string; [member: string]: unknown }): number {
+    this.n += 1;
+    if (this.open) this.socket?.send(JSON.stringify({ ...message, n: this.n }));
+    return this.n;
+  }
+
+  /** Outputs off, by the socket, and a moment later also by a request of its own if there is no answer. */
+  stop(): void {
+    const n = this.send({ t: "stop" });
+    const timer = setTimeout(() => void this.post("/api/stop").catch(() => this.tell({ t: "off", n, confirmed: false })), stopPatience);
+    const answered = (event: Event): void => {
+      if (event.t !== "off" || event.n !== n) return;
+      clearTimeout(timer);
+      this.listeners.splice(this.listeners.indexOf(answered), 1);
+    };
+    this.listeners.push(answered);
+  }
+
+  async hello(): Promise<Hello> {
+    return (await (await this.fetch("/api/hello")).json()) as Hello;
+  }
+
+  /** Sends a file; the server reads it when a document names it. */
+  async sendFile(file: File): Promise<void> {
+    await this.post(`/api/files?name=${encodeURIComponent(file.name)}`, file);
+  }
+
+  async take(scene: string, as: "hex" | "manifest" | "project"): Promise<Blob> {
+    return await (await this.fetch(`/api/take?scene=${scene}&as=${as}`)).blob();
+  }
+
+  /** The field on a plane as a file; the query's members are those of README.md. */
+  async field(query: Record<string, string>): Promise<Blob> {
+    return await (await this.fetch(`/api/field?${new URLSearchParams(query)}`)).blob();
+  }
+
+  private async post(path: string, body: Blob | null = null): Promise<Response> {
+    return await this.fetch(path, { method: "POST", body });
+  }
+
+  private async fetch(path: string, init: RequestInit = {}): Promise<Response> {
+    const response = await fetch(path, { ...init, headers: { Authorization: `Bearer ${this.token}` } });
+    if (response.ok) return response;
+    const answer = (await response.json()) as { error: { message: string } };
+    throw new Error(answer.error.message);
+  }
+
+  private beat(): void {
+    if (this.open) this.socket?.send(JSON.stringify({ t: "beat", hidden: document.hidden }));
+  }
+
+  private connect(): void {
+    const socket = new WebSocket(`ws://${location.host}/ws`, ["haptogram.1", `token.${this.token}`]);
+    this.socket = socket;
+    socket.binaryType = "arraybuffer";
+    socket.onopen = () => {
+      this.pause = 250;
+      this.everOpen = true;
+      this.tell({ t: "open" });
+    };
+    socket.onmessage = (event: MessageEvent<string | ArrayBuffer>) => this.receive(event.data);
+    socket.onclose = () => {
+      this.tell({ t: this.everOpen ? "lost" : "refused" });
+      setTimeout(() => this.connect(), this.pause);
+      this.pause = Math.min(longestPause, 2 * this.pause);
+    };
+  }
+
+  private receive(data: string | ArrayBuffer): void {
+    if (typeof data === "string") return this.tell(JSON.parse(data) as Event);
+    const magic = new TextDecoder().decode(new Uint8Array(data, 0, 4));
+    this.tell(magic === "HSL1" ? { t: "slice", slice: readSlice(data) } : { t: "object", object: readObject(data) });
+  }
+
+  private tell(event: Event): void {
+    for (const listener of [...this.listeners]) listener(event);
+  }
+}

@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: Apache-2.0
+// The 3-D view: array, object, foci, tour and a plane that shows the field. Millimetres, z up. It draws when something has
+// changed, and not otherwise.
+import {
+  AmbientLight, BufferAttribute, BufferGeometry, CircleGeometry, Color, DataTexture, DirectionalLight, DoubleSide, FloatType, Group, InstancedMesh,
+  Line, LineBasicMaterial, LineLoop, LineSegments, LinearFilter, type Material, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial, NearestFilter,
+  type Object3D, PerspectiveCamera, PlaneGeometry, Points, PointsMaterial, Raycaster, RedFormat, Scene as World, ShaderMaterial, Vector2, Vector3,
+  WebGLRenderer, Box3,
+} from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { TransformControls } from "three/addons/controls/TransformControls.js";
+import { type ColourMap, table } from "./colours";
+import type { Drawn, Point, Scene, SliceData } from "./link";
+import { type Look, quantities } from "./quantity";
+
+export type Orientation = "xy" | "xz" | "yz";
+
+/** A corner of the plane and the edges that begin there, millimetres. */
+export interface Edges {
+  origin: Point;
+  u: Point;
+  v: Point;
+}
+
+const vertexShader = `
+  varying vec2 place;
+  void main() {
+    place = uv;
+    gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+  }`;
+
+// Mean square pressure to a place on the colour map: linear, by its root, or in decibels below the top. The slice's first and
+// last points lie on the edges, but the first and last texels beside them. What is above the top is hatched.
+const fragmentShader = `
+  varying vec2 place;
+  uniform sampler2D field, colours;
+  uniform float top, range, points;
+  uniform int root;
+  void main() {
+    float part = max(texture2D(field, (place * (points - 1.0) + 0.5) / points).r / top, 1e-20);
+    float level = range > 0.0 ? 1.0 + 4.342944819 * log(part) / range : (root == 1 ? sqrt(part) : part);
+    vec3 colour = texture2D(colours, vec2(clamp(level, 0.002, 0.998), 0.5)).rgb;
+    if (level > 1.001 && mod(gl_FragCoord.x + gl_FragCoord.y, 10.0) < 3.0) colour = vec3(1.0) - colour;
+    gl_FragColor = vec4(colour, 0.94);
+  }`;
+
+function geometryOf(positions: Float32Array<ArrayBuffer>): BufferGeometry {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(positions, 3));
+  return geometry;
+}
+
+function flat(points: Point[]): Float32Array<ArrayBuffer> {
+  return new Float32Array(points.flat());
+}
+
+export class View {
+  readonly canvas: HTMLCanvasElement;
+  /** Called when the plane was moved. */
+  moved: () => void = () => {};
+  /** Called while the object is moved or turned by its handles, and once more when it is let go. */
+  objectMoved: (centre: Point, turnDeg: Point, done: boolean) => void = () => {};
+  /** Called when the pointer is over the plane, with the place in millimetres and the mean square pressure there; and when it has left. */
+  probed: (found: { at: Point; square: number } | undefined) => void = () => {};
+
+  private readonly renderer: WebGLRenderer;
+  private readonly world = new World();
+  private readonly camera = new PerspectiveCamera(38, 1, 1, 4000);
+  private readonly gizmo: TransformControls;
+  private readonly plane = new Group();
+  private readonly sheet: Mesh<PlaneGeometry, ShaderMaterial>;
+  private readonly frame: LineLoop<BufferGeometry, LineBasicMaterial>;
+  private readonly array = new Group();
+  private readonly object = new Group();
+  private readonly path = new Group();
+  private readonly pivot = new Group();
+  private readonly focus: Points<BufferGeometry, PointsMaterial>;
+  private readonly uniforms = {
+    field: { value: null as DataTexture | null }, colours: { value: null as DataTexture | null }, points: { value: 2 }, top: { value: 1 }, range: { value: 0 }, root: { value: 0 },
+  };
+  private slice: SliceData | undefined;
+  private shownColours: ColourMap | undefined;
+  private pointer: Vector2 | undefined;
+  private texture: DataTexture | undefined;
+  private waiting = false;
+
+  /** @throws Error when the browser has no WebGL 2 */
+  constructor(host: HTMLElement) {
+    this.canvas = document.createElement("canvas");
+    // Smooth edges cost a third of the frames where the processor draws, and such a browser gives no context here.
+    const fast = this.canvas.getContext("webgl2", { antialias: true, failIfMajorPerformanceCaveat: true });
+    this.renderer = new WebGLRenderer(fast ? { canvas: this.canvas, context: fast } : { canvas: this.canvas, antialias: false });
+    this.canvas.setAttribute("role", "img");
+    this.canvas.setAttribute("aria-label", "3-D view of the array, the object, its focal points and the field on a plane");
+    this.canvas.tabIndex = 0;
+    host.append(this.canvas);
+    this.camera.up.set(0, 0, 1);
+    this.camera.position.set(260, -400, 340);
+    const orbit = new OrbitControls(this.camera, this.canvas);
+    orbit.target.set(0, 0, 100);
+    orbit.update();
+    orbit.addEventListener("change", () => this.redraw());
+
+    const sun = new DirectionalLight(0xffffff, 2);
+    sun.position.set(1, -2, 3);
+    this.world.add(new AmbientLight(0xffffff, 1.6), sun, this.array, this.object, this.path, this.plane);
+
+    const { uniforms } = this;
+    this.sheet = new Mesh(new PlaneGeometry(1, 1), new ShaderMaterial({ side: DoubleSide, transparent: true, uniforms, vertexShader, fragmentShader }));
+    this.sheet.visible = false;
+    const corners: Point[] = [[-0.5, -0.5, 0], [0.5, -0.5, 0], [0.5, 0.5, 0], [-0.5, 0.5, 0]];
+    this.frame = new LineLoop(geometryOf(flat(corners)), new LineBasicMaterial());
+    this.plane.add(this.sheet, this.frame);
+    this.pivot.rotation.order = "ZYX"; // about x, then y, then z, as a project file says it
+    this.focus = new Points(geometryOf(new Float32Array(3)), new PointsMaterial({ size: 12, sizeAttenuation: false, depthTest: false, transparent: true }));
+    this.focus.renderOrder = 1; // over the plane, which is drawn late, too
+    this.focus.visible = false;
+    this.world.add(this.pivot, this.focus);
+    this.gizmo = new TransformControls(this.camera, this.canvas);
+    this.gizmo.attach(this.plane);
+    this.gizmo.setSize(0.7);
+    this.gizmo.addEventListener("dragging-changed", (event) => {
+      orbit.enabled = !event.value;
+      if (!event.value && this.gizmo.object === this.pivot) this.tellObject(true);
+    });
+    this.gizmo.addEventListener("change", () => this.redraw());
+    this.gizmo.addEventListener("objectChange", () => (this.gizmo.object === this.pivot ? this.tellObject(false) : this.moved()));
+    this.world.add(this.gizmo.getHelper());
+    this.place("xy", [0, 0, 130]);
+
+    this.canvas.addEventListener("pointermove", (event) => {
+      const box = this.canvas.getBoundingClientRect();
+      this.pointer = new Vector2((2 * (event.clientX - box.left)) / box.width - 1, 1 - (2 * (event.clientY - box.top)) / box.height);
+      this.redraw();
+    });
+    this.canvas.addEventListener("pointerleave", () => {
+      this.pointer = undefined;
+      this.redraw();
+    });
+    this.canvas.addEventListener("webglcontextrestored", () => this.redraw());
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.paint());
+    new ResizeObserver(() => this.fit(host)).observe(host);
+    this.fit(host);
+    this.paint();
+  }
+
+  /** Puts the plane parallel to two axes, with its middle at a point. */
+  place(orientation: Orientation, middle: Point): void {
+    this.plane.rotation.set(orientation === "xy" ? 0 : Math.PI / 2, orientation === "yz" ? Math.PI / 2 : 0, 0, "YXZ");
+    this.plane.scale.set(160, 160, 1);
+    this.plane.position.set(...middle);
+    this.redraw();
+  }
+
+  get middle(): Point {
+    return this.plane.position.toArray();
+  }
+  set middle(middle: Point) {
+    this.plane.position.set(...middle);
+    this.redraw();
+  }
+
+  set turning(on: boolean) {
+    this.gizmo.setMode(on ? "rotate" : "translate");
+    this.redraw();
+  }
+
+  /** What the handles move. */
+  set handles(of: "plane" | "object") {
+    this.gizmo.attach(of === "plane" ? this.plane : this.pivot);
+    this.redraw();
+  }
+
+  /** How the object is turned, so that its handles go on from there. */
+  set turn(degrees: Point) {
+    if (this.gizmo.dragging) return;
+    this.pivot.rotation.set(...(degrees.map((each) => (each * Math.PI) / 180) as Point), "ZYX");
+    this.redraw();
+  }
+
+  /** Marks the focal point of the scrubber. */
+  showFocus(at: Point | undefined): void {
+    this.focus.visible = at !== undefined;
+    if (at) this.focus.position.set(...at);
+    this.redraw();
+  }
+
+  /** Rounded to a picometre, so that a plane along the axes has edges along the axes. */
+  edges(): Edges {
+    this.plane.updateMatrixWorld();
+    const corner = (x: number, y: number): Vector3 => new Vector3(x, y, 0).applyMatrix4(this.plane.matrixWorld);
+    const round = (vector: Vector3): Point => vector.toArray().map((each) => Math.round(each * 1e9) / 1e9) as Point;
+    const origin = corner(-0.5, -0.5);
+    return { origin: round(origin), u: round(corner(0.5, -0.5).sub(origin)), v: round(corner(-0.5, 0.5).sub(origin)) };
+  }
+
+  showScene(scene: Scene): void {
+    this.clear(this.array);
+    const { elements, radius_mm: radius } = scene.array;
+    const discs = new InstancedMesh(new CircleGeometry(radius, 20), new MeshBasicMaterial({ side: DoubleSide }), elements.length);
+    discs.userData["colour"] = "--array";
+    elements.forEach((element, i) => discs.setMatrixAt(i, new Matrix4().makeTranslation(...element)));
+    this.array.add(discs);
+    this.clear(this.path);
+    const first = scene.foci[0];
+    if (first) {
+      const tour = new Line(geometryOf(flat([...scene.foci, first])), new LineBasicMaterial());
+      tour.userData["colour"] = "--tour";
+      const foci = new Points(geometryOf(flat(scene.foci)), new PointsMaterial({ size: 5, sizeAttenuation: false }));
+      foci.userData["colour"] = "--focus";
+      this.path.add(tour, foci);
+    }
+    this.paint();
+  }
+
+  showObject(drawn: Drawn): void {
+    this.clear(this.object);
+    const surface = geometryOf(drawn.triangles);
+    surface.computeVertexNormals();
+    const skin = new Mesh(surface, new MeshLambertMaterial({ side: DoubleSide, transparent: true, opacity: 0.3, depthWrite: false }));
+    const lines = new LineSegments(geometryOf(drawn.segments), new LineBasicMaterial());
+    const points = new Points(geometryOf(drawn.points), new PointsMaterial({ size: 2, sizeAttenuation: false }));
+    for (const part of [skin, lines, points]) part.userData["colour"] = "--object";
+    this.object.add(skin, lines, points);
+    const box = new Box3().setFromObject(this.object);
+    if (!this.gizmo.dragging && !box.isEmpty()) box.getCenter(this.pivot.position);
+    this.paint();
+  }
+
+  showSlice(slice: SliceData, shown: Look): void {
+    this.slice = slice;
+    const { texture } = this;
+    if (texture?.image.width === slice.width && texture.image.height === slice.height) {
+      texture.image.data = slice.values;
+      texture.needsUpdate = true;
+    } else {
+      texture?.dispose();
+      this.texture = new DataTexture(slice.values, slice.width, slice.height, RedFormat, FloatType);
+      const smooth = this.renderer.extensions.has("OES_texture_float_linear");
+      this.texture.minFilter = this.texture.magFilter = smooth ? LinearFilter : NearestFilter;
+      this.texture.needsUpdate = true;
+    }
+    this.uniforms.field.value = this.texture ?? null;
+    this.uniforms.points.value = slice.width;
+    this.sheet.visible = slice.greatest > 0;
+    this.showLook(shown);
+  }
+
+  showLook({ quantity, colours, rangeDb, top }: Look): void {
+    const { uniforms } = this;
+    uniforms.top.value = top ?? this.slice?.greatest ?? 1;
+    uniforms.range.value = quantities[quantity].decibels ? rangeDb : 0;
+    uniforms.root.value = quantity === "rms" ? 1 : 0;
+    if (colours !== this.shownColours) {
+      uniforms.colours.value?.dispose();
+      const texture = new DataTexture(table(colours), 256, 1);
+      texture.minFilter = texture.magFilter = LinearFilter;
+      texture.needsUpdate = true;
+      uniforms.colours.value = texture;
+      this.shownColours = colours;
+    }
+    this.redraw();
+  }
+
+  /** Takes the colours of the page's theme. */
+  paint(): void {
+    const style = getComputedStyle(document.documentElement);
+    const colour = (name: string): Color => new Color(style.getPropertyValue(name).trim());
+    this.world.background = colour("--view");
+    this.frame.material.color = colour("--frame");
+    this.focus.material.color = colour("--stop");
+    for (const group of [this.array, this.object, this.path])
+      for (const part of group.children)
+        (part as Mesh<BufferGeometry, MeshBasicMaterial>).material.color = colour(part.userData["colour"] as string);
+    this.redraw();
+  }
+
+  redraw(): void {
+    if (this.waiting) return;
+    this.waiting = true;
+    requestAnimationFrame(() => {
+      this.waiting = false;
+      this.renderer.render(this.world, this.camera);
+      this.probed(this.probe());
+    });
+  }
+
+  private tellObject(done: boolean): void {
+    const { x, y, z } = this.pivot.rotation;
+    this.objectMoved(this.pivot.position.toArray(), [x, y, z].map((each) => (each * 180) / Math.PI) as Point, done);
+  }
+
+  /** What is under the pointer on the plane: between the slice's points by their four neighbours. */
+  private probe(): { at: Point; square: number } | undefined {
+    const { slice, pointer } = this;
+    if (!slice || !pointer || !this.sheet.visible) return undefined;
+    const ray = new Raycaster();
+    ray.setFromCamera(pointer, this.camera);
+    const hit = ray.intersectObject(this.sheet)[0];
+    if (!hit?.uv) return undefined;
+    const { width, height, values } = slice;
+    const [x, y] = [hit.uv.x * (width - 1), hit.uv.y * (height - 1)];
+    const [i, j] = [Math.min(width - 2, Math.floor(x)), Math.min(height - 2, Math.floor(y))];
+    const row = (at: number): number => {
+      const [left, right] = [values[at * width + i] ?? 0, values[at * width + i + 1] ?? 0];
+      return left + (right - left) * (x - i);
+    };
+    return { at: hit.point.toArray(), square: row(j) + (row(j + 1) - row(j)) * (y - j) };
+  }
+
+  private clear(group: Group): void {
+    for (const part of group.children as (Object3D & { geometry: BufferGeometry; material: Material })[]) {
+      part.geometry.dispose();
+      part.material.dispose();
+    }
+    group.clear();
+  }
+
+  private fit(host: HTMLElement): void {
+    const { clientWidth: width, clientHeight: height } = host;
+    if (width === 0 || height === 0) return;
+    this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
+    this.renderer.setSize(width, height);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.renderer.render(this.world, this.camera); // at once: a new size clears the canvas
+  }
+}

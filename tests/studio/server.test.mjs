@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+// The server as other programs meet it: who is let in, over real sockets; tests/studio/test_guard.cpp has every row.
+import assert from "node:assert/strict";
+import { readdirSync, readFileSync } from "node:fs";
+import { request } from "node:http";
+import { connect } from "node:net";
+import { test } from "node:test";
+import { run, startStudio } from "./support.mjs";
+
+/** A request; the answer's status, headers and body. */
+function ask(studio, path, { method = "GET", headers = {}, body = "" } = {}) {
+  const { port } = new URL(studio.origin);
+  return new Promise((done, failed) => {
+    const asked = request({ host: "127.0.0.1", port, path, method, headers: { Host: studio.host, ...headers } }, (answer) => {
+      let text = "";
+      answer.on("data", (bytes) => (text += bytes));
+      answer.on("end", () => done({ status: answer.statusCode, headers: answer.headers, text }));
+    });
+    asked.on("error", failed);
+    asked.end(body);
+  });
+}
+
+/** What comes back for these bytes, until the server closes. */
+function speak(studio, bytes) {
+  const { port } = new URL(studio.origin);
+  return new Promise((done, failed) => {
+    let text = "";
+    const socket = connect(port, "127.0.0.1", () => socket.write(bytes));
+    socket.setTimeout(10_000, () => failed(new Error("no end")));
+    socket.on("data", (more) => (text += more));
+    socket.on("end", () => done(text));
+    socket.on("error", () => done(text));
+  });
+}
+
+test("the server lets in who has the token and comes from its own page", async (t) => {
+  const studio = await startStudio(t);
+  const key = { Authorization: `Bearer ${studio.token}` };
+  const upgrade = { Connection: "Upgrade", Upgrade: "websocket", "Sec-WebSocket-Version": "13", "Sec-WebSocket-Key": "AAAAAAAAAAAAAAAAAAAAAA==" };
+  const rows = [
+    [200, "/", {}],
+    [200, "/?x=1", {}],
+    [200, "/", { "Sec-Fetch-Site": "cross-site", "Sec-Fetch-Mode": "navigate", "Sec-Fetch-Dest": "document" }],
+    [403, "/", { "Sec-Fetch-Site": "cross-site", "Sec-Fetch-Mode": "navigate", "Sec-Fetch-Dest": "iframe" }],
+    [403, "/boot.js", { "Sec-Fetch-Site": "same-site" }],
+    [421, "/", { Host: "evil.example" }],
+    [421, "/api/hello", { ...key, Host: `evil.example:${new URL(studio.origin).port}` }],
+    [403, "/api/hello", { ...key, Origin: "http://evil.example" }],
+    [403, "/api/hello", { ...key, Origin: "null" }],
+    [401, "/api/hello", {}],
+    [401, "/api/hello", { Authorization: `Bearer ${"0".repeat(32)}` }],
+    [401, `/api/hello?token=${studio.token}`, { Cookie: `token=${studio.token}` }],
+    [200, "/api/hello", key],
+    [404, "/api/nothing", key],
+    [404, "/../../etc/passwd", {}],
+    [404, "/%2e%2e/%2e%2e/etc/passwd", {}],
+    [403, "/ws", { ...upgrade, "Sec-WebSocket-Protocol": `haptogram.1, token.${studio.token}` }],
+    [401, "/ws", { ...upgrade, Origin: studio.origin, "Sec-WebSocket-Protocol": "haptogram.1" }],
+    [403, "/ws", { ...upgrade, Origin: "http://evil.example", "Sec-WebSocket-Protocol": `haptogram.1, token.${studio.token}` }],
+  ];
+  for (const [status, path, headers] of rows) {
+    const answer = await ask(studio, path, { headers });
+    assert.equal(answer.status, status, `${path} ${JSON.stringify(headers)}: ${answer.text}`);
+    assert.match(answer.headers["content-security-policy"], /default-src 'none'.*frame-ancestors 'none'/);
+    assert.equal(answer.headers["access-control-allow-origin"], undefined);
+    assert.equal(answer.headers["set-cookie"], undefined);
+    assert.ok(!answer.text.includes(studio.token));
+  }
+  for (const method of ["OPTIONS", "PUT", "DELETE"]) assert.equal((await ask(studio, "/api/hello", { method, headers: key })).status, 405);
+  // The token is never in the list of processes.
+  const words = (process) => {
+    try {
+      return readFileSync(`/proc/${process}/cmdline`, "latin1");
+    } catch {
+      return ""; // it has ended
+    }
+  };
+  assert.match(words(studio.child.pid), /studio/);
+  for (const process of readdirSync("/proc").filter((name) => /^\d+$/.test(name))) assert.ok(!words(process).includes(studio.token));
+});
+
+test("the server answers before it closes on what is too long or no HTTP", async (t) => {
+  const studio = await startStudio(t);
+  const head = `Host: ${studio.host}\r\nAuthorization: Bearer ${studio.token}\r\n`;
+  assert.match(await speak(studio, `POST /api/files?name=a.ply HTTP/1.1\r\n${head}Content-Length: 99999999999\r\n\r\n`), /^HTTP\/1.1 413/);
+  assert.match(await speak(studio, `GET / HTTP/1.1\r\n${head}X: ${"x".repeat(20_000)}\r\n\r\n`), /^HTTP\/1.1 431/);
+  assert.match(await speak(studio, "\x16\x03\x01 no HTTP at all\r\n\r\n"), /^HTTP\/1.1 400/);
+  assert.match(await speak(studio, "GET / HTTP/1.0\r\n\r\n"), /^HTTP\/1.1 421/);
+  assert.equal((await ask(studio, "/")).status, 200);
+});
+
+test("files are kept by name, and taken away as they are", async (t) => {
+  const studio = await startStudio(t);
+  const headers = { Authorization: `Bearer ${studio.token}` };
+  const send = (name, body) => ask(studio, `/api/files?name=${encodeURIComponent(name)}`, { method: "POST", headers, body });
+  assert.equal((await send("a.xyz", "0 0 130\n")).status, 200);
+  for (const name of ["../a.xyz", "a/b.xyz", ".a.xyz", "a.exe", "", "a\nb.xyz"]) {
+    const answer = await send(name, "0 0 130\n");
+    assert.equal(answer.status, 422, name);
+    assert.ok(JSON.parse(answer.text).error.message.length > 20);
+  }
+  assert.equal((await ask(studio, "/api/files", { method: "POST", headers })).status, 400);
+  assert.equal((await ask(studio, "/api/take?scene=none&as=hex", { headers })).status, 422);
+});
+
+test("Ctrl-C ends the server, and a port that is taken is said", async (t) => {
+  const studio = await startStudio(t);
+  await assert.rejects(run("studio", "--no-browser", "--port", new URL(studio.origin).port), /cannot be listened at/);
+  studio.child.kill("SIGINT");
+  assert.deepEqual(await studio.ended, { code: 0, signal: null, said: "" });
+});
+
+test("only the loopback interface is listened at", async (t) => {
+  const studio = await startStudio(t);
+  const { port } = new URL(studio.origin);
+  const listeners = ["tcp", "tcp6"].map((kind) => readFileSync(`/proc/net/${kind}`, "utf8")).join("\n").split("\n").map((line) => line.trim().split(/\s+/));
+  const ours = listeners.filter((fields) => fields[3] === "0A" && fields[1].endsWith(`:${Number(port).toString(16).toUpperCase().padStart(4, "0")}`));
+  assert.deepEqual(ours.map((fields) => fields[1].split(":")[0]), ["0100007F"]);
+});
+
+test("a project that cannot be opened is said at once", async () => {
+  await assert.rejects(run("studio", "--no-browser", "/nowhere/project.toml"), /nowhere/);
+});
+
+test("without the built page the server says what is missing", async (t) => {
+  await assert.rejects(run("studio", "--no-browser", "--page", "/nowhere"), /page\.json/);
+});

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the tests of the studio in a browser share: a server, a browser, and a page that is watched for what must not happen.
+import assert from "node:assert/strict";
+import { execFile, spawn } from "node:child_process";
+import { mkdirSync, readFileSync } from "node:fs";
+import { mkdtemp, rm } from "node:fs/promises";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { dirname, join } from "node:path";
+import { createInterface } from "node:readline";
+import { fileURLToPath } from "node:url";
+import { promisify } from "node:util";
+
+const here = dirname(fileURLToPath(import.meta.url));
+const require = createRequire(join(here, "../../host/studio/web/package.json"));
+const { chromium } = require("playwright-core");
+const axeSource = readFileSync(require.resolve("axe-core/axe.min.js"), "utf8");
+
+export const program = process.env.HAPTOGRAM_PROGRAM;
+assert.ok(program, "HAPTOGRAM_PROGRAM names the program to test");
+export const shapes = join(here, "../data/shapes");
+/** How long anything is waited for, ms: long enough for a machine that does much else, and the end of it is a failure. */
+export const patience = 90_000;
+export const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
+
+/** Runs the program to its end and returns what it printed. */
+export async function run(...args) {
+  return (await promisify(execFile)(program, args.map(String), { maxBuffer: 1 << 28 })).stdout;
+}
+
+/** A folder that is removed after the test. */
+export async function folder(t) {
+  const made = await mkdtemp(join(tmpdir(), "haptogram-studio-"));
+  t.after(() => rm(made, { recursive: true, force: true }));
+  return made;
+}
+
+/** Starts the program; its first line on standard output is JSON. It is ended after the test. */
+export async function start(t, ...args) {
+  const child = spawn(program, args.map(String), { stdio: ["ignore", "pipe", "pipe"] });
+  let said = "";
+  child.stderr.on("data", (bytes) => (said += bytes));
+  const ended = new Promise((done) => child.on("exit", (code, signal) => done({ code, signal, said })));
+  const lines = createInterface(child.stdout)[Symbol.asyncIterator]();
+  const { value } = await Promise.race([lines.next(), ended.then((end) => assert.fail(JSON.stringify(end)))]);
+  t.after(async () => {
+    child.kill("SIGKILL");
+    await ended;
+  });
+  return { child, ended, lines, first: JSON.parse(value) };
+}
+
+export async function startStudio(t, ...args) {
+  const begun = performance.now();
+  const studio = await start(t, "studio", "--no-browser", "--json", ...args);
+  const address = new URL(studio.first.address);
+  return { ...studio, startMs: performance.now() - begun, address: address.href, origin: address.origin, host: address.host, token: address.hash.slice(1) };
+}
+
+/** A browser that draws in software. */
+export async function startBrowser(t, ...args) {
+  const flags = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-dev-shm-usage", ...args];
+  if (process.getuid() === 0) flags.push("--no-sandbox");
+  const browser = await chromium.launch({ timeout: patience, executablePath: process.env.HAPTOGRAM_CHROMIUM ?? "/usr/bin/chromium", args: flags });
+  t.after(() => browser.close());
+  return browser;
+}
+
+/**
+ * A page of the studio. After the test it must have had no error on its console, no violation of its policy, and no request
+ * but to its server. Errors on its console that a test provokes are `allowed`; `mayFail` is for lost servers, of which the browser
+ * says many things.
+ */
+export async function openPage(t, browser, studio, { colorScheme = "light", mayFail = false, allowed = /^$/ } = {}) {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, colorScheme, acceptDownloads: true });
+  context.setDefaultTimeout(patience);
+  const page = await context.newPage();
+  const wrong = [];
+  page.on("console", (message) => message.type() === "error" && wrong.push(`console: ${message.text()}`));
+  page.on("pageerror", (error) => wrong.push(`error: ${error.message}`));
+  page.on("request", (request) => {
+    const url = new URL(request.url());
+    if (!["blob:", "data:"].includes(url.protocol) && url.host !== studio.host) wrong.push(`request: ${url}`);
+  });
+  await page.exposeFunction("reportViolation", (text) => wrong.push(`policy: ${text}`));
+  await page.addInitScript(() => {
+    addEventListener("securitypolicyviolation", (event) => window.reportViolation(`${event.violatedDirective} ${event.blockedURI}`));
+  });
+  await page.goto(studio.address);
+  t.after(() => mayFail || assert.deepEqual(wrong.filter((each) => !allowed.test(each)), []));
+  return page;
+}
+
+/** Waits until a whole slice of the document's scene is shown and nothing else is to come. */
+export async function settled(page) {
+  await page.locator("footer", { hasText: "focal points for" }).waitFor();
+  await page.locator("footer", { hasText: "slice 200 × 200" }).waitFor();
+  await page.locator("#view[aria-busy=false]").waitFor();
+}
+
+/** Waits until something is so. @param words  what is there instead, for the message */
+export async function eventually(isSo, words = () => "it never came to be") {
+  for (const end = performance.now() + patience; !(await isSo()); await sleep(50)) if (performance.now() > end) assert.fail(await words());
+}
+
+/** Waits until a field has a value. */
+export async function hasValue(field, value) {
+  await eventually(async () => (await field.inputValue()) === value, async () => `${await field.inputValue()} instead of ${value}`);
+}
+
+/** Number of slices that were shown. */
+export const slices = async (page) => Number((await page.locator("#app").getAttribute("data-slices")) ?? 0);
+
+/** Hands files to the page as if they were dropped. */
+export async function drop(page, files) {
+  const transfer = await page.evaluateHandle((given) => {
+    const data = new DataTransfer();
+    for (const { name, base64 } of given) data.items.add(new File([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))], name));
+    return data;
+  }, files.map(({ name, bytes }) => ({ name, base64: Buffer.from(bytes).toString("base64") })));
+  await page.dispatchEvent("#view", "drop", { dataTransfer: transfer });
+}
+
+/** The bytes that a button gives to take away. */
+export async function takeAway(page, button) {
+  const waiting = page.waitForEvent("download");
+  await page.getByRole("button", { name: button }).click();
+  return readFileSync(await (await waiting).path());
+}
+
+/** Nothing that axe finds wrong, by the rules of WCAG 2.2 AA. */
+export async function accessible(page) {
+  await page.evaluate(axeSource); // not bound by the page's policy
+  const found = await page.evaluate(() =>
+    window.axe.run(document, { runOnly: ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"] }),
+  );
+  const words = found.violations.map((each) => `${each.id}: ${each.nodes.map((node) => node.html + " " + node.failureSummary).join("\n")}`);
+  assert.deepEqual(words, []);
+  return found.passes.length;
+}
+
+/** Keeps a picture of the page when HAPTOGRAM_SCREENSHOTS names a folder. */
+export async function picture(page, name) {
+  const where = process.env.HAPTOGRAM_SCREENSHOTS;
+  if (!where) return;
+  mkdirSync(where, { recursive: true });
+  await page.screenshot({ path: join(where, `${name}.png`) });
+}
+
+/** What the status line of the board says. */
+export const boardSays = (page, text) => page.locator("#board", { hasText: text }).waitFor();
+
+/** The part `part` of sorted numbers: 0.5 is the median. */
+export function quantile(numbers, part) {
+  const sorted = [...numbers].sort((a, b) => a - b);
+  return sorted[Math.min(sorted.length - 1, Math.floor(part * sorted.length))];
+}

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+// Messages: what is read, what is refused with which words, and the bytes of the binary layouts.
+#include <array>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstring>
+#include <random>
+
+#include "messages.hpp"
+
+using namespace haptogram;
+using namespace haptogram::studio;
+using Catch::Contains;
+
+namespace {
+
+template <class T>
+T at(const std::vector<std::uint8_t>& bytes, std::size_t place) {
+    T value;
+    REQUIRE(place + sizeof value <= bytes.size());
+    std::memcpy(&value, bytes.data() + place, sizeof value);
+    return value;
+}
+
+const std::string slice_text =
+    R"({"t":"slice","n":7,"scene":"abc","origin":[-80,-80,130],"u":[160,0,0],"v":[0,160,0],"width":200,"height":100})";
+
+}  // namespace
+
+TEST_CASE("studio messages: every kind is read, lengths become metres") {
+    const auto slice = std::get<SliceMessage>(read_message(slice_text));
+    CHECK(slice.n == 7);
+    CHECK(slice.scene == "abc");
+    CHECK(slice.slice.origin.x == Approx(-0.08));
+    CHECK(slice.slice.origin.z == Approx(0.13));
+    CHECK(slice.slice.v.y == Approx(0.16));
+    CHECK(slice.slice.width == 200);
+    CHECK(slice.slice.height == 100);
+    const auto scene = std::get<SceneMessage>(read_message(R"({"t":"scene","n":1,"document":{"points":9}})"));
+    CHECK(scene.document["points"] == 9);
+    CHECK(std::get<ConnectMessage>(read_message(R"({"t":"connect","n":1,"port":"virtual","scene":"s"})")).port ==
+          "virtual");
+    CHECK(std::get<DisconnectMessage>(read_message(R"({"t":"disconnect","n":2})")).n == 2);
+    CHECK(std::get<UploadMessage>(read_message(R"({"t":"upload","n":3,"scene":"s"})")).scene == "s");
+    CHECK(std::get<PlayMessage>(read_message(R"({"t":"play","n":4,"scene":"s"})")).n == 4);
+    const auto stream = std::get<StreamMessage>(read_message(R"({"t":"stream","n":5,"scene":"s","index":3})"));
+    CHECK(stream.scene == "s");
+    CHECK(stream.index == 3);
+    CHECK(std::get<StopMessage>(read_message(R"({"t":"stop","n":4294967295})")).n == 4294967295);
+    CHECK(std::get<BeatMessage>(read_message(R"({"t":"beat","hidden":true})")).hidden);
+}
+
+TEST_CASE("studio messages: bad ones are refused by name") {
+    const std::pair<const char*, const char*> wrong[] = {
+        {"", "no JSON"},
+        {"{", "no JSON"},
+        {"\xff", "no JSON"},
+        {"[]", "expected an object"},
+        {"{}", "expected an object"},
+        {R"({"t":5})", "expected an object"},
+        {R"({"t":"fly"})", "no message 'fly'"},
+        {R"({"t":"stop"})", "'n' is missing"},
+        {R"({"t":"stream","n":1,"scene":"s"})", "'index' is missing"},
+        {R"({"t":"stream","n":1,"scene":"s","index":-1})", "'index' is missing or not a whole number"},
+        {R"({"t":"stop","n":-1})", "'n' is missing or not a whole number"},
+        {R"({"t":"stop","n":1.5})", "'n' is missing or not a whole number"},
+        {R"({"t":"stop","n":4294967296})", "'n' is missing or not a whole number"},
+        {R"({"t":"stop","n":"1"})", "'n' is missing or not a whole number"},
+        {R"({"t":"stop","n":1,"now":true})", "unknown member 'now'"},
+        {R"({"t":"beat","hidden":0})", "'hidden' is missing or not true or false"},
+        {R"({"t":"scene","n":1,"document":[]})", "'document' is missing or not an object"},
+        {R"({"t":"play","n":1,"scene":null})", "'scene' is missing or not text"},
+        {R"({"t":"slice","n":1,"scene":"s","origin":[0,0],"u":[1,0,0],"v":[0,1,0],"width":2,"height":2})",
+         "'origin' is missing or not three numbers"},
+        {R"({"t":"slice","n":1,"scene":"s","origin":[0,0,"1"],"u":[1,0,0],"v":[0,1,0],"width":2,"height":2})",
+         "'origin' is missing or not three numbers"},
+    };
+    for (const auto& [text, message] : wrong) {
+        INFO(text);
+        CHECK_THROWS_WITH(read_message(text), Contains(message));
+    }
+}
+
+TEST_CASE("studio messages: text that was damaged is read or refused, and nothing else") {
+    std::mt19937 random(std::random_device{}());
+    std::size_t refused = 0;
+    for (int i = 0; i < 20'000; ++i) {
+        std::string text = slice_text;
+        for (int change = 0; change < 3; ++change) {
+            const std::size_t place = random() % text.size();
+            if (random() % 2 == 0)
+                text[place] = static_cast<char>(random() % 256);
+            else
+                text.erase(place, random() % 8);
+            if (text.empty()) text = "x";
+        }
+        try {
+            (void)read_message(text);
+        } catch (const Error& error) {
+            CHECK(error.code() == ErrorCode::bad_input);
+            ++refused;
+        }
+    }
+    CHECK(refused > 10'000);
+}
+
+TEST_CASE("studio messages: bytes of a file that are no text do no harm in a message") {
+    const std::string text = to_text(to_json(bad_input("a.xyz", "found '\xff\xc3('")));
+    CHECK(nlohmann::json::parse(text)["message"] == "found '\xEF\xBF\xBD\xEF\xBF\xBD('");
+}
+
+TEST_CASE("studio messages: the bytes of a slice") {
+    SliceMessage asked{9, "0123456789abcdef0123456789abXXXX", {{}, {}, {}, 3, 2}};
+    const std::vector<float> values = {4, 5, 6, 7, 1, 2};
+    const auto bytes = slice_bytes(asked, values, 1.5e-5, 2.25, 200);
+    REQUIRE(bytes.size() == 64 + 24);
+    CHECK(std::string(bytes.begin(), bytes.begin() + 4) == "HSL1");
+    CHECK(at<std::uint32_t>(bytes, 4) == 9);
+    CHECK(at<std::uint32_t>(bytes, 8) == 3);
+    CHECK(at<std::uint32_t>(bytes, 12) == 2);
+    CHECK(at<float>(bytes, 16) == 1.0F);
+    CHECK(at<float>(bytes, 20) == 7.0F);
+    CHECK(at<float>(bytes, 24) == 1.5e-5F);
+    CHECK(at<float>(bytes, 28) == 2.25F);
+    CHECK(at<std::uint32_t>(bytes, 32) == 200);
+    CHECK(std::string(bytes.begin() + 36, bytes.begin() + 64) == "0123456789abcdef0123456789ab");
+    for (std::size_t i = 0; i < values.size(); ++i) CHECK(at<float>(bytes, 64 + 4 * i) == values[i]);
+}
+
+TEST_CASE("studio messages: the bytes of an object") {
+    Shape shape;
+    shape.pieces.emplace_back(Mesh{{{0, 0, 0.1}, {0.01, 0, 0.1}, {0, 0.02, 0.1}}, {{0, 1, 2}}});
+    shape.pieces.emplace_back(Curve{[](double s) { return Vec3{s, 0, 0}; }, 0.2, false});
+    shape.pieces.emplace_back(Cloud{{{0.001, 0.002, 0.003}}});
+    const auto bytes = shape_bytes(4, shape);
+    REQUIRE(bytes.size() == 64 + 4 * (9 + 200 * 6 + 3));
+    CHECK(std::string(bytes.begin(), bytes.begin() + 4) == "HOB1");
+    CHECK(at<std::uint32_t>(bytes, 8) == 1);
+    CHECK(at<std::uint32_t>(bytes, 12) == 200);
+    CHECK(at<std::uint32_t>(bytes, 16) == 1);
+    CHECK(at<float>(bytes, 64 + 4 * 3) == 10.0F);
+    CHECK(at<float>(bytes, 64 + 4 * 7) == 20.0F);
+    const std::size_t segments = 64 + 4 * 9;
+    CHECK(at<float>(bytes, segments) == 0.0F);
+    CHECK(at<float>(bytes, segments + 4 * 3) == Approx(1.0));                // the end of the first segment
+    CHECK(at<float>(bytes, segments + 4 * (199 * 6 + 3)) == Approx(200.0));  // and of the last
+    CHECK(at<float>(bytes, bytes.size() - 4) == Approx(3.0));
+}
+
+TEST_CASE("studio messages: a large object is drawn coarser, without holes, and the header says so") {
+    // A dome of radius 50 mm over a disc of cells: its area is 2πr² whatever its triangles are.
+    Mesh mesh;
+    constexpr std::uint32_t rings = 200, sides = 400;
+    for (std::uint32_t i = 0; i <= rings; ++i)
+        for (std::uint32_t j = 0; j < sides; ++j) {
+            const double a = 1.5707963267948966 * i / rings, b = 6.283185307179586 * j / sides;
+            mesh.vertices.push_back(
+                {0.05 * std::sin(a) * std::cos(b), 0.05 * std::sin(a) * std::sin(b), 0.05 * std::cos(a)});
+        }
+    for (std::uint32_t i = 0; i < rings; ++i)
+        for (std::uint32_t j = 0; j < sides; ++j) {
+            const std::uint32_t k = i * sides + j, next = i * sides + (j + 1) % sides;
+            mesh.triangles.push_back({k, k + sides, next});
+            mesh.triangles.push_back({next, k + sides, next + sides});
+        }
+    Shape shape;
+    shape.pieces.emplace_back(mesh);
+    const auto bytes = shape_bytes(1, shape);
+    const auto drawn = at<std::uint32_t>(bytes, 8);
+    CHECK(at<std::uint32_t>(bytes, 20) == mesh.triangles.size());
+    CHECK(drawn <= most_drawn_triangles);
+    CHECK(drawn > 5'000);
+    CHECK(bytes.size() == 64 + 36 * std::size_t{drawn});
+    double area = 0.0;
+    for (std::uint32_t i = 0; i < drawn; ++i) {
+        std::array<Vec3, 3> corner;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::size_t place = 64 + 36 * std::size_t{i} + 12 * k;
+            corner[k] = {at<float>(bytes, place), at<float>(bytes, place + 4), at<float>(bytes, place + 8)};
+            CHECK(std::hypot(corner[k].x, corner[k].y, corner[k].z) == Approx(50.0));  // a vertex of the mesh
+        }
+        const Vec3 u = corner[1] - corner[0], v = corner[2] - corner[0];
+        area += std::hypot(u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x) / 2.0;
+    }
+    CHECK(area == Approx(2.0 * 3.141592653589793 * 50.0 * 50.0).epsilon(0.05));  // no holes, and few folds
+}

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+// Documents, files and scenes: the same bytes as without the studio, and no other files of this machine.
+#include <catch2/catch.hpp>
+#include <future>
+#include <thread>
+
+#include "assets.hpp"
+#include "haptogram/base/file.hpp"
+#include "haptogram/base/process.hpp"
+#include "haptogram/instrument/document.hpp"
+#include "scenes.hpp"
+#include "worker.hpp"
+
+using namespace haptogram;
+using namespace haptogram::studio;
+using Catch::Contains;
+using nlohmann::ordered_json;
+
+namespace {
+
+const std::string data = HAPTOGRAM_TEST_DATA;
+const std::string circle =
+    "format = \"haptogram-project-1\"\npoints = 8\nrate_hz = 500\n\n[[shape]]\nkind = \"circle\"\n";
+
+ordered_json with_file(const std::string& name) {
+    return {{"format", "haptogram-project-1"},
+            {"points", 20},
+            {"place", {{"size_mm", 40}, {"center_mm", {0, 0, 130}}}},
+            {"shape", {{{"file", name}}}}};
+}
+
+}  // namespace
+
+TEST_CASE("studio scenes: a document makes the image that its project file makes") {
+    Scenes scenes;
+    const auto scene = scenes.compile(document_of(circle, "circle")).scene;
+    const Compiled direct = compile(project_from_toml(circle, "circle"));
+    CHECK(scene->compiled.bundle.hex == direct.bundle.hex);
+    CHECK(to_text(scene->compiled.bundle.manifest) == to_text(direct.bundle.manifest));
+    const Compiled again = compile(project_from_toml(scene->project, "taken away"));
+    CHECK(again.bundle.hex == direct.bundle.hex);
+    CHECK(to_text(again.bundle.manifest) == to_text(direct.bundle.manifest));
+    CHECK(to_json(*scene)["foci"].size() == 8);
+    CHECK(scenes.find(scene->name) == scene);
+    CHECK(scenes.compile(document_of(circle, "circle")).scene == scene);
+}
+
+TEST_CASE("studio scenes: a dropped file makes the image that the file makes") {
+    const std::filesystem::path file = std::filesystem::path(data) / "shapes/trimesh_binary.stl";
+    REQUIRE(std::filesystem::exists(file));
+    Scenes scenes;
+    scenes.add_file("trimesh_binary.stl", read_file(file));
+    const auto scene = scenes.compile(with_file("trimesh_binary.stl")).scene;
+    TemporaryFolder folder;
+    std::filesystem::copy(file, folder.path() / "trimesh_binary.stl");
+    write_file(folder.path() / "project.toml", scene->project);
+    const Compiled direct = compile(load_project(folder.path() / "project.toml"));
+    CHECK(scene->compiled.bundle.hex == direct.bundle.hex);
+    CHECK(to_text(scene->compiled.bundle.manifest) == to_text(direct.bundle.manifest));
+}
+
+TEST_CASE("studio scenes: a new file of an old name is another scene") {
+    Scenes scenes;
+    scenes.add_file("a.xyz", "0 0 0\n10 0 0\n");
+    const auto first = scenes.compile(with_file("a.xyz")).scene;
+    scenes.add_file("a.xyz", "0 0 0\n10 0 0\n0 10 0\n");
+    const auto second = scenes.compile(with_file("a.xyz")).scene;
+    CHECK(first->name != second->name);
+    CHECK(second->compiled.path.steps.size() == 3);
+}
+
+TEST_CASE("studio scenes: a document names no other files of this machine") {
+    Scenes scenes;
+    CHECK_THROWS_WITH(scenes.compile(with_file("/etc/passwd.csv")), Contains("does not have this file"));
+    CHECK_THROWS_WITH(scenes.compile(with_file(data + "/shapes/trimesh_binary.stl")),
+                      Contains("does not have this file"));
+    ordered_json document = document_of(circle, "circle");
+    document["array"] = "/tmp/array.toml";
+    CHECK_THROWS_WITH(scenes.compile(document), Contains("shipped ones only"));
+    document = document_of(circle, "circle");
+    document["board"] = "board.toml";
+    CHECK_THROWS_WITH(scenes.compile(document), Contains("shipped ones only"));
+    CHECK_THROWS_WITH(scenes.compile({{"format", "haptogram-project-1"}, {"path", "/tmp/path.json"}}),
+                      Contains("may not name files"));
+    document = document_of(circle, "circle");
+    for (const char* am : {"csv:/tmp/wave.csv", "csv:wave.csv", "sine:200+wav:sound.wav"}) {
+        document["am"] = am;
+        CHECK_THROWS_WITH(scenes.compile(document), Contains("may not name files"));
+    }
+}
+
+TEST_CASE("studio scenes: names of files") {
+    Scenes scenes;
+    scenes.add_file("<img src=x onerror=alert(1)>.ply", "x");
+    scenes.add_file("\xE2\x97\x8F two words.stl", "x");
+    for (const std::string& wrong :
+         {std::string(), std::string("../a.ply"), std::string("/a.ply"), std::string(".a.ply"), std::string("a\nb.ply"),
+          std::string("a\0b.ply", 7), std::string(97, 'a') + ".ply"}) {
+        INFO(wrong);
+        CHECK_THROWS_WITH(scenes.add_file(wrong, "x"), Contains("shape file's name"));
+    }
+    CHECK_THROWS_AS(scenes.add_file("a.exe", "x"), Error);
+}
+
+TEST_CASE("studio scenes: a project that is opened brings its files, and what is wrong with it is said") {
+    TemporaryFolder folder;
+    write_file(folder.path() / "points.xyz", "0 0 130\n20 0 130\n");
+    const std::string text = "format = \"haptogram-project-1\"\nrate_hz = 50\n\n[[shape]]\nfile = \"points.xyz\"\n";
+    write_file(folder.path() / "project.toml", text);
+    Scenes scenes;
+    scenes.open(folder.path() / "project.toml");
+    const ordered_json document = scenes.first_document();
+    CHECK(document["rate_hz"] == 50);
+    CHECK(scenes.compile(document).scene->compiled.bundle.hex ==
+          compile(load_project(folder.path() / "project.toml")).bundle.hex);
+    write_file(folder.path() / "bad.toml",
+               "format = \"haptogram-project-1\"\nrate = 5\n\n[[shape]]\nkind = \"circle\"\n");
+    CHECK_THROWS_WITH(scenes.open(folder.path() / "bad.toml"), Contains("bad.toml") && Contains("rate"));
+}
+
+TEST_CASE("studio scenes: only the last ones are kept") {
+    Scenes scenes;
+    ordered_json document = document_of(circle, "circle");
+    const std::string first = scenes.compile(document).scene->name;
+    for (std::size_t i = 0; i < Scenes::most_scenes; ++i) {
+        document["points"] = 9 + i;
+        (void)scenes.compile(document);
+    }
+    CHECK_THROWS_WITH(scenes.find(first), Contains("there is no scene"));
+    CHECK_THROWS_AS(scenes.find(""), Error);
+}
+
+TEST_CASE("studio worker: of an owner the newest work waits, and owners take turns") {
+    Worker worker;
+    std::mutex gate;
+    std::vector<int> done;
+    std::unique_lock closed(gate);
+    std::promise<void> begun;
+    worker.ask(1, [&] {
+        begun.set_value();
+        const std::lock_guard lock(gate);  // holds the thread
+    });
+    begun.get_future().wait();
+    for (int i = 0; i < 10'000; ++i) worker.ask(1, [&done, i] { done.push_back(i); });
+    worker.ask(2, [&done] { done.push_back(-2); });
+    worker.ask(3, [&done] { done.push_back(-3); });
+    worker.forget(3);
+    std::promise<void> ended;
+    worker.ask(4, [&ended] { ended.set_value(); });
+    closed.unlock();
+    REQUIRE(ended.get_future().wait_for(std::chrono::seconds(30)) == std::future_status::ready);
+    CHECK(done == std::vector<int>{9'999, -2});
+}
+
+TEST_CASE("studio assets: a page is read as its list says, and nothing else") {
+    TemporaryFolder folder;
+    write_file(folder.path() / "index.html", "<p>page</p>");
+    const auto list = [&](const std::string& name, const std::string& hash) {
+        const ordered_json json = {
+            {"files", {{{"name", name}, {"type", "text/html"}, {"sha256", hash}, {"gzip", false}}}}};
+        write_file(folder.path() / "page.json", json.dump());
+    };
+    list("index.html", sha256("<p>page</p>"));
+    const Assets assets = load_assets(folder.path());
+    CHECK(assets.at("/").plain == "<p>page</p>");
+    CHECK(assets.at("/index.html").type == "text/html");
+    CHECK(assets.size() == 2);
+    list("index.html", sha256("another"));
+    CHECK_THROWS_WITH(load_assets(folder.path()), Contains("is not the file that page.json lists"));
+    list("../index.html", sha256("<p>page</p>"));
+    CHECK_THROWS_WITH(load_assets(folder.path()), Contains("no name of a file"));
+    write_file(folder.path() / "page.json", "{}");
+    CHECK_THROWS_WITH(load_assets(folder.path()), Contains("build the page again"));
+    CHECK_THAT(assets_without_page("/nowhere").at("/").plain, Contains("tools/setup"));
+}

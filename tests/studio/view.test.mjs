@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: Apache-2.0
+// Looking closer at the field, taking it away, moving the object by hand, and every edit taken back.
+import assert from "node:assert/strict";
+import { execFile } from "node:child_process";
+import { readFileSync, writeFileSync } from "node:fs";
+import { delimiter, dirname, join } from "node:path";
+import { test } from "node:test";
+import { promisify } from "node:util";
+import { accessible, boardSays, eventually, folder, hasValue, openPage, picture, program, run, settled, slices, startBrowser, startStudio, takeAway } from "./support.mjs";
+
+const field = (page, label) => page.getByLabel(label, { exact: true });
+async function fill(page, label, value) {
+  await field(page, label).fill(String(value));
+  await field(page, label).press("Enter");
+}
+
+/** The colour of the page at a place, as red, green and blue. */
+async function colourAt(page, x, y) {
+  const shot = (await page.screenshot({ clip: { x, y, width: 1, height: 1 } })).toString("base64");
+  return page.evaluate(async (base64) => {
+    const image = new Image();
+    image.src = `data:image/png;base64,${base64}`;
+    await image.decode();
+    const context = Object.assign(document.createElement("canvas"), { width: 1, height: 1 }).getContext("2d");
+    context.drawImage(image, 0, 0);
+    return [...context.getImageData(0, 0, 1, 1).data].slice(0, 3);
+  }, shot);
+}
+
+/** Where the middle of the view is, in pixels of the page. */
+async function middle(page) {
+  const box = await page.locator("#view canvas").boundingBox();
+  return { x: box.x + box.width / 2, y: box.y + box.height / 2, box };
+}
+
+/** Where a point in millimetres is drawn by the view's first camera: its place, its target and its angle are those of view.ts. */
+function drawnAt([x, y, z], { x: middleX, y: middleY, box }) {
+  const [eye, target, up] = [[260, -400, 340], [0, 0, 100], [0, 0, 1]];
+  const minus = (a, b) => a.map((each, i) => each - b[i]);
+  const dot = (a, b) => a.reduce((sum, each, i) => sum + each * b[i], 0);
+  const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+  const unit = (a) => a.map((each) => each / Math.sqrt(dot(a, a)));
+  const forward = unit(minus(target, eye)), right = unit(cross(forward, up)), above = cross(right, forward);
+  const from = minus([x, y, z], eye);
+  const size = box.height / 2 / Math.tan((19 * Math.PI) / 180) / dot(from, forward);
+  return { x: middleX + size * dot(from, right), y: middleY - size * dot(from, above) };
+}
+
+test("colours, ranges and units ask for no new slice, and what is above the top is marked", async (t) => {
+  const studio = await startStudio(t);
+  const page = await openPage(t, await startBrowser(t), studio);
+  await settled(page);
+  const before = await slices(page);
+  const place = drawnAt([-55, -20, 130], await middle(page)); // of the plane, between its least and its greatest
+  await field(page, "Colours").selectOption("grey");
+  await eventually(async () => {
+    const [red, green, blue] = await colourAt(page, place.x, place.y);
+    return Math.max(red, green, blue) - Math.min(red, green, blue) < 12;
+  }, async () => `no grey: ${await colourAt(page, place.x, place.y)}`);
+  await field(page, "Colours").selectOption("inferno");
+  await eventually(async () => {
+    const [red, green] = await colourAt(page, place.x, place.y);
+    return red > green + 30;
+  }, async () => `not inferno: ${await colourAt(page, place.x, place.y)}`);
+
+  await field(page, "Shown").selectOption("rms");
+  const top = Number(await page.locator(".bar li").first().innerText());
+  await field(page, "Hold the top of the scale").check();
+  await fill(page, "Top", top / 2);
+  await page.locator(".bar", { hasText: "above the top" }).waitFor();
+  assert.ok(Math.abs(Number(await page.locator(".bar li").first().innerText()) - top / 2) < 0.01 * top);
+  // The same top in another unit: half the pressure is 6.02 dB less.
+  await field(page, "Shown").selectOption("level");
+  const levels = (await page.locator(".bar li").allInnerTexts()).map(Number);
+  assert.ok(Math.abs(levels[0] - 20 * Math.log10(top / 2 / 20e-6)) < 0.6, String(levels));
+  await fill(page, "Range", 20);
+  await eventually(async () => Math.abs(levels[0] - 20 - Number(await page.locator(".bar li").last().innerText())) < 0.6);
+  assert.equal(await slices(page), before);
+  await accessible(page);
+  await picture(page, "held-top");
+});
+
+test("the probe reads what the command line computes", async (t) => {
+  const studio = await startStudio(t);
+  const page = await openPage(t, await startBrowser(t), studio);
+  await settled(page);
+  const where = await folder(t);
+  writeFileSync(join(where, "image.hex"), await takeAway(page, "Image"));
+  writeFileSync(join(where, "image.json"), await takeAway(page, "Manifest"));
+  const step = 0.5, side = 321;
+  await run("field", join(where, "image.hex"), "--plane", "xy@z=130", "--step", step, "--extent", 80, "-o", join(where, "plane.csv"));
+  const rows = readFileSync(join(where, "plane.csv"), "utf8").trim().split("\n").slice(1);
+  const values = rows.map((row) => Number(row.split(",").at(-1)));
+  assert.equal(values.length, side * side);
+  const peak = Math.max(...values);
+  const at = (x, y) => {
+    const [i, j] = [(x + 80) / step, (y + 80) / step];
+    const [a, b] = [Math.floor(i), Math.floor(j)];
+    const row = (k) => values[k * side + a] * (a + 1 - i) + values[k * side + a + 1] * (i - a);
+    return row(b) * (b + 1 - j) + row(b + 1) * (j - b);
+  };
+  const view = await middle(page);
+  let worst = 0;
+  const found = [];
+  for (const point of [[-45, 30, 130], [-20, -35, 130], [12, 47, 130], [-63, 58, 130], [50, -30, 130]]) {
+    const place = drawnAt(point, view);
+    await page.mouse.move(place.x, place.y);
+    let x, y, z, value;
+    // Within a pixel, which is a millimetre or less.
+    await eventually(async () => {
+      const text = await page.locator(".probe").innerText().catch(() => "");
+      [, value, x, y, z] = (text.match(/^(\S+) Pa at\s+(\S+), (\S+), (\S+) mm/) ?? []).map(Number);
+      return Math.hypot(x - point[0], y - point[1]) < 2 && z === 130;
+    }, () => `${point}: the probe says ${value} at ${x}, ${y}, ${z}`);
+    worst = Math.max(worst, Math.abs(value - at(x, y)) / peak);
+    found.push(value);
+  }
+  t.diagnostic(`the probe against 'haptogram field': ${(100 * worst).toFixed(2)} % of the peak at worst`);
+  assert.ok(worst < 0.03, `${worst}`);
+  assert.ok(Math.max(...found) - Math.min(...found) > 0.2 * peak, "the places differ by much more than that");
+});
+
+test("the field as files, and the commands that make the same", async (t) => {
+  const studio = await startStudio(t);
+  const page = await openPage(t, await startBrowser(t), studio);
+  await settled(page);
+  const where = await folder(t);
+  await field(page, "Plane").selectOption("xz");
+  await fill(page, "Middle x", 5);
+  await field(page, "Shown").selectOption("level");
+  await fill(page, "Step", 2);
+  await settled(page);
+  writeFileSync(join(where, "project.toml"), await takeAway(page, "Project"));
+  const text = await page.locator("pre.command").innerText();
+  assert.match(text, /--plane xz@y=0 --x=-75:85 --z=50:210 --step 2 --quantity spl -o field\.png$/);
+  await page.context().grantPermissions(["clipboard-read", "clipboard-write"]);
+  await page.getByRole("button", { name: "Copy as command" }).click();
+  await eventually(async () => (await page.evaluate(() => navigator.clipboard.readText())) === text);
+  const shell = (line) => promisify(execFile)("sh", ["-ec", line], { cwd: where, env: { ...process.env, PATH: `${dirname(program)}${delimiter}${process.env.PATH}` } });
+  await shell(text);
+  for (const as of ["csv", "npy", "vti", "png"]) {
+    const given = await takeAway(page, `Field (.${as})`);
+    if (as !== "png") await shell(text.split("\n").at(-1).replace("field.png", `field.${as}`));
+    assert.deepEqual(given, readFileSync(join(where, `field.${as}`)), as);
+  }
+});
+
+test("a field that cannot be had is explained", async (t) => {
+  const studio = await startStudio(t);
+  const page = await openPage(t, await startBrowser(t), studio, { allowed: /status of 422/ });
+  await settled(page);
+  const scene = await page.evaluate(
+    () => new Promise((done) => {
+      const socket = new WebSocket(`ws://${location.host}/ws`, ["haptogram.1", `token.${sessionStorage.getItem("token")}`]);
+      socket.onopen = () => socket.send(JSON.stringify({ t: "scene", n: 1, document: { format: "haptogram-project-1", points: 4, rate_hz: 50, shape: [{ kind: "circle" }] } }));
+      socket.onmessage = ({ data }) => typeof data === "string" && JSON.parse(data).t === "scene" && done(JSON.parse(data).scene.name);
+    }),
+  );
+  const good = { scene, plane: "xy@z=130", x: "-20:20", y: "-20:20", step: "5", quantity: "rms", as: "csv" };
+  const ask = (changes) =>
+    page.evaluate(async (query) => {
+      const answer = await fetch(`/api/field?${new URLSearchParams(query)}`, { headers: { Authorization: `Bearer ${sessionStorage.getItem("token")}` } });
+      return { status: answer.status, text: await answer.text() };
+    }, { ...good, ...changes });
+  const { status, text } = await ask({});
+  assert.equal(status, 200);
+  assert.equal(text.trim().split("\n").length, 1 + 9 * 9);
+  const rows = [
+    [{ scene: "none" }, /no scene/], [{ plane: "xy" }, /plane/], [{ plane: "z@x=0,y=0" }, /plane/], [{ x: "20" }, /x/], [{ step: "0" }, /step.*found '0'/],
+    [{ step: "1mm" }, /step.*found '1mm'/], [{ step: "0.001" }, /step/], [{ quantity: "loudness" }, /loudness/], [{ quantity: "complex", as: "png" }, /complex/],
+    [{ as: "exe" }, /exe/], [{ as: "/../x.csv" }, /expected png, csv/],
+  ];
+  for (const [changes, words] of rows) {
+    const answer = await ask(changes);
+    assert.equal(answer.status, 422, JSON.stringify(changes));
+    assert.match(JSON.parse(answer.text).error.message, words, JSON.stringify(changes));
+  }
+});
+
+test("the object is moved by its handles, one step for undo", async (t) => {
+  const studio = await startStudio(t);
+  const page = await openPage(t, await startBrowser(t), studio);
+  await settled(page);
+  await field(page, "Handles").selectOption("object move");
+  const bounds = drawnAt([0, 0, 130], await middle(page));
+  const centre = async () => Promise.all(["x", "y", "z"].map(async (axis) => Number(await field(page, `Centre ${axis}`).inputValue())));
+  await page.mouse.move(bounds.x, bounds.y);
+  await page.mouse.down();
+  for (let i = 1; i <= 10; i++) await page.mouse.move(bounds.x + 4 * i, bounds.y);
+  await page.mouse.up();
+  await eventually(async () => Math.hypot(...(await centre()).map((each, i) => each - [0, 0, 130][i])) > 5, async () => `still at ${await centre()}`);
+  await settled(page);
+  await picture(page, "object-moved");
+  await page.getByRole("button", { name: "Undo" }).click();
+  await hasValue(field(page, "Centre x"), "0");
+  assert.deepEqual(await centre(), [0, 0, 130]);
+  assert.ok(await page.getByRole("button", { name: "Undo" }).isDisabled());
+});
+
+test("every edit is taken back and made again, by keys", async (t) => {
+  const studio = await startStudio(t);
+  const page = await openPage(t, await startBrowser(t), studio);
+  await settled(page);
+  const first = String(await takeAway(page, "Project"));
+  await field(page, "Shape").selectOption("cone");
+  await fill(page, "Centre x", 4);
+  await fill(page, "Largest extent", 50);
+  await fill(page, "Turn about z", 30);
+  await fill(page, "Focal points", 30);
+  await fill(page, "Passes a second", 20);
+  await page.locator("footer", { hasText: "30 focal points" }).waitFor();
+  await settled(page);
+  const last = String(await takeAway(page, "Project"));
+  for (const words of [/cone/, /center_mm/, /size_mm = 50/, /30/, /points = 30/, /rate_hz = 20/]) assert.match(last, words);
+  for (let i = 0; i < 6; i++) await page.keyboard.press("Control+z");
+  await hasValue(field(page, "Shape"), "hemisphere");
+  await page.locator("footer", { hasText: "200 focal points" }).waitFor();
+  assert.ok(await page.getByRole("button", { name: "Undo" }).isDisabled());
+  assert.equal(String(await takeAway(page, "Project")), first);
+  for (let i = 0; i < 6; i++) await page.keyboard.press(i % 2 ? "Control+y" : "Control+Shift+Z");
+  await page.locator("footer", { hasText: "30 focal points" }).waitFor();
+  assert.ok(await page.getByRole("button", { name: "Redo" }).isDisabled());
+  assert.equal(String(await takeAway(page, "Project")), last);
+});
+
+test("the library, and the ways to play an object", async (t) => {
+  const studio = await startStudio(t);
+  const page = await openPage(t, await startBrowser(t), studio);
+  await settled(page);
+  const scenes = new Set();
+  const compiled = async () => {
+    await settled(page);
+    assert.equal(await page.locator(".failed").count(), 0, await page.locator(".failed").allInnerTexts().then(String));
+    return String(await takeAway(page, "Project"));
+  };
+  const names = (await field(page, "Library").locator("option").allInnerTexts()).slice(1);
+  assert.ok(names.length >= 7);
+  for (const name of names) {
+    await field(page, "Library").selectOption(name);
+    scenes.add(await compiled());
+  }
+  assert.equal(scenes.size, names.length, "each is another object");
+  await field(page, "Library").selectOption("Ring drawn at 7 m/s");
+  await hasValue(field(page, "Speed"), "7");
+  await field(page, "Pace").selectOption("frequency_hz");
+  await fill(page, "Drawings a second", 20);
+  await field(page, "All points feel alike").check();
+  assert.match(await compiled(), /frequency_hz = 20[^]*even = true|even = true[^]*frequency_hz = 20/);
+  await field(page, "Pace").selectOption("rate_hz");
+  await field(page, "All points feel alike").uncheck();
+  await fill(page, "Focal points", 4);
+  await field(page, "Modulation").selectOption("sine:200");
+  const where = await folder(t);
+  const project = await compiled();
+  assert.match(project, /am = "sine:200"/);
+  assert.doesNotMatch(project, /speed|frequency|even/);
+  writeFileSync(join(where, "project.toml"), project);
+  await run("compile", join(where, "project.toml"), "-o", join(where, "image.hex"));
+  assert.deepEqual(await takeAway(page, "Image"), readFileSync(join(where, "image.hex")));
+  await accessible(page);
+});
+
+test("the slider below the view moves the focus on the board", async (t) => {
+  const studio = await startStudio(t);
+  const page = await openPage(t, await startBrowser(t), studio);
+  await settled(page);
+  await fill(page, "Focal points", 8);
+  await page.locator("footer", { hasText: "8 focal points" }).waitFor();
+  await settled(page);
+  await page.getByRole("button", { name: "Start a virtual board" }).click();
+  await boardSays(page, "outputs off");
+  const slider = field(page, "Focal point");
+  await slider.fill("2");
+  await page.locator(".scrubber", { hasText: "3 of 8" }).waitFor();
+  await page.getByRole("button", { name: "Follow the slider" }).click();
+  await boardSays(page, "outputs ON, live");
+  await page.getByText("plays record 3", { exact: false }).waitFor();
+  for (const [at, record] of [[6, 7], [0, 1], [4, 5]]) {
+    await slider.fill(String(at));
+    await page.getByText(`plays record ${record}`, { exact: false }).waitFor();
+  }
+  await picture(page, "slider-plays");
+  await accessible(page);
+  await page.keyboard.press("Escape");
+  await boardSays(page, "outputs off");
+  // It only marks now.
+  await slider.fill("1");
+  await page.locator(".scrubber", { hasText: "2 of 8" }).waitFor();
+  assert.match(await page.locator("#board").innerText(), /outputs off/);
+});

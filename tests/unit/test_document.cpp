@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// Project files as JSON and back.
+#include <catch2/catch.hpp>
+
+#include "haptogram/base/error.hpp"
+#include "haptogram/instrument/document.hpp"
+#include "haptogram/instrument/project.hpp"
+
+using namespace haptogram;
+using Catch::Contains;
+using nlohmann::ordered_json;
+
+namespace {
+
+const std::string all_keys = R"(format = "haptogram-project-1"
+array = "hoshi-18x18"
+points = 40
+seed = 7
+clip = true
+rate_hz = 12.5
+even = true
+loops = 3
+am = "sine:200"
+am_law = "radiation"
+
+[place]
+scale = 2
+size_mm = 61.25
+rotate_deg = [1, -2.5, 1e-3]
+center_mm = [0, 0.1, 150]
+
+[[shape]]
+file = "a \"quoted\" \\ file ä ●.ply"
+unit = "cm"
+
+[[shape]]
+kind = "helix"
+diameter_mm = 33.3
+turns = 2.5
+)";
+
+}  // namespace
+
+TEST_CASE("document: every key of a project survives the way to JSON and back") {
+    const ordered_json document = document_of(all_keys, "all");
+    CHECK(document["place"]["center_mm"][2] == 150);
+    CHECK(document["shape"][0]["file"] == "a \"quoted\" \\ file ä ●.ply");
+    CHECK(document["clip"] == true);
+    const std::string back = toml_of(document);
+    CHECK(to_toml(project_from_toml(back, "back")) == to_toml(project_from_toml(all_keys, "all")));
+    // Also through a program that writes whole numbers without a point, as JavaScript does.
+    CHECK(document_of(toml_of(ordered_json::parse(document.dump())), "again") == document);
+}
+
+TEST_CASE("document: the project's reader has the last word") {
+    const auto read = [](const char* json) { return project_from_toml(toml_of(ordered_json::parse(json)), "page"); };
+    CHECK_THROWS_WITH(read(R"({"format": "haptogram-project-1", "pointz": 3})"), Contains("pointz"));
+    CHECK_THROWS_WITH(read(R"({"format": "haptogram-project-1", "points": "3"})"), Contains("points"));
+    CHECK_THROWS_WITH(read(R"({"points": 3})"), Contains("format"));
+    CHECK_THROWS_AS(document_of("points = ", "broken"), Error);
+    CHECK_THROWS_AS(document_of("format = \"haptogram-project-1\"\npoints = 3\n", "nothing"), Error);
+}
+
+TEST_CASE("document: what no project file has is refused by its key") {
+    for (const char* json : {R"({"a": null})", R"({"a": {"b": {}}})", R"({"a": [{"b": null}]})", R"({"a": [1, {}]})"}) {
+        INFO(json);
+        CHECK_THROWS_WITH(toml_of(ordered_json::parse(json)), Contains("no project file can hold"));
+    }
+    CHECK_THROWS_WITH(toml_of(ordered_json::parse("[]")), Contains("expected a JSON object"));
+}
+
+TEST_CASE("document: keys and text cannot add lines of their own") {
+    const ordered_json document = {{"a\nb = 1", "c\"\nd = 2\n[e]"}, {"", 1}};
+    const std::string text = toml_of(document);
+    CHECK(text == "\"a\\nb = 1\" = \"c\\\"\\nd = 2\\n[e]\"\n\"\" = 1\n");
+}
