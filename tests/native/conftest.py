@@ -26,6 +26,14 @@ def program(tmp_path):
     return run
 
 
+@pytest.fixture
+def rng():
+    """Other random numbers in each run; a failure shows the seed, and HAPTOGRAM_SEED repeats it."""
+    seed = int(os.environ.get("HAPTOGRAM_SEED") or np.random.SeedSequence().entropy % 2**32)
+    print(f"HAPTOGRAM_SEED={seed}")
+    return np.random.default_rng(seed)
+
+
 def waves(array, points, radius_m=4.5e-3):
     """Points × elements: what each piston of 1 Pa m makes at each point."""
     k = 2.0 * np.pi / array.wavelength_m

@@ -109,7 +109,6 @@ def main():
     hoshi = square_array(18)
     hoshi_drives = focused(hoshi, np.array([0.0, 0.0, 0.13])).astype(np.complex64)
     found = {
-        "plane_float64_ms": median_ms(3, lambda: propagation(plane, elements, np.float64) @ drives),
         "plane_float32_ms": median_ms(3, lambda: propagation(plane, elements, np.float32) @ single),
         "measured_float32_ms": median_ms(1, lambda: measured_propagation(plane, hoshi) @ hoshi_drives),
         "volume_float32_ms": 20.0 * median_ms(1, lambda: propagation(part, elements, np.float32) @ single),
