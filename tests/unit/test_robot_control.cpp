@@ -285,7 +285,7 @@ TEST_CASE("robot: a cable breaks under a hand that goes on moving, and the handl
         // It gives way a little, as the hand pulls now more and now less.
         CHECK(at_rest < (strong ? 0.25 : 0.03));
         CHECK(found.steadiness_m < 0.5e-3);
-        CHECK(found.most_n.maxCoeff() < 20.0);
+        CHECK(found.most_n.maxCoeff() < 30.0);  // for a moment, when it breaks
     }
     CHECK(too_strong <= 3);
 }
