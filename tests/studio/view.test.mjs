@@ -249,6 +249,7 @@ test("the library, and the ways to play an object", async (t) => {
   await field(page, "Pace").selectOption("rate_hz");
   await field(page, "All points feel alike").uncheck();
   await fill(page, "Focal points", 4);
+  await fill(page, "Passes a second", 200); // as often as the waveform, so that the sequence is short
   await field(page, "Modulation").selectOption("sine:200");
   const where = await folder(t);
   const project = await compiled();
