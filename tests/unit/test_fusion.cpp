@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <functional>
 #include <numbers>
 #include <random>
 
@@ -10,6 +9,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/fusion/feature_mode.hpp"
 #include "haptogram/fusion/place.hpp"
+#include "message_of.hpp"
 
 using namespace haptogram;
 using namespace haptogram::fusion;
@@ -18,15 +18,6 @@ using robot::Vector3;
 using std::numbers::pi;
 
 namespace {
-
-std::string message_of(const std::function<void()>& work) {
-    try {
-        work();
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "no error";
-}
 
 const Array& hoshi() {
     static const Array array = find_array("hoshi-18x18");

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <functional>
 #include <numbers>
 
 #include "haptogram/base/error.hpp"
@@ -9,6 +8,7 @@
 #include "haptogram/robot/kinematics.hpp"
 #include "haptogram/robot/robot_file.hpp"
 #include "haptogram/robot/simulate.hpp"
+#include "message_of.hpp"
 
 using namespace haptogram;
 using namespace haptogram::robot;
@@ -49,15 +49,6 @@ bool has(const Simulation& simulation, Event::Kind kind, int cable) {
     for (const Event& event : simulation.events)
         if (event.kind == kind && event.cable == cable) return true;
     return false;
-}
-
-std::string message_of(const std::function<void()>& work) {
-    try {
-        work();
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "no error";
 }
 
 }  // namespace
