@@ -8,13 +8,13 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "frame_pins.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/fusion/place.hpp"
 #include "haptogram/instrument/compile.hpp"
 #include "haptogram/instrument/picture.hpp"
 #include "haptogram/solve/timer.hpp"
-#include "pins.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
 
