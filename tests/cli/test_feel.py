@@ -116,6 +116,21 @@ def test_a_path_that_is_drawn(tmp_path):
     assert feel(tmp_path, path, "--places", 4)["places"] == found["places"]
 
 
+def test_the_pins_give_what_the_image_gives(tmp_path):
+    """Three passes on the Verilated core; the focus that is measured at its pins has the speed that was asked."""
+    image = compiled(tmp_path, "circle", "--shape", "circle", "--diameter", 40, "--points", 60, "--speed", 7)
+    succeed(["simulate", image, "--load", "direct", "--passes", 3, "--pulses", "pulses.csv"], cwd=tmp_path, timeout=300)
+    pins = feel(tmp_path, "--pulses", "pulses.csv", "--manifest", "circle.json", "--places", 3)
+    expected = feel(tmp_path, image, "--places", 3)
+    assert pins["speed_m_s"] == pytest.approx(7, rel=0.005)
+    assert pins["seconds"] == pytest.approx(2 * expected["seconds"])  # without the first pass
+    assert pins["played"].endswith("as measured at the pins")
+    for measured, computed in zip(pins["places"], expected["places"], strict=True):
+        assert measured["mean_pa"] == pytest.approx(computed["mean_pa"], rel=0.02)
+        assert measured["lines"][0]["hz"] == pytest.approx(computed["lines"][0]["hz"])
+        assert measured["lines"][0]["force_mn"] == pytest.approx(computed["lines"][0]["force_mn"], rel=0.02)
+
+
 def test_pictures(tmp_path):
     image = compiled(tmp_path, "am", *POINT, "--am", "square:200")
     succeed(["feel", image, "-o", "feel.png"], cwd=tmp_path, timeout=120)
