@@ -25,6 +25,7 @@ std::vector<RecordResult> check_records(const Bundle& bundle, const std::vector<
         result.cycles = measured[i].cycles;
         result.steady = manifest.records[i].dwell_cycles >= steady_cycles;
         if (result.cycles > 0) result.check = check_record(manifest, manifest.records[i], measured[i].drives);
+        result.limits = limits_of(manifest, manifest.records[i]);
         results.push_back(result);
         progress(static_cast<double>(i + 1) / static_cast<double>(measured.size()), "focus check");
     }
@@ -49,7 +50,7 @@ Simulation simulate(const Bundle& bundle, const PlaybackOptions& options) {
         result.least_kept = std::min(result.least_kept, check.pressure_kept);
         result.mean_kept += check.pressure_kept;
         result.worst_offset_m = std::max(result.worst_offset_m, check.peak_offset_m);
-        if (check.pressure_kept < least_pressure_kept || check.peak_offset_m > most_peak_offset_m)
+        if (check.pressure_kept < record.limits.least_kept || check.peak_offset_m > record.limits.most_offset_m)
             result.off.push_back(i + 1);
     }
     if (result.checked > 0) result.mean_kept /= static_cast<double>(result.checked);

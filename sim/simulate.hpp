@@ -12,14 +12,11 @@
 
 namespace haptogram::sim {
 
-/// A focus is on target when it keeps so much of its pressure, and its peak is no farther off than this.
-inline constexpr double least_pressure_kept = 0.999;
-inline constexpr double most_peak_offset_m = 0.2e-3;
-
 /// What the pulses of one record made of its focal points.
 struct RecordResult {
     std::uint64_t cycles = 0;  ///< that it played; 0: not at all, and `check` says nothing
     FocusCheck check;
+    FocusLimits limits;   ///< a focus is on target within these
     bool steady = false;  ///< played long enough that its own pulses could be told from its neighbours'
 };
 

@@ -24,6 +24,7 @@ void add_render(CLI::App& app, Action& action);
 void add_movement(CLI::App& app, Action& action);
 void add_interact(CLI::App& app, Action& action);
 void add_analyze(CLI::App& app, Action& action);
+void add_feel(CLI::App& app, Action& action);
 void add_magnitude(CLI::App& app, Action& action);
 void add_robot(CLI::App& app, Action& action);
 void add_board(CLI::App& app, Action& action);

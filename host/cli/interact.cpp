@@ -1,24 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "haptogram/instrument/interact.hpp"
+
 #include <fmt/format.h>
 
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "command.hpp"
-#include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/instrument/compile.hpp"
-#include "haptogram/instrument/render.hpp"
 #include "haptogram/instrument/source.hpp"
-#include "haptogram/render/interaction.hpp"
 #include "haptogram/render/path_file.hpp"
-#include "haptogram/render/shape_path.hpp"
 #include "report.hpp"
 
 namespace haptogram::cli {
 namespace {
-
-using nlohmann::ordered_json;
 
 struct InteractCommand {
     std::string content, hand = "synthetic:slide:220", palm = "0,-45,0", scene, output;
@@ -29,93 +23,43 @@ struct InteractCommand {
     std::optional<std::string> am, am_law, array, board;
 };
 
-/// Where a marker is over time: rows of a file, or what the two cameras see of a hand.
-MarkerTrack marker_of(const InteractCommand& command, double carrier_hz) {
-    if (command.hand.ends_with(".csv")) {
-        MarkerTrack track;
-        std::uint64_t periods = 0;
-        for (const PathStep& step : path_from_csv(read_file(command.hand), command.hand, carrier_hz).steps) {
-            if (step.foci.empty())
-                ++track.unseen;
-            else
-                track.samples.push_back({static_cast<double>(periods) / carrier_hz, step.foci.front().position});
-            periods += step.periods;
-        }
-        return track;
-    }
-    MarkerTracker tracker = usual_tracker();
-    tracker.noise_px = command.noise_px;
-    tracker.seed = command.interaction.seed;
-    return track_marker(open_hands(command.hand), tracker);
-}
-
-ordered_json in_mm(Vec3 p) { return {p.x / millimetre, p.y / millimetre, p.z / millimetre}; }
-
-std::string to_json_lines(const std::vector<SceneMoment>& scene) {
-    std::string text;
-    for (const SceneMoment& moment : scene) {
-        ordered_json line = {{"time_s", moment.time_s}, {"things_mm", ordered_json::array()}};
-        if (moment.palm) line["palm_mm"] = in_mm(*moment.palm);
-        for (const Vec3& thing : moment.things) line["things_mm"].push_back(in_mm(thing));
-        if (moment.focus) line["focus_mm"] = in_mm(*moment.focus);
-        text += line.dump() + "\n";
-    }
-    return text;
-}
-
 int interact(const InteractCommand& command) {
     require_distinct({{"--hand", command.hand}}, {{"--output", command.output}, {"--scene", command.scene}});
-    Project project;
-    project.array = command.array;
-    project.board = command.board;
-    const ProjectInstrument instrument = instrument_of(project);
-    const double carrier_hz = choose_timer(instrument.array, instrument.core).carrier_hz();
-    InteractionOptions options = command.interaction;
-    options.palm_from_marker = parse_point_mm("palm", command.palm);
-    options.palm_radius_m = command.palm_radius_mm * millimetre;
-    options.ball_height_m = command.ball_height_mm * millimetre;
-    options.ball_contact_s = command.ball_contact_ms * 1e-3;
-    options.drop_s = command.drop_ms * 1e-3;
-    options.creature_m_s = command.creature_mm_s * millimetre;
-    if (command.grid) options.grid = interaction_grid();
-    options.modulation =
-        modulation_of(command.am.value_or("square:200"), law_of(command.am_law.value_or("pressure")), carrier_hz)
-            .modulation;
-    const MarkerTrack track = marker_of(command, carrier_hz);
-    const PlayedInteraction played =
-        haptogram::interact(content_of(command.content), track.samples, options, carrier_hz);
-    if (!(played.felt_s > 0.0))
-        throw bad_input(command.hand, fmt::format("nothing touches the palm where the device reaches ({:.3g} s are out "
-                                                  "of its reach); move the hand to heights of {:g} to {:g} mm",
-                                                  played.out_of_range_s, options.lowest_m / millimetre,
-                                                  options.highest_m / millimetre));
-    std::vector<Vec3> places;
-    for (const PathStep& step : played.path.steps)
-        for (const Focus& focus : step.foci) places.push_back(focus.position);
-    static_cast<void>(reachable_points(places, instrument.array, false));
+    InteractionRequest request;
+    request.content = command.content;
+    request.hand = command.hand;
+    request.noise_px = command.noise_px;
+    request.grid = command.grid;
+    request.am = command.am.value_or(request.am);
+    request.am_law = law_of(command.am_law.value_or("pressure"));
+    request.array = command.array;
+    request.board = command.board;
+    request.options = command.interaction;
+    request.options.palm_from_marker = parse_point_mm("palm", command.palm);
+    request.options.palm_radius_m = command.palm_radius_mm * millimetre;
+    request.options.ball_height_m = command.ball_height_mm * millimetre;
+    request.options.ball_contact_s = command.ball_contact_ms * 1e-3;
+    request.options.drop_s = command.drop_ms * 1e-3;
+    request.options.creature_m_s = command.creature_mm_s * millimetre;
+    const InteractionOnArray made = haptogram::interact(request);
+    const PlayedInteraction& played = made.played;
+    const std::string path = to_json_text(played.path, made.carrier_hz);
     if (command.scene.empty())
-        write_file(command.output, to_json_text(played.path, carrier_hz));
+        write_file(command.output, path);
     else
-        write_files(
-            {{command.output, to_json_text(played.path, carrier_hz)}, {command.scene, to_json_lines(played.scene)}});
-    if (played.out_of_range_s > 0.0)
-        complain(fmt::format("warning: for {:.3g} s the focus would be out of the device's reach, and is silent",
-                             played.out_of_range_s));
-    if (track.unseen > 0)
-        complain(fmt::format("warning: a camera does not see the marker in {} of {} pictures", track.unseen,
-                             track.unseen + track.samples.size()));
+        write_files({{command.output, path}, {command.scene, to_json_lines(played.scene)}});
+    for (const std::string& warning : made.warnings) complain("warning: " + warning);
     if (command.output == "-") return 0;
-    const double seconds = static_cast<double>(played.path.periods()) / carrier_hz;
     Report report;
     report.add("content", command.content, fmt::format("content           {}", command.content));
-    report.add("array", instrument.array.name, fmt::format("array             {}", instrument.array.name));
-    report.add("samples", track.samples.size(),
-               fmt::format("marker            {} samples, {} unseen", track.samples.size(), track.unseen));
-    report.add("unseen", track.unseen);
-    report.add(
-        "steps", played.path.steps.size(),
-        fmt::format("path              {} steps, {:.4g} s, {}", played.path.steps.size(), seconds, command.output));
-    report.add("seconds", seconds);
+    report.add("array", made.array.name, fmt::format("array             {}", made.array.name));
+    report.add("samples", made.track.samples.size(),
+               fmt::format("marker            {} samples, {} unseen", made.track.samples.size(), made.track.unseen));
+    report.add("unseen", made.track.unseen);
+    report.add("steps", played.path.steps.size(),
+               fmt::format("path              {} steps, {:.4g} s, {}", played.path.steps.size(), made.seconds(),
+                           command.output));
+    report.add("seconds", made.seconds());
     report.add("touches", played.touches,
                fmt::format("felt              {} touches, {:.4g} s; {:.4g} s out of reach, {:.4g} s without a hand",
                            played.touches, played.felt_s, played.out_of_range_s, played.lost_s));

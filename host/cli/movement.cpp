@@ -1,20 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/render/movement.hpp"
+#include "haptogram/instrument/movement.hpp"
 
 #include <fmt/format.h>
 
 #include <memory>
 #include <numbers>
-#include <set>
-#include <tuple>
 
 #include "command.hpp"
-#include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/instrument/compile.hpp"
 #include "haptogram/instrument/source.hpp"
 #include "haptogram/render/path_file.hpp"
-#include "haptogram/render/shape_path.hpp"
 #include "report.hpp"
 
 namespace haptogram::cli {
@@ -30,43 +25,30 @@ struct MovementCommand {
 };
 
 int movement(const MovementCommand& command) {
-    Project project;
-    project.array = command.array;
-    project.board = command.board;
-    const ProjectInstrument instrument = instrument_of(project);
-    const double carrier_hz = choose_timer(instrument.array, instrument.core).carrier_hz();
-    MovementOptions options = command.movement_options;
-    options.centre = parse_point_mm("center", command.center);
-    options.size_m = command.size_mm * millimetre;
-    options.spacing_m = command.spacing_mm * millimetre;
-    options.direction_rad = command.direction_deg * std::numbers::pi / 180.0;
-    options.hop_s = command.hop_ms * 1e-3;
-    if (command.grid) {
-        options.grid = PositionGrid{};
-        options.grid->lowest_m = options.centre.z;
-    }
-    options.modulation =
-        modulation_of(command.am.value_or("square:200"), law_of(command.am_law.value_or("pressure")), carrier_hz)
-            .modulation;
-    const MadeMovement made = movement_path(movement_of(command.movement), options, carrier_hz);
-    std::vector<Vec3> places;
-    std::set<std::tuple<double, double, double>> different;
-    for (const PathStep& step : made.path.steps) {
-        const Vec3 p = step.foci.front().position;
-        places.push_back(p);
-        different.insert({p.x, p.y, p.z});
-    }
-    static_cast<void>(reachable_points(places, instrument.array, false));
-    write_file(command.output, to_json_text(made.path, carrier_hz));
+    MovementRequest request;
+    request.movement = command.movement;
+    request.array = command.array;
+    request.board = command.board;
+    request.grid = command.grid;
+    request.am = command.am.value_or(request.am);
+    request.am_law = law_of(command.am_law.value_or("pressure"));
+    request.options = command.movement_options;
+    request.options.centre = parse_point_mm("center", command.center);
+    request.options.size_m = command.size_mm * millimetre;
+    request.options.spacing_m = command.spacing_mm * millimetre;
+    request.options.direction_rad = command.direction_deg * std::numbers::pi / 180.0;
+    request.options.hop_s = command.hop_ms * 1e-3;
+    const MovementOnArray moved = haptogram::movement(request);
+    const MadeMovement& made = moved.made;
+    write_file(command.output, to_json_text(made.path, moved.carrier_hz));
     if (command.output == "-") return 0;
-    const double seconds = static_cast<double>(made.path.periods()) / carrier_hz;
     Report report;
     report.add("movement", command.movement, fmt::format("movement          {}", command.movement));
-    report.add("array", instrument.array.name, fmt::format("array             {}", instrument.array.name));
+    report.add("array", moved.array.name, fmt::format("array             {}", moved.array.name));
     report.add("steps", made.path.steps.size(),
                fmt::format("path              {} steps at {} places, {:.4g} s, {}", made.path.steps.size(),
-                           different.size(), seconds, command.output));
-    report.add("places", different.size()).add("seconds", seconds);
+                           moved.places, moved.seconds(), command.output));
+    report.add("places", moved.places).add("seconds", moved.seconds());
     report.add("length_mm", made.length_m / millimetre,
                made.speed_m_s > 0.0 ? fmt::format("drawn             {:.1f} mm at {:.4g} mm/s",
                                                   made.length_m / millimetre, made.speed_m_s / millimetre)

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// In place of simulate.cpp, board_run.cpp and pins.cpp in a build without Verilator (HAPTOGRAM_SIMULATION=OFF): the
-// commands are known, and say why they do nothing.
+// In place of simulate.cpp, board_run.cpp and frame_pins.cpp in a build without Verilator (HAPTOGRAM_SIMULATION=OFF):
+// the commands are known, and say why they do nothing.
 #include "command.hpp"
+#include "frame_pins.hpp"
 #include "haptogram/base/error.hpp"
-#include "pins.hpp"
 
 namespace haptogram::cli {
 namespace {

@@ -36,11 +36,12 @@ struct SimulateOptions {
 std::string words_of_those_off(const sim::Simulation& s) {
     constexpr std::size_t most_listed = 10;
     const auto shown = static_cast<std::ptrdiff_t>(std::min(s.off.size(), most_listed));
-    return fmt::format("{} point{} off: record{} {}{}: less than {} of the pressure, or more than {} mm away",
+    return fmt::format("{} point{} off: record{} {}{}: less than {:.4g} of the pressure, or more than {:.3g} mm away",
                        s.off.size(), s.off.size() > 1 ? "s are" : " is", s.off.size() > 1 ? "s" : "",
                        fmt::join(s.off.begin(), s.off.begin() + shown, ", "),
                        s.off.size() > most_listed ? fmt::format(" and {} more", s.off.size() - most_listed) : "",
-                       sim::least_pressure_kept, sim::most_peak_offset_m / millimetre);
+                       s.records[s.off.front() - 1].limits.least_kept,
+                       s.records[s.off.front() - 1].limits.most_offset_m / millimetre);
 }
 
 Report report_of(const Bundle& bundle, const sim::Simulation& s) {
@@ -54,7 +55,9 @@ Report report_of(const Bundle& bundle, const sim::Simulation& s) {
                            {"cycles", s.records[i].cycles},
                            {"pressure_pa", s.records[i].check.pressure_pa},
                            {"pressure_kept", s.records[i].check.pressure_kept},
-                           {"focus_error_mm", s.records[i].check.peak_offset_m / millimetre}});
+                           {"focus_error_mm", s.records[i].check.peak_offset_m / millimetre},
+                           {"least_kept_allowed", s.records[i].limits.least_kept},
+                           {"focus_error_allowed_mm", s.records[i].limits.most_offset_m / millimetre}});
     Report report;
     report.add("points", s.records.size(), fmt::format("points               {}", s.records.size()))
         .add("image_bytes", bundle.hex.size(), fmt::format("image size           {} bytes", bundle.hex.size()))
@@ -86,6 +89,11 @@ Report report_of(const Bundle& bundle, const sim::Simulation& s) {
                          s.checked))
         .tell(fmt::format("pressure kept        {:.4f} % at least, {:.4f} % on average", 100.0 * s.least_kept,
                           100.0 * s.mean_kept))
+        .tell(bundle.manifest.quantise.empty()
+                  ? std::string()
+                  : fmt::format("expected             {:.2f} % with the phases of {}; at least {:.2f} % is a pass",
+                                100.0 * s.records.front().limits.expected_kept, bundle.manifest.quantise,
+                                100.0 * s.records.front().limits.least_kept))
         .tell(s.unsteady > 0 ? fmt::format("too short to check   {} points play for fewer than 3 cycles", s.unsteady)
                              : std::string())
         .tell(fmt::format("contract violations  {}", p.violation_count));

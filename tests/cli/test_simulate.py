@@ -454,3 +454,18 @@ def test_pulses_that_cannot_be_used(case, single, tmp_path):
     (tmp_path / "p.csv").write_text(content)
     (tmp_path / "image.json").write_bytes((single / "image.json").read_bytes())
     refuse(tmp_path, ["field", "--pulses", "p.csv", "--manifest", "image.json", "--step", "40", "-o", "f.csv"], BAD_INPUT, r"p\.csv", *needles, outputs=("f.csv",))
+
+
+def test_sixteen_phases_are_what_was_asked_for(tmp_path):
+    """The limit follows from the segments that the image declares: sin(x)/x of the pressure at x = π/16 is expected."""
+    succeed(["compile", "--shape", "circle", "--diameter", 40, "--points", 6, "--rate", 500, "--quantise", "hoshi", "-o", "segments.hex"], cwd=tmp_path)
+    result = run(["simulate", "segments.hex", "--load", "direct", "--json"], cwd=tmp_path, timeout=120)
+    report = json.loads(result.stdout)
+    assert result.returncode == OK and report["points_off"] == 0 and report["contract_violations"] == 0
+    x = np.pi / 16
+    assert report["mean_pressure_kept"] == pytest.approx(np.sin(x) / x, abs=0.003) and report["least_pressure_kept"] < 0.999
+    assert all(record["least_kept_allowed"] == pytest.approx(0.9861, abs=2e-4) for record in report["records"])
+    exact = read_json(tmp_path / "segments.json")
+    del exact["quantise"]
+    (tmp_path / "segments.json").write_text(json.dumps(exact), encoding="utf-8")
+    assert run(["simulate", "segments.hex", "--load", "direct", "--json"], cwd=tmp_path, timeout=120).returncode == RUN_FAILED

@@ -2,6 +2,7 @@
 """The examples do on a virtual board what they say, at whatever rate it reaches, and leave its outputs off."""
 import importlib.util
 import json
+import pathlib
 import re
 import signal
 import subprocess
@@ -64,11 +65,23 @@ def test_follow_point(folder):
     assert indices == [1 + i % 2 for i in range(len(indices))]
 
 
+def wait_until_open(process, port, limit_s=60):
+    """Until the process has the port open, which it has from its first word to the board on."""
+    end = time.monotonic() + limit_s
+    while process.poll() is None and time.monotonic() < end:
+        if any(open_file.exists() and open_file.samefile(port) for open_file in pathlib.Path(f"/proc/{process.pid}/fd").iterdir()):
+            return
+        time.sleep(0.02)
+    pytest.fail(f"the example has not opened {port} after {limit_s} s, or has ended with {process.returncode}")
+
+
 def test_follow_point_interrupted(folder):
     with boards.virtual_board(folder):
+        # A shell that started the tests in the background has them ignore SIGINT, and what they start inherits it.
         host = subprocess.Popen([sys.executable, EXAMPLES / "follow_point.py", "--port", "port"], cwd=folder, env=boards.ENVIRONMENT,
-                                stderr=subprocess.PIPE, text=True)  # fmt: skip
-        time.sleep(4)  # until numpy is there on a busy machine, too
+                                stderr=subprocess.PIPE, text=True, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))  # fmt: skip
+        wait_until_open(host, folder / "port")
+        time.sleep(0.3)  # so that it is in the middle of playing, or still beginning; either way outputs must end off
         host.send_signal(signal.SIGINT)
         assert host.communicate(timeout=20)[1] == "follow_point.py: interrupted; outputs are off\n"
         assert_silent(folder)

@@ -112,7 +112,7 @@ TEST_CASE("even: 200 points take a few milliseconds", "[even]") {
         least_ms = std::min(least_ms, 1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
     }
     CAPTURE(least_ms);
-    if (!sanitized) CHECK(least_ms < 15.0);  // about 4 ms on a Xeon
+    if (!sanitized) CHECK(least_ms < 15.0);  // 2.9 ms on a Xeon
 }
 
 TEST_CASE("even: a shape is compiled to dwells that feel even", "[even]") {

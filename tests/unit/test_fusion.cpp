@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <functional>
 #include <numbers>
 #include <random>
 
@@ -12,6 +11,7 @@
 #include "haptogram/fusion/feature_mode.hpp"
 #include "haptogram/fusion/place.hpp"
 #include "haptogram/fusion/scenes.hpp"
+#include "message_of.hpp"
 
 using namespace haptogram;
 using namespace haptogram::fusion;
@@ -20,15 +20,6 @@ using robot::Vector3;
 using std::numbers::pi;
 
 namespace {
-
-std::string message_of(const std::function<void()>& work) {
-    try {
-        work();
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "no error";
-}
 
 const Array& hoshi() {
     static const Array array = find_array("hoshi-18x18");

@@ -11,8 +11,11 @@
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/acoustics/quantities.hpp"
 #include "haptogram/acoustics/transient.hpp"
+#include "haptogram/analysis/focus_check.hpp"
+#include "haptogram/analysis/measure.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/boards/core.hpp"
+#include "haptogram/instrument/compile.hpp"
 #include "haptogram/render/movement.hpp"
 #include "haptogram/solve/drives.hpp"
 #include "haptogram/solve/position_table.hpp"
@@ -315,4 +318,46 @@ TEST_CASE("position table: 324 positions in nine units of 36 channels", "[hoshi]
     silent.pulses[5] = {};
     REQUIRE_THROWS_WITH(packed(silent, units[0], hoshi_segments), Contains("silent"));
     REQUIRE_THROWS_WITH(packed(table, units[0], Segments{"x", 8, ""}), Contains("8 segments"));
+}
+
+TEST_CASE("hoshi: what sixteen phases take from foci, and what simulate allows", "[hoshi]") {
+    // Δ = π/16: sin(Δ)/Δ of the pressure on average, its square of the radiation pressure.
+    const Array array = find_array("tile-10x10");
+    std::mt19937_64 random(Catch::rngSeed());
+    std::uniform_real_distribution<double> place(-40.0, 40.0), height(110.0, 180.0);
+    Path path;
+    while (path.steps.size() < 200)
+        if (const Vec3 focus = from_mm(place(random), place(random), height(random)); array.unreachable(focus).empty())
+            path.steps.push_back({{{focus}}, 4});
+    const Bundle bundle =
+        compile(path, array, core_of_array("tile-10x10"), 0, "image", Method::gauss_newton, "hoshi").bundle;
+    REQUIRE(bundle.image.records.size() == 200);
+    double kept = 0.0, squares = 0.0;
+    for (std::size_t i = 0; i < 200; ++i) {
+        const RecordMeaning& meaning = bundle.manifest.records[i];
+        const FocusLimits limits = limits_of(bundle.manifest, meaning);
+        CHECK(limits.expected_kept == Approx(0.99359).margin(1e-5));
+        CHECK(limits.least_kept == Approx(0.999 * (0.99359 - 4.0 * 0.00162)).margin(1e-4));
+        const FocusCheck check =
+            check_record(bundle.manifest, meaning, drives_of(bundle.manifest, bundle.image.records[i]));
+        CAPTURE(i, meaning.foci.front().position.x, meaning.foci.front().position.y, meaning.foci.front().position.z);
+        CHECK(check.pressure_kept >= limits.least_kept);
+        CHECK(check.peak_offset_m <= limits.most_offset_m);
+        kept += check.pressure_kept / 200.0;
+        squares += check.pressure_kept * check.pressure_kept / 200.0;
+    }
+    CHECK(kept == Approx(0.99359).margin(0.0005));
+    CHECK(squares == Approx(0.98722).margin(0.001));
+
+    // Four of a hundred channels that are silent are noticed all the same.
+    Record broken = bundle.image.records.front();
+    for (const std::size_t channel : {44U, 45U, 54U, 55U}) broken.timings[channel] = 0xFFFF;
+    const FocusLimits limits = limits_of(bundle.manifest, bundle.manifest.records.front());
+    CHECK(check_record(bundle.manifest, bundle.manifest.records.front(), drives_of(bundle.manifest, broken))
+              .pressure_kept < limits.least_kept);
+    // An image that says nothing of segments keeps the contract's limits.
+    Manifest exact = bundle.manifest;
+    exact.quantise.clear();
+    CHECK(limits_of(exact, exact.records.front()).least_kept == 0.999);
+    CHECK(limits_of(exact, exact.records.front()).most_offset_m == 0.2e-3);
 }

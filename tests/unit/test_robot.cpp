@@ -14,6 +14,7 @@
 #include "haptogram/robot/kinematics.hpp"
 #include "haptogram/robot/tension.hpp"
 #include "haptogram/robot/workspace.hpp"
+#include "message_of.hpp"
 
 using namespace haptogram;
 using namespace haptogram::robot;
@@ -31,15 +32,6 @@ void require_close(const PerCable& found, const std::array<double, 8>& expected,
         CAPTURE(i);
         REQUIRE(found[i] == Approx(expected[static_cast<std::size_t>(i)]).margin(margin));
     }
-}
-
-std::string message_of(const std::function<void()>& work) {
-    try {
-        work();
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "no error";
 }
 
 double angle_between(const Matrix3& a, const Matrix3& b) {

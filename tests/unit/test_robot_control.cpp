@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <functional>
 #include <numbers>
 #include <random>
 
@@ -12,6 +11,7 @@
 #include "haptogram/robot/robot_file.hpp"
 #include "haptogram/robot/simulate.hpp"
 #include "haptogram/robot/tension.hpp"
+#include "message_of.hpp"
 
 using namespace haptogram;
 using namespace haptogram::robot;
@@ -52,15 +52,6 @@ bool has(const Simulation& simulation, Event::Kind kind, int cable) {
     for (const Event& event : simulation.events)
         if (event.kind == kind && event.cable == cable) return true;
     return false;
-}
-
-std::string message_of(const std::function<void()>& work) {
-    try {
-        work();
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "no error";
 }
 
 }  // namespace

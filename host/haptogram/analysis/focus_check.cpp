@@ -9,6 +9,7 @@
 
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/solve/drives.hpp"
+#include "haptogram/solve/segments.hpp"
 
 namespace haptogram {
 
@@ -51,6 +52,35 @@ FocusCheck check_focus(const Array& array, std::span<const std::complex<double>>
     check.pressure_kept = check.pressure_pa / std::abs(pressure(array, reference, focus));
     check.peak_offset_m = distance(lateral_peak(array, drives, focus), lateral_peak(array, reference, focus));
     return check;
+}
+
+FocusLimits limits_of(const Manifest& manifest, const RecordMeaning& record) {
+    FocusLimits limits;
+    if (manifest.quantise.empty()) return limits;
+    constexpr double deviations = 4.0, alike = 8.0;
+    const double largest = std::numbers::pi / segments_of(manifest.quantise).count;
+    const auto& elements = manifest.array.elements;
+    const double independent = std::max(1.0, static_cast<double>(elements.size()) / alike);
+    limits.expected_kept = std::sin(largest) / largest;
+    const double deviation = largest * largest / std::sqrt(45.0 * independent);
+    limits.least_kept *= limits.expected_kept - deviations * deviation;
+    double farthest = 0.0;
+    for (const Focus& focus : record.foci)
+        for (const bool along_x : {true, false}) {
+            double sum = 0.0, squares = 0.0;
+            for (const Element& element : elements) {
+                const Vec3 way = focus.position - element.position;
+                const double cosine = (along_x ? way.x : way.y) / norm(way);
+                sum += cosine;
+                squares += cosine * cosine;
+            }
+            const double spread = squares - sum * sum / static_cast<double>(elements.size());
+            const double k = 2.0 * std::numbers::pi / manifest.array.wavelength_m();
+            // A row of elements across the axis cannot move the peak along it.
+            if (spread > 0.0) farthest = std::max(farthest, largest / std::sqrt(3.0 * spread) / k);
+        }
+    limits.most_offset_m += deviations * farthest;
+    return limits;
 }
 
 FocusCheck check_record(const Manifest& manifest, const RecordMeaning& record,

@@ -15,6 +15,7 @@
 #include "haptogram/boards/board.hpp"
 #include "haptogram/render/adaptics.hpp"
 #include "haptogram/render/path_file.hpp"
+#include "haptogram/render/reach.hpp"
 #include "haptogram/render/schedule.hpp"
 #include "haptogram/shape/import.hpp"
 #include "haptogram/solve/drives.hpp"
@@ -209,10 +210,7 @@ Path path_in_file(const Project& project, const Array& array, double carrier_hz,
                            "a path file has its own places and times; scale, size, rotate, center, clip, speed and "
                            "frequency are for shapes");
     Path path = load_path(project.folder / project.path, carrier_hz, project.points, &hash);
-    std::vector<Vec3> points;
-    for (const PathStep& step : path.steps)
-        for (const Focus& focus : step.foci) points.push_back(focus.position);
-    static_cast<void>(reachable_points(points, array, false));
+    require_reachable(path, array);
     return path;
 }
 

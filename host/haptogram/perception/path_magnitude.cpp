@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -15,42 +14,15 @@
 #include <utility>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/render/single_waveform.hpp"
 
 namespace haptogram::perception {
-namespace {
-
-std::optional<double> number_in(std::string_view text) {
-    double value = 0.0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-    return value;
-}
-
-/// What stands before the first colon; the rest goes on after it.
-std::string_view take_part(std::string_view& text) {
-    const std::size_t colon = text.find(':');
-    const std::string_view part = text.substr(0, colon);
-    text = colon == std::string_view::npos ? std::string_view() : text.substr(colon + 1);
-    return part;
-}
-
-}  // namespace
-
 Wanted wanted_of(double magnitude, std::string_view am, bool values_are_radiation) {
-    constexpr std::array<std::pair<std::string_view, Waveform>, 5> waveforms = {{{"square", Waveform::square},
-                                                                                 {"abs-sine", Waveform::abs_sine},
-                                                                                 {"sine", Waveform::sine},
-                                                                                 {"triangle", Waveform::triangle},
-                                                                                 {"sawtooth", Waveform::sawtooth}}};
     if (values_are_radiation)
         throw bad_argument(
             "magnitude", "is known of waveforms of the pressure, and these are of the radiation pressure", {"am_law"});
-    std::string_view rest = am;
-    const std::string_view kind = take_part(rest), frequency_text = take_part(rest), duty_text = take_part(rest);
-    const auto found = std::find_if(waveforms.begin(), waveforms.end(), [&](const auto& w) { return w.first == kind; });
-    const std::optional<double> frequency = number_in(frequency_text);
-    const std::optional<double> duty = duty_text.empty() ? 0.5 : number_in(duty_text);
-    if (found == waveforms.end() || !frequency || !duty || !rest.empty())
+    const std::optional<NamedWaveform> waveform = single_waveform(am);
+    if (!waveform)
         throw bad_argument("magnitude",
                            fmt::format("is known of one square, sine, abs-sine, triangle or sawtooth wave, such as "
                                        "square:200; the modulation is {}",
@@ -58,9 +30,9 @@ Wanted wanted_of(double magnitude, std::string_view am, bool values_are_radiatio
                            {"am"});
     Wanted wanted;
     wanted.magnitude = magnitude;
-    wanted.waveform = found->second;
-    wanted.frequency_hz = *frequency;
-    wanted.duty = *duty;
+    wanted.waveform = waveform_of(waveform->kind);
+    wanted.frequency_hz = waveform->frequency_hz;
+    wanted.duty = waveform->duty;
     return wanted;
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -16,6 +17,7 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/render/single_waveform.hpp"
 #include "haptogram/shape/text.hpp"
 
 namespace haptogram {
@@ -57,31 +59,39 @@ std::vector<std::string_view> parts_of(std::string_view text, char separator) {
     return parts;
 }
 
-Waveform waveform_of(std::string_view text, double carrier_hz) {
+/// One waveform of a text; static has a frequency of 0.
+NamedWaveform named_waveform(std::string_view text) {
     const std::vector<std::string_view> parts = parts_of(text, ':');
     const std::string_view kind = parts.front();
-    if (kind == "static" && parts.size() == 1) return {0.0, [](double phase) { return phase; }};
-    const bool square = kind == "square";
-    const auto frequency = parts.size() > 1 ? parse_number(parts[1]) : std::nullopt;
-    if (!frequency || parts.size() > (square ? 3U : 2U)) throw no_waveform(text);
-    if (!(*frequency > 0.0 && *frequency <= 0.5 * carrier_hz))
+    if (kind == "static" && parts.size() == 1) return {std::string(kind), 0.0, 0.5};
+    constexpr std::array<std::string_view, 5> known = {"sine", "square", "abs-sine", "triangle", "sawtooth"};
+    constexpr double none = std::numeric_limits<double>::quiet_NaN();
+    const double hz = parts.size() > 1 ? parse_number(parts[1]).value_or(none) : none;
+    if (std::find(known.begin(), known.end(), kind) == known.end() || std::isnan(hz) ||
+        parts.size() > (kind == "square" ? 3U : 2U))
+        throw no_waveform(text);
+    if (!(hz > 0.0)) throw bad_argument("am", fmt::format("found a frequency of {} Hz, expected more than 0", hz));
+    const double duty = parts.size() == 3 ? parse_number(parts[2]).value_or(0.0) : 0.5;
+    if (!(duty > 0.0 && duty < 1.0))
+        throw bad_argument("am",
+                           fmt::format("found a duty of {}, expected more than 0 and less than 1", shown(parts[2])));
+    return {std::string(kind), hz, duty};
+}
+
+Waveform waveform_of(const NamedWaveform& name, double carrier_hz) {
+    if (name.kind == "static") return {0.0, [](double phase) { return phase; }};
+    const double hz = name.frequency_hz;
+    if (!(hz <= 0.5 * carrier_hz))
         throw bad_argument("am", fmt::format("found a frequency of {} Hz, expected more than 0 and at most half the "
                                              "carrier, {} Hz",
-                                             *frequency, 0.5 * carrier_hz));
-    if (square) {
-        const auto duty = parts.size() == 3 ? parse_number(parts[2]) : std::optional(0.5);
-        if (!duty || !(*duty > 0.0 && *duty < 1.0))
-            throw bad_argument(
-                "am", fmt::format("found a duty of {}, expected more than 0 and less than 1", shown(parts[2])));
-        return {*frequency, repeated([d = *duty](double x) { return std::min(x, d); })};
-    }
-    if (kind == "sine")
-        return {*frequency, repeated([](double x) { return 0.5 * x + (1.0 - std::cos(2.0 * pi * x)) / (4.0 * pi); })};
-    if (kind == "abs-sine") return {*frequency, repeated([](double x) { return (1.0 - std::cos(pi * x)) / pi; })};
-    if (kind == "triangle")
-        return {*frequency, repeated([](double x) { return x < 0.5 ? x * x : 0.5 - (1.0 - x) * (1.0 - x); })};
-    if (kind == "sawtooth") return {*frequency, repeated([](double x) { return 0.5 * x * x; })};
-    throw no_waveform(text);
+                                             hz, 0.5 * carrier_hz));
+    if (name.kind == "square") return {hz, repeated([d = name.duty](double x) { return std::min(x, d); })};
+    if (name.kind == "sine")
+        return {hz, repeated([](double x) { return 0.5 * x + (1.0 - std::cos(2.0 * pi * x)) / (4.0 * pi); })};
+    if (name.kind == "abs-sine") return {hz, repeated([](double x) { return (1.0 - std::cos(pi * x)) / pi; })};
+    if (name.kind == "triangle")
+        return {hz, repeated([](double x) { return x < 0.5 ? x * x : 0.5 - (1.0 - x) * (1.0 - x); })};
+    return {hz, repeated([](double x) { return 0.5 * x * x; })};  // sawtooth
 }
 
 /// How many samples, of how many carrier periods, hold whole periods of all frequencies.
@@ -219,13 +229,22 @@ MadeModulation from_file(std::string_view kind, const std::filesystem::path& fil
 
 }  // namespace
 
+std::optional<NamedWaveform> single_waveform(std::string_view text) {
+    if (text.empty() || text.starts_with("wav:") || text.starts_with("csv:") || text.find('+') != text.npos)
+        return std::nullopt;
+    NamedWaveform name = named_waveform(text);
+    if (name.kind == "static") return std::nullopt;
+    return name;
+}
+
 MadeModulation modulation_of(std::string_view text, AmplitudeLaw law, double carrier_hz,
                              const std::filesystem::path& folder, std::size_t most_samples) {
     for (const std::string_view kind : {"wav", "csv"})
         if (text.starts_with(kind) && text.substr(kind.size()).starts_with(':'))
             return from_file(kind, folder / std::filesystem::path(text.substr(kind.size() + 1)), law, carrier_hz);
     std::vector<Waveform> waveforms;
-    for (const std::string_view part : parts_of(text, '+')) waveforms.push_back(waveform_of(part, carrier_hz));
+    for (const std::string_view part : parts_of(text, '+'))
+        waveforms.push_back(waveform_of(named_waveform(part), carrier_hz));
     const Length length = length_for(waveforms, carrier_hz, most_samples);
     const double sample_hz = carrier_hz / length.periods_a_sample;
     const auto count = static_cast<double>(length.samples);

@@ -68,10 +68,10 @@ HWY_AFTER_NAMESPACE();
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
 #include <numeric>
 
+#include "haptogram/acoustics/pattern.hpp"
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/base/error.hpp"
 
@@ -83,6 +83,26 @@ HWY_EXPORT(sum_of_rows);
 
 /// Columns are padded to four of the widest vectors of any processor.
 constexpr std::size_t padding = 256;
+
+/// A transducer's directivity at any cosine. That of a piston comes from the polynomial of the fast fields, because its
+/// Bessel function would take longer than everything else.
+class FastDirectivity {
+public:
+    FastDirectivity(const Transducer& transducer, double k)
+        : transducer_(transducer), k_(k), fitted_(fit_pattern(transducer, k)) {}
+    double operator()(double cosine) const {
+        if (fitted_.kind != FittedPattern::Kind::polynomial) return directivity(transducer_, k_, cosine);
+        const double u = 2.0 * cosine * cosine - 1.0;
+        double sum = 0.0;
+        for (std::size_t i = fitted_.values.size(); i-- > 0;) sum = sum * u + static_cast<double>(fitted_.values[i]);
+        return sum;
+    }
+
+private:
+    const Transducer& transducer_;
+    double k_;
+    FittedPattern fitted_;
+};
 
 /// Raises what is below its floor, and lowers the rest in proportion, so that the sum stays.
 void keep_floors(std::vector<double>& shares, std::span<const double> floors, double sum) {
@@ -114,14 +134,19 @@ CrossTalk::CrossTalk(const Array& array, std::span<const Vec3> points)
             fmt::format("{} points; at most {} can be made to feel even; take fewer points", count_, most_points),
             {"points"});
     const std::size_t elements = array.elements.size();
-    const std::vector<std::complex<double>> waves = propagation_matrix(array, points);
     const double k = 2.0 * std::numbers::pi / array.wavelength_m();
-    std::vector<float> drives_re(elements * padded_), drives_im(elements * padded_);
-    for (std::size_t m = 0; m < elements; ++m) {
-        for (std::size_t j = 0; j < count_; ++j) {
-            const double turns = k * distance(array.elements[m], points[j]);
-            drives_re[m * padded_ + j] = static_cast<float>(std::cos(turns));
-            drives_im[m * padded_ + j] = static_cast<float>(std::sin(turns));
+    const FastDirectivity directivity(array.transducer, k);
+    // A wave is amplitude·e^{−jkR}, and the drive that focuses on its point e^{+jkR}: one sine and cosine make both.
+    std::vector<float> drives_re(elements * padded_), drives_im(elements * padded_), amplitudes(count_ * elements);
+    for (std::size_t j = 0; j < count_; ++j) {
+        for (std::size_t m = 0; m < elements; ++m) {
+            const Vec3 ray = points[j] - array.elements[m].position;
+            const double range = norm(ray);
+            if (range == 0.0) throw coincidence();
+            drives_re[m * padded_ + j] = static_cast<float>(std::cos(k * range));
+            drives_im[m * padded_ + j] = static_cast<float>(std::sin(k * range));
+            amplitudes[j * elements + m] = static_cast<float>(directivity(dot(ray, array.elements[m].normal) / range) /
+                                                              range * std::exp(-array.medium.absorption_np_m * range));
         }
     }
     at_points_.resize(count_ * padded_);
@@ -129,8 +154,8 @@ CrossTalk::CrossTalk(const Array& array, std::span<const Vec3> points)
     std::vector<float> re(elements), im(elements);
     for (std::size_t i = 0; i < count_; ++i) {
         for (std::size_t m = 0; m < elements; ++m) {
-            re[m] = static_cast<float>(waves[i * elements + m].real());
-            im[m] = static_cast<float>(waves[i * elements + m].imag());
+            re[m] = amplitudes[i * elements + m] * drives_re[m * padded_ + i];
+            im[m] = -amplitudes[i * elements + m] * drives_im[m * padded_ + i];
         }
         HWY_DYNAMIC_DISPATCH(squares_at)
         (re.data(), im.data(), drives_re.data(), drives_im.data(), elements, padded_, at_points_.data() + i * padded_);

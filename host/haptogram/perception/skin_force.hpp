@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <vector>
+
+#include "haptogram/acoustics/drive_sequence.hpp"
+#include "haptogram/model/array.hpp"
+
+namespace haptogram::perception {
+
+/// A place on the skin.
+struct SkinPlace {
+    Vec3 position;                ///< metres, array frame
+    Vec3 normal{0.0, 0.0, -1.0};  ///< out of the skin; a palm that faces the array
+};
+
+/// What a place feels over time: the local modulation.
+struct SkinForce {
+    std::vector<double> pressure_pa;  ///< radiation pressure at the place, one value a carrier period
+    std::vector<double> force_n;      ///< at right angles to the skin, on a flat disc around the place
+    double tilt = 0.0;  ///< cos²θ between the sound's way from the array's centre and the normal; 0: it faces away
+};
+
+/// Radiation pressure and force of a sequence on flat, rigid skin (acoustics/skin_pressure.hpp), with the transducers'
+/// bandwidth. The disc is integrated by Gauss-Legendre quadrature along the radius and the trapezoidal rule around.
+/// @param diameter_m  of the disc; 20 mm is what perception/setting.hpp takes for the tables' area
+/// @throws Error{bad_argument} for places that are not finite, normals without direction and diameters that are not
+/// positive; Error{bad_input} for a place at an element, or a sequence of nothing
+[[nodiscard]] SkinForce force_on_skin(const Array& array, const DriveSequence& sequence, const SkinPlace& place,
+                                      double diameter_m = 0.02);
+
+/// (largest − least)/(largest + least) of a signal that is not negative: 1 when it falls to 0, 0 when it is steady or
+/// silent.
+[[nodiscard]] double modulation_depth(const std::vector<double>& signal);
+
+}  // namespace haptogram::perception
