@@ -9,6 +9,8 @@
 
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/solve/drives.hpp"
+#include "haptogram/solve/emission.hpp"
+#include "haptogram/solve/focus_engine.hpp"
 
 namespace haptogram {
 
@@ -21,6 +23,39 @@ std::vector<std::complex<double>> exact_drives(const Array& array, std::span<con
         if (drive != 0.0) drive *= array.transducer.source_pa_m / std::abs(drive);
     return drives;
 }
+
+std::vector<std::complex<double>> asked_drives(const Manifest& manifest, const RecordMeaning& record) {
+    const double full = std::sin(std::numbers::pi * manifest.timer.duty());
+    std::vector<std::complex<double>> drives =
+        manifest.foci ? summed_drives(manifest.array, record.foci)
+                      : exact_drives(manifest.array, record.foci, manifest.solver);
+    const double scale =
+        manifest.foci ? manifest.array.transducer.source_pa_m / manifest.foci->full : 1.0;
+    for (std::complex<double>& drive : drives) drive *= full * record.amplitude * scale;
+    return drives;
+}
+
+namespace {
+
+/// The length of every drive as the pulse that the board makes of it: whole ticks.
+void round_to_pulses(std::vector<std::complex<double>>& drives, const Manifest& manifest) {
+    const double source = manifest.array.transducer.source_pa_m;
+    for (std::complex<double>& drive : drives) {
+        const double amplitude = std::min(1.0, std::abs(drive) / source);
+        if (amplitude == 0.0) continue;
+        const std::uint32_t ticks =
+            emission_ticks(static_cast<std::uint16_t>(std::lround(65535.0 * amplitude)), manifest.timer.cycle_ticks);
+        drive *= std::sin(std::numbers::pi * ticks / manifest.timer.cycle_ticks) / amplitude;
+    }
+}
+
+double mean_length(std::span<const std::complex<double>> drives) {
+    double sum = 0.0;
+    for (const std::complex<double>& drive : drives) sum += std::abs(drive);
+    return sum / static_cast<double>(drives.size());
+}
+
+}  // namespace
 
 Vec3 lateral_peak(const Array& array, std::span<const std::complex<double>> drives, Vec3 start) {
     constexpr double first_step = 0.5e-3;
@@ -57,9 +92,20 @@ FocusCheck check_record(const Manifest& manifest, const RecordMeaning& record,
                         std::span<const std::complex<double>> drives) {
     // The length of the pulses is what the timer can make, and no error of the phases. So both sides of the comparison
     // have the same length.
-    const double duty = static_cast<double>(pulse_ticks(manifest.timer, record.amplitude)) / manifest.timer.cycle_ticks;
-    std::vector<std::complex<double>> reference = exact_drives(manifest.array, record.foci, manifest.solver);
-    for (std::complex<double>& drive : reference) drive *= std::sin(std::numbers::pi * duty);
+    std::vector<std::complex<double>> reference;
+    if (manifest.foci) {
+        reference = asked_drives(manifest, record);
+        round_to_pulses(reference, manifest);
+    } else {
+        const double duty =
+            static_cast<double>(pulse_ticks(manifest.timer, record.amplitude)) / manifest.timer.cycle_ticks;
+        reference = exact_drives(manifest.array, record.foci, manifest.solver);
+        for (std::complex<double>& drive : reference) drive *= std::sin(std::numbers::pi * duty);
+    }
+    if (manifest.modulation) {
+        const double share = mean_length(drives) / mean_length(reference);
+        for (std::complex<double>& drive : reference) drive *= share;
+    }
     FocusCheck worst{0.0, std::numeric_limits<double>::infinity(), 0.0};
     for (const Focus& focus : record.foci) {
         const FocusCheck one = check_focus(manifest.array, drives, reference, focus.position);

@@ -80,6 +80,9 @@ private:
     std::uint32_t periods_left_ = 0;
 };
 
+/// The width in ticks of the pulse that the FPGA makes of an amplitude, 65,535 being full, in a cycle of so many ticks.
+[[nodiscard]] std::uint32_t emission_ticks(std::uint16_t amplitude, std::uint32_t cycle_ticks);
+
 /// Width, in 2^-17 of the cycle, of the pulse whose carrier has an amplitude of `step`/1024 to `step + 1`/1024 of full:
 /// asin((step + 1/2)/1024)/π, with exactly nothing at the first step and full at the last.
 /// @param step  0…1023
