@@ -226,13 +226,12 @@ Playback play(const Image& image, const PlaybackOptions& options, const std::str
     if (!options.duration_s) check_dwells(image, playback.dwells, options.passes, playback);
     const auto [from, to] = comparable(recorder.cycles());
     if (image.modulation)
-        playback.pulse_report = check_modulated(image, recorder.cycles(), playback.pulses, from, to, modulates_from,
-                                                modulates_to);
+        playback.pulse_report =
+            check_modulated(image, recorder.cycles(), playback.pulses, from, to, modulates_from, modulates_to);
     else
         playback.pulse_report = check_pulses(image, recorder.cycles(), playback.pulses, from, to, image.channels);
-    const bool fires =
-        has_amplitudes(image) ||
-        std::any_of(image.records.begin(), image.records.end(), [](const Record& r) { return r.pulse_length > 0; });
+    const bool fires = has_amplitudes(image) || std::any_of(image.records.begin(), image.records.end(),
+                                                            [](const Record& r) { return r.pulse_length > 0; });
     if (fires && playback.pulse_report.checked == 0) {
         ++playback.violation_count;
         playback.violations.emplace_back(

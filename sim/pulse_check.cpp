@@ -92,7 +92,8 @@ std::vector<std::vector<Interval>> expected_intervals(const Image& image, const 
             for (std::uint32_t channel = 0; channel < channels && channel < words.size(); ++channel) {
                 const EmissionWord& word = words[channel];
                 if (word.width == 0) continue;
-                // A pulse around the cycle's start is begun by it, too, because the cycle before it may not have had it.
+                // A pulse around the cycle's start is begun by it, too, because the cycle before it may not have had
+                // it.
                 if (word.early) mark(channel, {cycle.first, cycle.first + word.fall}, true);
                 mark(channel, {cycle.first + word.rise, cycle.first + word.rise + word.width}, true);
             }

@@ -18,18 +18,15 @@ struct InspectOptions {
 };
 
 nlohmann::ordered_json to_json(const FocusRecords& foci) {
-    nlohmann::ordered_json json = {{"first_index", foci.board_records + 1},
-                                   {"foci_a_record", foci.each},
-                                   {"cycle_length", foci.cycle_ticks},
-                                   {"whole", foci.whole},
-                                   {"wave_number", foci.engine.wave_number},
-                                   {"gain", foci.engine.gain}};
+    nlohmann::ordered_json json = {{"first_index", foci.board_records + 1},  {"foci_a_record", foci.each},
+                                   {"cycle_length", foci.cycle_ticks},       {"whole", foci.whole},
+                                   {"wave_number", foci.engine.wave_number}, {"gain", foci.engine.gain}};
     for (const FocusWords& words : foci.foci) {
         const Focus focus = unpack_focus(words);
-        json["foci"].push_back({{"position_mm",
-                                 {focus.position.x / millimetre, focus.position.y / millimetre,
-                                  focus.position.z / millimetre}},
-                                {"amplitude_255", words[3] >> 8U}});
+        json["foci"].push_back(
+            {{"position_mm",
+              {focus.position.x / millimetre, focus.position.y / millimetre, focus.position.z / millimetre}},
+             {"amplitude_255", words[3] >> 8U}});
     }
     return json;
 }
@@ -58,8 +55,7 @@ nlohmann::ordered_json to_json(const Inspection& inspection) {
     }
     if (image.foci) json["focus_records"] = to_json(*image.foci);
     if (image.modulation)
-        json["modulation"] = {{"periods_a_sample", image.modulation->divider},
-                              {"samples", image.modulation->samples}};
+        json["modulation"] = {{"periods_a_sample", image.modulation->divider}, {"samples", image.modulation->samples}};
     json["sequence"] = nlohmann::ordered_json::array();
     for (const SequenceEntry& entry : image.sequence)
         json["sequence"].push_back({{"index", entry.index}, {"dwell_cycles", entry.dwell}});
@@ -89,16 +85,18 @@ void print(const Inspection& inspection) {
         for (std::size_t i = 0; i < image.records.size(); ++i) {
             const Record& r = image.records[i];
             const TimingRange& range = inspection.ranges[i];
-            const std::string pulse = r.kind == interface::Kind::timings ? fmt::to_string(r.pulse_length) : pulses(range);
+            const std::string pulse =
+                r.kind == interface::Kind::timings ? fmt::to_string(r.pulse_length) : pulses(range);
             fmt::print("{:6} {:6} {:10} {:>6} {:16}  ", i + 1, r.cycle_length, r.prescaler, pulse, range.firing);
             print_timings(range);
         }
     }
     if (image.foci) {
         const FocusRecords& foci = *image.foci;
-        fmt::print("\n{} focus records of {}, {} ticks a cycle, from index {} on\n index  pulses   channels firing  "
-                   "timings    foci (mm, amplitude)\n",
-                   foci.count(), foci.each, foci.cycle_ticks, foci.board_records + 1);
+        fmt::print(
+            "\n{} focus records of {}, {} ticks a cycle, from index {} on\n index  pulses   channels firing  "
+            "timings    foci (mm, amplitude)\n",
+            foci.count(), foci.each, foci.cycle_ticks, foci.board_records + 1);
         for (std::size_t n = 0; n < foci.count(); ++n) {
             const TimingRange& range = inspection.ranges[image.records.size() + n];
             fmt::print("{:6} {:>7} {:17}  {:9}", foci.board_records + 1 + n, pulses(range), range.firing,

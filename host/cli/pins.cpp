@@ -12,7 +12,8 @@ namespace haptogram::cli {
 
 PinsOfFrame pins_of(const fusion::Frame& frame, const Array& array, const Core& core,
                     const perception::Tables& tables) {
-    const Compiled compiled = compile(frame.path, array, core, 1, "frame", Method::gauss_newton, {}, ImageKind::records);
+    const Compiled compiled =
+        compile(frame.path, array, core, 1, "frame", Method::gauss_newton, {}, ImageKind::records);
     const Manifest& manifest = compiled.bundle.manifest;
     sim::PlaybackOptions options;
     options.load_by_uart = false;

@@ -53,7 +53,8 @@ void add_stream(CLI::App& app, Action& action) {
     CLI::App* sub = app.add_subcommand(
         "stream",
         "Turn the outputs on and play indices as they come, no faster than the board takes them; then off again");
-    sub->add_option("file", options->file, "Lines 'index' or 'index dwell', of records or of the board's foci; - is standard input")
+    sub->add_option("file", options->file,
+                    "Lines 'index' or 'index dwell', of records or of the board's foci; - is standard input")
         ->capture_default_str();
     add_port_options(*sub, options->port);
     auto* dwell = sub->add_option("--dwell", options->dwell,

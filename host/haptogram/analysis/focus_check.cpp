@@ -26,11 +26,10 @@ std::vector<std::complex<double>> exact_drives(const Array& array, std::span<con
 
 std::vector<std::complex<double>> asked_drives(const Manifest& manifest, const RecordMeaning& record) {
     const double full = std::sin(std::numbers::pi * manifest.timer.duty());
-    std::vector<std::complex<double>> drives =
-        manifest.foci ? summed_drives(manifest.array, record.foci)
-                      : exact_drives(manifest.array, record.foci, manifest.solver);
-    const double scale =
-        manifest.foci ? manifest.array.transducer.source_pa_m / manifest.foci->full : 1.0;
+    std::vector<std::complex<double>> drives = manifest.foci
+                                                   ? summed_drives(manifest.array, record.foci)
+                                                   : exact_drives(manifest.array, record.foci, manifest.solver);
+    const double scale = manifest.foci ? manifest.array.transducer.source_pa_m / manifest.foci->full : 1.0;
     for (std::complex<double>& drive : drives) drive *= full * record.amplitude * scale;
     return drives;
 }

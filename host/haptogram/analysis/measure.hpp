@@ -24,8 +24,8 @@ struct MeasuredRecord {
 
 /// The drives that a record's timings ask for, one an element, Pa·m, as its pulses would be measured.
 [[nodiscard]] std::vector<std::complex<double>> drives_of(const Manifest& manifest, const Record& record);
-/// The same of the record at a place of an image, of whatever kind (image.hpp), and without its modulation. Of foci, what
-/// the board computes.
+/// The same of the record at a place of an image, of whatever kind (image.hpp), and without its modulation. Of foci,
+/// what the board computes.
 [[nodiscard]] std::vector<std::complex<double>> drives_of(const Manifest& manifest, const Image& image,
                                                           std::size_t place);
 

@@ -41,8 +41,8 @@ struct Core {
     return 2 * (5 * max_pulse_clocks + 2);
 }
 
-/// The shortest and the longest cycle of a record with amplitudes that a core plays, in clocks (rtl/README.md, "The second
-/// instrument"). The core must have amplitudes.
+/// The shortest and the longest cycle of a record with amplitudes that a core plays, in clocks (rtl/README.md, "The
+/// second instrument"). The core must have amplitudes.
 [[nodiscard]] constexpr std::uint32_t least_amplitude_cycle(const interface::CoreParameters& core) {
     return 2 * (core.channels + 44);
 }

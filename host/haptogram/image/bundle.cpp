@@ -35,7 +35,8 @@ void require_same_records(const Manifest& manifest, const Image& image, const Fa
         const Record& r = image.records[i];
         const std::uint32_t pulse = pulse_ticks(t, manifest.records[i].amplitude);
         if (r.kind != interface::Kind::timings)
-            throw fail(fmt::format("record {} of the image holds amplitudes, of which a manifest knows nothing", i + 1));
+            throw fail(
+                fmt::format("record {} of the image holds amplitudes, of which a manifest knows nothing", i + 1));
         if (r.cycle_length != t.cycle_ticks || r.prescaler != t.prescaler || r.pulse_length != pulse)
             throw fail(fmt::format("timer {} × {} ticks, pulse {}, but record {} of the image has {} × {}, pulse {}",
                                    t.prescaler, t.cycle_ticks, pulse, i + 1, r.prescaler, r.cycle_length,
@@ -54,8 +55,8 @@ void require_same_foci(const Manifest& manifest, const FocusRecords& foci, const
         throw fail(fmt::format("a board of {} records, but the image is for one of {}",
                                manifest.core.parameters.records, foci.board_records));
     if (t.prescaler != 1 || foci.cycle_ticks != t.cycle_ticks)
-        throw fail(fmt::format("timer {} × {} ticks, but the foci of the image have 1 × {}", t.prescaler,
-                               t.cycle_ticks, foci.cycle_ticks));
+        throw fail(fmt::format("timer {} × {} ticks, but the foci of the image have 1 × {}", t.prescaler, t.cycle_ticks,
+                               foci.cycle_ticks));
     const std::vector<Element>& elements = manifest.array.elements;
     if (elements.size() != foci.engine.geometry.size())
         throw fail(fmt::format("{} elements, but the image's geometry is of {} channels", elements.size(),
@@ -88,8 +89,7 @@ void require_agreement(const Manifest& manifest, const Image& image, const std::
         throw fail(fmt::format("its records are {}, but the image has {} others and {} of foci",
                                manifest.foci ? "of foci" : "not of foci", image.records.size(),
                                image.foci ? image.foci->count() : 0));
-    if (manifest.modulation != image.modulation)
-        throw fail("its modulation is not that of the image");
+    if (manifest.modulation != image.modulation) throw fail("its modulation is not that of the image");
     if (core.channels != image.channels)
         throw fail(fmt::format("{} channels, but the image has {}", core.channels, image.channels));
     if (core.clock_hz != image.clock_hz)

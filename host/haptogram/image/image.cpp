@@ -47,8 +47,7 @@ std::vector<std::uint16_t> description_words(const Image& image) {
     const bool is_long = image.foci || image.modulation;
     std::vector<std::uint16_t> words(is_long ? interface::description_words : short_description_words);
     description_field::magic.set(words, interface::description_magic);
-    description_field::format.set(words,
-                                  is_long ? interface::description_long_format : interface::description_format);
+    description_field::format.set(words, is_long ? interface::description_long_format : interface::description_format);
     if (image.foci) description_field::board_records.set(words, image.foci->board_records);
     if (image.modulation) {
         description_field::modulation_samples.set(words, image.modulation->samples.size());
@@ -168,8 +167,7 @@ std::vector<Emission> emissions_of(const Image& image, std::size_t place) {
         return emissions;
     }
     const FocusRecords& foci = image.foci.value();
-    for (const ChannelDrive& drive :
-         engine_drives(foci.engine, foci.record(place - image.records.size()), foci.whole))
+    for (const ChannelDrive& drive : engine_drives(foci.engine, foci.record(place - image.records.size()), foci.whole))
         emissions.push_back({drive.amplitude, drive.phase});
     return emissions;
 }
@@ -195,16 +193,14 @@ std::vector<std::uint32_t> sequence_words(const Image& image) {
 }
 
 std::string to_intel_hex(const Image& image) {
-    std::vector<intel_hex::Segment> segments = {
-        {interface::primary_base, little_endian(primary_words(image))},
-        {interface::sequence_base, little_endian(sequence_words(image))},
-        {interface::description_base, little_endian(description_words(image))}};
+    std::vector<intel_hex::Segment> segments = {{interface::primary_base, little_endian(primary_words(image))},
+                                                {interface::sequence_base, little_endian(sequence_words(image))},
+                                                {interface::description_base, little_endian(description_words(image))}};
     if (image.foci) {
         segments.push_back({interface::parameters_base, little_endian(parameters_words(image))});
         segments.push_back({interface::geometry_base, little_endian(geometry_words(image))});
     }
-    if (image.modulation)
-        segments.push_back({interface::modulation_base, little_endian(modulation_words(image))});
+    if (image.modulation) segments.push_back({interface::modulation_base, little_endian(modulation_words(image))});
     return intel_hex::write(segments);
 }
 
@@ -214,9 +210,9 @@ void take_records(Image& image, const std::vector<std::uint16_t>& primary, const
         const std::uint16_t* const word = primary.data() + r * stride;
         const std::uint32_t kind = record_field::kind.get(word);
         if (kind > static_cast<std::uint32_t>(interface::Kind::amplitudes))
-            throw bad_input(where,
-                            fmt::format("record {}: kind {} in its header; expected 0 or 1; the image is garbled",
-                                        r + 1, kind));
+            throw bad_input(
+                where,
+                fmt::format("record {}: kind {} in its header; expected 0 or 1; the image is garbled", r + 1, kind));
         image.records.push_back({record_field::cycle_length.get(word),
                                  record_field::prescaler.get(word),
                                  static_cast<std::uint8_t>(record_field::pulse_length.get(word)),
@@ -226,6 +222,14 @@ void take_records(Image& image, const std::vector<std::uint16_t>& primary, const
 }
 
 namespace {
+
+/// The format that a description says it has; 0 where it is none.
+std::uint32_t format_of(const std::vector<intel_hex::Segment>& segments) {
+    for (const intel_hex::Segment& segment : segments)
+        if (segment.address == interface::description_base && segment.bytes.size() >= 4)
+            return description_field::format.get(segment.bytes);
+    return 0;
+}
 
 /// The focus records of an image whose other records, and whose channels, are known.
 /// @param primary  primary memory's contents, with them
@@ -251,12 +255,12 @@ FocusRecords foci_from(const Image& image, const std::vector<std::uint16_t>& par
     Image only = image;
     only.foci = found;
     if (parameters_words(only) != parameters)
-        throw bad_input(where,
-                        fmt::format("its parameters say {} focus records from word {} on, with what else they hold, "
-                                    "which is not what an image of these records has; the image is garbled, or needs "
-                                    "another version",
-                                    parameters_field::foci_count.get(parameters),
-                                    4 * parameters_field::foci_base.get(parameters)));
+        throw bad_input(
+            where,
+            fmt::format("its parameters say {} focus records from word {} on, with what else they hold, "
+                        "which is not what an image of these records has; the image is garbled, or needs "
+                        "another version",
+                        parameters_field::foci_count.get(parameters), 4 * parameters_field::foci_base.get(parameters)));
     return found;
 }
 
@@ -264,11 +268,12 @@ FocusRecords foci_from(const Image& image, const std::vector<std::uint16_t>& par
 
 Image from_intel_hex(std::string_view text, const std::string& where) {
     const std::vector<intel_hex::Segment> segments = intel_hex::read(text, where);
+    const bool is_long = format_of(segments) == interface::description_long_format;
     for (const auto& segment : segments) {
-        constexpr std::array known = {interface::primary_base,     interface::sequence_base,
-                                      interface::description_base, interface::parameters_base,
-                                      interface::geometry_base,    interface::modulation_base};
-        if (std::find(known.begin(), known.end(), segment.address) == known.end())
+        constexpr std::array known = {interface::primary_base,    interface::sequence_base, interface::description_base,
+                                      interface::parameters_base, interface::geometry_base, interface::modulation_base};
+        const auto end = is_long ? known.end() : known.begin() + 3;
+        if (std::find(known.begin(), end, segment.address) == end)
             throw bad_input(where, fmt::format("{} bytes at {:08X} belong to no region, or the bytes before them are "
                                                "missing; the image is garbled",
                                                segment.bytes.size(), segment.address));
@@ -278,19 +283,18 @@ Image from_intel_hex(std::string_view text, const std::string& where) {
     };
     const bool has_foci = holds(interface::parameters_base) || holds(interface::geometry_base);
     const bool has_modulation = holds(interface::modulation_base);
-    const bool is_long = has_foci || has_modulation;
     const auto described = from_little_endian<std::uint16_t>(
         region(segments, interface::description_base,
-               2 * (is_long ? std::size_t{interface::description_words} : short_description_words), "the description",
-               where));
+               2 * (is_long ? std::size_t{interface::description_words} : short_description_words),
+               is_long ? "the description, which says format 2," : "the description", where));
     const std::uint32_t magic = description_field::magic.get(described);
     const std::uint32_t format = description_field::format.get(described);
-    const std::uint32_t expected = is_long ? interface::description_long_format : interface::description_format;
-    if (magic != interface::description_magic || format != expected)
+    if (magic != interface::description_magic || (format != interface::description_format && !is_long))
         throw bad_input(where,
-                        fmt::format("the description says magic {:04X}, format {}; expected {:04X}, format {}; compile "
-                                    "it with this version",
-                                    magic, format, interface::description_magic, expected));
+                        fmt::format("the description says magic {:04X}, format {}; expected {:04X}, format {} or {}; "
+                                    "compile it with this version",
+                                    magic, format, interface::description_magic, interface::description_format,
+                                    interface::description_long_format));
     Image image;
     image.channels = description_field::channels.get(described);
     image.clock_hz = description_field::clock_hz.get(described);
@@ -334,7 +338,8 @@ Image from_intel_hex(std::string_view text, const std::string& where) {
     if (has_foci) {
         const auto geometry = from_little_endian<std::uint16_t>(
             region(segments, interface::geometry_base, std::size_t{8} * image.channels, "the geometry", where));
-        image.foci = foci_from(image, parameters, geometry, all, description_field::board_records.get(described), where);
+        image.foci =
+            foci_from(image, parameters, geometry, all, description_field::board_records.get(described), where);
     }
     if (has_modulation) {
         const std::uint32_t samples = description_field::modulation_samples.get(described);
@@ -359,9 +364,10 @@ std::vector<std::string> problems_of_foci(const FocusRecords& foci, std::size_t 
     const std::span<const FocusWords> record = foci.record(n);
     for (std::size_t i = 0; i < record.size(); ++i)
         if ((record[i][3] & 0xc0U) != 0)
-            found.push_back(fmt::format("focus record {}: reserved bits are set in focus {} of {}; the board will refuse "
-                                        "it",
-                                        n + 1, i + 1, record.size()));
+            found.push_back(
+                fmt::format("focus record {}: reserved bits are set in focus {} of {}; the board will refuse "
+                            "it",
+                            n + 1, i + 1, record.size()));
     if (!found.empty()) return found;
     const std::vector<ChannelDrive> drives = engine_drives(foci.engine, record, foci.whole);
     if (std::any_of(drives.begin(), drives.end(), [](const ChannelDrive& drive) { return drive.far; }))
@@ -377,18 +383,20 @@ std::vector<std::string> problems(const Image& image) {
     const auto check_cycle = [&](std::uint32_t ticks, const std::string& of) {
         const std::uint64_t most = 2 * ((std::uint64_t{1} << image.timing_bits) - 1);
         if (ticks < 2 || ticks > most)
-            found.push_back(fmt::format("{}: a cycle of {} ticks; with amplitudes and {} timing bits it has 2 to {}; the "
-                                        "board will refuse it",
-                                        of, ticks, image.timing_bits, most));
+            found.push_back(
+                fmt::format("{}: a cycle of {} ticks; with amplitudes and {} timing bits it has 2 to {}; the "
+                            "board will refuse it",
+                            of, ticks, image.timing_bits, most));
     };
     for (std::size_t r = 0; r < image.records.size(); ++r) {
         const Record& record = image.records[r];
         if (record.kind == interface::Kind::amplitudes) {
             check_cycle(record.cycle_length, fmt::format("record {}", r + 1));
             if (record.prescaler != 1 || record.pulse_length != 0)
-                found.push_back(fmt::format("record {}: prescaler {} and pulse length {}; records of amplitudes have 1 "
-                                            "and 0; the board will refuse it",
-                                            r + 1, record.prescaler, record.pulse_length));
+                found.push_back(
+                    fmt::format("record {}: prescaler {} and pulse length {}; records of amplitudes have 1 "
+                                "and 0; the board will refuse it",
+                                r + 1, record.prescaler, record.pulse_length));
             continue;
         }
         if (record.prescaler == 0)
@@ -412,10 +420,9 @@ std::vector<std::string> problems(const Image& image) {
     for (std::size_t i = 0; i < image.sequence.size(); ++i) {
         const SequenceEntry& entry = image.sequence[i];
         if (entry.index > 0 && !place_of(image, entry.index)) {
-            const std::string foci =
-                image.foci ? fmt::format(" and {} focus records from {} on", image.foci->count(),
-                                         image.foci->board_records + 1)
-                           : std::string{};
+            const std::string foci = image.foci ? fmt::format(" and {} focus records from {} on", image.foci->count(),
+                                                              image.foci->board_records + 1)
+                                                : std::string{};
             found.push_back(fmt::format("sequence entry {}: index {} of {} records{}; the board will refuse it", i + 1,
                                         entry.index, image.records.size(), foci));
         }
@@ -482,7 +489,8 @@ void require_fits(const Image& image, const interface::CoreParameters& core, con
                             image.modulation->samples.size(), core.modulation_depth));
     for (std::size_t r = 0; r < image.records.size(); ++r) {
         const Record& record = image.records[r];
-        if (record.kind == interface::Kind::amplitudes) require_cycle(record.cycle_length, fmt::format("record {}", r + 1));
+        if (record.kind == interface::Kind::amplitudes)
+            require_cycle(record.cycle_length, fmt::format("record {}", r + 1));
         if (record.pulse_length == 0) continue;
         const std::uint64_t pulse = std::uint64_t{record.pulse_length} * record.prescaler;
         require(pulse >= core.min_pulse_clocks && pulse <= max_pulse_clocks(core),
@@ -497,7 +505,8 @@ void require_fits(const Image& image, const interface::CoreParameters& core, con
 std::vector<std::uint64_t> record_clocks(const Image& image) {
     std::vector<std::uint64_t> clocks(image.record_count());
     for (const SequenceEntry& entry : image.sequence)
-        if (const auto place = place_of(image, entry.index)) clocks[*place] += entry.dwell * cycle_clocks(image, *place);
+        if (const auto place = place_of(image, entry.index))
+            clocks[*place] += entry.dwell * cycle_clocks(image, *place);
     return clocks;
 }
 

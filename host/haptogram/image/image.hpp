@@ -21,9 +21,9 @@ struct SequenceEntry {
     friend bool operator==(const SequenceEntry&, const SequenceEntry&) = default;
 };
 
-/// Records of one to eight foci, from which the board itself computes phases and amplitudes, and what it needs for that.
-/// They lie densely behind the other records, and their indices begin behind the board's RECORDS, however many records
-/// there are.
+/// Records of one to eight foci, from which the board itself computes phases and amplitudes, and what it needs for
+/// that. They lie densely behind the other records, and their indices begin behind the board's RECORDS, however many
+/// records there are.
 struct FocusRecords {
     std::uint32_t board_records = 0;   ///< the board's RECORDS
     FocusEngine engine;                ///< with the geometry of all of the board's channels
@@ -66,8 +66,8 @@ struct Image {
     return channels + interface::record_header_words;
 }
 
-/// Where an index stands among an image's records: those of timings and amplitudes first, counted from 0, and then those
-/// of foci. Empty for silence and for an index that none of them has.
+/// Where an index stands among an image's records: those of timings and amplitudes first, counted from 0, and then
+/// those of foci. Empty for silence and for an index that none of them has.
 [[nodiscard]] std::optional<std::size_t> place_of(const Image& image, std::uint32_t index);
 /// The index of a record at such a place.
 [[nodiscard]] std::uint16_t index_of(const Image& image, std::size_t place);

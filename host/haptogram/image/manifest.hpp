@@ -25,8 +25,8 @@ struct RecordMeaning {
 
 /// What records mean whose phases and amplitudes the board computes from their foci.
 struct FocusMeaning {
-    /// Length of a channel's sum of foci at which its amplitude is full, which is that of the timer's pulses. A lone focus
-    /// of amplitude 1 has a sum of length 1.
+    /// Length of a channel's sum of foci at which its amplitude is full, which is that of the timer's pulses. A lone
+    /// focus of amplitude 1 has a sum of length 1.
     double full = 1.0;
 };
 
@@ -36,11 +36,11 @@ struct Manifest {
     Array array;
     Core core;
     Timer timer;
-    std::vector<RecordMeaning> records;    ///< in the order of the image's places (image.hpp)
-    std::optional<FocusMeaning> foci;      ///< given when all of them are focus records, whose indices begin behind the
-                                           ///< core's RECORDS
+    std::vector<RecordMeaning> records;  ///< in the order of the image's places (image.hpp)
+    std::optional<FocusMeaning> foci;    ///< given when all of them are focus records, whose indices begin behind the
+                                         ///< core's RECORDS
     std::optional<SampledModulation> modulation;  ///< by the board
-    Method solver = Method::gauss_newton;  ///< of records of several foci
+    Method solver = Method::gauss_newton;         ///< of records of several foci
     std::string quantise;      ///< device on whose segments all pulses lie (solve/segments.hpp); empty: none
     double rate_hz = 0.0;      ///< passes a second, as it came out
     Formation formation;       ///< of the slowest focus

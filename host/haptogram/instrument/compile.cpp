@@ -321,9 +321,13 @@ void warn_of_unheard_foci(Compiled& compiled) {
 /// What an image holds when nobody has said it.
 ImageKind kind_of(std::optional<ImageKind> asked, const Core& core, const std::string& quantise) {
     if (asked == ImageKind::foci && !quantise.empty())
-        throw bad_argument("quantise", "segments are of records, whose pulses the host computes; leave foci or segments "
-                                       "out",
+        throw bad_argument("quantise",
+                           "segments are of records, whose pulses the host computes; leave foci or segments "
+                           "out",
                            {"quantise", "foci"});
+    if (asked == ImageKind::foci && core.parameters.foci == 0)
+        throw bad_input(core.name, "it computes no foci; compile records for it, or take a board that does",
+                        {"records", "board"});
     return asked.value_or(core.parameters.foci > 0 && quantise.empty() ? ImageKind::foci : ImageKind::records);
 }
 
@@ -456,8 +460,8 @@ Compiled compile(const Project& project, const std::string& name, const Progress
     const ProjectInstrument instrument = instrument_of(project);
     const ImageKind kind = kind_of(project.image, instrument.core, project.quantise);
     const Timer timer = timer_of(kind, instrument.array, instrument.core);
-    const std::size_t most_samples = kind == ImageKind::foci ? std::max(1U, instrument.core.parameters.modulation_depth)
-                                                             : most_record_samples;
+    const std::size_t most_samples =
+        kind == ImageKind::foci ? std::max(1U, instrument.core.parameters.modulation_depth) : most_record_samples;
     std::string hashes;
     progress(0.0, "reading shapes");
     if (!project.path.empty()) {

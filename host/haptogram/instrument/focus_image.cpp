@@ -131,10 +131,11 @@ FocusImage focus_image_of(const Path& path, const Array& array, const Core& core
         for (std::uint32_t left = path.steps[i].periods; left > 0;) {
             const std::uint32_t dwell = std::min(left, most_dwell);
             if (image.sequence.size() + 1 >= p.sequence_depth)
-                throw bad_input(core.name,
-                                fmt::format("the path needs more sequence entries than the board's {}; take fewer points",
-                                            p.sequence_depth - 1),
-                                {"points", "board", "array"});
+                throw bad_input(
+                    core.name,
+                    fmt::format("the path needs more sequence entries than the board's {}; take fewer points",
+                                p.sequence_depth - 1),
+                    {"points", "board", "array"});
             image.sequence.push_back({index, static_cast<std::uint16_t>(dwell)});
             left -= dwell;
         }
@@ -158,10 +159,11 @@ FocusImage focus_image_of(const Path& path, const Array& array, const Core& core
     for (const SequenceEntry& entry : image.sequence)
         if (const auto place = place_of(image, entry.index)) made.records[*place].dwell_cycles += entry.dwell;
     if (const std::uint32_t clocks = clocks_to_make(foci, p.channels); clocks > foci.cycle_ticks)
-        made.warnings.push_back(fmt::format(
-            "the board needs {} clocks for a record of {} foci, and a carrier period has {}; foci that last less than {} "
-            "periods come late and count as underruns",
-            clocks, foci.each, foci.cycle_ticks, (clocks + foci.cycle_ticks - 1) / foci.cycle_ticks));
+        made.warnings.push_back(
+            fmt::format("the board needs {} clocks for a record of {} foci, and a carrier period has {}; foci that "
+                        "last less than {} "
+                        "periods come late and count as underruns",
+                        clocks, foci.each, foci.cycle_ticks, (clocks + foci.cycle_ticks - 1) / foci.cycle_ticks));
     return made;
 }
 

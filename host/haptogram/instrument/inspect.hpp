@@ -10,9 +10,9 @@ namespace haptogram {
 
 /// The channels of a record that fire at all: their timings, and how long their pulses are.
 struct TimingRange {
-    std::uint32_t lowest = 0, highest = 0;      ///< ticks, in which the pulses start
-    std::uint32_t firing = 0;                   ///< channels
-    std::uint32_t shortest = 0, longest = 0;    ///< ticks, of the pulses; without modulation
+    std::uint32_t lowest = 0, highest = 0;    ///< ticks, in which the pulses start
+    std::uint32_t firing = 0;                 ///< channels
+    std::uint32_t shortest = 0, longest = 0;  ///< ticks, of the pulses; without modulation
 };
 
 /// What an image holds, record by record, and what would keep it from being played.

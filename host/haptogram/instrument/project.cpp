@@ -118,8 +118,9 @@ std::string to_toml(const ShapeSource& source) {
 Project project_from_toml(std::string_view text, const std::string& where) {
     const toml::table root = section::parse_text(text, where);
     const Section whole(where, root);
-    whole.only({"format", "array", "board", "points", "seed", "clip", "rate_hz", "speed_m_s", "frequency_hz", "jump",
-                "even", "am", "am_law", "magnitude", "quantise", "image", "loops", "place", "shape", "path"});
+    whole.only({"format",    "array",        "board", "points", "seed",  "clip",   "rate_hz",
+                "speed_m_s", "frequency_hz", "jump",  "even",   "am",    "am_law", "magnitude",
+                "quantise",  "image",        "loops", "place",  "shape", "path"});
     const auto format = whole.required(whole.text("format"), "format", fmt::format("\"{}\"", format_name));
     if (format != format_name)
         throw whole.wrong(*whole.find("format"), "format", fmt::format("\"{}\" for this version", format_name));

@@ -57,7 +57,8 @@ Played play_at_rate(Commands& device, const PlaySettings& settings, const Watch&
     const auto carried = std::ranges::find_if(sequence.entries, [](const SequenceEntry& e) { return e.index != 0; });
     if (carried == sequence.entries.end())
         throw Error(ErrorCode::device, "board", "the sequence in its memory plays no record");
-    std::vector<SequenceEntry> pass = at_rate(sequence.entries, settings.rate, record_carrier_hz(device, carried->index));
+    std::vector<SequenceEntry> pass =
+        at_rate(sequence.entries, settings.rate, record_carrier_hz(device, carried->index));
     const std::uint64_t passes = settings.loops.value_or(sequence.loops);
     std::uint64_t entries = passes * pass.size();
     if (settings.seconds > 0.0) {
@@ -120,8 +121,7 @@ double record_carrier_hz(Commands& device, std::uint16_t index) {
         const auto bytes = static_cast<std::uint16_t>(2 * interface::parameters_words);
         const double clocks =
             interface::parameters_field::foci_cycle.get(device.read(interface::parameters_base, bytes));
-        if (clocks == 0.0)
-            throw Error(ErrorCode::device, "board", "its foci have no carrier; upload an image first");
+        if (clocks == 0.0) throw Error(ErrorCode::device, "board", "its foci have no carrier; upload an image first");
         return identity.clock_hz / clocks;
     }
     const std::uint32_t place = 2 * record_words(identity.channels) * (index - 1U);

@@ -26,8 +26,7 @@ template <class Word>
 void cut(std::vector<Piece>& pieces, std::uint32_t base, const std::vector<Word>& words, std::size_t bytes) {
     const std::size_t most = bytes / sizeof(Word);
     for (std::size_t at = 0; at < words.size(); at += most) {
-        Piece& piece =
-            pieces.emplace_back(Piece{base + static_cast<std::uint32_t>(sizeof(Word) * at), {}});
+        Piece& piece = pieces.emplace_back(Piece{base + static_cast<std::uint32_t>(sizeof(Word) * at), {}});
         for (std::size_t i = at; i < std::min(at + most, words.size()); ++i)
             for (std::size_t byte = 0; byte < sizeof(Word); ++byte)
                 piece.bytes.push_back(static_cast<std::uint8_t>(words[i] >> (8 * byte)));
