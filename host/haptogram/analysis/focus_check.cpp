@@ -48,12 +48,6 @@ void round_to_pulses(std::vector<std::complex<double>>& drives, const Manifest& 
     }
 }
 
-double mean_length(std::span<const std::complex<double>> drives) {
-    double sum = 0.0;
-    for (const std::complex<double>& drive : drives) sum += std::abs(drive);
-    return sum / static_cast<double>(drives.size());
-}
-
 }  // namespace
 
 Vec3 lateral_peak(const Array& array, std::span<const std::complex<double>> drives, Vec3 start) {
@@ -90,24 +84,27 @@ FocusCheck check_focus(const Array& array, std::span<const std::complex<double>>
 FocusCheck check_record(const Manifest& manifest, const RecordMeaning& record,
                         std::span<const std::complex<double>> drives) {
     // The length of the pulses is what the timer can make, and no error of the phases. So both sides of the comparison
-    // have the same length.
+    // have the same length. Of several foci computed by the board, each channel has a length of its own, and what is
+    // rounded on one is made up for by others.
     std::vector<std::complex<double>> reference;
     if (manifest.foci) {
         reference = asked_drives(manifest, record);
-        round_to_pulses(reference, manifest);
+        if (record.foci.size() == 1) round_to_pulses(reference, manifest);
     } else {
         const double duty =
             static_cast<double>(pulse_ticks(manifest.timer, record.amplitude)) / manifest.timer.cycle_ticks;
         reference = exact_drives(manifest.array, record.foci, manifest.solver);
         for (std::complex<double>& drive : reference) drive *= std::sin(std::numbers::pi * duty);
     }
-    if (manifest.modulation) {
-        const double share = mean_length(drives) / mean_length(reference);
-        for (std::complex<double>& drive : reference) drive *= share;
-    }
+    // The lengths of modulated pulses are those of the samples in whose periods they were measured, one channel's in
+    // others than its neighbour's; only the phases are the record's.
+    std::vector<std::complex<double>> measured(drives.begin(), drives.end());
+    if (manifest.modulation)
+        for (std::size_t m = 0; m < measured.size(); ++m)
+            if (measured[m] != 0.0) measured[m] *= std::abs(reference[m]) / std::abs(measured[m]);
     FocusCheck worst{0.0, std::numeric_limits<double>::infinity(), 0.0};
     for (const Focus& focus : record.foci) {
-        const FocusCheck one = check_focus(manifest.array, drives, reference, focus.position);
+        const FocusCheck one = check_focus(manifest.array, measured, reference, focus.position);
         if (one.pressure_kept < worst.pressure_kept) {
             worst.pressure_pa = one.pressure_pa;
             worst.pressure_kept = one.pressure_kept;
