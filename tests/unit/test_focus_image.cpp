@@ -78,7 +78,8 @@ TEST_CASE("focus image: what the board computes is a focus where it was asked, w
                 k * (distance(array.elements[m].position, focus) - distance(array.elements[0].position, focus));
             const double made = std::arg(drives[m]) - std::arg(drives[0]);
             worst = std::max(worst, std::abs(std::remainder(made - asked, 2 * std::numbers::pi)));
-            REQUIRE(std::abs(drives[m]) == Approx(array.transducer.source_pa_m / bundle.manifest.foci.value().full).epsilon(0.003));
+            REQUIRE(std::abs(drives[m]) ==
+                    Approx(array.transducer.source_pa_m / bundle.manifest.foci.value().full).epsilon(0.003));
         }
         // Both are rounded to half a tick, and a place to half of 1/128 mm.
         REQUIRE(worst < 2 * std::numbers::pi * 1.3 / 1250);

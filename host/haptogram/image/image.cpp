@@ -223,11 +223,21 @@ void take_records(Image& image, const std::vector<std::uint16_t>& primary, const
 
 namespace {
 
-/// The format that a description says it has; 0 where it is none.
-std::uint32_t format_of(const std::vector<intel_hex::Segment>& segments) {
-    for (const intel_hex::Segment& segment : segments)
-        if (segment.address == interface::description_base && segment.bytes.size() >= 4)
-            return description_field::format.get(segment.bytes);
+/// The format that the description says it has; 0 where there is none.
+std::uint32_t require_known_format(const std::vector<intel_hex::Segment>& segments, const std::string& where) {
+    for (const intel_hex::Segment& segment : segments) {
+        if (segment.address != interface::description_base || segment.bytes.size() < 4) continue;
+        const std::uint32_t magic = description_field::magic.get(segment.bytes);
+        const std::uint32_t format = description_field::format.get(segment.bytes);
+        if (magic == interface::description_magic &&
+            (format == interface::description_format || format == interface::description_long_format))
+            return format;
+        throw bad_input(where,
+                        fmt::format("the description says magic {:04X}, format {}; expected {:04X}, format {} or {}; "
+                                    "compile it with this version",
+                                    magic, format, interface::description_magic, interface::description_format,
+                                    interface::description_long_format));
+    }
     return 0;
 }
 
@@ -268,7 +278,8 @@ FocusRecords foci_from(const Image& image, const std::vector<std::uint16_t>& par
 
 Image from_intel_hex(std::string_view text, const std::string& where) {
     const std::vector<intel_hex::Segment> segments = intel_hex::read(text, where);
-    const bool is_long = format_of(segments) == interface::description_long_format;
+    const std::uint32_t format = require_known_format(segments, where);
+    const bool is_long = format == interface::description_long_format;
     for (const auto& segment : segments) {
         constexpr std::array known = {interface::primary_base,    interface::sequence_base, interface::description_base,
                                       interface::parameters_base, interface::geometry_base, interface::modulation_base};
@@ -287,14 +298,6 @@ Image from_intel_hex(std::string_view text, const std::string& where) {
         region(segments, interface::description_base,
                2 * (is_long ? std::size_t{interface::description_words} : short_description_words),
                is_long ? "the description, which says format 2," : "the description", where));
-    const std::uint32_t magic = description_field::magic.get(described);
-    const std::uint32_t format = description_field::format.get(described);
-    if (magic != interface::description_magic || (format != interface::description_format && !is_long))
-        throw bad_input(where,
-                        fmt::format("the description says magic {:04X}, format {}; expected {:04X}, format {} or {}; "
-                                    "compile it with this version",
-                                    magic, format, interface::description_magic, interface::description_format,
-                                    interface::description_long_format));
     Image image;
     image.channels = description_field::channels.get(described);
     image.clock_hz = description_field::clock_hz.get(described);
