@@ -36,8 +36,8 @@ struct FocusCheck {
 [[nodiscard]] FocusCheck check_focus(const Array& array, std::span<const std::complex<double>> drives,
                                      std::span<const std::complex<double>> reference, Vec3 focus);
 
-/// The worst of a record's foci, compared with exact phases at the pulse lengths that the timer can make. Where the board
-/// modulates, with the lengths of the exact drives, so that the phases alone are compared.
+/// The worst of a record's foci, compared with exact phases at the pulse lengths that the timer can make. Where the
+/// board modulates, with the lengths of the exact drives, so that the phases alone are compared.
 [[nodiscard]] FocusCheck check_record(const Manifest& manifest, const RecordMeaning& record,
                                       std::span<const std::complex<double>> drives);
 
