@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <memory>
 
 #include "haptogram/base/error.hpp"
@@ -30,9 +31,7 @@ std::uint64_t clocks_per_pass(const Image& image) {
     std::uint64_t clocks = 0;
     std::uint64_t cycle = 0;
     for (const SequenceEntry& entry : image.sequence) {
-        if (entry.index > 0)
-            cycle =
-                std::uint64_t{image.records[entry.index - 1U].cycle_length} * image.records[entry.index - 1U].prescaler;
+        if (const auto place = place_of(image, entry.index)) cycle = cycle_clocks(image, *place);
         clocks += cycle * entry.dwell;
     }
     return clocks;
@@ -86,6 +85,7 @@ void check_status(const link::Status& status, Playback& playback) {
     expect_none(status.refused_records, "refused records");
     expect_none(status.frames_damaged, "damaged frames on a clean line");
     expect_none(status.watchdog_trips, "watchdog trips");
+    expect_none(status.far_foci, "focus records with a focus too far from a channel to count");
     expect_none(status.guard_trips, "output guard trips: a pin was high for too long");
 }
 
@@ -97,30 +97,72 @@ std::pair<std::uint64_t, std::uint64_t> comparable(const std::vector<CycleStart>
     return {0, 0};
 }
 
+/// Whether any of the records has amplitudes.
+bool has_amplitudes(const Image& image) {
+    for (std::size_t place = 0; place < image.record_count(); ++place)
+        if (haptogram::has_amplitudes(image, place)) return true;
+    return false;
+}
+
+/// The same as check_pulses() with a modulation. Its first sample is played in the next cycle whose words are not begun
+/// yet when the command acts (contract 9), between its sending and its answer; so it is looked for there.
+/// @param from_cycle, to_cycle  how many cycles there were at these two times
+PulseReport check_modulated(const Image& image, const std::vector<CycleStart>& cycles, const std::vector<Pulse>& pulses,
+                            std::uint64_t begin, std::uint64_t end, std::size_t from_cycle, std::size_t to_cycle) {
+    constexpr std::size_t begun_ahead = 2;  // cycles at the pins, whose words were made before the command acted
+    PulseReport best;
+    best.violations = std::numeric_limits<std::uint64_t>::max();
+    for (std::size_t i = from_cycle; i < std::min(cycles.size(), to_cycle + begun_ahead) && best.violations > 0; ++i) {
+        PulseReport report = check_pulses(image, cycles, pulses, begin, end, image.channels, cycles[i].clock);
+        if (report.violations < best.violations) best = std::move(report);
+    }
+    if (best.violations == std::numeric_limits<std::uint64_t>::max()) return {0, 1, {"the modulation did not start"}};
+    return best;
+}
+
 }  // namespace
 
 std::string_view model_for(const Image& image, const std::string& where,
                            std::span<const interface::CoreConfiguration> models) {
+    const bool amplitudes = has_amplitudes(image);
+    std::vector<interface::CoreConfiguration> able;
+    for (const interface::CoreConfiguration& model : models) {
+        const interface::CoreParameters& p = model.parameters;
+        if ((amplitudes && p.width_bits == 0) || (image.modulation && p.modulation_depth == 0)) continue;
+        if (image.foci && (p.foci == 0 || p.records != image.foci->board_records)) continue;
+        able.push_back(model);
+    }
     const auto model =
-        find_model(models, image.clock_hz, image.channels, static_cast<std::uint32_t>(image.records.size()),
+        find_model(able, image.clock_hz, image.channels, static_cast<std::uint32_t>(image.records.size()),
                    static_cast<std::uint32_t>(image.sequence.size() + 1), image.timing_bits);
     if (model) return *model;
     std::string known;
     for (const auto& [name, p, about] : models)
-        known += fmt::format("\n  {}: {} channels, {} records, {} sequence entries, {} timing bits, {} Hz", name,
-                             p.channels, p.records, p.sequence_depth - 1, p.timing_bits, p.clock_hz);
+        known += fmt::format("\n  {}: {} channels, {} records, {} sequence entries, {} timing bits, {} Hz{}", name,
+                             p.channels, p.records, p.sequence_depth - 1, p.timing_bits, p.clock_hz,
+                             p.foci > 0 ? ", with foci" : "");
     throw bad_input(
         where,
         fmt::format(
             "no simulated board has {} channels, {} records, {} sequence entries, {} timing "
-            "bits at {} Hz; there are:{}\n"
+            "bits at {} Hz{}; there are:{}\n"
             "compile for one of these, or add a configuration to tools/interface.toml and its name to sim/models.cmake",
-            image.channels, image.records.size(), image.sequence.size(), image.timing_bits, image.clock_hz, known));
+            image.channels, image.records.size(), image.sequence.size(), image.timing_bits, image.clock_hz,
+            image.foci ? fmt::format(", with focus records behind index {}", image.foci->board_records)
+            : amplitudes || image.modulation ? ", with amplitudes and modulation"
+                                             : "",
+            known));
 }
 
 void load_directly(Board& board, const Image& image) {
     std::ranges::copy(primary_words(image), board.primary_memory().begin());
     std::ranges::copy(sequence_words(image), board.sequence_memory().begin());
+    if (!image.foci && !image.modulation) return;
+    SimulatedTransport line(board);
+    link::Client client(line);
+    client.identify();
+    link::write_settings(client, image);
+    board.reset();
 }
 
 Playback play(const Image& image, const PlaybackOptions& options, const std::string& where) {
@@ -129,13 +171,12 @@ Playback play(const Image& image, const PlaybackOptions& options, const std::str
     if (!options.trace.empty()) board.trace(options.trace);
     PulseRecorder recorder(board);
     SimulatedTransport line(board);
+    haptogram::require_fits(image, board.parameters(), where);
+    if (!options.load_by_uart) load_directly(board, image);
     link::Client client(line);
     const link::Identity identity = client.identify();
     link::require_fits(image, identity, where);
-    if (options.load_by_uart)
-        link::upload(client, image, options.progress.in_stage("upload"));
-    else
-        load_directly(board, image);
+    if (options.load_by_uart) link::upload(client, image, options.progress.in_stage("upload"));
 
     Playback playback;
     const double clock_hz = identity.clock_hz;
@@ -144,8 +185,11 @@ Playback play(const Image& image, const PlaybackOptions& options, const std::str
     const auto wanted =
         options.duration_s ? static_cast<std::uint64_t>(*options.duration_s * clock_hz) : pass * options.passes;
     client.enable();
-    const std::uint64_t cycle = std::uint64_t{image.records.front().cycle_length} * image.records.front().prescaler;
+    const std::uint64_t cycle = cycle_clocks(image, 0);
     board.run(2 * cycle);
+    const std::size_t modulates_from = recorder.cycles().size();
+    link::start_modulation(client, image);
+    const std::size_t modulates_to = recorder.cycles().size();
     const std::uint64_t begun = board.now();
     const Stopwatch playing;
     client.start(1, entries, options.duration_s ? std::uint16_t{0} : static_cast<std::uint16_t>(options.passes));
@@ -181,9 +225,13 @@ Playback play(const Image& image, const PlaybackOptions& options, const std::str
     playback.dwells = recorder.dwells();
     if (!options.duration_s) check_dwells(image, playback.dwells, options.passes, playback);
     const auto [from, to] = comparable(recorder.cycles());
-    playback.pulse_report = check_pulses(image, recorder.cycles(), playback.pulses, from, to, image.channels);
-    const bool fires =
-        std::any_of(image.records.begin(), image.records.end(), [](const Record& r) { return r.pulse_length > 0; });
+    if (image.modulation)
+        playback.pulse_report =
+            check_modulated(image, recorder.cycles(), playback.pulses, from, to, modulates_from, modulates_to);
+    else
+        playback.pulse_report = check_pulses(image, recorder.cycles(), playback.pulses, from, to, image.channels);
+    const bool fires = has_amplitudes(image) || std::any_of(image.records.begin(), image.records.end(),
+                                                            [](const Record& r) { return r.pulse_length > 0; });
     if (fires && playback.pulse_report.checked == 0) {
         ++playback.violation_count;
         playback.violations.emplace_back(

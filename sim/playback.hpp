@@ -43,7 +43,8 @@ struct Playback {
 [[nodiscard]] std::string_view model_for(const Image& image, const std::string& where,
                                          std::span<const interface::CoreConfiguration> models = available_models());
 
-/// Puts an image straight into a board's memories, as a bitstream does.
+/// Puts an image straight into a board's memories, as a bitstream does. What it has of parameters, geometry and
+/// modulation goes over the link, and a reset follows, after which the board is as if new.
 void load_directly(Board& board, const Image& image);
 
 /// Loads an image into a simulated board, enables the outputs, plays the sequence, stops, and checks at the pins what

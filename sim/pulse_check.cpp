@@ -18,27 +18,26 @@ struct Interval {
 
 /// A cycle as it was played. Silence keeps the cycle length and the prescaler of the record before it.
 struct Played {
-    std::uint64_t clock;      ///< in which its tick 0 begins
-    std::uint64_t first;      ///< number of its tick 0, counted from the first cycle on
-    std::uint32_t prescaler;  ///< clocks a tick
-    const Record* record;     ///< nullptr: silence
+    std::uint64_t clock;               ///< in which its tick 0 begins
+    std::uint64_t first;               ///< number of its tick 0, counted from the first cycle on
+    std::uint32_t prescaler;           ///< clocks a tick
+    std::optional<std::size_t> place;  ///< of the record in the image; empty: silence
 };
 
 /// Every tick of the span, by its number.
 class Ticks {
 public:
     Ticks(const Image& image, const std::vector<CycleStart>& cycles) {
-        const Record* present = nullptr;  // the last one that was not silent
+        std::optional<std::size_t> present;  // the last one that was not silent
         std::uint64_t first = 0;
         for (std::size_t i = 0; i < cycles.size(); ++i) {
-            const std::uint16_t index = cycles[i].index;
-            const bool silent = index == 0 || index > image.records.size();
-            if (!silent) present = &image.records[index - 1U];
-            played_.push_back(
-                {cycles[i].clock, first, present != nullptr ? present->prescaler : 1U, silent ? nullptr : present});
+            const std::optional<std::size_t> place = place_of(image, cycles[i].index);
+            if (place) present = place;
+            const bool record = present && *present < image.records.size();
+            played_.push_back({cycles[i].clock, first, record ? image.records[*present].prescaler : 1U, place});
             // Before the first record nobody knows the cycle's ticks, and no pulse needs them.
             if (i + 1 < cycles.size())
-                first += present != nullptr ? present->cycle_length : cycles[i + 1].clock - cycles[i].clock;
+                first += record ? image.records[*present].cycle_length : cycles[i + 1].clock - cycles[i].clock;
         }
     }
 
@@ -56,26 +55,59 @@ private:
     std::vector<Played> played_;
 };
 
-/// What one channel should do over these cycles: intervals in order. Pulses that overlap or touch are merged. So are
-/// those of two successive cycles with different records and one tick between them.
-std::vector<Interval> expected_intervals(const Ticks& ticks, std::uint32_t channel) {
-    std::vector<Interval> marked;  // in ticks
-    const Played* before = nullptr;
-    for (const Played& cycle : ticks.cycles()) {
-        const bool changes = before != nullptr && before->record != cycle.record;
-        before = &cycle;
-        if (cycle.record == nullptr) continue;
-        const Record& record = *cycle.record;
-        const std::uint32_t timing =
-            channel < record.timings.size() ? record.timings[channel] : interface::silent_timing;
-        if (timing >= record.cycle_length || timing == interface::silent_timing || record.pulse_length == 0) continue;
-        const Interval pulse{cycle.first + timing, cycle.first + timing + record.pulse_length};
-        if (!marked.empty() && marked.back().fall + (changes ? 1 : 0) >= pulse.rise)
-            marked.back().fall = std::max(marked.back().fall, pulse.fall);
+/// The modulation's sample in the i-th cycle.
+/// @param start  number of the cycle with the first sample; negative when it was before the span
+std::uint8_t sample_in(const Image& image, std::size_t i, std::optional<std::ptrdiff_t> start) {
+    const std::ptrdiff_t since = start ? static_cast<std::ptrdiff_t>(i) - *start : -1;
+    if (since < 0 || !image.modulation) return 255;
+    const auto& [divider, samples] = *image.modulation;
+    return samples[static_cast<std::size_t>(since) / divider % samples.size()];
+}
+
+/// What each channel should do over these cycles: intervals in order. Pulses that overlap or touch are merged. So are
+/// those with one tick between them, of two successive cycles with different records and of any with amplitudes.
+std::vector<std::vector<Interval>> expected_intervals(const Image& image, const Ticks& ticks, std::uint32_t channels,
+                                                      std::optional<std::ptrdiff_t> modulation_start) {
+    std::vector<std::vector<Interval>> marked(channels);  // in ticks
+    const auto mark = [&](std::uint32_t channel, const Interval& pulse, bool fills) {
+        std::vector<Interval>& all = marked[channel];
+        if (!all.empty() && all.back().fall + (fills ? 1 : 0) >= pulse.rise)
+            all.back().fall = std::max(all.back().fall, pulse.fall);
         else
-            marked.push_back(pulse);
+            all.push_back(pulse);
+    };
+    std::map<std::size_t, std::vector<Emission>> emissions;  // by place
+    const std::vector<Played>& cycles = ticks.cycles();
+    for (std::size_t i = 0; i < cycles.size(); ++i) {
+        const Played& cycle = cycles[i];
+        const bool changes = i > 0 && cycles[i - 1].place != cycle.place;
+        if (!cycle.place) continue;
+        if (has_amplitudes(image, *cycle.place)) {
+            auto found = emissions.find(*cycle.place);
+            if (found == emissions.end())
+                found = emissions.emplace(*cycle.place, emissions_of(image, *cycle.place)).first;
+            const std::vector<EmissionWord> words =
+                emission_words(image, found->second, static_cast<std::uint32_t>(cycle_clocks(image, *cycle.place)),
+                               sample_in(image, i, modulation_start));
+            for (std::uint32_t channel = 0; channel < channels && channel < words.size(); ++channel) {
+                const EmissionWord& word = words[channel];
+                if (word.width == 0) continue;
+                // A pulse around the cycle's start is begun by it, too, because the cycle before it may not have had
+                // it.
+                if (word.early) mark(channel, {cycle.first, cycle.first + word.fall}, true);
+                mark(channel, {cycle.first + word.rise, cycle.first + word.rise + word.width}, true);
+            }
+            continue;
+        }
+        const Record& record = image.records[*cycle.place];
+        for (std::uint32_t channel = 0; channel < channels && channel < record.timings.size(); ++channel) {
+            if (!record.fires(channel)) continue;
+            const std::uint64_t rise = cycle.first + record.timings[channel];
+            mark(channel, {rise, rise + record.pulse_length}, changes);
+        }
     }
-    for (Interval& pulse : marked) pulse = {ticks.clock_of(pulse.rise), ticks.clock_of(pulse.fall)};
+    for (std::vector<Interval>& all : marked)
+        for (Interval& pulse : all) pulse = {ticks.clock_of(pulse.rise), ticks.clock_of(pulse.fall)};
     return marked;
 }
 
@@ -108,11 +140,17 @@ std::vector<Dwell> PulseRecorder::dwells() const {
 }
 
 PulseReport check_pulses(const Image& image, const std::vector<CycleStart>& cycles, const std::vector<Pulse>& pulses,
-                         std::uint64_t begin, std::uint64_t end, std::uint32_t channels) {
+                         std::uint64_t begin, std::uint64_t end, std::uint32_t channels,
+                         std::optional<std::uint64_t> modulation_start) {
     std::vector<CycleStart> within;
     for (const CycleStart& cycle : cycles)
         if (cycle.clock >= begin && cycle.clock < end) within.push_back(cycle);
     const Ticks ticks(image, within);
+    std::optional<std::ptrdiff_t> start;
+    if (modulation_start)
+        start = std::ranges::lower_bound(cycles, *modulation_start, {}, &CycleStart::clock) -
+                std::ranges::lower_bound(cycles, begin, {}, &CycleStart::clock);
+    std::vector<std::vector<Interval>> wanted = expected_intervals(image, ticks, channels, start);
     std::vector<std::vector<Interval>> measured(channels);
     for (const Pulse& pulse : pulses)
         if (pulse.rise >= begin && pulse.rise < end) measured[pulse.channel].push_back({pulse.rise, pulse.fall});
@@ -126,7 +164,7 @@ PulseReport check_pulses(const Image& image, const std::vector<CycleStart>& cycl
     };
     for (std::uint32_t channel = 0; channel < channels; ++channel) {
         // A pulse that is still high at the end has no measured fall yet.
-        std::vector<Interval> expected = expected_intervals(ticks, channel);
+        std::vector<Interval>& expected = wanted[channel];
         std::erase_if(expected, [&](const Interval& i) { return i.fall >= end; });
         auto& seen = measured[channel];
         std::erase_if(seen, [&](const Interval& i) { return i.fall >= end; });

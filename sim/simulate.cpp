@@ -51,7 +51,7 @@ Simulation simulate(const Bundle& bundle, const PlaybackOptions& options) {
         result.mean_kept += check.pressure_kept;
         result.worst_offset_m = std::max(result.worst_offset_m, check.peak_offset_m);
         if (check.pressure_kept < record.limits.least_kept || check.peak_offset_m > record.limits.most_offset_m)
-            result.off.push_back(i + 1);
+            result.off.push_back(bundle.manifest.index_of(i));
     }
     if (result.checked > 0) result.mean_kept /= static_cast<double>(result.checked);
     return result;

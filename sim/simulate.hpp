@@ -25,7 +25,7 @@ struct Simulation {
     Playback playback;
     std::vector<RecordResult> records;
     std::size_t checked = 0, unsteady = 0;  ///< records
-    std::vector<std::size_t> off;           ///< records, counted from 1, that missed their target
+    std::vector<std::size_t> off;           ///< indices of records that missed their target
     double least_kept = 1.0, mean_kept = 0.0, worst_offset_m = 0.0;
 
     /// No contract was broken, and every focus is where it was asked.

@@ -218,6 +218,7 @@ def cpp(table):
     description = next(b for b in table["block"] if b["region"] == "description")
     out.append(f"inline constexpr std::uint16_t description_magic = 0x{description['magic']:04x};")
     out.append(f"inline constexpr std::uint16_t description_format = {description['format']};")
+    out.append(f"inline constexpr std::uint16_t description_long_format = {description['long_format']};")
     out.append(f"inline constexpr double longest_cycle_s = {table['image']['longest_cycle_s']};")
     out += ["", CPP_TYPES.rstrip("\n")]
     for name, rows, word_bits in layouts(table):
@@ -321,7 +322,8 @@ def python(table):
     out.append(f"RECORD_HEADER_WORDS = {table['record']['header_words']}")
     out.append(f"SILENT_TIMING = 0x{table['record']['silent_timing']:04x}")
     description = next(b for b in table["block"] if b["region"] == "description")
-    out += [f"DESCRIPTION_MAGIC = 0x{description['magic']:04x}", f"DESCRIPTION_FORMAT = {description['format']}"]
+    out += [f"DESCRIPTION_MAGIC = 0x{description['magic']:04x}", f"DESCRIPTION_FORMAT = {description['format']}",
+            f"DESCRIPTION_LONG_FORMAT = {description['long_format']}"]  # fmt: skip
     out.append(f"LONGEST_CYCLE_S = {table['image']['longest_cycle_s']}")
     out += ["", "# How a host deals with a line that loses bytes; rtl/INTERFACE.md says what each number means."]
     out += [f"LINK_{row['name'].upper()} = {row['value']}" for row in table["link"]] + [""]

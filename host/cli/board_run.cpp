@@ -91,6 +91,8 @@ int run_board(const RunOptions& options) {
     const bool is_rtl = options.model == "rtl";
     if (!is_rtl && !options.trace.empty())
         throw bad_argument("trace", "the reference board has no signals; give --model rtl, or leave out the trace");
+    if (!is_rtl && image && (image->foci || image->modulation))
+        throw bad_argument("model", "the reference board computes no foci and does not modulate; give --model rtl");
     const std::span<const interface::CoreConfiguration> models =
         is_rtl ? std::span<const interface::CoreConfiguration>(sim::available_models())
                : interface::core_configurations;

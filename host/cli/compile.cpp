@@ -31,7 +31,7 @@ struct CompileOptions {
     std::optional<std::string> jump;
     std::optional<std::uint16_t> loops;
     std::vector<double> center_mm, rotate_deg;
-    bool clip = false, even = false;
+    bool clip = false, even = false, foci = false, records = false;
     std::optional<std::string> am, am_law, quantise;
     std::optional<double> magnitude;
     std::string output = "image.hex";
@@ -92,6 +92,7 @@ Project project_of(const CompileOptions& options) {
     put(project.am, options.am);
     if (options.magnitude) project.magnitude = options.magnitude;
     put(project.quantise, options.quantise);
+    if (options.foci || options.records) project.image = options.foci ? ImageKind::foci : ImageKind::records;
     if (options.am_law) project.am_law = law_of(*options.am_law);
     if (!project.path.empty() && project.even) throw bad_argument("even", "is of shapes; a path has dwells of its own");
     return project;
@@ -262,6 +263,12 @@ void add_compile(CLI::App& app, Action& action) {
                     "paper's tables (see haptogram magnitude)")
         ->check(positive());
     add_quantise(*sub, options->quantise);
+    auto* foci = sub->add_flag("--foci", options->foci,
+                               "Foci of 8 bytes each, from which the board computes the timings, and the modulation in "
+                               "the board's own memory (default, if the board computes foci)");
+    sub->add_flag("--records", options->records,
+                  "A record of timings for each focal point and each of its strengths (default otherwise)")
+        ->excludes(foci);
     sub->add_option("--loops", options->loops, "Passes when the image is played by itself; 0 is for ever")
         ->check(whole(0, 65535))
         ->default_str(fmt::to_string(standard.loops));

@@ -18,6 +18,8 @@ struct DeviceOptions {
     link::PortSettings port;
     std::uint16_t watchdog_ms = 0;
     bool has_watchdog = false;
+    std::uint16_t divider = 1, samples = 0;
+    bool once = false, off = false;
     bool json = false;
 };
 
@@ -58,6 +60,20 @@ int stop(const DeviceOptions& options) {
     return after_change(device, options);
 }
 
+int modulate(const DeviceOptions& options) {
+    link::Device device(options.port);
+    const std::uint32_t most = 2 * device.identity().modulation_words;
+    if (most == 0) throw Error(ErrorCode::device, options.port.port, "this board has no modulation");
+    if (options.samples > most)
+        throw Error(ErrorCode::bad_argument, "--samples",
+                    fmt::format("the board holds {} samples, not {}", most, options.samples));
+    if (options.off)
+        device.modulate(0, 0, false);
+    else
+        device.modulate(options.divider, options.samples, !options.once);
+    return after_change(device, options);
+}
+
 int list(bool as_json) {
     const std::vector<link::PortInfo> ports = link::available_ports();
     if (as_json) {
@@ -76,8 +92,8 @@ void add_device(CLI::App& app, Action& action) {
         if (sub->get_subcommands().empty())
             action = []() -> int {
                 throw Error(ErrorCode::bad_argument, "device",
-                            "expected a subcommand: list, info, status, enable, disable or stop; see haptogram device "
-                            "--help");
+                            "expected a subcommand: list, info, status, enable, disable, stop or modulate; see "
+                            "haptogram device --help");
             };
     });
     auto options = std::make_shared<DeviceOptions>();
@@ -102,6 +118,18 @@ void add_device(CLI::App& app, Action& action) {
     watchdog->each([options](const std::string&) { options->has_watchdog = true; });
     add("disable", "Turn the outputs off, at once", disable);
     add("stop", "Silence after the present cycle; outputs stay as they are", stop);
+    CLI::App* modulation = add("modulate",
+                               "Multiply all amplitudes by the samples in the board's modulation memory, from the "
+                               "first on, whatever plays; an upload does so as its image says",
+                               modulate);
+    modulation->add_option("--divider", options->divider, "Carrier periods that a sample lasts")
+        ->check(whole(1, 65535))
+        ->capture_default_str();
+    modulation->add_option("--samples", options->samples, "So many samples; 0: all that the board holds")
+        ->check(whole(0, 65535))
+        ->capture_default_str();
+    auto* once = modulation->add_flag("--once", options->once, "Not over and over; the last sample stays");
+    modulation->add_flag("--off", options->off, "End the modulation")->excludes(once);
 }
 
 }  // namespace haptogram::cli

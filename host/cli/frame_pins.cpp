@@ -10,7 +10,8 @@ namespace haptogram::cli {
 
 PinsOfFrame pins_of(const fusion::Frame& frame, const Array& array, const Core& core,
                     const perception::Tables& tables) {
-    const Bundle bundle = compile(frame.path, array, core, 1, "frame").bundle;
+    const Bundle bundle =
+        compile(frame.path, array, core, 1, "frame", Method::gauss_newton, {}, ImageKind::records).bundle;
     const Manifest& manifest = bundle.manifest;
     const sim::ImageAtPins measured = sim::measure_pins(bundle);
     PinsOfFrame pins;

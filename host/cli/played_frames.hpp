@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "haptogram/instrument/compile.hpp"
-#include "pins.hpp"
+#include "frame_pins.hpp"
 #include "report.hpp"
 
 namespace haptogram::cli {

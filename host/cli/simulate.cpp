@@ -51,7 +51,7 @@ Report report_of(const Bundle& bundle, const sim::Simulation& s) {
     const double playing = static_cast<double>(p.playing_clocks) / p.playing_seconds;
     nlohmann::ordered_json records = nlohmann::ordered_json::array();
     for (std::size_t i = 0; i < s.records.size(); ++i)
-        records.push_back({{"index", i + 1},
+        records.push_back({{"index", bundle.manifest.index_of(i)},
                            {"cycles", s.records[i].cycles},
                            {"pressure_pa", s.records[i].check.pressure_pa},
                            {"pressure_kept", s.records[i].check.pressure_kept},

@@ -9,6 +9,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/link/device.hpp"
 #include "haptogram/link/to_json.hpp"
+#include "haptogram/link/transfer.hpp"
 #include "interrupt.hpp"
 #include "port.hpp"
 #include "progress_line.hpp"
@@ -29,9 +30,12 @@ struct StreamOptions {
 int stream(const StreamOptions& options) {
     catch_interrupts();
     link::Device device(options.port);
+    const std::uint32_t highest = link::highest_index(device);
+    const std::uint32_t records = device.identity().records;
+    const auto carried = static_cast<std::uint16_t>(highest > records ? records + 1 : 1);
     const std::uint16_t dwell =
-        options.rate > 0.0 ? link::dwell_of(options.rate, link::record_carrier_hz(device, 1)) : options.dwell;
-    link::StreamLines source(options.file, dwell, device.identity().records);
+        options.rate > 0.0 ? link::dwell_of(options.rate, link::record_carrier_hz(device, carried)) : options.dwell;
+    link::StreamLines source(options.file, dwell, highest);
     ProgressLine progress("stream");
     const link::Played played = link::stream(device, options.stream, source, [&](const link::Playing& now) {
         progress.note(fmt::format("{} indices", now.sent));
@@ -49,7 +53,8 @@ void add_stream(CLI::App& app, Action& action) {
     CLI::App* sub = app.add_subcommand(
         "stream",
         "Turn the outputs on and play indices as they come, no faster than the board takes them; then off again");
-    sub->add_option("file", options->file, "Lines 'index' or 'index dwell'; - is standard input")
+    sub->add_option("file", options->file,
+                    "Lines 'index' or 'index dwell', of records or of the board's foci; - is standard input")
         ->capture_default_str();
     add_port_options(*sub, options->port);
     auto* dwell = sub->add_option("--dwell", options->dwell,

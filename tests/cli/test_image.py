@@ -248,7 +248,7 @@ def test_a_sequence_header_that_does_not_fit(small):
 
 def test_reserved_bits_in_a_record(small):
     image = Image(small.hex)
-    image.put16(image.record_word(2, 3), 0x0100)
+    image.put16(image.record_word(2, 3), 0x0200)
     image.save(small.hex)
     refuse(small.folder, ["inspect", "image.hex"], BAD_INPUT, r"image\.hex", "record 2", outputs=())
 

@@ -34,6 +34,22 @@ def sound_hex():
     return text.getvalue().encode()
 
 
+def sound_foci_hex():
+    """A record of amplitudes, two focus records of two foci, and two samples of modulation, for two channels."""
+    image = IntelHex()
+    amplitudes = struct.pack("<6H", 1250, 0, 1, 1 << 8, 0xFF40, 0x80C0)
+    foci = struct.pack("<16H", 128, 256, 12800, 0xFF00, 0xFF80, 0, 12800, 0x800C, *[0, 0, 12800, 0x4000] * 2)
+    image.puts(0, amplitudes + bytes(4) + foci)
+    image.puts(0x10000000, struct.pack("<8H", 3, 0, 1, 4, 257, 2, 258, 1))
+    image.puts(0x40000000, struct.pack("<11H", 0x4748, 2, 2, 1, 4, 8 << 8 | 11, 50_000_000 & 0xFFFF, 50_000_000 >> 16, 256, 2, 40))
+    image.puts(0x50000000, struct.pack("<11H", 2, 2, 1, 1250, 0xDF4B, 1, 38000, 0, 65535, 65535, 1))
+    image.puts(0x60000000, struct.pack("<8H", 0xFD80, 0, 0, 0, 640, 0, 0, 0))
+    image.puts(0x70000000, b"\x00\xff")
+    text = io.StringIO()
+    image.write_hex_file(text, write_start_addr=False)
+    return text.getvalue().encode()
+
+
 def sound_pattern():
     """A pattern of the AdapTics designer: two key frames and a stop."""
 
@@ -65,7 +81,7 @@ def seeds(program):
     facet = struct.pack("<12fH", 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0)
     found = {
         "frame": [b"\x06\x01\x82\x02\x08\x2c\x01\x00", bytes(range(1, 255)), b"\x01\x01\x00"],
-        "intel_hex": [sound_hex()],
+        "intel_hex": [sound_hex(), sound_foci_hex()],
         "pulses": [b"channel,rise_clk,fall_clk,index\n0,10,20,1\n3,11,25,2\n"],
         "ply": [(header.format("ascii", "") + rows).encode(), header.format("binary_little_endian", "").encode() + binary,
                 (header.format("ascii", face) + rows + "3 0 1 2\n").encode(), header.format("binary_little_endian", face).encode() + binary + struct.pack("<B3i", 3, 0, 1, 2),

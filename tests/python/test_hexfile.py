@@ -51,7 +51,7 @@ def put16(file, address, value):
     (0x10000004, 9, "sequence entry 1: index 9 of 8"),
     (0x1000000A, 0, "sequence entry 2: dwell 0"),
     (0x00000004, 0, "record 1: prescaler 0"),
-    (0x00000006, 0x100, "record 1: prescaler 0x1000005"),
+    (0x00000006, 0x100, "record 1: kind 1, prescaler 5"),
     (0x00000000, 125, "record 1: a pulse of 125 ticks"),
     (0x00000006, 0xFF, "record 1: a cycle lasts"),
     (0x50000000, 0, "belong to no region"),

@@ -116,8 +116,8 @@ TEST_CASE("image: regions that are missing, short, long or unknown are errors", 
     REQUIRE_THROWS_WITH(from_intel_hex(intel_hex::write(header), "f"),
                         Contains("sequence header says 2 entries, the description 3"));
     auto reserved = whole;
-    reserved[0].bytes[7] = 1;
-    REQUIRE_THROWS_WITH(from_intel_hex(intel_hex::write(reserved), "f"), Contains("record 1: reserved bits"));
+    reserved[0].bytes[7] = 2;
+    REQUIRE_THROWS_WITH(from_intel_hex(intel_hex::write(reserved), "f"), Contains("record 1: kind 2"));
 }
 
 TEST_CASE("image: problems name the record or the entry", "[image]") {

@@ -19,6 +19,14 @@ void require_record(std::uint32_t record, std::size_t records, const char* owner
     if (record > records) throw bad_argument("record", fmt::format("the {} has {}, not {}", owner, records, record));
 }
 
+/// The root of the mean square of the board's modulation; 1 without.
+double modulation_rms(const Manifest& manifest) {
+    if (!manifest.modulation) return 1.0;
+    double sum = 0.0;
+    for (const std::uint8_t sample : manifest.modulation->samples) sum += sample * sample / (255.0 * 255.0);
+    return std::sqrt(sum / static_cast<double>(manifest.modulation->samples.size()));
+}
+
 std::vector<Vec3> positions(const std::vector<Focus>& foci) {
     std::vector<Vec3> found;
     for (const Focus& focus : foci) found.push_back(focus.position);
@@ -60,33 +68,37 @@ Excitation in_segments(const Excitation& excitation, const Segments& segments) {
 
 Excitation excitation_of(const Bundle& bundle, std::uint32_t record) {
     const Image& image = bundle.image;
-    require_record(record, image.records.size(), "image");
+    const std::size_t records = image.record_count();
+    require_record(record, records, "image");
+    const double modulated = modulation_rms(bundle.manifest);
     Excitation found{bundle.manifest.array, {}, {}, {}, {}};
     if (record > 0) {
-        found.drives = {drives_of(bundle.manifest, image.records[record - 1])};
+        found.drives = {drives_of(bundle.manifest, image, record - 1)};
+        weaken(found, modulated);
         found.weights = {1.0};
         found.foci = positions(bundle.manifest.records[record - 1].foci);
         found.title = fmt::format("{}, record {}", bundle.name, record);
         return found;
     }
     for (const std::uint64_t clocks : record_clocks(image)) found.weights.push_back(static_cast<double>(clocks));
-    for (const Record& each : image.records) found.drives.push_back(drives_of(bundle.manifest, each));
+    for (std::size_t place = 0; place < records; ++place)
+        found.drives.push_back(drives_of(bundle.manifest, image, place));
+    weaken(found, modulated);
     found.foci = bundle.manifest.points();
-    found.title = fmt::format("{}, {} points in turn", bundle.name, image.records.size());
+    found.title = fmt::format("{}, {} points in turn", bundle.name, records);
     return found;
 }
 
 Excitation excitation_of(const Manifest& manifest, const std::string& name, std::uint32_t record) {
     require_record(record, manifest.records.size(), "manifest");
     Excitation found{manifest.array, {}, {}, manifest.points(), name + ", exact phases"};
-    const double full = std::sin(std::numbers::pi * manifest.timer.duty());
     for (std::size_t i = 0; i < manifest.records.size(); ++i) {
         if (record > 0 && i + 1 != record) continue;
         const RecordMeaning& meaning = manifest.records[i];
-        found.drives.push_back(exact_drives(manifest.array, meaning.foci, manifest.solver));
-        for (std::complex<double>& drive : found.drives.back()) drive *= full * meaning.amplitude;
+        found.drives.push_back(asked_drives(manifest, meaning));
         found.weights.push_back(meaning.dwell_cycles);
     }
+    weaken(found, modulation_rms(manifest));
     if (record > 0) found.foci = positions(manifest.records[record - 1].foci);
     return found;
 }

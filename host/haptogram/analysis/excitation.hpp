@@ -36,8 +36,9 @@ void weaken(Excitation& excitation, double factor);
 /// The same as a device makes it whose pulses lie on segments of the carrier period.
 [[nodiscard]] Excitation in_segments(const Excitation& excitation, const Segments& segments);
 
-/// An image: each record as its pulses would be measured, for the time that it plays in one pass.
-/// @param record  only this one; 0: all
+/// An image: each record as its pulses would be measured, for the time that it plays in one pass, weakened by the root
+/// of the mean square of its modulation.
+/// @param record  only this one, counted from 1, whatever its kind; 0: all
 /// @throws Error{bad_argument} when there is no such record
 [[nodiscard]] Excitation excitation_of(const Bundle& bundle, std::uint32_t record = 0);
 

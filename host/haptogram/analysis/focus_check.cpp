@@ -9,6 +9,8 @@
 
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/solve/drives.hpp"
+#include "haptogram/solve/emission.hpp"
+#include "haptogram/solve/focus_engine.hpp"
 #include "haptogram/solve/segments.hpp"
 
 namespace haptogram {
@@ -22,6 +24,33 @@ std::vector<std::complex<double>> exact_drives(const Array& array, std::span<con
         if (drive != 0.0) drive *= array.transducer.source_pa_m / std::abs(drive);
     return drives;
 }
+
+std::vector<std::complex<double>> asked_drives(const Manifest& manifest, const RecordMeaning& record) {
+    const double full = std::sin(std::numbers::pi * manifest.timer.duty());
+    std::vector<std::complex<double>> drives = manifest.foci
+                                                   ? summed_drives(manifest.array, record.foci)
+                                                   : exact_drives(manifest.array, record.foci, manifest.solver);
+    const double scale = manifest.foci ? manifest.array.transducer.source_pa_m / manifest.foci->full : 1.0;
+    for (std::complex<double>& drive : drives) drive *= full * record.amplitude * scale;
+    return drives;
+}
+
+namespace {
+
+/// The length of every drive as the pulse that the board makes of it: whole ticks.
+void round_to_pulses(std::vector<std::complex<double>>& drives, const Manifest& manifest) {
+    const double source = manifest.array.transducer.source_pa_m;
+    for (std::complex<double>& drive : drives) {
+        const double amplitude = std::min(1.0, std::abs(drive) / source);
+        if (amplitude == 0.0) continue;
+        const std::uint32_t ticks =
+            emission_ticks(static_cast<std::uint16_t>(std::lround(65535.0 * amplitude)), manifest.timer.cycle_ticks,
+                           manifest.core.parameters.min_pulse_clocks);
+        drive *= std::sin(std::numbers::pi * ticks / manifest.timer.cycle_ticks) / amplitude;
+    }
+}
+
+}  // namespace
 
 Vec3 lateral_peak(const Array& array, std::span<const std::complex<double>> drives, Vec3 start) {
     constexpr double first_step = 0.5e-3;
@@ -86,13 +115,27 @@ FocusLimits limits_of(const Manifest& manifest, const RecordMeaning& record) {
 FocusCheck check_record(const Manifest& manifest, const RecordMeaning& record,
                         std::span<const std::complex<double>> drives) {
     // The length of the pulses is what the timer can make, and no error of the phases. So both sides of the comparison
-    // have the same length.
-    const double duty = static_cast<double>(pulse_ticks(manifest.timer, record.amplitude)) / manifest.timer.cycle_ticks;
-    std::vector<std::complex<double>> reference = exact_drives(manifest.array, record.foci, manifest.solver);
-    for (std::complex<double>& drive : reference) drive *= std::sin(std::numbers::pi * duty);
+    // have the same length. Of several foci computed by the board, each channel has a length of its own, and what is
+    // rounded on one is made up for by others.
+    std::vector<std::complex<double>> reference;
+    if (manifest.foci) {
+        reference = asked_drives(manifest, record);
+        if (record.foci.size() == 1) round_to_pulses(reference, manifest);
+    } else {
+        const double duty =
+            static_cast<double>(pulse_ticks(manifest.timer, record.amplitude)) / manifest.timer.cycle_ticks;
+        reference = exact_drives(manifest.array, record.foci, manifest.solver);
+        for (std::complex<double>& drive : reference) drive *= std::sin(std::numbers::pi * duty);
+    }
+    // The lengths of modulated pulses are those of the samples in whose periods they were measured, one channel's in
+    // others than its neighbour's; only the phases are the record's.
+    std::vector<std::complex<double>> measured(drives.begin(), drives.end());
+    if (manifest.modulation)
+        for (std::size_t m = 0; m < measured.size(); ++m)
+            if (measured[m] != 0.0) measured[m] *= std::abs(reference[m]) / std::abs(measured[m]);
     FocusCheck worst{0.0, std::numeric_limits<double>::infinity(), 0.0};
     for (const Focus& focus : record.foci) {
-        const FocusCheck one = check_focus(manifest.array, drives, reference, focus.position);
+        const FocusCheck one = check_focus(manifest.array, measured, reference, focus.position);
         if (one.pressure_kept < worst.pressure_kept) {
             worst.pressure_pa = one.pressure_pa;
             worst.pressure_kept = one.pressure_kept;

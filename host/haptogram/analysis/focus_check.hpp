@@ -43,6 +43,10 @@ struct FocusLimits {
 [[nodiscard]] std::vector<std::complex<double>> exact_drives(const Array& array, std::span<const Focus> foci,
                                                              Method solver = Method::gauss_newton);
 
+/// The drives that a record of a manifest asks for, one an element, Pa·m: exact phases at the duty of the timer and the
+/// record's amplitude. Of a focus record, the sums of its foci, with an amplitude for each element.
+[[nodiscard]] std::vector<std::complex<double>> asked_drives(const Manifest& manifest, const RecordMeaning& record);
+
 /// The point of largest pressure in the plane z = start.z, climbed to from `start` in shrinking steps; finds the peak
 /// of the main lobe that `start` lies in, to a micrometre.
 [[nodiscard]] Vec3 lateral_peak(const Array& array, std::span<const std::complex<double>> drives, Vec3 start);
@@ -52,7 +56,8 @@ struct FocusLimits {
 [[nodiscard]] FocusCheck check_focus(const Array& array, std::span<const std::complex<double>> drives,
                                      std::span<const std::complex<double>> reference, Vec3 focus);
 
-/// The worst of a record's foci, at the duty that the timer and the record's amplitude make.
+/// The worst of a record's foci, compared with exact phases at the pulse lengths that the timer can make. Where the
+/// board modulates, with the lengths of the exact drives, so that the phases alone are compared.
 [[nodiscard]] FocusCheck check_record(const Manifest& manifest, const RecordMeaning& record,
                                       std::span<const std::complex<double>> drives);
 

@@ -36,10 +36,11 @@ std::vector<MeasuredRecord> measure(const Manifest& manifest, const std::vector<
                 where,
                 fmt::format("a pulse on channel {}, but the array has {} elements; these pulses are another array's",
                             pulse.channel, elements));
-        if (pulse.index == 0 || pulse.index > manifest.records.size())
-            throw bad_input(
-                where, fmt::format("a pulse of record {}, but the manifest has {}; these pulses are another image's",
-                                   pulse.index, manifest.records.size()));
+        if (!manifest.place_of(pulse.index))
+            throw bad_input(where,
+                            fmt::format("a pulse of record {}, but the manifest has {} from {} on; these pulses are "
+                                        "another image's",
+                                        pulse.index, manifest.records.size(), manifest.index_of(0)));
         by_channel[pulse.channel].push_back(pulse);
     }
     const double clock_s = 1.0 / manifest.timer.clock_hz;
@@ -55,7 +56,7 @@ std::vector<MeasuredRecord> measure(const Manifest& manifest, const std::vector<
             std::vector<DrivePulse> train;
             for (const Pulse& p : inner)
                 train.push_back({static_cast<double>(p.rise) * clock_s, static_cast<double>(p.fall) * clock_s});
-            const std::size_t r = stretch.front().index - 1U;
+            const std::size_t r = manifest.place_of(stretch.front().index).value();
             // A record may play in several stretches, and each counts by its length.
             records[r].drives[channel] += carrier_component(train, manifest.timer.carrier_hz(), period_s);
             cycles[r] += stretch.size();
@@ -80,6 +81,22 @@ std::vector<std::complex<double>> drives_of(const Manifest& manifest, const Reco
         drives.push_back(record.fires(m) ? manifest.array.transducer.source_pa_m *
                                                carrier_component({&pulse, 1}, 1.0 / period_s, period_s)
                                          : 0.0);
+    }
+    return drives;
+}
+
+std::vector<std::complex<double>> drives_of(const Manifest& manifest, const Image& image, std::size_t place) {
+    if (!has_amplitudes(image, place)) return drives_of(manifest, image.records[place]);
+    const double tick_s = 1.0 / image.clock_hz;
+    const auto cycle = static_cast<std::uint32_t>(cycle_clocks(image, place));
+    const double period_s = cycle * tick_s;
+    const std::vector<EmissionWord> words = emission_words(image, emissions_of(image, place), cycle);
+    std::vector<std::complex<double>> drives;
+    for (std::size_t m = 0; m < manifest.array.elements.size(); ++m) {
+        const DrivePulse pulse{words.at(m).rise * tick_s, (words.at(m).rise + words.at(m).width) * tick_s};
+        drives.push_back(words[m].width > 0 ? manifest.array.transducer.source_pa_m *
+                                                  carrier_component({&pulse, 1}, 1.0 / period_s, period_s)
+                                            : 0.0);
     }
     return drives;
 }

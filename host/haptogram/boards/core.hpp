@@ -20,6 +20,13 @@ struct Core {
     [[nodiscard]] std::uint32_t most_points() const {
         return std::min(parameters.records, parameters.sequence_depth - 1);
     }
+    /// The most focus records of so many foci that its primary memory holds, with nothing else in it. An index has 16
+    /// bits, and the first of them is for records.
+    [[nodiscard]] std::uint32_t most_focus_records(std::uint32_t foci = 1) const {
+        const std::uint64_t words =
+            std::uint64_t{parameters.records} * (parameters.channels + interface::record_header_words);
+        return static_cast<std::uint32_t>(std::min<std::uint64_t>(words / (4U * foci), 65535 - parameters.records));
+    }
     friend bool operator==(const Core&, const Core&) = default;
 };
 
@@ -32,6 +39,15 @@ struct Core {
 /// The smallest max_high_clocks of a core with this max_pulse_clocks().
 [[nodiscard]] constexpr std::uint32_t max_high_clocks(std::uint32_t max_pulse_clocks) {
     return 2 * (5 * max_pulse_clocks + 2);
+}
+
+/// The shortest and the longest cycle of a record with amplitudes that a core plays, in clocks (rtl/README.md, "The
+/// second instrument"). The core must have amplitudes.
+[[nodiscard]] constexpr std::uint32_t least_amplitude_cycle(const interface::CoreParameters& core) {
+    return 2 * (core.channels + 44);
+}
+[[nodiscard]] constexpr std::uint32_t most_amplitude_cycle(const interface::CoreParameters& core) {
+    return 2 * std::min((1U << core.width_bits) - 1U, max_pulse_clocks(core));
 }
 
 /// A named configuration of the core, such as "tile-100".

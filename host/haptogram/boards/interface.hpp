@@ -36,6 +36,7 @@ inline constexpr unsigned record_header_words = 4;
 inline constexpr std::uint16_t silent_timing = 0xffff;  // a channel that never fires
 inline constexpr std::uint16_t description_magic = 0x4748;
 inline constexpr std::uint16_t description_format = 1;
+inline constexpr std::uint16_t description_long_format = 2;
 inline constexpr double longest_cycle_s = 1.0;
 
 /// Some bits of a block of little-endian words of any width: `width` bits from bit `offset` on, counted from the block's
@@ -152,13 +153,17 @@ inline constexpr BitField arrival = {"arrival", 160, 12};  // of slew mode 2, 0 
 
 namespace description_field {  // words of 16 bits
 inline constexpr BitField magic = {"magic", 0, 16};  // 0x4748, the letters HG
-inline constexpr BitField format = {"format", 16, 16};  // of this block
+inline constexpr BitField format = {"format", 16, 16};  // of this block: 1 for records and a sequence alone, 2 when there are parameters, geometry or modulation as well
 inline constexpr BitField channels = {"channels", 32, 16};  // the board's CHANNELS
 inline constexpr BitField records = {"records", 48, 16};  // records in this image
 inline constexpr BitField sequence_words = {"sequence_words", 64, 16};  // 32-bit words, with the header
 inline constexpr BitField timing_bits = {"timing_bits", 80, 8};  // the board needs at least as many TIMING_BITS
 inline constexpr BitField pulse_bits = {"pulse_bits", 88, 8};  // the board needs at least as many PULSE_BITS
 inline constexpr BitField clock_hz = {"clock_hz", 96, 32};  // the board's CLOCK_HZ
+inline constexpr BitField board_records = {"board_records", 128, 16};  // the board's RECORDS, because the first focus record has the next index; this word and those after it are there in format 2 only
+inline constexpr BitField modulation_samples = {"modulation_samples", 144, 16};  // how many there are; 0 is no modulation
+inline constexpr BitField modulation_divider = {"modulation_divider", 160, 16};  // carrier periods a sample
+inline constexpr BitField min_pulse_clocks = {"min_pulse_clocks", 176, 16};  // the board's MIN_PULSE_CLOCKS, on which weak pulses of amplitudes depend
 }  // namespace description_field
 
 /// How a host deals with a line that loses bytes; rtl/INTERFACE.md says what each number means.
@@ -246,8 +251,12 @@ enum class DescriptionWord : unsigned {
     bits = 5,
     clock_hz_low = 6,
     clock_hz_high = 7,
+    board_records = 8,
+    modulation_samples = 9,
+    modulation_divider = 10,
+    min_pulse_clocks = 11,
 };
-inline constexpr unsigned description_words = 8;
+inline constexpr unsigned description_words = 12;
 
 /// Bits of the identity block's features.
 enum class Feature : unsigned {

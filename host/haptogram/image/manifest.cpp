@@ -24,6 +24,13 @@ constexpr std::pair<const char*, std::uint32_t interface::CoreParameters::*> cor
     {"timing_bits", &interface::CoreParameters::timing_bits},
     {"pulse_bits", &interface::CoreParameters::pulse_bits}};
 
+/// Those of which only some boards have any. They are left out when they are 0.
+constexpr std::pair<const char*, std::uint32_t interface::CoreParameters::*> optional_core_members[] = {
+    {"width_bits", &interface::CoreParameters::width_bits},
+    {"modulation_depth", &interface::CoreParameters::modulation_depth},
+    {"slew", &interface::CoreParameters::slew},
+    {"foci", &interface::CoreParameters::foci}};
+
 /// Rounded to a ten-thousandth of a millimetre, so that the file is short and the same on every machine. That is
 /// 1/86,000 of a wavelength, far less than a timer can resolve.
 ordered_json to_mm(Vec3 v) {
@@ -130,6 +137,20 @@ double fraction(const ordered_json& json, const char* key, const std::string& wh
     return member.get<double>();
 }
 
+/// Each sample is a byte.
+SampledModulation modulation_from_json(const ordered_json& json, const std::string& where) {
+    const std::uint32_t periods = count(json, "periods_a_sample", 1, where);
+    if (periods > 65535) throw bad_member(where, "periods_a_sample", "at most 65535", json.at("periods_a_sample"));
+    SampledModulation found{static_cast<std::uint16_t>(periods), {}};
+    for (const ordered_json& sample : json.at("samples")) {
+        if (!sample.is_number_unsigned() || sample.get<std::uint64_t>() > 255)
+            throw bad_member(where, "samples", "whole numbers from 0 to 255", sample);
+        found.samples.push_back(sample.get<std::uint8_t>());
+    }
+    if (found.samples.empty()) throw bad_member(where, "samples", "at least one", json.at("samples"));
+    return found;
+}
+
 RecordMeaning record_from_json(const ordered_json& json, const std::string& where) {
     RecordMeaning record;
     if (json.contains("foci"))
@@ -151,6 +172,16 @@ std::string printable(std::string text) {
 }
 
 }  // namespace
+
+std::uint32_t Manifest::index_of(std::size_t place) const {
+    return static_cast<std::uint32_t>(place) + 1 + (foci ? core.parameters.records : 0);
+}
+
+std::optional<std::size_t> Manifest::place_of(std::uint32_t index) const {
+    const std::uint32_t first = index_of(0);
+    if (index < first || index - first >= records.size()) return {};
+    return index - first;
+}
 
 std::vector<Vec3> Manifest::points() const {
     std::vector<Vec3> found;
@@ -183,6 +214,8 @@ ordered_json to_json(const Manifest& m) {
                           {"directivity", directivity_to_json(m.array.transducer)}};
     json["board"] = {{"name", m.core.name}};
     for (const auto& [key, member] : core_members) json["board"][key] = m.core.parameters.*member;
+    for (const auto& [key, member] : optional_core_members)
+        if (m.core.parameters.*member != 0) json["board"][key] = m.core.parameters.*member;
     json["timer"] = {{"tick_s", m.timer.tick_s()},
                      {"prescaler", m.timer.prescaler},
                      {"cycle_ticks", m.timer.cycle_ticks},
@@ -194,8 +227,12 @@ ordered_json to_json(const Manifest& m) {
                          {"ring_up_s", m.formation.ring_up_s}};
     if (m.has_several_foci()) json["solver"] = name_of(m.solver);
     if (!m.quantise.empty()) json["quantise"] = m.quantise;
+    if (m.foci) json["foci"] = {{"full_sum", m.foci->full}};
+    if (m.modulation)
+        json["modulation"] = {{"periods_a_sample", m.modulation->divider}, {"samples", m.modulation->samples}};
     json["records"] = ordered_json::array();
-    for (std::size_t i = 0; i < m.records.size(); ++i) json["records"].push_back(record_to_json(m.records[i], i + 1));
+    for (std::size_t i = 0; i < m.records.size(); ++i)
+        json["records"].push_back(record_to_json(m.records[i], m.index_of(i)));
     return json;
 }
 
@@ -230,6 +267,8 @@ Manifest manifest_from_json(std::string_view text, const std::string& where) {
         const auto& board = json.at("board");
         m.core.name = board.at("name").get<std::string>();
         for (const auto& [key, member] : core_members) m.core.parameters.*member = count(board, key, 1, where);
+        for (const auto& [key, member] : optional_core_members)
+            m.core.parameters.*member = board.contains(key) ? count(board, key, 1, where) : 0;
         const auto& timer = json.at("timer");
         m.timer = {static_cast<double>(m.core.parameters.clock_hz), count(timer, "prescaler", 1, where),
                    count(timer, "cycle_ticks", 2, where), count(timer, "pulse_ticks", 1, where)};
@@ -237,6 +276,8 @@ Manifest manifest_from_json(std::string_view text, const std::string& where) {
         m.rate_hz = positive(rendering, "rate_hz", where);
         m.formation = {not_negative(rendering, "flight_spread_s", where), count(rendering, "beta_periods", 0, where),
                        not_negative(rendering, "formation_s", where), not_negative(rendering, "ring_up_s", where)};
+        if (json.contains("foci")) m.foci = FocusMeaning{positive(json.at("foci"), "full_sum", where)};
+        if (json.contains("modulation")) m.modulation = modulation_from_json(json.at("modulation"), where);
         for (const auto& record : json.at("records")) m.records.push_back(record_from_json(record, where));
         m.solver = solver_from_json(json, where);
         if (json.contains("quantise")) m.quantise = json.at("quantise").get<std::string>();

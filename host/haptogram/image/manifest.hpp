@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,20 +23,33 @@ struct RecordMeaning {
     std::uint32_t dwell_cycles = 0;  ///< carrier periods that it lasts in one pass
 };
 
+/// What records mean whose phases and amplitudes the board computes from their foci.
+struct FocusMeaning {
+    /// Length of a channel's sum of foci at which its amplitude is full, which is that of the timer's pulses. A lone
+    /// focus of amplitude 1 has a sum of length 1.
+    double full = 1.0;
+};
+
 /// What an image means in the world, kept beside it as JSON: the array and the core it was compiled for, the timer, and
 /// what each record makes. Lengths are millimetres in the file.
 struct Manifest {
     Array array;
     Core core;
     Timer timer;
-    std::vector<RecordMeaning> records;    ///< record i of the image is records[i − 1]
-    Method solver = Method::gauss_newton;  ///< of records of several foci
+    std::vector<RecordMeaning> records;  ///< in the order of the image's places (image.hpp)
+    std::optional<FocusMeaning> foci;    ///< given when all of them are focus records, whose indices begin behind the
+                                         ///< core's RECORDS
+    std::optional<SampledModulation> modulation;  ///< by the board
+    Method solver = Method::gauss_newton;         ///< of records of several foci
     std::string quantise;      ///< device on whose segments all pulses lie (solve/segments.hpp); empty: none
     double rate_hz = 0.0;      ///< passes a second, as it came out
     Formation formation;       ///< of the slowest focus
     std::string input_sha256;  ///< of every input and setting that shaped the image
     std::string image_sha256;  ///< of the HEX file's bytes
 
+    /// The index of the record at a place, counted from 0; and the place of an index, empty when there is none.
+    [[nodiscard]] std::uint32_t index_of(std::size_t place) const;
+    [[nodiscard]] std::optional<std::size_t> place_of(std::uint32_t index) const;
     /// Every focal point, record by record.
     [[nodiscard]] std::vector<Vec3> points() const;
     /// Whether any record makes several foci at the same time, so that there was something to solve.

@@ -36,7 +36,8 @@ ImageAnalysis analyze(const Bundle& bundle, double least_force_n, const Progress
     std::size_t short_dwells = 0;
     for (std::size_t i = 0; i < manifest.records.size(); ++i) {
         for (const Focus& focus : manifest.records[i].foci) {
-            PointAnalysis point{i + 1, analyze(manifest.array, manifest.core, excitation.drives[i], focus.position),
+            PointAnalysis point{manifest.index_of(i),
+                                analyze(manifest.array, manifest.core, excitation.drives[i], focus.position),
                                 manifest.records[i].dwell_cycles, false};
             point.too_weak = point.focus.force_n < least_force_n;
             weak += point.too_weak ? 1 : 0;

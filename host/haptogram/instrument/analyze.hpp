@@ -20,7 +20,7 @@ inline constexpr double safe_in_tissue_w_m2 = 1000.0;
 
 /// One focus of an image.
 struct PointAnalysis {
-    std::size_t record = 0;  ///< counted from 1
+    std::size_t record = 0;  ///< its index
     FocusAnalysis focus;
     std::uint32_t dwell_cycles = 0;  ///< that its record has in one pass
     bool too_weak = false;           ///< less than the least force

@@ -13,6 +13,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/boards/board.hpp"
+#include "haptogram/instrument/focus_image.hpp"
 #include "haptogram/render/adaptics.hpp"
 #include "haptogram/render/path_file.hpp"
 #include "haptogram/render/reach.hpp"
@@ -25,6 +26,7 @@ namespace haptogram {
 namespace {
 
 constexpr std::uint32_t most_dwell = interface::sequence_entry_field::dwell.most();
+constexpr std::size_t most_record_samples = 4096;  // of a modulation that becomes records
 
 double metres_per_unit(const std::string& unit) {
     if (unit == "mm") return millimetre;
@@ -253,13 +255,15 @@ DrawnPace pace_of(const Drawing& drawing, const Path& path, double carrier_hz) {
 
 /// Lets the amplitude follow the project's waveform. A path of one step has no length of its own: it takes the
 /// modulation's, so that no more sequence entries are needed than that has samples.
-/// @param hashes  gets the hash of the samples
+/// @param most_samples  that the image can hold
+/// @param hashes        gets the hash of the samples
 /// @return the frequencies as they came out
-std::vector<double> modulate(Path& path, const Project& project, double carrier_hz, std::string& hashes) {
+std::vector<double> modulate(Path& path, const Project& project, double carrier_hz, std::size_t most_samples,
+                             std::string& hashes) {
     if (project.am.empty()) return {};
     if (!path.modulation.samples.empty())
         throw bad_argument("am", "the path has a modulation of its own; leave one of them out");
-    MadeModulation made = modulation_of(project.am, project.am_law, carrier_hz, project.folder);
+    MadeModulation made = modulation_of(project.am, project.am_law, carrier_hz, project.folder, most_samples);
     path.modulation = std::move(made.modulation);
     hashes += sha256(fmt::format("{}", fmt::join(path.modulation.samples, " ")));
     if (path.steps.size() == 1)
@@ -312,17 +316,28 @@ void warn_of_unheard_foci(Compiled& compiled) {
                       : "their pulses are shorter than half a segment of the device; raise their amplitudes"));
 }
 
-Compiled compile_path(Path path, const Array& array, const Core& core, std::uint16_t loops, const std::string& name,
-                      std::string settings, Method solver, const std::string& quantise) {
-    require_sound(path);
-    require_channels(array, core);
-    Manifest manifest;
-    manifest.array = array;
-    manifest.core = core;
-    manifest.timer = choose_timer(array, core);
-    manifest.quantise = quantise;
+/// What an image holds when nobody has said it.
+ImageKind kind_of(std::optional<ImageKind> asked, const Core& core, const std::string& quantise) {
+    if (asked == ImageKind::foci && !quantise.empty())
+        throw bad_argument("quantise",
+                           "segments are of records, whose pulses the host computes; leave foci or segments "
+                           "out",
+                           {"quantise", "foci"});
+    if (asked == ImageKind::foci && core.parameters.foci == 0)
+        throw bad_input(core.name, "it computes no foci; compile records for it, or take a board that does",
+                        {"records", "board"});
+    return asked.value_or(core.parameters.foci > 0 && quantise.empty() ? ImageKind::foci : ImageKind::records);
+}
+
+Timer timer_of(ImageKind kind, const Array& array, const Core& core) {
+    return kind == ImageKind::foci ? choose_amplitude_timer(array, core) : choose_timer(array, core);
+}
+
+/// Records of timings: fills in the image, and the manifest's records and solver.
+Image records_image(const Path& path, const Array& array, const Core& core, Method solver, Manifest& manifest,
+                    std::string& settings) {
     std::optional<Segments> segments;
-    if (!quantise.empty()) segments = segments_of(quantise);
+    if (!manifest.quantise.empty()) segments = segments_of(manifest.quantise);
     const Timeline timeline = TimelineMaker(path, manifest.timer, core, segments).make();
     if (timeline.steps.empty()) throw bad_argument("path", "every step is silent; there is nothing to play");
 
@@ -331,18 +346,14 @@ Compiled compile_path(Path path, const Array& array, const Core& core, std::uint
     image.clock_hz = core.parameters.clock_hz;
     image.timing_bits = core.parameters.timing_bits;
     image.pulse_bits = core.parameters.pulse_bits;
-    image.loops = loops;
     image.records = records_of(array, manifest.timer, image.channels, timeline.steps, timeline.amplitudes, solver);
     if (segments)
         for (Record& record : image.records) record = in_segments(record, manifest.timer, *segments);
     image.sequence = timeline.entries;
 
     std::vector<std::uint32_t> dwells(image.records.size());
-    std::uint64_t periods = 0;
-    for (const SequenceEntry& entry : image.sequence) {
-        periods += entry.dwell;
+    for (const SequenceEntry& entry : image.sequence)
         if (entry.index > 0) dwells[entry.index - 1U] += entry.dwell;
-    }
     for (std::size_t i = 0; i < timeline.steps.size(); ++i) {
         RecordMeaning meaning{timeline.steps[i].foci, timeline.amplitudes[i], dwells[i]};
         double largest = 0.0;
@@ -354,6 +365,36 @@ Compiled compile_path(Path path, const Array& array, const Core& core, std::uint
     manifest.solver = solver;
     // Images of single foci do not depend on it.
     if (manifest.has_several_foci()) settings += fmt::format("\nsolver {}", name_of(solver));
+    return image;
+}
+
+Compiled compile_path(Path path, const Array& array, const Core& core, std::uint16_t loops, const std::string& name,
+                      std::string settings, Method solver, const std::string& quantise, ImageKind kind) {
+    require_sound(path);
+    require_channels(array, core);
+    Manifest manifest;
+    manifest.array = array;
+    manifest.core = core;
+    manifest.timer = timer_of(kind, array, core);
+    manifest.quantise = quantise;
+    std::vector<std::string> warnings;
+    Image image;
+    if (kind == ImageKind::foci) {
+        FocusImage made = focus_image_of(path, array, core, loops);
+        image = std::move(made.image);
+        manifest.records = std::move(made.records);
+        manifest.foci = made.meaning;
+        manifest.modulation = image.modulation;
+        manifest.solver = Method::superposition;
+        warnings = std::move(made.warnings);
+        settings += "\nimage foci";
+    } else {
+        image = records_image(path, array, core, solver, manifest, settings);
+    }
+    image.loops = loops;
+
+    std::uint64_t periods = 0;
+    for (const SequenceEntry& entry : image.sequence) periods += entry.dwell;
     manifest.rate_hz = manifest.timer.carrier_hz() / static_cast<double>(periods);
     manifest.formation = slowest_formation(array, core, manifest.points());
     Manifest before;  // the members that do not depend on the points
@@ -363,10 +404,17 @@ Compiled compile_path(Path path, const Array& array, const Core& core, std::uint
     manifest.input_sha256 = sha256(fmt::format("{} {} {}", version(), settings, to_text(before)));
     std::string hex = to_intel_hex(image);
     manifest.image_sha256 = sha256(hex);
-    Compiled compiled{
-        {std::move(image), std::move(manifest), std::move(hex), name}, std::move(path), {}, {}, {}, {}, {}, {}, {}};
+    Compiled compiled{{std::move(image), std::move(manifest), std::move(hex), name},
+                      std::move(path),
+                      {},
+                      {},
+                      {},
+                      {},
+                      {},
+                      {},
+                      std::move(warnings)};
     compiled.pressure_left = summary_of(compiled.path, pressure_left(array, compiled.path));
-    warn_of_unheard_foci(compiled);
+    if (kind == ImageKind::records) warn_of_unheard_foci(compiled);
     if (compiled.path.modulation.samples.empty()) warn_of_short_dwells(compiled);
     return compiled;
 }
@@ -414,16 +462,19 @@ Shape shape_of(const Project& project) {
 
 Compiled compile(const Project& project, const std::string& name, const Progress& progress) {
     const ProjectInstrument instrument = instrument_of(project);
-    const Timer timer = choose_timer(instrument.array, instrument.core);
+    const ImageKind kind = kind_of(project.image, instrument.core, project.quantise);
+    const Timer timer = timer_of(kind, instrument.array, instrument.core);
+    const std::size_t most_samples =
+        kind == ImageKind::foci ? std::max(1U, instrument.core.parameters.modulation_depth) : most_record_samples;
     std::string hashes;
     progress(0.0, "reading shapes");
     if (!project.path.empty()) {
         Path path = path_in_file(project, instrument.array, timer.carrier_hz(), hashes);
-        const std::vector<double> am_hz = modulate(path, project, timer.carrier_hz(), hashes);
+        const std::vector<double> am_hz = modulate(path, project, timer.carrier_hz(), most_samples, hashes);
         const auto magnitude = feel(path, project, instrument.array);
         progress(0.8, "focusing");
         Compiled compiled = compile_path(std::move(path), instrument.array, instrument.core, project.loops, name,
-                                         settings_text(project) + hashes, Method::gauss_newton, project.quantise);
+                                         settings_text(project) + hashes, Method::gauss_newton, project.quantise, kind);
         compiled.am_hz = am_hz;
         compiled.magnitude = magnitude;
         warn_of_few_samples(compiled, project);
@@ -433,10 +484,14 @@ Compiled compile(const Project& project, const std::string& name, const Progress
     const Shape shape = place(gather(project, hashes), placement(project));
     progress(0.3, "sampling");
     const interface::CoreParameters& core = instrument.core.parameters;
-    const ShapePathOptions options{
-        project.points,       project.seed,
-        project.clip,         instrument.core.most_points(),
-        instrument.core.name, fmt::format("{} records, {} sequence entries", core.records, core.sequence_depth - 1)};
+    const std::uint32_t held = kind == ImageKind::foci ? instrument.core.most_focus_records() : core.records;
+    const ShapePathOptions options{project.points,
+                                   project.seed,
+                                   project.clip,
+                                   std::min(held, core.sequence_depth - 1),
+                                   instrument.core.name,
+                                   fmt::format("{} {}records, {} sequence entries", held,
+                                               kind == ImageKind::foci ? "focus " : "", core.sequence_depth - 1)};
     TouredPoints points;
     Path path;
     std::optional<DrawnPace> pace;
@@ -458,11 +513,11 @@ Compiled compile(const Project& project, const std::string& name, const Progress
             path = path_of(stretches);
         }
     }
-    const std::vector<double> am_hz = modulate(path, project, timer.carrier_hz(), hashes);
+    const std::vector<double> am_hz = modulate(path, project, timer.carrier_hz(), most_samples, hashes);
     const auto magnitude = feel(path, project, instrument.array);
     progress(0.8, "focusing");
     Compiled compiled = compile_path(std::move(path), instrument.array, instrument.core, project.loops, name,
-                                     settings_text(project) + hashes, Method::gauss_newton, project.quantise);
+                                     settings_text(project) + hashes, Method::gauss_newton, project.quantise, kind);
     compiled.points = std::move(points);
     compiled.pace = pace;
     compiled.evened = evened;
@@ -473,7 +528,7 @@ Compiled compile(const Project& project, const std::string& name, const Progress
 }
 
 Compiled compile(const Path& path, const Array& array, const Core& core, std::uint16_t loops, const std::string& name,
-                 Method solver, const std::string& quantise) {
+                 Method solver, const std::string& quantise, std::optional<ImageKind> kind) {
     std::string settings = fmt::format("path {}", loops);
     for (const PathStep& step : path.steps) {
         settings += fmt::format("\n{}", step.periods);
@@ -482,7 +537,7 @@ Compiled compile(const Path& path, const Array& array, const Core& core, std::ui
     }
     settings += fmt::format("\n{} {}", path.modulation.periods_a_sample, fmt::join(path.modulation.samples, " "));
     if (!quantise.empty()) settings += fmt::format("\nquantise {}", quantise);
-    return compile_path(path, array, core, loops, name, settings, solver, quantise);
+    return compile_path(path, array, core, loops, name, settings, solver, quantise, kind_of(kind, core, quantise));
 }
 
 }  // namespace haptogram

@@ -70,12 +70,13 @@ struct ProjectInstrument {
 /// of whole records, so that each strength of a focus that occurs is a record of its own. When the modulation does not
 /// end with the path, one pass of the image is as many passes of the path as it takes until both end together.
 /// @param loops   passes of the image when it is played by itself; 0 is for ever
-/// @param solver    for steps of several foci
+/// @param solver    for steps of several foci, in records
 /// @param quantise  device on whose segments all pulses shall lie, as segments_of() knows it; empty: none
+/// @param kind      what the image holds (focus_image.hpp for foci); by default as of a project
 /// @throws Error{bad_argument} for a path that makes no sense, Error{bad_input} naming the numbers when the core cannot
 /// hold the records or the sequence
 [[nodiscard]] Compiled compile(const Path& path, const Array& array, const Core& core, std::uint16_t loops = 0,
                                const std::string& name = "image", Method solver = Method::gauss_newton,
-                               const std::string& quantise = {});
+                               const std::string& quantise = {}, std::optional<ImageKind> kind = {});
 
 }  // namespace haptogram

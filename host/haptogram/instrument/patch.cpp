@@ -82,6 +82,11 @@ Image image_for(const Board& board, const std::string& hex, const std::string& f
     Image image = from_intel_hex(hex, file);
     require_fits(image, board.parameters, file);
     require_playable(image, file);
+    if (image.foci || image.modulation)
+        throw bad_input(file,
+                        "its parameters, geometry and modulation are in no bitstream; compile it with --records, or "
+                        "upload it",
+                        {"records"});
     return image;
 }
 

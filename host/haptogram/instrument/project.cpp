@@ -118,8 +118,9 @@ std::string to_toml(const ShapeSource& source) {
 Project project_from_toml(std::string_view text, const std::string& where) {
     const toml::table root = section::parse_text(text, where);
     const Section whole(where, root);
-    whole.only({"format", "array", "board", "points", "seed", "clip", "rate_hz", "speed_m_s", "frequency_hz", "jump",
-                "even", "am", "am_law", "magnitude", "quantise", "loops", "place", "shape", "path"});
+    whole.only({"format",    "array",        "board", "points", "seed",  "clip",   "rate_hz",
+                "speed_m_s", "frequency_hz", "jump",  "even",   "am",    "am_law", "magnitude",
+                "quantise",  "image",        "loops", "place",  "shape", "path"});
     const auto format = whole.required(whole.text("format"), "format", fmt::format("\"{}\"", format_name));
     if (format != format_name)
         throw whole.wrong(*whole.find("format"), "format", fmt::format("\"{}\" for this version", format_name));
@@ -147,6 +148,9 @@ Project project_from_toml(std::string_view text, const std::string& where) {
     project.magnitude = whole.number("magnitude", 1e-6, 1e6);
     assign(project.quantise, whole.text("quantise", fmt::format("\"{}\"", hoshi_segments.name),
                                         [](const std::string& name) { return name == hoshi_segments.name; }));
+    if (const auto image = whole.text("image", "\"records\" or \"foci\"",
+                                      [](const std::string& name) { return name == "records" || name == "foci"; }))
+        project.image = *image == "foci" ? ImageKind::foci : ImageKind::records;
     if (project.path.empty() && project.shapes.empty())
         throw bad_input(where, "it has no [[shape]]; add one with a 'file' or the 'kind' of a built-in shape");
     for (const char* const key : {"shape", "place", "clip", "rate_hz", "speed_m_s", "frequency_hz", "jump", "even"})
@@ -184,6 +188,7 @@ std::string to_toml(const Project& project) {
     if (project.am_law == AmplitudeLaw::radiation) text += "am_law = \"radiation\"\n";
     if (project.magnitude) text += fmt::format("magnitude = {}\n", number(*project.magnitude));
     if (!project.quantise.empty()) text += fmt::format("quantise = {}\n", quoted(project.quantise));
+    if (project.image) text += fmt::format("image = \"{}\"\n", *project.image == ImageKind::foci ? "foci" : "records");
     if (project.loops != standard.loops) text += fmt::format("loops = {}\n", project.loops);
     const Placement& place = project.placement;
     std::string placed;

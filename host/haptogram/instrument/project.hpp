@@ -22,6 +22,9 @@ struct ShapeSource {
     PrimitiveSpec primitive;             ///< when `file` is empty; metres
 };
 
+/// What an image holds: records of timings that the host has computed, or foci that the board computes.
+enum class ImageKind { records, foci };
+
 /// A tactile object and how it is played: all that shapes an image. Command line options, a project file and a page are
 /// three ways to fill one in; the same settings give the same bytes.
 struct Project {
@@ -40,6 +43,8 @@ struct Project {
     AmplitudeLaw am_law = AmplitudeLaw::pressure;  ///< what the waveform's values are
     std::optional<double> magnitude;   ///< how strong each focus feels under that waveform (perception/magnitude.hpp)
     std::string quantise;              ///< device on whose segments pulses lie (segments_of()); empty: none
+    std::optional<ImageKind> image;    ///< by default foci, where the board computes them and pulses need not lie on a
+                                       ///< device's segments, and records elsewhere
     std::uint16_t loops = 0;           ///< passes when the image is played by itself; 0 is for ever
     std::optional<std::string> array;  ///< file or shipped array; by default the board's, or tile-10x10
     std::optional<std::string> board;  ///< file, shipped board or configuration; by default what the array's file says

@@ -207,7 +207,8 @@ Compiled image_of(const Solved& solved, double rate_hz, const std::string& name)
                                                           interface::sequence_entry_field::dwell.most());
     Path path;
     for (std::size_t i = 0; i < solved.steps.size(); ++i) path.steps.push_back({solved.steps[i].foci, dwells[i]});
-    return compile(path, solved.array, solved.core, 0, name, solved.options.method, solved.quantise);
+    return compile(path, solved.array, solved.core, 0, name, solved.options.method, solved.quantise,
+                   ImageKind::records);
 }
 
 std::string to_json_text(const Solved& solved) { return to_json(solved).dump(1) + "\n"; }

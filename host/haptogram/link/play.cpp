@@ -53,12 +53,13 @@ private:
 };
 
 Played play_at_rate(Commands& device, const PlaySettings& settings, const Watch& watch) {
-    const Image image = download(device, device.identity(), 0, "board");
-    const auto carried = std::ranges::find_if(image.sequence, [](const SequenceEntry& e) { return e.index != 0; });
-    if (carried == image.sequence.end())
+    const DeviceSequence sequence = download_sequence(device, "board");
+    const auto carried = std::ranges::find_if(sequence.entries, [](const SequenceEntry& e) { return e.index != 0; });
+    if (carried == sequence.entries.end())
         throw Error(ErrorCode::device, "board", "the sequence in its memory plays no record");
-    std::vector<SequenceEntry> pass = at_rate(image.sequence, settings.rate, record_carrier_hz(device, carried->index));
-    const std::uint64_t passes = settings.loops.value_or(image.loops);
+    std::vector<SequenceEntry> pass =
+        at_rate(sequence.entries, settings.rate, record_carrier_hz(device, carried->index));
+    const std::uint64_t passes = settings.loops.value_or(sequence.loops);
     std::uint64_t entries = passes * pass.size();
     if (settings.seconds > 0.0) {
         const auto most = static_cast<std::uint64_t>(
@@ -116,6 +117,13 @@ Played play(Commands& device, const PlaySettings& settings, const Watch& watch) 
 
 double record_carrier_hz(Commands& device, std::uint16_t index) {
     const Identity& identity = device.identity();
+    if (identity.foci > 0 && index > identity.records) {
+        const auto bytes = static_cast<std::uint16_t>(2 * interface::parameters_words);
+        const double clocks =
+            interface::parameters_field::foci_cycle.get(device.read(interface::parameters_base, bytes));
+        if (clocks == 0.0) throw Error(ErrorCode::device, "board", "its foci have no carrier; upload an image first");
+        return identity.clock_hz / clocks;
+    }
     const std::uint32_t place = 2 * record_words(identity.channels) * (index - 1U);
     const Bytes header = device.read(interface::primary_base + place, 2 * interface::record_header_words);
     const double cycle = interface::record_field::cycle_length.get(header);

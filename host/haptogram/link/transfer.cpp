@@ -22,23 +22,34 @@ struct Piece {
     Bytes bytes;
 };
 
-/// An image in frames: a record in each, then the sequence in pieces of the same length.
+template <class Word>
+void cut(std::vector<Piece>& pieces, std::uint32_t base, const std::vector<Word>& words, std::size_t bytes) {
+    const std::size_t most = bytes / sizeof(Word);
+    for (std::size_t at = 0; at < words.size(); at += most) {
+        Piece& piece = pieces.emplace_back(Piece{base + static_cast<std::uint32_t>(sizeof(Word) * at), {}});
+        for (std::size_t i = at; i < std::min(at + most, words.size()); ++i)
+            for (std::size_t byte = 0; byte < sizeof(Word); ++byte)
+                piece.bytes.push_back(static_cast<std::uint8_t>(words[i] >> (8 * byte)));
+    }
+}
+
+/// What a frame carries: a record, or as many bytes of anything else.
+std::size_t frame_bytes(const Image& image) { return std::size_t{2} * record_words(image.channels); }
+
+/// An image in frames: a record in each, then foci, the sequence, parameters and samples in pieces of the same length.
 std::vector<Piece> pieces_of(const Image& image) {
     std::vector<Piece> pieces;
-    const std::size_t stride = record_words(image.channels);
-    const std::vector<std::uint16_t> primary = primary_words(image);
-    for (std::size_t at = 0; at < primary.size(); at += stride) {
-        Piece& piece = pieces.emplace_back(Piece{interface::primary_base + static_cast<std::uint32_t>(2 * at), {}});
-        for (std::size_t i = at; i < at + stride; ++i)
-            for (const unsigned shift : {0U, 8U}) piece.bytes.push_back(static_cast<std::uint8_t>(primary[i] >> shift));
-    }
-    const std::vector<std::uint32_t> sequence = sequence_words(image);
-    for (std::size_t at = 0; at < sequence.size(); at += stride / 2) {
-        Piece& piece = pieces.emplace_back(Piece{interface::sequence_base + static_cast<std::uint32_t>(4 * at), {}});
-        for (std::size_t i = at; i < std::min(at + stride / 2, sequence.size()); ++i)
-            for (const unsigned shift : {0U, 8U, 16U, 24U})
-                piece.bytes.push_back(static_cast<std::uint8_t>(sequence[i] >> shift));
-    }
+    cut(pieces, interface::primary_base, primary_words(image), frame_bytes(image));
+    cut(pieces, interface::sequence_base, sequence_words(image), frame_bytes(image));
+    cut(pieces, interface::parameters_base, parameters_words(image), frame_bytes(image));
+    cut(pieces, interface::modulation_base, modulation_words(image), frame_bytes(image));
+    return pieces;
+}
+
+/// What can be written and not be read, so that no digest tells whether the device has it.
+std::vector<Piece> unread_pieces_of(const Image& image) {
+    std::vector<Piece> pieces;
+    cut(pieces, interface::geometry_base, geometry_words(image), frame_bytes(image));
     return pieces;
 }
 
@@ -126,9 +137,11 @@ std::unique_ptr<Commands> connect_again(const Connect& connect, double& wait_s, 
 
 Uploaded upload(Commands& device, const Image& image, const Progress& progress) {
     const std::vector<Piece> pieces = pieces_of(image);
+    const std::vector<Piece> unread = unread_pieces_of(image);
     const std::vector<Piece> wrong = differing(device, pieces, progress.between(0.0, 0.05));
     std::vector<Request> requests;
-    requests.reserve(wrong.size());
+    requests.reserve(unread.size() + wrong.size());
+    for (const Piece& piece : unread) requests.push_back(writing(piece));
     for (const Piece& piece : wrong) requests.push_back(writing(piece));
     device.pipeline(std::move(requests), progress.between(0.05, 0.95));
     const std::vector<Piece> still = differing(device, wrong, progress.between(0.95, 1.0));
@@ -137,7 +150,32 @@ Uploaded upload(Commands& device, const Image& image, const Progress& progress) 
                     fmt::format("its memory differs from what was written, from address {:#010x} on; does another "
                                 "program write to this board?",
                                 still.front().address));
-    return {pieces.size(), wrong.size()};
+    start_modulation(device, image);
+    return {pieces.size() + unread.size(), wrong.size() + unread.size()};
+}
+
+void write_settings(Commands& device, const Image& image) {
+    std::vector<Piece> pieces = unread_pieces_of(image);
+    cut(pieces, interface::parameters_base, parameters_words(image), frame_bytes(image));
+    cut(pieces, interface::modulation_base, modulation_words(image), frame_bytes(image));
+    std::vector<Request> requests;
+    for (const Piece& piece : pieces) requests.push_back(writing(piece));
+    device.pipeline(std::move(requests));
+}
+
+void start_modulation(Commands& device, const Image& image) {
+    if (image.modulation)
+        device.modulate(image.modulation->divider, static_cast<std::uint16_t>(image.modulation->samples.size()), true);
+    else if (device.identity().modulation_words > 0)
+        device.modulate(0, 0, false);
+}
+
+std::uint32_t highest_index(Commands& device) {
+    const Identity& identity = device.identity();
+    if (identity.foci == 0) return identity.records;
+    namespace field = interface::parameters_field;
+    const auto bytes = static_cast<std::uint16_t>(2 * interface::parameters_words);
+    return identity.records + field::foci_count.get(device.read(interface::parameters_base, bytes));
 }
 
 std::string compare(Commands& device, const Image& image, const Progress& progress) {
@@ -155,28 +193,45 @@ std::string compare(Commands& device, const Image& image, const Progress& progre
     return {};
 }
 
-Image download(Commands& device, const Identity& identity, std::uint32_t records, const std::string& where,
-               const Progress& progress) {
+DeviceSequence download_sequence(Commands& device, const std::string& where, bool empty_is_good) {
     namespace header = interface::sequence_header_field;
+    namespace entry = interface::sequence_entry_field;
+    const Identity& identity = device.identity();
     const std::uint32_t length =
         header::length.get(device.read(interface::sequence_base, interface::sequence_word_bits / 8));
-    if (length >= identity.sequence_depth || (length == 0 && records == 0))
+    if (length >= identity.sequence_depth || (length == 0 && !empty_is_good))
         throw Error(ErrorCode::device, where,
                     fmt::format("the sequence header in its memory says {} entries; upload an image first", length));
-    auto sequence = words_of<std::uint32_t>(
+    const auto words = words_of<std::uint32_t>(
         contents(device, identity, interface::sequence_base, 4 * (length + std::size_t{1}), {}));
-    header::autostart.set(sequence, 0);  // only a bitstream may hold it
-    for (std::size_t i = 1; i < sequence.size() && records != identity.records; ++i)
-        records =
-            std::min(std::max(records, interface::sequence_entry_field::index.get(&sequence[i])), identity.records);
+    DeviceSequence found{{}, static_cast<std::uint16_t>(header::loops.get(words))};
+    for (std::size_t i = 1; i < words.size(); ++i)
+        found.entries.push_back({static_cast<std::uint16_t>(entry::index.get(&words[i])),
+                                 static_cast<std::uint16_t>(entry::dwell.get(&words[i]))});
+    return found;
+}
+
+Image download(Commands& device, const Identity& identity, std::uint32_t records, const std::string& where,
+               const Progress& progress) {
+    DeviceSequence sequence = download_sequence(device, where, records > 0);
+    for (const SequenceEntry& entry : sequence.entries) {
+        if (entry.index > identity.records && entry.index <= highest_index(device))
+            throw Error(ErrorCode::device, where,
+                        fmt::format("its sequence plays the focus record of index {}, and the geometry of foci cannot "
+                                    "be read back; keep the image that was uploaded",
+                                    entry.index));
+        records = std::min(std::max<std::uint32_t>(records, entry.index), identity.records);
+    }
     Image image;
     image.channels = identity.channels;
     image.clock_hz = identity.clock_hz;
     image.timing_bits = identity.timing_bits;
     image.pulse_bits = identity.pulse_bits;
+    image.sequence = std::move(sequence.entries);
+    image.loops = sequence.loops;
     const std::size_t bytes = std::size_t{2} * record_words(identity.channels) * records;
-    take_words(image, words_of<std::uint16_t>(contents(device, identity, interface::primary_base, bytes, progress)),
-               sequence, where);
+    take_records(image, words_of<std::uint16_t>(contents(device, identity, interface::primary_base, bytes, progress)),
+                 where);
     return image;
 }
 

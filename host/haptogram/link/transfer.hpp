@@ -22,20 +22,41 @@ struct Uploaded {
 /// @throws Error{bad_input} saying why the image does not fit the device
 void require_fits(const Image& image, const Identity& identity, const std::string& where);
 
-/// Brings an image into a device's memories. It asks for the digest of each piece first and writes only those that
-/// differ, so that an upload which was cut off goes on where it stopped; in the end it asks for the digests again. The
-/// caller has checked that the image fits.
+/// Brings an image into a device's memories, and starts its modulation or ends the one before. It asks for the digest
+/// of each piece first and writes only those that differ, so that an upload which was cut off goes on where it stopped;
+/// in the end it asks for the digests again. The caller has checked that the image fits. The geometry of foci can only
+/// be written, so it is, each time.
 /// @throws Error{device} when the digests still differ after writing
 Uploaded upload(Commands& device, const Image& image, const Progress& progress = {});
 
-/// Reads the memory that an image fills back, byte by byte. @return empty when it holds the image, else the first
-/// difference in words
+/// Writes what an image has of parameters, geometry and modulation, which no bitstream holds. It starts nothing.
+void write_settings(Commands& device, const Image& image);
+
+/// Starts the modulation that an image has, with its first sample, over and over. Where it has none, a device that
+/// could modulate stops doing so.
+void start_modulation(Commands& device, const Image& image);
+
+/// The highest index of a record that a device holds; of foci, as its parameters say.
+[[nodiscard]] std::uint32_t highest_index(Commands& device);
+
+/// The sequence in a device's memory, and how often it is played; 0 is for ever.
+struct DeviceSequence {
+    std::vector<SequenceEntry> entries;
+    std::uint16_t loops = 0;
+};
+/// @param empty_is_good  whether there may be none
+/// @throws Error{device} when there is none
+[[nodiscard]] DeviceSequence download_sequence(Commands& device, const std::string& where, bool empty_is_good = false);
+
+/// Reads the memory that an image fills back, but for the geometry, which cannot be read, byte by byte. @return empty
+/// when it holds the image, else the first difference in words
 std::string compare(Commands& device, const Image& image, const Progress& progress = {});
 
 /// The image that a device's memories hold: its sequence, and the records up to the highest that the sequence plays.
 /// @param records  at least so many records
 /// @param where    names the device in messages
-/// @throws Error{device} when there is no sequence, Error{bad_input} when what should be a record is none
+/// @throws Error{device} when there is no sequence, or when it plays foci, whose geometry cannot be read back;
+/// Error{bad_input} when what should be a record is none
 Image download(Commands& device, const Identity& identity, std::uint32_t records, const std::string& where,
                const Progress& progress = {});
 

@@ -13,9 +13,12 @@ namespace haptogram {
 namespace {
 constexpr std::uint32_t most_arrival_periods = 4095;
 
-std::array<std::uint32_t, 1024> arcsine_table() {
-    std::array<std::uint32_t, 1024> table{};
-    for (std::uint32_t i = 0; i < table.size(); ++i) table[i] = arcsine_step(i);
+const std::array<std::uint32_t, 1024>& arcsine_table() {
+    static const std::array<std::uint32_t, 1024> table = [] {
+        std::array<std::uint32_t, 1024> steps{};
+        for (std::uint32_t i = 0; i < steps.size(); ++i) steps[i] = arcsine_step(i);
+        return steps;
+    }();
     return table;
 }
 
@@ -35,6 +38,12 @@ std::uint32_t arcsine_step(std::uint32_t step) {
     if (step == 0) return 0;
     if (step == 1023) return (1U << 16) - 1;
     return static_cast<std::uint32_t>(std::lround(std::asin((step + 0.5) / 1024) / std::numbers::pi * (1 << 17)));
+}
+
+std::uint32_t emission_ticks(std::uint16_t amplitude, std::uint32_t cycle_ticks, std::uint32_t least_width) {
+    const std::uint64_t product = std::uint64_t{arcsine_table()[amplitude >> 6U]} * cycle_ticks;  // in 2^-17 ticks
+    if (product >> 16U < least_width) return 0;
+    return std::max(static_cast<std::uint32_t>((product + (1U << 16U)) >> 17U), least_width);
 }
 
 EmissionModel::EmissionModel(std::uint32_t channels, std::uint32_t timing_bits, std::uint32_t width_bits,
@@ -84,7 +93,6 @@ void EmissionModel::check(std::span<const Emission> emissions, const EmissionPer
 }
 
 std::vector<EmissionWord> EmissionModel::period(std::span<const Emission> emissions, const EmissionPeriod& settings) {
-    static const std::array<std::uint32_t, 1024> arcsine = arcsine_table();
     check(emissions, settings);
     const SlewLimit& slew = settings.slew;
     if (settings.new_target)
@@ -114,9 +122,7 @@ std::vector<EmissionWord> EmissionModel::period(std::span<const Emission> emissi
                                                          step(slew.mode, amplitude_way, slew.amplitude_rate, share));
             place.phase = static_cast<std::uint16_t>(place.phase + step(slew.mode, phase_way, slew.phase_rate, share));
             word.bent = place != target;
-            const std::int64_t product = arcsine[place.amplitude >> 6] * cycle;  // in 2^-17 ticks
-            if (product >> 16 >= least_width_)
-                width = std::max<std::int64_t>((product + (1 << 16)) >> 17, least_width_);
+            width = emission_ticks(place.amplitude, settings.cycle_ticks, least_width_);
             const std::int64_t middle = place.phase * cycle >> 15;  // in half ticks
             start = (middle - width + 1) >> 1;
         }

@@ -83,6 +83,11 @@ private:
     std::uint32_t periods_left_ = 0;
 };
 
+/// The width in ticks of the pulse that the FPGA makes of an amplitude, 65,535 being full, in a cycle of so many ticks.
+/// Of one shorter than `least_width`, the board's shortest, none or one of so many is left, whichever is nearer.
+[[nodiscard]] std::uint32_t emission_ticks(std::uint16_t amplitude, std::uint32_t cycle_ticks,
+                                           std::uint32_t least_width);
+
 /// Width, in 2^-17 of the cycle, of the pulse whose carrier has an amplitude of `step`/1024 to `step + 1`/1024 of full:
 /// asin((step + 1/2)/1024)/π, with exactly nothing at the first step and full at the last.
 /// @param step  0…1023

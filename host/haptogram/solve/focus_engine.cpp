@@ -162,6 +162,22 @@ FocusWords pack_focus(const Focus& focus) {
     return {low_half(x), low_half(y), low_half(z), low_half(amplitude << 8 | high(z) << 4 | high(y) << 2 | high(x))};
 }
 
+Focus unpack_focus(const FocusWords& words) {
+    const auto metres = [&](std::size_t axis) {
+        return signed_18(words[axis], static_cast<std::uint32_t>(words[3] >> (2 * axis) & 3)) * focus_unit_m;
+    };
+    return {{metres(0), metres(1), metres(2)}, (words[3] >> 8) / 255.0};
+}
+
+std::vector<std::complex<double>> summed_drives(const Array& array, std::span<const Focus> foci) {
+    const double k = turn / array.wavelength_m();
+    std::vector<std::complex<double>> sums(array.elements.size());
+    for (std::size_t m = 0; m < sums.size(); ++m)
+        for (const Focus& focus : foci)
+            sums[m] += std::polar(focus.amplitude, k * distance(array.elements[m].position, focus.position));
+    return sums;
+}
+
 std::uint32_t wave_number_word(double wavelength_m) {
     const double word = std::round(focus_unit_m / wavelength_m * 0x1p27);
     if (!(word >= 1.0 && word < 0x1p18))

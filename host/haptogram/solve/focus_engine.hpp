@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <array>
+#include <complex>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -26,6 +27,7 @@ struct FocusEngine {
     std::vector<GeometryWords> geometry;  ///< one a channel
     std::uint32_t wave_number = 0;        ///< turns a unit times 2^27, 18 bits
     std::uint16_t gain = 0;               ///< of the amplitude
+    friend bool operator==(const FocusEngine&, const FocusEngine&) = default;
 };
 
 /// What the engine computes for a channel.
@@ -55,6 +57,13 @@ struct ChannelDrive {
 /// @param full  0.61 to 8
 /// @throws Error{bad_input} when it is not
 [[nodiscard]] std::uint16_t gain_word(double full);
+
+/// The focus that such words stand for, rounded as they are.
+[[nodiscard]] Focus unpack_focus(const FocusWords& words);
+
+/// The sums that the engine rounds: Σ amplitude · e^{jkR} over the foci, one an element, R being an element's distance
+/// from a focus. Where a sum has the length of the gain's `full`, the amplitude is full.
+[[nodiscard]] std::vector<std::complex<double>> summed_drives(const Array& array, std::span<const Focus> foci);
 
 /// The engine for an array, element k on channel k, without offsets.
 /// @throws Error{bad_input} when an element is too far from the array's origin, or as gain_word and wave_number_word do

@@ -9,14 +9,20 @@
 #include "haptogram/base/error.hpp"
 
 namespace haptogram {
+namespace {
+
+constexpr double carrier_tolerance = 100e-6;
+
+std::string name_of(const Array& array) { return array.file.empty() ? array.name : array.file; }
+
+}  // namespace
 
 Timer choose_timer(const Array& array, const Core& core) {
     const interface::CoreParameters& board = core.parameters;
-    constexpr double carrier_tolerance = 100e-6;
     const double clocks = board.clock_hz / array.carrier_hz;
     if (256.0 * array.duty > board.max_duty_256 + 1e-9)
         throw bad_input(
-            array.file.empty() ? array.name : array.file,
+            name_of(array),
             fmt::format("pulses of {:.1f} % duty, but the board plays at most {:.1f} %; choose a smaller duty",
                         100.0 * array.duty, board.max_duty_256 / 2.56),
             {"array", "board"});
@@ -34,13 +40,33 @@ Timer choose_timer(const Array& array, const Core& core) {
         return {static_cast<double>(board.clock_hz), prescaler, static_cast<std::uint32_t>(cycle),
                 static_cast<std::uint32_t>(pulse), shortest_pulse};
     }
-    throw bad_input(array.file.empty() ? array.name : array.file,
+    throw bad_input(name_of(array),
                     fmt::format("no timer of at least 8 ticks makes a {} Hz carrier with {:.1f} % duty from a {} Hz "
                                 "clock with {} timing bits (at most {} ticks a cycle), {} pulse bits and pulses of {} "
                                 "to {} clocks; "
                                 "choose a clock that is a multiple of the carrier, or a smaller duty",
                                 array.carrier_hz, 100.0 * array.duty, board.clock_hz, board.timing_bits, longest_cycle,
                                 board.pulse_bits, board.min_pulse_clocks, max_pulse_clocks(board)));
+}
+
+Timer choose_amplitude_timer(const Array& array, const Core& core) {
+    const interface::CoreParameters& board = core.parameters;
+    if (board.width_bits == 0)
+        throw bad_input(core.name, "its pulses have no amplitudes of their own; take a board that has, or records",
+                        {"records", "board"});
+    const double clocks = board.clock_hz / array.carrier_hz;
+    const double cycle = std::round(clocks);
+    if (std::abs(cycle / clocks - 1.0) > carrier_tolerance || cycle < least_amplitude_cycle(board) ||
+        cycle > most_amplitude_cycle(board))
+        throw bad_input(name_of(array),
+                        fmt::format("a {} Hz carrier is {:.1f} clocks of {} Hz; with amplitudes {} plays whole clocks, "
+                                    "{} to {}; choose another clock, or records",
+                                    array.carrier_hz, clocks, board.clock_hz, core.name, least_amplitude_cycle(board),
+                                    most_amplitude_cycle(board)),
+                        {"records", "board", "array"});
+    const auto ticks = static_cast<std::uint32_t>(cycle);
+    return {static_cast<double>(board.clock_hz), 1, ticks,
+            static_cast<std::uint32_t>(std::lround(std::min(array.duty, 0.5) * ticks)), 1};
 }
 
 }  // namespace haptogram

@@ -29,4 +29,9 @@ struct Timer {
 /// @throws Error{bad_input} when no prescaler does
 [[nodiscard]] Timer choose_timer(const Array& array, const Core& core);
 
+/// The timer of records with amplitudes (rtl/README.md, "The second instrument"): ticks of one clock, and the array's
+/// duty as the longest pulse. Its carrier is within 100 ppm of the array's.
+/// @throws Error{bad_input} when the core has no amplitudes, or cannot play such a cycle
+[[nodiscard]] Timer choose_amplitude_timer(const Array& array, const Core& core);
+
 }  // namespace haptogram

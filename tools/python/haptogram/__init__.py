@@ -4,7 +4,8 @@ from .board import Identity, Status
 from .client import Client
 from .driving import play, stream
 from .errors import ErrorCode, HaptogramError
+from .foci import Focus
 from .image import Image, Record
 
 __version__ = "0.1.0"
-__all__ = ["Client", "ErrorCode", "HaptogramError", "Identity", "Image", "Record", "Status", "play", "stream"]
+__all__ = ["Client", "ErrorCode", "Focus", "HaptogramError", "Identity", "Image", "Record", "Status", "play", "stream"]

@@ -64,6 +64,13 @@ def parser() -> Parser:
     add(device, "disable", commands.device_disable, "turn the outputs off, at once", port)
     add(device, "stop", commands.device_stop, "silence after the present cycle; outputs stay as they are", port)
 
+    modulate = add(device, "modulate", commands.device_modulate, "multiply all amplitudes by the samples in the board's modulation memory", port)
+    modulate.add_argument("--divider", type=whole(1, 65535), default=1, help="carrier periods that a sample lasts (1)")
+    modulate.add_argument("--samples", type=whole(0, 65535), default=0, help="so many samples; 0: all that the board holds")
+    how = modulate.add_mutually_exclusive_group()
+    how.add_argument("--once", action="store_true", help="not over and over; the last sample stays")
+    how.add_argument("--off", action="store_true", help="end the modulation")
+
     upload = add(sub, "upload", commands.upload, "write into a board's memories what differs from an image, and check it by digests", port)
     upload.add_argument("image", help="Intel HEX image")
     upload.add_argument("--verify", action="store_true", help="also read it back and compare every byte")

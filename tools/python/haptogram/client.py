@@ -10,9 +10,21 @@ from typing import Self
 
 from .board import Identity, Status
 from .errors import HaptogramError, bad_input, device_error
+from .foci import FOCUS_BYTES, Focus
 from .frame import Reply, Request
 from .image import Image, Piece
-from .interface import PRIMARY_BASE, RECORD_HEADER_WORDS, SEQUENCE_BASE, SEQUENCE_HEADER_FIELDS, Command, pack, unpack
+from .interface import (
+    PARAMETERS_BASE,
+    PARAMETERS_FIELDS,
+    PARAMETERS_WORDS,
+    PRIMARY_BASE,
+    RECORD_HEADER_WORDS,
+    SEQUENCE_BASE,
+    SEQUENCE_HEADER_FIELDS,
+    Command,
+    pack,
+    unpack,
+)
 from .port import Port
 from .session import Line, Session
 
@@ -124,14 +136,41 @@ class Client:
         return [piece for piece, reply in zip(pieces, replies, strict=True) if _digest(reply) != zlib.crc32(piece.data)]
 
     def upload(self, image: Image, where: str = "image") -> int:
-        """Writes what differs and asks for its digests again; returns how many frames that took. `where` is the image's
-        name in messages."""
+        """Writes what differs and asks for its digests again; returns how many frames that took. The geometry of foci has no
+        digest and is written each time. The board then modulates as the image says. `where` is the image's name in messages."""
         image.require_fits(self.identity, where)
-        stale = self.different(image.pieces())
-        self._session.exchange([_write(piece) for piece in stale])
+        unread, stale = image.unread_pieces(), self.different(image.pieces())
+        self._session.exchange([_write(piece) for piece in unread + stale])
         for piece in self.different(stale):
             raise device_error(where, f"the board's memory still differs from address {piece.address:#010x} on; send it again")
-        return len(stale)
+        if image.modulation:
+            self.modulate(image.modulation.divider, len(image.modulation.samples))
+        elif self.identity.modulation_words:
+            self.modulate(0)
+        return len(unread) + len(stale)
+
+    def parameters(self) -> dict[str, int]:
+        """The fields of the parameters block, of boards with amplitudes."""
+        return unpack(PARAMETERS_FIELDS, self.read(PARAMETERS_BASE, 2 * len(PARAMETERS_WORDS)))
+
+    def highest_index(self) -> int:
+        """Of a record that the board holds; of foci, as its parameters say."""
+        return self.identity.records + (self.parameters()["foci_count"] if self.identity.foci else 0)
+
+    def write_foci(self, index: int, foci: Sequence[Focus]) -> None:
+        """Writes the foci of one focus record, which may be playing; it is seen whole or not at all. Fewer foci than its
+        records have are filled up with foci of amplitude 0. An image of foci must have been uploaded before."""
+        if not self.identity.foci:
+            raise bad_input("foci", "this board computes no foci")
+        says = self.parameters()
+        first, each = self.identity.records + 1, says["foci_last"] + 1
+        if not first <= index < first + says["foci_count"]:
+            raise bad_input("foci", f"index {index}, expected {first} to {first + says['foci_count'] - 1}; upload an image of foci first")
+        if not 0 < len(foci) <= each:
+            raise bad_input("foci", f"{len(foci)} foci, expected 1 to {each}")
+        filled = [*foci, *[foci[0]._replace(amplitude=0.0)] * (each - len(foci))]
+        address = PRIMARY_BASE + 8 * says["foci_base"] + FOCUS_BYTES * each * (index - first)
+        self.write(address, b"".join(focus.pack() for focus in filled))
 
     def compare(self, image: Image, where: str = "image") -> None:
         """Reads the image's places back. Raises HaptogramError naming the first difference."""
@@ -158,6 +197,9 @@ class Client:
         sequence = bytearray(self._read_long(SEQUENCE_BASE, 4 * words, size // 4 * 4))
         sequence[:4] = pack(SEQUENCE_HEADER_FIELDS, 4, **{**unpack(SEQUENCE_HEADER_FIELDS, sequence), "autostart": 0})
         records = max(index for index, _ in struct.iter_unpack("<HH", sequence[4:]))
+        if identity.records < records <= self.highest_index():
+            raise device_error("board", f"its sequence plays the focus record of index {records}, and the geometry of foci cannot be read back; "
+                               "keep the image that was uploaded")  # fmt: skip
         if not 0 < records <= identity.records:
             raise device_error("board", f"its sequence plays record {records} of {identity.records}; upload an image first")
         primary = self._read_long(PRIMARY_BASE, records * size, size)

@@ -12,7 +12,7 @@ from serial.tools import list_ports
 
 from .client import Client
 from .driving import keep_alive_pause, play, stream
-from .errors import bad_input
+from .errors import ErrorCode, HaptogramError, bad_input, device_error
 from .image import Image
 from .lines import batches
 
@@ -87,6 +87,16 @@ def device_stop(options: argparse.Namespace) -> None:
         board.stop()
 
 
+def device_modulate(options: argparse.Namespace) -> None:
+    with connect(options) as board:
+        most = 2 * board.identity.modulation_words
+        if most == 0:
+            raise device_error("board", "this board has no modulation")
+        if options.samples > most:
+            raise HaptogramError(ErrorCode.USAGE, "--samples", f"the board holds {most} samples, not {options.samples}")
+        board.modulate(0 if options.off else options.divider, options.samples, not options.once)
+
+
 def upload(options: argparse.Namespace) -> None:
     image = Image.load(options.image)
     with connect(options) as board:
@@ -96,9 +106,11 @@ def upload(options: argparse.Namespace) -> None:
         if options.verify:
             board.compare(image, options.image)
         again = board.retransmissions
-    values = {"records": len(image.records), "sequence_entries": len(image.entries), "frames": len(image.pieces()), "frames_written": written,
+    records = len(image.records) + (image.foci.count if image.foci else 0)
+    frames = len(image.pieces()) + len(image.unread_pieces())
+    values = {"records": records, "sequence_entries": len(image.entries), "frames": frames, "frames_written": written,
               "seconds": seconds, "retransmissions": again, "verified": options.verify}  # fmt: skip
-    show(values, options.json, f"{len(image.records)} records and {len(image.entries)} sequence entries in {seconds:.2f} s, {written} of "
+    show(values, options.json, f"{records} records and {len(image.entries)} sequence entries in {seconds:.2f} s, {written} of "
          f"{values['frames']} frames differed{', read back and equal' if options.verify else ''}, {again} frames sent again")  # fmt: skip
 
 
@@ -127,7 +139,7 @@ def stream_command(options: argparse.Namespace) -> None:
         except OSError as error:
             raise bad_input(where, f"cannot be opened: {error.strerror}; check the path") from error
         with source:
-            entries = batches(source, where, dwell=options.dwell, records=board.identity.records, pause=keep_alive_pause(options.watchdog))
+            entries = batches(source, where, dwell=options.dwell, records=board.highest_index(), pause=keep_alive_pause(options.watchdog))
             sent, outcome = stream(board, entries, watchdog_ms=options.watchdog, stopped=interrupt)
     values = {"sent": sent, "underruns": outcome.underruns, "interrupted": outcome.interrupted}
     show(values, options.json, f"{sent} indices, {outcome.underruns} underruns")

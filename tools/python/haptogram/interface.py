@@ -17,6 +17,7 @@ RECORD_HEADER_WORDS = 4
 SILENT_TIMING = 0xffff
 DESCRIPTION_MAGIC = 0x4748
 DESCRIPTION_FORMAT = 1
+DESCRIPTION_LONG_FORMAT = 2
 LONGEST_CYCLE_S = 1.0
 
 # How a host deals with a line that loses bytes; rtl/INTERFACE.md says what each number means.
@@ -33,7 +34,7 @@ LINK_KEEP_ALIVE_SHARE = 5
 IDENTITY_WORDS = ["name_0", "name_1", "name_2", "name_3", "name_4", "name_5", "name_6", "name_7", "version", "channels", "records", "sequence_depth", "live_depth", "bits", "clock_hz_low", "clock_hz_high", "features", "frame_bytes", "min_pulse_clocks", "max_pulse_clocks", "max_duty_256", "max_cycle_low", "max_cycle_high", "width_bits", "foci", "modulation_words"]
 STATUS_WORDS = ["flags", "present_index", "underruns", "refused_records", "frames_good", "frames_damaged", "frames_repeated", "watchdog_trips", "guard_trips", "live_level", "watchdog_ms", "frames_refused", "bent_periods", "far_foci"]
 PARAMETERS_WORDS = ["foci_base", "foci_count", "foci_form", "foci_cycle", "wave_number_low", "wave_number_high", "gain", "slew_mode", "phase_rate", "amplitude_rate", "arrival_periods"]
-DESCRIPTION_WORDS = ["magic", "format", "channels", "records", "sequence_words", "bits", "clock_hz_low", "clock_hz_high"]
+DESCRIPTION_WORDS = ["magic", "format", "channels", "records", "sequence_words", "bits", "clock_hz_low", "clock_hz_high", "board_records", "modulation_samples", "modulation_divider", "min_pulse_clocks"]
 
 
 class BitField(NamedTuple):
@@ -139,6 +140,10 @@ DESCRIPTION_FIELDS = {
     "timing_bits": BitField(80, 8),
     "pulse_bits": BitField(88, 8),
     "clock_hz": BitField(96, 32),
+    "board_records": BitField(128, 16),
+    "modulation_samples": BitField(144, 16),
+    "modulation_divider": BitField(160, 16),
+    "min_pulse_clocks": BitField(176, 16),
 }
 
 

@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Images of foci and modulation: read, written, uploaded, and foci changed while they play, on a virtual board that computes them."""
+import dataclasses
+import json
+import zlib
+
+import boards
+import numpy as np
+import pytest
+from boards import BAD_INPUT, DEVICE, USAGE, ask, assert_refused, python_command, run, virtual_board
+from haptogram import Client, Focus, HaptogramError, Image
+from haptogram.interface import MODULATION_BASE, PARAMETERS_BASE
+
+SMALL = """name = "tile-4x4"
+[array]
+rows = 4
+columns = 4
+pitch_mm = 10.0
+carrier_hz = 40000.0
+duty = 0.5
+reach_angle_deg = 60.0
+[transducer]
+name = "MA40S4S"
+radius_mm = 4.5
+source_pa_m = 4.0
+bandwidth_hz = 2000.0
+[board]
+configuration = "small-16-wide"
+"""
+
+
+@pytest.fixture(scope="session")
+def foci_images(tmp_path_factory):
+    """Eight foci in turn, and two foci at a time with a modulation; made once."""
+    folder = tmp_path_factory.mktemp("foci")
+    (folder / "small.toml").write_text(SMALL)
+    path = {"format": "haptogram-path-1", "carrier_hz": 40000, "modulation": {"periods_a_sample": 3, "samples": [0, 0.5, 1]},
+            "steps": [{"periods": 5, "foci": [{"position_mm": [1, -2, 100], "amplitude": 1}, {"position_mm": [9, 0, 90], "amplitude": 0.3}]},
+                      {"periods": 4, "foci": []}]}  # fmt: skip
+    (folder / "path.json").write_text(json.dumps(path))
+    on = ("--board", "small-16-wide", "--array", "small.toml")
+    boards.haptogram(folder, "compile", "--shape", "circle", "--diameter", 20, "--points", 8, "--rate", 500, *on, "-o", "circle.hex")
+    boards.haptogram(folder, "compile", "--path", "path.json", *on, "-o", "two.hex")
+    return folder
+
+
+@pytest.fixture
+def wide(foci_images, tmp_path):
+    """A folder with the images, and a client of a virtual board that computes foci."""
+    for name in ("circle.hex", "two.hex"):
+        (tmp_path / name).write_bytes((foci_images / name).read_bytes())
+    with virtual_board(tmp_path, "--image", "circle.hex"), Client.open(str(tmp_path / "port")) as client:
+        yield tmp_path, client
+
+
+def test_an_image_is_read_as_it_was_written(foci_images, tmp_path):
+    two = Image.load(str(foci_images / "two.hex"))
+    assert two.records == [] and (two.foci.count, two.foci.each, two.foci.board_records) == (1, 2, 256)
+    assert two.foci.records == [[Focus(1, -2, 100, 1), Focus(9, 0, 90, 77 / 255)]]  # 0.3 · 255 = 76.5
+    assert (two.modulation.divider, list(two.modulation.samples)) == (3, [0, 128, 255])
+    for name in ("two.hex", "circle.hex"):
+        image = Image.load(str(foci_images / name))
+        image.save(str(tmp_path / name))
+        assert Image.load(str(tmp_path / name)) == image
+    assert boards.haptogram(tmp_path, "inspect", "two.hex", "--json") == boards.haptogram(foci_images, "inspect", "two.hex", "--json")
+
+
+def test_words_of_a_focus():
+    rng = np.random.default_rng(5)
+    for x, y, z, a in rng.uniform((-1023, -1023, -1023, 0), (1023, 1023, 1023, 1), (200, 4)):
+        back = Focus.unpack(Focus(x, y, z, a).pack())
+        assert max(abs(back[0] - x), abs(back[1] - y), abs(back[2] - z)) <= 1 / 256 and abs(back.amplitude - a) <= 0.5 / 255
+    assert Focus(1, -1, 130, 1).pack() == bytes.fromhex("8000 80ff 0041 0cff")  # by rtl/INTERFACE.md
+    for wrong in (Focus(1024, 0, 0), Focus(0, -1024.01, 0), Focus(0, 0, float("nan")), Focus(0, 0, 100, 1.01), Focus(0, 0, 100, -0.1)):
+        with pytest.raises(HaptogramError, match="expected"):
+            wrong.pack()
+
+
+def test_upload_writes_what_differs_and_the_geometry(wide):
+    folder, board = wide
+    circle, two = Image.load(str(folder / "circle.hex")), Image.load(str(folder / "two.hex"))
+    assert board.upload(circle) == len(circle.unread_pieces()) == 4
+    assert board.upload(two) > 4 and board.status().modulated
+    board.compare(two)
+    assert board.digest(PARAMETERS_BASE, 22) == zlib.crc32(two.foci.parameters)
+    assert board.read(MODULATION_BASE, 4) == b"\x00\x80\xff\xff"
+    assert board.highest_index() == 257 and board.parameters()["foci_last"] == 1
+    board.upload(circle)
+    assert not board.status().modulated and board.highest_index() == 264
+    with pytest.raises(HaptogramError, match="cannot be read back"):
+        board.download()
+
+
+def test_foci_are_changed_while_they_play(wide):
+    folder, board = wide
+    board.upload(Image.load(str(folder / "two.hex")))
+    with board.outputs():
+        board.select(257)
+        for x in range(-5, 6):
+            board.write_foci(257, [Focus(x, 0, 95, 0.5)])
+        assert board.status().present_index == 257
+    assert board.read(0, 8) == Focus(5, 0, 95, 0.5).pack() and board.read(8, 8) == Focus(5, 0, 95, 0).pack()
+    for index, foci, why in ((258, [Focus(0, 0, 90)], "expected 257 to 257"), (256, [Focus(0, 0, 90)], "expected 257"), (257, [], "0 foci"),
+                             (257, [Focus(0, 0, 90)] * 3, "3 foci, expected 1 to 2")):  # fmt: skip
+        with pytest.raises(HaptogramError, match=why):
+            board.write_foci(index, foci)
+    status = board.status()
+    assert (status.refused_records, status.underruns, status.far_foci) == (0, 0, 0)
+
+
+def test_the_program_plays_streams_and_modulates_foci(wide):
+    folder, board = wide
+    board._line.close()
+    said = json.loads(ask(folder, "upload", "two.hex", "--verify", "--json"))
+    assert (said["records"], said["sequence_entries"], said["verified"]) == (1, 2, True)
+    (folder / "lines").write_text("257 9\n0 3\n257\n")
+    assert json.loads(ask(folder, "stream", "lines", "--json"))["sent"] == 3
+    now = json.loads(ask(folder, "device", "status", "--json"))
+    assert (now["refused_records"], now["far_foci"], now["outputs"]) == (0, 0, "off")
+    (folder / "lines").write_text("258\n")
+    assert_refused(run(python_command("stream", "lines", "--port", "port"), folder), BAD_INPUT, "lines:1", "0 to 257")
+    ask(folder, "device", "modulate", "--off")
+    assert json.loads(ask(folder, "device", "status", "--json"))["modulated"] is False
+    ask(folder, "device", "modulate", "--divider", 5, "--samples", 2, "--once")
+    assert_refused(run(python_command("device", "modulate", "--samples", 65, "--port", "port"), folder), USAGE, "holds 64")
+
+
+def test_another_board_is_refused(wide):
+    folder, board = wide
+    two = Image.load(str(folder / "two.hex"))
+    for change, why in ((two.foci._replace(board_records=300), "behind index 300"),
+                        (two.foci._replace(data=bytes(8 * 1280 + 8)), "bytes of primary memory")):  # fmt: skip
+        with pytest.raises(HaptogramError, match=why):
+            dataclasses.replace(two, foci=change).require_fits(board.identity, "image")
+    with pytest.raises(HaptogramError, match="65 samples of modulation, the board holds 64"):
+        dataclasses.replace(two, modulation=two.modulation._replace(samples=bytes(65))).require_fits(board.identity, "image")
+    plain = dataclasses.replace(board.identity, foci=0, width_bits=0, modulation_words=0)
+    with pytest.raises(HaptogramError, match="computes no foci"):
+        two.require_fits(plain, "image")
+
+
+def test_a_board_without_modulation(folder):
+    with virtual_board(folder):
+        assert_refused(run(python_command("device", "modulate", "--port", "port"), folder), DEVICE, "no modulation")
