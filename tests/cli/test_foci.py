@@ -292,6 +292,7 @@ def test_a_board_gets_foci_and_modulates_them(tmp_path):
             result = run([*args, "--port", "port"], cwd=tmp_path)
             assert result.returncode == code and needle in text(result.stderr), text(result.stderr)
     succeed(["compile", "--shape", "point", "-o", "plain.hex"], cwd=tmp_path)
+    (tmp_path / "port").unlink()  # the first board was killed, and left it
     with virtual_board(tmp_path, "--image", "plain.hex"):
         result = run(["device", "modulate", "--port", "port"], cwd=tmp_path)
         assert result.returncode == 4 and "no modulation" in text(result.stderr)

@@ -243,7 +243,7 @@ UploadReport upload(const Connect& connect, const Image& image, const UploadSett
     std::unique_ptr<Commands> device = connect();
     require_fits(image, device->identity(), settings.image);
     const auto begun = std::chrono::steady_clock::now();
-    UploadReport report{.records = image.records.size(), .sequence_entries = image.sequence.size()};
+    UploadReport report{.records = image.record_count(), .sequence_entries = image.sequence.size()};
     double wait_s = settings.wait_s;
     for (bool done = false; !done;) {
         try {
