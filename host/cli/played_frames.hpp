@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "haptogram/instrument/compile.hpp"
 #include "frame_pins.hpp"
+#include "haptogram/instrument/compile.hpp"
 #include "report.hpp"
 
 namespace haptogram::cli {

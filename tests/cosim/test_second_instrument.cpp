@@ -240,7 +240,7 @@ TEST_CASE("second instrument: one to eight foci a record, a record in every carr
     bench.open();
     constexpr std::uint16_t base = 600;  // beside records, in words of four
     const FocusEngine engine = square_engine(4, 2.5);
-    for (std::size_t foci = 1; foci <= most_foci; ++foci) {
+    for (std::size_t foci = 1; foci <= most_record_foci; ++foci) {
         const bool whole = random(g, 0, 3) == 0;
         bench.write_engine(engine, base, 20, foci, whole);
         std::vector<SequenceEntry> sequence;
@@ -276,11 +276,11 @@ TEST_CASE("second instrument: eight foci for 100 channels in every carrier perio
     constexpr std::uint16_t base = 2600;
     constexpr std::uint16_t count = 40;
     const FocusEngine engine = square_engine(10, 2.5);
-    bench.write_engine(engine, base, count, most_foci, false);
+    bench.write_engine(engine, base, count, most_record_foci, false);
     std::vector<SequenceEntry> sequence;
     for (std::uint16_t n = 1; n <= count; ++n) {
         std::vector<FocusWords> words;
-        for (std::size_t f = 0; f < most_foci; ++f) words.push_back(random_focus(g));
+        for (std::size_t f = 0; f < most_record_foci; ++f) words.push_back(random_focus(g));
         bench.write_foci(engine, base, n, words, false);
         sequence.push_back({static_cast<std::uint16_t>(records + n), 1});
     }

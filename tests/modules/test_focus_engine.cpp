@@ -271,7 +271,7 @@ TEST_CASE("focus engine: the longest sums, at every phase", "[modules]") {
     std::mt19937_64 g(Catch::rngSeed());
     EngineBench bench(Catch::rngSeed());
     FocusEngine engine = tile();
-    const FociRecord record{std::vector<FocusWords>(most_foci, {0, 0, 0, 0xff00}), false};
+    const FociRecord record{std::vector<FocusWords>(most_record_foci, {0, 0, 0, 0xff00}), false};
     for (std::uint32_t offset = 0; offset < 0x10000;) {
         for (GeometryWords& place : engine.geometry) place = {0, 0, 0, static_cast<std::uint16_t>(offset++)};
         bench.set_up(engine, g);
@@ -285,7 +285,7 @@ TEST_CASE("focus engine: clocks that a record takes", "[modules]") {
     std::mt19937_64 g(Catch::rngSeed());
     EngineBench bench(Catch::rngSeed());
     bench.set_up(tile(), g);
-    for (std::size_t count = 1; count <= most_foci; ++count) {
+    for (std::size_t count = 1; count <= most_record_foci; ++count) {
         bench.play({std::vector<FocusWords>(count, near_focus(g)), false});
         bench.drain();
         CHECK(bench.first_after() == 33 + count);

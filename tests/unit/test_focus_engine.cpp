@@ -209,7 +209,7 @@ TEST_CASE("focus engine: the pressure at the foci is the ideal one", "[focus_eng
     SECTION("up to eight foci: within 0.1 % of the strongest, of what the exact sums make at each") {
         double worst_of_all = 0.0;
         for (int i = 0; i < 500; ++i) {
-            const std::size_t count = std::uniform_int_distribution<std::size_t>(2, most_foci)(g);
+            const std::size_t count = std::uniform_int_distribution<std::size_t>(2, most_record_foci)(g);
             const FocusEngine engine = focus_engine(array, static_cast<double>(count));
             std::vector<Focus> foci;
             std::vector<FocusWords> words;

@@ -44,9 +44,9 @@ constexpr std::size_t short_description_words = description_field::board_records
 std::size_t foci_base(const Image& image) { return (image.records.size() * record_words(image.channels) + 3) / 4; }
 
 std::vector<std::uint16_t> description_words(const Image& image) {
-    const bool is_long =
-        image.foci || image.modulation ||
-        std::ranges::any_of(image.records, [](const Record& r) { return r.kind == interface::Kind::amplitudes; });
+    const bool is_long = image.foci || image.modulation || std::ranges::any_of(image.records, [](const Record& r) {
+                             return r.kind == interface::Kind::amplitudes;
+                         });
     std::vector<std::uint16_t> words(is_long ? interface::description_words : short_description_words);
     description_field::magic.set(words, interface::description_magic);
     description_field::format.set(words, is_long ? interface::description_long_format : interface::description_format);
@@ -309,7 +309,8 @@ Image from_intel_hex(std::string_view text, const std::string& where) {
     image.pulse_bits = description_field::pulse_bits.get(described);
     if (is_long) image.min_pulse_clocks = description_field::min_pulse_clocks.get(described);
     if (image.min_pulse_clocks == 0)
-        throw bad_input(where, "the description says a shortest pulse of 0 clocks; expected 1 or more; the image is garbled");
+        throw bad_input(where,
+                        "the description says a shortest pulse of 0 clocks; expected 1 or more; the image is garbled");
     const std::uint32_t records = description_field::records.get(described);
     const std::uint32_t words = description_field::sequence_words.get(described);
     if (image.channels == 0 || (records == 0 && !has_foci) || words == 0)
@@ -472,8 +473,8 @@ void require_fits(const Image& image, const interface::CoreParameters& core, con
                         core.sequence_depth - 1));
     const auto require_cycle = [&](std::uint64_t clocks, const std::string& of) {
         require(image.min_pulse_clocks == core.min_pulse_clocks,
-                fmt::format("the image is for shortest pulses of {} clocks, the board's have {}", image.min_pulse_clocks,
-                            core.min_pulse_clocks));
+                fmt::format("the image is for shortest pulses of {} clocks, the board's have {}",
+                            image.min_pulse_clocks, core.min_pulse_clocks));
         require(core.width_bits > 0, fmt::format("{} has amplitudes, the board has none", of));
         require(clocks >= least_amplitude_cycle(core) && clocks <= most_amplitude_cycle(core),
                 fmt::format("{} has a cycle of {} clocks, the board plays {} to {} with amplitudes", of, clocks,

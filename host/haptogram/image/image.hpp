@@ -52,7 +52,7 @@ struct Image {
     std::uint32_t timing_bits = 16;
     std::uint32_t pulse_bits = 8;
     std::uint32_t min_pulse_clocks = 1;  ///< of a pulse with an amplitude; the board's MIN_PULSE_CLOCKS
-    std::vector<Record> records;  ///< record i of the paper is records[i − 1]
+    std::vector<Record> records;         ///< record i of the paper is records[i − 1]
     std::vector<SequenceEntry> sequence;
     std::uint16_t loops = 0;                      ///< 0 plays for ever
     std::optional<FocusRecords> foci;             ///< for boards that compute foci

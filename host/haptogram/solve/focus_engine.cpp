@@ -192,9 +192,9 @@ std::uint16_t gain_word(double full) {
     // √(1 + 2^(−2·step)) over the steps.
     double length = 255.0 * 0x1p17 / 0x1p6 / 0x1p5;
     for (int step = 0; step < cordic_steps; ++step) length *= std::sqrt(1.0 + std::ldexp(1.0, -2 * step));
-    if (!(full >= 0.61 && full <= static_cast<double>(most_foci)))
-        throw bad_input("focus engine",
-                        fmt::format("full amplitude for sums of length {}; expected 0.61 to {}", full, most_foci));
+    if (!(full >= 0.61 && full <= static_cast<double>(most_record_foci)))
+        throw bad_input("focus engine", fmt::format("full amplitude for sums of length {}; expected 0.61 to {}", full,
+                                                    most_record_foci));
     return static_cast<std::uint16_t>(std::ceil(65535.0 * 0x1p14 / (length * full)));
 }
 
@@ -208,8 +208,9 @@ FocusEngine focus_engine(const Array& array, double full) {
 std::vector<ChannelDrive> engine_drives(const FocusEngine& engine, std::span<const FocusWords> foci, bool whole) {
     if (engine.geometry.empty())
         throw bad_input("focus engine", "it has no channels; give it the geometry of at least one");
-    if (foci.empty() || foci.size() > most_foci)
-        throw bad_input("focus engine", fmt::format("{} foci in a record; expected 1 to {}", foci.size(), most_foci));
+    if (foci.empty() || foci.size() > most_record_foci)
+        throw bad_input("focus engine",
+                        fmt::format("{} foci in a record; expected 1 to {}", foci.size(), most_record_foci));
     if (engine.wave_number >= 1U << 18U)
         throw bad_input("focus engine",
                         fmt::format("a wave number of {}; it has 18 bits, so at most 262143", engine.wave_number));

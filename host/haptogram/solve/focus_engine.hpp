@@ -14,7 +14,7 @@ namespace haptogram {
 // The FPGA's focus engine (rtl/focus_engine.v): the words that it takes, and the words that it gives, to the last bit.
 
 inline constexpr double focus_unit_m = millimetre / 128.0;  ///< in which the engine counts lengths
-inline constexpr std::size_t most_foci = 8;                 ///< of a record
+inline constexpr std::size_t most_record_foci = 8;          ///< of a record
 
 /// A channel's place, x, y and z in units, and the offset that is added to its phase, of a turn times 2^16.
 using GeometryWords = std::array<std::uint16_t, 4>;
