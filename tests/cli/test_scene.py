@@ -55,7 +55,7 @@ def test_tell(value, sign, pattern, tmp_path):
     arguments = ["tell", "--value", value, "--sign", sign, "--pattern", pattern, "--frames", 2]
     arguments += ["--frequency", 240] if sign == "intensity" else []
     way = ["--way", "-30,0,275", "--way", "-30,0,245", "--way", "30,0,245"]
-    report, rows, path = played(tmp_path, *arguments, *way)
+    report, rows, path = played(tmp_path, *arguments, *way, "--wait", 2)
     check_pins(report, rows, 2)
     assert set(rows["fz_n"]) == {-1.0} and rows["user_z_n"][-1] == pytest.approx(1, abs=0.05)
     # What a period tells follows from where the palm was when it began.

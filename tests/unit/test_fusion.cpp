@@ -370,7 +370,7 @@ TEST_CASE("fusion: mode W1 as a run, a hand on a surface at rest, sliding, and a
     // While it slides, friction is 0.4 of the normal force; the texture gives back its work over whole cells.
     double normal = 0.0, tangential = 0.0, texture = 0.0;
     for (const Period& period : run.periods) {
-        const Vec3& palm = period.before.palm;
+        const Vec3& palm = period.before.body;
         if (palm.x < -0.020 || palm.x > 0.020 || palm.z > 0.240) continue;  // four cells of 10 mm
         const double force = period.stimulus.wrench[2] + scene.weight_n;
         CHECK(force == Approx(1000.0 * (0.240 - palm.z)));
@@ -403,7 +403,7 @@ TEST_CASE("fusion: more points than a frame has time for take turns", "[fusion][
     scene.frequency_hz = 80.0;                                                    // two points a frame
     REQUIRE(places_of(clock, 80.0) == 2);
     const Scene turns = scene_of(scene, clock);
-    const Moment moment{0.0, {0.0, 0.0, 0.25}, Vector3::Zero()};
+    const Moment moment{0.0, {0.0, 0.0, 0.25}, {0.0, 0.0, 0.25}, Vector3::Zero()};
     const std::vector<Vec3> all = slice_points(scene.object, open_hand(moment.palm, 0.0),
                                                palmar_surface(open_hand(moment.palm, 0.0)), scene.slice);
     REQUIRE(all.size() > 2);
@@ -420,7 +420,7 @@ TEST_CASE("fusion: mode W2 as a run, a ring that grows with nearness, and hardne
           "[fusion][scene]") {
     TellScene told;
     told.pattern = {PalmSign::scaling, PalmShape::ring, 0.5, 2.0, 2.0, 200.0, 20e-3};
-    const SceneRun run = played(scene_of(told), {{0, 0, 290}, {0, 0, 240}}, told.weight_n, 0.05, 0.5);
+    const SceneRun run = played(scene_of(told), {{0, 0, 290}, {0, 0, 240}}, told.weight_n, 0.05, 2.0);
     REQUIRE(run.events.empty());
     for (const Period& period : run.periods) {
         REQUIRE(period.stimulus.wrench[2] == -1.0);
@@ -436,10 +436,10 @@ TEST_CASE("fusion: mode W2 as a run, a ring that grows with nearness, and hardne
     hard.value = PalmValue::hardness;
     hard.stiffness_n_m = 500.0;
     const Scene scene = scene_of(hard);
-    const Stimulus below = scene({0.0, {0.0, 0.0, 0.2499}, Vector3::Zero()});
+    const Stimulus below = scene({0.0, {0.0, 0.0, 0.2499}, {0.0, 0.0, 0.2499}, Vector3::Zero()});
     CHECK(below.frequency_hz == Approx(80.0 + 220.0 * 0.5));
     REQUIRE(below.points.size() == 1);
-    const Stimulus above = scene({0.0, {0.0, 0.0, 0.2501}, Vector3::Zero()});
+    const Stimulus above = scene({0.0, {0.0, 0.0, 0.2501}, {0.0, 0.0, 0.2501}, Vector3::Zero()});
     CHECK(above.points.empty());
     CHECK(above.wrench[2] == -1.0);
     // A cloth by intensity: roughest in the middle of a quarter cell, of threads 20 mm apart.
@@ -449,8 +449,8 @@ TEST_CASE("fusion: mode W2 as a run, a ring that grows with nearness, and hardne
     rough.pattern.low = 1.0;
     rough.pattern.high = 4.0;
     const Scene cloth_scene = scene_of(rough);
-    CHECK(cloth_scene({0.0, {0.005, 0.005, 0.24}, Vector3::Zero()}).magnitude == Approx(4.0));
-    CHECK(cloth_scene({0.0, {-0.005, 0.005, 0.24}, Vector3::Zero()}).magnitude == Approx(1.0));
+    CHECK(cloth_scene({0.0, {0.005, 0.005, 0.24}, {0.005, 0.005, 0.24}, Vector3::Zero()}).magnitude == Approx(4.0));
+    CHECK(cloth_scene({0.0, {-0.005, 0.005, 0.24}, {-0.005, 0.005, 0.24}, Vector3::Zero()}).magnitude == Approx(1.0));
     REQUIRE(palm_value("texture") == PalmValue::texture);
     REQUIRE_THROWS_AS(palm_value("colour"), Error);
     hard.stiffness_n_m = 1.0;

@@ -44,7 +44,7 @@ Scene scene_of(const ExploreScene& explored, const SharedClock& clock, double bo
     const std::size_t places = places_of(clock, explored.frequency_hz);
     return [explored, places, first = std::make_shared<std::size_t>(0)](const Moment& moment) {
         const Hand hand = open_hand(moment.palm, explored.tilt_deg);
-        const robot::Vector3 position(moment.palm.x, moment.palm.y, moment.palm.z);
+        const robot::Vector3 position(moment.body.x, moment.body.y, moment.body.z);
         Stimulus stimulus = explore(explored.object, hand, palmar_surface(hand), explored.weight_n, explored.surface,
                                     position, moment.velocity, explored.slice);
         stimulus.points = turn(stimulus.points, places, *first);

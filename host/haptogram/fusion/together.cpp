@@ -43,7 +43,9 @@ Together::Together(const TogetherOptions& options, const Array& array, const per
 
 Moment Together::now() const {
     const robot::Vector3& place = plant_.pose().position;
-    return {plant_.time_s(), centre_ + Vec3{place.x(), place.y(), place.z()}, plant_.velocity()};
+    const robot::AdmittanceState& body = controller_.wanted();
+    return {plant_.time_s(), centre_ + Vec3{place.x(), place.y(), place.z()},
+            centre_ + Vec3{body.place[0], body.place[1], body.place[2]}, body.velocity.head<3>()};
 }
 
 Period Together::play(const Stimulus& stimulus) {

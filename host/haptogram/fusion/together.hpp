@@ -14,8 +14,10 @@ namespace haptogram::fusion {
 /// What a scene is asked about at the beginning of a period.
 struct Moment {
     double time_s = 0.0;
-    Vec3 palm;                ///< of the hand that holds the handle, array frame, metres
-    robot::Vector3 velocity;  ///< of the handle, m/s
+    Vec3 palm;  ///< of the hand that holds the handle, array frame, metres
+    Vec3 body;  ///< where the robot wants the palm: the virtual body's place. Forces of a scene follow it, because the
+                ///< handle is some 50 ms behind, and a stiff surface that is felt so late would make it bounce
+    robot::Vector3 velocity = robot::Vector3::Zero();  ///< of the virtual body, m/s
 };
 
 /// What a scene gives the hand for one period.
