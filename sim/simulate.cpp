@@ -23,7 +23,8 @@ std::vector<RecordResult> check_records(const Bundle& bundle, const std::vector<
     for (std::size_t i = 0; i < measured.size(); ++i) {
         RecordResult result;
         result.cycles = measured[i].cycles;
-        result.steady = manifest.records[i].dwell_cycles >= steady_cycles;
+        // A run that is stopped may have cut its last record short.
+        result.steady = std::min<std::uint64_t>(manifest.records[i].dwell_cycles, result.cycles) >= steady_cycles;
         if (result.cycles > 0) result.check = check_record(manifest, manifest.records[i], measured[i].drives);
         result.limits = limits_of(manifest, manifest.records[i]);
         results.push_back(result);

@@ -109,7 +109,7 @@ def test_an_image_holds_foci_of_eight_bytes_where_the_board_computes_them(board,
     image, manifest = IntelHex(str(tmp_path / "image.hex")), read_json(tmp_path / "image.json")
     channels = len(manifest["array"]["elements_mm"])
     sizes = {start: stop - start for start, stop in image.segments()}
-    assert sizes == {0: 20 * 8, 0x10000000: 21 * 4, PARAMETERS: 22, GEOMETRY: 8 * channels, DESCRIPTION: 22}
+    assert sizes == {0: 20 * 8, 0x10000000: 21 * 4, PARAMETERS: 22, GEOMETRY: 8 * channels, DESCRIPTION: 24}
     asked = np.array([record["focus_mm"] for record in manifest["records"]])
     found = np.array([foci[0][0] for foci in foci_in(tmp_path / "image.hex")])
     assert np.abs(asked - found).max() <= UNIT_MM / 2 + 1e-4

@@ -350,10 +350,9 @@ TEST_CASE("robot: the wrench of seven cables that is nearest to a wanted one", "
         PerCable made = PerCable::Zero();
         for (int i = 0; i < cable_count; ++i)
             if (i != gone) made[i] = tension(random);
-        for (int again = 0; again < 200; ++again)
-            found = nearest_tensions(structure, structure * made, 0.5, 10.0, left, found);
-        REQUIRE((structure * (found - made)).head<3>().norm() < 0.05);
-        REQUIRE((structure * (found - made)).tail<3>().norm() < 0.001);
+        wanted = structure * made;
+        for (int again = 0; again < 200; ++again) found = nearest_tensions(structure, wanted, 0.5, 10.0, left, found);
+        REQUIRE(off(found) < 0.1);  // 0.3 N or 3 mN·m: what the middle of the limits may cost
     }
 }
 

@@ -31,6 +31,9 @@ constexpr std::pair<const char*, std::uint32_t interface::CoreParameters::*> opt
     {"slew", &interface::CoreParameters::slew},
     {"foci", &interface::CoreParameters::foci}};
 
+/// Where pulses have widths of their own, they depend on this as well.
+constexpr const char* min_pulse_clocks = "min_pulse_clocks";
+
 /// Rounded to a ten-thousandth of a millimetre, so that the file is short and the same on every machine. That is
 /// 1/86,000 of a wavelength, far less than a timer can resolve.
 ordered_json to_mm(Vec3 v) {
@@ -216,6 +219,7 @@ ordered_json to_json(const Manifest& m) {
     for (const auto& [key, member] : core_members) json["board"][key] = m.core.parameters.*member;
     for (const auto& [key, member] : optional_core_members)
         if (m.core.parameters.*member != 0) json["board"][key] = m.core.parameters.*member;
+    if (m.core.parameters.width_bits != 0) json["board"][min_pulse_clocks] = m.core.parameters.min_pulse_clocks;
     json["timer"] = {{"tick_s", m.timer.tick_s()},
                      {"prescaler", m.timer.prescaler},
                      {"cycle_ticks", m.timer.cycle_ticks},
@@ -269,6 +273,8 @@ Manifest manifest_from_json(std::string_view text, const std::string& where) {
         for (const auto& [key, member] : core_members) m.core.parameters.*member = count(board, key, 1, where);
         for (const auto& [key, member] : optional_core_members)
             m.core.parameters.*member = board.contains(key) ? count(board, key, 1, where) : 0;
+        if (m.core.parameters.width_bits != 0)
+            m.core.parameters.min_pulse_clocks = count(board, min_pulse_clocks, 1, where);
         const auto& timer = json.at("timer");
         m.timer = {static_cast<double>(m.core.parameters.clock_hz), count(timer, "prescaler", 1, where),
                    count(timer, "cycle_ticks", 2, where), count(timer, "pulse_ticks", 1, where)};
