@@ -64,6 +64,7 @@ test("colours, ranges and units ask for no new slice, and what is above the top 
   }, async () => `not inferno: ${await colourAt(page, place.x, place.y)}`);
 
   await field(page, "Shown").selectOption("rms");
+  await page.locator(".bar figcaption", { hasText: "rms" }).waitFor();
   const top = Number(await page.locator(".bar li").first().innerText());
   await field(page, "Hold the top of the scale").check();
   await fill(page, "Top", top / 2);

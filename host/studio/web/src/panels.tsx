@@ -19,7 +19,12 @@ interface WithActions {
 function NumberField({ label, unit, value, step = 1, least, onValue }: { label: string; unit: string; value: number; step?: number; least?: number; onValue: (value: number) => void }) {
   const id = useId();
   const [text, setText] = useState(String(value));
-  useEffect(() => setText(String(value)), [value]);
+  // At once, and not in an effect: one that came after the first key would undo it.
+  const [last, setLast] = useState(value);
+  if (last !== value) {
+    setLast(value);
+    setText(String(value));
+  }
   const take = (given: string): void => {
     const number = Number(given.replace(",", "."));
     if (given.trim() === "" || !Number.isFinite(number) || (least !== undefined && number < least)) return setText(String(value));
