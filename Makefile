@@ -34,7 +34,7 @@ demo: build ## shape → image → simulated FPGA → focus in the air: table an
 	@$(PYTHON) tools/demo.py --program $(BUILD)/host/cli/haptogram --output build/demo
 
 # What needs no netlist is built beside the placing of the one that is tested. The deep tests have a folder of their own, build/deep.
-test: ## every test: units, co-simulation on RTL and netlists, command line, proofs, budgets, lint
+test: ## every test but the browser's: units, co-simulation on RTL and netlists, command line, proofs, budgets, lint
 	@$(MAKE) --no-print-directory -j 2 build build/boards/ice40-hx8k-breakout/report.json
 	@$(MAKE) --no-print-directory deep
 	@failed=0; ctest --preset $(PRESET) -j 2 -E '^studio_browser$$' || failed=1; ctest --preset deep -j 2 || failed=1; exit $$failed
