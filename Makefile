@@ -11,7 +11,7 @@ HOME := $(or $(HOME),$(shell { getent passwd $$(id -u) | cut -d: -f6; } 2>/dev/n
 export PATH HOME
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build deep demo test browser bitstream bitstreams flash soak formal bench figures lint format install fresh clean
+.PHONY: help setup build deep demo test browser mutants bitstream bitstreams flash soak formal bench figures lint format install fresh clean
 
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -34,14 +34,18 @@ demo: build ## shape → image → simulated FPGA → focus in the air: table an
 	@$(PYTHON) tools/demo.py --program $(BUILD)/host/cli/haptogram --output build/demo
 
 # What needs no netlist is built beside the placing of the one that is tested. The deep tests have a folder of their own, build/deep.
-test: ## every test but the browser's: units, co-simulation on RTL and netlists, command line, proofs, budgets, lint
+test: ## every test but the browser's and the mutants: units, co-simulation on RTL and netlists, command line, proofs, budgets, lint
 	@$(MAKE) --no-print-directory -j 2 build build/boards/ice40-hx8k-breakout/report.json
 	@$(MAKE) --no-print-directory deep
-	@failed=0; ctest --preset $(PRESET) -j 2 -E '^studio_browser$$' || failed=1; ctest --preset deep -j 2 || failed=1; exit $$failed
+	@failed=0; ctest --preset $(PRESET) -j 2 -E '^studio_browser$$' || failed=1; ctest --preset deep -j 2 -E '^mutation$$' || failed=1; exit $$failed
 
 # Software WebGL wants a processor to itself, and some minutes; a file that fails is run once more (tests/studio/run.mjs).
 browser: build ## the studio's page in Chromium; not part of `make test`
 	@ctest --preset $(PRESET) -R '^studio_browser$$' --output-on-failure
+
+# Each of some 280 faults runs co-simulation until a test notices it: ten minutes and more, so it is not part of `make test`.
+mutants: deep ## would the tests notice a fault in the RTL; not part of `make test`
+	@ctest --preset deep -R '^mutation$$' --output-on-failure
 
 deep: build/boards/ice40-hx8k-breakout/report.json ## build the netlist, mutation, coverage and fuzz tests; `ctest --preset deep` runs them
 	@$(call configure,deep)
@@ -56,17 +60,19 @@ BOARD ?= ice40-hx8k-breakout
 bitstream: build ## synthesise, place and route BOARD=… into build/boards, SEEDS=1; fails beyond the budget
 	@$(PYTHON) tools/bitstream.py $(BOARD) --seeds $(or $(SEEDS),1) --program $(BUILD)/host/cli/haptogram
 
-bitstreams: build ## the same for every board, and the core with 256 channels; their table goes to constraints/builds.md
+bitstreams: build ## the same for every board, and the core with 256 channels, without and with amplitudes; their table goes to constraints/builds.md
 	@$(PYTHON) tools/bitstream.py --seeds $(or $(SEEDS),1) --program $(BUILD)/host/cli/haptogram --table constraints/builds.md
 	@$(PYTHON) tools/bitstream.py colorlight-5a-75e-v7.1 --configuration wide-256 --table constraints/builds.md
+	@$(PYTHON) tools/bitstream.py colorlight-5a-75e-v7.1 --configuration amplitudes-256 --table constraints/builds.md
 
 # With IMAGE, the image is in the bitstream and plays at power-up with AUTOSTART=1; FLASH=write keeps it when power is cut.
 flash: ## load BOARD=… through openFPGALoader, with IMAGE=… in it if given; DRY_RUN=1 only says how
 	@$(PYTHON) tools/flash.py $(BOARD) --program $(BUILD)/host/cli/haptogram $(if $(IMAGE),--image $(IMAGE)) $(if $(AUTOSTART),--autostart) \
 	  $(if $(filter write,$(FLASH)),--write) $(if $(DRY_RUN),--dry-run)
 
-soak: build ## torture of the link, reference board and fuzzers at full size: hours; FUZZ_RUNS=10000000 of each target
+soak: build ## torture of the link, boards on one wire, reference board and fuzzers at full size: hours; FUZZ_RUNS=10000000 of each target
 	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/test_torture --rng-seed time --durations yes
+	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/test_tiles --rng-seed time --durations yes
 	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/test_reference --rng-seed time --durations yes
 	@$(PYTHON) tests/fuzz/run.py --program $(BUILD)/host/cli/haptogram --runs $(or $(FUZZ_RUNS),10000000)
 
@@ -74,7 +80,12 @@ formal: ## the proofs alone, with a line each
 	@$(call need,yosys z3)
 	@$(PYTHON) tests/formal/run.py --build build/formal
 
-bench: build ## the project's numbers beside their targets, as a table and build/bench.json
+# Peers are measured where they install: into a virtual environment of their own, which nothing else uses.
+build/peers/installed: tools/bench/peers.txt
+	@python3 -m venv build/peers && build/peers/bin/pip install --quiet --disable-pip-version-check -r $< && cp $< $@ \
+	  || { rm -rf build/peers; echo "make: the peers of tools/bench/peers.txt could not be installed; bench goes on without them" >&2; }
+
+bench: build build/peers/installed ## the project's numbers beside their targets and other libraries, as a table and build/bench.json
 	@cmake --build --preset $(PRESET) --target haptogram_measure_link
 	@$(PYTHON) tools/bench.py --build $(BUILD) --output build/bench.json
 

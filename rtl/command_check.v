@@ -15,6 +15,8 @@ module command_check #(
     parameter WIDTH_BITS     = 0,
     parameter MODULATION_DEPTH = 0,
     parameter FOCI           = 0,
+    parameter SCHEDULE       = 0,
+    parameter SYNC           = 0,
     parameter WORD_BITS      = 16
 ) (
     input  wire        clk,
@@ -26,8 +28,13 @@ module command_check #(
     input  wire [15:0] i_tail_words,
     input  wire [15:0] i_live_free,
     input  wire        i_stopped,       // the stop input is active
+    input  wire        i_out_of_step,   // a slave that is not in step
     input  wire [15:0] i_top_index,     // the highest index that is a record's
     input  wire        i_header_valid,  // the sequence header's length is in range
+    input  wire        i_gate_busy,     // from schedule
+    input  wire        i_at_end,
+    input  wire        i_ring_usable,   // from focus_ring
+    input  wire        i_ring_fits,
     output reg  [7:0]  o_status
 );
     localparam RECORD_WORDS = CHANNELS + `HG_RECORD_HEADER_WORDS;
@@ -37,6 +44,8 @@ module command_check #(
     localparam GEOMETRY_WORDS = FOCI != 0 ? 4 * CHANNELS : 0;
     localparam SAMPLE_WORDS = MODULATION_DEPTH / 2;
     localparam [16:0] SAMPLES = MODULATION_DEPTH[16:0];
+    localparam STATUS_WORDS = SCHEDULE != 0 ? `HG_STATUS_WORDS : `HG_STATUS_UNTIMED_WORDS;
+    localparam RING_WORDS = FOCI != 0 ? `HG_RING_WORDS : 0;
     localparam ENTRY_BITS = $clog2(SEQUENCE_DEPTH + 1);
     localparam [ENTRY_BITS:0] ENTRIES = SEQUENCE_DEPTH[ENTRY_BITS:0];
     localparam [15:0] MOST_WORDS = RECORD_WORDS[15:0];
@@ -56,6 +65,11 @@ module command_check #(
     reg  [15:0] live_free_q;  // as it was a clock ago; the number of free places has not become smaller since
     always @(posedge clk) live_free_q <= i_live_free;
 
+    // Samples of MODULATE: from the first one on, i_argument_1 of them, or all that follow when that is 0.
+    wire [16:0] samples = i_argument_1 == 16'd0 ? 17'd1 : {1'b0, i_argument_1};
+    wire        samples_beyond = SCHEDULE == 0 ? {1'b0, i_argument_1} > SAMPLES || i_argument_2 > 16'd1
+                                               : {2'd0, i_argument_2[15:1], 1'b0} + {1'b0, samples} > {1'b0, SAMPLES};
+
     always @(posedge clk) if (i_settle) begin
         region_words_q <= region_words;
         beyond_q     <= {1'b0, first[WORD_BITS:1]} + words_28[WORD_BITS:0];
@@ -72,10 +86,11 @@ module command_check #(
             `HG_REGION_PRIMARY:  region_words = PRIMARY_WORDS[WORD_BITS:0];
             `HG_REGION_SEQUENCE: region_words = SEQUENCE_HALVES[WORD_BITS:0];
             `HG_REGION_IDENTITY: region_words = writes ? NO_WORDS : `HG_IDENTITY_WORDS;
-            `HG_REGION_STATUS:   region_words = writes ? NO_WORDS : `HG_STATUS_WORDS;
+            `HG_REGION_STATUS:   region_words = writes ? NO_WORDS : STATUS_WORDS[WORD_BITS:0];
             `HG_REGION_PARAMETERS: region_words = WIDTH_BITS != 0 ? `HG_PARAMETERS_WORDS : NO_WORDS;
             `HG_REGION_GEOMETRY:   region_words = writes ? GEOMETRY_WORDS[WORD_BITS:0] : NO_WORDS;
             `HG_REGION_MODULATION: region_words = SAMPLE_WORDS[WORD_BITS:0];
+            `HG_REGION_RING:       region_words = RING_WORDS[WORD_BITS:0];
             default:             region_words = NO_WORDS;
         endcase
         o_status = `HG_REPLY_OK;
@@ -87,15 +102,27 @@ module command_check #(
             `HG_COMMAND_SELECT:
                 if (i_argument_0 > i_top_index) o_status = `HG_REPLY_BAD_INDEX;
             `HG_COMMAND_PUSH:
-                if (i_tail_words > live_free_q) o_status = `HG_REPLY_FIFO_FULL;
+                if (SCHEDULE != 0 && i_at_end) o_status = `HG_REPLY_BAD_RANGE;
+                else if (i_tail_words > live_free_q) o_status = `HG_REPLY_FIFO_FULL;
             `HG_COMMAND_START:
                 if (i_argument_1 == 16'd0 ? !i_header_valid : i_argument_0 == 16'd0 || far_entry_q || beyond_entry_q > ENTRIES)
                     o_status = `HG_REPLY_BAD_RANGE;
             `HG_COMMAND_ENABLE:
                 if (i_stopped) o_status = `HG_REPLY_STOPPED;
+                else if (i_out_of_step) o_status = `HG_REPLY_OUT_OF_STEP;
+            `HG_COMMAND_SYNC:
+                if (SYNC == 0) o_status = `HG_REPLY_UNKNOWN_COMMAND;
+                else if (i_argument_0 > {14'd0, `HG_ROLE_SLAVE}) o_status = `HG_REPLY_BAD_RANGE;
             `HG_COMMAND_MODULATE:
                 if (MODULATION_DEPTH == 0) o_status = `HG_REPLY_UNKNOWN_COMMAND;
-                else if (i_argument_0 != 16'd0 && ({1'b0, i_argument_1} > SAMPLES || i_argument_2 > 16'd1)) o_status = `HG_REPLY_BAD_RANGE;
+                else if (i_argument_0 != 16'd0 && samples_beyond) o_status = `HG_REPLY_BAD_RANGE;
+            `HG_COMMAND_GATE:
+                if (SCHEDULE == 0) o_status = `HG_REPLY_UNKNOWN_COMMAND;
+                else if (i_gate_busy) o_status = `HG_REPLY_GATE_BUSY;
+            `HG_COMMAND_PUSH_FOCI:
+                if (FOCI == 0) o_status = `HG_REPLY_UNKNOWN_COMMAND;
+                else if (!i_ring_usable || (SCHEDULE != 0 && i_at_end)) o_status = `HG_REPLY_BAD_RANGE;
+                else if (!i_ring_fits) o_status = `HG_REPLY_FIFO_FULL;
             default: ;
         endcase
     end

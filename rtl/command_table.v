@@ -25,6 +25,9 @@ module command_table (
             8'h0d: o_shape = {1'b1, 2'd0, 1'b0, 2'd0};  // keep_alive
             8'h0e: o_shape = {1'b1, 2'd0, 1'b0, 2'd0};  // reset
             8'h0f: o_shape = {1'b1, 2'd3, 1'b0, 2'd0};  // modulate
+            8'h10: o_shape = {1'b1, 2'd3, 1'b0, 2'd0};  // gate
+            8'h11: o_shape = {1'b1, 2'd1, 1'b1, 2'd0};  // push_foci
+            8'h18: o_shape = {1'b1, 2'd1, 1'b0, 2'd0};  // sync
             default: o_shape = 6'd0;
         endcase
     end

@@ -6,15 +6,17 @@
 // in order: the expected one is applied; an earlier one has been applied before and is only answered (a read reads again); a
 // later one is refused, and its number stays expected. After reset only IDENTIFY is taken, which says where the numbers begin.
 // Nothing changes before the whole frame has been found good. PUSH is the exception: its indices wait in the live FIFO until
-// o_keep or o_take_back. Writes go out one word a clock and pause only for i_hold; memory_controller.v relies on that.
+// o_keep or o_take_back; so do those of PUSH_FOCI, whose words are written to where focus_ring says. Writes go out one word a clock and pause only for i_hold; memory_controller.v relies on that.
 // Frames arrive on a valid/take stream from frame_receiver: the length in bytes, then the words. An answer starts with the
 // o_answer strobe, and what it is about stays until i_answered.
 // i_top_index is the highest index that PUSH may name. WORD_BITS is as wide as the address of a 16-bit word in the
-// largest region. LENGTH_BITS is as wide as the length of a frame in bytes.
+// largest region. STATUS_WORDS is the length of the status block. FOCI is the core's. LENGTH_BITS is as wide as the length of a frame in bytes.
 `default_nettype none
 `include "interface.vh"
 module command_unit #(
     parameter WORD_BITS   = 16,
+    parameter STATUS_WORDS = `HG_STATUS_UNTIMED_WORDS,
+    parameter FOCI        = 0,
     parameter LENGTH_BITS = 10
 ) (
     input  wire        clk,
@@ -42,7 +44,13 @@ module command_unit #(
     input  wire        i_hold,              // this word is being read, write it later
     output reg  [WORD_BITS-1:0] o_address,
     output reg  [3:0]  o_region,
-    // PUSH: indices for the live FIFO, and what becomes of them
+    // From focus_ring
+    input  wire [WORD_BITS-1:0] i_ring_address,
+    input  wire [WORD_BITS-1:0] i_ring_start,
+    input  wire        i_ring_wraps,
+    input  wire        i_ring_complete,
+    input  wire        i_ring_split,
+    // PUSH and PUSH_FOCI: indices for the live FIFO, and what becomes of them
     output wire        o_push,
     output wire        o_keep,
     output wire        o_take_back,
@@ -91,7 +99,10 @@ module command_unit #(
 
     wire [26:0] argument_address = {argument_q[1][11:0], argument_q[0][15:1]};  // of a word; command_check checks the other bits
     wire unused = &{1'b0, argument_address};
-    wire hold = i_hold && command_q == `HG_COMMAND_WRITE;
+    wire foci  = FOCI != 0 && command_q == `HG_COMMAND_PUSH_FOCI;
+    wire puts  = command_q == `HG_COMMAND_WRITE || foci;
+    wire pushes = command_q == `HG_COMMAND_PUSH || foci;
+    wire hold = i_hold && puts;
     wire reads = reply_q != 2'd0 && o_status <= `HG_REPLY_REPEATED;
     wire takes_argument = state_q == ARGUMENTS && !bad_length && count_q != args_q;
     wire takes_rest     = (state_q == TAIL && !hold) || state_q == DRAIN;
@@ -101,13 +112,13 @@ module command_unit #(
     assign o_settle      = state_q == SETTLE;
     assign o_tail_words  = {{(16-LENGTH_BITS){1'b0}}, tail_words_q};
     assign o_take        = i_valid && (state_q == LENGTH || state_q == HEADER || (!done && (takes_rest || takes_argument)));
-    assign o_write       = state_q == TAIL && !done && !hold && command_q == `HG_COMMAND_WRITE;
-    assign o_push        = state_q == TAIL && !done && command_q == `HG_COMMAND_PUSH;
-    assign o_keep        = state_q == CLOSE && command_q == `HG_COMMAND_PUSH && o_status == `HG_REPLY_OK;
-    assign o_take_back   = state_q == CLOSE && command_q == `HG_COMMAND_PUSH && o_status != `HG_REPLY_OK;
+    assign o_write       = state_q == TAIL && !done && !hold && puts;
+    assign o_push        = state_q == TAIL && !done && (command_q == `HG_COMMAND_PUSH || (foci && !hold && i_ring_complete));
+    assign o_keep        = state_q == CLOSE && pushes && o_status == `HG_REPLY_OK;
+    assign o_take_back   = state_q == CLOSE && pushes && o_status != `HG_REPLY_OK;
     assign o_read_words  = !reads ? 16'd0
                          : reply_q == 2'd1 ? `HG_IDENTITY_WORDS
-                         : reply_q == 2'd2 ? `HG_STATUS_WORDS
+                         : reply_q == 2'd2 ? STATUS_WORDS[15:0]
                          : {1'b0, argument_q[2][15:1]};
 
     // ---- The steps of a frame
@@ -117,7 +128,7 @@ module command_unit #(
         {o_execute, o_repeated, o_refused, o_answer} <= 4'd0;
         tail_words_q <= payload_words_q - arg_words;
         if (o_take && state_q != LENGTH && state_q != HEADER) words_q <= words_q - 1'b1;
-        if (o_write) o_address <= o_address + 1'b1;
+        if (o_write) o_address <= foci && i_ring_wraps ? i_ring_start : o_address + 1'b1;
 
         case (state_q)
             LENGTH: if (i_valid) begin
@@ -143,8 +154,10 @@ module command_unit #(
                 end else state_q <= SETTLE;
 
             SETTLE: begin  // the blocks that IDENTIFY and STATUS answer with have no address among their arguments
-                o_region  <= reply_q == 2'd1 ? `HG_REGION_IDENTITY : reply_q == 2'd2 ? `HG_REGION_STATUS : argument_q[1][15:12];
-                o_address <= reply_q == 2'd1 || reply_q == 2'd2 ? {WORD_BITS{1'b0}} : argument_address[WORD_BITS-1:0];
+                o_region  <= reply_q == 2'd1 ? `HG_REGION_IDENTITY : reply_q == 2'd2 ? `HG_REGION_STATUS
+                           : foci ? `HG_REGION_PRIMARY : argument_q[1][15:12];
+                o_address <= reply_q == 2'd1 || reply_q == 2'd2 ? {WORD_BITS{1'b0}}
+                           : foci ? i_ring_address : argument_address[WORD_BITS-1:0];
                 bad_index_q <= 1'b0;
                 state_q     <= JUDGE;
             end
@@ -157,8 +170,8 @@ module command_unit #(
                 else finish(repeated ? `HG_REPLY_REPEATED : `HG_REPLY_OK);
 
             TAIL: begin
-                if (o_push && i_word > i_top_index) bad_index_q <= 1'b1;
-                if (done) finish(bad_index_q ? `HG_REPLY_BAD_INDEX : `HG_REPLY_OK);
+                if (o_push && !foci && i_word > i_top_index) bad_index_q <= 1'b1;
+                if (done) finish(bad_index_q ? `HG_REPLY_BAD_INDEX : foci && i_ring_split ? `HG_REPLY_BAD_LENGTH : `HG_REPLY_OK);
             end
 
             DRAIN: if (done) state_q <= CLOSE;  // what is left of a refused frame

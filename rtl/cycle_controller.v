@@ -11,6 +11,7 @@
 // While i_allow is low there are no pulses to complete, so a change that i_preempt asked for does not wait for the cycle's end.
 // Where words are made anew in each cycle, i_refresh says that those of the present record are there; o_refresh then puts them to use at
 // the cycle's end, as o_commit does the next record's, with their i_pulse_length. Never both at once.
+// While i_hold is high a cycle does not end: its last clock, o_last, is repeated, with no tick. So carrier_sync keeps boards in step.
 // PULSE_BITS and TIMING_BITS are the core's. IDLE_CLOCKS is the length of the cycle before the first record, in clocks.
 `default_nettype none
 module cycle_controller #(
@@ -22,6 +23,8 @@ module cycle_controller #(
     input  wire                   rst,
     input  wire                   i_allow,    // from output_guard: pulses may reach the pins
     input  wire                   i_preempt,  // strobe
+    input  wire                   i_hold,
+    output wire                   o_last,
     input  wire                   i_settled,  // every pulse from before the last commit has ended
     input  wire                   i_ready,    // the next record: its fields below, and its timings in the shadow registers
     input  wire [15:0]            i_index,
@@ -56,8 +59,10 @@ module cycle_controller #(
     wire due       = dwell_q == 16'd1;
     wire ready     = i_ready && i_settled;
     wire at_once   = !i_allow && preempt_q && ready;
-    wire tick_ends = phase_q == last_phase_q || at_once;
-    wire boundary  = (tick_ends && count_q == last_count_q) || at_once;
+    wire held      = o_last && i_hold && !at_once;
+    wire tick_ends = (phase_q == last_phase_q && !held) || at_once;
+    wire boundary  = (o_last && !held) || at_once;
+    assign o_last  = phase_q == last_phase_q && count_q == last_count_q;
 
     assign o_commit      = boundary && ready && (due || dwell_q == 16'd0 || preempt_q);
     wire   refresh       = boundary && i_refresh && i_settled;
@@ -76,7 +81,7 @@ module cycle_controller #(
         end else if (tick_ends) begin
             phase_q <= 24'd0;
             count_q <= boundary ? 24'd0 : count_q + 1'b1;
-        end else phase_q <= phase_q + 1'b1;
+        end else if (!held) phase_q <= phase_q + 1'b1;
         {o_tick, o_cycle_start} <= {rst || tick_ends, rst || boundary};
     end
 

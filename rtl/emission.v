@@ -68,43 +68,44 @@ module emission #(
     // A sample of 255 leaves an amplitude as it is: amplitude · (257 · sample + 1) / 65536.
     reg  [16:0] factor_q;
     reg  [32:0] modulated_1;
-    reg  [15:0] amplitude_2, phase_1, phase_2;
+    reg  [15:0] phase_1;
     always @(posedge clk) begin
         factor_q    <= {1'b0, i_modulation, i_modulation} + 17'd1;
         modulated_1 <= {17'd0, i_amplitude} * {16'd0, factor_q};
-        amplitude_2 <= modulated_1[31:16];
-        {phase_2, phase_1} <= {phase_1, i_phase};
+        phase_1     <= i_phase;
     end
+    wire [15:0] amplitude_1 = modulated_1[31:16];
 
-    wire [15:0] amplitude_7, phase_7;
-    wire        bent_8;
+    wire [15:0] amplitude_6, phase_6;
+    wire        bent_7;
     generate
         if (SLEW != 0) begin : limited
             slew_limiter #(.CHANNELS(CHANNELS)) limiter (
                 .clk(clk), .rst(rst),
                 .i_begin(i_begin), .i_new_target(i_new_target), .i_hold(i_raw), .i_mode(i_slew), .i_phase_rate(i_phase_rate),
                 .i_amplitude_rate(i_amplitude_rate), .i_arrival_periods(i_arrival_periods), .o_ready(o_ready),
-                .i_valid(valid_q[2]), .i_amplitude(amplitude_2), .i_phase(phase_2),
-                .o_amplitude(amplitude_7), .o_phase(phase_7), .o_bent(bent_8));
+                .i_valid(valid_q[1]), .i_amplitude(amplitude_1), .i_phase(phase_1),
+                .o_amplitude(amplitude_6), .o_phase(phase_6), .o_bent(bent_7));
         end else begin : unlimited
             reg [159:0] delayed_q;
-            always @(posedge clk) delayed_q <= {delayed_q[127:0], amplitude_2, phase_2};
-            assign {amplitude_7, phase_7, bent_8, o_ready} = {delayed_q[159:128], 2'b01};
+            always @(posedge clk) delayed_q <= {delayed_q[127:0], amplitude_1, phase_1};
+            assign {amplitude_6, phase_6, bent_7, o_ready} = {delayed_q[159:128], 2'b01};
             wire unused = &{1'b0, i_begin, i_new_target, i_slew, i_phase_rate, i_amplitude_rate, i_arrival_periods};
         end
     endgenerate
 
     // Width and middle in ticks. The middle is in half ticks, so that an odd width leaves it where it is. For raw words the middle's
-    // register holds the start.
+    // register holds the start. The table's word has a clock to itself, as from any block RAM (primary_memory.v).
     (* rom_style = "block" *) reg [15:0] arcsine [0:1023];
     `include "tables/arcsine.vh"
-    reg  [15:0]  width_8, phase_8, phase_9;
+    reg  [15:0]  width_7, width_8, phase_7, phase_8, phase_9;
     reg  [T+16:0] width_9, middle_9;
     reg  [T-1:0] width_10;
     reg  [T+1:0] middle_10;
     always @(posedge clk) begin
-        width_8  <= arcsine[amplitude_7[15:6]];
-        {phase_9, phase_8} <= {phase_8, phase_7};
+        width_7  <= arcsine[amplitude_6[15:6]];
+        width_8  <= width_7;
+        {phase_9, phase_8, phase_7} <= {phase_8, phase_7, phase_6};
         width_9  <= {{(T+1){1'b0}}, width_8} * {16'd0, i_cycle};
         middle_9 <= {{(T+1){1'b0}}, phase_8} * {16'd0, i_cycle};
         if (!i_raw) width_10 <= half_ticks_9 < {1'b0, LEAST} ? {T{1'b0}} : rounded_9 < LEAST ? LEAST : rounded_9;
@@ -125,17 +126,17 @@ module emission #(
     wire         silent = width_11 == {T{1'b0}} || rise_11 >= {1'b0, NEVER};
     wire [T+1:0] stop   = {1'b0, rise_11} + {2'b00, width_11};
     wire [T+1:0] over   = stop - {1'b0, i_cycle};
-    reg  [10:9]  bent_q;
+    reg  [10:8]  bent_q;
     reg          bent_11;
     always @(posedge clk) begin
         early_11 <= borrows;
         rise_11  <= borrows ? twice[T+1:1] + i_cycle : twice[T+1:1];
         width_11 <= width_10;
-        {bent_11, bent_q} <= {bent_q, bent_8};
+        {bent_11, bent_q} <= {bent_q, bent_7};
         o_word   <= silent ? {1'b0, NEVER, NEVER} : {early_11, rise_11[T-1:0], over[T+1] ? stop[T-1:0] : over[T-1:0]};
         o_width  <= silent ? {WIDTH_BITS{1'b0}} : width_11[WIDTH_BITS-1:0];
         o_bent   <= valid_q[11] && bent_11;
     end
-    wire unused = &{1'b0, modulated_1[32], modulated_1[15:0], amplitude_7[5:0], width_9[15:0], middle_9[14:0], twice[0], over[T]};
+    wire unused = &{1'b0, modulated_1[32], modulated_1[15:0], amplitude_6[5:0], width_9[15:0], middle_9[14:0], twice[0], over[T]};
 endmodule
 `default_nettype wire

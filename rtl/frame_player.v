@@ -7,7 +7,7 @@
 // carrier period, period_controller has them made into the generators' words: modulation, slew limit, width, and puts those to use
 // at the period's end. Its other ports are those of player. Settings (parameters, geometry, samples) are written one word a strobe;
 // a sample must not be written while o_fetching. o_sample_word follows i_read_address by two clocks, o_parameter_word by one.
-// i_modulate begins with i_divider, i_length (0: all samples) and i_loop, or stops when i_divider is 0.
+// i_modulate and what comes with it are the command MODULATE's; i_modulates says when that takes effect.
 // The parameters are the core's and player's. MAX_DUTY_256 must be at least 128, because full amplitude is half of the cycle.
 `default_nettype none
 `include "interface.vh"
@@ -20,6 +20,7 @@ module frame_player #(
     parameter MODULATION_DEPTH = 4096,
     parameter SLEW            = 1,
     parameter FOCI            = 8,
+    parameter SYNC            = 0,
     parameter IDLE_CLOCKS     = 1250,
     parameter MAX_HIGH_CLOCKS = 10000,
     parameter MIN_PULSE_CLOCKS = 5,
@@ -31,6 +32,7 @@ module frame_player #(
     input  wire                clk,
     input  wire                rst,
     input  wire                i_preempt,
+    input  wire                i_drop,           // silence that was prepared is not wanted
     input  wire                i_entry,
     output wire                o_take,
     input  wire [15:0]         i_index,
@@ -48,13 +50,19 @@ module frame_player #(
     output wire [15:0]         o_sample_word,
     output wire                o_fetching,
     output wire [15:0]         o_foci_count,
-    input  wire                i_modulate,       // strobe
+    output wire [2:0]          o_foci_last,
+    input  wire                i_modulate,       // strobe: settings of the modulation
     input  wire [15:0]         i_divider,
     input  wire [15:0]         i_length,
-    input  wire                i_loop,
+    input  wire [15:0]         i_form,           // bit 0: over and over; the others: half the number of the first sample
+    input  wire                i_modulates,      // strobe, not before that: they take effect
+    input  wire                i_at_pass_end,    // with it: when the present pass has ended
     input  wire                i_enable,
     input  wire                i_disable,
     input  wire                i_expired,
+    input  wire                i_together,       // with other boards: cycles have IDLE_CLOCKS clocks, and changes wait for their end
+    input  wire                i_hold,           // cycle_controller's
+    output wire                o_last,
     output wire [CHANNELS-1:0] o_pins,
     output wire                o_enabled,
     output wire                o_alive,
@@ -84,7 +92,6 @@ module frame_player #(
     wire [15:0] foci_base, foci_cycle, gain, phase_rate, amplitude_rate;
     wire [17:0] wave_number;
     wire [11:0] arrival_periods;
-    wire [2:0]  foci_last;
     wire [1:0]  slew;
     wire        foci_whole;
 
@@ -92,71 +99,36 @@ module frame_player #(
         .clk(clk),
         .i_write(i_set_parameter), .i_write_address(i_set_address[4:0]), .i_write_word(i_set_word),
         .i_read_address(i_read_address[4:0]), .o_word(o_parameter_word),
-        .o_foci_base(foci_base), .o_foci_count(o_foci_count), .o_foci_last(foci_last), .o_foci_whole(foci_whole),
+        .o_foci_base(foci_base), .o_foci_count(o_foci_count), .o_foci_last(o_foci_last), .o_foci_whole(foci_whole),
         .o_foci_cycle(foci_cycle), .o_wave_number(wave_number), .o_gain(gain),
         .o_slew(slew), .o_phase_rate(phase_rate), .o_amplitude_rate(amplitude_rate), .o_arrival_periods(arrival_periods));
 
     // ---- Once a record
 
-    wire                   loaded, shift, silent, amplitudes, foci, complete, take_over, bank;
-    wire [15:0]            next_index, next_dwell;
-    wire [23:0]            next_cycle_length, next_prescaler;
-    wire [PULSE_BITS-1:0]  next_pulse_length;
-    wire [TIMING_BITS-1:0] timing;
-    wire [WIDTH_BITS-1:0]  next_width = {{(WIDTH_BITS-PULSE_BITS){1'b0}}, next_pulse_length};
+    wire                    loaded, silent, amplitudes, take_over, bank;
+    wire [15:0]             next_index, next_dwell;
+    wire [23:0]             next_cycle_length, next_prescaler;
+    wire [PULSE_BITS-1:0]   next_pulse_length;
+    wire [WIDTH_BITS-1:0]   next_width = {{(WIDTH_BITS-PULSE_BITS){1'b0}}, next_pulse_length};
+    wire [CHANNEL_BITS-1:0] channel;
+    wire [31:0]             frame_word;
 
-    memory_controller #(
+    frame_loader #(
         .CHANNELS(CHANNELS), .RECORDS(RECORDS), .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS),
         .MIN_PULSE_CLOCKS(MIN_PULSE_CLOCKS), .MAX_PULSE_CLOCKS(MAX_PULSE_CLOCKS), .MAX_DUTY_256(MAX_DUTY_256),
-        .MAX_CYCLE_CLOCKS(MAX_CYCLE_CLOCKS), .WIDTH_BITS(WIDTH_BITS), .FOCI(FOCI), .LEAST_CYCLE(2 * LEAD)
-    ) memory (
+        .MAX_CYCLE_CLOCKS(MAX_CYCLE_CLOCKS), .WIDTH_BITS(WIDTH_BITS), .FOCI(FOCI), .LEAST_CYCLE(2 * LEAD),
+        .COMMON_CYCLE(SYNC != 0 ? IDLE_CLOCKS : 0)
+    ) loader (
         .clk(clk), .rst(rst),
-        .i_preempt(i_preempt), .i_entry(i_entry), .i_settled(1'b1), .o_take(o_take), .i_index(i_index), .i_dwell(i_dwell),
+        .i_preempt(i_preempt || i_drop), .i_entry(i_entry), .i_common(i_together), .o_take(o_take), .i_index(i_index), .i_dwell(i_dwell),
         .o_reading(o_reading), .o_address(o_address), .i_word(i_word),
-        .i_foci_base(foci_base), .i_foci_count(o_foci_count), .i_foci_last(foci_last), .i_foci_cycle(foci_cycle),
-        .o_shift(shift), .o_timing(timing),
-        .i_commit(take_over), .o_ready(loaded), .o_silent(silent), .o_amplitudes(amplitudes), .o_foci(foci),
+        .i_set_geometry(i_set_geometry), .i_set_address(i_set_address[CHANNEL_BITS+1:0]), .i_set_word(i_set_word),
+        .i_foci_base(foci_base), .i_foci_count(o_foci_count), .i_foci_last(o_foci_last), .i_foci_whole(foci_whole), .i_foci_cycle(foci_cycle),
+        .i_wave_number(wave_number), .i_gain(gain),
+        .i_take_over(take_over), .o_ready(loaded), .o_silent(silent), .o_amplitudes(amplitudes),
         .o_index(next_index), .o_dwell(next_dwell), .o_cycle_length(next_cycle_length), .o_prescaler(next_prescaler),
-        .o_pulse_length(next_pulse_length), .o_refused(o_refused));
-
-    wire                    engine_valid;
-    wire [31:0]             engine_word, frame_word;
-    wire [CHANNEL_BITS-1:0] channel;
-    generate
-        if (FOCI != 0) begin : with_foci
-            reg        loaded_q, started_q, far_q;
-            reg  [4:0] focus_word_q;
-            wire       engine_last, engine_far, engine_ready;
-            wire [CHANNEL_BITS-1:0] engine_channel;
-            always @(posedge clk) begin
-                // The last word of the foci may come in the clock in which they are first loaded.
-                loaded_q  <= loaded && foci && !silent && !i_preempt && !rst;
-                started_q <= loaded_q && !i_preempt && !rst;
-                if (o_take) focus_word_q <= 5'd0;
-                else if (shift) focus_word_q <= focus_word_q + 1'b1;
-                if (rst || i_preempt || (engine_valid && engine_last)) far_q <= 1'b0;
-                else if (engine_valid && engine_far) far_q <= 1'b1;
-            end
-            focus_engine #(.CHANNELS(CHANNELS)) engine (
-                .clk(clk), .rst(rst || i_preempt),
-                .i_geometry(i_set_geometry), .i_geometry_address(i_set_address[CHANNEL_BITS+1:0]), .i_geometry_word(i_set_word),
-                .i_focus(shift && foci), .i_focus_address(focus_word_q), .i_focus_word(i_word),
-                .i_start(loaded_q && !started_q), .o_ready(engine_ready), .i_last_focus(foci_last), .i_whole(foci_whole),
-                .i_wave_number(wave_number), .i_gain(gain),
-                .o_valid(engine_valid), .o_last(engine_last), .o_far(engine_far), .o_channel(engine_channel),
-                .o_phase(engine_word[15:0]), .o_amplitude(engine_word[31:16]));
-            assign o_far = engine_valid && engine_last && (far_q || engine_far);
-            wire unused = &{1'b0, engine_ready, engine_channel};
-        end else begin : without_foci
-            assign {engine_valid, engine_word, o_far} = 34'd0;
-            wire unused = &{1'b0, i_set_geometry, foci_whole, wave_number, gain};
-        end
-    endgenerate
-
-    frame_memory #(.CHANNELS(CHANNELS)) frame (
-        .clk(clk), .i_clear(rst || i_preempt || o_take), .i_write(foci ? engine_valid : shift),
-        .i_word(foci ? engine_word : amplitudes ? {i_word[15:8], i_word[15:8], i_word[7:0], 8'd0} : {16'hffff, i_word}),
-        .o_complete(complete), .i_swept(bank), .i_channel(channel), .o_word(frame_word));
+        .o_pulse_length(next_pulse_length), .o_refused(o_refused), .o_far(o_far),
+        .i_swept(bank), .i_channel(channel), .o_word(frame_word));
 
     // ---- Once a carrier period
 
@@ -173,11 +145,11 @@ module frame_player #(
     period_controller #(
         .CHANNELS(CHANNELS), .TIMING_BITS(TIMING_BITS), .WIDTH_BITS(WIDTH_BITS), .LEAD(LEAD), .IDLE_CLOCKS(IDLE_CLOCKS)
     ) periods (
-        .clk(clk), .rst(rst), .i_allow(allow), .i_preempt(i_preempt),
+        .clk(clk), .rst(rst), .i_allow(allow || i_together), .i_preempt(i_preempt),
         .i_tick(tick), .i_cycle_start(cycle_start), .i_settled(settled), .i_follows(follows), .i_asked(asked),
         .i_commit(commit), .i_refresh(refresh), .o_preempt(asks), .o_ready(ready), .o_refresh(refreshes),
         .o_index(index), .o_dwell(dwell), .o_silent(still), .o_cycle_length(cycle_length), .o_prescaler(prescaler), .o_longest(longest),
-        .i_next(loaded && (silent || complete)), .i_next_silent(silent), .i_next_amplitudes(amplitudes),
+        .i_next(loaded), .i_next_silent(silent), .i_next_amplitudes(amplitudes),
         .i_next_index(next_index), .i_next_dwell(next_dwell), .i_next_cycle_length(next_cycle_length),
         .i_next_prescaler(next_prescaler), .i_next_pulse_length(next_width), .o_take_over(take_over),
         .o_bank(bank), .o_channel(channel), .o_mute(mute), .o_begin(begins), .o_new_target(new_target), .o_raw(raw),
@@ -185,32 +157,12 @@ module frame_player #(
         .i_word(word_valid), .i_word_last(word_last), .i_width(width), .i_bent(bent),
         .o_period(period), .o_busy(busy), .o_bent(o_bent), .o_missed(missed));
 
-    generate
-        if (MODULATION_DEPTH != 0) begin : with_modulation
-            localparam BITS = $clog2(MODULATION_DEPTH);
-            reg  [15:0]   divider_q;
-            reg  [BITS:0] length_q;
-            reg           loop_q, start_q, stop_q;
-            wire [16:0]   length = {1'b0, i_length};  // command_check has seen that its upper bits are 0
-            wire          unused = &{1'b0, length};
-            always @(posedge clk) begin
-                {start_q, stop_q} <= {2{i_modulate && !rst}} & {i_divider != 16'd0, i_divider == 16'd0};
-                if (i_modulate) begin
-                    {divider_q, loop_q} <= {i_divider, i_loop};
-                    length_q <= i_length == 16'd0 ? MODULATION_DEPTH[BITS:0] : length[BITS:0];
-                end
-            end
-            modulation #(.DEPTH(MODULATION_DEPTH)) samples (
-                .clk(clk), .rst(rst),
-                .i_write(i_set_sample), .i_write_address(i_set_address[BITS-2:0]), .i_write_word(i_set_word),
-                .i_read_address(i_read_address[BITS-2:0]), .o_word(o_sample_word), .o_fetching(o_fetching),
-                .i_start(start_q), .i_stop(stop_q), .i_length(length_q), .i_divider(divider_q), .i_loop(loop_q),
-                .i_period(period), .o_running(o_modulated), .o_sample(sample));
-        end else begin : without_modulation
-            assign {o_sample_word, o_fetching, o_modulated, sample} = 26'd255;
-            wire unused = &{1'b0, i_set_sample, i_modulate, i_divider, i_length, i_loop, period};
-        end
-    endgenerate
+    modulator #(.DEPTH(MODULATION_DEPTH)) samples (
+        .clk(clk), .rst(rst),
+        .i_write(i_set_sample), .i_write_address(i_set_address), .i_write_word(i_set_word),
+        .i_read_address(i_read_address), .o_word(o_sample_word), .o_fetching(o_fetching),
+        .i_modulate(i_modulate), .i_divider(i_divider), .i_length(i_length), .i_form(i_form), .i_modulates(i_modulates), .i_at_pass_end(i_at_pass_end),
+        .i_period(period), .o_running(o_modulated), .o_sample(sample));
 
     // The slew limiter's settings, as they were when the period's words were begun.
     reg [1:0]  slew_q;
@@ -234,7 +186,7 @@ module frame_player #(
         .PULSE_BITS(WIDTH_BITS), .TIMING_BITS(TIMING_BITS), .IDLE_CLOCKS(IDLE_CLOCKS)
     ) cycle (
         .clk(clk), .rst(rst),
-        .i_allow(allow), .i_preempt(asks), .i_settled(settled),
+        .i_allow(allow || i_together), .i_preempt(asks), .i_hold(i_hold), .o_last(o_last), .i_settled(settled),
         .i_ready(ready), .i_index(index), .i_dwell(dwell), .i_silent(still),
         .i_cycle_length(cycle_length), .i_prescaler(prescaler), .i_pulse_length(longest),
         .i_refresh(refreshes), .o_refresh(refresh), .o_follows(follows), .o_asked(asked),
@@ -257,20 +209,9 @@ module frame_player #(
         .i_enable(i_enable), .i_disable(i_disable), .i_expired(i_expired), .i_pins(o_pins),
         .o_allow(allow), .o_enabled(o_enabled), .o_trip(o_guard_trip), .o_alive(o_alive));
 
-    // The tick and the two clocks by which the pins are late, for the signals beside them.
-    reg        starts_q;  // the last tick was the first of a cycle
-    reg [15:0] index_q;   // the record of the last tick
-    reg [16:0] beside_0_q, beside_1_q;
-    always @(posedge clk) begin
-        if (rst) {starts_q, index_q, beside_0_q, beside_1_q} <= 51'd0;
-        else begin
-            if (tick) {starts_q, index_q} <= {cycle_start, present};
-            beside_0_q <= {tick && starts_q, tick ? index_q : beside_0_q[15:0]};
-            beside_1_q <= beside_0_q;
-        end
-    end
-    assign {o_cycle_start, o_index} = beside_1_q;
+    beside_pins beside (
+        .clk(clk), .rst(rst), .i_tick(tick), .i_cycle_start(cycle_start), .i_index(present),
+        .o_cycle_start(o_cycle_start), .o_index(o_index));
 
-    wire unused = &{1'b0, timing, i_set_address, i_read_address};
 endmodule
 `default_nettype wire

@@ -5,7 +5,7 @@
 //
 // A pin rises one tick and two clocks after the tick that its timing names. o_index and o_cycle_start are delayed alike: a pulse
 // that rises in the clock in which o_index changes is the new record's.
-// What switches outputs off: DISABLE, a watchdog or guard trip, a break on the serial line, i_stop, and reset.
+// What switches outputs off: DISABLE, a watchdog or guard trip, a break on the serial line, i_stop, loss of SYNC, and reset.
 // The parameters without a comment are described in INTERFACE.md, with their ranges and the reason for each; it also lists the
 // named configurations of them. Values out of range do not elaborate.
 `default_nettype none
@@ -27,6 +27,8 @@ module haptogram_core #(
     parameter MODULATION_DEPTH = `HG_DEFAULT_MODULATION_DEPTH,
     parameter SLEW            = `HG_DEFAULT_SLEW,
     parameter FOCI            = `HG_DEFAULT_FOCI,
+    parameter SCHEDULE        = `HG_DEFAULT_SCHEDULE,
+    parameter SYNC            = `HG_DEFAULT_SYNC,
     parameter CARRIER_HZ      = 40000,  // of the cycles before the first record, which starts at the end of one
     parameter PRIMARY_FILE    = "",     // $readmemh files: the memories' contents at power-up
     parameter SEQUENCE_FILE   = ""
@@ -35,12 +37,14 @@ module haptogram_core #(
     input  wire                rst,
     input  wire                i_rx,
     input  wire                i_stop,         // a switch, not synchronous to clk: while it is high, outputs are off
+    input  wire                i_sync,         // from the master, not synchronous to clk
+    output wire                o_sync,         // of the master
     output wire                o_tx,
     output wire [CHANNELS-1:0] o_pins,
     output wire                o_enabled,      // for the drivers' enable input
     output wire                o_alive,        // changes all the time, as long as there is a clock
     output wire                o_playing,
-    output wire                o_fault,        // the watchdog or the guard has tripped since outputs were last enabled
+    output wire                o_fault,        // since outputs were last enabled, the watchdog or the guard has tripped, or SYNC was lost
     output wire [15:0]         o_index,
     output wire                o_cycle_start
 );
@@ -53,8 +57,11 @@ module haptogram_core #(
     localparam SETTING_BITS = SAMPLE_BITS > GEOMETRY_BITS ? SAMPLE_BITS : GEOMETRY_BITS;
     localparam PLAYED_BITS = PRIMARY_BITS > HALVES_OR_BLOCK_BITS ? PRIMARY_BITS : HALVES_OR_BLOCK_BITS;
     localparam WORD_BITS = PLAYED_BITS > SETTING_BITS ? PLAYED_BITS : SETTING_BITS;
-    // Room for two of the longest frames: length word, sequence number and command, address, record.
-    localparam RING_BITS = $clog2(2 * (RECORD_WORDS + 4));
+    // The longest frames in bytes, without their CRC: sequence number and command, address, record; or as many foci as bring the 1 Mbaud line to
+    // 12,000 a second with something to spare. There is room for two of them, each with a word for its length.
+    localparam RECORD_FRAME = 6 + 2 * RECORD_WORDS, FOCI_FRAME = FOCI != 0 ? 4 + 8 * 60 : 0;
+    localparam FRAME_BYTES = RECORD_FRAME > FOCI_FRAME ? RECORD_FRAME : FOCI_FRAME;
+    localparam RING_BITS = $clog2(2 * (FRAME_BYTES / 2 + 1));
     localparam IDLE_CLOCKS = CLOCK_HZ / CARRIER_HZ;
     localparam MAX_CYCLE_CLOCKS = CLOCK_HZ;  // one second
     // Pulses that merge at changes of focus make up to five times the longest one, if their records' ticks are alike. A pin may
@@ -63,6 +70,7 @@ module haptogram_core #(
 
     generate
         if (WIDTH_BITS == 0 && (MODULATION_DEPTH != 0 || SLEW != 0 || FOCI != 0)) width_bits_out_of_range error();
+        if (SCHEDULE < 0 || SCHEDULE > 1) schedule_out_of_range error();
     endgenerate
 
     // ---- The link: frames in, replies out
@@ -88,21 +96,24 @@ module haptogram_core #(
     wire        settle, execute, repeated, refused, session, write, hold, push, keep, take_back, answer, answered;
     wire [7:0]  command, verdict, status, sequence_number, expected;
     wire [15:0] argument_0, argument_1, argument_2, tail_words, read_words, live_free, live_level;
-    wire [WORD_BITS-1:0] command_address;
+    wire [WORD_BITS-1:0] command_address, ring_address, ring_start;
+    wire        gate_busy, at_end, ring_usable, ring_fits, ring_wraps, ring_complete, ring_split;
     wire [3:0]  region;
 
     command_check #(
         .CHANNELS(CHANNELS), .RECORDS(RECORDS), .SEQUENCE_DEPTH(SEQUENCE_DEPTH), .WIDTH_BITS(WIDTH_BITS),
-        .MODULATION_DEPTH(MODULATION_DEPTH), .FOCI(FOCI), .WORD_BITS(WORD_BITS)
+        .MODULATION_DEPTH(MODULATION_DEPTH), .FOCI(FOCI), .SCHEDULE(SCHEDULE), .SYNC(SYNC), .WORD_BITS(WORD_BITS)
     ) check (
         .clk(clk),
         .i_settle(settle), .i_command(command),
         .i_argument_0(argument_0), .i_argument_1(argument_1), .i_argument_2(argument_2), .i_tail_words(tail_words),
-        .i_live_free(live_free), .i_stopped(stopped), .i_top_index(top_index), .i_header_valid(header_valid),
+        .i_live_free(live_free), .i_stopped(stopped), .i_out_of_step(out_of_step), .i_top_index(top_index), .i_header_valid(header_valid),
+        .i_gate_busy(gate_busy), .i_at_end(at_end), .i_ring_usable(ring_usable), .i_ring_fits(ring_fits),
         .o_status(verdict));
 
     command_unit #(
-        .WORD_BITS(WORD_BITS), .LENGTH_BITS(RING_BITS + 2)
+        .WORD_BITS(WORD_BITS), .STATUS_WORDS(SCHEDULE != 0 ? `HG_STATUS_WORDS : `HG_STATUS_UNTIMED_WORDS), .FOCI(FOCI),
+        .LENGTH_BITS(RING_BITS + 2)
     ) commands (
         .clk(clk), .rst(rst),
         .i_valid(frame_valid), .o_take(frame_take), .i_word(frame_word),
@@ -110,7 +121,8 @@ module haptogram_core #(
         .o_tail_words(tail_words), .o_settle(settle), .i_status(verdict), .i_top_index(top_index),
         .o_execute(execute), .o_repeated(repeated), .o_refused(refused), .o_session(session),
         .o_write(write), .i_hold(hold), .o_address(command_address), .o_region(region),
-        .o_push(push), .o_keep(keep), .o_take_back(take_back),
+        .i_ring_address(ring_address), .i_ring_start(ring_start), .i_ring_wraps(ring_wraps), .i_ring_complete(ring_complete),
+        .i_ring_split(ring_split), .o_push(push), .o_keep(keep), .o_take_back(take_back),
         .o_answer(answer), .o_status(status), .o_sequence(sequence_number), .o_expected(expected), .o_read_words(read_words),
         .i_answered(answered));
 
@@ -119,7 +131,8 @@ module haptogram_core #(
     wire does_enable   = autostart || (execute && command == `HG_COMMAND_ENABLE);
     wire does_disable  = execute && command == `HG_COMMAND_DISABLE;
     wire does_watchdog = autostart || (execute && command == `HG_COMMAND_WATCHDOG);
-    wire does_reset    = execute && command == `HG_COMMAND_RESET;
+    wire does_sync     = SYNC != 0 && execute && command == `HG_COMMAND_SYNC;
+    wire does_reset    = does_sync || (execute && command == `HG_COMMAND_RESET);
     wire asks          = read_words != 16'd0;  // of a command that is carried out: it only asks
     // While a STOP waits for its turn, nothing that was sent before it starts to play.
     reg  urgent_stop_q;
@@ -127,7 +140,9 @@ module haptogram_core #(
     wire does_select   = execute && command == `HG_COMMAND_SELECT && !urgent_stop;
     wire does_start    = execute && command == `HG_COMMAND_START && !urgent_stop;
     wire does_stop     = (execute && command == `HG_COMMAND_STOP) || (urgent_stop && !urgent_stop_q);
+    wire does_modulate = execute && command == `HG_COMMAND_MODULATE;
     wire keeps         = keep && !urgent_stop;
+    wire takes_back    = take_back || (keep && urgent_stop);
     // What RESET resets: all that plays and supervises. The link goes on, and memories are not reset by anything.
     reg  play_rst;
     initial play_rst = 1'b0;
@@ -163,27 +178,58 @@ module haptogram_core #(
 
     // ---- What to play next
 
-    wire        live_valid, live_take, live_clear, preempt, entry, take, header_valid;
+    wire        live_valid, live_take, live_clear, preempt, drop, entry, take, header_valid, follow, followed;
+    wire        starts, kept, taken_back, mark, closed, plays_live, modulates, at_pass_end, waiting, late_change;
+    wire [15:0] start_0, start_1, start_2, ring_index;
+    wire [47:0] period;
     wire [31:0] live_entry;
     wire [15:0] next_index, next_dwell;
     wire [1:0]  mode;
 
     live_fifo #(.DEPTH(LIVE_DEPTH)) live (
         .clk(clk), .rst(play_rst), .i_clear(live_clear),
-        .i_push(push), .i_entry({argument_0, frame_word}), .i_keep(keeps), .i_take_back(take_back || (keep && urgent_stop)),
+        .i_push(push), .i_entry({argument_0, FOCI != 0 && command == `HG_COMMAND_PUSH_FOCI ? ring_index : frame_word}),
+        .i_keep(kept), .i_take_back(taken_back), .i_mark(mark), .i_closed(closed),
         .o_free(live_free), .o_level(live_level),
         .o_valid(live_valid), .o_entry(live_entry), .i_take(live_take));
 
     index_source #(.SEQUENCE_DEPTH(SEQUENCE_DEPTH)) source (
         .clk(clk), .rst(play_rst),
-        .i_select(does_select), .i_start(does_start), .i_stop(does_stop), .i_live(keeps), .i_host(execute && !asks),
+        .i_select(does_select), .i_start(starts), .i_stop(does_stop), .i_live(plays_live),
+        .i_follow(follow), .o_followed(followed), .i_host(execute && !asks),
         .i_header(write && region == `HG_REGION_SEQUENCE && command_address == {WORD_BITS{1'b0}}), .i_header_word(frame_word[14:0]),
         .o_header_valid(header_valid),
-        .i_argument_0(argument_0), .i_argument_1(argument_1), .i_argument_2(argument_2),
+        .i_argument_0(start_0), .i_argument_1(start_1), .i_argument_2(start_2),
         .o_fetching(fetching), .o_sequence_address(sequence_address), .i_sequence_word(sequence_word),
-        .i_live_valid(live_valid), .i_live_entry(live_entry), .o_live_take(live_take), .o_live_clear(live_clear),
-        .o_preempt(preempt), .o_entry(entry), .i_take(take), .o_index(next_index), .o_dwell(next_dwell),
+        .i_live_valid(live_valid), .i_live_empty(live_level == 16'd0), .i_live_entry(live_entry), .o_live_take(live_take), .o_live_clear(live_clear),
+        .o_preempt(preempt), .o_drop(drop), .o_entry(entry), .i_take(take), .o_index(next_index), .o_dwell(next_dwell),
         .o_mode(mode), .o_autostart(autostart));
+
+    generate
+        if (SCHEDULE != 0) begin : keeps_time
+            schedule times (
+                .clk(clk), .rst(play_rst), .i_count(period), .i_mode(mode),
+                .i_gate(execute && command == `HG_COMMAND_GATE), .i_select(does_select), .i_start(does_start), .i_stop(does_stop),
+                .i_modulate(does_modulate), .i_forget(execute && command == `HG_COMMAND_IDENTIFY),
+                .i_argument_0(argument_0), .i_argument_1(argument_1), .i_argument_2(argument_2), .o_busy(gate_busy), .o_at_end(at_end),
+                .o_start(starts), .o_follow(follow), .i_followed(followed),
+                .o_argument_0(start_0), .o_argument_1(start_1), .o_argument_2(start_2),
+                .i_push(push), .i_keep(keeps), .i_take_back(takes_back), .i_clear(live_clear),
+                .o_keep(kept), .o_take_back(taken_back), .o_mark(mark), .o_closed(closed), .o_live(plays_live),
+                .o_modulate(modulates), .o_at_pass_end(at_pass_end), .o_waiting(waiting), .o_late(late_change));
+        end else begin : at_once
+            assign {starts, start_0, start_1, start_2} = {does_start, argument_0, argument_1, argument_2};
+            assign {kept, taken_back, plays_live, modulates} = {keeps, takes_back, keeps, does_modulate};
+            assign {gate_busy, at_end, follow, mark, closed, at_pass_end, waiting, late_change} = 8'd0;
+            wire unused = &{1'b0, followed, period};
+        end
+        // A board that can be kept in step counts with the others.
+        if (SYNC == 0 && SCHEDULE != 0) begin : counts_alone
+            period_count periods (.clk(clk), .rst(play_rst), .i_period(o_cycle_start), .i_load(1'b0), .i_value(48'd0), .o_count(period));
+        end else if (SYNC == 0) begin : counts_nothing
+            assign period = 48'd0;
+        end
+    endgenerate
 
     // ---- Playing it
 
@@ -191,55 +237,103 @@ module haptogram_core #(
 
     synchronizer #(.RESET_VALUE(1'b1)) stop_switch (.clk(clk), .rst(rst), .i_foreign(i_stop), .o_synchronous(stopped));
 
-    wire disables = does_disable || urgent_disable || line_broken || stopped || rst;
+    wire lingers, last, out_of_step, in_step, numbered, sync_missed, sync_lost;
+    wire disables = does_disable || urgent_disable || line_broken || stopped || out_of_step || rst;
+    wire [1:0] role;
+    wire together = role != `HG_ROLE_ALONE;
+    generate
+        if (SYNC != 0) begin : with_sync
+            if (SYNC != 1) sync_out_of_range error();
+            wire [1:0]  symbol, sent;
+            wire [47:0] master_period;
+            wire        ends, load, agreed;
+            reg         begins_q;
+            always @(posedge clk) begins_q <= ends && !play_rst;
+            reg  [1:0]  role_q;
+            assign role = role_q;
+            always @(posedge clk) if (rst || does_reset) role_q <= does_sync && !rst ? argument_0[1:0] : `HG_ROLE_ALONE;
+            carrier_sync #(.PERIOD_CLOCKS(IDLE_CLOCKS)) steps (
+                .clk(clk), .rst(play_rst), .i_role(role),
+                .i_sync(i_sync), .o_sync(o_sync), .i_last(last), .o_hold(lingers), .i_symbol(sent), .o_symbol(symbol), .o_ends(ends),
+                .o_in_step(in_step), .o_missed(sync_missed), .o_lost(sync_lost));
+            assign out_of_step = role == `HG_ROLE_SLAVE && !in_step;
+            sync_number number (
+                .clk(clk), .rst(play_rst || out_of_step), .i_count(period), .o_symbol(sent),
+                .i_valid(ends && role == `HG_ROLE_SLAVE), .i_symbol(symbol), .o_load(load), .o_value(master_period), .o_agreed(agreed));
+            period_count periods (
+                .clk(clk), .rst(play_rst), .i_period(begins_q), .i_load(load), .i_value(master_period), .o_count(period));
+            assign numbered = role == `HG_ROLE_MASTER || agreed;
+        end else begin : without_sync
+            assign {o_sync, lingers, role, in_step, numbered, sync_missed, sync_lost, out_of_step} = 9'd0;
+            wire unused_sync = &{1'b0, i_sync, last};
+        end
+    endgenerate
     wire modulated, bent_period, far_foci;
     generate
         if (WIDTH_BITS == 0) begin : one_width
             player #(
                 .CHANNELS(CHANNELS), .RECORDS(RECORDS), .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS), .IDLE_CLOCKS(IDLE_CLOCKS),
                 .MAX_HIGH_CLOCKS(MAX_HIGH_CLOCKS), .MIN_PULSE_CLOCKS(MIN_PULSE_CLOCKS), .MAX_PULSE_CLOCKS(MAX_PULSE_CLOCKS),
-                .MAX_DUTY_256(MAX_DUTY_256), .MAX_CYCLE_CLOCKS(MAX_CYCLE_CLOCKS)
+                .MAX_DUTY_256(MAX_DUTY_256), .MAX_CYCLE_CLOCKS(MAX_CYCLE_CLOCKS), .SYNC(SYNC)
             ) play (
                 .clk(clk), .rst(play_rst),
-                .i_preempt(preempt), .i_entry(entry), .o_take(take), .i_index(next_index), .i_dwell(next_dwell),
+                .i_preempt(preempt), .i_drop(drop), .i_entry(entry), .o_take(take), .i_index(next_index), .i_dwell(next_dwell),
                 .o_reading(loading), .o_address(load_address), .i_word(primary_word),
                 .i_enable(does_enable), .i_disable(disables), .i_expired(expired),
+                .i_together(together), .i_hold(lingers), .o_last(last),
                 .o_pins(o_pins), .o_enabled(o_enabled), .o_alive(o_alive), .o_index(o_index), .o_cycle_start(o_cycle_start),
                 .o_refused(record_refused), .o_underrun(underrun), .o_guard_trip(guard_trip));
             assign top_index  = RECORDS[15:0];
             assign block_word = register_word;
+            assign {ring_usable, ring_fits, ring_wraps, ring_complete, ring_split, ring_index, ring_address, ring_start} = 0;
+            wire   unused = &{1'b0, at_pass_end, modulates, drop};
             assign {sample_word, sampling, modulated, bent_period, far_foci} = 20'd0;
         end else begin : own_widths
-            wire [15:0] parameter_word, foci_count;
+            wire [15:0] parameter_word, ring_word, foci_count;
+            wire [2:0]  foci_last;
             wire [31:0] set_address = {{(32-WORD_BITS){1'b0}}, command_address}, read_address = {{(32-WORD_BITS){1'b0}}, reply_address};
             wire        unused = &{1'b0, set_address[31:16], read_address[31:16]};
             frame_player #(
                 .CHANNELS(CHANNELS), .RECORDS(RECORDS), .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS), .WIDTH_BITS(WIDTH_BITS),
                 .MODULATION_DEPTH(MODULATION_DEPTH), .SLEW(SLEW), .FOCI(FOCI), .IDLE_CLOCKS(IDLE_CLOCKS),
                 .MAX_HIGH_CLOCKS(MAX_HIGH_CLOCKS), .MIN_PULSE_CLOCKS(MIN_PULSE_CLOCKS), .MAX_PULSE_CLOCKS(MAX_PULSE_CLOCKS),
-                .MAX_DUTY_256(MAX_DUTY_256), .MAX_CYCLE_CLOCKS(MAX_CYCLE_CLOCKS)
+                .MAX_DUTY_256(MAX_DUTY_256), .MAX_CYCLE_CLOCKS(MAX_CYCLE_CLOCKS), .SYNC(SYNC)
             ) play (
                 .clk(clk), .rst(play_rst),
-                .i_preempt(preempt), .i_entry(entry), .o_take(take), .i_index(next_index), .i_dwell(next_dwell),
+                .i_preempt(preempt), .i_drop(drop), .i_entry(entry), .o_take(take), .i_index(next_index), .i_dwell(next_dwell),
                 .o_reading(loading), .o_address(load_address), .i_word(primary_word),
                 .i_set_parameter(write && region == `HG_REGION_PARAMETERS), .i_set_geometry(write && region == `HG_REGION_GEOMETRY),
                 .i_set_sample(write && region == `HG_REGION_MODULATION), .i_set_address(set_address[15:0]), .i_set_word(frame_word),
                 .i_read_address(read_address[15:0]), .o_parameter_word(parameter_word), .o_sample_word(sample_word),
-                .o_fetching(sampling), .o_foci_count(foci_count),
-                .i_modulate(execute && command == `HG_COMMAND_MODULATE), .i_divider(argument_0), .i_length(argument_1),
-                .i_loop(argument_2[0]),
+                .o_fetching(sampling), .o_foci_count(foci_count), .o_foci_last(foci_last),
+                .i_modulate(does_modulate), .i_divider(argument_0), .i_length(argument_1), .i_form(argument_2),
+                .i_modulates(modulates), .i_at_pass_end(at_pass_end),
                 .i_enable(does_enable), .i_disable(disables), .i_expired(expired),
+                .i_together(together), .i_hold(lingers), .o_last(last),
                 .o_pins(o_pins), .o_enabled(o_enabled), .o_alive(o_alive), .o_index(o_index), .o_cycle_start(o_cycle_start),
                 .o_refused(record_refused), .o_underrun(underrun), .o_guard_trip(guard_trip),
                 .o_modulated(modulated), .o_bent(bent_period), .o_far(far_foci));
-            assign block_word = region == `HG_REGION_PARAMETERS ? parameter_word : register_word;
+            assign block_word = region == `HG_REGION_PARAMETERS ? parameter_word
+                              : FOCI != 0 && region == `HG_REGION_RING ? ring_word : register_word;
             // An index has 16 bits; focus records above that cannot be named.
             if (FOCI != 0) begin : with_foci
                 wire [16:0] top = RECORDS[16:0] + {1'b0, foci_count};
                 assign top_index = top[16] ? 16'hffff : top[15:0];
+                focus_ring #(
+                    .PRIMARY_WORDS(PRIMARY_WORDS), .RECORDS(RECORDS), .LIVE_DEPTH(LIVE_DEPTH), .WORD_BITS(WORD_BITS)
+                ) ring (
+                    .clk(clk),
+                    .i_set(write && region == `HG_REGION_RING), .i_set_address(set_address[4:0]), .i_set_word(frame_word),
+                    .i_read_address(read_address[4:0]), .o_word(ring_word),
+                    .i_foci_last(foci_last), .i_top_index(top_index), .i_live_free(live_free), .i_tail_words(tail_words),
+                    .o_usable(ring_usable), .o_fits(ring_fits),
+                    .i_settle(settle), .i_write(write), .i_address(command_address), .i_keep(keep && command == `HG_COMMAND_PUSH_FOCI),
+                    .o_address(ring_address), .o_start(ring_start), .o_wraps(ring_wraps), .o_complete(ring_complete),
+                    .o_index(ring_index), .o_split(ring_split));
             end else begin : without_foci
                 assign top_index = RECORDS[15:0];
-                wire unused_count = &{1'b0, foci_count};
+                assign {ring_usable, ring_fits, ring_wraps, ring_complete, ring_split, ring_index, ring_address, ring_start, ring_word} = 0;
+                wire unused_count = &{1'b0, foci_count, foci_last};
             end
         end
     endgenerate
@@ -258,19 +352,23 @@ module haptogram_core #(
         .CHANNELS(CHANNELS), .RECORDS(RECORDS), .SEQUENCE_DEPTH(SEQUENCE_DEPTH), .LIVE_DEPTH(LIVE_DEPTH),
         .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS), .CLOCK_HZ(CLOCK_HZ), .MIN_PULSE_CLOCKS(MIN_PULSE_CLOCKS),
         .MAX_PULSE_CLOCKS(MAX_PULSE_CLOCKS), .MAX_DUTY_256(MAX_DUTY_256), .MAX_CYCLE_CLOCKS(MAX_CYCLE_CLOCKS),
-        .WIDTH_BITS(WIDTH_BITS), .MODULATION_DEPTH(MODULATION_DEPTH), .SLEW(SLEW), .FOCI(FOCI)
+        .WIDTH_BITS(WIDTH_BITS), .MODULATION_DEPTH(MODULATION_DEPTH), .SLEW(SLEW), .FOCI(FOCI), .SCHEDULE(SCHEDULE), .SYNC(SYNC),
+        .FRAME_BYTES(FRAME_BYTES)
     ) registers (
         .clk(clk), .rst(play_rst),
         .i_read(read), .i_is_identity(region == `HG_REGION_IDENTITY), .i_address(reply_address[4:0]), .o_word(register_word),
         .i_enabled(o_enabled), .i_stopped(stopped), .i_modulated(modulated), .i_mode(mode), .i_present_index(o_index), .i_live_level(live_level), .i_watchdog_ms(watchdog_ms),
+        .i_sync({numbered, in_step, role}),
         .i_underrun(underrun), .i_record_refused(record_refused),
         .i_frame_good(frame_good), .i_frame_damaged(frame_damaged), .i_frame_repeated(repeated), .i_frame_refused(refused),
-        .i_watchdog_trip(expired), .i_guard_trip(guard_trip), .i_bent_period(bent_period), .i_far_foci(far_foci));
+        .i_watchdog_trip(expired), .i_guard_trip(guard_trip), .i_bent_period(bent_period), .i_far_foci(far_foci),
+        .i_sync_missed(sync_missed), .i_sync_lost(sync_lost),
+        .i_late_change(late_change), .i_waiting(waiting), .i_answer(answer), .i_period(period));
 
     reg fault_q;
     always @(posedge clk) begin
         if (play_rst) fault_q <= 1'b0;
-        else if (guard_trip || (expired && !does_enable)) fault_q <= 1'b1;
+        else if (guard_trip || (expired && !does_enable) || (sync_lost && o_enabled)) fault_q <= 1'b1;
         else if (does_enable) fault_q <= 1'b0;
     end
     assign o_fault   = fault_q;

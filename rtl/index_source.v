@@ -6,6 +6,10 @@
 // prepared, and the cycle controller changes at the next cycle boundary. When a selected index or a sequence has ended, one
 // last entry is offered: silence for ever. Sequence entries are fetched ahead and take 3 clocks each. o_entry/i_take is
 // valid/ready.
+// With i_follow a START waits for the end of what plays, and begins without a preempt, so that its first entry is the one after the
+// last: after a selected index whose dwell is 0 at once, after one with a dwell behind it, after a sequence behind its last entry, or
+// behind the last one of its present pass when it is played for ever, after live indices when none is left. When the silence that
+// comes after everything was offered already and may have been loaded, o_drop asks for that alone to be dropped.
 // After a reset the sequence header is read without a command: if its autostart bit is set, and no host has taken over since
 // power-up, the sequence starts and o_autostart strobes. That is how a bitstream with an image plays without a host, and how it goes
 // on after the PLL has lost its lock for a moment.
@@ -21,7 +25,9 @@ module index_source #(
     input  wire        i_select,  // strobes of commands; their arguments are valid in the same clock
     input  wire        i_start,
     input  wire        i_stop,
-    input  wire        i_live,    // strobe: indices were pushed
+    input  wire        i_live,    // strobe: indices can be played
+    input  wire        i_follow,  // a START waits for the end of what plays; its arguments are valid while no command strobes
+    output wire        o_followed,  // it begins
     input  wire        i_host,    // strobe: a host has done more than ask
     input  wire        i_header,  // strobe: a host writes the lower half of the sequence header, i_header_word
     input  wire [14:0] i_header_word,  // its length
@@ -33,10 +39,12 @@ module index_source #(
     output wire [BITS-1:0] o_sequence_address,
     input  wire [31:0] i_sequence_word,
     input  wire        i_live_valid,
+    input  wire        i_live_empty,
     input  wire [31:0] i_live_entry,
     output wire        o_live_take,
     output wire        o_live_clear,
     output reg         o_preempt,
+    output reg         o_drop,    // strobe: silence that was prepared is not wanted
     output wire        o_entry,
     input  wire        i_take,
     output wire [15:0] o_index,
@@ -70,12 +78,19 @@ module index_source #(
     wire        taken     = offer_q && i_take && !fetch_q[2];
     wire        at_last   = number_q == last_q;
     wire        sequence_ends = mode_q == SEQUENCE && at_last && loops_q == 16'd1;
+    wire        at_end    = mode_q == IDLE   ? fetch_q == 3'd0
+                          : mode_q == SINGLE ? (entry_q[31:16] == 16'd0 ? !offer_q : taken)
+                          : mode_q == LIVE   ? i_live_empty && !i_live
+                          : taken && at_last && loops_q[15:1] == 15'd0;
+    wire        follows   = i_follow && at_end && !commanded && !enter_live && !rst;
     // Silence is offered as the last entry.
-    wire        finish    = i_stop || (!commanded && !enter_live && ((header && !plays)
+    wire        finish    = i_stop || (!commanded && !enter_live && !follows && ((header && !plays)
                             || (taken && ((mode_q == SINGLE && entry_q[31:16] != 16'd0) || sequence_ends))));
-    wire [BITS-1:0] first_d = header ? ONE : i_argument_0[BITS-1:0];
+    wire        starts    = i_start || follows;
+    wire [BITS-1:0] first_d = starts ? i_argument_0[BITS-1:0] : ONE;
 
     assign o_mode             = mode_q;
+    assign o_followed         = follows;
     assign o_fetching         = fetch_q[0];
     assign o_sequence_address = header_q ? {BITS{1'b0}} : number_q;
     assign o_entry            = mode_q == LIVE ? i_live_valid : offer_q;
@@ -87,6 +102,7 @@ module index_source #(
     initial {alone_q, after_reset_q, fetch_q} = 5'b11000;  // so nothing starts before reset, whatever the registers wake up with
     always @(posedge clk) begin
         o_preempt <= !rst && (commanded || enter_live);
+        o_drop    <= follows && mode_q == IDLE && (!offer_q || i_take);
         fetch_q   <= {fetch_q[1:0], 1'b0};
         if (header || commanded || enter_live) after_reset_q <= 1'b0;
         if (i_host) alone_q <= 1'b0;
@@ -101,6 +117,11 @@ module index_source #(
             mode_q   <= i_select ? SINGLE : i_start ? SEQUENCE : i_stop ? IDLE : LIVE;
             offer_q  <= i_select || finish;
             fetch_q  <= {2'b00, i_start && !i_select};
+            header_q <= i_argument_1 == 16'd0;
+        end else if (follows) begin
+            mode_q   <= SEQUENCE;
+            offer_q  <= 1'b0;
+            fetch_q  <= 3'b001;
             header_q <= i_argument_1 == 16'd0;
         end else begin
             if (finish) mode_q <= IDLE;
@@ -117,15 +138,19 @@ module index_source #(
         if (finish) entry_q <= 32'd0;
         else if (i_select) entry_q <= {i_argument_1, i_argument_0};
         else if (fetched) entry_q <= i_sequence_word;
-        if (i_start || header) begin
+        if (starts || header) begin
             first_q  <= first_d;
             number_q <= first_d;
-            last_q   <= header ? length[BITS-1:0] : i_argument_0[BITS-1:0] + i_argument_1[BITS-1:0] - ONE;
-            loops_q  <= header ? i_sequence_word[31:16] : i_argument_2;
+            last_q   <= starts ? i_argument_0[BITS-1:0] + i_argument_1[BITS-1:0] - ONE : length[BITS-1:0];
+            loops_q  <= starts ? i_argument_2 : i_sequence_word[31:16];
         end else if (taken) begin
             number_q <= at_last ? first_q : number_q + ONE;
             if (at_last && loops_q != 16'd0) loops_q <= loops_q - 1'b1;
         end
     end
+
+`ifdef FORMAL
+    `include "formal/index_source.vh"
+`endif
 endmodule
 `default_nettype wire

@@ -4,7 +4,8 @@
 //
 // A frame may carry many indices, and a refused frame must push none. So i_push only adds provisionally; i_keep makes all that
 // was pushed readable, and i_take_back removes it again. o_valid/i_take is the reading side; its data stays until it is taken.
-// An entry can be read two clocks after i_keep at the latest. i_clear empties everything.
+// An entry can be read two clocks after i_keep at the latest. i_clear empties everything. i_mark with i_keep says that what it keeps
+// must wait: while i_closed is high, nothing from there on is read.
 // DEPTH is how many indices can wait: a power of two from 4 to 32768, so that its pointers wrap by themselves.
 `default_nettype none
 module live_fifo #(
@@ -17,6 +18,8 @@ module live_fifo #(
     input  wire [31:0] i_entry,
     input  wire        i_keep,
     input  wire        i_take_back,
+    input  wire        i_mark,
+    input  wire        i_closed,
     output wire [15:0] o_free,
     output wire [15:0] o_level,
     output reg         o_valid,
@@ -35,6 +38,7 @@ module live_fifo #(
     reg [BITS:0] kept_q;   // after the last entry that may be read
     reg [BITS:0] write_q;  // after the last entry that has been pushed
     reg [BITS:0] read_q;
+    reg [BITS:0] mark_q;   // the first entry that must wait
 
     wire [BITS:0] read_d = read_q + {{BITS{1'b0}}, o_valid && i_take};
     wire [BITS:0] level  = kept_q - read_q;
@@ -43,6 +47,7 @@ module live_fifo #(
     assign o_free  = {{(15-BITS){1'b0}}, PLACES[BITS:0] - used};
 
     always @(posedge clk) begin
+        if (i_mark) mark_q <= kept_q;
         if (i_push) entries[write_q[BITS-1:0]] <= i_entry;
         o_entry <= entries[read_d[BITS-1:0]];
     end
@@ -58,7 +63,7 @@ module live_fifo #(
             else if (i_push) write_q <= write_q + 1'b1;
             if (i_keep) kept_q <= write_q;
             read_q  <= read_d;
-            o_valid <= read_d != kept_q;  // so an entry is read one clock after it was written, or later
+            o_valid <= read_d != (i_closed ? mark_q : kept_q);  // so an entry is read one clock after it was written, or later
         end
     end
 

@@ -5,7 +5,7 @@
 // i_entry/o_take is a valid/ready stream of (index, dwell), taken when i_settled says that the shadow registers are free. The
 // record's header goes into the fields below; its words (o_timing, or i_word as it is) go on with o_shift, one a clock. o_ready is first high
 // CHANNELS + 7 clocks after the clock that takes the entry, with the last timing, or after 33 if that is later; index 0 (silence)
-// is ready after 2.
+// is ready after 2. A focus record is ready after 5 + 4 clocks a focus, or after 29 if that is later.
 // A record that cannot be played is refused: an index above RECORDS; a cycle of no clock, or of more than MAX_CYCLE_CLOCKS; a
 // pulse shorter than MIN_PULSE_CLOCKS, longer than MAX_PULSE_CLOCKS, or more than MAX_DUTY_256 / 256 of its cycle; or reserved
 // bits. A pulse length of 0 is silence and may be played. When a record is refused, o_refused strobes, and silence takes its
@@ -14,12 +14,12 @@
 // would be larger than all the rest. The prescaler rotates meanwhile and is as before at the end.
 // The memory is read without pause in ascending order, and writers write in that order, too. So whoever starts first stays
 // first, and a record that is written meanwhile is seen whole or not at all.
-// With WIDTH_BITS, a record may be one of amplitudes, o_amplitudes: pulse length 0, prescaler 1, and a cycle of LEAST_CYCLE ticks to as
-// many as WIDTH_BITS and MAX_PULSE_CLOCKS allow half of. One of timings is then refused when its cycle is one over whose end emission.v
-// could not carry a pulse. With FOCI, an index above RECORDS is a focus record, o_foci, without a header; i_foci_* say where it is.
+// With WIDTH_BITS, a record may be one of amplitudes, o_amplitudes: record_header.v says of what cycles.
+// With FOCI, an index above RECORDS is a focus record, o_foci, without a header; focus_place.v finds it, by i_foci_*.
 // CHANNELS and RECORDS are the core's: a load of up to 1000 channels fits in a 40 kHz period at 50 MHz, and an index has 16
 // bits.
 // TIMING_BITS is the width of a channel's comparator, PULSE_BITS that of the pulse length.
+// COMMON_CYCLE, if not 0, is the one length in clocks that a record's cycle may have while i_common is high.
 // MIN_PULSE_CLOCKS and MAX_DUTY_256 are the core's. MAX_PULSE_CLOCKS (from 1) is what output_guard bears, MAX_CYCLE_CLOCKS one second.
 `default_nettype none
 `include "interface.vh"
@@ -35,6 +35,7 @@ module memory_controller #(
     parameter WIDTH_BITS   = 0,
     parameter FOCI         = 0,
     parameter LEAST_CYCLE  = 2,
+    parameter COMMON_CYCLE = 0,
     parameter PRESCALER_BITS = 24,  // the field; less only makes proofs shorter, and larger prescalers are then refused
     parameter ADDRESS_BITS = $clog2(RECORDS * (CHANNELS + `HG_RECORD_HEADER_WORDS))  // follows from the others
 ) (
@@ -43,6 +44,7 @@ module memory_controller #(
     input  wire                    i_preempt,
     input  wire                    i_entry,
     input  wire                    i_settled,  // what takes the words is free
+    input  wire                    i_common,   // not to change while a record loads
     output wire                    o_take,
     input  wire [15:0]             i_index,
     input  wire [15:0]             i_dwell,
@@ -71,7 +73,6 @@ module memory_controller #(
     localparam FOCI_WORDS = 4 * FOCI;  // the most
     localparam WORD_BITS = $clog2(WORDS > FOCI_WORDS ? WORDS : FOCI_WORDS);
     localparam integer ALL_WORDS = RECORDS * WORDS;
-    localparam [27:0] PRIMARY_WORDS = ALL_WORDS[27:0];
     localparam [26:0] STRIDE = WORDS[26:0];
     localparam [WORD_BITS-1:0] LAST = WORDS[WORD_BITS-1:0] - 1'b1;
     localparam [WORD_BITS-1:0] HEADER = `HG_RECORD_HEADER_WORDS;
@@ -81,20 +82,13 @@ module memory_controller #(
     localparam integer PULSE_WIDTH = $clog2(MAX_PULSE_CLOCKS + 1) > 8 ? $clog2(MAX_PULSE_CLOCKS + 1) : 8;
     localparam integer CYCLE_WIDTH = $clog2(MAX_CYCLE_CLOCKS + 1) > 24 ? $clog2(MAX_CYCLE_CLOCKS + 1) : 24;
     localparam [PULSE_WIDTH-1:0] SHORTEST_PULSE = MIN_PULSE_CLOCKS[PULSE_WIDTH-1:0], LONGEST_PULSE = MAX_PULSE_CLOCKS[PULSE_WIDTH-1:0];
-    localparam [31:0] LARGEST_DUTY = MAX_DUTY_256;
-    localparam [CYCLE_WIDTH-1:0] LONGEST_CYCLE = MAX_CYCLE_CLOCKS[CYCLE_WIDTH-1:0];
-    // Cycles of amplitudes: half of one is the widest pulse. Cycles of timings that emission.v has no room for.
-    localparam integer WIDEST = (1 << WIDTH_BITS) - 1 < MAX_PULSE_CLOCKS ? (1 << WIDTH_BITS) - 1 : MAX_PULSE_CLOCKS;
-    localparam integer MOST_CYCLE = 2 * WIDEST;
-    localparam [23:0] LEAST_TICKS = LEAST_CYCLE[23:0], MOST_TICKS = MOST_CYCLE[23:0];
-    localparam [23:0] FIRST_UNFIT = (1 << TIMING_BITS) + 1, LAST_UNFIT = (1 << TIMING_BITS) + (1 << WIDTH_BITS) - 1;
+    localparam [CYCLE_WIDTH-1:0] LONGEST_CYCLE = MAX_CYCLE_CLOCKS[CYCLE_WIDTH-1:0], COMMON = COMMON_CYCLE[CYCLE_WIDTH-1:0];
 
     generate
         if (MIN_PULSE_CLOCKS < 1 || MIN_PULSE_CLOCKS > MAX_PULSE_CLOCKS) min_pulse_clocks_out_of_range error();
         if (MAX_DUTY_256 < 1 || MAX_DUTY_256 > 255) max_duty_256_out_of_range error();
         if (CHANNELS < 2 || CHANNELS > 1000) channels_out_of_range error();
         if (RECORDS < 1 || RECORDS > 65535) records_out_of_range error();
-        if (WIDTH_BITS != 0 && LEAST_CYCLE > 2 * WIDEST) width_bits_out_of_range error();
     endgenerate
 
     reg [1:0]            state_q;
@@ -102,36 +96,41 @@ module memory_controller #(
     reg [WORD_BITS-1:0]  comes_q;    // number of the word that is being read
     reg [WORD_BITS-1:0]  arrived_q;  // number of the word in i_word
     reg                  coming_q, arrives_q;  // those two words are of the record that is being loaded
-    reg                  places_q;   // in this clock the index is checked and the record's address computed
+    reg  [1:0]           seeks_q;    // focus_place is looking for the record
+    reg                  places_q;   // in this clock the index is checked and the record's address taken
     reg [7:0]            pulse_field_q;
     reg                  malformed_q;  // reserved bits, too long for PULSE_BITS, or too large a part of the cycle
     reg                  here_q;       // the last timing has arrived, or does so in this clock
     reg                  foci_q;
     assign o_foci = FOCI != 0 && foci_q;
+    wire   seeking = FOCI != 0 && seeks_q != 2'd0;
     reg  [4:0]           steps_q;      // bits of the prescaler that the products still lack
     reg                  header_q;     // the header has arrived
 
     wire [26:0] first_word = {11'd0, o_index - 16'd1} * STRIDE;  // the upper bits are 0, because the index is in range
-    // A focus record's number from 0 on, its first word, and the word after it; here the upper bits of an index that is out of range count.
-    wire [15:0] number     = o_index - TOP_INDEX - 16'd1;
-    wire [3:0]  foci       = {1'b0, i_foci_last} + 4'd1;
-    wire [27:0] first_foci = {10'd0, i_foci_base, 2'b00} + {10'd0, {2'd0, number} * {14'd0, foci}} * 28'd4;
-    wire        beyond     = first_foci + {22'd0, foci, 2'b00} > PRIMARY_WORDS;
+    wire [27:0] first_foci;
+    wire        no_foci;
+    generate
+        if (FOCI != 0) begin : with_foci
+            focus_place #(.RECORDS(RECORDS), .PRIMARY_WORDS(ALL_WORDS)) place (
+                .clk(clk), .i_index(o_index), .i_base(i_foci_base), .i_count(i_foci_count), .i_last(i_foci_last),
+                .o_first(first_foci), .o_refused(no_foci));
+        end else begin : without_foci
+            assign {first_foci, no_foci} = 29'd1;
+            wire unused_foci = &{1'b0, i_foci_base, i_foci_count, i_foci_last};
+        end
+    endgenerate
     wire [31:0] last_focus_word = {27'd0, i_foci_last, 2'b11};
     wire [WORD_BITS-1:0] last = o_foci ? last_focus_word[WORD_BITS-1:0] : LAST;
-    wire refuse_index = o_foci ? number >= i_foci_count || beyond : o_index > TOP_INDEX;
-    // Used in the clock in which i_word holds the header's last word: the prescaler's upper bits and the reserved bits.
-    wire [24:0] pulse_limit = 25'd1 << PULSE_BITS;
-    wire amplitudes = WIDTH_BITS != 0 && i_word[15:8] == `HG_KIND_AMPLITUDES;
-    wire unfit = WIDTH_BITS != 0 && (amplitudes ? pulse_field_q != 8'd0 || {i_word[7:0], o_prescaler[15:0]} != 24'd1 || !fits_amplitudes(o_cycle_length)
-                                                : o_cycle_length >= FIRST_UNFIT && o_cycle_length <= LAST_UNFIT);
-    wire malformed = {17'd0, pulse_field_q} >= pulse_limit || (i_word[15:8] != `HG_KIND_TIMINGS && !amplitudes) || unfit
-                     || {1'b0, i_word[7:0], o_prescaler[15:0]} >> PRESCALER_BITS != 25'd0
-                     || {16'd0, pulse_field_q, 8'd0} > {8'd0, o_cycle_length} * LARGEST_DUTY;
-    // Whether a cycle is one in which channels can have amplitudes.
-    function fits_amplitudes(input [23:0] ticks);
-        fits_amplitudes = ticks >= LEAST_TICKS && ticks <= MOST_TICKS;
-    endfunction
+    wire refuse_index = o_foci ? no_foci : o_index > TOP_INDEX;
+    // Used in the clock in which i_word holds the header's last word; of foci, in which they are placed.
+    wire amplitudes, has_room, malformed;
+    record_header #(
+        .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS), .MAX_PULSE_CLOCKS(MAX_PULSE_CLOCKS), .MAX_DUTY_256(MAX_DUTY_256),
+        .WIDTH_BITS(WIDTH_BITS), .LEAST_CYCLE(LEAST_CYCLE), .PRESCALER_BITS(PRESCALER_BITS)
+    ) header (
+        .i_pulse(pulse_field_q), .i_cycle(o_foci ? {8'd0, i_foci_cycle} : o_cycle_length), .i_prescaler(o_prescaler[15:0]), .i_last_word(i_word),
+        .o_amplitudes(amplitudes), .o_has_room(has_room), .o_malformed(malformed));
     wire checks  = header_q && steps_q != 5'd0;
     wire next_bit = o_prescaler[PRESCALER_BITS-1];
     wire checked = header_q && steps_q == 5'd0;
@@ -144,12 +143,13 @@ module memory_controller #(
     serial_product #(.FACTOR_BITS(24), .PRODUCT_BITS(CYCLE_WIDTH)) cycle_product (
         .clk(clk), .i_clear(!header_q), .i_step(checks), .i_bit(next_bit), .i_factor(o_cycle_length),
         .o_product(cycle_clocks), .o_over(cycle_over));
-    wire unplayable = malformed_q || cycle_over || cycle_clocks > LONGEST_CYCLE || cycle_clocks == {CYCLE_WIDTH{1'b0}}
+    wire uncommon   = COMMON_CYCLE != 0 && i_common && cycle_clocks != COMMON;
+    wire unplayable = malformed_q || uncommon || cycle_over || cycle_clocks > LONGEST_CYCLE || cycle_clocks == {CYCLE_WIDTH{1'b0}}
                       || pulse_over || pulse_clocks > LONGEST_PULSE || (pulse_field_q != 8'd0 && pulse_clocks < SHORTEST_PULSE);
 
     assign o_take    = state_q == IDLE && i_entry && i_settled && !i_preempt;
     wire   ends      = coming_q && comes_q == last;  // the last word arrives in the next clock
-    assign o_reading = state_q == LOAD && !places_q && !here_q;
+    assign o_reading = state_q == LOAD && !places_q && !here_q && !seeking;
     assign o_ready   = state_q == READY;
     // A timing that does not fit the channel's comparator becomes all ones, which never matches: the channel stays silent.
     wire too_wide;
@@ -168,9 +168,11 @@ module memory_controller #(
         o_refused <= 1'b0;
         coming_q  <= o_reading && !ends;
         arrives_q <= coming_q;
+        {places_q, seeks_q} <= !o_take ? {seeks_q, 1'b0} : FOCI != 0 && i_index > TOP_INDEX ? 3'b001 : 3'b100;
         if (rst || i_preempt) begin
             state_q   <= IDLE;
             {coming_q, arrives_q} <= 2'b00;
+            {places_q, seeks_q}   <= 3'b000;
         end else case (state_q)
             IDLE: if (i_entry && i_settled) state_q <= LOAD;
             LOAD: if (places_q && (o_index == 16'd0 || refuse_index)) begin
@@ -188,15 +190,15 @@ module memory_controller #(
 
     // The data path needs no reset: the state machine says when its contents count.
     always @(posedge clk) begin
-        places_q <= o_take;
         if (o_take) begin
             o_index   <= i_index;
             o_dwell   <= i_dwell;
             foci_q    <= i_index > TOP_INDEX;
-            asked_q   <= {WORD_BITS{1'b0}};
             {here_q, header_q} <= 2'b00;
-        end else if (places_q) o_address <= o_foci ? first_foci[ADDRESS_BITS-1:0] : first_word[ADDRESS_BITS-1:0];
-        else begin  // beyond the last word, too: what is read there does not count
+        end else if (places_q) begin
+            o_address <= o_foci ? first_foci[ADDRESS_BITS-1:0] : first_word[ADDRESS_BITS-1:0];
+            asked_q   <= {WORD_BITS{1'b0}};
+        end else begin  // beyond the last word, too: what is read there does not count
             o_address <= o_address + 1'b1;
             asked_q   <= asked_q + 1'b1;
         end
@@ -220,7 +222,7 @@ module memory_controller #(
         end
         if (ends) here_q <= 1'b1;
         if (o_foci && places_q) begin  // as if this had come in a header
-            {o_amplitudes, header_q, malformed_q} <= {2'b11, !fits_amplitudes({8'd0, i_foci_cycle})};
+            {o_amplitudes, header_q, malformed_q} <= {2'b11, !has_room};
             {pulse_field_q, o_cycle_length, o_prescaler} <= {16'd0, i_foci_cycle, 24'd1};
             steps_q <= PRESCALER_BITS[4:0];
         end

@@ -2,8 +2,9 @@
 //
 // Holds the samples by which all amplitudes are multiplied, and says which one belongs to the present carrier period.
 //
-// i_period is the strobe that begins a period. i_start and i_stop take effect at the next one; the later of them counts, and i_stop if
-// both come at once. From a start on, sample i belongs to the periods i · N … (i + 1) · N − 1, counted from 0, with N = i_divider.
+// i_period is the strobe that begins a period. i_start and i_stop take effect at the next one, or with i_at_pass_end, which comes with them, at
+// the one after the last of the present pass; the later of them counts, and i_stop if both come at once. i_drop takes back what has not
+// taken effect. i_first is where the samples begin, in words of two. From a start on, sample i belongs to the periods i · N … (i + 1) · N − 1, counted from 0, with N = i_divider.
 // After i_length samples they come from the beginning again if i_loop; if not, the last one stays. i_length, i_divider and i_loop are
 // taken when the start takes effect. Stopped, a sample is 255, which is no modulation. o_running is high until stopped, or until the last sample's
 // N periods are over. Both outputs change four clocks after i_period, and stay until the next one, which must be four clocks away or more.
@@ -23,8 +24,11 @@ module modulation #(
     input  wire [BITS-2:0] i_read_address,
     output reg  [15:0]     o_word,
     output wire            o_fetching,
-    input  wire            i_start,
-    input  wire            i_stop,
+    input  wire            i_drop,           // strobe
+    input  wire            i_start,          // strobe
+    input  wire            i_stop,           // strobe
+    input  wire            i_at_pass_end,
+    input  wire [BITS-2:0] i_first,
     input  wire [BITS:0]   i_length,         // samples, 1 to DEPTH; not 0
     input  wire [15:0]     i_divider,        // periods a sample, 1 to 65535; not 0
     input  wire            i_loop,
@@ -36,32 +40,38 @@ module modulation #(
         if (DEPTH < 4 || DEPTH > 65536 || DEPTH != (1 << BITS)) depth_out_of_range error();
     endgenerate
 
-    // What is asked for, until a period begins.
-    reg  starts_q, stops_q;
-    wire starts = i_start ? !i_stop : starts_q && !i_stop;
-    wire stops  = i_stop || (stops_q && !i_start);
-    always @(posedge clk) {starts_q, stops_q} <= {2{!rst && !i_period}} & {starts, stops};
-
     // What is played: the present period's sample, and how many of its periods are still to come.
     reg             plays_q, ended_q, loop_q;
-    reg  [BITS-1:0] sample_q, last_q;
+    reg  [BITS-1:0] sample_q, first_q, last_q;
     reg  [15:0]     left_q, divider_q;
     wire            at_end = sample_q == last_q;
+    wire            pass_ends = !plays_q || ended_q || (at_end && left_q == 16'd1);
+    wire [BITS-1:0] first  = {i_first, 1'b0};
     wire            unused = &{1'b0, i_length[BITS]};  // the low bits of DEPTH are 0, and less 1 all ones
+
+    // What is asked for, until it takes effect.
+    reg  starts_q, stops_q, at_pass_end_q;
+    wire starts = i_start ? !i_stop : starts_q && !i_stop;
+    wire stops  = i_stop || (stops_q && !i_start);
+    wire later  = i_start || i_stop ? i_at_pass_end : at_pass_end_q;
+    wire now    = i_period && (!later || pass_ends);
+    always @(posedge clk) {starts_q, stops_q, at_pass_end_q} <= {{2{!rst && !now && !i_drop}} & {starts, stops}, later};
+
     always @(posedge clk) begin
         if (rst) {plays_q, ended_q} <= 2'b00;
         else if (i_period) begin
-            if (starts) begin
+            if (starts && now) begin
                 {plays_q, ended_q, loop_q} <= {2'b10, i_loop};
-                sample_q  <= {BITS{1'b0}};
-                last_q    <= i_length[BITS-1:0] - 1'b1;
+                sample_q  <= first;
+                first_q   <= first;
+                last_q    <= first + i_length[BITS-1:0] - 1'b1;
                 left_q    <= i_divider;
                 divider_q <= i_divider;
-            end else if (stops) {plays_q, ended_q} <= 2'b00;
+            end else if (stops && now) {plays_q, ended_q} <= 2'b00;
             else if (left_q != 16'd1) left_q <= left_q - 1'b1;
             else if (at_end && !loop_q) ended_q <= 1'b1;
             else begin
-                sample_q <= at_end ? {BITS{1'b0}} : sample_q + 1'b1;
+                sample_q <= at_end ? first_q : sample_q + 1'b1;
                 left_q   <= divider_q;
             end
         end

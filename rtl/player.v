@@ -24,11 +24,13 @@ module player #(
     parameter MAX_DUTY_256    = 128,
     parameter MAX_CYCLE_CLOCKS = 50000000,
     parameter PRESCALER_BITS  = 24,
+    parameter SYNC            = 0,
     parameter ADDRESS_BITS    = $clog2(RECORDS * (CHANNELS + `HG_RECORD_HEADER_WORDS))  // follows from the others
 ) (
     input  wire                clk,
     input  wire                rst,
     input  wire                i_preempt,
+    input  wire                i_drop,      // as i_preempt, but no change is asked for
     input  wire                i_entry,
     output wire                o_take,
     input  wire [15:0]         i_index,
@@ -39,6 +41,9 @@ module player #(
     input  wire                i_enable,
     input  wire                i_disable,
     input  wire                i_expired,
+    input  wire                i_together,       // with other boards: cycles have IDLE_CLOCKS clocks, and changes wait for their end
+    input  wire                i_hold,           // cycle_controller's
+    output wire                o_last,
     output wire [CHANNELS-1:0] o_pins,
     output wire                o_enabled,
     output wire                o_alive,
@@ -64,10 +69,10 @@ module player #(
     memory_controller #(
         .CHANNELS(CHANNELS), .RECORDS(RECORDS), .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS),
         .MIN_PULSE_CLOCKS(MIN_PULSE_CLOCKS), .MAX_PULSE_CLOCKS(MAX_PULSE_CLOCKS), .MAX_DUTY_256(MAX_DUTY_256),
-        .MAX_CYCLE_CLOCKS(MAX_CYCLE_CLOCKS), .PRESCALER_BITS(PRESCALER_BITS)
+        .MAX_CYCLE_CLOCKS(MAX_CYCLE_CLOCKS), .PRESCALER_BITS(PRESCALER_BITS), .COMMON_CYCLE(SYNC != 0 ? IDLE_CLOCKS : 0)
     ) memory (
         .clk(clk), .rst(rst),
-        .i_preempt(i_preempt), .i_entry(i_entry), .i_settled(settled), .o_take(o_take), .i_index(i_index), .i_dwell(i_dwell),
+        .i_preempt(i_preempt || i_drop), .i_entry(i_entry), .i_settled(settled), .i_common(i_together), .o_take(o_take), .i_index(i_index), .i_dwell(i_dwell),
         .o_reading(o_reading), .o_address(o_address), .i_word(i_word),
         .i_foci_base(16'd0), .i_foci_count(16'd0), .i_foci_last(3'd0), .i_foci_cycle(16'd0), .o_amplitudes(amplitudes), .o_foci(foci),
         .o_shift(shift), .o_timing(timing),
@@ -78,7 +83,7 @@ module player #(
         .PULSE_BITS(PULSE_BITS), .TIMING_BITS(TIMING_BITS), .IDLE_CLOCKS(IDLE_CLOCKS)
     ) cycle (
         .clk(clk), .rst(rst),
-        .i_allow(allow), .i_preempt(i_preempt), .i_settled(settled),
+        .i_allow(allow || i_together), .i_preempt(i_preempt), .i_hold(i_hold), .o_last(o_last), .i_settled(settled),
         .i_ready(ready), .i_index(index), .i_dwell(dwell), .i_silent(silent),
         .i_cycle_length(cycle_length), .i_prescaler(prescaler), .i_pulse_length(next_pulse_length),
         .i_refresh(1'b0), .o_refresh(refresh), .o_follows(follows), .o_asked(asked),
@@ -100,19 +105,9 @@ module player #(
         .i_enable(i_enable), .i_disable(i_disable), .i_expired(i_expired), .i_pins(o_pins),
         .o_allow(allow), .o_enabled(o_enabled), .o_trip(o_guard_trip), .o_alive(o_alive));
 
-    // The tick and the two clocks by which the pins are late, for the signals beside them.
-    reg        starts_q;  // the last tick was the first of a cycle
-    reg [15:0] index_q;   // the record of the last tick
-    reg [16:0] beside_0_q, beside_1_q;
-    always @(posedge clk) begin
-        if (rst) {starts_q, index_q, beside_0_q, beside_1_q} <= 51'd0;
-        else begin
-            if (tick) {starts_q, index_q} <= {cycle_start, present};
-            beside_0_q <= {tick && starts_q, tick ? index_q : beside_0_q[15:0]};
-            beside_1_q <= beside_0_q;
-        end
-    end
-    assign {o_cycle_start, o_index} = beside_1_q;
+    beside_pins beside (
+        .clk(clk), .rst(rst), .i_tick(tick), .i_cycle_start(cycle_start), .i_index(present),
+        .o_cycle_start(o_cycle_start), .o_index(o_index));
 
 `ifdef FORMAL
     `include "formal/player.vh"

@@ -17,7 +17,8 @@ class Model {
 public:
     /// What is at the ports after a clock's rising edge.
     struct Outputs {
-        bool tx = true, enabled = false, alive = false, playing = false, fault = false, cycle_start = false;
+        bool tx = true, enabled = false, alive = false, playing = false, fault = false, cycle_start = false,
+             sync = false;
         std::uint16_t index = 0;
         std::vector<std::uint32_t> pins;  ///< channel k is bit k % 32 of word k / 32
     };
@@ -29,7 +30,7 @@ public:
 
     /// What is at the ports before it.
     struct Inputs {
-        bool reset = false, rx = true, stop = false;
+        bool reset = false, rx = true, stop = false, sync = false;
     };
 
     /// One rising clock edge with these inputs; `outputs` is what follows it.

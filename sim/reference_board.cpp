@@ -15,6 +15,7 @@
 #include "reference_line.hpp"
 #include "reference_player.hpp"
 #include "reference_pulses.hpp"
+#include "reference_schedule.hpp"
 #include "reference_source.hpp"
 
 namespace haptogram::sim {
@@ -42,7 +43,10 @@ std::optional<Shape> shape_of(Command command) {
         case Command::push: return Shape{1, true, Carries::nothing};
         case Command::start: return Shape{3, false, Carries::nothing};
         case Command::watchdog: return Shape{1, false, Carries::nothing};
-        case Command::modulate: return Shape{3, false, Carries::nothing};
+        case Command::modulate:
+        case Command::gate: return Shape{3, false, Carries::nothing};
+        case Command::push_foci: return Shape{1, true, Carries::nothing};
+        case Command::sync: return Shape{1, false, Carries::nothing};
         case Command::status: return Shape{0, false, Carries::status};
         case Command::enable:
         case Command::disable:
@@ -170,6 +174,20 @@ private:
     [[nodiscard]] std::uint32_t argument(std::size_t word) const {
         return word_[1 + word];  // after the sequence number and the command
     }
+    [[nodiscard]] std::uint64_t argument_period() const {
+        return argument(0) | std::uint64_t{argument(1)} << 16 | std::uint64_t{argument(2)} << 32;
+    }
+    [[nodiscard]] std::uint32_t status_words() const {
+        return p_.schedule != 0 ? interface::status_words : interface::status_untimed_words;
+    }
+    [[nodiscard]] bool pushing(Clock clock) const {
+        return step_ == Step::close && command_ == Command::push && second_run_ <= clock;
+    }
+    void open_gate(Clock clock);
+    void stop(Clock clock);
+    void keep_pushed(Clock clock);
+    void drop_starts();
+    void start(Clock clock, const Schedule::Arguments& arguments);
 
     // Its reply.
     void begin_reply(Clock clock);
@@ -183,6 +201,7 @@ private:
     LineOut line_out_;
     FrameInput input_;
     EntrySource source_;
+    Schedule schedule_;
     PulseTrain train_;
     Player player_;
     Guard guard_;
@@ -212,6 +231,8 @@ private:
     std::uint8_t number_ = 0, expected_ = 0;
     bool session_ = false;
     std::uint32_t region_ = 0, address_ = 0;  // of a 16-bit word
+    bool cut_ = false;                        // what the present PUSH has written so far is gone
+    std::uint64_t told_period_ = 0;           // by the present reply
     Urgent urgent_disable_, urgent_stop_;
     Clock urgent_stop_at_ = never;           // the clock in which it begins to act
     bool enable_ = false, disable_ = false;  // what happens in the present clock
@@ -225,7 +246,7 @@ private:
 
     // Supervision.
     struct Counters {
-        std::uint16_t underruns, refused_records, good, damaged, repeated, refused, watchdog, guard;
+        std::uint16_t underruns, refused_records, good, damaged, repeated, refused, watchdog, guard, late;
     } count_{};
     Clock reset_at_ = never, reset_last_ = 0;  // of what plays and supervises: when it begins, and its last clock
     Clock began_ = 0;                          // the last clock of the reset before
@@ -242,7 +263,7 @@ private:
 // ---- The clock
 
 Clock ReferenceBoard::Core::next() const {
-    return std::min({step_at_, reply_at_, line_in.next(), line_out_.next(), source_.next(),
+    return std::min({step_at_, reply_at_, line_in.next(), line_out_.next(), source_.next(), schedule_.next(),
                      player_.next(guard_.allows()), guard_.next(), urgent_stop_at_, reset_at_, judge_at_,
                      stop_changes_.empty() ? never : stop_changes_.front().clock});
 }
@@ -277,7 +298,7 @@ void ReferenceBoard::Core::edge(Clock clock) {
     }
     if (clock == urgent_stop_at_) {
         urgent_stop_at_ = never;
-        source_.stop(clock);
+        stop(clock);
     }
     if (clock == step_at_) go_on(clock);
     if (clock == reset_at_)
@@ -294,7 +315,9 @@ void ReferenceBoard::Core::play(Clock clock) {
         if (train_.any_high_since(clock - window_)) guard_.trip_at(clock + 2);
         judge_at_ += window_;
     }
-    if (source_.at(clock)) {
+    if (schedule_.opens(clock)) open_gate(clock);
+    const bool starts = source_.at(clock);
+    if (starts) {
         guard_.set_watchdog(clock, 0);
         enable_ = true;
     }
@@ -306,6 +329,7 @@ void ReferenceBoard::Core::play(Clock clock) {
     Player::Counted counted;
     player_.at(clock, guard_.allows(), guard_.off(), counted);
     if (waits_for_memory_ && source_.drops(clock)) reply_at_ = clock + 1;
+    if (source_.followed()) schedule_.drop_starts();
     source_.passed(clock);
     count_.underruns = static_cast<std::uint16_t>(count_.underruns + counted.underrun);
     count_.refused_records = static_cast<std::uint16_t>(count_.refused_records + counted.refused);
@@ -323,6 +347,7 @@ void ReferenceBoard::Core::play(Clock clock) {
         if (train_.awake()) train_.advance(clock - 1);
         index_ = start->index;
         started_at_ = clock;
+        schedule_.period_begins(clock);
         if (on_cycle_start) on_cycle_start({clock, index_, guard_.enabled()});
     }
     if (guard_.off() && !was_off) train_.stop(clock);
@@ -337,6 +362,7 @@ void ReferenceBoard::Core::reset_play(Clock last) {
     count_ = {};
     guard_.reset();
     source_.reset(last);
+    schedule_.reset();
     player_.reset(last);
     reset_at_ = never;
     began_ = last;
@@ -511,6 +537,7 @@ void ReferenceBoard::Core::judge(Clock clock) {
         return;
     }
     second_words_ = word_.size() - data_;
+    cut_ = false;
     step_ = Step::close;
     step_at_ = clock + 3 + second_words_;
     for (std::size_t i = data_; i < word_.size(); ++i)
@@ -523,14 +550,21 @@ Status ReferenceBoard::Core::verdict() const {
         case Command::read:
         case Command::digest: return verdict_on_memory();
         case Command::select: return argument(0) > p_.records ? Status::bad_index : Status::ok;
-        case Command::push: return word_.size() - data_ > live_free_ ? Status::fifo_full : Status::ok;
+        case Command::push:
+            if (schedule_.for_the_end()) return Status::bad_range;
+            return word_.size() - data_ > live_free_ ? Status::fifo_full : Status::ok;
         case Command::start: {
             const bool good = argument(1) == 0 ? source_.header_valid()
                                                : argument(0) > 0 && argument(0) + argument(1) <= p_.sequence_depth;
             return good ? Status::ok : Status::bad_range;
         }
         case Command::enable: return stopped_ ? Status::stopped : Status::ok;
-        case Command::modulate: return Status::unknown_command;
+        case Command::gate:
+            if (p_.schedule == 0) return Status::unknown_command;
+            return schedule_.busy(argument_period()) ? Status::gate_busy : Status::ok;
+        case Command::modulate:
+        case Command::push_foci:
+        case Command::sync: return Status::unknown_command;
         default: return Status::ok;
     }
 }
@@ -543,7 +577,7 @@ Status ReferenceBoard::Core::verdict_on_memory() const {
     if (region_ == primary_region) region_words = primary.size();
     if (region_ == sequence_region) region_words = 2 * sequence.size();
     if (region_ == identity_region && !writes) region_words = interface::identity_words;
-    if (region_ == status_region && !writes) region_words = interface::status_words;
+    if (region_ == status_region && !writes) region_words = status_words();
     if (words == 0 || (!writes && words > p_.channels + interface::record_header_words)) return Status::bad_length;
     if (address_ + words > region_words) return Status::bad_address;
     if (odd || (region_ == sequence_region && (address_ % 2 != 0 || words % 2 != 0))) return Status::bad_alignment;
@@ -579,17 +613,70 @@ void ReferenceBoard::Core::close(Clock clock) {
     if (status_ == Status::ok) {
         session_ = true;
         expected_ = static_cast<std::uint8_t>(number_ + 1);
-        if (command_ == Command::push && !urgent_stop_.active(clock)) {
-            std::vector<EntrySource::Entry> entries;
-            for (std::size_t i = data_; i < word_.size(); ++i)
-                entries.push_back({word_[i], static_cast<std::uint16_t>(argument(0))});
-            source_.push(clock, entries);
-        }
+        if (command_ == Command::push && !urgent_stop_.active(clock)) keep_pushed(clock);
     }
     taken_before_ += input_.frames.front().words();
     first_words_ = second_words_ = 0;
     step_ = Step::execute;
     step_at_ = clock + 1;
+}
+
+void ReferenceBoard::Core::keep_pushed(Clock clock) {
+    const Schedule::Use use = schedule_.use(clock);
+    count_.late = static_cast<std::uint16_t>(count_.late + use.late);
+    if (cut_) return;
+    const bool behind = schedule_.push_is_waiting();
+    const bool opens = behind && schedule_.opens(clock);
+    if (use.turn == Schedule::Turn::waits) schedule_.push_waits();
+    std::vector<EntrySource::Entry> entries;
+    for (std::size_t i = data_; i < word_.size(); ++i)
+        entries.push_back({word_[i], static_cast<std::uint16_t>(argument(0))});
+    const bool closed = behind || use.turn == Schedule::Turn::waits;
+    if (!closed && source_.mode() != interface::Mode::live) drop_starts();
+    source_.push(clock, entries, closed && !opens);
+}
+
+/// What waits for a period goes on: a START empties the live FIFO, also of what a PUSH is writing there.
+void ReferenceBoard::Core::open_gate(Clock clock) {
+    if (const auto start = schedule_.take_start()) {
+        cut_ = cut_ || pushing(clock);
+        drop_starts();
+        schedule_.drop_pushed();
+        source_.start(clock, (*start)[0], (*start)[1], (*start)[2]);
+    }
+    if (!schedule_.push_is_waiting()) return;
+    schedule_.drop_pushed();
+    if (source_.mode() != interface::Mode::live) drop_starts();
+    source_.open(clock);
+}
+
+void ReferenceBoard::Core::drop_starts() {
+    schedule_.drop_starts();
+    source_.drop_follower();
+}
+
+void ReferenceBoard::Core::stop(Clock clock) {
+    drop_starts();
+    schedule_.drop_pushed();
+    schedule_.forget();
+    source_.stop(clock);
+}
+
+void ReferenceBoard::Core::start(Clock clock, const Schedule::Arguments& arguments) {
+    const Schedule::Use use = schedule_.use(clock);
+    count_.late = static_cast<std::uint16_t>(count_.late + use.late);
+    drop_starts();
+    switch (use.turn) {
+        case Schedule::Turn::waits: schedule_.start_waits(arguments); break;
+        case Schedule::Turn::follows:
+            schedule_.start_follows();
+            source_.follow(clock, {arguments[0], arguments[1], arguments[2]});
+            break;
+        case Schedule::Turn::now:
+            schedule_.drop_pushed();
+            source_.start(clock, arguments[0], arguments[1], arguments[2]);
+            break;
+    }
 }
 
 void ReferenceBoard::Core::execute(Clock clock) {
@@ -615,12 +702,17 @@ void ReferenceBoard::Core::apply(Clock clock) {
         case Command::enable: enable_ = true; break;
         case Command::disable: disable_ = true; break;
         case Command::watchdog: guard_.set_watchdog(clock, word(0)); break;
-        case Command::stop: source_.stop(clock); break;
+        case Command::stop: stop(clock); break;
+        case Command::identify: schedule_.forget(); break;
+        case Command::gate: schedule_.gate(argument_period()); break;
         case Command::select:
-            if (may_play) source_.select(clock, {word(0), word(1)});
+            if (!may_play) break;
+            drop_starts();
+            schedule_.drop_pushed();
+            source_.select(clock, {word(0), word(1)});
             break;
         case Command::start:
-            if (may_play) source_.start(clock, word(0), word(1), word(2));
+            if (may_play) start(clock, {word(0), word(1), word(2)});
             break;
         case Command::reset: reset_at_ = reset_last_ = clock + 1; break;
         default: break;
@@ -637,8 +729,9 @@ Clock ReferenceBoard::Core::collect(Clock offered, std::uint32_t word) {
 void ReferenceBoard::Core::begin_reply(Clock clock) {
     const bool carries = status_ == Status::ok || status_ == Status::repeated;
     words_left_ = 0;
+    told_period_ = schedule_.period(clock);
     if (carries && shape_.carries == Carries::identity) words_left_ = interface::identity_words;
-    if (carries && shape_.carries == Carries::status) words_left_ = interface::status_words;
+    if (carries && shape_.carries == Carries::status) words_left_ = status_words();
     if (carries && shape_.carries == Carries::memory) words_left_ = argument(2) / 2;
     digest_ = ~0U;
     const Clock head =
@@ -700,10 +793,11 @@ std::uint16_t ReferenceBoard::Core::memory_word() const {
         identity[i / 2] =
             static_cast<std::uint16_t>(identity[i / 2] | static_cast<unsigned char>(interface::name[i]) << i % 2 * 8);
     namespace field = interface::identity_field;
-    constexpr std::uint32_t features = 1U << static_cast<unsigned>(interface::Feature::sequence) |
-                                       1U << static_cast<unsigned>(interface::Feature::live) |
-                                       1U << static_cast<unsigned>(interface::Feature::watchdog) |
-                                       1U << static_cast<unsigned>(interface::Feature::guard);
+    std::uint32_t features = 1U << static_cast<unsigned>(interface::Feature::sequence) |
+                             1U << static_cast<unsigned>(interface::Feature::live) |
+                             1U << static_cast<unsigned>(interface::Feature::watchdog) |
+                             1U << static_cast<unsigned>(interface::Feature::guard);
+    if (p_.schedule != 0) features |= 1U << static_cast<unsigned>(interface::Feature::schedule);
     const std::uint32_t record_bytes = 2 * (p_.channels + interface::record_header_words);
     constexpr std::uint32_t write_head_bytes = 6;
     field::version_minor.set(identity, interface::version_minor);
@@ -742,6 +836,10 @@ std::uint16_t ReferenceBoard::Core::status_word(std::uint32_t word) const {
     field::live_level.set(block, source_.live_level());
     field::watchdog_ms.set(block, guard_.watchdog_ms());
     field::frames_refused.set(block, count_.refused);
+    field::waiting.set(block, schedule_.waiting() ? 1 : 0);
+    field::late_changes.set(block, count_.late);
+    field::period.set(block, told_period_ & field::period.most());
+    field::period_high.set(block, told_period_ >> field::period.width);
     return block[word];
 }
 

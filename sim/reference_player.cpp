@@ -86,6 +86,9 @@ void Player::at(Clock clock, bool allowed, bool off, Counted& counted) {
         load_.reset();
         idle_ = clock + 1;
         change_ = clock + 1;
+    } else if (source_.drops_silence(clock)) {
+        load_.reset();
+        idle_ = clock + 1;
     } else if (take_at() <= clock) {
         take(clock);
     }

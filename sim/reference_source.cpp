@@ -19,7 +19,7 @@ void EntrySource::command(Clock clock, interface::Mode mode) {
     if (clock == fetched_at_ && fetches_header_) static_cast<void>(look_at_header(clock));
     after_reset_ = false;
     mode_ = mode;
-    offered_ = never;
+    offered_ = ended_ = never;
     fetch_at_ = fetched_at_ = never;
     if (drop_last_ != clock) drop_first_ = clock + 1;  // otherwise two commands come one after the other
     drop_last_ = clock + 1;
@@ -33,6 +33,7 @@ void EntrySource::offer(Clock clock, Entry entry) {
 /// Silence for ever is the last entry.
 void EntrySource::finish(Clock clock) {
     mode_ = interface::Mode::idle;
+    ended_ = clock + 1;
     offer(clock, {});
 }
 
@@ -50,10 +51,28 @@ void EntrySource::select(Clock clock, Entry entry) {
 void EntrySource::start(Clock clock, std::uint16_t first, std::uint16_t length, std::uint16_t loops) {
     live_.clear();
     command(clock, interface::Mode::sequence);
-    first_ = number_ = first;
-    last_ = first + length - 1U;
-    loops_ = loops;
-    fetch(clock, length == 0);
+    begin_sequence(clock, {first, length, loops});
+}
+
+void EntrySource::begin_sequence(Clock clock, Start start) {
+    mode_ = interface::Mode::sequence;
+    first_ = number_ = start.first;
+    last_ = start.first + start.length - 1U;
+    loops_ = start.loops;
+    offered_ = ended_ = never;
+    fetch(clock, start.length == 0);
+}
+
+void EntrySource::follow(Clock clock, Start start) {
+    follower_ = start;
+    follow_from_ = clock + 1;
+}
+
+void EntrySource::follow_now(Clock clock) {
+    if (mode_ == interface::Mode::idle && offered_ == never) drop_silence_ = clock + 1;
+    begin_sequence(clock, *follower_);
+    follower_.reset();
+    followed_ = true;
 }
 
 void EntrySource::stop(Clock clock) {
@@ -62,8 +81,16 @@ void EntrySource::stop(Clock clock) {
     finish(clock);
 }
 
-void EntrySource::push(Clock clock, std::span<const Entry> entries) {
-    for (const Entry& entry : entries) live_.push_back({entry, clock + live_clocks});
+void EntrySource::push(Clock clock, std::span<const Entry> entries, bool closed) {
+    for (const Entry& entry : entries) live_.push_back({entry, closed ? never : clock + live_clocks});
+    if (closed) return;
+    ended_ = never;
+    if (mode_ != interface::Mode::live) command(clock, interface::Mode::live);
+}
+
+void EntrySource::open(Clock clock) {
+    for (Live& live : live_)
+        if (live.visible == never) live.visible = clock + live_clocks;
     if (mode_ != interface::Mode::live) command(clock, interface::Mode::live);
 }
 
@@ -79,8 +106,9 @@ void EntrySource::reset(Clock clock) {
     after_reset_ = true;
     fetched_at_ = never;
     fetch(clock, true);
-    drop_first_ = never;
+    drop_first_ = drop_silence_ = ended_ = never;
     drop_last_ = 0;
+    follower_.reset();
 }
 
 Clock EntrySource::offered() const {
@@ -92,13 +120,25 @@ EntrySource::Entry EntrySource::take(Clock clock) {
     if (mode_ == interface::Mode::live) {
         const Entry entry = live_.front().entry;
         live_.pop_front();
+        if (live_.empty()) ended_ = clock + 1;
         return entry;
     }
     const Entry entry = entry_;
     offered_ = never;
-    if (mode_ == interface::Mode::single && entry.dwell != 0) finish(clock);
+    if (mode_ == interface::Mode::single && entry.dwell == 0) ended_ = clock + 1;
+    if (mode_ == interface::Mode::single && entry.dwell != 0) {
+        if (follows(clock))
+            follow_now(clock);
+        else
+            finish(clock);
+        return entry;
+    }
     if (mode_ == interface::Mode::sequence) {
         const bool at_last = number_ == last_;
+        if (at_last && loops_ <= 1 && follows(clock)) {
+            follow_now(clock);
+            return entry;
+        }
         if (at_last && loops_ == 1) {
             finish(clock);
         } else {
@@ -110,7 +150,10 @@ EntrySource::Entry EntrySource::take(Clock clock) {
     return entry;
 }
 
-Clock EntrySource::next() const { return std::min({fetch_at_, fetched_at_, drop_first_}); }
+Clock EntrySource::next() const {
+    const Clock followed = follower_ && ended_ != never ? std::max(follow_from_, ended_) : never;
+    return std::min({fetch_at_, fetched_at_, drop_first_, drop_silence_, followed});
+}
 
 bool EntrySource::look_at_header(Clock clock) {
     const bool valid = in_range(interface::sequence_header_field::length.get(&word_), sequence_.size());
@@ -121,6 +164,8 @@ bool EntrySource::look_at_header(Clock clock) {
 }
 
 bool EntrySource::at(Clock clock) {
+    if (follows(clock) && ended_ <= clock) follow_now(clock);
+    if (mode_ == interface::Mode::live && !live_.empty()) ended_ = never;
     if (clock == fetch_at_) {
         word_ = sequence_[fetches_header_ ? 0 : number_];
         fetch_at_ = never;
@@ -148,6 +193,7 @@ bool EntrySource::at(Clock clock) {
 }
 
 void EntrySource::passed(Clock clock) {
+    if (drop_silence_ <= clock) drop_silence_ = never;
     if (clock < drop_first_) return;
     drop_first_ = clock == drop_last_ ? never : clock + 1;
 }

@@ -2,7 +2,9 @@
 #pragma once
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "clock.hpp"
@@ -27,7 +29,17 @@ public:
     /// @param length  0: length and loops are what the sequence header says
     void start(Clock clock, std::uint16_t first, std::uint16_t length, std::uint16_t loops);
     void stop(Clock clock);
-    void push(Clock clock, std::span<const Entry> entries);
+    /// @param closed  they wait until open()
+    void push(Clock clock, std::span<const Entry> entries, bool closed);
+    void open(Clock clock);
+    /// A START that waits for the end of what plays; it begins at(), without dropping anything but silence.
+    struct Start {
+        std::uint16_t first, length, loops;
+    };
+    void follow(Clock clock, Start start);
+    void drop_follower() { follower_.reset(); }
+    /// Whether one began since the last call.
+    [[nodiscard]] bool followed() { return std::exchange(followed_, false); }
     /// The lower half of the sequence header is written.
     void header_written(Clock clock, std::uint16_t half);
     /// A host has done more than ask: no autostart follows any more.
@@ -42,6 +54,8 @@ public:
     [[nodiscard]] bool fetching(Clock clock) const { return clock == fetch_at_; }
     /// Whether what is being prepared is dropped in this clock.
     [[nodiscard]] bool drops(Clock clock) const { return drop_first_ <= clock && clock <= drop_last_; }
+    /// Whether silence that is being prepared, or is prepared, is dropped in this clock.
+    [[nodiscard]] bool drops_silence(Clock clock) const { return clock == drop_silence_; }
     /// The clock from which on an entry can be taken.
     [[nodiscard]] Clock offered() const;
     Entry take(Clock clock);
@@ -63,6 +77,9 @@ private:
     void finish(Clock clock);
     void fetch(Clock clock, bool header);
     bool look_at_header(Clock clock);
+    void begin_sequence(Clock clock, Start start);
+    [[nodiscard]] bool follows(Clock clock) const { return follower_ && follow_from_ <= clock; }
+    void follow_now(Clock clock);
 
     std::uint32_t live_depth_;
     const std::vector<std::uint32_t>& sequence_;
@@ -79,6 +96,10 @@ private:
     bool after_reset_ = true;  // neither a header has been looked at since reset, nor a command come
     bool alone_ = true;
     Clock drop_first_ = never, drop_last_ = 0;
+    std::optional<Start> follower_;
+    Clock follow_from_ = never, ended_ = never;  // from which on it may begin, and nothing is left of what plays
+    Clock drop_silence_ = never;
+    bool followed_ = false;
 };
 
 }  // namespace haptogram::sim

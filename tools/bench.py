@@ -21,8 +21,14 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 BOARDS = ROOT / "build/boards"
 
 
+LONGEST_S = 600  # that any one measurement may take
+
+
 def run(*arguments, **environment):
-    result = subprocess.run([str(a) for a in arguments], stdout=subprocess.PIPE, text=True, env={**os.environ, **environment})
+    try:
+        result = subprocess.run([str(a) for a in arguments], stdout=subprocess.PIPE, text=True, env={**os.environ, **environment}, timeout=LONGEST_S)
+    except subprocess.TimeoutExpired:
+        sys.exit(f"bench: {' '.join(map(str, arguments))} took more than {LONGEST_S} s")
     if result.returncode != 0:
         sys.exit(f"bench: {' '.join(map(str, arguments))} ended with exit code {result.returncode}")
     return result.stdout
@@ -45,14 +51,12 @@ def numpy_focal_law_ms():
     return statistics.median(times)
 
 
-PEERS = ROOT / "build/peers/bin/python3"  # a virtual environment of its own; tools/bench/README.md says how to make it
+PEERS = ROOT / "build/peers/bin/python3"  # a virtual environment of its own, which `make bench` makes
 
 
 def peers():
-    """What other libraries take, by name; a peer that is not installed is None."""
-    if not PEERS.exists():
-        return {"numba": None, "autd3": None, "focal_law_ms": None}
-    found = json.loads(run(PEERS, ROOT / "tools/bench/peers.py"))
+    """What other libraries take, by name; a peer that is not installed is None. numpy is the set-up's, if there is no other."""
+    found = json.loads(run(PEERS if PEERS.exists() else sys.executable, ROOT / "tools/bench/peers.py"))
     found["focal_law_ms"] = float(run(PEERS, ROOT / "tools/bench/focal_law_numba.py")) if found["numba"] else None
     return found
 
@@ -62,7 +66,8 @@ def beside(name, theirs, ours, unit="ms"):
     if theirs is None:
         return f"; {name} is not there"
     faster = "" if theirs >= ours else f": {name} is FASTER"
-    return f"; {name} {theirs:,.4g} {unit}, ratio {theirs / ours:.2f}{faster}"
+    digits = lambda value: f"{value:,.0f}" if value >= 100 else f"{value:.3g}"  # noqa: E731
+    return f"; {name} {digits(theirs)} {unit}, ratio {digits(theirs / ours)}{faster}"
 
 
 def solve_rows(build, others):
@@ -79,6 +84,8 @@ def solve_rows(build, others):
             one = ours[what]
             good = one["us"] <= most and one["spread"] <= 0.002 and one["efficiency"] >= 0.93
             said = f"{one['us']:.1f} µs, CV {one['spread']:.4f} (median of 100 sets; worst {one['worst_spread']:.4f}), efficiency {one['efficiency']:.3f}"
+            wgs = others["numpy_wgs"][what]
+            said += beside("numpy complex64, 200 rounds of WGS", wgs["us"], one["us"], "µs") + f", its CV {wgs['spread']:.1g}"
             if what == "10x249":
                 said += beside("AUTD3's GS-PAT", autd3 and autd3["us"], one["us"], "µs") + (f", its CV {autd3['spread']:.3f}" if autd3 else "")
             yield (f"{what.replace('x', ' foci × ')} elements, rounded to 250 ticks, {name}", f"≤ {most} µs, CV ≤ 0.002, efficiency ≥ 0.93", good, said)
@@ -87,6 +94,14 @@ def solve_rows(build, others):
         yield (f"the same ten foci, moved by 0.2 mm, begun from the last, {name}", f"≤ {most} µs, CV ≤ 0.002", good,
                f"{one['us']:.1f} µs, CV {one['spread']:.5f} (worst of 1,000 frames {one['worst_spread']:.4f}), "
                f"efficiency {one['efficiency_over_solved']:.3f} of that from nothing")  # fmt: skip
+
+
+def scatter_rows(build):
+    """Boundary elements on a finger, on one thread."""
+    ours = json.loads(run(build / "tools/bench/haptogram_measure_scatter"))
+    yield (f"rigid finger, {ours['triangles']} triangles × 10 foci, with its matrix", "≤ 0.8 s", ours["cold_s"] <= 0.8, f"{ours['cold_s']:.2f} s")
+    yield ("each ten foci more, once the matrix is factorised", "≤ 50 ms", ours["further_s"] <= 0.05,
+           f"{ours['further_s'] * 1e3:.0f} ms; factorising takes {ours['factorise_s']:.2f} s")  # fmt: skip
 
 
 def robot_rows(build):
@@ -196,6 +211,15 @@ def field_rows(build, others):
     ]  # fmt: skip
 
 
+def sweep_rows(build):
+    """A sweep of 1,000 configurations of some 15 ms each, by one worker and by two. Starting the workers is not counted."""
+    found = json.loads(run(sys.executable, ROOT / "tools/bench/sweep.py", "--build", build))
+    one, two = found["seconds"]["1"], found["seconds"]["2"]
+    whole = f"{found['whole_seconds']['1'] / found['whole_seconds']['2']:.2f} with the start of the workers"
+    yield ("sweep of 1,000 configurations, 2 workers over one", "≥ 1.8", one / two >= 1.8 and found["same"],
+           f"{one / two:.2f}: {one:.1f} s and {two:.1f} s, the same rows; {whole}")  # fmt: skip
+
+
 def patch_s(program, folder, board):
     """A compiled image into a bitstream that is already placed: whole program, median of five after one."""
     image = folder / f"{board}.hex"
@@ -252,6 +276,10 @@ def measure(build):
         fields = field_rows(build, others)
         say("the cable robot")
         robot = list(robot_rows(build))
+        say("a sweep")
+        sweep = list(sweep_rows(build))
+        say("boundary elements")
+        scatter = list(scatter_rows(build))
         say("compile of a million points")
         million_s = compile_million_s(program, folder)
         say("images into bitstreams")
@@ -276,10 +304,20 @@ def measure(build):
         *fields,
         *link,
         *robot,
+        *sweep,
+        *scatter,
         ("compile of 10^6 points to 200", "≤ 2 s", million_s <= 2.0, f"{million_s:.2f} s"),
         *boards,
     ]
     return {"processor": processor(), "rows": [dict(zip(("what", "target", "reached", "measured"), row)) for row in rows]}
+
+
+def table(result):
+    """The rows as docs/measurements.md has them."""
+    lines = ["| what | target | measured |", "|---|---|---|"]
+    for row in result["rows"]:
+        lines.append(f"| {row['what']} | {row['target']} | {'' if row['reached'] else '**missed**: '}{row['measured']} |")
+    return "\n".join(lines)
 
 
 def main():
@@ -289,10 +327,7 @@ def main():
     arguments = parser.parse_args()
     result = measure(arguments.build)
     arguments.output.write_text(json.dumps(result, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
-    print(f"on {result['processor']}")
-    for row in result["rows"]:
-        print(f"{'reached' if row['reached'] else 'MISSED ':8} {row['what']:58} {row['target']:26} {row['measured']}")
-    print(f"written to {arguments.output}")
+    print(f"on {result['processor']}\n\n{table(result)}\n\nwritten to {arguments.output}")
 
 
 if __name__ == "__main__":

@@ -19,10 +19,10 @@ import tomllib
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import boards
 import configurations
 
 ROOT = Path(__file__).resolve().parent.parent
-BOARDS = ROOT / "constraints"
 VENV = ROOT / "build" / "venv" / "bin"
 RECORD_HEADER_WORDS = configurations.load()["record"]["header_words"]
 AUTOSTART = sum(1 << f["low"] for f in configurations.load()["sequence_header"]["fields"] if f["name"] == "autostart")
@@ -55,17 +55,9 @@ def run(folder, log, *command, stdin=None, stdout=None):
 
 
 def load(name):
-    path = BOARDS / f"{name}.toml"
-    if not path.exists():
-        known = ", ".join(board_names())
-        raise Failed(f"no board {name}; there are {known}")
-    board = tomllib.loads(path.read_text())
+    board = boards.load(name)
     board["parameters"] = configurations.parameters_of(board)
     return board
-
-
-def board_names():
-    return sorted(p.stem for p in BOARDS.glob("*.toml"))
 
 
 def memories(board):
@@ -101,6 +93,7 @@ def synthesise(folder, board):
     defines = [f"-D{name}" for name, wanted in given.items() if wanted]
     defines += [f"-DHG_STOP={pins.get('stop_level', 0)}"] if "stop" in pins else []
     defines += [f"-DHG_DRIVER_ENABLE={pins.get('driver_enable_level', 1)}"] if "driver_enable" in pins else []
+    defines += [f"-DHG_{key.upper()}" for key in ("sync_in", "sync_out") if key in pins]
     defines += [f"-DHG_HIGH={len(pins['high'])}"] if pins.get("high") else []
     sets = " ".join(f"-set {k} {v}" for k, v in board["parameters"].items())
     files = " ".join(f'-set {n.upper()}_FILE "{n}_init.hex"' for n in memories(board))
@@ -135,9 +128,9 @@ def constraints(board):
     pins, channels = board["pins"], board["parameters"]["CHANNELS"]
     sites = [("i_clk", pins["clk"]), ("i_rx", pins["rx"]), ("o_tx", pins["tx"])]
     sites += [(port, pins[key]) for port, key in [("o_led", "led"), ("i_stop", "stop"), ("o_driver_enable", "driver_enable"),
-                                                  ("o_alive", "alive")] if key in pins]
-    # At rest the serial line is high, and a stop switch that nobody has fitted is not pressed.
-    pulls = {"i_rx": "UP", "i_stop": "DOWN" if pins.get("stop_level", 0) else "UP"}
+                                                  ("o_alive", "alive"), ("i_sync", "sync_in"), ("o_sync", "sync_out")] if key in pins]
+    # At rest the serial line is high and SYNC low, and a stop switch that nobody has fitted is not pressed.
+    pulls = {"i_rx": "UP", "i_sync": "DOWN", "i_stop": "DOWN" if pins.get("stop_level", 0) else "UP"}
     sites += [(f"o_high[{i}]", ball) for i, ball in enumerate(pins.get("high", []))]
     sites += [(f"o_pins[{k}]", row[3]) for k, row in enumerate(board["outputs"][:channels])]
     if board["fpga"]["family"] == "ice40":
@@ -186,7 +179,7 @@ def build(name, options):
         folder = folder.with_name(f"{name}-{options.configuration}")
     folder.mkdir(parents=True, exist_ok=True)
     family, clock_mhz = board["fpga"]["family"], board["parameters"]["CLOCK_HZ"] / 1e6
-    budget = tomllib.loads((ROOT / "tools" / "budgets.toml").read_text())[family]
+    budget = tomllib.loads((ROOT / "tools" / "budgets.toml").read_text())[family + ("_with_amplitudes" if board["parameters"]["WIDTH_BITS"] else "")]
     goal = clock_mhz * (1.0 if alone else budget["clock_margin"])  # of size only, not of a board's margin
     fingerprint(folder, board)
     print(f"{folder.name}: synthesised in {synthesise(folder, board):.0f} s", file=sys.stderr, flush=True)
@@ -198,7 +191,7 @@ def build(name, options):
     for _, spare, _ in outcomes:
         (folder / spare).unlink(missing_ok=True)
     if options.program and not alone:
-        run(folder, "pack.log", options.program.resolve(), "bitstream", "--board", BOARDS / f"{name}.toml", "--placed",
+        run(folder, "pack.log", options.program.resolve(), "bitstream", "--board", boards.BOARDS / f"{name}.toml", "--placed",
             options.output.resolve(), "--empty", "-o", f"{name}.{'bin' if family == 'ice40' else 'bit'}")
     used, available, rams, ram_available = cells(best["utilization"], family)
     channels = board["parameters"]["CHANNELS"]
@@ -239,13 +232,13 @@ def main():
     options = parser.parse_args()
     results, failed = [], False
     try:
-        for name in options.boards or board_names():
+        for name in options.boards or boards.names():
             result, problems = build(name, options)
             results.append(result)
             failed |= bool(problems)
             for problem in problems:
                 print(f"{name}: over budget: {problem}", file=sys.stderr)
-    except (Failed, configurations.Wrong) as error:
+    except (Failed, boards.Unknown, configurations.Wrong) as error:
         print(f"bitstream: {error}", file=sys.stderr)
         failed = True
     if results:

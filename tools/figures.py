@@ -17,7 +17,7 @@ import numpy as np
 
 matplotlib.use("Agg")
 sys.path.insert(0, str(pathlib.Path(__file__).parent / "python"))
-from figures import haptogram_paper, hoshi, multimodal, page, shapes, studies  # noqa: E402
+from figures import haptogram_paper, hoshi, multimodal, page, scattering, shapes, studies  # noqa: E402
 from figures.work import Work  # noqa: E402
 
 FIGURES = {
@@ -37,6 +37,8 @@ FIGURES = {
     "hoshi-12": (hoshi.hoshi_12, "Hoshi, Fig. 12a–b: modulation at 100 Hz"),
     "hoshi-12c": (hoshi.hoshi_12c, "Hoshi, Fig. 12c: frequency characteristics, with one bandwidth fitted"),
     "hoshi-eq9": (hoshi.hoshi_eq9, "Hoshi, eq. 9: two spots by a Fourier transform, and what repeats"),
+    "fingers-7": (scattering.fingers_7, "Fingers, Fig. 7: radiation pressure on a finger, ten foci in turn"),
+    "fingers-8": (scattering.fingers_8, "Fingers, Fig. 8: dynamic and static focus over the depth of the finger"),
     "shapes-strength": (shapes.shapes_strength, "Shapes: strength over speed, spacing and dwell of a drawn circle"),
     "multimodal-magnitude": (multimodal.multimodal_magnitude, "Multimodal, eq. 10 and 11, Tables I–III: command, output, perceived magnitude, thresholds"),
     "multimodal-waveforms": (multimodal.multimodal_waveforms, "Multimodal, eq. 8, 9 and 13: waveforms and duties"),

@@ -8,8 +8,9 @@ import argparse
 import shlex
 import subprocess
 import sys
-import tomllib
 from pathlib import Path
+
+import boards
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -23,12 +24,12 @@ def main():
     parser.add_argument("--write", action="store_true", help="to the board's flash, where it stays; else until power is cut")
     parser.add_argument("--dry-run", action="store_true", help="print the commands only")
     options = parser.parse_args()
-    file = ROOT / "constraints" / f"{options.board}.toml"
-    if not file.exists():
-        parser.error(f"no board {options.board}; '{options.program} board list' names them")
+    try:
+        board = boards.load(options.board)
+    except boards.Unknown as error:
+        parser.error(str(error))
     if options.autostart and not options.image:
         parser.error("--autostart needs an --image to play")
-    board = tomllib.loads(file.read_text())
     folder = ROOT / "build" / "boards" / options.board
     suffix = "bin" if board["fpga"]["family"] == "ice40" else "bit"
     bitstream, commands = folder / f"{options.board}.{suffix}", []

@@ -55,6 +55,11 @@ def name_words(table):
     return [raw[i] | raw[i + 1] << 8 for i in range(0, 16, 2)]
 
 
+def untimed_end(table):
+    """The status block's first word that only boards with the parameter SCHEDULE have."""
+    return next(block["timed_from"] for block in table["block"] if block["region"] == "status")
+
+
 def verilog(table):
     out = [f"// {NOTE}", "// SPDX-License-Identifier: Apache-2.0", ""]
 
@@ -76,6 +81,8 @@ def verilog(table):
         if name == "description":  # the board never sees it
             continue
         define(f"{name}_WORDS", len(words))
+        if name == "status":  # of boards that keep no time
+            define("STATUS_UNTIMED_WORDS", words.index(untimed_end(table)))
         for position, word in enumerate(words):
             define(f"{name}_{word}", f"5'd{position}")
     # What every core has, and what it has when one of its parameters is not 0.
@@ -87,6 +94,8 @@ def verilog(table):
         define(f"KIND_{kind['name']}", f"8'd{kind['value']}")
     for mode in table["mode"]:
         define(f"MODE_{mode['name']}", f"2'd{mode['value']}")
+    for role in table["role"]:
+        define(f"ROLE_{role['name']}", f"2'd{role['value']}")
     for command in table["command"]:
         define(f"COMMAND_{command['name']}", f"8'h{command['code']:02x}")
     for status in table["status"]:
@@ -231,6 +240,8 @@ def cpp(table):
         out += ["", f"enum class {name.capitalize()}Word : unsigned {{"]
         out += [f"    {word} = {position}," for position, word in enumerate(words)]
         out += ["};", f"inline constexpr unsigned {name}_words = {len(words)};"]
+        if name == "status":
+            out += [f"inline constexpr unsigned status_untimed_words = {words.index(untimed_end(table))};  // of boards without schedule"]
     out += ["", "/// Bits of the identity block's features.", "enum class Feature : unsigned {"]
     out += [f"    {row['name']} = {row['bit']},  // {row['about']}" for row in table["feature"]] + ["};"]
     out += ["[[nodiscard]] constexpr bool has(std::uint32_t features, Feature feature) {"]
@@ -239,11 +250,13 @@ def cpp(table):
     out += [f"    {row['name']} = {row['value']},  // {row['about']}" for row in table["kind"]] + ["};"]
     out += ["", "/// Where the next record comes from.", "enum class Mode : unsigned {"]
     out += [f"    {row['name']} = {row['value']},  // {row['about']}" for row in table["mode"]] + ["};"]
+    out += ["", "/// How its carrier cycles are kept in step with other boards.", "enum class Role : unsigned {"]
+    out += [f"    {row['name']} = {row['value']},  // {row['about']}" for row in table["role"]] + ["};"]
     out += ["", "enum class Command : std::uint8_t {"] + [f"    {c['name']} = 0x{c['code']:02x}," for c in table["command"]] + ["};"]
     out += ["", "enum class Status : std::uint8_t {"] + [f"    {s['name']} = 0x{s['code']:02x}," for s in table["status"]] + ["};", ""]
     replying = " || ".join(f"command == Command::{c['name']}" for c in table["command"] if "reply" in c)
     out += ["/// Whether its reply carries data.", "constexpr bool replies(Command command) {", f"    return {replying};", "}", ""]
-    for title, rows in (("Mode", table["mode"]), ("Command", table["command"])):
+    for title, rows in (("Mode", table["mode"]), ("Role", table["role"]), ("Command", table["command"])):
         variable = title.lower()
         out += [f"constexpr std::string_view to_string({title} {variable}) {{", f"    switch ({variable}) {{"]
         out += [f'        case {title}::{row["name"]}: return "{row["name"]}";' for row in rows]
@@ -329,10 +342,12 @@ def python(table):
     out += [f"LINK_{row['name'].upper()} = {row['value']}" for row in table["link"]] + [""]
     for name, words in blocks(table).items():
         out.append(f"{name.upper()}_WORDS = {words!r}".replace("'", '"'))
+    status = blocks(table)["status"]
+    out.append(f"STATUS_UNTIMED_WORDS = {status.index(untimed_end(table))}  # of boards without schedule")
     out += ["", "", PYTHON_TYPES, ""]
     for name, rows, _ in layouts(table):
         out += [f"{name.upper()}_FIELDS = {{"] + [f'    "{field}": BitField({first}, {width}),' for field, first, width, _ in rows] + ["}"]
-    for title, rows in (("Kind", [dict(r, code=r["value"]) for r in table["kind"]]), ("Feature", [dict(r, code=r["bit"]) for r in table["feature"]]), ("Mode", [dict(r, code=r["value"]) for r in table["mode"]])):
+    for title, rows in (("Kind", [dict(r, code=r["value"]) for r in table["kind"]]), ("Feature", [dict(r, code=r["bit"]) for r in table["feature"]]), ("Mode", [dict(r, code=r["value"]) for r in table["mode"]]), ("Role", [dict(r, code=r["value"]) for r in table["role"]])):
         out += ["", "", f"class {title}(enum.IntEnum):"]
         out += [f"    {row['name'].upper()} = {row['code']}" for row in rows]
     for title, rows in (("Command", table["command"]), ("Status", table["status"])):
@@ -378,6 +393,8 @@ def page(table):
         if block["region"] == "status":
             out += ["Values of mode:", "", "| value | mode | where the next record comes from |", "|---|---|---|"]
             out += [f"| {row['value']} | {row['name']} | {row['about']} |" for row in table["mode"]] + [""]
+            out += ["Values of role:", "", "| value | role | what |", "|---|---|---|"]
+            out += [f"| {row['value']} | {row['name']} | {row['about']} |" for row in table["role"]] + [""]
     out += ["## Frames", "", "On the line a frame is COBS-encoded and ends with a zero byte. Decoded, a request is", ""]
     out += ["`sequence number, command, arguments…, data…, CRC high, CRC low`", "", "and a reply is", ""]
     out += ["`sequence number, command | 0x80, status, next expected sequence number, live level low, high, data…, CRC high, CRC low`", ""]

@@ -28,17 +28,21 @@ LAYERS = {
     "acoustics":  {"may": BASICS, "at": (0, 7), "knows": "waves, fields, transients"},
     "shape":      {"may": BASICS, "at": (1, 7), "knows": "files, built-in shapes, points"},
     "hand":       {"may": BASICS, "at": (3, 7), "knows": "hands, skin, solids"},
+    "scattering": {"may": [*BASICS, "acoustics", "shape", "hand"], "at": (0, 6), "knows": "rigid bodies in a sound field"},
+    "sense":      {"may": [*BASICS, "hand"], "at": (4, 6), "knows": "depth cameras to points"},
+    "scene":      {"may": [*BASICS, "hand"], "at": (5, 6), "knows": "fingers hold an object"},
     "render":     {"may": [*BASICS, "shape", "hand"], "at": (1, 6), "knows": "paths: foci in time"},
     "perception": {"may": [*BASICS, "acoustics", "render"], "at": (3, 6), "knows": "how strong a focus feels"},
     "fusion":     {"may": [*BASICS, "acoustics", "hand", "render", "perception", "robot"], "at": (4, 5), "knows": "a scene to cables and ultrasound"},
     "solve":      {"may": [*PHYSICS, "render"], "at": (1, 5), "knows": "foci to drives to records"},
     "image":      {"may": [*PHYSICS, "render", "solve"], "at": (1, 4), "knows": "memories, Intel HEX, bundles"},
     "analysis":   {"may": IMAGE, "at": (0, 3), "knows": "pulses to drives, checks of foci"},
-    "instrument": {"may": [*IMAGE, "perception", "analysis"], "at": (0, 2), "knows": "the verbs as functions"},
+    "instrument": {"may": [*IMAGE, "scattering", "perception", "analysis"], "at": (0, 2), "knows": "the verbs as functions"},
     "link":       {"may": IMAGE, "at": (2, 3), "knows": "frames, ports, devices"},
+    "live":       {"may": [*INSTRUMENT, "sense", "scene", "link"], "at": (3, 1), "knows": "depth to rings, as it comes"},
     "sim":        {"may": [*IMAGE, "analysis", "link"], "at": (2, 2), "knows": "boards without hardware"},
     "studio":     {"may": [*INSTRUMENT, "link"], "at": (1, 1), "knows": "the page in the browser, its server"},
-    "cli":        {"may": [*INSTRUMENT, "perception", "robot", "fusion", "link", "sim", "studio"], "at": (1, 0), "knows": "the program: parse, call, print"},
+    "cli":        {"may": [*INSTRUMENT, "perception", "robot", "fusion", "sense", "scene", "link", "live", "sim", "studio"], "at": (1, 0), "knows": "the program: parse, call, print"},
 }  # fmt: skip
 FOLDERS = {name: f"host/haptogram/{name}" for name in LAYERS} | {"sim": "sim", "studio": "host/studio", "cli": "host/cli"}
 ROW, GAP = 44, 32  # of the picture, pixels

@@ -13,7 +13,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
-AXES = {"x": 0, "y": 1, "z": 2}
+AXES = {"x": 0, "y": 1, "z": 2, "u": 0, "v": 1}
 NEAR_MM = 3.0  # points this near to the plane are drawn as lying in it
 NEAR_FIELD_MM = 30.0  # below it the pressure is that of one element, not of the focus
 
@@ -21,7 +21,8 @@ NEAR_FIELD_MM = 30.0  # below it the pressure is that of one element, not of the
 def marks_of(panel, about, u_name, v_name):
     """The asked points, those in the plane stronger than those elsewhere."""
     marks = np.asarray(about["marks_mm"]).reshape(-1, 3)
-    fixed_name, fixed = about["region"].split("@")[1].split("=")
+    # An oblique plane lies at 0 in its own coordinates, in which its marks are.
+    fixed_name, fixed = ("z", 0.0) if about["axes"] == "uv" else about["region"].split("@")[1].split("=")
     across = abs(marks[:, AXES[fixed_name]] - float(fixed)) <= NEAR_MM
     for chosen, alpha, label in ((~across, 0.25, "asked points elsewhere"), (across, 0.95, "asked points in this plane")):
         if chosen.any():

@@ -65,6 +65,8 @@ ordered_json to_json(const Board::Pins& pins) {
             {"driver_enable", or_null(pins.driver_enable)},
             {"driver_enable_level", pins.driver_enable_level},
             {"alive", or_null(pins.alive)},
+            {"sync_in", or_null(pins.sync_in)},
+            {"sync_out", or_null(pins.sync_out)},
             {"active", pins.active_low ? "low" : "high"},
             {"drive_ma", or_null(pins.drive_ma)},
             {"slew", or_null(pins.slew)},
@@ -136,6 +138,10 @@ std::string to_text(const Pinout& pinout) {
         text += fmt::format("enable ball {}; {} while outputs are on, for the drivers' enable inputs\n",
                             *pins.driver_enable, level(pins.driver_enable_level));
     if (pins.alive) text += fmt::format("alive  ball {}; changes as long as there is a clock\n", *pins.alive);
+    if (pins.sync_in)
+        text += fmt::format("SYNC   in ball {}; from the master, when this board is a slave\n", *pins.sync_in);
+    if (pins.sync_out)
+        text += fmt::format("SYNC   out ball {}; to the slaves, when this board is the master\n", *pins.sync_out);
     if (pins.active_low) text += "active low: a transducer's driver is on while its pin is low\n";
     if (!pins.high.empty()) text += fmt::format("high   ball {}\n", fmt::join(pins.high, ", "));
     text += fmt::format("array  {}, {} elements; x to the right, y up, seen from the side of the hand\n",

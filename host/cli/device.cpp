@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <memory>
+#include <string>
 
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
@@ -19,7 +21,13 @@ struct DeviceOptions {
     std::uint16_t watchdog_ms = 0;
     bool has_watchdog = false;
     std::uint16_t divider = 1, samples = 0;
+    std::uint32_t first_sample = 0;
+    std::uint16_t first = 1, length = 0, loops = 0;
+    std::uint64_t at_period = 0;
+    std::uint32_t in_periods = 0;
+    bool after = false;
     bool once = false, off = false;
+    std::string role;
     bool json = false;
 };
 
@@ -60,6 +68,21 @@ int stop(const DeviceOptions& options) {
     return after_change(device, options);
 }
 
+link::When when(link::Device& device, const DeviceOptions& options) {
+    if (options.after) return link::When::at_end();
+    if (options.at_period != 0) return link::When::at_period(options.at_period);
+    if (options.in_periods == 0) return link::When::at_once();
+    const std::optional<std::uint64_t> period = device.status().period;
+    if (!period) throw Error(ErrorCode::device, options.port.port, "this board counts no carrier periods");
+    return link::When::at_period(*period + options.in_periods);
+}
+
+int start(const DeviceOptions& options) {
+    link::Device device(options.port);
+    device.start(options.first, options.length, options.loops, when(device, options));
+    return after_change(device, options);
+}
+
 int modulate(const DeviceOptions& options) {
     link::Device device(options.port);
     const std::uint32_t most = 2 * device.identity().modulation_words;
@@ -68,9 +91,25 @@ int modulate(const DeviceOptions& options) {
         throw Error(ErrorCode::bad_argument, "--samples",
                     fmt::format("the board holds {} samples, not {}", most, options.samples));
     if (options.off)
-        device.modulate(0, 0, false);
+        device.modulate(0, 0, false, 0, when(device, options));
     else
-        device.modulate(options.divider, options.samples, !options.once);
+        device.modulate(options.divider, options.samples, !options.once, options.first_sample, when(device, options));
+    return after_change(device, options);
+}
+
+constexpr std::array roles = {link::Role::alone, link::Role::master, link::Role::slave};
+
+std::vector<std::string> role_names() {
+    std::vector<std::string> names;
+    for (const link::Role role : roles) names.emplace_back(to_string(role));
+    return names;
+}
+
+int sync(const DeviceOptions& options) {
+    link::Device device(options.port);
+    if (device.identity().core().sync == 0) throw Error(ErrorCode::device, options.port.port, "this board has no SYNC");
+    for (const link::Role role : roles)
+        if (to_string(role) == options.role) device.set_role(role);
     return after_change(device, options);
 }
 
@@ -91,9 +130,11 @@ void add_device(CLI::App& app, Action& action) {
     sub->callback([sub, &action] {
         if (sub->get_subcommands().empty())
             action = []() -> int {
-                throw Error(ErrorCode::bad_argument, "device",
-                            "expected a subcommand: list, info, status, enable, disable, stop or modulate; see "
-                            "haptogram device --help");
+                throw Error(
+                    ErrorCode::bad_argument, "device",
+                    "expected a subcommand: list, info, status, enable, disable, stop, start, modulate, sync or "
+                    "self-test; see "
+                    "haptogram device --help");
             };
     });
     auto options = std::make_shared<DeviceOptions>();
@@ -118,6 +159,32 @@ void add_device(CLI::App& app, Action& action) {
     watchdog->each([options](const std::string&) { options->has_watchdog = true; });
     add("disable", "Turn the outputs off, at once", disable);
     add("stop", "Silence after the present cycle; outputs stay as they are", stop);
+    const auto add_when = [options](CLI::App& command) {
+        auto* after = command.add_flag("--after", options->after,
+                                       "When what plays now has ended: for ever is until the end of its present pass");
+        auto* at = command
+                       .add_option("--at-period", options->at_period,
+                                   "Not before this carrier period, counted from the board's reset; device status "
+                                   "tells the present one")
+                       ->check(CLI::Range(std::uint64_t{1}, link::When::at_end().gate - 1))
+                       ->excludes(after);
+        command
+            .add_option("--in-periods", options->in_periods,
+                        "Not before so many carrier periods from now, which the way to the board takes a part of")
+            ->check(whole(1, 4'000'000'000))
+            ->excludes(after)
+            ->excludes(at);
+    };
+    CLI::App* bank = add("start",
+                         "Play a part of the sequence in the board's memory, a bank; outputs stay as they are, and a "
+                         "watchdog of 0 (device enable --watchdog 0) lets it play with no host",
+                         start);
+    bank->add_option("--first", options->first, "Its first entry")->check(whole(1, 32767))->capture_default_str();
+    bank->add_option("--length", options->length, "So many entries; 0: the whole sequence, with its loops")
+        ->check(whole(0, 32767))
+        ->capture_default_str();
+    bank->add_option("--loops", options->loops, "So often; 0: for ever")->check(whole(0, 65535))->capture_default_str();
+    add_when(*bank);
     CLI::App* modulation = add("modulate",
                                "Multiply all amplitudes by the samples in the board's modulation memory, from the "
                                "first on, whatever plays; an upload does so as its image says",
@@ -128,8 +195,19 @@ void add_device(CLI::App& app, Action& action) {
     modulation->add_option("--samples", options->samples, "So many samples; 0: all that the board holds")
         ->check(whole(0, 65535))
         ->capture_default_str();
+    modulation
+        ->add_option("--first", options->first_sample,
+                     "Number of the first sample, even; another than 0 takes a board with schedule")
+        ->check(whole(0, 65534))
+        ->capture_default_str();
+    add_when(*modulation);
     auto* once = modulation->add_flag("--once", options->once, "Not over and over; the last sample stays");
     modulation->add_flag("--off", options->off, "End the modulation")->excludes(once);
+    add("sync", "Reset the board, and then keep its carrier cycles in step with other boards over the wire SYNC", sync)
+        ->add_option("role", options->role, "alone, master or slave")
+        ->required()
+        ->check(CLI::IsMember(role_names()));
+    add_self_test(*sub, action);
 }
 
 }  // namespace haptogram::cli

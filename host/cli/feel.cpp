@@ -4,12 +4,15 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/instrument/analyze.hpp"
+#include "haptogram/instrument/render.hpp"
+#include "haptogram/perception/difference.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
 
@@ -23,7 +26,8 @@ struct FeelCommand {
     std::optional<std::string> array, board;
     std::vector<std::string> at, ears{"0,-400,300"};
     std::string normal = "0,0,-1", region = "palm", tables = "multimodal", output;
-    std::size_t places = 8;
+    std::string hand, hand_model;
+    std::size_t places = 8, hand_frame = 1;
     double contact_mm = 20.0, grip_n = 1.0;
     bool json = false;
 };
@@ -42,14 +46,24 @@ ordered_json to_json(const FeltPlace& place) {
                          {"least_mn", line.least_n * 1e3},
                          {"over_db", line.over_db},
                          {"threshold_by", perception::name_of(line.basis)}});
-    ordered_json json = {{"at_mm", in_mm(place.place.position)},
-                         {"tilt", place.force.tilt},
-                         {"mean_pa", place.mean_pa},
-                         {"most_pa", place.most_pa},
-                         {"mean_mn", place.mean_n * 1e3},
-                         {"modulation_depth", place.depth},
-                         {"lines", lines},
-                         {"expected_to_be_felt", place.expected()}};
+    ordered_json json = {{"at_mm", in_mm(place.place.position)}};
+    if (!place.part.empty()) {
+        json["normal"] = {place.place.normal.x, place.place.normal.y, place.place.normal.z};
+        json["part"] = place.part;
+        json["off_skin_mm"] = place.off_skin_m / millimetre;
+    }
+    json.update({{"tilt", place.force.tilt},
+                 {"mean_pa", place.mean_pa},
+                 {"most_pa", place.most_pa},
+                 {"mean_mn", place.mean_n * 1e3},
+                 {"modulation_depth", place.depth},
+                 {"lines", lines},
+                 {"expected_to_be_felt", place.expected()}});
+    if (place.expected()) {
+        const perception::FeltLine& line = place.felt.lines.front();
+        json["strength_steps"] = perception::strength_steps(line.over_db);
+        if (const auto next = perception::next_frequency_hz(line.hz)) json["next_frequency_hz"] = *next;
+    }
     if (place.felt.magnitude)
         json["magnitude"] = *place.felt.magnitude;
     else
@@ -61,11 +75,28 @@ std::string line_of(const FeltPlace& place, std::size_t number) {
     std::string text =
         fmt::format("{:>5} {:>22} {:>5.2f} {:>8.1f} {:>8.1f} {:>8.3f} {:>6.2f}", number, words_of(place.place.position),
                     place.force.tilt, place.mean_pa, place.most_pa, place.mean_n * 1e3, place.depth);
-    if (place.felt.lines.empty()) return text + "  nothing alternates between 10 and 500 Hz";
+    const std::string part =
+        place.part.empty() ? "" : fmt::format("  {}, {:.1f} mm off", place.part, place.off_skin_m / millimetre);
+    if (place.felt.lines.empty()) return text + "  nothing alternates between 10 and 500 Hz" + part;
     const perception::FeltLine& line = place.felt.lines.front();
     text += fmt::format(" {:>8.1f} {:>8.4f} {:>8.4f} {:>7.1f} {:>12}", line.hz, line.force_n * 1e3, line.least_n * 1e3,
                         line.over_db, perception::name_of(line.basis));
-    return text + (place.felt.magnitude ? fmt::format(" {:>9.2f}", *place.felt.magnitude) : fmt::format(" {:>9}", "-"));
+    return text +
+           (place.felt.magnitude ? fmt::format(" {:>9.2f}", *place.felt.magnitude) : fmt::format(" {:>9}", "-")) + part;
+}
+
+/// What could be told apart from the strongest place's strongest line.
+void tell_differences(Report& report, const Feeling& feeling) {
+    const perception::FeltLine* best = nullptr;
+    for (const FeltPlace& place : feeling.places)
+        if (place.expected() && (best == nullptr || place.felt.lines.front().over_db > best->over_db))
+            best = &place.felt.lines.front();
+    if (best == nullptr) return;
+    const auto [least, most] = perception::strength_steps(best->over_db);
+    std::string text = fmt::format("told apart: {} to {} steps of strength down to what is just felt", least, most);
+    if (const auto next = perception::next_frequency_hz(best->hz))
+        text += fmt::format("; {:.0f} Hz from {:.0f} to {:.0f} Hz on", best->hz, next->at(0), next->at(1));
+    report.tell(text + fmt::format("; places to {:g} mm", perception::place_error_m / millimetre));
 }
 
 void report_places(Report& report, const Feeling& feeling) {
@@ -82,6 +113,7 @@ void report_places(Report& report, const Feeling& feeling) {
     report.add("places", places)
         .add("places_expected_to_be_felt", expected,
              fmt::format("expected to be felt: {} of {} places", expected, feeling.places.size()));
+    tell_differences(report, feeling);
     for (const FeltPlace& place : feeling.places)
         if (!place.felt.magnitude) {
             report.tell(fmt::format("no magnitude, first of place {}: {}",
@@ -147,6 +179,7 @@ int feel(const FeelCommand& command) {
     for (const std::string& text : command.at) options.at.push_back(parse_point_mm("at", text));
     for (const std::string& text : command.ears) options.ears.push_back(parse_point_mm("ear", text));
     options.normal = parse_point_mm("normal", command.normal);
+    if (!command.hand.empty()) options.skin = skin_of(open_hands(command.hand, command.hand_model), command.hand_frame);
     options.most_places = command.places;
     options.contact_m = command.contact_mm * millimetre;
     options.region = perception::region_of(command.region);
@@ -167,7 +200,9 @@ int feel(const FeelCommand& command) {
     report.add("played", played.title,
                fmt::format("{}, {}: {:.4g} s of it", played.title, played.array.name, feeling.seconds));
     report.add("array", played.array.name).add("seconds", feeling.seconds);
-    report.add("tables", options.tables.name).add("region", command.region).add("grip_n", command.grip_n);
+    report.add("tables", options.tables.name).add("grip_n", command.grip_n);
+    if (command.hand.empty()) report.add("region", command.region);
+    report.add("extent_mm", feeling.extent_m / millimetre);
     report.add("contact_mm", command.contact_mm);
     report_places(report, feeling);
     report_path(report, feeling);
@@ -200,8 +235,19 @@ void add_feel(CLI::App& app, Action& action) {
     sub->add_option("--places", options->places, "How many of the foci, evenly chosen")
         ->check(whole(1, 65535))
         ->capture_default_str();
-    sub->add_option("--normal", options->normal, "Out of the skin, of any length: x,y,z; by default towards the array")
+    auto* normal = sub->add_option("--normal", options->normal,
+                                   "Out of the skin, of any length: x,y,z; by default towards the array")
+                       ->capture_default_str();
+    auto* hand = sub->add_option("--hand", options->hand,
+                                 "A hand, as render takes it: each place is the nearest one on its skin, with the "
+                                 "normal and the region there")
+                     ->excludes(normal);
+    sub->add_option("--hand-frame", options->hand_frame, "Of its recording, from 1")
+        ->needs(hand)
+        ->check(whole(1, std::numeric_limits<std::uint32_t>::max()))
         ->capture_default_str();
+    sub->add_option("--hand-model", options->hand_model, "Bones of a .pose file (default: model_hand.json beside it)")
+        ->needs(hand);
     sub->add_option("--contact", options->contact_mm, "Diameter of the skin whose force is compared, mm")
         ->check(positive())
         ->capture_default_str();
@@ -211,6 +257,7 @@ void add_feel(CLI::App& app, Action& action) {
         ->capture_default_str();
     sub->add_option("--region", options->region, "palm or finger; magnitudes are known for the palm only")
         ->check(CLI::IsMember({"palm", "finger"}))
+        ->excludes(hand)
         ->capture_default_str();
     sub->add_option("--grip", options->grip_n, "Force that the hand holds at the same time, N; 1 N for a bare hand")
         ->check(positive())

@@ -11,6 +11,7 @@
 #include "haptogram/instrument/field_file.hpp"
 #include "haptogram/instrument/source.hpp"
 #include "progress_line.hpp"
+#include "report.hpp"
 
 namespace haptogram::cli {
 namespace {
@@ -26,7 +27,21 @@ struct FieldCommand {
     std::string quantity = "radiation";
     unsigned threads = 0;
     std::string output = "-";
+    bool json = false;
 };
+
+/// How the field was computed: a message on standard error, or JSON on standard output.
+void tell_how(const Field& field, bool as_json) {
+    if (as_json)
+        tell({{"region", field.region.text},
+              {"quantity", field.quantity},
+              {"points", field.region.grid.size()},
+              {"method", name_of(field.method)},
+              {"error", field.error}},
+             true);
+    else
+        fmt::print(stderr, "{}\n", description_of(field));
+}
 
 Region region_of(const FieldCommand& command) {
     Reach reach{command.extent_mm * millimetre, command.step_mm * millimetre, {}, {}, {}};
@@ -39,6 +54,8 @@ Region region_of(const FieldCommand& command) {
 }
 
 int field(const FieldCommand& command) {
+    if (command.output == "-" && command.json)
+        throw bad_argument("json", "the field would go to standard output, too; give --output a file");
     const Region region = region_of(command);
     const Quantity quantity = quantity_of(command.quantity);
     check_field_path(command.output, region, quantity);
@@ -54,8 +71,13 @@ int field(const FieldCommand& command) {
             modulation_of(*command.am, law_of(command.am_law.value_or("pressure")), excitation.array.carrier_hz);
         weaken(excitation, std::sqrt(mean_square_of(made.modulation)));
     }
-    ProgressLine progress("field");
-    write_field(command.output, haptogram::field(excitation, region, quantity, command.threads, progress.callback()));
+    Field found;
+    {
+        ProgressLine progress("field");
+        found = haptogram::field(excitation, region, quantity, command.threads, progress.callback());
+    }
+    write_field(command.output, found);
+    tell_how(found, command.json);
     return 0;
 }
 
@@ -73,14 +95,22 @@ void add_field(CLI::App& app, Action& action) {
         ->needs(image)
         ->check(whole(1, 65535));
     auto* focus = sub->add_option("--focus", options->focus, "Exact phases for x,y,z (mm) instead")->excludes(image);
-    sub->add_option("--array", options->source.array, "Array of --focus")->needs(focus)->capture_default_str();
+    auto* array =
+        sub->add_option("--array", options->source.array, "Array of --focus")->needs(focus)->capture_default_str();
+    sub->add_option("--rig", options->source.rig, "Rig of --focus instead: several arrays in their places")
+        ->needs(focus)
+        ->excludes(array);
     auto* pulses = sub->add_option("--pulses", options->source.pulses, "Pulse file from simulate or board run instead")
                        ->excludes(image)
                        ->excludes(focus);
     auto* manifest =
         sub->add_option("--manifest", options->source.manifest, "Manifest of the image that was played")->needs(pulses);
     pulses->needs(manifest);
-    auto* plane = sub->add_option("--plane", options->plane, "xy@z=MM, xz@y=MM or yz@x=MM")->capture_default_str();
+    auto* plane = sub->add_option("--plane", options->plane,
+                                  "xy@z=MM, xz@y=MM or yz@x=MM; or obliquely through a point (mm): "
+                                  "uv@x=0,y=0,z=130 with rx, ry and rz, by which it is turned from xy (degrees about "
+                                  "x, then y, then z), or with nx, ny and nz, its normal")
+                      ->capture_default_str();
     auto* line = sub->add_option("--line", options->line, "Such as z@x=0,y=0 (mm)")->excludes(plane);
     sub->add_flag("--volume", options->volume, "All three axes")->excludes(plane)->excludes(line);
     sub->add_option("--extent", options->extent_mm,
@@ -88,8 +118,8 @@ void add_field(CLI::App& app, Action& action) {
         ->check(positive())
         ->capture_default_str();
     sub->add_option("--step", options->step_mm, "Between points, mm")->check(positive())->capture_default_str();
-    sub->add_option("--x", options->x, "From:to along x, mm, instead of the extent");
-    sub->add_option("--y", options->y, "The same along y");
+    sub->add_option("--x", options->x, "From:to along x, or an oblique plane's u, mm, instead of the extent");
+    sub->add_option("--y", options->y, "The same along y or v");
     sub->add_option("--z", options->z, "The same along z");
     std::vector<std::string> names;
     std::string about;
@@ -106,6 +136,7 @@ void add_field(CLI::App& app, Action& action) {
     sub->add_option("-o,--output", options->output,
                     "A .csv, .npy, .vti (ParaView) or .png file; - is CSV on standard output")
         ->capture_default_str();
+    sub->add_flag("--json", options->json, "Print how it was computed, and how far it may be off, as JSON");
     sub->callback([options, &action] {
         action = [options] {
             if (options->source.image.empty() && options->focus.empty() && options->source.pulses.empty())

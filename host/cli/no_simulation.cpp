@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// In place of simulate.cpp, board_run.cpp and frame_pins.cpp in a build without Verilator (HAPTOGRAM_SIMULATION=OFF):
-// the commands are known, and say why they do nothing.
+// In place of simulate.cpp, board_run.cpp, frame_pins.cpp and live_board.cpp in a build without Verilator
+// (HAPTOGRAM_SIMULATION=OFF): the commands are known, and say why they do nothing.
 #include "command.hpp"
 #include "frame_pins.hpp"
 #include "haptogram/base/error.hpp"
+#include "live_board.hpp"
 
 namespace haptogram::cli {
 namespace {
@@ -29,6 +30,12 @@ PinsOfFrame pins_of(const fusion::Frame&, const Array&, const Core&, const perce
     throw bad_argument("frames",
                        "this build has no simulated board to play them; ask for 0, or build with "
                        "HAPTOGRAM_SIMULATION=ON, which needs Verilator");
+}
+
+std::unique_ptr<LiveBoard> reference_board(const std::string&) {
+    throw bad_argument("port",
+                       "this build has no simulated board; name a serial port, or build with HAPTOGRAM_SIMULATION=ON, "
+                       "which needs Verilator");
 }
 
 }  // namespace haptogram::cli

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
@@ -21,6 +23,7 @@ struct PlayOptions {
     link::PortSettings port;
     link::PlaySettings play{.warn = complain};
     bool sequence = false;  ///< the default, which may be asked for
+    std::optional<std::string> am, am_law;
     bool json = false;
 };
 
@@ -28,7 +31,9 @@ int play(const PlayOptions& options) {
     catch_interrupts();
     link::Device device(options.port);
     ProgressLine progress("play");
-    const link::Played played = link::play(device, options.play, [&](const link::Playing& now) {
+    link::PlaySettings settings = options.play;
+    settings.am = {options.am.value_or(""), law_of(options.am_law.value_or("pressure"))};
+    const link::Played played = link::play(device, settings, [&](const link::Playing& now) {
         progress.note(
             fmt::format("{:.1f} s, record {}, {} underruns", now.seconds, now.status.present_index, now.underruns));
         return !interrupted();
@@ -62,6 +67,7 @@ void add_play(CLI::App& app, Action& action) {
         ->check(positive())
         ->excludes(index);
     sub->add_option("--seconds", options->play.seconds, "Not longer than this")->check(positive());
+    add_am(*sub, options->am, options->am_law);
     add_watchdog_option(*sub, options->play.watchdog_ms);
     sub->add_flag("--json", options->json, "Print the outcome as JSON");
     sub->callback([options, &action] { action = [options] { return play(*options); }; });

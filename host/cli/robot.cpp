@@ -55,7 +55,7 @@ Vector3 three(const std::string& setting, const std::string& text) {
     return Vector3(metres.x, metres.y, metres.z) / millimetre;
 }
 
-Pose pose_of(const RobotOptions& options) {
+robot::Pose pose_from(const RobotOptions& options) {
     return {three("position", options.position) * 1e-3, rotation_xyz(three("angles", options.angles) * degree)};
 }
 
@@ -78,7 +78,7 @@ std::string words(const Vector& values, double factor, int decimals) {
 
 int inverse(const RobotOptions& options) {
     const Geometry geometry = geometry_of(options);
-    const PerCable lengths = cable_lengths(geometry, pose_of(options));
+    const PerCable lengths = cable_lengths(geometry, pose_from(options));
     const std::string why = out_of_length(geometry, lengths);
     Report report;
     report.add("lengths_mm", list(lengths, 1e3), "lengths / mm: " + words(lengths, 1e3, 4));
@@ -91,7 +91,7 @@ int direct(const RobotOptions& options) {
     const Geometry geometry = geometry_of(options);
     PerCable lengths;
     for (int i = 0; i < cable_count; ++i) lengths[i] = options.lengths_mm[static_cast<std::size_t>(i)] * 1e-3;
-    const Forward found = forward(geometry, lengths, pose_of(options));
+    const Forward found = forward(geometry, lengths, pose_from(options));
     const Vector3 angles = angles_xyz(found.pose.rotation) / degree;
     Report report;
     report.add("position_mm", list(found.pose.position, 1e3), "position / mm: " + words(found.pose.position, 1e3, 4));
@@ -105,7 +105,7 @@ int direct(const RobotOptions& options) {
 
 int tension(const RobotOptions& options) {
     const Geometry geometry = geometry_of(options);
-    const Pose pose = pose_of(options);
+    const robot::Pose pose = pose_from(options);
     if (const std::string why = out_of_length(geometry, cable_lengths(geometry, pose)); !why.empty())
         throw impossible("position", why);
     Report report;
@@ -175,7 +175,7 @@ int reach(const RobotOptions& options) {
 int simulate(const RobotOptions& options) {
     SimulationOptions simulation;
     simulation.geometry = geometry_of(options);
-    simulation.start = pose_of(options);
+    simulation.start = pose_from(options);
     simulation.duration_s = options.duration_s;
     simulation.plant.seed = options.seed;
     for (const std::string& fault : options.faults) simulation.faults.push_back(parse_fault(fault));

@@ -17,7 +17,7 @@ namespace {
 struct SolveCommand {
     std::string foci;
     std::vector<std::string> focus;
-    std::optional<std::string> array, board, quantise;
+    std::optional<std::string> array, rig, board, quantise;
     std::string solver = name_of(Method::gauss_newton);
     std::string level = "reachable";
     bool amplitudes = false, follow = false, json = false;
@@ -66,7 +66,7 @@ int solve(const SolveCommand& command) {
     Project project;
     project.array = command.array;
     project.board = command.board;
-    const ProjectInstrument instrument = instrument_of(project);
+    const ProjectInstrument instrument = command.rig ? instrument_of_rig(*command.rig) : instrument_of(project);
     ProgressLine progress("solve");
     const Solved solved = solve_steps(foci_of(command), instrument.array, instrument.core, options_of(command),
                                       command.follow, progress.callback(), command.quantise.value_or(""));
@@ -91,8 +91,14 @@ void add_solve(CLI::App& app, Action& action) {
                         "the next set. - is standard input");
     sub->add_option("--focus", options->focus, "A focus x,y,z or x,y,z,amplitude instead; again for each")
         ->excludes(foci);
-    sub->add_option("--array", options->array, "Array file or shipped array; by default the board's, or tile-10x10");
-    sub->add_option("--board", options->board, "Board file, shipped board or configuration, whose ticks are used");
+    auto* array = sub->add_option("--array", options->array,
+                                  "Array file or shipped array; by default the board's, or tile-10x10");
+    auto* board =
+        sub->add_option("--board", options->board, "Board file, shipped board or configuration, whose ticks are used");
+    sub->add_option("--rig", options->rig,
+                    "Rig file or shipped rig instead: several arrays in their places, each with its board's ticks")
+        ->excludes(array)
+        ->excludes(board);
     std::vector<std::string> names;
     std::string about;
     for (const MethodName& one : method_names) {

@@ -7,6 +7,7 @@
 //   HG_STOP           the level of the stop input at which outputs are off, 0 or 1, when the board has one
 //   HG_DRIVER_ENABLE  the level, 0 or 1, at which the drivers are on, when it has a pin for their enable input: they are while
 //                     outputs are enabled and the clock runs
+//   HG_SYNC_IN, HG_SYNC_OUT  when it has a pin for SYNC from a master, or to slaves
 //   HG_ALIVE          when it has a pin that changes as long as there is a clock
 //   HG_ACTIVE_LOW     when a transducer's driver is on while its pin is low
 // The enable is taken away by clock_watch, which has a clock of its own, when this one stops.
@@ -29,6 +30,8 @@ module ecp5_board #(
     parameter MODULATION_DEPTH = `HG_DEFAULT_MODULATION_DEPTH,
     parameter SLEW            = `HG_DEFAULT_SLEW,
     parameter FOCI            = `HG_DEFAULT_FOCI,
+    parameter SCHEDULE        = `HG_DEFAULT_SCHEDULE,
+    parameter SYNC            = `HG_DEFAULT_SYNC,
     parameter PRIMARY_FILE    = "",
     parameter SEQUENCE_FILE   = ""
 ) (
@@ -36,6 +39,12 @@ module ecp5_board #(
     input  wire                i_rx,
 `ifdef HG_STOP
     input  wire                i_stop,
+`endif
+`ifdef HG_SYNC_IN
+    input  wire                i_sync,
+`endif
+`ifdef HG_SYNC_OUT
+    output wire                o_sync,
 `endif
     output wire                o_tx,
 `ifdef HG_DRIVER_ENABLE
@@ -57,6 +66,15 @@ module ecp5_board #(
 `else
     wire stop = 1'b0;
 `endif
+`ifdef HG_SYNC_IN
+    wire sync_in = i_sync;
+`else
+    wire sync_in = 1'b0;
+`endif
+    wire sync_out;
+`ifdef HG_SYNC_OUT
+    assign o_sync = sync_out;
+`endif
     wire clk, locked, rst, enabled, alive, running, playing, fault, cycle_start, led;
     wire [CHANNELS-1:0] pins;
     ecp5_50mhz pll (.i_clk(i_clk), .clk(clk), .o_locked(locked));
@@ -66,9 +84,9 @@ module ecp5_board #(
         .CHANNELS(CHANNELS), .RECORDS(RECORDS), .SEQUENCE_DEPTH(SEQUENCE_DEPTH), .LIVE_DEPTH(LIVE_DEPTH), .TIMING_BITS(TIMING_BITS),
         .PULSE_BITS(PULSE_BITS), .CLOCK_HZ(CLOCK_HZ), .BAUD(BAUD), .WATCHDOG_MS(WATCHDOG_MS), .MAX_HIGH_CLOCKS(MAX_HIGH_CLOCKS),
         .MIN_PULSE_CLOCKS(MIN_PULSE_CLOCKS), .MAX_DUTY_256(MAX_DUTY_256), .WIDTH_BITS(WIDTH_BITS),
-        .MODULATION_DEPTH(MODULATION_DEPTH), .SLEW(SLEW), .FOCI(FOCI), .PRIMARY_FILE(PRIMARY_FILE), .SEQUENCE_FILE(SEQUENCE_FILE)
+        .MODULATION_DEPTH(MODULATION_DEPTH), .SLEW(SLEW), .FOCI(FOCI), .SCHEDULE(SCHEDULE), .SYNC(SYNC), .PRIMARY_FILE(PRIMARY_FILE), .SEQUENCE_FILE(SEQUENCE_FILE)
     ) core (
-        .clk(clk), .rst(rst), .i_rx(i_rx), .i_stop(stop), .o_tx(o_tx), .o_pins(pins), .o_enabled(enabled), .o_alive(alive),
+        .clk(clk), .rst(rst), .i_rx(i_rx), .i_stop(stop), .i_sync(sync_in), .o_sync(sync_out), .o_tx(o_tx), .o_pins(pins), .o_enabled(enabled), .o_alive(alive),
         .o_playing(playing), .o_fault(fault), .o_index(), .o_cycle_start(cycle_start));
     clock_watch watch (.i_alive(alive), .o_running(running));
 `ifdef HG_DRIVER_ENABLE

@@ -11,9 +11,12 @@ wire [7:0] f_ticks  = cycle_length_q[7:0] - count_q[7:0];
 wire       f_due    = f_dwell_q != 16'd0 && f_played_q >= f_dwell_q - 1'b1;
 wire       f_change = f_due || f_asked_q || f_dwell_q == 16'd0;
 wire       f_at_once = !i_allow && f_asked_q && i_ready && i_settled;  // nothing to complete, so no reason to wait
+reg        f_held_q;    // the last clock was repeated
+wire       f_holds = cycle_length_q - count_q == 24'd1 && prescaler_q - phase_q == 24'd1 && i_hold && !f_at_once;
 always @(posedge clk) begin
     f_reset_seen_q <= f_reset_seen_q || rst;
-    f_left_q       <= f_left_q - 1'b1;
+    f_held_q       <= f_holds && !rst;
+    if (!f_holds) f_left_q <= f_left_q - 1'b1;
     if (boundary) f_left_q <= o_commit && !i_silent ? i_cycle_length[7:0] * i_prescaler[7:0] : cycle_length_q[7:0] * prescaler_q[7:0];
     if (boundary && f_played_q != 16'hffff) f_played_q <= f_played_q + 1'b1;
     if (o_commit) {f_dwell_q, f_played_q} <= {i_dwell, 16'd0};
@@ -22,19 +25,21 @@ always @(posedge clk) begin
 `ifdef FORMAL_CYCLE_CONTROLLER
     assume (!(i_ready && i_refresh));
     if (i_ready && !i_silent) assume (i_cycle_length >= 1 && i_cycle_length < 8 && i_prescaler >= 1 && i_prescaler < 4);
-    if (f_reset_seen_q) assert (cycle_length_q < 8 && prescaler_q < 4 && boundary == (f_left_q == 8'd1 || f_at_once));
+    if (f_reset_seen_q) assert (cycle_length_q < 8 && prescaler_q < 4 && boundary == ((f_left_q == 8'd1 && !i_hold) || f_at_once));
 `else
     if (f_reset_seen_q) assert (!(i_ready && i_refresh));
     if (f_reset_seen_q && i_ready && !i_silent) assert (i_cycle_length != 0 && i_prescaler != 0);
 `endif
     if (f_reset_seen_q) begin
-        assert (o_tick == (phase_q == 24'd0) && o_cycle_start == (o_tick && count_q == 24'd0));
+        assert (o_tick == (phase_q == 24'd0 && !f_held_q) && o_cycle_start == (o_tick && count_q == 24'd0));
         assert (count_q < cycle_length_q && phase_q < prescaler_q && f_left_q == f_ticks * prescaler_q[7:0] - phase_q[7:0]);
         assert (preempt_q == f_asked_q && dwell_q == (f_dwell_q == 0 ? 16'd0 : f_due ? 16'd1 : f_dwell_q - f_played_q));
         assert (f_asked_q || late_q == (f_dwell_q != 0 && f_played_q >= f_dwell_q));
         // A cycle starts right after the last one, and ends where its length says.
         assert (o_cycle_start == ($past(boundary) || $past(rst)));
-        assert (!boundary || f_left_q == 8'd1 || f_at_once);
+        assert (!boundary || (f_left_q == 8'd1 && !i_hold) || f_at_once);
+        // A held cycle stands still at its last clock: no tick, no change.
+        if (f_held_q) assert ($past({count_q, phase_q}) == {count_q, phase_q} && !o_tick && o_last);
         assert (o_commit == (boundary && i_ready && i_settled && f_change));
         assert (o_underrun == (boundary && !(i_ready && i_settled) && !f_asked_q && f_due && f_played_q == f_dwell_q - 1'b1));
         if ($past(o_commit) && !$past(rst)) begin
@@ -51,5 +56,6 @@ always @(posedge clk) begin
         cover (o_commit && f_asked_q && !f_due && f_dwell_q != 16'd0);
         cover (o_commit && late_q);
         cover (o_commit && f_left_q > 8'd2);
+        cover (o_commit && f_held_q && prescaler_q == 24'd2);
     end
 end

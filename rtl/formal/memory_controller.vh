@@ -65,12 +65,13 @@ always @(posedge clk) begin
         assert (o_ready == (f_taken_q && f_since_q >= (f_loads ? F_LOADED : 16'd1)));
         assert (o_reading == (f_loading && f_since_q != 16'd0) && (!f_taken_q || places_q == (f_since_q == 16'd0)));
         assert ((state_q == IDLE) == !f_taken_q && state_q != 2'd3);
+        assert (seeks_q == 2'd0);  // of foci alone
         assert (!f_taken_q || f_base_q == first_word[ADDRESS_BITS-1:0]);
         assert (coming_q == (f_loading && f_since_q >= 16'd2) && f_reading_q == coming_q);
         assert (arrives_q == (f_taken_q && f_loads && f_since_q >= 16'd3 && f_since_q <= F_ARRIVED) && f_read_q == arrives_q);
         assert (!arrives_q || ({F_PAD, arrived_q} == f_since_q - 16'd3 && f_number == {11'd0, F_PAD, arrived_q}));
         if (f_loading) begin
-            assert (f_since_q > F_ARRIVED - 16'd2 || {F_PAD, asked_q} == (f_since_q == 16'd0 ? 16'd0 : f_since_q - 16'd1));
+            assert (f_since_q > F_ARRIVED - 16'd2 || places_q || {F_PAD, asked_q} == f_since_q - 16'd1);
             assert (f_since_q > F_ARRIVED - 16'd2 || places_q || o_address == f_base_q + f_asked[ADDRESS_BITS-1:0]);
             assert (!coming_q || ({F_PAD, comes_q} == f_since_q - 16'd2 && f_address_q == f_base_q + f_comes[ADDRESS_BITS-1:0]));
             assert (f_shifts_q == (f_since_q < 16'd7 ? 16'd0 : f_since_q - 16'd7));

@@ -156,6 +156,44 @@ def exact_ticks(manifest, foci):
     return delay_s / manifest["timer"]["tick_s"] % manifest["timer"]["cycle_ticks"]
 
 
+SMALL = """name = "tile-4x4"
+[array]
+rows = 4
+columns = 4
+pitch_mm = 10.0
+carrier_hz = 40000.0
+duty = 0.5
+reach_angle_deg = 60.0
+[transducer]
+name = "MA40S4S"
+radius_mm = 4.5
+source_pa_m = 4.0
+bandwidth_hz = 2000.0
+[board]
+configuration = "small-16-wide"
+"""
+
+
+
+
+def array_for(board, folder):
+    """An array with an element for each channel of a board that computes foci."""
+    if board == "tile-100-wide":
+        return "tile-10x10"
+    (folder / "small.toml").write_text(SMALL)
+    return "small.toml"
+
+
+def path_file(folder, steps, modulation=None):
+    """A path of (foci, periods); each focus is (x, y, z in mm, amplitude)."""
+    path = {"format": "haptogram-path-1", "carrier_hz": 40000,
+            "steps": [{"periods": periods, "foci": [{"position_mm": list(f[:3]), "amplitude": f[3]} for f in foci]} for foci, periods in steps]}
+    if modulation:
+        path["modulation"] = modulation
+    (folder / "path.json").write_text(json.dumps(path))
+    return "path.json"
+
+
 @contextlib.contextmanager
 def virtual_board(folder, *options):
     """A running board; its port is `folder`/port."""

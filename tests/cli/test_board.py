@@ -15,7 +15,8 @@ LARGE, SMALL = "colorlight-5a-75e-v6.0", "ulx3s-85f"
 
 
 def board_file(name):
-    return tomllib.loads((ROOT / f"constraints/{name}.toml").read_text(encoding="utf-8"))
+    own = tomllib.loads((ROOT / f"constraints/{name}.toml").read_text(encoding="utf-8"))
+    return board_file(own["like"]) | own if "like" in own else own
 
 
 @functools.cache
@@ -121,7 +122,7 @@ def test_a_shipped_board_drives_its_array(board):
         assert output["y_mm"] == pytest.approx((row - (rows - 1) / 2) * pitch)
     pins = file["pins"]
     balls = [o["ball"] for o in outputs] + [pins["clk"], pins["rx"], pins["tx"], *pins["high"]]
-    balls += [pins[key] for key in ("led", "stop", "driver_enable", "alive") if key in pins]
+    balls += [pins[key] for key in ("led", "stop", "driver_enable", "alive", "sync_in", "sync_out") if key in pins]
     assert len(set(balls)) == len(balls)
     assert len({(o["connector"], o["pin"]) for o in outputs}) == len(outputs)
 
@@ -134,7 +135,7 @@ def test_the_pinout_says_what_the_file_says(board):
     assert shown["parameters"] == parameters(board)
     assert shown["board"] == board
     assert shown["fpga"] == {"speed": None, **file["fpga"]}
-    unsaid = {"led": None, "stop": None, "stop_level": 0, "driver_enable": None, "driver_enable_level": 1, "alive": None, "active": "high",
+    unsaid = {"led": None, "stop": None, "stop_level": 0, "driver_enable": None, "driver_enable_level": 1, "alive": None, "sync_in": None, "sync_out": None, "active": "high",
               "drive_ma": None, "slew": None}  # fmt: skip
     assert shown["pins"] == unsaid | file["pins"]
 
@@ -143,7 +144,7 @@ def test_the_pinout_says_what_the_file_says(board):
 def test_a_shipped_board_makes_its_carrier(board, tmp_path):
     """With timings that its bits hold, all ones left for silence, and a pulse that its counter holds."""
     p = parameters(board)
-    succeed(["compile", "--shape", "circle", "--points", "8", "--board", board, "-o", "image.hex"], cwd=tmp_path)
+    succeed(["compile", "--shape", "circle", "--points", "8", "--board", board, *(["--records"] if p["FOCI"] else []), "-o", "image.hex"], cwd=tmp_path)
     image = Image(tmp_path / "image.hex")
     for record in image.records():
         assert record["cycle_length"] * record["prescaler"] * 40_000 == p["CLOCK_HZ"]
@@ -153,8 +154,10 @@ def test_a_shipped_board_makes_its_carrier(board, tmp_path):
         assert record["pulse_length"] * record["prescaler"] < p["MAX_HIGH_CLOCKS"]
     succeed(["inspect", "image.hex"], cwd=tmp_path)
     manifest = read_json(tmp_path / "image.json")
-    assert manifest["board"] == {"name": board, **{key.lower(): p[key] for key in p if key not in ("LIVE_DEPTH", "WATCHDOG_MS", "MAX_HIGH_CLOCKS", "MIN_PULSE_CLOCKS", "MAX_DUTY_256",
-                                                                                      "WIDTH_BITS", "MODULATION_DEPTH", "SLEW", "FOCI")}}
+    unsaid = {"LIVE_DEPTH", "WATCHDOG_MS", "MAX_HIGH_CLOCKS", "MAX_DUTY_256", "SCHEDULE", "SYNC"}
+    if p["WIDTH_BITS"] == 0:
+        unsaid |= {"MIN_PULSE_CLOCKS", "WIDTH_BITS", "MODULATION_DEPTH", "SLEW", "FOCI"}
+    assert manifest["board"] == {"name": board, **{key.lower(): p[key] for key in p if key not in unsaid}}
     assert manifest["array"]["name"] == board_file(board)["array"]
 
 
@@ -207,6 +210,36 @@ def test_a_board_file_names_its_array_from_where_it_is(folder):
     assert pinout("../board.toml", cwd=folder / "elsewhere")["array"] == "pair"
 
 
+LIKE = 'like = "board.toml"\ndescription = "As the other"\n[parameters]\nconfiguration = "tile-100"\nCHANNELS = 3\n'
+
+
+def test_a_board_is_like_another_but_for_what_it_says(folder):
+    (folder / "variants").mkdir()
+    (folder / "variants/own.toml").write_text(LIKE.replace("board.toml", "../board.toml"))
+    shown, other = pinout("variants/own.toml", cwd=folder), pinout("board.toml", cwd=folder)
+    differs = {"board": "own", "description": "As the other", "parameters": parameters("colorlight-5a-75e-v7.1") | {"BAUD": 1000000, "CHANNELS": 3}}
+    assert shown == other | differs
+    (folder / "own.toml").write_text(LIKE.replace("board.toml", SMALL) + "SYNC = 1\n")  # as it has pins for it
+    assert pinout("own.toml", "--array", "pair.toml", cwd=folder)["fpga"] == {"speed": None, **board_file(SMALL)["fpga"]}
+
+
+@pytest.mark.parametrize(
+    "like, needles",
+    [("nobody", ["own.toml:1", "nobody", "no shipped board"]), ("missing.toml", ["own.toml:1", "missing.toml"]),
+     ("second.toml", ["own.toml:1", "second.toml", "like another", "name that one"]), (3, ["own.toml:1", "like", "text"])],
+)  # fmt: skip
+def test_a_board_like_none(like, needles, folder):
+    (folder / "second.toml").write_text(LIKE)
+    (folder / "own.toml").write_text(LIKE.replace('"board.toml"', json.dumps(like)))
+    refuse(folder, ["board", "pinout", "own.toml"], BAD_INPUT, *needles)
+
+
+def test_a_message_names_the_file_that_is_wrong(folder):
+    (folder / "board.toml").write_text(GOOD.replace('clk = "P1"', "clk = 1"))
+    (folder / "own.toml").write_text(LIKE)
+    refuse(folder, ["board", "pinout", "own.toml"], BAD_INPUT, rf"board.toml:{line_of('clk')}", "pins.clk")
+
+
 # What cannot be used
 
 
@@ -241,7 +274,7 @@ def test_files_that_are_not_there(folder):
 
 
 REQUIRED = ["description", "sources", "array", *(f"fpga.{k}" for k in ("family", "device", "package", "speed", "top")),
-            *(f"parameters.{k}" for k in parameters(LARGE) if k not in ("WIDTH_BITS", "MODULATION_DEPTH", "SLEW", "FOCI")), *(f"flash.{k}" for k in ("load", "write", "note")),
+            *(f"parameters.{k}" for k in parameters(LARGE) if k not in ("WIDTH_BITS", "MODULATION_DEPTH", "SLEW", "FOCI", "SCHEDULE", "SYNC")), *(f"flash.{k}" for k in ("load", "write", "note")),
             *(f"pins.{k}" for k in ("clk", "rx", "tx", "high"))]  # fmt: skip
 
 

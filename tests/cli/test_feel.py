@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`haptogram feel`: forces and spectra beside numpy's sums over the image, what is said out of range, and what is refused."""
 import json
+import re
 
 import numpy as np
 import pytest
@@ -129,6 +130,49 @@ def test_the_pins_give_what_the_image_gives(tmp_path):
         assert measured["mean_pa"] == pytest.approx(computed["mean_pa"], rel=0.02)
         assert measured["lines"][0]["hz"] == pytest.approx(computed["lines"][0]["hz"])
         assert measured["lines"][0]["force_mn"] == pytest.approx(computed["lines"][0]["force_mn"], rel=0.02)
+
+
+def test_the_skin_of_a_hand(tmp_path):
+    """What render drew on a hand is on that hand's skin; other places move to it; normals and regions are those of the skin."""
+    hand = ("--hand", "synthetic:press", "--hand-frame", 30)
+    succeed(["render", "sphere", *hand[:2], "--frame", 30, "--center", "0,0,180", "--size", 60, "-o", "path.json"], cwd=tmp_path)
+    image = compiled(tmp_path, "touch", "--path", "path.json")
+    found = feel(tmp_path, image, *hand, "--places", 3)
+    assert "region" not in found and len(found["places"]) == 3
+    for place in found["places"]:
+        assert place["part"] == "palm" and place["off_skin_mm"] < 0.01 and place["normal"] == pytest.approx([0, 0, -1])
+    flat = feel(tmp_path, image, "--places", 3)["places"]
+    assert [p["mean_pa"] for p in found["places"]] == pytest.approx([p["mean_pa"] for p in flat], rel=1e-3)
+    # Below a finger: its skin is round, and the tables have no magnitudes for it.
+    finger = feel(tmp_path, image, *hand, "--at", "-8,100,150")["places"][0]
+    assert finger["part"] in ("index", "middle", "ring") and finger["off_skin_mm"] > 1
+    assert np.linalg.norm(finger["normal"]) == pytest.approx(1) and np.array(finger["at_mm"]) @ finger["normal"] < 0
+    assert np.linalg.norm(np.array(finger["at_mm"]) - [-8, 100, 150]) == pytest.approx(finger["off_skin_mm"])
+    at, normal = (",".join(str(x) for x in finger[key]) for key in ("at_mm", "normal"))
+    same = feel(tmp_path, image, "--at", at, "--normal", normal, "--region", "finger")["places"][0]
+    assert same["mean_pa"] == pytest.approx(finger["mean_pa"], rel=1e-6)
+    assert same["expected_to_be_felt"] == finger["expected_to_be_felt"]
+    away = succeed(["feel", image, *hand, "--at", "0,0,100"], cwd=tmp_path)
+    assert "mm away from what plays" in text(away.stderr) and "mm off" in text(away.stdout)
+    for options, code, needle in ((["--hand-frame", 999], USAGE, "frames 1 to"), (["--normal", "0,0,-1"], USAGE, "--normal"), (["--region", "palm"], USAGE, "--region")):
+        assert_one_message(run(["feel", image, *hand[:2], *options], cwd=tmp_path), code, needle)
+
+
+def test_what_could_be_told_apart(tmp_path):
+    image = compiled(tmp_path, "am", *POINT, "--am", "square:200")
+    place = feel(tmp_path, image)["places"][0]
+    over, hz = place["lines"][0]["over_db"], place["lines"][0]["hz"]
+    assert place["strength_steps"] == [int(over / 2.98), int(over / 1.65)] and place["strength_steps"][0] > 2
+    assert place["next_frequency_hz"] == pytest.approx([hz * 1.13, hz * 1.38])
+    assert re.search(r"told apart: \d+ to \d+ steps .*200 Hz from 226 to 276 Hz on; places to 8.5 mm", text(succeed(["feel", image], cwd=tmp_path).stdout))
+    small = compiled(tmp_path, "small", "--shape", "circle", "--diameter", 10, "--points", 100, "--speed", 3)
+    assert "within 14.1 mm" in text(succeed(["feel", small], cwd=tmp_path).stderr)
+    large = compiled(tmp_path, "large", "--shape", "circle", "--diameter", 40, "--points", 100, "--speed", 3)
+    result = succeed(["feel", large, "--json"], cwd=tmp_path)
+    assert "felt as one" not in text(result.stderr) and json.loads(result.stdout)["extent_mm"] == pytest.approx(40 * 2**0.5, rel=0.01)
+    (tmp_path / "two.csv").write_text("time_ms,x_mm,y_mm,z_mm\n0,0,0,150\n5,0,0,150\n")
+    steady = feel(tmp_path, tmp_path / "two.csv")["places"][0]
+    assert "strength_steps" not in steady and steady["expected_to_be_felt"] is False
 
 
 def test_pictures(tmp_path):

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`haptogram field`: what it is of, where, and the files that it writes."""
+import json
 import struct
 import xml.etree.ElementTree
 
@@ -40,6 +41,38 @@ def test_complex_pressure_as_numpy_reads_it(small):
     manifest = read_json(small.manifest)
     expected = ideal_pressure(manifest, (10, -5, 120), points).reshape(9, 9)
     assert np.abs(found - expected).max() < 1e-3 * np.abs(expected).max()  # pistons of 0.1 mm are all but points
+
+
+def test_oblique_planes_of_a_focus_and_of_a_sequence(small):
+    """The values of an oblique plane are those of points, summed by numpy; of a mean, too."""
+    (small.folder / "points.toml").write_text("[array]\nrows = 10\ncolumns = 10\npitch_mm = 10.0\n[transducer]\nradius_mm = 0.1\n")
+    manifest, plane = read_json(small.manifest), ["--plane", "uv@x=5,z=120,ny=-3,nz=4", "--x", "-30:30", "--y", "-50:20", "--step", 10]
+    header, field = field_of(small.folder, "--focus", "10,-5,120", "--array", "./points.toml", *plane, "--quantity", "rms")
+    assert header == "u_mm,v_mm,x_mm,y_mm,z_mm,rms_pressure_pa" and len(field) == 7 * 8
+    assert np.allclose(field[:, 2:5], np.stack([5 + field[:, 0], 0.8 * field[:, 1], 120 + 0.6 * field[:, 1]], axis=1))
+    expected = np.abs(ideal_pressure(manifest, (10, -5, 120), field[:, 2:5])) / np.sqrt(2)
+    assert np.abs(field[:, 5] - expected).max() < 1e-3 * expected.max()
+    _, mean = field_of(small.folder, "image.hex", *plane)
+    for row in mean[::11]:  # each of these points as a plane of its own, along the axes
+        at = [f"{axis}={value}" for axis, value in zip("xyz", row[2:5])]
+        _, one = field_of(small.folder, "image.hex", "--plane", f"xy@{at[2]}", "--x", f"{row[2]}:{row[2] + 1}", "--y", f"{row[3]}:{row[3] + 1}", "--step", 1)
+        assert one[0, 2] == pytest.approx(row[5], rel=2e-3, abs=1e-4 * mean[:, 5].max())
+    succeed(["field", "image.hex", *plane, "-o", "o.vti"], cwd=small.folder)
+    image = xml.etree.ElementTree.fromstring((small.folder / "o.vti").read_bytes().split(b"<AppendedData")[0] + b"</VTKFile>").find("ImageData")
+    direction = np.array(image.get("Direction").split(), float).reshape(3, 3)
+    corner = np.array(image.get("Origin").split(), float)
+    assert np.allclose(corner, field[0, 2:5]) and np.allclose(corner + direction @ (60, 70, 0), field[-1, 2:5])
+
+
+def test_how_it_was_computed_and_how_far_it_may_be_off(small):
+    focus = ["--focus", "0,0,130"]
+    near = json.loads(succeed(["field", *focus, "--plane", "xy@z=8", "-o", "n.npy", "--json"], cwd=small.folder).stdout)
+    assert near["points"] == 161 * 161 and near["method"] in ("sums", "shifts") and 0 < near["error"] <= 1e-4
+    far = json.loads(succeed(["field", *focus, "-o", "f.npy", "--json"], cwd=small.folder).stdout)
+    assert (far["region"], far["quantity"], far["method"]) == ("xy@z=130", "radiation_pressure_pa", "interpolated") and 0 < far["error"] <= 1e-4
+    said = text(succeed(["field", "image.hex", "--step", 20], cwd=small.folder).stderr)
+    assert said.startswith("81 points by sums of all waves, off by at most 3e-05 of the largest pressure")
+    assert b"largest velocity" in succeed(["field", *focus, "--step", 20, "--quantity", "velocity"], cwd=small.folder).stderr
 
 
 def test_an_image_makes_the_field_of_its_pulses(small):
@@ -93,7 +126,7 @@ def test_a_volume_for_paraview(small):
 @pytest.mark.parametrize("arguments", [["image.hex", "--step", 8], ["--focus", "0,0,100", "--line", "z@x=0,y=0", "--quantity", "spl"]])
 def test_a_picture(arguments, small):
     said = succeed(["field", *arguments, "-o", "f.png"], cwd=small.folder, timeout=60)
-    assert said.stdout == said.stderr == b""
+    assert said.stdout == b"" and b"points by" in said.stderr
     content = (small.folder / "f.png").read_bytes()
     width, height = struct.unpack(">II", content[16:24])
     assert content.startswith(b"\x89PNG") and width > 500 and height > 500
@@ -113,6 +146,9 @@ USAGES = {
     "an unknown ending": (["--focus", "0,0,100", "-o", "x.jpg"], "jpg", "png"),
     "a line and a plane": (["--focus", "0,0,100", "--line", "z@x=0,y=0", "--plane", "xy@z=1"], "exclude"),
     "a line behind the array": (["--focus", "0,0,100", "--line", "x@y=0,z=-1"], "behind"),
+    "an oblique plane by turns and a normal": (["--focus", "0,0,100", "--plane", "uv@z=130,rx=1,nx=1"], "--plane", "uv@z=130"),
+    "an oblique plane through the array": (["--focus", "0,0,100", "--plane", "uv@z=30,rx=40"], "behind", "higher plane"),
+    "JSON and the field on one output": (["--focus", "0,0,100", "--json"], "--json", "--output"),
     "a range the wrong way": (["--focus", "0,0,100", "--x", "5:1"], "--x", "5:1"),
     "a volume that no memory holds": (["--focus", "0,0,100", "--volume", "--step", "0.005"], "GB"),
 }

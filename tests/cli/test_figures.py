@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from support import PROGRAM, ROOT, USAGE
 
-ONLY = ["haptogram-11", "haptogram-13", "hoshi-force", "hoshi-7", "hoshi-12c", "hoshi-eq9"]
+ONLY = ["haptogram-11", "haptogram-13", "hoshi-force", "hoshi-7", "hoshi-12c", "hoshi-eq9", "fingers-7"]
 
 
 def figures(folder, *arguments):
@@ -103,6 +103,12 @@ def test_formation(made):
     air, heard = (ours(made, "haptogram-11", start) for start in ("to 90 % of the pressure at 15 cm", "the same as a receiver"))
     assert tau * np.log(10) < air < tau * np.log(10) + 50
     assert 3.89 * tau < heard < 3.89 * tau + 50  # 1 − (1 + x)e^(−x) = 0.9 at x = 3.89, and what the flight adds
+
+
+def test_a_finger(made):
+    assert ours(made, "fingers-7", "triangles a wavelength") > 7
+    assert ours(made, "fingers-7", "highest pressure on the back") < 0.5
+    assert 3 < ours(made, "fingers-7", "width of the strong skin") < 5.5
 
 
 def test_the_pictures(made):

@@ -7,49 +7,16 @@ import math
 import numpy as np
 import pytest
 from intelhex import IntelHex
-from support import BAD_INPUT, OK, RUN_FAILED, USAGE, Image, adopt, ask, read_json, refuse, run, status, succeed, text, virtual_board
+from support import BAD_INPUT, OK, RUN_FAILED, USAGE, Image, adopt, array_for, ask, path_file, read_json, refuse, run, status, succeed, text, virtual_board
 
 PARAMETERS, GEOMETRY, MODULATION, DESCRIPTION = 0x50000000, 0x60000000, 0x70000000, 0x40000000
 UNIT_MM = 1 / 128
 BOARDS = {"tile-100-wide": 400, "small-16-wide": 256}  # and their RECORDS
-SMALL = """name = "tile-4x4"
-[array]
-rows = 4
-columns = 4
-pitch_mm = 10.0
-carrier_hz = 40000.0
-duty = 0.5
-reach_angle_deg = 60.0
-[transducer]
-name = "MA40S4S"
-radius_mm = 4.5
-source_pa_m = 4.0
-bandwidth_hz = 2000.0
-[board]
-configuration = "small-16-wide"
-"""
-
-
-def array_for(board, folder):
-    if board == "tile-100-wide":
-        return "tile-10x10"
-    (folder / "small.toml").write_text(SMALL)
-    return "small.toml"
 
 
 def compile_foci(folder, board, *args, output="image.hex"):
     result = succeed(["compile", *args, "--board", board, "--array", array_for(board, folder), "-o", output, "--json"], cwd=folder)
     return json.loads(result.stdout)
-
-
-def path_file(folder, steps, modulation=None):
-    """A path of (foci, periods); each focus is (x, y, z in mm, amplitude)."""
-    path = {"format": "haptogram-path-1", "carrier_hz": 40000,
-            "steps": [{"periods": periods, "foci": [{"position_mm": list(f[:3]), "amplitude": f[3]} for f in foci]} for foci, periods in steps]}
-    if modulation:
-        path["modulation"] = modulation
-    (folder / "path.json").write_text(json.dumps(path))
-    return "path.json"
 
 
 def words(image, base, count):
@@ -298,3 +265,68 @@ def test_a_board_gets_foci_and_modulates_them(tmp_path):
         assert result.returncode == 4 and "no modulation" in text(result.stderr)
         result = run(["upload", "image.hex", "--port", "port"], cwd=tmp_path)
         assert result.returncode == BAD_INPUT and "16 channels" in text(result.stderr)
+
+
+def test_foci_are_streamed_and_banks_follow_each_other(tmp_path):
+    """Foci that the image does not hold, while they play; then two banks of the sequence, and the period in which the second begins."""
+    compile_foci(tmp_path, "small-16-wide", "--shape", "circle", "--diameter", 20, "--points", 8, "--rate", 500)
+    rows = [(20 * math.cos(i / 20), 20 * math.sin(i / 20), 100 + i / 10) for i in range(150)]
+    (tmp_path / "foci").write_text("".join(f"{x:.3f} {y:.3f} {z:.3f}\n" for x, y, z in rows) + "0,0,100,0.5,7\n")
+    with virtual_board(tmp_path, "--image", "image.hex"):
+        for _ in range(2):  # the second time over the ring of the first
+            played = json.loads(ask(tmp_path, "stream", "--foci", "foci", "--dwell", 4, "--json").stdout)
+            assert (played["sent"], played["underruns"]) == (151, 0)
+        assert (status(tmp_path)["refused_records"], status(tmp_path)["far_foci"]) == (0, 0)
+        for line, needle in (("1 2", "'x y z'"), ("1 2 3 1 -1", "'x y z'"), ("a b c", "'x y z'"), ("0 0 2000", "2000"), ("0 0 100 1.5", "1.5")):
+            (tmp_path / "wrong").write_text(f"0 0 100\n{line}\n")
+            result = run(["stream", "--foci", "wrong", "--port", "port"], cwd=tmp_path)
+            assert result.returncode == BAD_INPUT and "wrong:2" in text(result.stderr) and needle in text(result.stderr), text(result.stderr)
+
+        ask(tmp_path, "device", "enable", "--watchdog", 0)
+        ask(tmp_path, "device", "start", "--first", 1, "--length", 4)
+        ask(tmp_path, "device", "start", "--first", 5, "--length", 4, "--after")
+        ask(tmp_path, "device", "start", "--in-periods", 4_000_000_000)
+        now = status(tmp_path)
+        assert (now["mode"], now["waiting"], now["late_changes"]) == ("sequence", True, 0)
+        result = run(["device", "start", "--at-period", now["period"] + 10**9, "--port", "port"], cwd=tmp_path)
+        assert result.returncode == 4 and "gate_busy" in text(result.stderr)
+        ask(tmp_path, "device", "stop")
+        ask(tmp_path, "device", "start", "--at-period", 1, "--length", 2)
+        assert status(tmp_path)["late_changes"] == 1
+        ask(tmp_path, "device", "modulate", "--first", 4, "--samples", 8, "--after")
+        for args, code, needle in ((["start", "--after", "--at-period", 5], USAGE, "excludes"), (["start", "--first", 300, "--length", 1], 4, "bad_range"),
+                                   (["modulate", "--first", 62, "--samples", 4], 4, "bad_range"), (["modulate", "--first", 3], USAGE, "even")):  # fmt: skip
+            result = run(["device", *args, "--port", "port"], cwd=tmp_path)
+            assert result.returncode == code and needle in text(result.stderr), text(result.stderr)
+    succeed(["compile", "--shape", "point", "-o", "plain.hex"], cwd=tmp_path)
+    (tmp_path / "port").unlink()
+    with virtual_board(tmp_path, "--image", "plain.hex"):
+        assert "period" not in status(tmp_path)
+        for args, needle in ((["device", "start", "--after"], "SCHEDULE"), (["device", "start", "--in-periods", 9], "no carrier periods"),
+                             (["stream", "--foci", "foci"], "FOCI")):  # fmt: skip
+            result = run([*args, "--port", "port"], cwd=tmp_path)
+            assert result.returncode == 4 and needle in text(result.stderr), text(result.stderr)
+
+
+def test_a_board_takes_its_time_from_others_or_gives_it(tmp_path):
+    """On a board with SYNC, whose wire leads nowhere; other boards have no SYNC."""
+    compile_foci(tmp_path, "tile-100-wide", "--shape", "point", "--am", "sine:1000")
+    with virtual_board(tmp_path, "--image", "image.hex"):
+        first = status(tmp_path)
+        assert (first["role"], first["in_step"], first["numbered"]) == ("alone", False, False)
+        given = json.loads(ask(tmp_path, "device", "sync", "master", "--json").stdout)
+        assert (given["role"], given["outputs"], given["numbered"]) == ("master", "off", True)
+        ask(tmp_path, "device", "enable")
+        ask(tmp_path, "device", "sync", "slave")
+        now = status(tmp_path)
+        assert (now["role"], now["in_step"], now["outputs"], now["sync_losses"]) == ("slave", False, "off", 0)
+        result = run(["device", "enable", "--port", "port"], cwd=tmp_path)
+        assert result.returncode == 4 and "out_of_step" in text(result.stderr)
+        assert json.loads(ask(tmp_path, "device", "sync", "alone", "--json").stdout)["role"] == "alone"
+        ask(tmp_path, "device", "enable")
+        for args in (["device", "sync", "second"], ["device", "sync"]):
+            assert run([*args, "--port", "port"], cwd=tmp_path).returncode == USAGE
+    (tmp_path / "port").unlink()
+    with virtual_board(tmp_path):
+        result = run(["device", "sync", "master", "--port", "port"], cwd=tmp_path)
+        assert result.returncode == 4 and "no SYNC" in text(result.stderr)

@@ -11,6 +11,8 @@
 
 #include "../period_check.hpp"
 #include "bench.hpp"
+#include "haptogram/link/focus_ring.hpp"
+#include "haptogram/link/live_feed.hpp"
 #include "haptogram/solve/focus_engine.hpp"
 
 using namespace haptogram;
@@ -133,6 +135,15 @@ void require_right(const Comparison& comparison, std::size_t least) {
     REQUIRE(comparison.pulses >= least);
 }
 
+/// A payload's first words: the address of a word in a region.
+Bytes address(std::uint32_t base, std::uint32_t offset) {
+    return words({static_cast<std::uint16_t>(offset), static_cast<std::uint16_t>(base >> 16)});
+}
+Bytes with(Bytes bytes, std::initializer_list<std::uint16_t> more) {
+    for (const std::uint8_t b : words(more)) bytes.push_back(b);
+    return bytes;
+}
+
 /// Whether figures for the documentation are wanted.
 bool figures() { return std::getenv("HAPTOGRAM_FIGURES") != nullptr; }
 
@@ -141,19 +152,22 @@ bool figures() { return std::getenv("HAPTOGRAM_FIGURES") != nullptr; }
 TEST_CASE("second instrument: the board says what it has", "[second][wide]") {
     Wide bench;
     const link::Identity identity = bench.client.identify();
-    REQUIRE(identity.features == 0xff);
+    REQUIRE(identity.features == 0x3ff);
     REQUIRE(identity.width_bits == 10);
     REQUIRE(identity.foci == 8);
     REQUIRE(identity.modulation_words == 32);
     REQUIRE(identity.core().slew == 1);
+}
+
+TEST_CASE("second instrument: a board without it says so", "[second]") {
     Bench plain;
     const link::Identity without = plain.client.identify();
-    REQUIRE(without.features == 0xf);
+    REQUIRE(without.features == 0x10f);
     REQUIRE(without.width_bits + without.foci + without.modulation_words == 0);
 }
 
 TEST_CASE("contract 8: at the pins the carrier's phase does not depend on the amplitude, to half a tick",
-          "[second][wide]") {
+          "[second][wide][contract8]") {
     Wide bench;
     auto g = generator();
     bench.open();
@@ -234,7 +248,7 @@ FocusWords random_focus(std::mt19937& g) {
 }  // namespace
 
 TEST_CASE("second instrument: one to eight foci a record, a record in every carrier period, equal to the host's model",
-          "[second][wide]") {
+          "[second][wide][foci]") {
     Wide bench;
     auto g = generator();
     bench.open();
@@ -247,6 +261,9 @@ TEST_CASE("second instrument: one to eight foci a record, a record in every carr
         for (std::uint16_t n = 1; n <= 20; ++n) {
             std::vector<FocusWords> words;
             for (std::size_t f = 0; f < foci; ++f) words.push_back(random_focus(g));
+            if (n % 4 == 0)  // as far away as a focus may be
+                words[0] =
+                    pack_focus({{random(g, 0, 1) == 0 ? -0.95 : 0.95, random(g, 0, 1) == 0 ? -0.95 : 0.95, 0.95}, 1.0});
             bench.write_foci(engine, base, n, words, whole);
             sequence.push_back({static_cast<std::uint16_t>(records + n), 1});
         }
@@ -257,12 +274,19 @@ TEST_CASE("second instrument: one to eight foci a record, a record in every carr
     REQUIRE(status.underruns == 0);
     REQUIRE(status.refused_records == 0);
     REQUIRE(status.far_foci == 0);
-    // A focus more than a metre away counts for no channel and is told.
-    bench.write_engine(engine, base, 1, 1, false);
-    bench.write_foci(engine, base, 1, {pack_focus({{-1.02, 0.0, 0.1}, 1.0})}, false);
-    bench.client.select(records + 1, 3);
-    bench.wait_for_index(records + 1);
-    REQUIRE(bench.client.status().far_foci == 1);
+    // A focus more than a metre away counts for no channel and is told, also as the first of two; those without one are
+    // not.
+    const FocusWords far = pack_focus({{-1.02, 0.0, 0.1}, 1.0}), near = pack_focus({{0.0, 0.0, 0.1}, 1.0});
+    const std::vector<std::vector<FocusWords>> written = {{far}, {far, near}, {near, near}};
+    for (std::size_t i = 0; i < written.size(); ++i) {
+        bench.write_engine(engine, base, 1, written[i].size(), false);
+        bench.write_foci(engine, base, 1, written[i], false);
+        bench.client.select(records + 1, 3);
+        bench.wait_for_index(records + 1);
+        REQUIRE(bench.client.status().far_foci == std::min<std::size_t>(i + 1, 2));
+        bench.client.select(0, 0);
+        bench.wait_for_index(0);
+    }
 }
 
 TEST_CASE("second instrument: eight foci for 100 channels in every carrier period, and no pulse too short",
@@ -304,7 +328,7 @@ TEST_CASE("second instrument: eight foci for 100 channels in every carrier perio
     REQUIRE(status.refused_records == 0);
 }
 
-TEST_CASE("second instrument: timings, amplitudes and foci follow each other in any order", "[second][wide]") {
+TEST_CASE("second instrument: timings, amplitudes and foci follow each other in any order", "[second][wide][order]") {
     Wide bench;
     auto g = generator();
     bench.open();
@@ -339,7 +363,8 @@ TEST_CASE("second instrument: timings, amplitudes and foci follow each other in 
     require_right(bench.compare(before - 2, bench.recorder.cycles().size() - 2), 100);
 }
 
-TEST_CASE("contract 9: sample i is on the pins in carrier periods i · N to (i + 1) · N − 1", "[second][wide]") {
+TEST_CASE("contract 9: sample i is on the pins in carrier periods i · N to (i + 1) · N − 1",
+          "[second][wide][contract9]") {
     Wide bench;
     auto g = generator();
     bench.open();
@@ -470,14 +495,14 @@ TEST_CASE("second instrument: amplitude modulation of full depth at 200 Hz loses
 }
 
 TEST_CASE("second instrument: the slew limiter goes where the host's model goes, and down to silence",
-          "[second][wide]") {
+          "[second][wide][slew]") {
     Wide bench;
     auto g = generator();
     SlewLimit slew;
     slew.mode = GENERATE(Slew::rate, Slew::arrive);
     slew.phase_rate = 900;
     slew.amplitude_rate = 1500;
-    slew.arrival_periods = 33;
+    slew.arrival_periods = 109;
     using enum interface::ParametersWord;
     bench.open();
     bench.set(slew_mode, static_cast<std::uint32_t>(slew.mode));
@@ -489,12 +514,12 @@ TEST_CASE("second instrument: the slew limiter goes where the host's model goes,
     for (std::uint16_t i = 1; i <= 5; ++i) {
         bench.client.select(i);
         bench.wait_for_index(i);
-        bench.board.run(1250ULL * random(g, 5, 80));
+        bench.board.run(1250ULL * random(g, 5, 130));
     }
     bench.client.stop();
     bench.wait_for_index(0);
     const std::size_t stopped = bench.recorder.cycles().size() - 1;
-    bench.board.run(1250ULL * 70);
+    bench.board.run(1250ULL * 120);
     const auto& cycles = bench.recorder.cycles();
     EmissionModel model(channel_count);
     const auto setting = [&](std::size_t i) {
@@ -732,13 +757,6 @@ TEST_CASE("second instrument: what cannot be played is refused, and silence take
     REQUIRE(status_of(Command::modulate, words({1, 64, 2})) == Status::bad_range);
     REQUIRE(status_of(Command::modulate, words({0, 65, 2})) == Status::ok);
     REQUIRE(status_of(Command::modulate, words({1, 64})) == Status::bad_length);
-    const auto address = [](std::uint32_t base, std::uint32_t offset) {
-        return words({static_cast<std::uint16_t>(offset), static_cast<std::uint16_t>(base >> 16)});
-    };
-    const auto with = [](Bytes bytes, std::initializer_list<std::uint16_t> more) {
-        for (const std::uint8_t b : words(more)) bytes.push_back(b);
-        return bytes;
-    };
     REQUIRE(status_of(Command::write, with(address(interface::parameters_base, 2 * 10), {1})) == Status::ok);
     REQUIRE(status_of(Command::write, with(address(interface::parameters_base, 2 * 11), {1})) == Status::bad_address);
     REQUIRE(status_of(Command::write, with(address(interface::geometry_base, 2 * 63), {1})) == Status::ok);
@@ -746,7 +764,11 @@ TEST_CASE("second instrument: what cannot be played is refused, and silence take
     REQUIRE(status_of(Command::read, with(address(interface::geometry_base, 0), {2})) == Status::bad_address);
     REQUIRE(status_of(Command::write, with(address(interface::modulation_base, 2 * 31), {1})) == Status::ok);
     REQUIRE(status_of(Command::write, with(address(interface::modulation_base, 2 * 32), {1})) == Status::bad_address);
+}
 
+TEST_CASE("second instrument: a board without it refuses its command and has none of its regions", "[second]") {
+    using interface::Command;
+    using interface::Status;
     Bench plain;
     const auto hello = plain.talk(link::encode_request(0, Command::identify, {}));
     std::uint8_t number = hello.at(0).expected;
@@ -761,7 +783,7 @@ TEST_CASE("second instrument: what cannot be played is refused, and silence take
 }
 
 TEST_CASE("second instrument: settings and samples have a value at power-up, are read back, and outlast a reset",
-          "[second][wide]") {
+          "[second][wide][settings]") {
     sim::SimulatedBoardOptions options;
     options.power_up_seed = generator()();
     Bench bench("small-16-wide", options);
@@ -819,4 +841,148 @@ TEST_CASE("second instrument: while outputs are off a command does not wait for 
         if (index != 0) require_right(bench.compare(end - 7, end), 32);
     }
     REQUIRE(bench.client.status().guard_trips == 0);
+}
+
+namespace {
+
+/// Streams random foci at so many a second, through the line that the board has, and compares every pulse. The dwells
+/// of whole carrier periods are mixed so that their mean makes the rate.
+void stream_foci(std::string_view model, std::uint32_t side, std::uint16_t base, double rate, std::size_t count) {
+    Wide bench(model);
+    auto g = generator();
+    bench.open();
+    const FocusEngine engine = square_engine(side, 1.0);
+    bench.write_engine(engine, base, 1, 1, false);
+    const link::FocusRing ring = link::make_ring(bench.client);
+    REQUIRE(link::make_ring(bench.client) == ring);  // as often as asked
+    link::LiveFeed fifo(bench.client, bench.client.identity(), 1);
+    const double periods = 40e3 / rate;
+    Book book;
+    std::vector<std::uint32_t> dwells;
+    std::uint64_t promised = 0;
+    while (dwells.size() < count) {
+        if (fifo.room() < fifo.frame()) {
+            fifo.refresh();
+            continue;
+        }
+        const bool longer = static_cast<double>(promised) <= periods * static_cast<double>(dwells.size());
+        const auto dwell = static_cast<std::uint16_t>(longer ? std::ceil(periods) : std::floor(periods));
+        Words words;
+        for (std::size_t i = 0; i < fifo.frame(); ++i) {
+            const FocusWords focus = random_focus(g);
+            words.insert(words.end(), focus.begin(), focus.end());
+            dwells.push_back(dwell);
+            promised += dwell;
+            Played one{{}, 1250};
+            for (const ChannelDrive& drive : engine_drives(engine, std::vector{focus}, false))
+                one.emissions.push_back({drive.amplitude, drive.phase});
+            book[static_cast<std::uint16_t>(dwells.size())] = one;
+        }
+        fifo.push_foci(words, dwell);
+    }
+    fifo.push({0}, 0);
+    REQUIRE(bench.board.run_until([&] { return bench.board.outputs().index != 0; }, 2'000'000));
+    REQUIRE(bench.board.run_until([&] { return bench.board.outputs().index == 0; }, 2000 * promised));
+    bench.board.run(5000);
+    const link::Status status = bench.client.status();
+    REQUIRE(status.underruns == 0);
+    REQUIRE(status.refused_records == 0);
+    REQUIRE(status.frames_refused == 0);
+
+    // The ring's indices come again; a number of its own for each focus says which one it is.
+    std::vector<MeasuredCycle> cycles;
+    std::size_t first = 0, number = 0;
+    std::uint16_t before = 0;
+    std::vector<std::uint32_t> measured;
+    for (const sim::CycleStart& start : bench.recorder.cycles()) {
+        if (start.index != 0 && start.index != before) {
+            if (number == 0) first = cycles.size();
+            ++number;
+            measured.push_back(0);
+        }
+        if (start.index != 0) ++measured.back();
+        before = start.index;
+        cycles.push_back({start.clock, start.index == 0 ? std::uint16_t{0} : static_cast<std::uint16_t>(number)});
+    }
+    REQUIRE(measured == dwells);
+    const std::size_t end = first + promised;
+    const double seconds = static_cast<double>(cycles[end].clock - cycles[first].clock) / 50e6;
+    const double made = static_cast<double>(dwells.size()) / seconds;
+    INFO(made << " foci a second");
+    if (figures()) WARN(made << " foci a second, " << dwells.size() << " foci, " << status.underruns << " underruns");
+    REQUIRE(made >= 0.999 * rate);
+    const interface::CoreParameters& p = bench.board.parameters();
+    EmissionModel emission(p.channels, p.timing_bits, p.width_bits, p.min_pulse_clocks);
+    require_right(
+        compare_periods(
+            cycles, bench.recorder.pulses(), book, first - 4, end + 2, [](std::size_t) { return Setting{}; }, emission),
+        dwells.size() * bench.channels() / 2);
+}
+
+}  // namespace
+
+TEST_CASE("live foci: 36,000 a second at 3 Mbaud without an underrun, and every pulse where the model says",
+          "[second][wide][live]") {
+    stream_foci("small-16-wide", 4, 600, 36e3, 1080);
+}
+
+TEST_CASE("live foci: 12,000 a second at 1 Mbaud without an underrun, for 100 channels",
+          "[second][wide][tile100][live]") {
+    stream_foci("tile-100-wide", 10, 2600, 12e3, 180);
+}
+
+TEST_CASE("live foci: what is refused is not played, and the ring goes on where it was", "[second][wide][live]") {
+    Wide bench;
+    auto g = generator();
+    bench.open();
+    const FocusEngine engine = square_engine(4, 1.0);
+    const std::size_t each = GENERATE(1U, 3U, 5U);
+    const auto push = [&](std::size_t count, std::uint16_t dwell) {
+        Words words;
+        for (std::size_t i = 0; i < count * each; ++i) {
+            const FocusWords focus = random_focus(g);
+            words.insert(words.end(), focus.begin(), focus.end());
+        }
+        return bench.client.push_foci(words, dwell);
+    };
+    REQUIRE_THROWS_WITH(push(1, 1), Catch::Contains("bad_range"));  // no ring
+    REQUIRE_THROWS_WITH(link::make_ring(bench.client), Catch::Contains("upload"));
+    bench.write_engine(engine, 10, 1, each, false);
+    if (each > 4) {  // 257 records of so many foci are more than the memory holds
+        REQUIRE_THROWS_WITH(link::make_ring(bench.client), Catch::Contains("room"));
+        return;
+    }
+    const link::FocusRing ring = link::make_ring(bench.client);
+    REQUIRE(ring.count == 257);
+    REQUIRE(ring.each == each);
+    const auto wrong = GENERATE(0, 1, 2, 3);
+    Words block = {ring.base, ring.first, ring.count};
+    if (wrong == 1) block[2] = 256;                                         // no more records than the FIFO has places
+    if (wrong == 2) block[1] = static_cast<std::uint16_t>(ring.first + 1);  // its last index is beyond the foci
+    if (wrong == 3) block[0] = 1279;                                        // beyond primary memory
+    bench.write(interface::ring_base, block);
+    if (wrong != 0) {
+        REQUIRE_THROWS_WITH(push(1, 1), Catch::Contains("bad_range"));
+        return;
+    }
+    REQUIRE(bench.client.read(interface::ring_base, 6) == words({ring.base, ring.first, ring.count}));
+    REQUIRE(push(5, 1) > 0);
+    bench.wait_for_index(static_cast<std::uint16_t>(ring.first + 4));
+    if (each > 1) REQUIRE_THROWS_WITH(bench.client.push_foci(Words(4 * each + 4), 1), Catch::Contains("bad_length"));
+    REQUIRE_THROWS_WITH(bench.client.push_foci(Words(4 * each + 1), 1), Catch::Contains("bad_length"));
+    REQUIRE(bench.client.status().live_level == 0);
+    // 18 rounds of 15: the ring's end passes its beginning; then what does not fit into the FIFO.
+    for (int round = 0; round < 18; ++round) {
+        while (bench.client.status().live_level > 200) bench.board.run(20'000);
+        push(15, 1);
+    }
+    bench.wait_for_index(static_cast<std::uint16_t>(ring.first + (5 + 18 * 15 - 1) % ring.count));
+    push(1, 60'000);
+    bench.wait_for_index(static_cast<std::uint16_t>(ring.first + (5 + 18 * 15) % ring.count));
+    const std::size_t frame = 60 / each;
+    std::size_t level = 0;
+    while (level + frame <= 256) level = push(frame, 1);
+    REQUIRE_THROWS_WITH(push(frame, 1), Catch::Contains("fifo_full"));
+    REQUIRE(bench.client.status().live_level == level);
+    REQUIRE(push(256 - level, 1) == 256);
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the co-simulation tests once on a core that counts, and says which lines of rtl/ they reach and which bits they change.
+"""Runs the co-simulation tests once on cores that count, and says which lines of rtl/ they reach and which bits they change.
 
 Exit code 0 when 95 % of the lines are reached and exceptions.toml explains exactly the others, 1 otherwise, 2 on a wrong
 table or command line, or when a test fails.
@@ -18,7 +18,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 REQUIRED = 0.95
-TESTS = "~[tile100]~[wide]~[whole]~[long]"  # all that run on the model that counts; a long count reaches no further line
+TESTS = "~[tile100]~[whole]~[long]"  # all that run on the models that count; a long count reaches no further line
 
 
 class Wrong(Exception):
@@ -116,7 +116,7 @@ def run(options):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     build = ROOT / "build" / "deep" / "tests" / "coverage"
-    parser.add_argument("--program", metavar="FILE", type=Path, default=build / "test_cosim_coverage", help="test_cosim on the core that counts")
+    parser.add_argument("--program", metavar="FILE", type=Path, default=build / "test_cosim_coverage", help="test_cosim on the cores that count")
     parser.add_argument("--build", metavar="DIR", type=Path, default=build, help="where the data and the reports go")
     options = parser.parse_args()
     try:

@@ -11,6 +11,7 @@
 // The modules' own assertions are left out, because they would find the planted bugs first.
 `undef FORMAL
 `include "serial_product.v"
+`include "record_header.v"
 `include "memory_controller.v"
 `default_nettype none
 module torn #(

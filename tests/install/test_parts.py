@@ -2,14 +2,14 @@
 """Builds that leave parts out, and what a build says that misses something. One folder, so that only what differs is built again."""
 import re
 import shutil
+from pathlib import Path
 
 import pytest
 from conftest import ROOT, like_the_build, run
 
 USAGE = 2
-# As if neither were installed: libftdi1 is what pkg-config alone would find.
+# As if it were not installed.
 NO_VERILATOR = "-DCMAKE_DISABLE_FIND_PACKAGE_verilator=ON"
-NO_LIBFTDI = {"PKG_CONFIG_LIBDIR": "/nonexistent"}
 
 
 def configure(folder, *options, expect=0, environment=None):
@@ -36,7 +36,12 @@ def folder(beside):
 @pytest.fixture(scope="module")
 def without_both(folder, work):
     """The program with neither the simulated board nor FTDI nor the studio, on a machine that has the packages of neither."""
-    configure(folder, "-DHAPTOGRAM_SIMULATION=OFF", "-DHAPTOGRAM_FTDI=OFF", "-DHAPTOGRAM_STUDIO=OFF", "-DHAPTOGRAM_TESTS=OFF", NO_VERILATOR, environment=NO_LIBFTDI)
+    # Two libraries are found by pkg-config. Here it knows Bullet, but not libftdi1.
+    known = work / "pkgconfig"
+    known.mkdir()
+    (known / "bullet.pc").symlink_to(Path(run("pkg-config", "--variable=pcfiledir", "bullet").stdout.strip()) / "bullet.pc")
+    configure(folder, "-DHAPTOGRAM_SIMULATION=OFF", "-DHAPTOGRAM_FTDI=OFF", "-DHAPTOGRAM_STUDIO=OFF", "-DHAPTOGRAM_TESTS=OFF", NO_VERILATOR,
+              environment={"PKG_CONFIG_LIBDIR": str(known)})
     program = work / "haptogram-without-both"
     shutil.copy(build(folder), program)
     return program

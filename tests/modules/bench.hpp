@@ -21,7 +21,12 @@ struct Bench {
         model->clk = 0;
         model->rst = 1;
     }
-    ~Bench() { model->final(); }
+    ~Bench() {
+        // Verilator's scopes unregister from the thread's last context, which may be that of a bench that is gone.
+        Verilated::threadContextp(&context);
+        model->final();
+        model.reset();
+    }
     Model* operator->() { return model.get(); }
 
     /// To be called when all inputs have a value.

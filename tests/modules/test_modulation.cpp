@@ -17,6 +17,7 @@ public:
     Modulation() {
         bench->i_write = bench->i_start = bench->i_stop = bench->i_period = bench->i_loop = 0;
         bench->i_write_address = bench->i_read_address = 0;
+        bench->i_drop = bench->i_at_pass_end = bench->i_first = 0;
         bench->i_write_word = 0;
         bench->i_length = 1;
         bench->i_divider = 1;
@@ -38,11 +39,17 @@ public:
         bench->i_divider = static_cast<std::uint16_t>(divider);
         bench->i_loop = loop;
     }
-    void strobe(bool start, bool stop) {
+    void strobe(bool start, bool stop, bool at_pass_end = false) {
         bench->i_start = start;
         bench->i_stop = stop;
+        bench->i_at_pass_end = at_pass_end;
         bench.clock();
-        bench->i_start = bench->i_stop = 0;
+        bench->i_start = bench->i_stop = bench->i_at_pass_end = 0;
+    }
+    void drop() {
+        bench->i_drop = 1;
+        bench.clock();
+        bench->i_drop = 0;
     }
     /// A carrier period of so many clocks, at least 4. Its sample is there after four, and stays.
     int period(int clocks = 4, bool start = false) {
@@ -134,6 +141,45 @@ TEST_CASE("of a start and a stop in one period the later counts, and of both at 
     CHECK(modulation.period() == 255);
     CHECK(modulation.period(4, true) == modulation.samples[0]);  // a start with the strobe of the period itself
     CHECK(modulation.period() == modulation.samples[1]);
+}
+
+TEST_CASE("contract 10: samples follow others where their pass ends, from any first one on, with no period between") {
+    Modulation modulation;
+    const int length = GENERATE(1, 2, 5), divider = GENERATE(1, 3), first = GENERATE(0, 2, depth - 4);
+    const bool loop = GENERATE(true, false);
+    const int pass = length * divider;
+    const int asked = modulation.bench.number(0, pass - 1);  // period of the second pass, or after the end
+    modulation.set(length, divider, loop);
+    modulation.strobe(true, false);
+    for (int p = 0; p < pass; ++p) REQUIRE(modulation.period() == modulation.samples[Modulation::at(p / divider)]);
+    const int until = loop ? pass : asked + 1;  // what was played once has ended already
+    for (int p = 0; p < until; ++p) {
+        if (p == asked) {
+            modulation.bench->i_first = static_cast<std::uint8_t>(first / 2);
+            modulation.set(4, 2, true);
+        }
+        const int sample = loop ? p / divider : length - 1;
+        const int found = modulation.period();
+        REQUIRE(found == modulation.samples[Modulation::at(sample)]);
+        if (p == asked) modulation.strobe(true, false, true);
+    }
+    for (int p = 0; p < 20; ++p) REQUIRE(modulation.period() == modulation.samples[Modulation::at(first + p / 2 % 4)]);
+    modulation.strobe(false, true, true);
+    for (int p = 20; p < 24; ++p) REQUIRE(modulation.period() == modulation.samples[Modulation::at(first + p / 2 % 4)]);
+    REQUIRE(modulation.period() == 255);
+}
+
+TEST_CASE("a start or a stop that waits can be dropped") {
+    Modulation modulation;
+    modulation.set(4, 1, true);
+    modulation.strobe(true, false);
+    modulation.drop();
+    REQUIRE(modulation.period() == 255);
+    modulation.strobe(true, false);
+    REQUIRE(modulation.period() == modulation.samples[0]);
+    modulation.strobe(false, true, true);
+    modulation.drop();
+    for (int p = 1; p < 12; ++p) REQUIRE(modulation.period() == modulation.samples[Modulation::at(p % 4)]);
 }
 
 TEST_CASE("the memory is read back while nothing is fetched") {

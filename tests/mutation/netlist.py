@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes mutants.v, the modules of mutation.toml with every chosen mutant in them, and mutants.json, which says what each is.
+"""Writes mutants_MODEL.v for each model of mutation.toml, the whole core with every chosen mutant in it, and mutants.json, which
+says what each is.
 
-mutants.v stands in for those files of rtl/; all others are used as they are. Mutant 0 is none; the number of the active
-one comes from the function haptogram_mutant, which the simulation provides (select.cpp).
+Modules without mutants are included as they are. Mutant 0 is none; the number of the active one comes from the function
+haptogram_mutant, which the simulation provides (select.cpp).
 Exit code 0, or 2 when the table, a source or yosys is not as expected.
 """
 import argparse
@@ -46,14 +47,16 @@ def yosys(script, folder, name):
         raise Wrong(f"yosys failed, see {folder / name}.log\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
 
 
-def elaborate(modules, model, folder):
-    """Leaves the core's netlist in all.il. Returns what yosys calls each module, and the module."""
+def elaborate(modules, model, whole, folder):
+    """Leaves the core's netlist in all.il. Returns what yosys calls each module, and the module. `whole` says that all that is below
+    the modules becomes a part of them."""
     chparam = " ".join(f"-chparam {k} {v}" for k, v in configurations.configuration(model).items())
     yosys([f"read_verilog -defer -I{ROOT}/rtl {' '.join(str(f) for f in sorted((ROOT / 'rtl').glob('*.v')))}",
            f"hierarchy -check -top haptogram_core {chparam}",
            "prep",
            # What is below a module that is mutated becomes a part of it.
-           "setattr -mod -set keep_hierarchy 1 *", "setattr -mod -unset keep_hierarchy *serial_product*", "flatten",
+           *([f"flatten {' '.join(f'*{m}' for m in modules)}"] if whole else
+             ["setattr -mod -set keep_hierarchy 1 *", "setattr -mod -unset keep_hierarchy *serial_product* *record_header*", "flatten"]),
            # Registers with enable and reset as the source has them, and nothing that no mutant could change anything in.
            "opt_dff", "opt_expr -fine t:$lt t:$le t:$gt t:$ge t:$and t:$or", "opt_clean -purge", "wreduce", "opt_clean -purge",
            "write_json all.json",
@@ -72,8 +75,8 @@ def elaborate(modules, model, folder):
 class Module:
     """A module's netlist, to tell a cell's place in the source without line numbers or generated names."""
 
-    def __init__(self, name, netlist):
-        self.name, self.cells = name, netlist["cells"]
+    def __init__(self, name, netlist, whole=False):
+        self.name, self.cells, self.whole = name, netlist["cells"], whole
         self.wires, self.loads, self.drives = {}, collections.defaultdict(list), {}
         self.ports = {bit for port in netlist["ports"].values() for bit in port["bits"]}
         for wire, net in sorted(netlist["netnames"].items()):
@@ -100,14 +103,25 @@ class Module:
         return "nothing"
 
     def matters(self, cell, port, bit, mode):
-        """False for what Yosys made by itself, for outputs that nothing reads, and for constants that stay what they are."""
+        """False for what Yosys made by itself, for outputs that nothing reads, for constants that stay what they are, and for
+        a memory's constant ports, which Yosys wants to be so."""
         unread = cell["port_directions"][port] == "output" and not self.loads[bit] and bit not in self.ports
-        return "src" in cell["attributes"] and not unread and bit != "x" and mode != f"const{bit}"
+        fixed = cell["type"].startswith("$mem") and isinstance(bit, str)
+        return "src" in cell["attributes"] and not unread and not fixed and bit != "x" and mode != f"const{bit}"
+
+    def sources(self, cell):
+        """Where it stands in the source; the innermost place first, of what was flattened."""
+        places = self.cells[cell]["attributes"].get("src", "").split("|")
+        return places[::-1] if self.whole else places
+
+    def home(self, cell):
+        """The module that it was written in."""
+        return Path(self.sources(cell)[0].split(":")[0]).stem if self.whole else self.name
 
     @functools.cache
     def text(self, cell):
         """What the cell was made from, as it stands in the source, in one line."""
-        for place in self.cells[cell]["attributes"].get("src", "").split("|"):
+        for place in self.sources(cell):
             match = re.fullmatch(r"(.*):(\d+)\.(\d+)-(\d+)\.(\d+)", place)
             line, column, last, end = (int(n) for n in match.groups()[1:]) if match else (0, 0, 0, 0)
             if line:
@@ -119,25 +133,27 @@ class Module:
         return "?"
 
 
-def candidates(module, lines, modes, never):
-    """Every mutant that `mutate` knows in a module, as what it is and its command, by the expression it is in."""
+def candidates(module, lines, homes, modes, never):
+    """Every mutant that `mutate` knows in a module, of what was written in one of `homes`, as what it is and its command, by the
+    expression it is in."""
     places, twins = collections.defaultdict(list), collections.Counter()
     for line in lines:
         what = dict(re.findall(r"-(mode|cell|port|portbit) (\S+)", line))
         cell = module.cells[what["cell"]]
         bits = cell["connections"][what["port"]]
         bit = bits[int(what["portbit"])]
-        if what["mode"] not in modes or what["port"] in never or not module.matters(cell, what["port"], bit, what["mode"]):
+        home = module.home(what["cell"])
+        if what["mode"] not in modes or what["port"] in never or home not in homes or not module.matters(cell, what["port"], bit, what["mode"]):
             continue
         kind = re.sub(r"^\$(s?dff).*|^\$(.*?)(_v2)?$", lambda m: "dff" if m[1] else m[2], cell["type"])
         target = cell["parameters"]["MEMID"].lstrip("\\") if kind == "mem" else module.target(what["cell"])
         # A register and a memory have names, and the text of their always block says nothing.
         text = "" if kind in ("dff", "mem") else f" | {module.text(what['cell'])}"
         port = what["port"] + (f"[{what['portbit']}]" if len(bits) > 1 else "")
-        name = f"{module.name}.{target}{text} | {kind} {port} {what['mode']}"
+        name = f"{home}.{target}{text} | {kind} {port} {what['mode']}"
         twins[name] += 1
         name += f" #{twins[name]}" if twins[name] > 1 else ""
-        place = f"{module.name} {text or re.sub('[0-9]+', '', target)} {kind}"
+        place = f"{home} {text or re.sub('[0-9]+', '', target)} {kind}"
         places[place].append((name, re.sub(r" -(src|wire|wirebit) \S+", "", line)))
     return places
 
@@ -160,10 +176,18 @@ def stand_in(module, width):
     return f"{header}\n    bit [{width - 1}:0] mutant = {width}'(mutation::haptogram_mutant());\n    {module}_mutants mutants (.*);\nendmodule\n"
 
 
-def write(folder):
-    t = table()
-    modules = [m for g in t["group"] for m in g["modules"]]
-    named = elaborate(modules, t["model"], folder)
+def models(t):
+    return list(dict.fromkeys(group["model"] for group in t["group"]))
+
+
+def write_model(t, model, first, top):
+    """Writes one model's files; its mutants, which it returns, are numbered from `first` on."""
+    folder = top / model
+    folder.mkdir(parents=True, exist_ok=True)
+    groups = [g for g in t["group"] if g["model"] == model]
+    whole = [g["within"] for g in groups if "within" in g]
+    modules = list(dict.fromkeys(m for g in groups for m in ([g["within"]] if "within" in g else g["modules"])))
+    named = elaborate(modules, model, bool(whole), folder)
     script = ["read_rtlil all.il"]
     for module, (name, _) in named.items():
         script.append(f"rename {name} {module}")
@@ -172,14 +196,14 @@ def write(folder):
 
     width = sum(g["mutants"] for g in t["group"]).bit_length()
     mutants, commands = [], []
-    for group in t["group"]:
+    for group in groups:
         places = {}
-        for m in group["modules"]:
+        for m in [group["within"]] if "within" in group else group["modules"]:
             lines = (folder / f"{m}.list").read_text().splitlines()
-            places.update(candidates(Module(m, named[m][1]), lines, t["modes"], t["never"]))
+            places.update(candidates(Module(m, named[m][1], "within" in group), lines, group["modules"], t["modes"], t["never"]))
         for name, command in choose(places, group["mutants"], t["seed"]):
-            mutants.append({"number": len(mutants) + 1, "group": group["name"], "name": name})
-            commands.append(f"{command} -ctrl mutant {width} {len(mutants)}")
+            mutants.append({"number": first + len(mutants), "group": group["name"], "name": name})
+            commands.append(f"{command} -ctrl mutant {width} {mutants[-1]['number']}")
     script = ["read_rtlil all.il"]
     for module, (name, _) in named.items():
         script.append(f"rename {name} {module}")
@@ -190,10 +214,17 @@ def write(folder):
 
     text = ["// SPDX-License-Identifier: Apache-2.0", "// Written by tests/mutation/netlist.py.", 
             '`include "interface.vh"', 'package mutation; import "DPI-C" function int haptogram_mutant(); endpackage',
-            *[stand_in(m, width) for m in modules], (folder / "netlist.v").read_text()]
-    (folder / "mutants.v").write_text("\n".join(text))
-    (folder / "mutants.json").write_text(json.dumps(mutants, indent=1) + "\n")
+            *[stand_in(m, width) for m in modules], (folder / "netlist.v").read_text(),
+            *[f'`include "{f.name}"' for f in sorted((ROOT / "rtl").glob("*.v")) if f.stem not in modules], ""]
+    (top / f"mutants_{model}.v").write_text("\n".join(text))
     return mutants
+
+
+def write(folder):
+    t, mutants = table(), []
+    for model in models(t):
+        mutants += write_model(t, model, len(mutants) + 1, folder)
+    (folder / "mutants.json").write_text(json.dumps(mutants, indent=1) + "\n")
 
 
 def main():

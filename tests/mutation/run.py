@@ -18,11 +18,11 @@ from concurrent.futures import ThreadPoolExecutor
 from html import unescape
 from pathlib import Path
 
-from netlist import HERE, ROOT, Wrong, table
+from netlist import HERE, ROOT, Wrong, models, table
 
 
 class Tests:
-    """The test program, with limits from how long it takes without a mutant."""
+    """The test program of a model, with limits from how long it takes without a mutant."""
 
     def __init__(self, program, options):
         self.program, self.options, self.limits = program, options, {}
@@ -93,14 +93,17 @@ def run(options):
     mutants = json.loads((options.build / "mutants.json").read_text())
     chosen = [m for m in mutants if not options.only or m["number"] in options.only]
     steps = {g["name"]: g["tests"] for g in t["group"]}
-    tests = Tests(options.program, ["--rng-seed", str(t["seed"])])
+    of_model = {m: Tests(options.programs / f"test_cosim_mutants_{m}", ["--rng-seed", str(t["seed"])]) for m in models(t)}
+    tests = {g["name"]: of_model[g["model"]] for g in t["group"]}
     problems, start = [], time.monotonic()
 
     with ThreadPoolExecutor(max_workers=max(1, options.jobs)) as pool:
-        list(pool.map(tests.calibrate, sorted({step for group in steps.values() for step in group})))
+        wanted = {m["group"] for m in chosen}
+        first = {(tests[group], step): None for group in steps if group in wanted for step in steps[group]}
+        list(pool.map(lambda pair: pair[0].calibrate(pair[1]), first))
         progress = Progress(len(chosen))
         for mutant in chosen:
-            mutant["task"] = pool.submit(tests.killer, steps[mutant["group"]], mutant["number"])
+            mutant["task"] = pool.submit(tests[mutant["group"]].killer, steps[mutant["group"]], mutant["number"])
             mutant["task"].add_done_callback(progress.step)
         for group in steps:
             members = [m for m in chosen if m["group"] == group]
@@ -128,7 +131,7 @@ def run(options):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     build = ROOT / "build" / "deep" / "tests" / "mutation"
-    parser.add_argument("--program", metavar="FILE", type=Path, default=build / "test_cosim_mutants", help="test_cosim on the mutants")
+    parser.add_argument("--programs", metavar="DIR", type=Path, default=build, help="where test_cosim_mutants_MODEL are, for each model")
     parser.add_argument("--build", metavar="DIR", type=Path, default=build, help="where netlist.py wrote, and where the report goes")
     parser.add_argument("--only", metavar="N", type=int, action="append", help="this mutant (may be repeated)")
     parser.add_argument("--jobs", metavar="N", type=int, default=2, help="tests at a time (2)")

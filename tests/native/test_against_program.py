@@ -54,6 +54,7 @@ def test_complex_fields_lines_and_volumes(tmp_path, program):
     excitation = native.Excitation.of_focus(array, (0.0, 0.01, 0.12))
     asked = [
         (["--plane", "xz@y=0", "--step", "0.7"], {"plane": "xz@y=0", "step_m": 0.7e-3}),
+        (["--plane", "uv@z=120,rx=30,rz=5", "--step", "2"], {"plane": "uv@z=120,rx=30,rz=5", "step_m": 2e-3}),
         (["--line", "z@x=0,y=10"], {"line": "z@x=0,y=10"}),
         (["--volume", "--step", "4", "--z", "80:160"], {"volume": True, "step_m": 4e-3, "z_m": (80e-3, 160e-3)}),
     ]

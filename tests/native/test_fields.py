@@ -61,6 +61,50 @@ def test_mean_squares(rng):
     assert np.abs(native.mean_square(array, sets, weights, points) - expected).max() <= 1e-4 * expected.max()
 
 
+def test_mean_squares_on_planes_and_in_volumes(rng):
+    array = native.Array.find("tile-10x10")
+    sets = np.stack([some_drives(rng, array) for _ in range(3)])
+    weights = rng.uniform(0.1, 2.0, 3)
+    x, y, z = np.linspace(-0.03, 0.04, 30), np.linspace(-0.02, 0.02, 21), np.array([0.1, 0.13])
+    pose = native.Pose((0, 0.01, 0.13), (20, 10, 0))
+    for of, place, height in ((array, native.Pose((0, 0, 0)), z), (array.seen_from(pose), pose, np.zeros(1))):
+        grid = np.stack(np.meshgrid(height, y, x, indexing="ij")[::-1], axis=-1)
+        each = waves(array, place.outwards(grid.reshape(-1, 3)))
+        for drives, shares in ((sets, weights), (sets[:1], weights[:1])):  # a lone set may be interpolated
+            found = native.mean_square_on(of, drives, shares, x, y, height)
+            assert found.values.shape == grid.shape[:3] and found.values.dtype == np.float32
+            rms = np.sqrt((np.abs(each @ drives.T) ** 2 / 2) @ shares / shares.sum())
+            most = np.sqrt(((np.abs(each) @ np.abs(drives.T)) ** 2 / 2) @ shares / shares.sum()).max()
+            assert np.abs(np.sqrt(found.values.reshape(-1)) - rms).max() <= found.error * most
+            assert found.method == ("sums" if len(drives) > 1 else found.method) and 0 < found.error <= 1e-4
+
+
+def test_a_focus_and_the_workspace():
+    array = native.Array.find("tile-10x10")
+    focus = native.analyze_focus(array, native.ideal_drives(array, (0.01, 0, 0.13)), (0.01, 0, 0.13))
+    alone = 4.0 * np.abs(waves(array, [[0.01, 0, 0.13]])).sum()
+    assert np.isclose(focus.pressure_pa, alone, rtol=1e-4)
+    assert np.isclose(focus.width_m, 0.0108, atol=1e-3) and 0 < focus.side_lobe < 0.2 and focus.depth_m > focus.width_m
+    x, z = np.array([-0.2, 0.0, 0.01]), np.array([0.001, 0.05, 0.13])
+    reach = native.workspace(array, x, [0.0], z)
+    assert reach.shape == (3, 1, 3) and np.isnan(reach[0]).all() and np.isnan(reach[1, 0, 0])  # too near, and too far aside
+    assert np.isclose(reach[2, 0, 2], alone, rtol=1e-6)
+
+
+def test_fields_of_given_drives():
+    array = native.Array.find("tile-10x10")
+    drives = native.ideal_drives(array, (0, 0, 0.12))
+    given = native.field(native.Excitation.of_drives(array, drives[None, :]), plane="uv@z=120,ry=20", step_m=4e-3)
+    asked = native.field(native.Excitation.of_focus(array, (0, 0, 0.12)), plane="uv@z=120,ry=20", step_m=4e-3)
+    assert given.to_npy() == asked.to_npy() and given.method == asked.method and 0 < given.error <= 1e-4
+    at = int(np.argmax(given.values))
+    assert np.linalg.norm(given.point_m(at) - (0, 0, 0.12)) <= 5e-3
+    both = native.Excitation.of_drives(array, np.stack([drives, 0 * drives]), [1.0, 3.0])
+    quarter = native.field(both, plane="xy@z=120", step_m=8e-3).values
+    whole = native.field(native.Excitation.of_focus(array, (0, 0, 0.12)), plane="xy@z=120", step_m=8e-3).values
+    assert np.allclose(4 * quarter, whole, rtol=1e-3, atol=1e-3 * whole.max())
+
+
 def test_measured_patterns_by_polynomials(rng):
     array = native.Array.find("hoshi-18x18").with_transducer("T4010A1")
     drives = native.ideal_drives(array, (0, 0, 0.2))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from boards import BAD_INPUT, DEVICE, USAGE, ask, assert_refused, python_command, run, virtual_board
 from haptogram import Client, Focus, HaptogramError, Image
-from haptogram.interface import MODULATION_BASE, PARAMETERS_BASE
+from haptogram.interface import MODULATION_BASE, PARAMETERS_BASE, PRIMARY_BASE, RING_BASE, RING_FIELDS, unpack
 
 SMALL = """name = "tile-4x4"
 [array]
@@ -142,3 +142,60 @@ def test_another_board_is_refused(wide):
 def test_a_board_without_modulation(folder):
     with virtual_board(folder):
         assert_refused(run(python_command("device", "modulate", "--port", "port"), folder), DEVICE, "no modulation")
+
+
+def test_foci_are_pushed_while_they_play(wide):
+    """What the ring holds is what was pushed, and the image stays."""
+    folder, client = wide
+    with pytest.raises(HaptogramError, match="bad_range"):
+        client.push_foci([Focus(0, 0, 100, 1)], 1)
+    client.make_ring()
+    client.make_ring()
+    pushed = [Focus(i / 8, -i / 8, 100 + i / 8, (255 - i) / 255) for i in range(30)]
+    with client.outputs():
+        client.push_foci(pushed, 3)
+        while client.status().live_level:
+            pass
+    ring = unpack(RING_FIELDS, client.read(RING_BASE, 6))
+    assert ring["count"] == client.identity.live_depth + 1 and ring["first"] + ring["count"] - 1 == client.highest_index()
+    held = b"".join(client.read(PRIMARY_BASE + 8 * (ring["base"] + at), 40) for at in range(0, 30, 5))
+    assert [Focus.unpack(held[at : at + 8]) for at in range(0, 240, 8)] == pushed
+    assert client.status().refused_records == client.status().far_foci == 0
+    assert client.different(Image.load(str(folder / "circle.hex")).pieces()[:1]) == []
+
+
+def test_changes_wait_for_a_period_or_the_end(wide):
+    _, client = wide
+    client.set_watchdog(0)
+    client.enable()
+    client.start(1, 4)
+    client.start(5, 4, at_end=True)
+    period = client.status().period
+    client.start(1, 2, period=period + 10**9)
+    assert client.status().waiting and client.status().period > period
+    with pytest.raises(HaptogramError, match="gate_busy"):
+        client.push([257], 1, period=period + 10**9 + 1)
+    client.stop()
+    assert not client.status().waiting
+    client.push([257], 0, period=1)
+    assert client.status().late_changes == 1 and client.status().mode == "live"
+    client.modulate(2, 8, first=4, at_end=True)
+    for wrong in (dict(period=0), dict(period=5, at_end=True)):
+        with pytest.raises(HaptogramError, match="period"):
+            client.start(1, 2, **wrong)
+    with pytest.raises(HaptogramError, match="even"):
+        client.modulate(2, first=3)
+
+
+def test_the_program_gives_a_board_a_role(folder):
+    boards.haptogram(folder, "compile", "--shape", "point", "--am", "sine:1000", "--board", "tile-100-wide", "--array", "tile-10x10", "-o", "sync.hex")
+    with virtual_board(folder, "--image", "sync.hex"):
+        assert json.loads(ask(folder, "device", "status", "--json"))["role"] == "alone"
+        ask(folder, "device", "sync", "slave")
+        now = json.loads(ask(folder, "device", "status", "--json"))
+        assert (now["role"], now["in_step"], now["numbered"], now["sync_misses"]) == ("slave", False, False, 0)
+        assert_refused(run(python_command("device", "enable", "--port", "port"), folder), DEVICE, "out_of_step")
+        ask(folder, "device", "sync", "alone")
+        ask(folder, "device", "enable")
+    with virtual_board(folder):
+        assert_refused(run(python_command("device", "sync", "master", "--port", "port"), folder), DEVICE, "no SYNC")

@@ -55,8 +55,8 @@ def test_shares():
         found = inference.binomial(k, n, 0.5)
         tails = sum(math.comb(n, i) for i in range(n + 1) if math.comb(n, i) <= math.comb(n, k)) / 2**n
         assert found[0] == pytest.approx(tails, rel=1e-12) and inference.rounded(found[0], 3) == p
-    low = inference.binomial(240, 240, 0.5)[1]
-    assert low == pytest.approx(0.025 ** (1 / 240), rel=1e-9) and inference.rounded(low, 4) == "0.9847"
+    _, low, high = inference.binomial(240, 240, 0.5)
+    assert high == 1.0 and low == pytest.approx(0.025 ** (1 / 240), rel=1e-9) and inference.rounded(low, 4) == "0.9847"
 
 
 def test_confusion_of_table_1():

@@ -132,7 +132,7 @@ public:
         return pause();
     }
 
-    std::uint64_t commands = 0, images = 0, replies = 0, applied = 0;
+    std::uint64_t commands = 0, images = 0, replies = 0, applied = 0, waits = 0;
 
 private:
     using Command = interface::Command;
@@ -256,7 +256,7 @@ private:
 
     Request request() {
         const auto w = [](std::uint32_t value) { return static_cast<std::uint16_t>(value); };
-        switch (below(28)) {
+        switch (below(32)) {
             case 0:
             case 1:
             case 2: return {Command::enable, {}};
@@ -288,9 +288,23 @@ private:
             case 19: return memory_command(Command::digest);
             case 20: return {static_cast<Command>(one_in(2) ? below(256) : 0), {}};
             case 21: return {Command::identify, {}};
+            case 27: return {Command::sync, {w(below(4))}};                                 // neither
             case 22: return {Command::modulate, {w(below(3)), w(below(70)), w(below(3))}};  // no such command here
+            case 23:
+            case 24:
+            case 25: return gate();
+            case 26: return {Command::push_foci, {1, 2, 3, 4, 5}};  // nor this one
             default: return memory_command(Command::write);
         }
+    }
+
+    /// For soon, the end, or nothing; on some boards there is no such command.
+    Request gate() {
+        std::uint64_t period = period_ + below(200);
+        if (one_in(3)) period = one_in(4) ? 0 : ~std::uint64_t{0};
+        if (one_in(60)) period = g_();
+        const auto word = [period](unsigned shift) { return static_cast<std::uint16_t>(period >> shift); };
+        return {Command::gate, {word(0), word(16), word(32)}};
     }
 
     void send_frame() {
@@ -395,6 +409,9 @@ private:
             const bool strange = reply.status == interface::Status::out_of_order;
             lost_ = strange ? lost_ + 1 : 0;
             applied += reply.status == interface::Status::ok ? 1 : 0;
+            if (reply.command == Command::status && reply.data.size() == 2 * interface::status_words)
+                period_ = interface::status_field::period.get(reply.data);
+            waits += reply.command == Command::gate && reply.status == interface::Status::ok ? 1 : 0;
         }
         return difference;
     }
@@ -406,6 +423,7 @@ private:
     unsigned lost_ = 0;
     bool pressed_ = false;
     bool sticky_ = false;
+    std::uint64_t period_ = 0;  // as the board said last
     std::uint32_t forced_for_ = 0;
     link::ReplyDecoder decoder_;
 };

@@ -197,6 +197,29 @@ TEST_CASE("region: texts that name one, and texts that do not", "[acoustics]") {
                         Contains("too many") && Contains("GB"));
 }
 
+TEST_CASE("region: oblique planes by turns and by a normal", "[acoustics]") {
+    const Reach reach{0.02, 0.01, {}, {}, {}};
+    const auto near = [](Vec3 a, Vec3 b) { return distance(a, b) < 1e-12; };
+    const Region turned = parse_region("plane", "uv@x=1,z=130,rx=30", reach);
+    REQUIRE(turned.axes == "uv");
+    REQUIRE(turned.grid.size() == 25);
+    REQUIRE(near(turned.point(12), {0.001, 0.0, 0.13}));
+    REQUIRE(near(turned.point(14), {0.021, 0.0, 0.13}));  // u along x
+    REQUIRE(near(turned.point(22), {0.001, 0.02 * std::sqrt(0.75), 0.13 + 0.02 * 0.5}));
+    // A normal: v rises by one for each two along y; u stays along x; the length does not matter.
+    const Region facing = parse_region("plane", "uv@z=130,ny=-5,nz=10", reach);
+    REQUIRE(near(facing.point(14), {0.02, 0.0, 0.13}));
+    REQUIRE(near(facing.point(22), {0.0, 0.04 / std::sqrt(5.0), 0.13 + 0.02 / std::sqrt(5.0)}));
+    const Region upright = parse_region("plane", "uv@z=130,nx=1", reach);  // as yz@x=0
+    REQUIRE(near(upright.point(14), {0.0, 0.02, 0.13}));
+    REQUIRE(near(upright.point(22), {0.0, 0.0, 0.15}));
+    REQUIRE(parse_region("plane", "uv@z=130", reach).grid.x == parse_region("plane", "xy@z=130", reach).grid.x);
+    for (const char* text : {"uv", "uv@z=130,rx=1,nx=1", "uv@z=130,nx=0", "uv@z=130,ry", "uv@z=130,z=1", "uv@q=1,z=9",
+                             "uv@rx=30", "uv@z=9,rx=30", "vu@z=130", "uv@z=130,nx=nan"})
+        REQUIRE_THROWS_AS(parse_region("plane", text, reach), Error);
+    REQUIRE_THROWS_WITH(parse_region("plane", "uv@z=5,rx=30", reach), Contains("z = -5 mm"));
+}
+
 TEST_CASE("radiation pressure: Hoshi's single transducer and hundred in phase", "[acoustics]") {
     // 24 Pa rms each; a hundred in phase give 83 Pa with α = 2, ρ = 1.2, c = 340.
     Array array = find_array("hoshi-18x18");

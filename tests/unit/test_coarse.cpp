@@ -368,6 +368,30 @@ TEST_CASE("coarse: the mean square of a sequence on an oblique plane", "[coarse]
     }
 }
 
+TEST_CASE("coarse: the mean square of one set of drives keeps the error that it states", "[coarse]") {
+    CAPTURE(reseed());
+    const Array array = grid_array(7, 6, 0.01);
+    const Drive drives = random_drives(array), silent(drives.size(), 1.0);
+    const std::vector<WeightedDrives> sequence{{0.0, silent}, {random(0.2, 2.0), drives}};
+    const Grid grid{axis(-0.05, 1.3e-3, 77), axis(-0.04, 0.9e-3, 90), {random(0.03, 0.2)}};
+    const MeanSquareField found = mean_square_field(array, sequence, grid);
+    REQUIRE(found.method == FieldMethod::interpolated);
+    REQUIRE(found.error <= 1e-4);
+    double most = 0.0;
+    for (std::size_t i = 0; i < grid.size(); i += 7) most = std::max(most, sum_at(array, drives, grid.point(i)).most);
+    for (std::size_t i = 0; i < grid.size(); i += 7) {
+        const double rms = std::abs(sum_at(array, drives, grid.point(i)).pressure) / std::sqrt(2.0);
+        REQUIRE(std::abs(std::sqrt(static_cast<double>(found.values[i])) - rms) <= found.error * most / std::sqrt(2.0));
+    }
+    // Two sets that are the same are summed, and agree.
+    const std::vector<WeightedDrives> twice{{1.0, drives}, {1.0, drives}};
+    const MeanSquareField summed = mean_square_field(array, twice, grid);
+    REQUIRE(summed.method == FieldMethod::sums);
+    for (std::size_t i = 0; i < grid.size(); i += 7)
+        REQUIRE(std::abs(std::sqrt(summed.values[i]) - std::sqrt(found.values[i])) <=
+                static_cast<float>((found.error + summed.error) * most));
+}
+
 TEST_CASE("coarse: gradients equal differences of the sums", "[coarse]") {
     CAPTURE(reseed());
     struct Restore {

@@ -11,6 +11,7 @@
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/process.hpp"
 #include "haptogram/perception/consistency.hpp"
+#include "haptogram/perception/difference.hpp"
 #include "haptogram/perception/magnitude.hpp"
 #include "haptogram/perception/path_magnitude.hpp"
 #include "haptogram/perception/setting.hpp"
@@ -447,4 +448,21 @@ TEST_CASE("perception: commands from a lattice are those of the places", "[perce
         CHECK(path.steps[i].foci[0].amplitude == Approx(whole.steps[i].foci[0].amplitude).epsilon(0.002));
     CHECK(by_lattice.most_command == Approx(exact.most_command).epsilon(0.002));
     CHECK(by_lattice.moves);
+}
+
+TEST_CASE("perception: steps that could be told apart, in the range where they were measured", "[perception]") {
+    CHECK(strength_steps(-3.0) == std::array<unsigned, 2>{0, 0});
+    CHECK(strength_steps(1.64) == std::array<unsigned, 2>{0, 0});
+    CHECK(strength_steps(2.98) == std::array<unsigned, 2>{1, 1});
+    CHECK(strength_steps(20.0) == std::array<unsigned, 2>{6, 12});
+    CHECK(strength_steps(35.0) == std::array<unsigned, 2>{11, 21});
+    const auto next = next_frequency_hz(200.0);
+    REQUIRE(next.has_value());
+    CHECK(next->at(0) == Approx(226.0));
+    CHECK(next->at(1) == Approx(276.0));
+    CHECK(next_frequency_hz(2.0).has_value());
+    CHECK(next_frequency_hz(300.0).has_value());
+    CHECK_FALSE(next_frequency_hz(1.9).has_value());
+    CHECK_FALSE(next_frequency_hz(300.1).has_value());
+    CHECK_FALSE(next_frequency_hz(std::nan("")).has_value());
 }

@@ -4,7 +4,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <random>
@@ -12,22 +11,13 @@
 #include "haptogram/robot/kinematics.hpp"
 #include "haptogram/robot/tension.hpp"
 #include "haptogram/robot/workspace.hpp"
+#include "least.hpp"
 
 namespace {
 
 using namespace haptogram::robot;
+using haptogram::bench::least_s;
 constexpr double degree = std::numbers::pi / 180.0;
-
-template <class Call>
-double least_s(int repeats, Call call) {
-    double least = 1e9;
-    for (int i = 0; i < repeats; ++i) {
-        const auto begun = std::chrono::steady_clock::now();
-        call();
-        least = std::min(least, std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count());
-    }
-    return least;
-}
 
 }  // namespace
 

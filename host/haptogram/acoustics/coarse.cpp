@@ -19,20 +19,27 @@ using Weights = std::array<double, taps>;
 
 double sinc(double x) { return std::abs(x) < 1e-6 ? 1.0 : std::sin(x) / x; }
 
-/// The weights that interpolate between tap half − 1 and tap half, at a fraction of a step behind the former, with the
-/// least mean square error over all waves of up to widest_band. Wave e^{jκt} has the error e^{jκf} − Σ c_t·e^{jκt}. The
-/// mean of its square over κ is least where Σ_s sinc(κ₀(t − s))·c_s = sinc(κ₀(t − f)) for every t, with κ₀ =
-/// widest_band. Solved by Cholesky's factors.
-Weights weights_at(double fraction) {
+/// Of the matrix sinc(κ₀(t − s)), by Cholesky.
+std::array<Weights, taps> lower_factor() {
     std::array<Weights, taps> lower{};
-    Weights c{};
-    for (std::size_t i = 0; i < taps; ++i) {
+    for (std::size_t i = 0; i < taps; ++i)
         for (std::size_t j = 0; j <= i; ++j) {
             double sum = sinc(widest_band * static_cast<double>(i - j));
             if (i == j) sum += 1e-13;  // below the error that is wanted, and above rounding: keeps the roots real
             for (std::size_t n = 0; n < j; ++n) sum -= lower[i][n] * lower[j][n];
             lower[i][j] = i == j ? std::sqrt(sum) : sum / lower[j][j];
         }
+    return lower;
+}
+
+/// The weights that interpolate between tap half − 1 and tap half, at a fraction of a step behind the former, with the
+/// least mean square error over all waves of up to widest_band. Wave e^{jκt} has the error e^{jκf} − Σ c_t·e^{jκt}. The
+/// mean of its square over κ is least where Σ_s sinc(κ₀(t − s))·c_s = sinc(κ₀(t − f)) for every t, with κ₀ =
+/// widest_band.
+/// @param lower  lower_factor()
+Weights weights_at(double fraction, const std::array<Weights, taps>& lower) {
+    Weights c{};
+    for (std::size_t i = 0; i < taps; ++i) {
         double sum = sinc(widest_band * (static_cast<double>(i) - static_cast<double>(half - 1) - fraction));
         for (std::size_t n = 0; n < i; ++n) sum -= lower[i][n] * c[n];
         c[i] = sum / lower[i][i];
@@ -44,38 +51,27 @@ Weights weights_at(double fraction) {
     return c;
 }
 
-/// The same, quickly: each weight is a smooth function of the fraction, and its Chebyshev series needs few terms.
-class WeightSeries {
+/// The same, quickly: by straight lines between fractions so near to each other that they are off by 3e-7 at most.
+class WeightTable {
 public:
-    WeightSeries() {
-        std::array<Weights, terms> at_nodes;
-        for (std::size_t i = 0; i < terms; ++i) at_nodes[i] = weights_at((1.0 + std::cos(angle(i))) / 2.0);
-        for (std::size_t n = 0; n < terms; ++n)
-            for (std::size_t i = 0; i < terms; ++i)
-                for (std::size_t t = 0; t < taps; ++t)
-                    series_[n][t] += at_nodes[i][t] * std::cos(static_cast<double>(n) * angle(i)) *
-                                     (n == 0 ? 1.0 : 2.0) / static_cast<double>(terms);
+    WeightTable() {
+        const auto lower = lower_factor();
+        for (std::size_t i = 0; i <= steps; ++i)
+            at_.push_back(weights_at(static_cast<double>(i) / static_cast<double>(steps), lower));
     }
 
     [[nodiscard]] Weights operator()(double fraction) const {
-        const double x = 2.0 * fraction - 1.0;
-        double before = 1.0, current = x;  // T₀ and T₁; the others follow by Tₙ₊₁ = 2x·Tₙ − Tₙ₋₁
-        Weights sum = series_[0];
-        for (std::size_t n = 1; n < terms; ++n) {
-            for (std::size_t t = 0; t < taps; ++t) sum[t] += current * series_[n][t];
-            const double next = 2.0 * x * current - before;
-            before = current;
-            current = next;
-        }
-        return sum;
+        const double place = fraction * static_cast<double>(steps);
+        const std::size_t low = std::min(steps - 1, static_cast<std::size_t>(place));
+        const double part = place - static_cast<double>(low);
+        Weights found;
+        for (std::size_t t = 0; t < taps; ++t) found[t] = at_[low][t] + part * (at_[low + 1][t] - at_[low][t]);
+        return found;
     }
 
 private:
-    static constexpr std::size_t terms = 14;
-    static double angle(std::size_t i) {
-        return std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(terms);
-    }
-    std::array<Weights, terms> series_{};
+    static constexpr std::size_t steps = 2048;
+    std::vector<Weights> at_;
 };
 
 CoarseAxis sized(std::size_t size, std::size_t taps_each) {
@@ -184,7 +180,7 @@ CoarseAxis part_of(const CoarseAxis& axis, std::size_t begin, std::size_t end) {
 }
 
 CoarseAxis interpolated_axis(const std::vector<double>& axis, Band band, double step_m, double origin_m) {
-    static const WeightSeries series;
+    static const WeightTable table;
     CoarseAxis found = sized(axis.size(), taps);
     const auto steps = [&](double at) { return (at - origin_m) / step_m; };
     const double begin = std::floor(steps(axis.front())) - static_cast<double>(half - 1);
@@ -199,8 +195,12 @@ CoarseAxis interpolated_axis(const std::vector<double>& axis, Band band, double 
     for (std::size_t i = 0; i < axis.size(); ++i) {
         const double at = steps(axis[i]), whole = std::floor(at);
         found.first[i] = static_cast<std::int32_t>(whole - static_cast<double>(half - 1) - begin);
-        const Weights weights = series(at - whole);
-        const std::complex<double> back = turn == 0.0 ? 1.0 : std::polar(1.0, turn * (at - whole));
+        const Weights weights = table(at - whole);
+        if (turn == 0.0) {
+            for (std::size_t t = 0; t < taps; ++t) found.re[t * found.stride + i] = static_cast<float>(weights[t]);
+            continue;
+        }
+        const std::complex<double> back = std::polar(1.0, turn * (at - whole));
         for (std::size_t t = 0; t < taps; ++t) {
             const std::complex<double> weight = weights[t] * back * turned[t];
             found.re[t * found.stride + i] = static_cast<float>(weight.real());

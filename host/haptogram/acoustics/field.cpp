@@ -178,6 +178,7 @@ public:
         // element, this is 1e-5 of the range; nearer, it would be more.
         const double near_m = std::max(2.0 * coincident_m, 0.01 * norm(half));
         near_points.clear();
+        block.far = true;
         elements.resize(sources.elements.size());
         for (std::size_t m = 0; m < elements.size(); ++m) {
             const Vec3 e = sources.elements[m].position - centre;
@@ -186,11 +187,13 @@ public:
             const double behind = range * sources.half_turns_per_m - sources.half_turns[m];
             constexpr double round = 6755399441055744.0;  // 1.5·2⁵²; adding it rounds to a whole number
             const double phase = behind - 2.0 * ((behind / 2.0 + round) - round);
-            elements[m] = {static_cast<float>(e.x),      static_cast<float>(e.y),      static_cast<float>(e.z),
-                           static_cast<float>(range),    static_cast<float>(phase),    sources.amplitudes[m],
-                           static_cast<float>(normal.x), static_cast<float>(normal.y), static_cast<float>(normal.z)};
+            elements[m] = {static_cast<float>(e.x),          static_cast<float>(e.y),      static_cast<float>(e.z),
+                           static_cast<float>(range),        static_cast<float>(phase),    sources.amplitudes[m],
+                           static_cast<float>(normal.x),     static_cast<float>(normal.y), static_cast<float>(normal.z),
+                           static_cast<float>(range * range)};
             const Vec3 gap{std::max(0.0, std::abs(e.x) - half.x), std::max(0.0, std::abs(e.y) - half.y),
                            std::max(0.0, std::abs(e.z) - half.z)};
+            block.far = block.far && 9.0 * dot(gap, gap) >= range * range;
             if (dot(gap, gap) < near_m * near_m) find_near(sources.elements[m].position, points, near_m);
         }
         std::sort(near_points.begin(), near_points.end());
@@ -252,30 +255,47 @@ void add_directly(const Array& array, const FittedPattern& pattern, Drives drive
     });
 }
 
-/// Lists which parts of one element's field add up to the pressure on the grid's row `row` and, with `pair`, on the row
-/// one pitch further on.
+/// Which parts of one element's field add up to the pressure on a row of a grid and on the row one pitch further on.
+/// They are the same for all such pairs of rows, but for where the parts' rows are in the lattice.
 ///
 /// Two such rows need almost the same parts, because one row of points lies relative to one row of elements exactly as
 /// the second row of points lies relative to the next row of elements. So both take the same row of the lattice, with
 /// drives from neighbouring rows of elements, and what is loaded once serves both.
-void set_shares(const Array& array, Drives drives, const ShiftedGrid& shifted, std::size_t row, bool pair,
-                std::vector<ShiftedShare>& shares) {
-    shares.clear();
-    const std::size_t columns = array.columns, rows = shifted.last_row + 1;
-    const auto drive = [&](std::size_t of_row, std::size_t column) {
-        const std::size_t m = of_row * columns + column;
-        return of_row < rows && m < drives.size() ? std::complex<float>(drives[m]) : std::complex<float>();
-    };
-    for (std::size_t i = 0; i < rows + (pair ? 1 : 0); ++i) {
-        const std::size_t at = shifted.rows[row + i * shifted.step_rows] * shifted.x.size();
-        for (std::size_t column = 0; column <= shifted.last_column; ++column) {
-            // Below zero the unsigned index becomes huge: there is no such row of elements, and drive() gives 0.
-            const auto a = drive(shifted.last_row - i, column), b = drive(shifted.last_row + 1 - i, column);
-            if (a == 0.0F && b == 0.0F) continue;
-            shares.push_back({at + shifted.column(column), {{a.real(), b.real()}, {a.imag(), b.imag()}}});
+struct SharesOfRows {
+    std::vector<ShiftedShare> shares;  ///< each begins at a column, in a row that is not yet known
+    std::vector<std::size_t> ends;     ///< behind those in the first of the rows, in the second, …
+
+    SharesOfRows(Drives drives, const ShiftedGrid& shifted, std::size_t columns) {
+        const std::size_t rows = shifted.last_row + 1;
+        const auto drive = [&](std::size_t of_row, std::size_t column) {
+            const std::size_t m = of_row * columns + column;
+            return of_row < rows && m < drives.size() ? std::complex<float>(drives[m]) : std::complex<float>();
+        };
+        for (std::size_t i = 0; i <= rows; ++i) {
+            for (std::size_t column = 0; column <= shifted.last_column; ++column) {
+                // Below zero the unsigned index becomes huge: there is no such row of elements, and drive() gives 0.
+                const auto first = drive(shifted.last_row - i, column),
+                           second = drive(shifted.last_row + 1 - i, column);
+                if (first == 0.0F && second == 0.0F) continue;
+                shares.push_back(
+                    {shifted.column(column), {{first.real(), second.real()}, {first.imag(), second.imag()}}});
+            }
+            ends.push_back(shares.size());
         }
     }
-}
+
+    /// Those of the grid's row `row` and, with `pair`, of the row one pitch further on.
+    /// @param room  a copy of `shares`
+    [[nodiscard]] std::span<const ShiftedShare> place(const ShiftedGrid& shifted, std::size_t row, bool pair,
+                                                      std::span<ShiftedShare> room) const {
+        std::size_t next = 0;
+        for (std::size_t i = 0; i < ends.size() - (pair ? 0 : 1); ++i) {
+            const std::size_t at = shifted.rows[row + i * shifted.step_rows] * shifted.x.size();
+            for (; next < ends[i]; ++next) room[next].at = at + shares[next].at;
+        }
+        return room.first(next);
+    }
+};
 
 /// The most lattice points that all threads together may hold: as many as the result has, or 2²¹, which are 16 MB.
 std::size_t most_lattice_points(const Grid& grid) { return std::max(grid.size(), std::size_t{1} << 21U); }
@@ -291,8 +311,9 @@ void add_shifted(const Array& array, const FittedPattern& pattern, Drives drives
     // direct sum instead, or the result would depend on the number of threads.
     const auto threads =
         static_cast<unsigned>(std::clamp<std::size_t>(most_lattice_points(grid) / lattice, 1, workers(options)));
+    const SharesOfRows shares(drives, shifted, array.columns);
     std::vector<std::vector<float>> fields(threads);
-    std::vector<std::vector<ShiftedShare>> shares(threads);
+    std::vector<std::vector<ShiftedShare>> placed(threads, shares.shares);
     const auto places = workplaces(threads);
     in_parallel(grid.z.size(), threads, options.progress, [&](unsigned worker, std::size_t plane) {
         Workplace& place = *places[worker];
@@ -313,8 +334,8 @@ void add_shifted(const Array& array, const FittedPattern& pattern, Drives drives
             const bool pair = next < grid.y.size();
             std::complex<float>* first = &found[(plane * grid.y.size() + row) * grid.x.size()];
             std::complex<float>* second = pair ? first + (next - row) * grid.x.size() : nullptr;
-            set_shares(array, drives, shifted, row, pair, shares[worker]);
-            sum_shifted(field_re, field_im, shares[worker], first, second, grid.x.size());
+            sum_shifted(field_re, field_im, shares.place(shifted, row, pair, placed[worker]), first, second,
+                        grid.x.size());
         }
     });
 }
@@ -509,6 +530,10 @@ std::vector<float> mean_square(const Array& array, std::span<const WeightedDrive
 
 }  // namespace
 
+const char* name_of(FieldMethod method) {
+    return method == FieldMethod::sums ? "sums" : method == FieldMethod::shifts ? "shifts" : "interpolated";
+}
+
 std::vector<std::complex<float>> pressure_at(const Array& array, Drives drives, std::span<const Vec3> points,
                                              const FieldOptions& options) {
     check(array, drives);
@@ -593,7 +618,21 @@ std::vector<float> mean_square_pressure_at(const Array& array, std::span<const W
 
 std::vector<float> mean_square_pressure(const Array& array, std::span<const WeightedDrives> sequence, const Grid& grid,
                                         const FieldOptions& options) {
-    return mean_square(array, sequence, grid, options);
+    return mean_square_field(array, sequence, grid, options).values;
+}
+
+MeanSquareField mean_square_field(const Array& array, std::span<const WeightedDrives> sequence, const Grid& grid,
+                                  const FieldOptions& options) {
+    const auto plays = [](const WeightedDrives& entry) { return entry.weight != 0.0; };
+    if (std::count_if(sequence.begin(), sequence.end(), plays) != 1)
+        return {mean_square(array, sequence, grid, options), FieldMethod::sums, error_of_sums(grid)};
+    for (const WeightedDrives& entry : sequence) check(array, entry.drives);
+    const Drives drives = std::find_if(sequence.begin(), sequence.end(), plays)->drives;
+    const PressureField field = pressure_field(array, drives, grid, options);
+    MeanSquareField found{std::vector<float>(field.values.size()), field.method, field.error};
+    std::transform(field.values.begin(), field.values.end(), found.values.begin(),
+                   [](std::complex<float> p) { return std::norm(p) / 2.0F; });
+    return found;
 }
 
 }  // namespace haptogram

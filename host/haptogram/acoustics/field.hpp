@@ -25,6 +25,8 @@ enum class FieldMethod {
     shifts,        ///< one element's wave is computed on a lattice, and shifted copies of it are summed (shift.hpp)
     interpolated,  ///< either of these on a coarser grid, and interpolated between its points (coarse.hpp)
 };
+/// "sums", "shifts" or "interpolated".
+[[nodiscard]] const char* name_of(FieldMethod method);
 
 struct FieldOptions {
     /// How many threads may work on this call; 0: one a processor, and never more than that. Calls that run at the same
@@ -85,5 +87,18 @@ struct PressureGradient {
                                                          const FieldOptions& options = {});
 [[nodiscard]] std::vector<float> mean_square_pressure(const Array& array, std::span<const WeightedDrives> sequence,
                                                       const Grid& grid, const FieldOptions& options = {});
+
+/// Mean squares on a grid, how they were computed, and how far they may be off.
+struct MeanSquareField {
+    std::vector<float> values;  ///< Pa², in the order of Grid::point()
+    FieldMethod method = FieldMethod::sums;
+    /// Of the rms pressure, which is the root of a value: of the largest that the drives, with any phases, could make.
+    double error = 0.0;
+};
+/// A sequence in which one set of drives alone plays is computed as pressure_field() does; others by sums.
+[[nodiscard]] MeanSquareField mean_square_field(const Array& array, std::span<const WeightedDrives> sequence,
+                                                const Grid& grid, const FieldOptions& options = {});
+/// What a gradient is held to on a grid: of k times the largest |p|, as pressure_gradient_at() says.
+inline constexpr double gradient_error = 1e-4;
 
 }  // namespace haptogram

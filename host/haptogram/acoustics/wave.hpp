@@ -27,6 +27,7 @@ struct WaveElement {
     float phase;       ///< by which the wave lags at the block's centre, in units of π, [-1, 1]
     float amplitude;   ///< Pa·m
     float nx, ny, nz;  ///< normal, of length 1
+    float range_square;
 };
 
 /// Points near each other. Their coordinates are relative to the block's centre and so small that rounding them to
@@ -36,6 +37,9 @@ struct WaveBlock {
     alignas(64) std::array<float, most> x{}, y{}, z{};
     alignas(64) std::array<float, most> half_square{};  ///< (x² + y² + z²)/2
     std::size_t count = 0;
+    /// Whether each point is at least a third as far from each element as the block's centre is; then the waves are
+    /// quicker to compute.
+    bool far = false;
 };
 
 /// Makes a block of `count` points, at most WaveBlock::most.

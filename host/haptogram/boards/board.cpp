@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "haptogram/base/shipped.hpp"
@@ -96,9 +97,9 @@ Board::Flash read_flash(const Section& section) {
     return {list(section, "load", is_line), list(section, "write", is_line), line(section, "note")};
 }
 
-Board::Pins read_pins(const Section& section, const Board::Fpga& fpga) {
+Board::Pins read_pins(const Section& section, const Board::Fpga& fpga, const interface::CoreParameters& parameters) {
     section.only({"clk", "rx", "tx", "led", "stop", "stop_level", "driver_enable", "driver_enable_level", "alive",
-                  "active", "drive_ma", "slew", "high"});
+                  "sync_in", "sync_out", "active", "drive_ma", "slew", "high"});
     Board::Pins pins;
     pins.clk = ball(section, "clk");
     pins.rx = ball(section, "rx");
@@ -109,6 +110,11 @@ Board::Pins read_pins(const Section& section, const Board::Fpga& fpga) {
     pins.driver_enable = section.text("driver_enable", a_ball, is_word);
     pins.driver_enable_level = section.whole("driver_enable_level", 0, 1).value_or(1);
     pins.alive = section.text("alive", a_ball, is_word);
+    pins.sync_in = section.text("sync_in", a_ball, is_word);
+    pins.sync_out = section.text("sync_out", a_ball, is_word);
+    for (const char* key : {"sync_in", "sync_out"})
+        if (section.find(key) != nullptr && parameters.sync == 0)
+            throw section.wrong(*section.find(key), key, "no such key, or parameters.SYNC = 1: this core has no SYNC");
     if (const auto active = section.text("active")) {
         if (*active != "high" && *active != "low")
             throw section.wrong(*section.find("active"), "active", "\"high\" or \"low\"");
@@ -169,28 +175,69 @@ std::vector<Board::Output> read_outputs(const Section& root, const std::string& 
     if (pins.stop) use(file, *pins.stop, "pins.stop");
     if (pins.driver_enable) use(file, *pins.driver_enable, "pins.driver_enable");
     if (pins.alive) use(file, *pins.alive, "pins.alive");
+    if (pins.sync_in) use(file, *pins.sync_in, "pins.sync_in");
+    if (pins.sync_out) use(file, *pins.sync_out, "pins.sync_out");
     for (const std::string& ball : pins.high) use(file, ball, "in pins.high");
     return outputs;
 }
 
 bool is_path(const std::string& name) { return name.find('/') != std::string::npos || name.ends_with(".toml"); }
 
+/// A board's file as it was read.
+struct BoardFile {
+    std::filesystem::path path;
+    toml::table tables;
+};
+
+BoardFile read_file_of(const std::filesystem::path& path) {
+    BoardFile file{path, section::parse(path)};
+    Section(path.string(), file.tables)
+        .only({"description", "like", "sources", "array", "outputs", "fpga", "parameters", "flash", "pins"});
+    return file;
+}
+
+/// The board that this one is like, if it says so: another one's name or file.
+std::optional<BoardFile> read_like(const BoardFile& own) {
+    const Section root(own.path.string(), own.tables);
+    const auto like = root.text("like", a_line, is_line);
+    if (!like) return {};
+    BoardFile other = [&] {
+        try {
+            return read_file_of(is_path(*like)
+                                    ? own.path.parent_path() / *like
+                                    : std::filesystem::path{path_or_shipped(*like, "boards", ".toml", "board")});
+        } catch (const Error& error) {
+            throw bad_input(root.at("like"), error.what());
+        }
+    }();
+    if (other.tables.get("like") != nullptr)
+        throw bad_input(root.at("like"), fmt::format("{} is like another board itself; name that one", *like));
+    return other;
+}
+
 Board read_board(const std::filesystem::path& path) {
+    const BoardFile own = read_file_of(path);
+    const std::optional<BoardFile> like = read_like(own);
+    const auto holder = [&](std::string_view key) -> const BoardFile& {
+        return like && own.tables.get(key) == nullptr ? *like : own;
+    };
+    const auto root = [&](std::string_view key) { return Section(holder(key).path.string(), holder(key).tables); };
+    const auto table_of = [&](const std::string& name) {
+        return table(holder(name).path.string(), holder(name).tables, name);
+    };
     Board board;
     board.file = path.string();
     board.name = path.stem().string();
-    const toml::table tables = section::parse(path);
-    const Section root(board.file, tables);
-    root.only({"description", "sources", "array", "outputs", "fpga", "parameters", "flash", "pins"});
-    board.description = line(root, "description");
-    board.sources = list(root, "sources", is_line);
-    board.array = line(root, "array");
-    if (is_path(board.array)) board.array = (path.parent_path() / board.array).string();
-    board.fpga = read_fpga(table(board.file, tables, "fpga"));
-    board.parameters = read_core(table(board.file, tables, "parameters"));
-    board.flash = read_flash(table(board.file, tables, "flash"));
-    board.pins = read_pins(table(board.file, tables, "pins"), board.fpga);
-    board.outputs = read_outputs(root, board.file, board.parameters.channels, board.pins);
+    board.description = line(root("description"), "description");
+    board.sources = list(root("sources"), "sources", is_line);
+    board.array = line(root("array"), "array");
+    if (is_path(board.array)) board.array = (holder("array").path.parent_path() / board.array).string();
+    board.fpga = read_fpga(table_of("fpga"));
+    board.parameters = read_core(table_of("parameters"));
+    board.flash = read_flash(table_of("flash"));
+    board.pins = read_pins(table_of("pins"), board.fpga, board.parameters);
+    board.outputs =
+        read_outputs(root("outputs"), holder("outputs").path.string(), board.parameters.channels, board.pins);
     return board;
 }
 

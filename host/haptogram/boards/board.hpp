@@ -31,6 +31,8 @@ struct Board {
         std::optional<std::string> driver_enable;  ///< output for the enable inputs of the transducers' drivers
         std::uint32_t driver_enable_level = 1;     ///< at which they are on
         std::optional<std::string> alive;          ///< output that changes as long as there is a clock
+        std::optional<std::string> sync_in;        ///< input of SYNC, of a slave
+        std::optional<std::string> sync_out;       ///< output of SYNC, of a master
         bool active_low = false;                   ///< a transducer's driver is on while its pin is low
         std::optional<std::uint32_t> drive_ma;     ///< strength of the outputs; only an ecp5 has a choice
         std::optional<std::string> slew;           ///< "slow" or "fast"; only an ecp5 has a choice

@@ -49,7 +49,7 @@ Core core_of_array(const std::string& name) {
     const Section section(path, root, "board");
     section.only({"name", "configuration", "clock_hz", "baud", "channels", "records", "sequence_depth", "live_depth",
                   "timing_bits", "pulse_bits", "watchdog_ms", "max_high_clocks", "min_pulse_clocks", "max_duty_256",
-                  "width_bits", "modulation_depth", "slew", "foci"});
+                  "width_bits", "modulation_depth", "slew", "foci", "sync"});
     Core core = find_configuration("tile-100");
     if (const auto configuration = section.text("configuration")) {
         try {

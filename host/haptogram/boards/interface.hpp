@@ -15,7 +15,7 @@ namespace haptogram::interface {
 
 inline constexpr std::string_view name = "Haptogram";
 inline constexpr unsigned version_major = 2;
-inline constexpr unsigned version_minor = 0;
+inline constexpr unsigned version_minor = 1;
 inline constexpr std::uint32_t primary_base = 0x00000000;
 inline constexpr unsigned primary_word_bits = 16;
 inline constexpr std::uint32_t sequence_base = 0x10000000;
@@ -30,6 +30,8 @@ inline constexpr std::uint32_t geometry_base = 0x60000000;
 inline constexpr unsigned geometry_word_bits = 16;
 inline constexpr std::uint32_t modulation_base = 0x70000000;
 inline constexpr unsigned modulation_word_bits = 16;
+inline constexpr std::uint32_t ring_base = 0x80000000;
+inline constexpr unsigned ring_word_bits = 16;
 inline constexpr std::uint32_t description_base = 0x40000000;
 inline constexpr unsigned description_word_bits = 16;
 inline constexpr unsigned record_header_words = 4;
@@ -122,6 +124,7 @@ inline constexpr BitField enabled = {"enabled", 0, 1};  // pulses reach the pins
 inline constexpr BitField mode = {"mode", 1, 2};  // where the next record comes from, see the modes
 inline constexpr BitField stopped = {"stopped", 3, 1};  // the stop input is active: outputs are off, and enable is refused
 inline constexpr BitField modulated = {"modulated", 4, 1};  // the modulation runs
+inline constexpr BitField waiting = {"waiting", 5, 1};  // a start, a modulation or pushed indices wait for their time
 inline constexpr BitField present_index = {"present_index", 16, 16};  // record at the pins; 0 is silence
 inline constexpr BitField underruns = {"underruns", 32, 16};  // changes that were due before their record was ready, and periods whose pulses were not ready
 inline constexpr BitField refused_records = {"refused_records", 48, 16};  // records that could not be played; silence took their place
@@ -135,6 +138,14 @@ inline constexpr BitField watchdog_ms = {"watchdog_ms", 160, 16};  // the watchd
 inline constexpr BitField frames_refused = {"frames_refused", 176, 16};  // whole frames whose command was refused
 inline constexpr BitField bent_periods = {"bent_periods", 192, 16};  // carrier periods in which the slew limiter kept a channel from its target
 inline constexpr BitField far_foci = {"far_foci", 208, 16};  // focus records with a focus too far from a channel to count
+inline constexpr BitField role = {"role", 224, 2};  // in step with other boards, see the roles; 0 on boards without SYNC
+inline constexpr BitField in_step = {"in_step", 226, 1};  // a slave's cycles begin with the master's; outputs of a slave are off as long as they do not
+inline constexpr BitField numbered = {"numbered", 227, 1};  // its carrier periods have the master's numbers, too
+inline constexpr BitField sync_misses = {"sync_misses", 240, 16};  // carrier periods of a slave in step that SYNC did not reach in time
+inline constexpr BitField sync_losses = {"sync_losses", 256, 16};  // times a slave in step fell out of it; outputs are off from then on
+inline constexpr BitField late_changes = {"late_changes", 272, 16};  // starts, modulations and pushes whose carrier period had come already, or was to begin next, when they were carried out; this word and those after it are there on boards with schedule only
+inline constexpr BitField period = {"period", 288, 32};  // bits 31…0 of the number of the carrier period at the pins, 0 before the first since reset; taken as the answer begins
+inline constexpr BitField period_high = {"period_high", 320, 16};  // bits 47…32 of it
 }  // namespace status_field
 
 namespace parameters_field {  // words of 16 bits
@@ -150,6 +161,12 @@ inline constexpr BitField phase_rate = {"phase_rate", 128, 16};  // of slew mode
 inline constexpr BitField amplitude_rate = {"amplitude_rate", 144, 16};  // of slew mode 1, 65,535 is full; 65,535 at power-up
 inline constexpr BitField arrival = {"arrival", 160, 12};  // of slew mode 2, 0 counts as 1
 }  // namespace parameters_field
+
+namespace ring_field {  // words of 16 bits
+inline constexpr BitField base = {"base", 0, 16};  // where it begins in primary memory, in units of four words
+inline constexpr BitField first = {"first", 16, 16};  // index of its first focus record; it must be the one that lies at the base
+inline constexpr BitField count = {"count", 32, 16};  // how many focus records it has: more than LIVE_DEPTH, so that none is overwritten before it was played; 0 at power-up
+}  // namespace ring_field
 
 namespace description_field {  // words of 16 bits
 inline constexpr BitField magic = {"magic", 0, 16};  // 0x4748, the letters HG
@@ -224,8 +241,16 @@ enum class StatusWord : unsigned {
     frames_refused = 11,
     bent_periods = 12,
     far_foci = 13,
+    sync = 14,
+    sync_misses = 15,
+    sync_losses = 16,
+    late_changes = 17,
+    period_low = 18,
+    period_middle = 19,
+    period_high = 20,
 };
-inline constexpr unsigned status_words = 14;
+inline constexpr unsigned status_words = 21;
+inline constexpr unsigned status_untimed_words = 17;  // of boards without schedule
 
 enum class ParametersWord : unsigned {
     foci_base = 0,
@@ -241,6 +266,13 @@ enum class ParametersWord : unsigned {
     arrival_periods = 10,
 };
 inline constexpr unsigned parameters_words = 11;
+
+enum class RingWord : unsigned {
+    base = 0,
+    first = 1,
+    count = 2,
+};
+inline constexpr unsigned ring_words = 3;
 
 enum class DescriptionWord : unsigned {
     magic = 0,
@@ -268,6 +300,9 @@ enum class Feature : unsigned {
     modulation = 5,  // multiplies all amplitudes by samples from a memory
     slew = 6,  // limits how fast phases and amplitudes change
     foci = 7,  // computes phases and amplitudes from foci
+    schedule = 8,  // counts carrier periods; changes can wait for one, or for the end of what plays
+    live_foci = 9,  // takes foci over the link while it plays
+    sync = 12,  // keeps its carrier cycles in step with other boards
 };
 [[nodiscard]] constexpr bool has(std::uint32_t features, Feature feature) {
     return (features >> static_cast<unsigned>(feature) & 1U) != 0;
@@ -287,6 +322,13 @@ enum class Mode : unsigned {
     live = 3,  // the live FIFO
 };
 
+/// How its carrier cycles are kept in step with other boards.
+enum class Role : unsigned {
+    alone = 0,  // keeps its own time
+    master = 1,  // gives the time: every second of its cycles is a clock longer
+    slave = 2,  // takes the time from SYNC
+};
+
 enum class Command : std::uint8_t {
     identify = 0x01,
     write = 0x02,
@@ -303,6 +345,9 @@ enum class Command : std::uint8_t {
     keep_alive = 0x0d,
     reset = 0x0e,
     modulate = 0x0f,
+    gate = 0x10,
+    push_foci = 0x11,
+    sync = 0x18,
 };
 
 enum class Status : std::uint8_t {
@@ -317,6 +362,8 @@ enum class Status : std::uint8_t {
     bad_range = 0x08,
     fifo_full = 0x09,
     stopped = 0x0a,
+    gate_busy = 0x0b,
+    out_of_step = 0x10,
 };
 
 /// Whether its reply carries data.
@@ -330,6 +377,15 @@ constexpr std::string_view to_string(Mode mode) {
         case Mode::single: return "single";
         case Mode::sequence: return "sequence";
         case Mode::live: return "live";
+    }
+    return "unknown";
+}
+
+constexpr std::string_view to_string(Role role) {
+    switch (role) {
+        case Role::alone: return "alone";
+        case Role::master: return "master";
+        case Role::slave: return "slave";
     }
     return "unknown";
 }
@@ -351,6 +407,9 @@ constexpr std::string_view to_string(Command command) {
         case Command::keep_alive: return "keep_alive";
         case Command::reset: return "reset";
         case Command::modulate: return "modulate";
+        case Command::gate: return "gate";
+        case Command::push_foci: return "push_foci";
+        case Command::sync: return "sync";
     }
     return "unknown";
 }
@@ -365,9 +424,11 @@ constexpr std::string_view to_string(Status status) {
         case Status::bad_address: return "bad_address: outside the memory, or not writable";
         case Status::bad_alignment: return "bad_alignment: address or length is no multiple of the region's word";
         case Status::bad_index: return "bad_index: index above RECORDS, or above RECORDS + foci_count on boards with foci";
-        case Status::bad_range: return "bad_range: sequence entries outside 1…SEQUENCE_DEPTH−1, or the sequence header's length is; modulate: length above MODULATION_DEPTH, or loop above 1";
+        case Status::bad_range: return "bad_range: sequence entries outside 1…SEQUENCE_DEPTH−1, or the sequence header's length is; modulate: samples beyond MODULATION_DEPTH, or a first one on boards without schedule; push, push_foci: behind a gate for the end of what plays; push_foci: the ring has no more records than LIVE_DEPTH, or lies outside the focus records or primary memory; sync: no such role";
         case Status::fifo_full: return "fifo_full: fewer free places in the live FIFO than indices in the frame; nothing was pushed";
         case Status::stopped: return "stopped: the stop input is active; release it, then enable";
+        case Status::gate_busy: return "gate_busy: something waits for another carrier period already; wait until it has begun, or stop";
+        case Status::out_of_step: return "out_of_step: the board is a slave and not in step with SYNC; look at its status, wait until it is, then enable";
     }
     return "unknown status";
 }
@@ -390,6 +451,8 @@ struct CoreParameters {
     std::uint32_t modulation_depth = 0;
     std::uint32_t slew = 0;
     std::uint32_t foci = 0;
+    std::uint32_t schedule = 0;
+    std::uint32_t sync = 0;
     friend bool operator==(const CoreParameters&, const CoreParameters&) = default;
 };
 
@@ -422,7 +485,7 @@ struct ParameterDescription {
     }
 };
 
-inline constexpr std::array<ParameterDescription, 16> core_parameters = {{
+inline constexpr std::array<ParameterDescription, 18> core_parameters = {{
     {"CHANNELS", &CoreParameters::channels, 2, 1000, {}, {}, false, false,
      "transducers", "how many transducers, and so pins",
      "Each channel costs its timing and a comparator in cells, and a word of every record. 1000 is what a record can load within a carrier period."},
@@ -471,6 +534,12 @@ inline constexpr std::array<ParameterDescription, 16> core_parameters = {{
     {"FOCI", &CoreParameters::foci, 8, 8, {}, {}, false, true,
      "foci", "8: the board computes phases and amplitudes from up to eight foci a record; needs WIDTH_BITS",
      "A focus takes four words of primary memory, a record of 100 channels 104. The engine takes eight multipliers and 3,000 cells."},
+    {"SCHEDULE", &CoreParameters::schedule, 0, 1, {}, {}, false, false,
+     "0 or 1", "1: carrier periods are counted, and a start, a modulation or pushed indices can wait for one of them, or for the end of what plays",
+     "One pattern then follows another without a gap, and boards that count together begin together. It takes a count, a gate and a comparator of 48 bits and the arguments of what waits: some 600 cells."},
+    {"SYNC", &CoreParameters::sync, 0, 1, {}, {}, false, false,
+     "0 or 1", "1: boards can be kept in step over the wire SYNC",
+     "Several boards make one array when their carrier cycles begin together. Its clock must be 256 to 2000 times 40 kHz."},
 }};
 
 /// A named set of parameters.
@@ -480,43 +549,52 @@ struct CoreConfiguration {
     std::string_view about;
 };
 
-inline constexpr std::array<CoreConfiguration, 12> core_configurations = {{
+inline constexpr std::array<CoreConfiguration, 15> core_configurations = {{
     {"tile-100",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0},
      "the paper's tile of 10 × 10; what images are compiled for unless a board is named"},
     {"small-16",
-     {.channels = 16, .records = 40, .sequence_depth = 64, .live_depth = 16, .timing_bits = 12, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 255, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0},
-     "small and quick to reach its limits: most contract tests run on it"},
+     {.channels = 16, .records = 40, .sequence_depth = 64, .live_depth = 16, .timing_bits = 12, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 255, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 1, .sync = 0},
+     "small and quick to reach its limits, with schedule: most contract tests run on it"},
+    {"small-16-sync",
+     {.channels = 16, .records = 40, .sequence_depth = 64, .live_depth = 16, .timing_bits = 12, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 255, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 1},
+     "the small one with SYNC, for many boards at once"},
     {"small-16-wide",
-     {.channels = 16, .records = 256, .sequence_depth = 256, .live_depth = 16, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 64, .slew = 1, .foci = 8},
-     "the small one with amplitudes, modulation, slew limit and foci"},
+     {.channels = 16, .records = 256, .sequence_depth = 256, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 64, .slew = 1, .foci = 8, .schedule = 1, .sync = 0},
+     "the small one with amplitudes, modulation, slew limit, foci and schedule, and the tile's LIVE_DEPTH, so that it takes foci as fast"},
     {"tile-100-wide",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8},
-     "the tile with amplitudes, modulation, slew limit and foci"},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8, .schedule = 1, .sync = 1},
+     "the tile with amplitudes, modulation, slew limit, foci, schedule and SYNC"},
     {"hoshi-324",
-     {.channels = 324, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0},
+     {.channels = 324, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0},
      "the array of 18 × 18 of Hoshi et al."},
     {"wide-256",
-     {.channels = 256, .records = 160, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0},
+     {.channels = 256, .records = 160, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0},
      "256 channels with as many records as the block RAM of an ECP5-25F holds: a question of size"},
+    {"amplitudes-256",
+     {.channels = 256, .records = 160, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8, .schedule = 0, .sync = 0},
+     "the same with amplitudes, modulation, slew limit and foci"},
     {"tile-100-3m",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0},
      "the tile behind a USB bridge of 3 Mbaud, for the bench of the link"},
     {"colorlight-5a-75b-v8.0",
-     {.channels = 56, .records = 600, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0},
+     {.channels = 56, .records = 600, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0},
      "56 outputs; the serial line is a button's pin, which probably carries a capacitor: nothing faster is known to work"},
     {"colorlight-5a-75e-v6.0",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0},
      "the tile; the serial line is a button's pin, which probably carries a capacitor: nothing faster is known to work"},
     {"colorlight-5a-75e-v7.1",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0},
      "the tile; the serial line is a button's pin, which probably carries a capacitor: nothing faster is known to work"},
+    {"colorlight-5a-75e-v7.1-wide",
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8, .schedule = 0, .sync = 0},
+     "the same with amplitudes, modulation, slew limit and foci"},
     {"ice40-hx8k-breakout",
-     {.channels = 100, .records = 64, .sequence_depth = 256, .live_depth = 256, .timing_bits = 8, .pulse_bits = 8, .clock_hz = 48000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0},
+     {.channels = 100, .records = 64, .sequence_depth = 256, .live_depth = 256, .timing_bits = 8, .pulse_bits = 8, .clock_hz = 48000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0},
      "the tile in 7,680 cells: 8 timing bits are 240 ticks of 5 clocks a cycle, 9 would need 93 % of the cells"},
     {"ulx3s-85f",
-     {.channels = 56, .records = 600, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0},
-     "56 outputs behind a USB bridge of 3 Mbaud"},
+     {.channels = 56, .records = 600, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 1},
+     "56 outputs behind a USB bridge of 3 Mbaud, and SYNC to and from other boards"},
 }};
 
 /// The configuration of this name; null when there is none.

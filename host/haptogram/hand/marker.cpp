@@ -5,26 +5,12 @@
 
 #include <cmath>
 #include <numbers>
-#include <random>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/hand/noise.hpp"
 
 namespace haptogram {
 namespace {
-
-/// Normal numbers, the same on every machine (Box and Muller's transform).
-class Noise {
-public:
-    explicit Noise(std::uint64_t seed) : generator_(seed) {}
-    double next() {
-        const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
-        return radius * std::cos(2.0 * std::numbers::pi * uniform());
-    }
-
-private:
-    double uniform() { return static_cast<double>(generator_() >> 11U) * 0x1p-53; }  // [0, 1)
-    std::mt19937_64 generator_;
-};
 
 /// The marker's place in a frame: the knuckle of the middle finger of its first hand.
 std::optional<Vec3> marker_in(const HandFrame& frame) {
@@ -118,8 +104,8 @@ MarkerTrack track_marker(const HandRecording& recording, const MarkerTracker& tr
             continue;
         }
         const auto noisy = [&](Pixel pixel) {
-            pixel.u += tracker.noise_px * noise.next();
-            pixel.v += tracker.noise_px * noise.next();
+            pixel.u += tracker.noise_px * noise.normal();
+            pixel.v += tracker.noise_px * noise.normal();
             return pixel;
         };
         const Pixel in_first = noisy(*left);

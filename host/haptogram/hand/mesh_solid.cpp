@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/hand/distance_grid.hpp"
 
 namespace haptogram {
 namespace {
@@ -250,8 +251,13 @@ Solid mesh_solid(std::span<const Vec3> vertices, std::span<const std::array<std:
                                     open, in_mm(where)));
     if (made.empty() || volume == 0.0) throw bad_input("mesh", "it has no volume; give a closed surface");
     if (volume < 0.0) throw bad_input("mesh", "its faces look inwards; turn the order of their corners round");
+    Bounds box;
+    for (const Triangle& t : made)
+        for (const Vec3 p : {t.a, t.b, t.c}) box.add(p);
     const auto tree = std::make_shared<const Tree>(std::move(made), std::move(corner_normals));
-    return {[tree](Vec3 p) { return tree->distance(p); }};
+    const auto distance = [tree](Vec3 p) { return tree->distance(p); };
+    const auto grid = std::make_shared<const DistanceGrid>(box.low, box.high, distance);
+    return {distance, [grid](Vec3 p) { return grid->bound(p); }};
 }
 
 }  // namespace haptogram

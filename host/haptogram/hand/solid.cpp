@@ -142,7 +142,9 @@ Solid solid_pyramid(Vec3 base, double edge, double height) {
 
 Solid moved(const Solid& solid, Vec3 shift, Vec3 angles_deg) {
     const Pose pose = pose_of(shift, angles_deg);
-    return {[solid, pose](Vec3 p) { return solid.distance(pose.inwards(p)); }};
+    Solid result{[distance = solid.distance, pose](Vec3 p) { return distance(pose.inwards(p)); }};
+    if (solid.bound) result.bound = [bound = solid.bound, pose](Vec3 p) { return bound(pose.inwards(p)); };
+    return result;
 }
 
 }  // namespace haptogram

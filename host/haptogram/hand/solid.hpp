@@ -10,6 +10,8 @@ namespace haptogram {
 /// exact everywhere, not only near the surface.
 struct Solid {
     std::function<double(Vec3)> distance;
+    /// Where the distance takes long, a quick number with its sign and no farther from 0, or 0; else empty.
+    std::function<double(Vec3)> bound{};
     [[nodiscard]] bool contains(Vec3 point) const { return distance(point) < 0.0; }
 };
 

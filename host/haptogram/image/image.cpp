@@ -185,6 +185,19 @@ std::vector<EmissionWord> emission_words(const Image& image, std::span<const Emi
         .period(emissions, period);
 }
 
+SampledModulation sampled(const Modulation& modulation, std::uint32_t most, const std::string& board) {
+    if (modulation.samples.size() > most || modulation.periods_a_sample > 65535)
+        throw bad_input(board,
+                        fmt::format("the modulation has {} samples of {} carrier periods, the board holds {} of at "
+                                    "most 65535; take a frequency with fewer samples, or compile records",
+                                    modulation.samples.size(), modulation.periods_a_sample, most),
+                        {"am", "records", "board"});
+    SampledModulation found{static_cast<std::uint16_t>(modulation.periods_a_sample), {}};
+    for (const double sample : modulation.samples)
+        found.samples.push_back(static_cast<std::uint8_t>(std::lround(255.0 * sample)));
+    return found;
+}
+
 std::vector<std::uint32_t> sequence_words(const Image& image) {
     std::vector<std::uint32_t> words(image.sequence.size() + 1);
     header_field::length.set(words, image.sequence.size());

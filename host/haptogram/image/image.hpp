@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "haptogram/boards/interface.hpp"
+#include "haptogram/render/path.hpp"
 #include "haptogram/solve/emission.hpp"
 #include "haptogram/solve/focus_engine.hpp"
 #include "haptogram/solve/record.hpp"
@@ -44,6 +45,11 @@ struct SampledModulation {
     std::vector<std::uint8_t> samples;  ///< 255 leaves an amplitude as it is
     friend bool operator==(const SampledModulation&, const SampledModulation&) = default;
 };
+
+/// A path's modulation as a board's samples.
+/// @param most  samples that the board holds
+/// @throws Error{bad_input} naming the board, when it cannot hold them
+[[nodiscard]] SampledModulation sampled(const Modulation& modulation, std::uint32_t most, const std::string& board);
 
 /// All that a board is loaded with, and what board it was compiled for.
 struct Image {

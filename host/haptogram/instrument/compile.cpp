@@ -28,13 +28,6 @@ namespace {
 constexpr std::uint32_t most_dwell = interface::sequence_entry_field::dwell.most();
 constexpr std::size_t most_record_samples = 4096;  // of a modulation that becomes records
 
-double metres_per_unit(const std::string& unit) {
-    if (unit == "mm") return millimetre;
-    if (unit == "cm") return 0.01;
-    if (unit == "m") return 1.0;
-    throw bad_argument("unit", fmt::format("must be mm, cm or m, found '{}'", unit));
-}
-
 /// The union of a project's shapes.
 /// @param hashes  gets the hash of every file's content
 Shape gather(const Project& project, std::string& hashes) {
@@ -419,49 +412,8 @@ Compiled compile_path(Path path, const Array& array, const Core& core, std::uint
     return compiled;
 }
 
-}  // namespace
-
-double Compiled::shortest_dwell_s() const {
-    // A long dwell is several entries of one record in a row; silence is no focus.
-    const std::vector<SequenceEntry>& sequence = bundle.image.sequence;
-    std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
-    for (std::size_t i = 0, next = 0; i < sequence.size(); i = next) {
-        std::uint64_t dwell = 0;
-        for (; next < sequence.size() && sequence[next].index == sequence[i].index; ++next)
-            dwell += sequence[next].dwell;
-        if (sequence[i].index != 0) least = std::min(least, dwell);
-    }
-    return static_cast<double>(least) * bundle.manifest.timer.period_s();
-}
-
-ProjectInstrument instrument_of(const Project& project) {
-    const auto beside = [&](const std::string& name) {
-        const bool path = name.ends_with(".toml");
-        return path ? (project.folder / name).string() : name;
-    };
-    ProjectInstrument found;
-    if (project.board) {
-        const std::string board = beside(*project.board);
-        found.core = find_core(board);
-        const std::string drives = project.array ? beside(*project.array) : array_of_board(board);
-        found.array = find_array(drives);
-    } else {
-        const std::string array = project.array ? beside(*project.array) : "tile-10x10";
-        found.array = find_array(array);
-        found.core = core_of_array(array);
-    }
-    require_channels(found.array, found.core);
-    return found;
-}
-
-Shape shape_of(const Project& project) {
-    if (!project.path.empty()) return {};
-    std::string hashes;
-    return place(gather(project, hashes), placement(project));
-}
-
-Compiled compile(const Project& project, const std::string& name, const Progress& progress) {
-    const ProjectInstrument instrument = instrument_of(project);
+Compiled compile_on(const ProjectInstrument& instrument, const Project& project, const std::string& name,
+                    const Progress& progress) {
     const ImageKind kind = kind_of(project.image, instrument.core, project.quantise);
     const Timer timer = timer_of(kind, instrument.array, instrument.core);
     const std::size_t most_samples =
@@ -525,6 +477,64 @@ Compiled compile(const Project& project, const std::string& name, const Progress
     compiled.magnitude = magnitude;
     progress(1.0, "focusing");
     return compiled;
+}
+
+}  // namespace
+
+double Compiled::shortest_dwell_s() const {
+    // A long dwell is several entries of one record in a row; silence is no focus.
+    const std::vector<SequenceEntry>& sequence = bundle.image.sequence;
+    std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
+    for (std::size_t i = 0, next = 0; i < sequence.size(); i = next) {
+        std::uint64_t dwell = 0;
+        for (; next < sequence.size() && sequence[next].index == sequence[i].index; ++next)
+            dwell += sequence[next].dwell;
+        if (sequence[i].index != 0) least = std::min(least, dwell);
+    }
+    return static_cast<double>(least) * bundle.manifest.timer.period_s();
+}
+
+double metres_per_unit(const std::string& unit) {
+    if (unit == "mm") return millimetre;
+    if (unit == "cm") return 0.01;
+    if (unit == "m") return 1.0;
+    throw bad_argument("unit", fmt::format("must be mm, cm or m, found '{}'", unit));
+}
+
+ProjectInstrument instrument_of(const Project& project) {
+    const auto beside = [&](const std::string& name) {
+        const bool path = name.ends_with(".toml");
+        return path ? (project.folder / name).string() : name;
+    };
+    ProjectInstrument found;
+    if (project.board) {
+        const std::string board = beside(*project.board);
+        found.core = find_core(board);
+        const std::string drives = project.array ? beside(*project.array) : array_of_board(board);
+        found.array = find_array(drives);
+    } else {
+        const std::string array = project.array ? beside(*project.array) : "tile-10x10";
+        found.array = find_array(array);
+        found.core = core_of_array(array);
+    }
+    require_channels(found.array, found.core);
+    return found;
+}
+
+Shape shape_of(const Project& project) {
+    if (!project.path.empty()) return {};
+    std::string hashes;
+    return place(gather(project, hashes), placement(project));
+}
+
+Compiled compile(const Project& project, const std::string& name, const Progress& progress) {
+    return compile_on(instrument_of(project), project, name, progress);
+}
+
+Compiled compile_for_stream(const Project& project, const std::string& name) {
+    ProjectInstrument instrument = instrument_of(project);
+    instrument.core.parameters.sequence_depth = interface::sequence_header_field::length.most() + 1;
+    return compile_on(instrument, project, name, {});
 }
 
 Compiled compile(const Path& path, const Array& array, const Core& core, std::uint16_t loops, const std::string& name,

@@ -47,6 +47,10 @@ struct Compiled {
     [[nodiscard]] double shortest_dwell_s() const;
 };
 
+/// What a 1 in a file of shapes means. @param unit  "mm", "cm" or "m"
+/// @throws Error{bad_argument} naming "unit" for any other
+[[nodiscard]] double metres_per_unit(const std::string& unit);
+
 /// Array and core that a project is for.
 struct ProjectInstrument {
     Array array;
@@ -65,6 +69,9 @@ struct ProjectInstrument {
 /// @throws Error naming what is wrong with the project, and the settings that would mend it
 [[nodiscard]] Compiled compile(const Project& project, const std::string& name = "image",
                                const Progress& progress = {});
+
+/// The same for an image whose sequence is streamed, and so may be longer than the board's memory.
+[[nodiscard]] Compiled compile_for_stream(const Project& project, const std::string& name);
 
 /// The same from a path on. Steps with the same foci share a record; amplitudes and the modulation become pulse lengths
 /// of whole records, so that each strength of a focus that occurs is a record of its own. When the modulation does not

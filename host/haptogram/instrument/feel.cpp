@@ -14,6 +14,7 @@
 #include "haptogram/instrument/compile.hpp"
 #include "haptogram/instrument/picture.hpp"
 #include "haptogram/instrument/render.hpp"
+#include "haptogram/perception/difference.hpp"
 #include "haptogram/perception/skin_wave.hpp"
 
 namespace haptogram {
@@ -69,10 +70,27 @@ std::optional<double> speed_of(const Path& places, double carrier_hz, double wid
     return way / time * carrier_hz;
 }
 
-FeltPlace feel_at(const PlayedDrives& played, const perception::SkinPlace& place, const FeelOptions& options) {
+/// The skin at a place, or where the hand is nearest to it.
+FeltPlace place_at(Vec3 position, const FeelOptions& options) {
     FeltPlace felt;
-    felt.place = place;
-    felt.force = perception::force_on_skin(played.array, played.sequence, place, options.contact_m);
+    felt.place = {position, options.normal};
+    felt.region = options.region;
+    double nearest = INFINITY;
+    for (const SkinRegion& region : options.skin) {
+        const SkinPoint point = region.nearest(position);
+        const double away = distance(point.position, position);
+        if (away >= nearest) continue;
+        nearest = felt.off_skin_m = away;
+        felt.place = {point.position, point.normal};
+        felt.part = region.name;
+        felt.region = region.name == "palm" ? perception::Region::palm : perception::Region::finger;
+    }
+    return felt;
+}
+
+FeltPlace feel_at(const PlayedDrives& played, Vec3 position, const FeelOptions& options) {
+    FeltPlace felt = place_at(position, options);
+    felt.force = perception::force_on_skin(played.array, played.sequence, felt.place, options.contact_m);
     const auto& pressure = felt.force.pressure_pa;
     const auto& force = felt.force.force_n;
     const auto count = static_cast<double>(force.size());
@@ -84,8 +102,51 @@ FeltPlace feel_at(const PlayedDrives& played, const perception::SkinPlace& place
     // Rounding leaves lines of a steady force that are no vibration.
     for (Line& line : felt.spectrum)
         if (line.amplitude < 1e-9 * std::abs(felt.mean_n)) line.amplitude = 0.0;
-    felt.felt = perception::felt_of(felt.spectrum, options.tables, options.region, options.grip_n);
+    felt.felt = perception::felt_of(felt.spectrum, options.tables, felt.region, options.grip_n);
     return felt;
+}
+
+/// The diagonal of the box around places.
+double extent_of(const std::vector<Vec3>& places) {
+    if (places.empty()) return 0.0;
+    Vec3 low = places.front(), high = low;
+    for (const Vec3& p : places) {
+        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+    return distance(low, high);
+}
+
+/// The least distance between two foci of one step.
+std::optional<double> nearest_foci(const Path& path) {
+    std::optional<double> nearest;
+    for (const PathStep& step : path.steps)
+        for (std::size_t i = 0; i < step.foci.size(); ++i)
+            for (std::size_t k = i + 1; k < step.foci.size(); ++k) {
+                const double apart = distance(step.foci[i].position, step.foci[k].position);
+                nearest = std::min(nearest.value_or(apart), apart);
+            }
+    return nearest;
+}
+
+/// What is too small or too far off to be felt as it is.
+void warn_of_places(Feeling& feeling, std::size_t foci) {
+    const auto add = [&](std::string text) { feeling.warnings.push_back(std::move(text)); };
+    const double fused_mm = perception::fused_below_m / millimetre;
+    if (foci > 1 && feeling.extent_m < perception::fused_below_m)
+        add(
+            fmt::format("all foci lie within {:.1f} mm; two that are less than {:g} mm apart are felt as one, so this "
+                        "has a place and no shape",
+                        feeling.extent_m / millimetre, fused_mm));
+    else if (feeling.nearest_m && *feeling.nearest_m < perception::fused_below_m)
+        add(fmt::format("foci {:.1f} mm apart sound at the same time; less than {:g} mm apart they are felt as one",
+                        *feeling.nearest_m / millimetre, fused_mm));
+    double off = 0.0;
+    for (const FeltPlace& place : feeling.places) off = std::max(off, place.off_skin_m);
+    constexpr double near_m = 5e-3;  // half of a focus
+    if (off > near_m)
+        add(fmt::format("the hand's skin is up to {:.1f} mm away from what plays; what is said is of the nearest skin",
+                        off / millimetre));
 }
 
 void warn(Feeling& feeling, const PlayedDrives& played, const FeelOptions& options, std::size_t foci) {
@@ -165,9 +226,11 @@ Feeling feel(const PlayedDrives& played, const FeelOptions& options, const Progr
     Feeling feeling;
     feeling.seconds = static_cast<double>(played.sequence.periods()) / played.sequence.carrier_hz;
     for (const Vec3& position : at) {
-        feeling.places.push_back(feel_at(played, {position, options.normal}, options));
+        feeling.places.push_back(feel_at(played, position, options));
         progress(0.8 * static_cast<double>(feeling.places.size()) / static_cast<double>(at.size()), "skin");
     }
+    feeling.extent_m = extent_of(foci);
+    feeling.nearest_m = nearest_foci(played.places);
     const auto count = static_cast<double>(at.size());
     for (const FeltPlace& place : feeling.places) feeling.mean_pa += place.mean_pa / count;
     double squares = 0.0;
@@ -186,6 +249,7 @@ Feeling feel(const PlayedDrives& played, const FeelOptions& options, const Progr
     feeling.loudest = perception::loudest_around(played.array, played.sequence);
     progress(1.0, "sound");
     warn(feeling, played, options, foci.size());
+    warn_of_places(feeling, foci.size());
     return feeling;
 }
 

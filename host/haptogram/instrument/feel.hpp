@@ -6,6 +6,7 @@
 
 #include "haptogram/acoustics/drive_sequence.hpp"
 #include "haptogram/base/progress.hpp"
+#include "haptogram/hand/surface.hpp"
 #include "haptogram/instrument/source.hpp"
 #include "haptogram/perception/felt.hpp"
 #include "haptogram/perception/skin_force.hpp"
@@ -31,11 +32,13 @@ struct PlayedDrives {
                                        const std::optional<std::string>& board = {}, const Progress& progress = {});
 
 struct FeelOptions {
-    std::vector<Vec3> at;         ///< places on the skin; empty: at the foci
-    Vec3 normal{0.0, 0.0, -1.0};  ///< of the skin, at all places
-    std::size_t most_places = 8;  ///< of the foci, evenly chosen
-    double contact_m = 0.02;      ///< diameter of the skin that a force is of
-    std::vector<Vec3> ears;       ///< of listeners
+    std::vector<Vec3> at;          ///< places on the skin; empty: at the foci
+    Vec3 normal{0.0, 0.0, -1.0};   ///< of the skin, at all places
+    std::vector<SkinRegion> skin;  ///< of a hand: each place moves to the nearest one on it, and has its normal and its
+                                   ///< region, instead of those given here
+    std::size_t most_places = 8;   ///< of the foci, evenly chosen
+    double contact_m = 0.02;       ///< diameter of the skin that a force is of
+    std::vector<Vec3> ears;        ///< of listeners
     perception::Region region = perception::Region::palm;
     double grip_n = 1.0;  ///< that the hand holds at the same time; of a bare hand 1 N is an upper bound
     perception::Tables tables;
@@ -44,6 +47,9 @@ struct FeelOptions {
 /// What one place of the skin feels.
 struct FeltPlace {
     perception::SkinPlace place;
+    perception::Region region = perception::Region::palm;
+    std::string part;         ///< of a hand: palm, thumb, index, …; empty without one
+    double off_skin_m = 0.0;  ///< how far what was asked for is from the hand's skin
     perception::SkinForce force;
     double mean_pa = 0.0, most_pa = 0.0;     ///< radiation pressure at the place
     double mean_n = 0.0;                     ///< force
@@ -60,6 +66,8 @@ struct Feeling {
     double mean_pa = 0.0, spread = 0.0;  ///< over the places: the time-averaged pressure, and standard deviation/mean
     std::optional<double> speed_m_s;     ///< of the focus, where it moves less than its width at a time
     std::optional<double> wave_gain;     ///< by waves in the skin at that speed (perception/skin_wave.hpp)
+    double extent_m = 0.0;               ///< diagonal of the box around all foci
+    std::optional<double> nearest_m;     ///< between two foci that sound at the same time
     perception::Noise noise;
     std::vector<perception::Exposure> ears;
     perception::Exposure loudest;       ///< on a hemisphere of 0.5 m

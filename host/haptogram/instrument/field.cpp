@@ -7,17 +7,20 @@
 #include <cmath>
 #include <numbers>
 #include <thread>
+#include <utility>
 
 #include "haptogram/acoustics/quantities.hpp"
 #include "haptogram/analysis/focus_analysis.hpp"
 #include "haptogram/base/error.hpp"
+#include "haptogram/model/rig.hpp"
 
 namespace haptogram {
 namespace {
 
 /// Rms particle velocity, m/s, by Euler's equation: |∇p|/(ωρ√2).
-std::vector<float> rms_velocity(const Excitation& excitation, const Grid& grid, const FieldOptions& options) {
-    const Array& array = excitation.array;
+/// @param array  as the grid's own coordinates have it
+std::vector<float> rms_velocity(const Array& array, const Excitation& excitation, const Grid& grid,
+                                const FieldOptions& options) {
     double total = 0.0;
     for (const double weight : excitation.weights) total += weight;
     std::vector<Vec3> points;
@@ -58,6 +61,7 @@ Quantity quantity_of(std::string_view name) {
 Field field(const Excitation& excitation, const Region& region, Quantity quantity, unsigned threads,
             const Progress& progress) {
     Field found{region, {}, {}, {}, excitation.foci, excitation.title};
+    const Array array = region.pose ? seen_from(excitation.array, *region.pose) : excitation.array;
     FieldOptions options;
     options.threads = threads == 0 ? std::max(1U, std::thread::hardware_concurrency()) : threads;
     options.progress = progress;
@@ -69,8 +73,10 @@ Field field(const Excitation& excitation, const Region& region, Quantity quantit
                                {"record"});
         found.quantity = "pressure_pa";
         found.parts.resize(2);
-        for (const std::complex<float> value :
-             pressure_on(excitation.array, excitation.drives.front(), region.grid, options)) {
+        const PressureField pressure = pressure_field(array, excitation.drives.front(), region.grid, options);
+        found.method = pressure.method;
+        found.error = pressure.error;
+        for (const std::complex<float> value : pressure.values) {
             found.parts[0].push_back(value.real());
             found.parts[1].push_back(value.imag());
         }
@@ -79,11 +85,15 @@ Field field(const Excitation& excitation, const Region& region, Quantity quantit
     if (quantity == Quantity::velocity) {
         found.quantity = "rms_velocity_m_s";
         found.label = "rms particle velocity / (m/s)";
-        found.parts = {rms_velocity(excitation, region.grid, options)};
+        found.parts = {rms_velocity(array, excitation, region.grid, options)};
+        found.error = gradient_error;
         return found;
     }
-    found.parts = {mean_square_pressure(excitation.array, excitation.sequence(), region.grid, options)};
-    const Medium& medium = excitation.array.medium;
+    MeanSquareField mean = mean_square_field(array, excitation.sequence(), region.grid, options);
+    found.method = mean.method;
+    found.error = mean.error;
+    found.parts = {std::move(mean.values)};
+    const Medium& medium = array.medium;
     const auto each = [&](const char* name, const char* label, auto make) {
         found.quantity = name;
         found.label = label;
@@ -106,7 +116,9 @@ Field workspace_field(const Array& array, const Region& region) {
             "pressure amplitude that a focus can have / Pa",
             {workspace(array, region.grid)},
             {},
-            array.name + ", focused on each point"};
+            array.name + ", focused on each point",
+            FieldMethod::sums,
+            0.0};
 }
 
 }  // namespace haptogram

@@ -42,6 +42,10 @@ struct Field {
     std::vector<std::vector<float>> parts;  ///< one, or the real and the imaginary part; a value a point each
     std::vector<Vec3> marks;                ///< focal points that were asked for, metres
     std::string title;
+    FieldMethod method = FieldMethod::sums;  ///< how it was computed
+    /// How far the pressure, or the velocity, may be off: of the largest that the drives, with any phases, could make
+    /// at any of the points.
+    double error = 0.0;
 };
 
 /// The field of an excitation over a region.

@@ -18,10 +18,21 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "the files say little-endian");
 
 const std::vector<double>& axis_of(const Grid& grid, char axis) {
-    return axis == 'x' ? grid.x : axis == 'y' ? grid.y : grid.z;
+    return axis == 'x' || axis == 'u' ? grid.x : axis == 'y' || axis == 'v' ? grid.y : grid.z;
+}
+
+double along(Vec3 point, char axis) {
+    return axis == 'x' || axis == 'u' ? point.x : axis == 'y' || axis == 'v' ? point.y : point.z;
 }
 
 std::string ending(const std::string& path) { return std::filesystem::path(path).extension().string(); }
+
+/// VTK's attribute for images that are turned: a matrix row by row, whose columns are the image's axes.
+std::string direction_of(const Pose& pose) {
+    const auto& [o, x, y, z] = pose;
+    return fmt::format(" Direction=\"{:.12g} {:.12g} {:.12g} {:.12g} {:.12g} {:.12g} {:.12g} {:.12g} {:.12g}\"", x.x,
+                       y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z);
+}
 
 template <class Value>
 void append(std::string& bytes, const Value& value) {
@@ -33,18 +44,19 @@ void append(std::string& bytes, const Value& value) {
 std::string to_csv(const Field& field) {
     fmt::memory_buffer text;
     for (const char axis : field.region.axes) fmt::format_to(std::back_inserter(text), "{}_mm,", axis);
+    if (field.region.pose) fmt::format_to(std::back_inserter(text), "x_mm,y_mm,z_mm,");
     if (field.parts.size() == 1)
         fmt::format_to(std::back_inserter(text), "{}\n", field.quantity);
     else
         fmt::format_to(std::back_inserter(text), "{0}_real,{0}_imag\n", field.quantity);
     for (std::size_t i = 0; i < field.region.grid.size(); ++i) {
-        const Vec3 p = field.region.grid.point(i);
         for (const char axis : field.region.axes)
-            fmt::format_to(std::back_inserter(text), "{:.4f},",
-                           (axis == 'x'   ? p.x
-                            : axis == 'y' ? p.y
-                                          : p.z) /
-                               millimetre);
+            fmt::format_to(std::back_inserter(text), "{:.4f},", along(field.region.grid.point(i), axis) / millimetre);
+        if (field.region.pose) {
+            const Vec3 p = field.region.point(i);
+            fmt::format_to(std::back_inserter(text), "{:.4f},{:.4f},{:.4f},", p.x / millimetre, p.y / millimetre,
+                           p.z / millimetre);
+        }
         fmt::format_to(std::back_inserter(text), "{:.6g}", field.parts.front()[i]);
         if (field.parts.size() > 1) fmt::format_to(std::back_inserter(text), ",{:.6g}", field.parts[1][i]);
         text.push_back('\n');
@@ -76,12 +88,13 @@ std::string to_vti(const Field& field) {
         return axis.size() < 2 ? 1.0 : (axis.back() - axis.front()) / static_cast<double>(axis.size() - 1) / millimetre;
     };
     const std::string extent = fmt::format("0 {} 0 {} 0 {}", grid.x.size() - 1, grid.y.size() - 1, grid.z.size() - 1);
+    const Vec3 origin = field.region.point(0);
     std::string text = fmt::format(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" "
         "header_type=\"UInt64\">\n<ImageData WholeExtent=\"{0}\" Origin=\"{1:.9g} {2:.9g} {3:.9g}\" "
-        "Spacing=\"{4:.9g} {5:.9g} {6:.9g}\">\n<Piece Extent=\"{0}\">\n<PointData Scalars=\"{7}\">\n",
-        extent, grid.x.front() / millimetre, grid.y.front() / millimetre, grid.z.front() / millimetre, spacing(grid.x),
-        spacing(grid.y), spacing(grid.z), field.quantity);
+        "Spacing=\"{4:.9g} {5:.9g} {6:.9g}\"{8}>\n<Piece Extent=\"{0}\">\n<PointData Scalars=\"{7}\">\n",
+        extent, origin.x / millimetre, origin.y / millimetre, origin.z / millimetre, spacing(grid.x), spacing(grid.y),
+        spacing(grid.z), field.quantity, field.region.pose ? direction_of(*field.region.pose) : std::string());
     const std::uint64_t bytes = field.parts.front().size() * sizeof(float);
     for (std::size_t part = 0; part < field.parts.size(); ++part)
         text += fmt::format("<DataArray type=\"Float32\" Name=\"{}{}\" format=\"appended\" offset=\"{}\"/>\n",
@@ -108,8 +121,10 @@ std::string about(const Field& field) {
         auto& values = about[fmt::format("{}_mm", axis)];
         for (const double value : axis_of(field.region.grid, axis)) values.push_back(value / millimetre);
     }
-    for (const Vec3& mark : field.marks)
-        about["marks_mm"].push_back({mark.x / millimetre, mark.y / millimetre, mark.z / millimetre});
+    for (const Vec3& mark : field.marks) {
+        const Vec3 p = field.region.pose ? field.region.pose->inwards(mark) : mark;
+        about["marks_mm"].push_back({p.x / millimetre, p.y / millimetre, p.z / millimetre});
+    }
     return about.dump();
 }
 
@@ -135,6 +150,15 @@ void check_field_path(const std::string& path, const Region& region, Quantity qu
             "output",
             fmt::format("{} has no picture; take a plane or a line and a real quantity, or a .vti file for ParaView",
                         (quantity == Quantity::complex) ? "a complex field" : "a volume"));
+}
+
+std::string description_of(const Field& field) {
+    return fmt::format("{} points by {}, off by at most {:.1g} of the largest {} that the drives could make",
+                       field.region.grid.size(),
+                       field.method == FieldMethod::interpolated ? "interpolation"
+                       : field.method == FieldMethod::shifts     ? "shifted copies of one element's field"
+                                                                 : "sums of all waves",
+                       field.error, field.quantity == "rms_velocity_m_s" ? "velocity" : "pressure");
 }
 
 void write_field(const std::string& path, const Field& field) {

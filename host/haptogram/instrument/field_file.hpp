@@ -10,14 +10,18 @@ namespace haptogram {
 /// written
 void check_field_path(const std::string& path, const Region& region, Quantity quantity);
 
-/// CSV: a column an axis in millimetres, then the value.
+/// CSV: a column an axis in millimetres, of an oblique plane then x, y and z, and then the value.
 [[nodiscard]] std::string to_csv(const Field& field);
-/// NumPy's format 1.0: float32 or complex64, C order, axes (z, y, x) without those of one coordinate.
+/// NumPy's format 1.0: float32 or complex64, C order, axes (z, y, x) without those of one coordinate, or (v, u).
 [[nodiscard]] std::string to_npy(const Field& field);
 /// VTK image data in millimetres, for ParaView.
 [[nodiscard]] std::string to_vti(const Field& field);
 
-/// What a picture of it says in words and numbers, as JSON for tools/plot_field.py.
+/// In words, how a field was computed, and how far it may be off.
+[[nodiscard]] std::string description_of(const Field& field);
+
+/// What a picture of it says in words and numbers, as JSON for tools/plot_field.py. Marks are in the region's own
+/// coordinates.
 [[nodiscard]] std::string about(const Field& field);
 
 /// Writes the field in the format that the path's ending names; standard output ("-"), devices and pipes get CSV. A

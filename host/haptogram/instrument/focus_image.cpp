@@ -72,24 +72,10 @@ RecordMeaning meaning_of(const RecordWords& words) {
     return meaning;
 }
 
-SampledModulation sampled(const Modulation& modulation, const Core& core) {
-    const std::uint32_t most = core.parameters.modulation_depth;
-    if (modulation.samples.size() > most || modulation.periods_a_sample > 65535)
-        throw bad_input(core.name,
-                        fmt::format("the modulation has {} samples of {} carrier periods, the board holds {} of at "
-                                    "most 65535; take a frequency with fewer samples, or compile records",
-                                    modulation.samples.size(), modulation.periods_a_sample, most),
-                        {"am", "records", "board"});
-    SampledModulation found{static_cast<std::uint16_t>(modulation.periods_a_sample), {}};
-    for (const double sample : modulation.samples)
-        found.samples.push_back(static_cast<std::uint8_t>(std::lround(255.0 * sample)));
-    return found;
-}
-
 /// A record is read and computed while the one before it plays (rtl/README.md, "Switch").
 std::uint32_t clocks_to_make(const FocusRecords& foci, std::uint32_t channels) {
-    constexpr std::uint32_t least_load = 34;
-    return std::max(channels + 8, least_load) + foci.each * channels + 36;
+    constexpr std::uint32_t least_load = 29;
+    return std::max(4 * foci.each + 5, least_load) + foci.each * channels + 35;
 }
 
 }  // namespace
@@ -106,7 +92,7 @@ FocusImage focus_image_of(const Path& path, const Array& array, const Core& core
     image.pulse_bits = p.pulse_bits;
     image.min_pulse_clocks = p.min_pulse_clocks;
     image.loops = loops;
-    if (!path.modulation.samples.empty()) image.modulation = sampled(path.modulation, core);
+    if (!path.modulation.samples.empty()) image.modulation = sampled(path.modulation, p.modulation_depth, core.name);
     FocusRecords& foci = image.foci.emplace();
     foci.board_records = p.records;
     foci.cycle_ticks = made.timer.cycle_ticks;

@@ -18,6 +18,7 @@
 #include "haptogram/base/file.hpp"
 #include "haptogram/hand/pose_file.hpp"
 #include "haptogram/hand/synthetic.hpp"
+#include "haptogram/instrument/compile.hpp"
 #include "haptogram/instrument/picture.hpp"
 #include "haptogram/render/voice.hpp"
 #include "haptogram/render/waveform.hpp"
@@ -141,6 +142,16 @@ void modulate(Rendered& rendered, double am_hz, const Array& array, const Render
 
 }  // namespace
 
+std::vector<SkinRegion> skin_of(const HandRecording& hands, std::size_t frame, const SkinOptions& options) {
+    if (frame == 0 || frame > hands.frames.size())
+        throw bad_argument("hand-frame",
+                           fmt::format("found {}, the recording has frames 1 to {}", frame, hands.frames.size()));
+    std::vector<SkinRegion> skin = skin_of(hands.frames[frame - 1], frame, options);
+    if (skin.empty())
+        throw bad_input(fmt::format("frame {}", frame), "there is no hand in it; take another frame", {"hand-frame"});
+    return skin;
+}
+
 TouchObject open_object(const ObjectSource& source) {
     const auto kinds = object_kinds();
     if (std::find(kinds.begin(), kinds.end(), source.name) != kinds.end()) {
@@ -155,9 +166,7 @@ TouchObject open_object(const ObjectSource& source) {
         throw bad_argument(
             "object", fmt::format("found \"{}\", expected {} or a mesh file", source.name, fmt::join(kinds, ", ")));
     if (source.height_m) throw bad_argument("height", "is of built-in objects; a mesh is scaled by its size");
-    const double metres = source.unit == "m" ? 1.0 : source.unit == "cm" ? 0.01 : millimetre;
-    if (source.unit != "mm" && source.unit != "cm" && source.unit != "m")
-        throw bad_argument("unit", fmt::format("must be mm, cm or m, found '{}'", source.unit));
+    const double metres = metres_per_unit(source.unit);
     Placement placement;
     placement.size_m = source.size_m;
     placement.rotate_deg = {source.angles_deg.x, source.angles_deg.y, source.angles_deg.z};

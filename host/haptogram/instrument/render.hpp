@@ -34,6 +34,13 @@ struct ObjectSource {
 /// @throws Error{bad_input} or Error{bad_argument}
 [[nodiscard]] HandRecording open_hands(const std::string& name, const std::string& model = {}, double rate_hz = 60.0);
 
+/// The palmar skin of all hands of a recording's frame.
+/// @param frame  from 1
+/// @throws Error{bad_argument} naming "hand-frame" when there is no such frame; Error{bad_input} when no hand is in it;
+/// and as palmar_surface() does, naming the frame
+[[nodiscard]] std::vector<SkinRegion> skin_of(const HandRecording& hands, std::size_t frame,
+                                              const SkinOptions& options = {});
+
 struct RenderOptions {
     Algorithm algorithm = Algorithm::intersection;
     TouchOptions touch;

@@ -16,6 +16,7 @@
 #include "haptogram/instrument/field.hpp"
 #include "haptogram/instrument/field_file.hpp"
 #include "haptogram/instrument/picture.hpp"
+#include "haptogram/model/rig.hpp"
 #include "haptogram/render/schedule.hpp"
 #include "haptogram/solve/drives.hpp"
 #include "haptogram/solve/segments.hpp"
@@ -159,6 +160,22 @@ Focus parse_focus_mm(const std::string& setting, const std::string& line) {
     return focus_of(numbers);
 }
 
+ProjectInstrument instrument_of_rig(const std::string& name) {
+    const Rig rig = find_rig(name);
+    const auto core_of = [](const PosedArray& unit) { return core_of_array(unit.array.file); };
+    ProjectInstrument found{joined(rig), core_of(rig.arrays.front())};
+    interface::CoreParameters& all = found.core.parameters;
+    for (const PosedArray& unit : rig.arrays) {
+        const interface::CoreParameters one = core_of(unit).parameters;
+        if (one.clock_hz != all.clock_hz || one.timing_bits != all.timing_bits || one.pulse_bits != all.pulse_bits)
+            throw bad_input(rig.file, fmt::format("the boards of {} and {} differ in clock_hz, timing_bits or "
+                                                  "pulse_bits, so there are no ticks that both have",
+                                                  rig.arrays.front().array.name, unit.array.name));
+    }
+    all.channels = static_cast<std::uint32_t>(found.array.elements.size());
+    return found;
+}
+
 Solved solve_steps(const std::vector<std::vector<Focus>>& steps, const Array& array, const Core& core,
                    const SolveOptions& options, bool follow, const Progress& progress, const std::string& device) {
     require_channels(array, core);
@@ -197,6 +214,11 @@ Solved solve_steps(const std::vector<std::vector<Focus>>& steps, const Array& ar
 }
 
 Compiled image_of(const Solved& solved, double rate_hz, const std::string& name) {
+    if (solved.array.faces.size() > 1)
+        throw bad_argument("output",
+                           fmt::format("an image is for one board, and each of the {} units of {} has its own; "
+                                       "write .csv or .json",
+                                       solved.array.faces.size(), solved.array.name));
     SolveOptions as_compiled;
     as_compiled.method = solved.options.method;
     if (solved.options != as_compiled || solved.follow)

@@ -44,6 +44,11 @@ struct Solved {
 /// @throws Error{bad_argument}
 [[nodiscard]] Focus parse_focus_mm(const std::string& setting, const std::string& line);
 
+/// A rig as one array, with the core of its units' boards, widened to all elements: each unit has a board of its own,
+/// and all count the same ticks.
+/// @throws Error{bad_input} for a file that cannot be used, or units whose boards differ in their clocks or timers
+[[nodiscard]] ProjectInstrument instrument_of_rig(const std::string& name);
+
 /// Solves each set.
 /// @param follow  begin each set with the drives of the one before, for foci that move by a small part of a wavelength;
 ///                the first set has none before it, and takes as many rounds as by default
@@ -56,8 +61,9 @@ struct Solved {
 /// The sets as an image that plays them in turn: compile() with the same solver, which makes the records again.
 /// @param rate_hz  passes over all sets a second
 /// @param name     of the image, for messages
-/// @throws Error{bad_argument} when the drives were made as compile() does not make them: with amplitudes, another
-/// level or number of rounds, or each from the last; and as even_dwells() and compile()
+/// @throws Error{bad_argument} for a rig, which takes an image for each unit's board; when the drives were made as
+/// compile() does not make them: with amplitudes, another level or number of rounds, or each from the last; and as
+/// even_dwells() and compile()
 [[nodiscard]] Compiled image_of(const Solved& solved, double rate_hz, const std::string& name);
 
 /// All of it as JSON text: millimetres, Pa, and drives as amplitude and phase in radians.

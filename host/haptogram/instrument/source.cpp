@@ -9,6 +9,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/instrument/compile.hpp"
+#include "haptogram/model/rig.hpp"
 
 namespace haptogram {
 
@@ -26,7 +27,8 @@ std::string open_hex(const std::string& path, const Progress& progress) {
 
 Excitation open_excitation(const Source& source, const Progress& progress) {
     if (source.focus) {
-        const Excitation exact = excitation_of(find_array(source.array), *source.focus);
+        const Array array = source.rig.empty() ? find_array(source.array) : joined(find_rig(source.rig));
+        const Excitation exact = excitation_of(array, *source.focus);
         return source.quantise.empty() ? exact : in_segments(exact, segments_of(source.quantise));
     }
     if (!source.image.empty()) {

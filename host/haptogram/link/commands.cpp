@@ -69,11 +69,13 @@ Identity to_identity(const Bytes& block) {
 
 Status to_status(const Bytes& block) {
     namespace field = interface::status_field;
-    require_words(block, interface::status_words);
+    require_words(block, interface::status_untimed_words);
+    const bool timed = block.size() >= std::size_t{2} * interface::status_words;
     const auto word = [&block](const interface::BitField& f) { return static_cast<std::uint16_t>(f.get(block)); };
     return {.enabled = field::enabled.get(block) != 0,
             .stopped = field::stopped.get(block) != 0,
             .modulated = field::modulated.get(block) != 0,
+            .waiting = field::waiting.get(block) != 0,
             .mode = static_cast<Mode>(field::mode.get(block)),
             .present_index = word(field::present_index),
             .underruns = word(field::underruns),
@@ -86,8 +88,23 @@ Status to_status(const Bytes& block) {
             .guard_trips = word(field::guard_trips),
             .bent_periods = word(field::bent_periods),
             .far_foci = word(field::far_foci),
+            .role = static_cast<Role>(field::role.get(block)),
+            .in_step = field::in_step.get(block) != 0,
+            .numbered = field::numbered.get(block) != 0,
+            .sync_misses = word(field::sync_misses),
+            .sync_losses = word(field::sync_losses),
             .live_level = word(field::live_level),
-            .watchdog_ms = word(field::watchdog_ms)};
+            .watchdog_ms = word(field::watchdog_ms),
+            .late_changes = timed ? word(field::late_changes) : std::uint16_t{0},
+            .period = timed ? std::optional(std::uint64_t{field::period_high.get(block)} << field::period.width |
+                                            field::period.get(block))
+                            : std::nullopt};
+}
+
+When When::at_period(std::uint64_t period) {
+    if (period == 0 || period >= at_end().gate)
+        throw bad_argument("period", fmt::format("{}, expected 1 to {}", period, at_end().gate - 1));
+    return {period};
 }
 
 Reply Commands::request(Request request) {
@@ -128,21 +145,41 @@ void Commands::select(std::uint16_t index, std::uint16_t dwell) {
     request({Command::select, payload_of(index, dwell)});
 }
 
-std::uint16_t Commands::push(const std::vector<std::uint16_t>& indices, std::uint16_t dwell) {
+void Commands::set_gate(When when) {
+    if (when == When::at_once()) return;
+    if (!interface::has(identity().features, interface::Feature::schedule))
+        throw device_error("its changes cannot wait; that takes a board with the parameter SCHEDULE");
+    request({Command::gate, payload_of(when.gate, when.gate >> 16, when.gate >> 32)});
+}
+
+std::uint16_t Commands::push(const std::vector<std::uint16_t>& indices, std::uint16_t dwell, When when) {
+    set_gate(when);
     Bytes payload = payload_of(dwell);
     for (const std::uint16_t index : indices) append(payload, index);
     return request({Command::push, std::move(payload)}).live_level;
 }
 
-void Commands::start(std::uint16_t first, std::uint16_t length, std::uint16_t loops) {
+std::uint16_t Commands::push_foci(std::span<const std::uint16_t> words, std::uint16_t dwell) {
+    Bytes payload = payload_of(dwell);
+    for (const std::uint16_t word : words) append(payload, word);
+    return request({Command::push_foci, std::move(payload)}).live_level;
+}
+
+void Commands::start(std::uint16_t first, std::uint16_t length, std::uint16_t loops, When when) {
+    set_gate(when);
     request({Command::start, payload_of(first, length, loops)});
 }
 
-void Commands::modulate(std::uint16_t divider, std::uint16_t length, bool loop) {
-    request({Command::modulate, payload_of(divider, length, static_cast<std::uint16_t>(loop))});
+void Commands::modulate(std::uint16_t divider, std::uint16_t length, bool loop, std::uint32_t first, When when) {
+    if (first % 2 != 0 || first > 0xffff)
+        throw bad_argument("first", fmt::format("sample {}, expected an even number up to 65534", first));
+    set_gate(when);
+    request({Command::modulate, payload_of(divider, length, first | (loop ? 1U : 0U))});
 }
 
 void Commands::set_watchdog(std::uint16_t milliseconds) { request({Command::watchdog, payload_of(milliseconds)}); }
+
+void Commands::set_role(Role role) { request({Command::sync, payload_of(static_cast<std::uint16_t>(role))}); }
 
 void Commands::write(std::uint32_t address, const Bytes& bytes) {
     Bytes payload = payload_of(address, address >> 16);

@@ -3,6 +3,8 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -47,24 +49,36 @@ struct Identity {
         core.modulation_depth = 2 * modulation_words;
         core.slew = interface::has(features, interface::Feature::slew) ? 1 : 0;
         core.foci = foci;
+        core.schedule = interface::has(features, interface::Feature::schedule) ? 1 : 0;
+        core.sync = interface::has(features, interface::Feature::sync) ? 1 : 0;
         core.max_high_clocks = max_high_clocks(max_pulse_clocks);
         return core;
     }
 };
 
 using interface::Mode;
+using interface::Role;
 
 /// What a device says it is doing. Counters begin at 0 again after 65,535.
 struct Status {
     bool enabled = false;             ///< pulses are let out
     bool stopped = false;             ///< the stop input is active: outputs stay off
     bool modulated = false;           ///< the modulation runs
+    bool waiting = false;             ///< a start, a modulation or pushed indices wait for their time
     Mode mode = Mode::idle;           ///< idle: the last record may still be playing
     std::uint16_t present_index = 0;  ///< of the record that plays; 0 is silence
     std::uint16_t underruns = 0, refused_records = 0, frames_good = 0, frames_damaged = 0, frames_repeated = 0,
                   frames_refused = 0, watchdog_trips = 0, guard_trips = 0, bent_periods = 0, far_foci = 0;
+    Role role = Role::alone;
+    bool in_step = false;   ///< of a slave: its carrier cycles begin with the master's
+    bool numbered = false;  ///< they have the master's numbers, too
+    std::uint16_t sync_misses = 0, sync_losses = 0;
     std::uint16_t live_level = 0;   ///< entries in the live FIFO
     std::uint16_t watchdog_ms = 0;  ///< outputs go off after so long without a new command; 0: never
+    /// Changes that came too late for their carrier period, and its number at the pins, which begins at 0 with a reset;
+    /// a device without schedule counts neither.
+    std::uint16_t late_changes = 0;
+    std::optional<std::uint64_t> period{};
     friend bool operator==(const Status&, const Status&) = default;
 };
 
@@ -72,6 +86,19 @@ struct Status {
 /// too short
 [[nodiscard]] Identity to_identity(const Bytes& block);
 [[nodiscard]] Status to_status(const Bytes& block);
+
+/// When a change takes effect. Until then what plays goes on.
+struct When {
+    std::uint64_t gate = 0;  ///< as the command `gate` has it
+
+    [[nodiscard]] static constexpr When at_once() { return {}; }
+    /// When what plays now has ended: all its loops, or its present pass when it is played for ever.
+    [[nodiscard]] static constexpr When at_end() { return {(std::uint64_t{1} << 48) - 1}; }
+    /// With this carrier period, or with the first one after it that the change can be ready for; never before it.
+    /// @throws Error{bad_argument} when it has no number that a device counts to
+    [[nodiscard]] static When at_period(std::uint64_t period);
+    friend bool operator==(const When&, const When&) = default;
+};
 
 /// One request: a command and its payload.
 struct Request {
@@ -102,14 +129,22 @@ public:
     /// Plays a record from the next cycle on, for `dwell` cycles or, with 0, until something else comes.
     void select(std::uint16_t index, std::uint16_t dwell = 0);
     /// Appends indices to the live FIFO. @return how many entries it holds now
-    std::uint16_t push(const std::vector<std::uint16_t>& indices, std::uint16_t dwell);
-    /// Plays entries of the sequence. @param length  0: length and loops are those of the sequence's header
-    void start(std::uint16_t first, std::uint16_t length, std::uint16_t loops);
-    /// Multiplies all amplitudes by the first `length` samples of the modulation memory, each for `divider` carrier
-    /// periods, over and over or once. @param divider  0: ends that  @param length  0: all samples
-    void modulate(std::uint16_t divider, std::uint16_t length, bool loop);
+    /// @param when  not at_end()
+    std::uint16_t push(const std::vector<std::uint16_t>& indices, std::uint16_t dwell, When when = {});
+    /// Writes focus records, of four words a focus, into the ring and appends their indices to the live FIFO.
+    /// @return how many entries it holds now
+    std::uint16_t push_foci(std::span<const std::uint16_t> words, std::uint16_t dwell);
+    /// Plays entries of the sequence: a bank of it. @param length  0: length and loops are those of the sequence's
+    /// header
+    void start(std::uint16_t first, std::uint16_t length, std::uint16_t loops, When when = {});
+    /// Multiplies all amplitudes by `length` samples of the modulation memory, each for `divider` carrier
+    /// periods, over and over or once. @param divider  0: ends that  @param length  0: all samples from the first on
+    /// @param first  number of the first sample, even
+    void modulate(std::uint16_t divider, std::uint16_t length, bool loop, std::uint32_t first = 0, When when = {});
     /// After how long without a new command the outputs go off; 0: never.
     void set_watchdog(std::uint16_t milliseconds);
+    /// Resets the device, and then keeps its carrier cycles in step with other boards.
+    void set_role(Role role);
     /// Starts the watchdog's time anew and does nothing else.
     void keep_alive() { request({interface::Command::keep_alive, {}}); }
     /// As after power-up, but memories and session stay.
@@ -139,6 +174,9 @@ public:
 protected:
     /// Called before requests of their own by request() and pipeline().
     virtual void make_ready() {}
+
+private:
+    void set_gate(When when);
 };
 
 /// How often a host must say something while outputs are on, for a device with such a watchdog.

@@ -8,23 +8,36 @@ namespace haptogram::link {
 
 // A frame fills a quarter of the FIFO: while two quarters play, one frame can be on the line and another be answered.
 // No frame may carry more indices than there are channels, because a record is the longest that a device must take.
-LiveFeed::LiveFeed(Commands& device, const Identity& identity)
-    : device_(device), depth_(identity.live_depth), frame_(std::min(identity.live_depth / 4, identity.channels)) {
+// A frame of foci is as long as the device takes it, for they fill the line.
+LiveFeed::LiveFeed(Commands& device, const Identity& identity, std::size_t foci_each)
+    : device_(device),
+      foci_each_(foci_each),
+      depth_(identity.live_depth),
+      frame_(std::min<std::size_t>(identity.live_depth / 4,
+                                   foci_each == 0 ? identity.channels : (identity.frame_bytes - 4) / (8 * foci_each))) {
     refresh();
 }
 
 std::size_t LiveFeed::room() const { return std::min(frame_, depth_ - std::min(depth_, level())); }
 
 void LiveFeed::push(const std::vector<std::uint16_t>& indices, std::uint16_t dwell) {
+    send(interface::Command::push, indices, dwell, indices.size());
+}
+
+void LiveFeed::push_foci(std::span<const std::uint16_t> words, std::uint16_t dwell) {
+    send(interface::Command::push_foci, words, dwell, words.size() / (4 * foci_each_));
+}
+
+void LiveFeed::send(interface::Command command, std::span<const std::uint16_t> words, std::uint16_t dwell,
+                    std::size_t count) {
     Bytes payload = {static_cast<std::uint8_t>(dwell), static_cast<std::uint8_t>(dwell >> 8)};
-    for (const std::uint16_t index : indices)
-        for (const unsigned shift : {0U, 8U}) payload.push_back(static_cast<std::uint8_t>(index >> shift));
-    fifo_->under_way += indices.size();
-    device_.submit({interface::Command::push, std::move(payload)},
-                   [fifo = fifo_, count = indices.size()](const Reply& reply) {
-                       fifo->under_way -= count;
-                       fifo->level = reply.live_level;
-                   });
+    for (const std::uint16_t word : words)
+        for (const unsigned shift : {0U, 8U}) payload.push_back(static_cast<std::uint8_t>(word >> shift));
+    fifo_->under_way += count;
+    device_.submit({command, std::move(payload)}, [fifo = fifo_, count](const Reply& reply) {
+        fifo->under_way -= count;
+        fifo->level = reply.live_level;
+    });
     device_.flush();
 }
 

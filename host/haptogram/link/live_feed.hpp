@@ -3,17 +3,19 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "haptogram/link/commands.hpp"
 
 namespace haptogram::link {
 
-/// Feeds a device's live FIFO: several frames are under way at once, but never more indices than the FIFO has room for,
-/// so that the device refuses none.
+/// Feeds a device's live FIFO with indices, or with foci for its ring: several frames are under way at once, but never
+/// more than the FIFO has room for, so that the device refuses none.
 class LiveFeed {
 public:
-    LiveFeed(Commands& device, const Identity& identity);
+    /// @param foci_each  foci of a focus record, for push_foci()
+    LiveFeed(Commands& device, const Identity& identity, std::size_t foci_each = 0);
 
     /// How many indices can be pushed now; no more than a frame holds.
     [[nodiscard]] std::size_t room() const;
@@ -21,6 +23,8 @@ public:
     [[nodiscard]] std::size_t frame() const { return frame_; }
     /// Pushes up to room() indices, each for `dwell` cycles, without waiting for the answer.
     void push(const std::vector<std::uint16_t>& indices, std::uint16_t dwell);
+    /// The same with up to room() focus records, of four words a focus.
+    void push_foci(std::span<const std::uint16_t> words, std::uint16_t dwell);
     /// Learns how far the FIFO has drained: waits for an answer that is under way, or else asks for the status. Either
     /// keeps the watchdog quiet.
     void refresh();
@@ -33,8 +37,10 @@ private:
         std::size_t under_way = 0;  // indices in frames that are not answered yet
     };
 
+    void send(interface::Command command, std::span<const std::uint16_t> words, std::uint16_t dwell, std::size_t count);
+
     Commands& device_;
-    std::size_t depth_, frame_;
+    std::size_t foci_each_, depth_, frame_;
     std::shared_ptr<Fifo> fifo_ =
         std::make_shared<Fifo>();  // shared, because answers may come after this object is gone
 };

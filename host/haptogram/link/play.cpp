@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
+#include <set>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -16,6 +18,8 @@
 
 namespace haptogram::link {
 namespace {
+
+constexpr std::uint16_t most_dwell = 65535;
 
 /// A sequence with its dwells stretched so that a pass lasts 1 / rate.
 std::vector<SequenceEntry> at_rate(std::vector<SequenceEntry> sequence, double rate, double carrier_hz) {
@@ -37,43 +41,44 @@ std::vector<SequenceEntry> at_rate(std::vector<SequenceEntry> sequence, double r
     return sequence;
 }
 
-/// A sequence that is repeated until so many entries were taken; 0: for ever.
-class Repeated final : public StreamSource {
-public:
-    Repeated(std::vector<SequenceEntry> pass, std::uint64_t entries) : pass_(std::move(pass)), entries_(entries) {}
-    std::optional<SequenceEntry> next(std::chrono::milliseconds) override {
-        if (ended()) return {};
-        return pass_[taken_++ % pass_.size()];
-    }
-    [[nodiscard]] bool ended() const override { return entries_ != 0 && taken_ == entries_; }
+/// What is to be played, as entries and how often they are repeated.
+DeviceSequence wanted(Commands& device, const PlaySettings& settings) {
+    if (settings.index != 0) return {{{settings.index, most_dwell}}, 0};
+    DeviceSequence sequence = download_sequence(device, "board");
+    sequence.loops = settings.loops.value_or(sequence.loops);
+    return sequence;
+}
 
-private:
-    std::vector<SequenceEntry> pass_;
-    std::uint64_t entries_, taken_ = 0;
-};
-
-Played play_at_rate(Commands& device, const PlaySettings& settings, const Watch& watch) {
-    const DeviceSequence sequence = download_sequence(device, "board");
+Played play_live(Commands& device, const PlaySettings& settings, DeviceSequence sequence, const Watch& watch) {
     const auto carried = std::ranges::find_if(sequence.entries, [](const SequenceEntry& e) { return e.index != 0; });
     if (carried == sequence.entries.end())
         throw Error(ErrorCode::device, "board", "the sequence in its memory plays no record");
-    std::vector<SequenceEntry> pass =
-        at_rate(sequence.entries, settings.rate, record_carrier_hz(device, carried->index));
-    const std::uint64_t passes = settings.loops.value_or(sequence.loops);
-    std::uint64_t entries = passes * pass.size();
-    if (settings.seconds > 0.0) {
-        const auto most = static_cast<std::uint64_t>(
-            std::max(1.0, std::round(settings.seconds * settings.rate * static_cast<double>(pass.size()))));
-        entries = entries == 0 ? most : std::min(entries, most);
-    }
-    Repeated source(std::move(pass), entries);
-    return stream(device, {settings.watchdog_ms, settings.warn}, source, watch);
+    const double carrier_hz = record_carrier_hz(device, carried->index);
+    if (settings.rate > 0.0) sequence.entries = at_rate(std::move(sequence.entries), settings.rate, carrier_hz);
+    const double periods = settings.seconds > 0.0 ? std::max(1.0, std::round(settings.seconds * carrier_hz)) : 0.0;
+    RepeatedEntries source(std::move(sequence.entries), sequence.loops, static_cast<std::uint64_t>(periods));
+    StreamSettings live{settings.watchdog_ms, settings.warn, settings.am};
+    live.am.carrier_hz = carrier_hz;
+    return stream(device, live, source, watch);
+}
+
+/// Lets the device modulate what its memories play.
+std::optional<ModulationOn> modulated(Commands& device, const PlaySettings& settings) {
+    if (settings.am.waveform.empty()) return {};
+    Am am = settings.am;
+    std::set<std::uint16_t> indices;
+    for (const SequenceEntry& entry : wanted(device, settings).entries)
+        if (entry.index != 0) indices.insert(entry.index);
+    for (const std::uint16_t index : indices) require_amplitudes(device, index);
+    if (!indices.empty()) am.carrier_hz = record_carrier_hz(device, *indices.begin());
+    return std::optional<ModulationOn>(std::in_place, device, modulation_of(am, device), settings.warn);
 }
 
 }  // namespace
 
 Played play(Commands& device, const PlaySettings& settings, const Watch& watch) {
-    if (settings.rate > 0.0) return play_at_rate(device, settings, watch);
+    if (settings.rate > 0.0 || (!settings.am.waveform.empty() && device.identity().modulation_words == 0))
+        return play_live(device, settings, wanted(device, settings), watch);
     using Clock = std::chrono::steady_clock;
     const Status before = device.status();
     std::uint16_t length = 0;
@@ -89,6 +94,7 @@ Played play(Commands& device, const PlaySettings& settings, const Watch& watch) 
     };
     Playing now{.status = before};
     bool interrupted = false;
+    const std::optional<ModulationOn> modulation = modulated(device, settings);
     {
         const Outputs on(device, settings.watchdog_ms, settings.warn);
         if (settings.index != 0)
@@ -113,25 +119,6 @@ Played play(Commands& device, const PlaySettings& settings, const Watch& watch) 
             .watchdog_trips = since(now.status, &Status::watchdog_trips),
             .guard_trips = since(now.status, &Status::guard_trips),
             .interrupted = interrupted};
-}
-
-double record_carrier_hz(Commands& device, std::uint16_t index) {
-    const Identity& identity = device.identity();
-    if (identity.foci > 0 && index > identity.records) {
-        const auto bytes = static_cast<std::uint16_t>(2 * interface::parameters_words);
-        const double clocks =
-            interface::parameters_field::foci_cycle.get(device.read(interface::parameters_base, bytes));
-        if (clocks == 0.0) throw Error(ErrorCode::device, "board", "its foci have no carrier; upload an image first");
-        return identity.clock_hz / clocks;
-    }
-    const std::uint32_t place = 2 * record_words(identity.channels) * (index - 1U);
-    const Bytes header = device.read(interface::primary_base + place, 2 * interface::record_header_words);
-    const double cycle = interface::record_field::cycle_length.get(header);
-    const double prescaler = interface::record_field::prescaler.get(header);
-    if (cycle == 0.0 || prescaler == 0.0)
-        throw Error(ErrorCode::device, "board",
-                    fmt::format("record {} in its memory has no carrier; upload an image first", index));
-    return identity.clock_hz / (cycle * prescaler);
 }
 
 }  // namespace haptogram::link

@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 
+#include "haptogram/link/modulate.hpp"
 #include "haptogram/link/outputs.hpp"
 
 namespace haptogram::link {
@@ -27,6 +28,7 @@ struct PlaySettings {
     double seconds = 0.0;                  ///< not longer than this; 0: no limit
     std::uint16_t watchdog_ms = 500;       ///< outputs go off when this host is silent for so long; 0: never
     Warning warn{};
+    Am am{};  ///< by which all amplitudes are multiplied meanwhile
 };
 
 /// What became of it: how much the device's counters went up, and the indices that went over the link.
@@ -37,12 +39,11 @@ struct Played {
 };
 
 /// Turns the outputs on, plays what is in the device's memories until its end, and turns them off again. At a rate of
-/// its own the sequence goes through the live FIFO with other dwells, and the memory stays as it is.
-/// @throws Error{device} when there is nothing to play or the device turns its outputs off,
+/// its own, and under a waveform that the device itself cannot play, the sequence goes through the live FIFO with other
+/// dwells, and the memory stays as it is.
+/// @throws what modulate.hpp says, for a waveform,
+///         Error{device} when there is nothing to play or the device turns its outputs off,
 ///         Error{bad_argument} for a "rate" that no whole number of carrier cycles makes
 Played play(Commands& device, const PlaySettings& settings, const Watch& watch = {});
-
-/// The carrier frequency of a record in the device's memory. @throws Error{device} when it is no record
-[[nodiscard]] double record_carrier_hz(Commands& device, std::uint16_t index);
 
 }  // namespace haptogram::link

@@ -1,88 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptogram/link/stream.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <poll.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <cerrno>
-#include <charconv>
 #include <cmath>
-#include <system_error>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/link/focus_ring.hpp"
 #include "haptogram/link/live_feed.hpp"
+#include "haptogram/link/transfer.hpp"
 
 namespace haptogram::link {
+namespace {
 
-StreamLines::StreamLines(const std::string& path, std::uint16_t dwell, std::uint32_t records)
-    : name_(path == "-" ? "standard input" : path),
-      descriptor_(path == "-" ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC)),
-      dwell_(dwell),
-      records_(records) {
-    if (descriptor_ < 0)
-        throw bad_input(path,
-                        fmt::format("cannot be opened: {}; check the path", std::generic_category().message(errno)));
-}
-
-StreamLines::~StreamLines() {
-    if (descriptor_ != STDIN_FILENO) ::close(descriptor_);
-}
-
-std::optional<SequenceEntry> StreamLines::next(std::chrono::milliseconds patience) {
-    std::size_t newline = text_.find('\n');
-    while (newline == std::string::npos && !ended_ && fill(patience)) newline = text_.find('\n');
-    if (newline == std::string::npos && !(ended_ && !text_.empty())) return {};
-    const std::string line = text_.substr(0, newline);
-    text_.erase(0, newline == std::string::npos ? newline : newline + 1);
-    ++number_;
-    return parse(line);
-}
-
-bool StreamLines::fill(std::chrono::milliseconds patience) {
-    pollfd wait{descriptor_, POLLIN, 0};
-    if (::poll(&wait, 1, static_cast<int>(patience.count())) <= 0) return false;
-    std::array<char, 4096> buffer{};
-    const ssize_t count = ::read(descriptor_, buffer.data(), buffer.size());
-    if (count < 0 && errno == EINTR) return false;
-    if (count < 0) throw bad_input(name_, fmt::format("cannot be read: {}", std::generic_category().message(errno)));
-    ended_ = count == 0;
-    text_.append(buffer.data(), static_cast<std::size_t>(count));
-    return true;
-}
-
-SequenceEntry StreamLines::parse(const std::string& line) const {
-    const char* at = line.data();
-    const char* const end = line.data() + line.size();
-    const auto skip = [&] {
-        while (at != end && (*at == ' ' || *at == '\t' || *at == ',' || *at == '\r')) ++at;
-    };
-    SequenceEntry entry{0, dwell_};
-    skip();
-    const auto index = std::from_chars(at, end, entry.index);
-    at = index.ptr;
-    skip();
-    bool good = index.ec == std::errc();
-    if (good && at != end) {
-        const auto dwell = std::from_chars(at, end, entry.dwell);
-        at = dwell.ptr;
-        skip();
-        good = dwell.ec == std::errc() && at == end;
-    }
-    if (!good || entry.index > records_)
-        throw bad_input(fmt::format("{}:{}", name_, number_),
-                        fmt::format("found '{}', expected 'index' or 'index dwell': an index from 0 to {}, a dwell "
-                                    "from 0 to 65535 cycles",
-                                    line.substr(0, 40), records_));
-    return entry;
-}
-
-Played stream(Commands& device, const StreamSettings& settings, StreamSource& source, const Watch& watch) {
+template <class Entry, class Push>
+Played feed(Commands& device, const StreamSettings& settings, SourceOf<Entry>& source, std::size_t foci_each,
+            const Push& push, const Watch& watch) {
     using Clock = std::chrono::steady_clock;
     const std::chrono::milliseconds pause = keep_alive_pause(settings.watchdog_ms);
     const Status before = device.status();
@@ -101,8 +38,8 @@ Played stream(Commands& device, const StreamSettings& settings, StreamSource& so
     };
     {
         const Outputs on(device, settings.watchdog_ms, settings.warn);
-        LiveFeed fifo(device, device.identity());
-        std::optional<SequenceEntry> entry;
+        LiveFeed fifo(device, device.identity(), foci_each);
+        std::optional<Entry> entry;
         auto asked = Clock::now();
         while (go_on()) {
             if (Clock::now() - asked > pause) {
@@ -117,14 +54,13 @@ Played stream(Commands& device, const StreamSettings& settings, StreamSource& so
                 fifo.refresh();
                 continue;
             }
-            std::vector<std::uint16_t> indices;
-            const std::uint16_t dwell = entry->dwell;
-            while (entry && entry->dwell == dwell && indices.size() < fifo.room()) {
-                indices.push_back(entry->index);
+            std::vector<Entry> entries;
+            while (entry && entries.size() < fifo.room() && (entries.empty() || entry->dwell == entries[0].dwell)) {
+                entries.push_back(*entry);
                 entry = source.next(std::chrono::milliseconds(0));
             }
-            fifo.push(indices, dwell);
-            played.sent += indices.size();
+            push(fifo, entries);
+            played.sent += entries.size();
         }
         // Silence for good comes last: running out of indices would count as an underrun.
         while (go_on() && fifo.room() == 0) fifo.refresh();
@@ -143,6 +79,56 @@ Played stream(Commands& device, const StreamSettings& settings, StreamSource& so
     played.watchdog_trips = since(&Status::watchdog_trips);
     played.guard_trips = since(&Status::guard_trips);
     return played;
+}
+
+Played stream_entries(Commands& device, const StreamSettings& settings, StreamSource& source, const Watch& watch) {
+    const auto push = [](LiveFeed& fifo, const std::vector<SequenceEntry>& entries) {
+        std::vector<std::uint16_t> indices;
+        for (const SequenceEntry& entry : entries) indices.push_back(entry.index);
+        fifo.push(indices, entries[0].dwell);
+    };
+    return feed(device, settings, source, 0, push, watch);
+}
+
+}  // namespace
+
+Played stream(Commands& device, const StreamSettings& settings, StreamSource& source, const Watch& watch) {
+    if (settings.am.waveform.empty()) return stream_entries(device, settings, source, watch);
+    const Modulation modulation = modulation_of(settings.am, device);
+    if (device.identity().modulation_words == 0) {
+        GatedEntries gated(source, gate_of(modulation, settings.am.waveform));
+        return stream_entries(device, settings, gated, watch);
+    }
+    AmplitudesOnly checked(device, source);
+    const ModulationOn on(device, modulation, settings.warn);
+    return stream_entries(device, settings, checked, watch);
+}
+
+Played stream(Commands& device, const StreamSettings& settings, Image image, std::uint64_t loops,
+              const std::string& where, const Progress& progress, const Watch& watch) {
+    // The FIFO takes the sequence, which may be longer than the device's memory. The one that is there would play other
+    // records from now on.
+    std::vector<SequenceEntry> entries = std::exchange(image.sequence, {});
+    require_fits(image, device.identity(), where);
+    upload(device, image, progress);
+    RepeatedEntries source(std::move(entries), loops);
+    return stream(device, settings, source, watch);
+}
+
+Played stream(Commands& device, const StreamSettings& settings, FocusSource& source, const Watch& watch) {
+    const std::size_t each = make_ring(device).each;
+    const auto push = [each](LiveFeed& fifo, const std::vector<FocusEntry>& entries) {
+        std::vector<std::uint16_t> words;
+        for (const FocusEntry& entry : entries) {
+            // Records of several foci are filled up with the same one at amplitude 0.
+            FocusWords silent = entry.focus;
+            silent[3] &= 0x003fU;
+            words.insert(words.end(), entry.focus.begin(), entry.focus.end());
+            for (std::size_t i = 1; i < each; ++i) words.insert(words.end(), silent.begin(), silent.end());
+        }
+        fifo.push_foci(words, entries[0].dwell);
+    };
+    return feed(device, settings, source, each, push, watch);
 }
 
 std::uint16_t dwell_of(double rate, double carrier_hz) {

@@ -29,23 +29,31 @@ ordered_json to_json(const Identity& i) {
 }
 
 ordered_json to_json(const Status& s) {
-    return {{"outputs", s.enabled ? "on" : "off"},
-            {"stop_input", s.stopped ? "active" : "released"},
-            {"mode", to_string(s.mode)},
-            {"index", s.present_index},
-            {"live_level", s.live_level},
-            {"watchdog_ms", s.watchdog_ms},
-            {"underruns", s.underruns},
-            {"refused_records", s.refused_records},
-            {"frames_good", s.frames_good},
-            {"frames_damaged", s.frames_damaged},
-            {"frames_repeated", s.frames_repeated},
-            {"frames_refused", s.frames_refused},
-            {"watchdog_trips", s.watchdog_trips},
-            {"guard_trips", s.guard_trips},
-            {"modulated", s.modulated},
-            {"bent_periods", s.bent_periods},
-            {"far_foci", s.far_foci}};
+    ordered_json json{{"outputs", s.enabled ? "on" : "off"},
+                      {"stop_input", s.stopped ? "active" : "released"},
+                      {"mode", to_string(s.mode)},
+                      {"index", s.present_index},
+                      {"live_level", s.live_level},
+                      {"watchdog_ms", s.watchdog_ms},
+                      {"underruns", s.underruns},
+                      {"refused_records", s.refused_records},
+                      {"frames_good", s.frames_good},
+                      {"frames_damaged", s.frames_damaged},
+                      {"frames_repeated", s.frames_repeated},
+                      {"frames_refused", s.frames_refused},
+                      {"watchdog_trips", s.watchdog_trips},
+                      {"guard_trips", s.guard_trips},
+                      {"modulated", s.modulated},
+                      {"bent_periods", s.bent_periods},
+                      {"far_foci", s.far_foci},
+                      {"waiting", s.waiting},
+                      {"role", to_string(s.role)},
+                      {"in_step", s.in_step},
+                      {"numbered", s.numbered},
+                      {"sync_misses", s.sync_misses},
+                      {"sync_losses", s.sync_losses}};
+    if (s.period) json.update({{"late_changes", s.late_changes}, {"period", *s.period}});
+    return json;
 }
 
 ordered_json to_json(const std::vector<PortInfo>& ports) {
@@ -59,6 +67,16 @@ ordered_json to_json(const UploadReport& r) {
             {"frames", r.frames},           {"frames_written", r.frames_written},
             {"seconds", r.seconds},         {"retransmissions", r.retransmissions},
             {"link_losses", r.link_losses}, {"verified", r.verified}};
+}
+
+ordered_json to_json(const std::vector<Finding>& findings) {
+    ordered_json json = ordered_json::array();
+    for (const Finding& finding : findings) {
+        json.push_back(
+            {{"check", to_string(finding.check)}, {"outcome", to_string(finding.outcome)}, {"found", finding.found}});
+        if (!finding.advice.empty()) json.back()["advice"] = finding.advice;
+    }
+    return json;
 }
 
 ordered_json played_to_json(const Played& p) {

@@ -5,6 +5,7 @@
 
 #include "haptogram/link/play.hpp"
 #include "haptogram/link/port.hpp"
+#include "haptogram/link/self_test.hpp"
 #include "haptogram/link/transfer.hpp"
 
 namespace haptogram::link {
@@ -13,6 +14,7 @@ namespace haptogram::link {
 [[nodiscard]] nlohmann::ordered_json to_json(const Status& status);
 [[nodiscard]] nlohmann::ordered_json to_json(const std::vector<PortInfo>& ports);
 [[nodiscard]] nlohmann::ordered_json to_json(const UploadReport& report);
+[[nodiscard]] nlohmann::ordered_json to_json(const std::vector<Finding>& findings);
 /// Of playing from the device's memories.
 [[nodiscard]] nlohmann::ordered_json played_to_json(const Played& played);
 /// Of indices that went over the link.

@@ -2,7 +2,6 @@
 #include "haptogram/link/transfer.hpp"
 
 #include <fmt/core.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <chrono>
@@ -10,28 +9,12 @@
 #include <utility>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/link/memory.hpp"
 
 namespace haptogram::link {
 namespace {
 
 using interface::Command;
-
-/// What one frame carries of an image.
-struct Piece {
-    std::uint32_t address;
-    Bytes bytes;
-};
-
-template <class Word>
-void cut(std::vector<Piece>& pieces, std::uint32_t base, const std::vector<Word>& words, std::size_t bytes) {
-    const std::size_t most = bytes / sizeof(Word);
-    for (std::size_t at = 0; at < words.size(); at += most) {
-        Piece& piece = pieces.emplace_back(Piece{base + static_cast<std::uint32_t>(sizeof(Word) * at), {}});
-        for (std::size_t i = at; i < std::min(at + most, words.size()); ++i)
-            for (std::size_t byte = 0; byte < sizeof(Word); ++byte)
-                piece.bytes.push_back(static_cast<std::uint8_t>(words[i] >> (8 * byte)));
-    }
-}
 
 /// What a frame carries: a record, or as many bytes of anything else.
 std::size_t frame_bytes(const Image& image) { return std::size_t{2} * record_words(image.channels); }
@@ -51,67 +34,6 @@ std::vector<Piece> unread_pieces_of(const Image& image) {
     std::vector<Piece> pieces;
     cut(pieces, interface::geometry_base, geometry_words(image), frame_bytes(image));
     return pieces;
-}
-
-Bytes place_of(const Piece& piece) {
-    Bytes payload;
-    for (const unsigned shift : {0U, 8U, 16U, 24U})
-        payload.push_back(static_cast<std::uint8_t>(piece.address >> shift));
-    return payload;
-}
-
-/// A READ or DIGEST names the length of what it asks for; a WRITE carries the bytes themselves.
-Request asking(Command command, const Piece& piece) {
-    Request request{command, place_of(piece)};
-    for (const unsigned shift : {0U, 8U})
-        request.payload.push_back(static_cast<std::uint8_t>(piece.bytes.size() >> shift));
-    return request;
-}
-
-Request writing(const Piece& piece) {
-    Request request{Command::write, place_of(piece)};
-    request.payload.insert(request.payload.end(), piece.bytes.begin(), piece.bytes.end());
-    return request;
-}
-
-/// The pieces that the device does not hold, told by their digests.
-std::vector<Piece> differing(Commands& device, const std::vector<Piece>& pieces, const Progress& progress) {
-    std::vector<Request> requests;
-    requests.reserve(pieces.size());
-    for (const Piece& piece : pieces) requests.push_back(asking(Command::digest, piece));
-    const std::vector<Reply> replies = device.pipeline(std::move(requests), progress);
-    std::vector<Piece> found;
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
-        const auto digest = static_cast<std::uint32_t>(
-            ::crc32(0, pieces[i].bytes.data(), static_cast<unsigned>(pieces[i].bytes.size())));
-        const Bytes expected = {static_cast<std::uint8_t>(digest), static_cast<std::uint8_t>(digest >> 8),
-                                static_cast<std::uint8_t>(digest >> 16), static_cast<std::uint8_t>(digest >> 24)};
-        if (replies[i].data != expected) found.push_back(pieces[i]);
-    }
-    return found;
-}
-
-/// What the device holds from an address on, read in frames of at most a record.
-Bytes contents(Commands& device, const Identity& identity, std::uint32_t address, std::size_t bytes,
-               const Progress& progress) {
-    const std::size_t most = std::size_t{2} * record_words(identity.channels) / 4 * 4;  // whole words of either memory
-    std::vector<Request> requests;
-    for (std::size_t at = 0; at < bytes; at += most)
-        requests.push_back(
-            asking(Command::read, {address + static_cast<std::uint32_t>(at), Bytes(std::min(most, bytes - at))}));
-    Bytes found;
-    for (const Reply& reply : device.pipeline(std::move(requests), progress))
-        found.insert(found.end(), reply.data.begin(), reply.data.end());
-    return found;
-}
-
-template <class Word>
-std::vector<Word> words_of(const Bytes& bytes) {
-    std::vector<Word> words(bytes.size() / sizeof(Word));
-    for (std::size_t i = 0; i < words.size() * sizeof(Word); ++i)
-        words[i / sizeof(Word)] =
-            static_cast<Word>(words[i / sizeof(Word)] | Word{bytes[i]} << (8U * (i % sizeof(Word))));
-    return words;
 }
 
 /// Connects again after a loss, for as long as is left of `wait_s`. @return empty when the device did not come back
@@ -139,10 +61,8 @@ Uploaded upload(Commands& device, const Image& image, const Progress& progress) 
     const std::vector<Piece> pieces = pieces_of(image);
     const std::vector<Piece> unread = unread_pieces_of(image);
     const std::vector<Piece> wrong = differing(device, pieces, progress.between(0.0, 0.05));
-    std::vector<Request> requests;
-    requests.reserve(unread.size() + wrong.size());
-    for (const Piece& piece : unread) requests.push_back(writing(piece));
-    for (const Piece& piece : wrong) requests.push_back(writing(piece));
+    std::vector<Request> requests = writing(unread);
+    std::ranges::move(writing(wrong), std::back_inserter(requests));
     device.pipeline(std::move(requests), progress.between(0.05, 0.95));
     const std::vector<Piece> still = differing(device, wrong, progress.between(0.95, 1.0));
     if (!still.empty())
@@ -158,9 +78,7 @@ void write_settings(Commands& device, const Image& image) {
     std::vector<Piece> pieces = unread_pieces_of(image);
     cut(pieces, interface::parameters_base, parameters_words(image), frame_bytes(image));
     cut(pieces, interface::modulation_base, modulation_words(image), frame_bytes(image));
-    std::vector<Request> requests;
-    for (const Piece& piece : pieces) requests.push_back(writing(piece));
-    device.pipeline(std::move(requests));
+    device.pipeline(writing(pieces));
 }
 
 void start_modulation(Commands& device, const Image& image) {
@@ -202,8 +120,8 @@ DeviceSequence download_sequence(Commands& device, const std::string& where, boo
     if (length >= identity.sequence_depth || (length == 0 && !empty_is_good))
         throw Error(ErrorCode::device, where,
                     fmt::format("the sequence header in its memory says {} entries; upload an image first", length));
-    const auto words = words_of<std::uint32_t>(
-        contents(device, identity, interface::sequence_base, 4 * (length + std::size_t{1}), {}));
+    const auto words =
+        words_of<std::uint32_t>(contents(device, interface::sequence_base, 4 * (length + std::size_t{1}), {}));
     DeviceSequence found{{}, static_cast<std::uint16_t>(header::loops.get(words))};
     for (std::size_t i = 1; i < words.size(); ++i)
         found.entries.push_back({static_cast<std::uint16_t>(entry::index.get(&words[i])),
@@ -230,8 +148,7 @@ Image download(Commands& device, const Identity& identity, std::uint32_t records
     image.sequence = std::move(sequence.entries);
     image.loops = sequence.loops;
     const std::size_t bytes = std::size_t{2} * record_words(identity.channels) * records;
-    take_records(image, words_of<std::uint16_t>(contents(device, identity, interface::primary_base, bytes, progress)),
-                 where);
+    take_records(image, words_of<std::uint16_t>(contents(device, interface::primary_base, bytes, progress)), where);
     return image;
 }
 

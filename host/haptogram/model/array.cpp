@@ -121,17 +121,28 @@ void read_transducer(Transducer& transducer, const std::string& file, const toml
 }  // namespace
 
 std::string Array::unreachable(Vec3 focus) const {
-    if (focus.z <= 0.0) return "on or behind the array";
+    if (faces.empty() && focus.z <= 0.0) return "on or behind the array";
     for (std::size_t m = 0; m < elements.size(); ++m) {
         const double range = distance(focus, elements[m].position);
         if (range < nearest_m)
             return fmt::format("{:.2f} mm from element {}, nearer than {:.2f} mm", range / millimetre, m,
                                nearest_m / millimetre);
     }
-    const double angle = std::atan2(std::hypot(focus.x, focus.y), focus.z);
-    if (angle > reach_angle_rad)
-        return fmt::format("{:.1f}° off the axis, beyond {:.1f}°", angle / degree, reach_angle_rad / degree);
-    return {};
+    const auto from = [this](Vec3 seen) -> std::string {
+        if (seen.z <= 0.0) return "on or behind the array";
+        const double angle = std::atan2(std::hypot(seen.x, seen.y), seen.z);
+        if (angle > reach_angle_rad)
+            return fmt::format("{:.1f}° off the axis, beyond {:.1f}°", angle / degree, reach_angle_rad / degree);
+        return {};
+    };
+    if (faces.empty()) return from(focus);
+    std::string reasons;
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+        const std::string reason = from(faces[i].inwards(focus));
+        if (reason.empty()) return {};
+        reasons += faces.size() == 1 ? reason : fmt::format("{}unit {}: {}", i == 0 ? "" : "; ", i + 1, reason);
+    }
+    return reasons;
 }
 
 Array load_array(const std::filesystem::path& path) {

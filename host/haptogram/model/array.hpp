@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "haptogram/model/medium.hpp"
+#include "haptogram/model/pose.hpp"
 #include "haptogram/model/transducer.hpp"
 #include "haptogram/model/vec3.hpp"
 
@@ -29,7 +30,9 @@ struct Array {
     std::uint32_t columns = 0;      ///< of the grid; 0 when the elements form no grid
     double carrier_hz = 40e3;
     double duty = 0.5;             ///< of the carrier period, (0, 0.5]
-    double reach_angle_rad = 1.0;  ///< a focal point lies within this angle of the axis, seen from the origin
+    std::vector<Pose> faces;       ///< of an array that was joined from several (rig.hpp): where each stands
+    double reach_angle_rad = 1.0;  ///< a focal point lies within this angle of the axis, seen from the origin; of a
+                                   ///< joined array, for at least one of its faces
     double nearest_m = 0.0;        ///< and no nearer than this to any element; by default where the far field begins,
                                    ///< 10·d²/4λ (Haptogram eq. 10)
     Medium medium;

@@ -1,26 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "haptogram/model/array.hpp"
 
 namespace haptogram {
-
-/// Where something is and how it is turned: its origin and its axes, given in the surrounding frame.
-struct Pose {
-    Vec3 origin;
-    Vec3 x{1.0, 0.0, 0.0}, y{0.0, 1.0, 0.0}, z{0.0, 0.0, 1.0};  ///< of length 1, right-handed
-
-    /// From its own coordinates of a point to those in the surrounding frame; inwards() does the reverse.
-    [[nodiscard]] Vec3 outwards(Vec3 p) const { return origin + turned(p); }
-    [[nodiscard]] Vec3 inwards(Vec3 p) const;
-    /// The same for a direction.
-    [[nodiscard]] Vec3 turned(Vec3 d) const { return d.x * x + d.y * y + d.z * z; }
-};
-
-/// The pose of something that is turned by angles in degrees about the fixed x, then y, then z axis, and then moved.
-[[nodiscard]] Pose pose_of(Vec3 origin, Vec3 angles_deg);
 
 /// An array in its place.
 struct PosedArray {
@@ -33,16 +19,22 @@ struct PosedArray {
 struct Rig {
     std::string name;
     std::vector<PosedArray> arrays;
-
-    /// Why a focal point cannot be reached, in words; empty when it can: it must be within reach of at least one array,
-    /// and far enough from the elements of all.
-    [[nodiscard]] std::string unreachable(Vec3 focus) const;
+    std::string file{};  ///< where it was read from, for messages
 };
 
-/// All of a rig's elements as one array in the rig's frame, for everything that computes with elements. Its reach is
-/// that of the first array alone, so ask the rig what can be reached.
-/// @throws Error{bad_argument} when the rig is empty, or its arrays differ in carrier, duty, air or transducer
+/// All of a rig's elements as one array in the rig's frame, for everything that computes with elements. A focal point
+/// is within its reach that is within that of at least one of the arrays, and far enough from the elements of all.
+/// @throws Error{bad_argument} when the rig is empty, or its arrays differ in carrier, duty, air, transducer or reach
 [[nodiscard]] Array joined(const Rig& rig);
+
+/// Reads a rig file (TOML); host/arrays/README.md describes its keys.
+/// @throws Error{bad_input} naming the file, the line and the key, also for unknown keys, for arrays that cannot play
+/// together, and for units that stand in each other
+[[nodiscard]] Rig load_rig(const std::filesystem::path& path);
+
+/// Finds `name` as a path, or among the shipped rigs.
+[[nodiscard]] Rig find_rig(const std::string& name);
+[[nodiscard]] std::vector<std::string> shipped_rigs();
 
 /// The array in the coordinates of a pose: what its elements look like from there. A plane that lies obliquely to the
 /// array is an even plane in the coordinates of its own pose, and so is the array's field on it.

@@ -47,11 +47,12 @@ private:
                 square = std::max(square, dot(way, way));
             }
         const double radius = std::sqrt(square);
-        const bool clear = tells(last_, middle, radius);  // often the last point that was asked for tells enough
-        if (!clear) last_ = {middle, -solid_.distance(middle)};
-        if (clear || tells(last_, middle, radius)) {
+        Known known = last_;  // often the last point that was asked for tells enough
+        if (!tells(known, middle, radius)) known = {middle, roughly(middle)};
+        if (!tells(known, middle, radius)) known = last_ = {middle, -solid_.distance(middle)};
+        if (tells(known, middle, radius)) {
             for (std::size_t r = row; r < end_row; ++r)
-                for (std::size_t c = column; c < end_column; ++c) map_.depth[r * region_.columns + c] = last_.depth;
+                for (std::size_t c = column; c < end_column; ++c) map_.depth[r * region_.columns + c] = known.depth;
         } else if (level + 1 == sizes.size()) {
             points(row, end_row, column, end_column);
         } else {
@@ -67,22 +68,25 @@ private:
         return std::abs(known.depth) - distance(point, known.point) > radius;
     }
 
+    /// A depth with the right sign that is not farther from 0 than the right one; 0 when nothing but the distance
+    /// tells.
+    [[nodiscard]] double roughly(Vec3 point) const { return solid_.bound ? -solid_.bound(point) : 0.0; }
+
     /// Each point, unless one that is known tells that the surface is farther than its neighbours.
     void points(std::size_t row, std::size_t end_row, std::size_t column, std::size_t end_column) {
-        const Known middle = last_;
+        std::array<Known, sizes.back() * sizes.back() + 1> known;
+        std::size_t count = 0;
+        known[count++] = last_;
         for (std::size_t r = row; r < end_row; ++r) {
             for (std::size_t c = column; c < end_column; ++c) {
                 const Vec3 p = region_.point(r, c);
-                double& depth = map_.depth[r * region_.columns + c];
                 const double edge = farthest_neighbour(r, c);
-                if (tells(middle, p, edge)) {
-                    depth = middle.depth;
-                } else if (tells(last_, p, edge)) {
-                    depth = last_.depth;
-                } else {
-                    depth = -solid_.distance(p);
-                    last_ = {p, depth};
-                }
+                const auto tells_enough = [&](const Known& one) { return tells(one, p, edge); };
+                const auto end = known.begin() + static_cast<std::ptrdiff_t>(count);
+                const auto found = std::find_if(known.begin(), end, tells_enough);
+                Known here = found != end ? *found : Known{p, roughly(p)};
+                if (!tells_enough(here)) here = known[count++] = last_ = {p, -solid_.distance(p)};
+                map_.depth[r * region_.columns + c] = here.depth;
             }
         }
     }

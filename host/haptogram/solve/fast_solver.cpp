@@ -358,6 +358,7 @@ struct FastSolver::State {
     WaveModel model;
     std::vector<std::unique_ptr<WaveBlock>> blocks;
     std::vector<Vec3> centres;
+    std::vector<double> radii;  ///< of the blocks around their centres
 
     State(const Array& given, std::size_t most_foci, const Options& chosen) : array(given), options(chosen) {
         const std::size_t elements = array.elements.size();
@@ -404,6 +405,9 @@ struct FastSolver::State {
             blocks.push_back(std::make_unique<WaveBlock>());
             centre_block(x.data(), y.data(), z.data(), count, centre, *blocks.back());
             centres.push_back(centre);
+            double radius = 0.0;
+            for (std::size_t i = 0; i < count; ++i) radius = std::max(radius, distance(centre, Vec3{x[i], y[i], z[i]}));
+            radii.push_back(radius);
         }
     }
 
@@ -447,7 +451,9 @@ struct FastSolver::State {
                                      1.0F,
                                      0.0F,
                                      0.0F,
-                                     1.0F};
+                                     1.0F,
+                                     static_cast<float>(range * range)};
+            blocks[b]->far = range - radii[b] >= range / 3.0;
             sum_waves(model, *blocks[b], {&source, 1}, re + first, im + first);
             first += blocks[b]->count;
         }

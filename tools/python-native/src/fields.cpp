@@ -5,6 +5,7 @@
 
 #include "haptogram/acoustics/field.hpp"
 #include "haptogram/acoustics/propagation.hpp"
+#include "haptogram/analysis/focus_analysis.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/model/rig.hpp"
 #include "native.hpp"
@@ -73,15 +74,18 @@ py::array_t<std::complex<float>> pressure_py(const Array& array, const Complexes
     return owned(std::move(found));
 }
 
+/// z × y × x.
+std::vector<py::ssize_t> shape_of(const Grid& grid) {
+    std::vector<py::ssize_t> shape;
+    for (const auto* axis : {&grid.z, &grid.y, &grid.x}) shape.push_back(static_cast<py::ssize_t>(axis->size()));
+    return shape;
+}
+
 struct PressureOnGrid {
     py::array_t<std::complex<float>> values;
     const char* method;
     double error, pattern_error;
 };
-
-const char* name_of(FieldMethod method) {
-    return method == FieldMethod::sums ? "sums" : method == FieldMethod::shifts ? "shifts" : "interpolated";
-}
 
 PressureOnGrid pressure_on_py(const Array& array, const Complexes& drives, const Doubles& x_m, const Doubles& y_m,
                               const Doubles& z_m, unsigned threads, double interpolation_error, double pattern_error) {
@@ -92,9 +96,8 @@ PressureOnGrid pressure_on_py(const Array& array, const Complexes& drives, const
         const py::gil_scoped_release unlocked;
         found = pressure_field(array, played, grid, options_of(threads, interpolation_error, pattern_error));
     }
-    const auto size = [](const std::vector<double>& axis) { return static_cast<py::ssize_t>(axis.size()); };
-    return {owned<std::complex<float>>(std::move(found.values), {size(grid.z), size(grid.y), size(grid.x)}),
-            name_of(found.method), found.error, found.pattern_error};
+    return {owned<std::complex<float>>(std::move(found.values), shape_of(grid)), name_of(found.method), found.error,
+            found.pattern_error};
 }
 
 py::array_t<std::complex<float>> gradient_py(const Array& array, const Complexes& drives, const Doubles& points_m,
@@ -110,10 +113,8 @@ py::array_t<std::complex<float>> gradient_py(const Array& array, const Complexes
     return owned<std::complex<float>>(std::move(found), {points_m.shape(0), 3});
 }
 
-py::array_t<float> mean_square_py(const Array& array, const Complexes& drives, const Doubles& weights,
-                                  const Doubles& points_m, unsigned threads) {
+std::vector<WeightedDrives> sequence_of(const Complexes& drives, const Doubles& weights) {
     const auto shares = row_of(weights, "weights");
-    const auto points = points_of(points_m, "points_m");
     if (drives.ndim() != 2 || static_cast<std::size_t>(drives.shape(0)) != shares.size())
         throw bad_argument("drives",
                            fmt::format("expected an array of {} × elements, a row for each weight", shares.size()));
@@ -121,12 +122,48 @@ py::array_t<float> mean_square_py(const Array& array, const Complexes& drives, c
     std::vector<WeightedDrives> sequence;
     for (std::size_t r = 0; r < shares.size(); ++r)
         sequence.push_back({shares[r], {drives.data() + r * elements, elements}});
+    return sequence;
+}
+
+py::array_t<float> mean_square_py(const Array& array, const Complexes& drives, const Doubles& weights,
+                                  const Doubles& points_m, unsigned threads) {
+    const auto sequence = sequence_of(drives, weights);
+    const auto points = points_of(points_m, "points_m");
     std::vector<float> found;
     {
         const py::gil_scoped_release unlocked;
         found = mean_square_pressure_at(array, sequence, points, options_of(threads, 0.0, 0.0));
     }
     return owned(std::move(found));
+}
+
+struct MeanSquareOnGrid {
+    py::array_t<float> values;
+    const char* method;
+    double error;
+};
+
+MeanSquareOnGrid mean_square_on_py(const Array& array, const Complexes& drives, const Doubles& weights,
+                                   const Doubles& x_m, const Doubles& y_m, const Doubles& z_m, unsigned threads,
+                                   double interpolation_error) {
+    const auto sequence = sequence_of(drives, weights);
+    const Grid grid{axis_of(x_m, "x_m"), axis_of(y_m, "y_m"), axis_of(z_m, "z_m")};
+    MeanSquareField found;
+    {
+        const py::gil_scoped_release unlocked;
+        found = mean_square_field(array, sequence, grid, options_of(threads, interpolation_error, 0.0));
+    }
+    return {owned<float>(std::move(found.values), shape_of(grid)), name_of(found.method), found.error};
+}
+
+py::array_t<float> workspace_py(const Array& array, const Doubles& x_m, const Doubles& y_m, const Doubles& z_m) {
+    const Grid grid{axis_of(x_m, "x_m"), axis_of(y_m, "y_m"), axis_of(z_m, "z_m")};
+    std::vector<float> found;
+    {
+        const py::gil_scoped_release unlocked;
+        found = workspace(array, grid);
+    }
+    return owned<float>(std::move(found), shape_of(grid));
 }
 
 Vec3 vec3_of(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
@@ -189,6 +226,12 @@ void add_fields(py::module_& module) {
         .def_readonly("pattern_error", &PressureOnGrid::pattern_error,
                       "Of the directivity, relative to the amplitude on the axis.");
 
+    py::class_<MeanSquareOnGrid>(module, "MeanSquareField", "Mean squares on a grid, and how far they may be off.")
+        .def_readonly("values", &MeanSquareOnGrid::values, "float32, z × y × x, Pa².")
+        .def_readonly("method", &MeanSquareOnGrid::method, "sums, shifts or interpolated.")
+        .def_readonly("error", &MeanSquareOnGrid::error,
+                      "Of the rms pressure: of the largest that the drives, with any phases, could make.");
+
     module.def("array_names", &shipped_arrays, "The shipped arrays.");
     module.def(
         "join",
@@ -216,6 +259,12 @@ void add_fields(py::module_& module) {
     module.def("mean_square", &mean_square_py, py::arg("array"), py::arg("drives"), py::arg("weights"),
                py::arg("points_m"), py::kw_only(), py::arg("threads") = 0U,
                "Mean square of the pressure (float32), Pa²: drives are sets × elements, with a weight each.");
+    module.def("mean_square_on", &mean_square_on_py, py::arg("array"), py::arg("drives"), py::arg("weights"),
+               py::arg("x_m"), py::arg("y_m"), py::arg("z_m"), py::kw_only(), py::arg("threads") = 0U,
+               py::arg("interpolation_error") = 1e-4,
+               "The same on straight axes: a line, a plane or a volume; oblique ones by Array.seen_from().");
+    module.def("workspace", &workspace_py, py::arg("array"), py::arg("x_m"), py::arg("y_m"), py::arg("z_m"),
+               "Pressure amplitude (float32, z × y × x) that a lone focus has at each point; NaN out of reach.");
 }
 
 }  // namespace haptogram::python

@@ -116,6 +116,30 @@ auto of_points(Of of) {
     };
 }
 
+Excitation excitation_of_drives(const Array& array, const Complexes& drives, const std::optional<Doubles>& weights,
+                                const std::optional<Doubles>& foci_m) {
+    if (drives.ndim() != 2 || static_cast<std::size_t>(drives.shape(1)) != array.elements.size())
+        throw bad_argument("drives",
+                           fmt::format("expected an array of sets × {}, the array's elements", array.elements.size()));
+    Excitation found;
+    found.array = array;
+    found.title = "given drives";
+    const auto sets = static_cast<std::size_t>(drives.shape(0)), elements = array.elements.size();
+    for (std::size_t r = 0; r < sets; ++r)
+        found.drives.emplace_back(drives.data() + r * elements, drives.data() + (r + 1) * elements);
+    found.weights.assign(sets, 1.0);
+    if (weights) {
+        const auto given = row_of(*weights, "weights");
+        if (given.size() != sets)
+            throw bad_argument("weights",
+                               fmt::format("found {} for {} sets of drives; give one each", given.size(), sets));
+        found.weights.assign(given.begin(), given.end());
+    }
+    if (foci_m)
+        for (const Vec3& p : points_of(*foci_m, "foci_m")) found.foci.push_back(p);
+    return found;
+}
+
 Excitation excitation_in(const Source& source) {
     const py::gil_scoped_release unlocked;
     return open_excitation(source, interruptible());
@@ -182,6 +206,10 @@ void add_verbs(py::module_& module) {
             },
             py::arg("array"), py::arg("focus_m"), "Exact phases for one focal point, at full strength.")
         .def_static(
+            "of_drives", &excitation_of_drives, py::arg("array"), py::arg("drives"), py::arg("weights") = py::none(),
+            py::arg("foci_m") = py::none(),
+            "Of sets × elements of drives (Pa m), each for its weight's share of the time; foci are for pictures.")
+        .def_static(
             "of_pulses",
             [](const std::string& pulses, const std::string& manifest) {
                 Source source;
@@ -207,7 +235,21 @@ void add_verbs(py::module_& module) {
         .def_property_readonly("x_m", [](const Field& f) { return owned(std::vector<double>(f.region.grid.x)); })
         .def_property_readonly("y_m", [](const Field& f) { return owned(std::vector<double>(f.region.grid.y)); })
         .def_property_readonly("z_m", [](const Field& f) { return owned(std::vector<double>(f.region.grid.z)); })
+        .def(
+            "point_m",
+            [](const Field& f, std::size_t index) {
+                if (index >= f.region.grid.size())
+                    throw bad_argument("index",
+                                       fmt::format("found {}; the field has {} points", index, f.region.grid.size()));
+                const Vec3 p = f.region.point(index);
+                return owned(std::vector<double>{p.x, p.y, p.z});
+            },
+            py::arg("index"), "Where a point lies in the array's frame, counted as in values.ravel().")
         .def_readonly("quantity", &Field::quantity)
+        .def_property_readonly(
+            "method", [](const Field& f) { return name_of(f.method); }, "sums, shifts or interpolated.")
+        .def_readonly("error", &Field::error,
+                      "Of the largest pressure, or velocity, that the drives, with any phases, could make.")
         .def(
             "to_npy", [](const Field& f) { return py::bytes(to_npy(f)); }, "The bytes of the program's .npy file.")
         .def(
@@ -217,6 +259,27 @@ void add_verbs(py::module_& module) {
                py::arg("step_m") = 1e-3, py::arg("x_m") = py::none(), py::arg("y_m") = py::none(),
                py::arg("z_m") = py::none(), py::arg("quantity") = "radiation", py::arg("threads") = 0U,
                "The sound field of an excitation, as the program computes it. Regions are texts in mm: xy@z=130.");
+
+    py::class_<FocusAnalysis>(module, "FocusAnalysis", "What a focal point is like while it plays alone.")
+        .def_readonly("pressure_pa", &FocusAnalysis::pressure_pa, "Amplitude at the asked point.")
+        .def_readonly("radiation_pa", &FocusAnalysis::radiation_pa)
+        .def_readonly("width_m", &FocusAnalysis::width_m, "Full width at half of the radiation pressure.")
+        .def_readonly("depth_m", &FocusAnalysis::depth_m)
+        .def_readonly("side_lobe", &FocusAnalysis::side_lobe, "Highest radiation pressure beside it, over its peak.")
+        .def_readonly("force_n", &FocusAnalysis::force_n)
+        .def_property_readonly("formation_s", [](const FocusAnalysis& f) { return f.formation.formation_s; });
+    module.def(
+        "analyze_focus",
+        [](const Array& array, const Complexes& drives, const Point& focus, const std::string& core) {
+            const auto played = row_of(drives, "drives");
+            const py::gil_scoped_release unlocked;
+            if (played.size() != array.elements.size())
+                throw bad_argument("drives", fmt::format("found {} for {} elements; give one each", played.size(),
+                                                         array.elements.size()));
+            return analyze(array, find_core(core), played, Vec3{focus[0], focus[1], focus[2]});
+        },
+        py::arg("array"), py::arg("drives"), py::arg("focus_m"), py::kw_only(), py::arg("core") = "tile-100",
+        "What a focal point is like. The core, a board or a configuration, adds its time to load a record.");
 
     py::class_<ImageAnalysis>(module, "ImageAnalysis", "What each focus of an image is like, and how loud it is.")
         .def_property_readonly("foci_m",

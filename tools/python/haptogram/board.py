@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from .errors import device_error
-from .interface import IDENTITY_FIELDS, IDENTITY_WORDS, NAME, STATUS_FIELDS, STATUS_WORDS, VERSION, BitField, Mode, unpack
+from .interface import IDENTITY_FIELDS, IDENTITY_WORDS, NAME, STATUS_FIELDS, STATUS_UNTIMED_WORDS, STATUS_WORDS, VERSION, BitField, Mode, Role, unpack
 
 
 def _unpack(fields: dict[str, BitField], words: list[str], data: bytes) -> dict[str, int]:
@@ -66,9 +66,21 @@ class Status:
     modulated: bool  # the modulation runs
     bent_periods: int
     far_foci: int
+    role: str  # a name of Role, in lower case
+    in_step: bool  # of a slave: its carrier cycles begin with the master's
+    numbered: bool  # they have the master's numbers, too
+    sync_misses: int
+    sync_losses: int
+    waiting: bool  # a start, a modulation or pushed indices wait for their time
+    late_changes: int  # that came too late for their carrier period
+    period: int | None  # number of the carrier period at the pins since reset; None on boards that keep no time
 
     @classmethod
     def parse(cls, data: bytes) -> "Status":
-        values = _unpack(STATUS_FIELDS, STATUS_WORDS, data)
+        values = _unpack(STATUS_FIELDS, STATUS_WORDS[:STATUS_UNTIMED_WORDS], data)
         mode = Mode(values.pop("mode")).name.lower()
-        return cls(enabled=bool(values.pop("enabled")), stopped=bool(values.pop("stopped")), modulated=bool(values.pop("modulated")), mode=mode, **values)
+        period = values.pop("period") | values.pop("period_high") << STATUS_FIELDS["period"].width
+        values["period"] = period if len(data) >= 2 * len(STATUS_WORDS) else None
+        role = Role(values.pop("role")).name.lower()
+        flags = {name: bool(values.pop(name)) for name in ("enabled", "stopped", "modulated", "in_step", "numbered", "waiting")}
+        return cls(mode=mode, role=role, **flags, **values)

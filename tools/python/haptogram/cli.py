@@ -71,6 +71,9 @@ def parser() -> Parser:
     how.add_argument("--once", action="store_true", help="not over and over; the last sample stays")
     how.add_argument("--off", action="store_true", help="end the modulation")
 
+    sync = add(device, "sync", commands.device_sync, "reset the board, and then keep its carrier cycles in step with other boards over the wire SYNC", port)
+    sync.add_argument("role", choices=("alone", "master", "slave"))
+
     upload = add(sub, "upload", commands.upload, "write into a board's memories what differs from an image, and check it by digests", port)
     upload.add_argument("image", help="Intel HEX image")
     upload.add_argument("--verify", action="store_true", help="also read it back and compare every byte")

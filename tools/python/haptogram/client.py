@@ -19,14 +19,21 @@ from .interface import (
     PARAMETERS_WORDS,
     PRIMARY_BASE,
     RECORD_HEADER_WORDS,
+    RING_BASE,
+    RING_FIELDS,
+    RING_WORDS,
     SEQUENCE_BASE,
     SEQUENCE_HEADER_FIELDS,
     Command,
+    Feature,
+    Role,
     pack,
     unpack,
 )
 from .port import Port
 from .session import Line, Session
+
+GATE_AT_END = (1 << 48) - 1  # a period that means the end of what plays
 
 
 class Client:
@@ -88,17 +95,71 @@ class Client:
     def select(self, index: int, dwell: int = 0) -> None:
         self._ask(Command.SELECT, index, dwell)
 
-    def push(self, indices: Sequence[int], dwell: int) -> int:
-        """Appends indices to the live FIFO, all or none; returns how many entries it holds now."""
+    def _gate(self, period: int | None, at_end: bool = False) -> None:
+        """What the next command waits for: a carrier period, the end of what plays, or nothing."""
+        if period is None and not at_end:
+            return
+        if period is not None and at_end:
+            raise bad_input("period", "expected either a period or the end of what plays")
+        if not self.identity.features >> Feature.SCHEDULE & 1:
+            raise device_error("board", "its changes cannot wait; that takes a board with the parameter SCHEDULE")
+        if period is not None and not 0 < period < GATE_AT_END:
+            raise bad_input("period", f"{period}, expected 1 to {GATE_AT_END - 1}")
+        gate = GATE_AT_END if period is None else period
+        self._ask(Command.GATE, gate & 0xFFFF, gate >> 16 & 0xFFFF, gate >> 32)
+
+    def push(self, indices: Sequence[int], dwell: int, period: int | None = None) -> int:
+        """Appends indices to the live FIFO, all or none; returns how many entries it holds now. They are not played before the
+        carrier period of this number; status() tells the present one."""
+        self._gate(period)
         return self._ask(Command.PUSH, dwell, *indices).live_level
 
-    def start(self, first: int = 1, length: int = 0, loops: int = 0) -> None:
-        """With length 0 as the sequence's header says."""
+    def push_foci(self, foci: Sequence[Focus], dwell: int) -> int:
+        """Appends foci to the live FIFO, each a record of its own, all or none; returns how many entries it holds now. make_ring()
+        must have laid the ring for them."""
+        each = self.parameters()["foci_last"] + 1
+        filled = [one for focus in foci for one in (focus, *[focus._replace(amplitude=0.0)] * (each - 1))]
+        data = b"".join(focus.pack() for focus in filled)
+        return self._ask(Command.PUSH_FOCI, dwell, *struct.unpack(f"<{len(data) // 2}H", data)).live_level
+
+    def make_ring(self) -> None:
+        """Lays the ring for push_foci() behind everything else at the end of primary memory. An image of foci must have been
+        uploaded, which says where the channels are and how many foci a record has; it stays."""
+        if not self.identity.features >> Feature.LIVE_FOCI & 1:
+            raise device_error("board", "it takes no foci while it plays; that takes a board with the parameter FOCI")
+        says = self.parameters()
+        base, stored, each = says["foci_base"], says["foci_count"], says["foci_last"] + 1
+        if not says["gain"] or not stored:
+            raise device_error("board", "it holds no image of foci, which says where its channels are; upload one first")
+        fours = self.identity.records * (self.identity.channels + RECORD_HEADER_WORDS) // 4
+        room = min((fours - base) // each, 65535 - self.identity.records)
+        count = self.identity.live_depth + 1
+        before = room - count
+        ring = pack(RING_FIELDS, 2 * len(RING_WORDS), base=base + before * each, first=self.identity.records + 1 + before, count=count) if before > 0 else b""
+        is_there = stored == room and self.read(RING_BASE, 2 * len(RING_WORDS)) == ring
+        if before <= 0 or (stored > before and not is_there):
+            raise device_error("board", f"its memory has room for {room} focus records behind the image's other records, and the image has {stored}; "
+                               f"{count} more are needed for the ring of those that wait; upload a smaller image")  # fmt: skip
+        self.write(PARAMETERS_BASE + 2 * PARAMETERS_WORDS.index("foci_count"), struct.pack("<H", room))
+        self.write(RING_BASE, ring)
+
+    def start(self, first: int = 1, length: int = 0, loops: int = 0, period: int | None = None, at_end: bool = False) -> None:
+        """With length 0 as the sequence's header says. It begins at once, not before the carrier period of this number, or at the
+        end of what plays."""
+        self._gate(period, at_end)
         self._ask(Command.START, first, length, loops)
 
-    def modulate(self, divider: int, length: int = 0, loop: bool = True) -> None:
-        """Multiplies all amplitudes by samples of the modulation memory, each for `divider` carrier periods; 0 ends that."""
-        self._ask(Command.MODULATE, divider, length, int(loop))
+    def modulate(self, divider: int, length: int = 0, loop: bool = True, first: int = 0, period: int | None = None, at_end: bool = False) -> None:
+        """Multiplies all amplitudes by samples of the modulation memory from the first on, which is even, each for `divider` carrier
+        periods; 0 ends that. It begins as start() does."""
+        if first % 2 or not 0 <= first <= 65534:
+            raise bad_input("first", f"sample {first}, expected an even number up to 65534")
+        self._gate(period, at_end)
+        self._ask(Command.MODULATE, divider, length, first | int(loop))
+
+    def set_role(self, role: Role) -> None:
+        """Resets the board, and then keeps its carrier cycles in step with other boards."""
+        self._ask(Command.SYNC, int(role))
 
     def set_watchdog(self, milliseconds: int) -> None:
         self._ask(Command.WATCHDOG, milliseconds)

@@ -14,6 +14,7 @@ from .client import Client
 from .driving import keep_alive_pause, play, stream
 from .errors import ErrorCode, HaptogramError, bad_input, device_error
 from .image import Image
+from .interface import Feature, Role
 from .lines import batches
 
 
@@ -95,6 +96,13 @@ def device_modulate(options: argparse.Namespace) -> None:
         if options.samples > most:
             raise HaptogramError(ErrorCode.USAGE, "--samples", f"the board holds {most} samples, not {options.samples}")
         board.modulate(0 if options.off else options.divider, options.samples, not options.once)
+
+
+def device_sync(options: argparse.Namespace) -> None:
+    with connect(options) as board:
+        if not board.identity.features >> Feature.SYNC & 1:
+            raise device_error("board", "this board has no SYNC")
+        board.set_role(Role[options.role.upper()])
 
 
 def upload(options: argparse.Namespace) -> None:

@@ -4,7 +4,7 @@ import enum
 from typing import NamedTuple
 
 NAME = 'Haptogram'
-VERSION = (2, 0)
+VERSION = (2, 1)
 PRIMARY_BASE = 0x00000000
 SEQUENCE_BASE = 0x10000000
 IDENTITY_BASE = 0x20000000
@@ -12,6 +12,7 @@ STATUS_BASE = 0x30000000
 PARAMETERS_BASE = 0x50000000
 GEOMETRY_BASE = 0x60000000
 MODULATION_BASE = 0x70000000
+RING_BASE = 0x80000000
 DESCRIPTION_BASE = 0x40000000
 RECORD_HEADER_WORDS = 4
 SILENT_TIMING = 0xffff
@@ -32,9 +33,11 @@ LINK_KEEP_ALIVE_MS = 100
 LINK_KEEP_ALIVE_SHARE = 5
 
 IDENTITY_WORDS = ["name_0", "name_1", "name_2", "name_3", "name_4", "name_5", "name_6", "name_7", "version", "channels", "records", "sequence_depth", "live_depth", "bits", "clock_hz_low", "clock_hz_high", "features", "frame_bytes", "min_pulse_clocks", "max_pulse_clocks", "max_duty_256", "max_cycle_low", "max_cycle_high", "width_bits", "foci", "modulation_words"]
-STATUS_WORDS = ["flags", "present_index", "underruns", "refused_records", "frames_good", "frames_damaged", "frames_repeated", "watchdog_trips", "guard_trips", "live_level", "watchdog_ms", "frames_refused", "bent_periods", "far_foci"]
+STATUS_WORDS = ["flags", "present_index", "underruns", "refused_records", "frames_good", "frames_damaged", "frames_repeated", "watchdog_trips", "guard_trips", "live_level", "watchdog_ms", "frames_refused", "bent_periods", "far_foci", "sync", "sync_misses", "sync_losses", "late_changes", "period_low", "period_middle", "period_high"]
 PARAMETERS_WORDS = ["foci_base", "foci_count", "foci_form", "foci_cycle", "wave_number_low", "wave_number_high", "gain", "slew_mode", "phase_rate", "amplitude_rate", "arrival_periods"]
+RING_WORDS = ["base", "first", "count"]
 DESCRIPTION_WORDS = ["magic", "format", "channels", "records", "sequence_words", "bits", "clock_hz_low", "clock_hz_high", "board_records", "modulation_samples", "modulation_divider", "min_pulse_clocks"]
+STATUS_UNTIMED_WORDS = 17  # of boards without schedule
 
 
 class BitField(NamedTuple):
@@ -104,6 +107,7 @@ STATUS_FIELDS = {
     "mode": BitField(1, 2),
     "stopped": BitField(3, 1),
     "modulated": BitField(4, 1),
+    "waiting": BitField(5, 1),
     "present_index": BitField(16, 16),
     "underruns": BitField(32, 16),
     "refused_records": BitField(48, 16),
@@ -117,6 +121,14 @@ STATUS_FIELDS = {
     "frames_refused": BitField(176, 16),
     "bent_periods": BitField(192, 16),
     "far_foci": BitField(208, 16),
+    "role": BitField(224, 2),
+    "in_step": BitField(226, 1),
+    "numbered": BitField(227, 1),
+    "sync_misses": BitField(240, 16),
+    "sync_losses": BitField(256, 16),
+    "late_changes": BitField(272, 16),
+    "period": BitField(288, 32),
+    "period_high": BitField(320, 16),
 }
 PARAMETERS_FIELDS = {
     "foci_base": BitField(0, 16),
@@ -130,6 +142,11 @@ PARAMETERS_FIELDS = {
     "phase_rate": BitField(128, 16),
     "amplitude_rate": BitField(144, 16),
     "arrival": BitField(160, 12),
+}
+RING_FIELDS = {
+    "base": BitField(0, 16),
+    "first": BitField(16, 16),
+    "count": BitField(32, 16),
 }
 DESCRIPTION_FIELDS = {
     "magic": BitField(0, 16),
@@ -161,6 +178,9 @@ class Feature(enum.IntEnum):
     MODULATION = 5
     SLEW = 6
     FOCI = 7
+    SCHEDULE = 8
+    LIVE_FOCI = 9
+    SYNC = 12
 
 
 class Mode(enum.IntEnum):
@@ -168,6 +188,12 @@ class Mode(enum.IntEnum):
     SINGLE = 1
     SEQUENCE = 2
     LIVE = 3
+
+
+class Role(enum.IntEnum):
+    ALONE = 0
+    MASTER = 1
+    SLAVE = 2
 
 
 class Command(enum.IntEnum):
@@ -186,6 +212,9 @@ class Command(enum.IntEnum):
     KEEP_ALIVE = 0x0d
     RESET = 0x0e
     MODULATE = 0x0f
+    GATE = 0x10
+    PUSH_FOCI = 0x11
+    SYNC = 0x18
 
 
 class Status(enum.IntEnum):
@@ -200,3 +229,5 @@ class Status(enum.IntEnum):
     BAD_RANGE = 0x08
     FIFO_FULL = 0x09
     STOPPED = 0x0a
+    GATE_BUSY = 0x0b
+    OUT_OF_STEP = 0x10

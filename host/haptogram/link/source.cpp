@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/link/source.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <system_error>
+#include <utility>
+
+#include "haptogram/base/error.hpp"
+
+namespace haptogram::link {
+
+namespace {
+
+/// The numbers of a line, with blanks, tabs or commas between; none when something else is in it.
+std::optional<std::vector<double>> numbers_in(const std::string& line) {
+    std::vector<double> numbers;
+    const char* at = line.data();
+    const char* const end = line.data() + line.size();
+    for (;;) {
+        while (at != end && (*at == ' ' || *at == '\t' || *at == ',' || *at == '\r')) ++at;
+        if (at == end) return numbers;
+        double number = 0.0;
+        const auto parsed = std::from_chars(at, end, number);
+        if (parsed.ec != std::errc()) return {};
+        numbers.push_back(number);
+        at = parsed.ptr;
+    }
+}
+
+constexpr double most_dwell = 65535.0;
+
+bool is_whole(double number, double most) { return number >= 0.0 && number <= most && number == std::floor(number); }
+
+}  // namespace
+
+LiveText::LiveText(const std::string& path)
+    : name_(path == "-" ? "standard input" : path),
+      descriptor_(path == "-" ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+    if (descriptor_ < 0)
+        throw bad_input(path,
+                        fmt::format("cannot be opened: {}; check the path", std::generic_category().message(errno)));
+}
+
+LiveText::~LiveText() {
+    if (descriptor_ != STDIN_FILENO) ::close(descriptor_);
+}
+
+std::optional<std::string> LiveText::next(std::chrono::milliseconds patience) {
+    std::size_t newline = text_.find('\n');
+    while (newline == std::string::npos && !ended_ && fill(patience)) newline = text_.find('\n');
+    if (newline == std::string::npos && !(ended_ && !text_.empty())) return {};
+    std::string line = text_.substr(0, newline);
+    text_.erase(0, newline == std::string::npos ? newline : newline + 1);
+    ++number_;
+    return line;
+}
+
+bool LiveText::fill(std::chrono::milliseconds patience) {
+    pollfd wait{descriptor_, POLLIN, 0};
+    if (::poll(&wait, 1, static_cast<int>(patience.count())) <= 0) return false;
+    std::array<char, 4096> buffer{};
+    const ssize_t count = ::read(descriptor_, buffer.data(), buffer.size());
+    if (count < 0 && errno == EINTR) return false;
+    if (count < 0) throw bad_input(name_, fmt::format("cannot be read: {}", std::generic_category().message(errno)));
+    ended_ = count == 0;
+    text_.append(buffer.data(), static_cast<std::size_t>(count));
+    return true;
+}
+
+std::string LiveText::where() const { return fmt::format("{}:{}", name_, number_); }
+
+std::optional<SequenceEntry> StreamLines::next(std::chrono::milliseconds patience) {
+    const std::optional<std::string> line = text_.next(patience);
+    if (!line) return {};
+    const auto numbers = numbers_in(*line);
+    const bool good = numbers && (numbers->size() == 1 || numbers->size() == 2) &&
+                      is_whole(numbers->front(), records_) && is_whole(numbers->back(), most_dwell);
+    if (!good)
+        throw bad_input(text_.where(),
+                        fmt::format("found '{}', expected 'index' or 'index dwell': an index from 0 to {}, a dwell "
+                                    "from 0 to 65535 cycles",
+                                    line->substr(0, 40), records_));
+    return SequenceEntry{static_cast<std::uint16_t>(numbers->front()),
+                         numbers->size() == 2 ? static_cast<std::uint16_t>(numbers->back()) : dwell_};
+}
+
+std::optional<FocusEntry> FocusLines::next(std::chrono::milliseconds patience) {
+    const std::optional<std::string> line = text_.next(patience);
+    if (!line) return {};
+    const auto numbers = numbers_in(*line);
+    const std::size_t count = numbers ? numbers->size() : 0;
+    if (count < 3 || count > 5 || (count == 5 && !is_whole(numbers->back(), most_dwell)))
+        throw bad_input(text_.where(),
+                        fmt::format("found '{}', expected 'x y z', 'x y z amplitude' or 'x y z amplitude dwell': "
+                                    "millimetres, an amplitude from 0 to 1, a dwell from 0 to 65535 cycles",
+                                    line->substr(0, 40)));
+    const std::vector<double>& n = *numbers;
+    try {
+        const Vec3 position{n[0] * millimetre, n[1] * millimetre, n[2] * millimetre};
+        return FocusEntry{pack_focus({position, count > 3 ? n[3] : 1.0}),
+                          count == 5 ? static_cast<std::uint16_t>(n[4]) : dwell_};
+    } catch (const Error& error) {
+        throw bad_input(text_.where(), error.message());
+    }
+}
+
+RepeatedEntries::RepeatedEntries(std::vector<SequenceEntry> pass, std::uint64_t passes, std::uint64_t most_periods)
+    : pass_(std::move(pass)), entries_(passes * pass_.size()), most_periods_(most_periods) {}
+
+std::optional<SequenceEntry> RepeatedEntries::next(std::chrono::milliseconds) {
+    if (ended()) return {};
+    SequenceEntry entry = pass_[taken_++ % pass_.size()];
+    if (most_periods_ != 0)
+        entry.dwell = static_cast<std::uint16_t>(std::min<std::uint64_t>(entry.dwell, most_periods_ - periods_));
+    periods_ += entry.dwell;
+    return entry;
+}
+
+bool RepeatedEntries::ended() const {
+    return pass_.empty() || (entries_ != 0 && taken_ == entries_) || (most_periods_ != 0 && periods_ == most_periods_);
+}
+
+}  // namespace haptogram::link

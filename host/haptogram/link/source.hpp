@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "haptogram/image/image.hpp"
+
+namespace haptogram::link {
+
+/// Where a stream's entries come from.
+template <class Entry>
+class SourceOf {
+public:
+    SourceOf() = default;
+    SourceOf(const SourceOf&) = delete;
+    SourceOf& operator=(const SourceOf&) = delete;
+    virtual ~SourceOf() = default;
+    /// The next entry, waiting for it at most so long; empty when there is none yet.
+    virtual std::optional<Entry> next(std::chrono::milliseconds patience) = 0;
+    /// Whether no entry will come any more.
+    [[nodiscard]] virtual bool ended() const = 0;
+};
+using StreamSource = SourceOf<SequenceEntry>;
+
+/// A focus for so many carrier cycles.
+struct FocusEntry {
+    FocusWords focus{};
+    std::uint16_t dwell = 1;
+};
+using FocusSource = SourceOf<FocusEntry>;
+
+/// The lines of a file, a pipe or a terminal, as they come.
+class LiveText {
+public:
+    /// @param path  "-" is standard input
+    /// @throws Error{bad_input} when it cannot be opened
+    explicit LiveText(const std::string& path);
+    LiveText(const LiveText&) = delete;
+    LiveText& operator=(const LiveText&) = delete;
+    ~LiveText();
+
+    /// The next line without its end; empty when there is none yet.
+    std::optional<std::string> next(std::chrono::milliseconds patience);
+    [[nodiscard]] bool ended() const { return ended_ && text_.empty(); }
+    /// The last line, for messages.
+    [[nodiscard]] std::string where() const;
+
+private:
+    bool fill(std::chrono::milliseconds patience);
+
+    std::string name_;
+    int descriptor_;
+    std::string text_;
+    std::size_t number_ = 0;
+    bool ended_ = false;
+};
+
+/// Entries from lines: a line is 'index' or 'index dwell', with blanks, tabs or commas between.
+class StreamLines final : public StreamSource {
+public:
+    /// @param dwell    of a line that says none, in carrier cycles
+    /// @param records  the highest index
+    /// @throws Error{bad_input} when the file cannot be opened; next() when a line is wrong, with its number
+    StreamLines(const std::string& path, std::uint16_t dwell, std::uint32_t records)
+        : text_(path), dwell_(dwell), records_(records) {}
+
+    std::optional<SequenceEntry> next(std::chrono::milliseconds patience) override;
+    [[nodiscard]] bool ended() const override { return text_.ended(); }
+
+private:
+    LiveText text_;
+    std::uint16_t dwell_;
+    std::uint32_t records_;
+};
+
+/// Foci from lines: a line is 'x y z', 'x y z amplitude' or 'x y z amplitude dwell', in millimetres in the array's
+/// frame, the amplitude from 0 to 1 and 1 if it is not there, with blanks, tabs or commas between.
+class FocusLines final : public FocusSource {
+public:
+    /// As StreamLines.
+    FocusLines(const std::string& path, std::uint16_t dwell) : text_(path), dwell_(dwell) {}
+
+    std::optional<FocusEntry> next(std::chrono::milliseconds patience) override;
+    [[nodiscard]] bool ended() const override { return text_.ended(); }
+
+private:
+    LiveText text_;
+    std::uint16_t dwell_;
+};
+
+/// A sequence that is repeated.
+class RepeatedEntries final : public StreamSource {
+public:
+    /// @param passes        0: for ever
+    /// @param most_periods  the last entry is cut where these carrier periods end; 0: no limit
+    RepeatedEntries(std::vector<SequenceEntry> pass, std::uint64_t passes, std::uint64_t most_periods = 0);
+
+    std::optional<SequenceEntry> next(std::chrono::milliseconds patience) override;
+    [[nodiscard]] bool ended() const override;
+
+private:
+    std::vector<SequenceEntry> pass_;
+    std::uint64_t entries_, most_periods_;  // 0: no limit
+    std::uint64_t taken_ = 0, periods_ = 0;
+};
+
+}  // namespace haptogram::link

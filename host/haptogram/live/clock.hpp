@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <functional>
+
+namespace haptogram::live {
+
+/// The time that a loop lives in. It is given, never looked up, because a simulated board's time is not the wall's.
+struct Clock {
+    std::function<double()> now_s;
+    std::function<void(double until_s)> wait_until;  ///< returns at once when that has passed
+};
+
+/// The machine's own clock, from 0 at this call on.
+[[nodiscard]] Clock steady_clock();
+
+}  // namespace haptogram::live

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "haptogram/hand/solid.hpp"
+#include "haptogram/shape/shape.hpp"
+
+namespace haptogram {
+
+/// One boundary element: a flat triangle, on which the pressure is that at its centre.
+struct Panel {
+    Vec3 centre, normal;  ///< the normal has length 1 and points out of the body
+    double area = 0.0;
+    double longest_edge = 0.0;
+};
+
+/// A rigid body in the sound field: a closed surface, and its panels, one a triangle and in the same order.
+struct Body {
+    std::string name;
+    Mesh mesh;  ///< without repeated vertices or triangles that are lines
+    std::vector<Panel> panels;
+    Solid solid;  ///< the same body as a signed distance
+    double area = 0.0, volume = 0.0;
+
+    /// Of an equilateral triangle with the mean area of the panels, metres.
+    [[nodiscard]] double mean_edge() const;
+    [[nodiscard]] double longest_edge() const;
+};
+
+/// Makes a body of a surface.
+/// @param name  for messages
+/// @throws Error{bad_input} naming the body, as mesh_solid(): when it is not closed, or turned inside out
+[[nodiscard]] Body body_of(Mesh mesh, const std::string& name);
+
+/// Panels are fine enough when they have `least` elements a wavelength along their mean edge, and two thirds of that
+/// along the longest.
+/// @throws Error{bad_input} naming the panel and what edge would do
+void require_fine(const Body& body, double wavelength_m, double least);
+
+}  // namespace haptogram

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "haptogram/scattering/boundary_matrix.hpp"
+#include "haptogram/scattering/incident.hpp"
+
+namespace haptogram {
+
+struct ScatteringOptions {
+    /// Of the equation's derivative along the normal, in units of 1/k. 0 leaves it out: then the error is large near
+    /// the resonances of the space that the body fills.
+    double coupling = 0.25;
+    double tolerance = 3e-4;  ///< of the residual, over the length of the right-hand side; far below the mesh's error
+    std::size_t most_rounds = 200;
+};
+
+/// Total sound pressures on a body's panels, and how they were found.
+struct SurfacePressures {
+    std::vector<std::vector<std::complex<float>>> pressure;  ///< Pa, one list an incident sound, one value a panel
+    std::size_t rounds = 0;                                  ///< of the iteration, the most of all; 0 without one
+    double residual = 0.0;  ///< relative: the largest of all; of a factorised matrix, that of a side of ones
+};
+
+/// A rigid body in air at one frequency: the total pressure on its skin for any sound that comes in, by boundary
+/// elements (boundary_matrix.hpp). It is made once a body; then each sound costs some products with its matrix, or,
+/// after factorise(), about two.
+class Scatterer {
+public:
+    /// @throws Error{bad_input} when the body has more panels than a matrix can have
+    Scatterer(const Body& body, double wave_number, const ScatteringOptions& options = {});
+
+    /// Takes the matrix apart, which costs as much as some dozens of sounds by iteration, for bodies of few panels
+    /// less.
+    void factorise();
+    [[nodiscard]] bool factorised() const { return factors_.has_value(); }
+    /// From how many sounds on factorise() saves time.
+    [[nodiscard]] std::size_t worth_factorising() const;
+
+    /// @throws Error{failed} when the iteration does not arrive
+    [[nodiscard]] SurfacePressures pressures(std::span<const IncidentSound> sounds) const;
+
+private:
+    ScatteringOptions options_;
+    Kernel kernel_;
+    DenseMatrix matrix_;  ///< empty once it is factorised
+    std::optional<Factors> factors_;
+    double factors_residual_ = 0.0;
+};
+
+}  // namespace haptogram

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Delays what is said beside the pins as the pins are: by one tick and two clocks.
+//
+// With a tick come i_index, the record that it belongs to, and i_cycle_start, which says that it is the first of its cycle.
+`default_nettype none
+module beside_pins (
+    input  wire        clk,
+    input  wire        rst,
+    input  wire        i_tick,
+    input  wire        i_cycle_start,
+    input  wire [15:0] i_index,
+    output wire        o_cycle_start,
+    output wire [15:0] o_index
+);
+    reg        starts_q;  // the last tick was the first of a cycle
+    reg [15:0] index_q;   // the record of the last tick
+    reg [16:0] beside_0_q, beside_1_q;
+    always @(posedge clk) begin
+        if (rst) {starts_q, index_q, beside_0_q, beside_1_q} <= 51'd0;
+        else begin
+            if (i_tick) {starts_q, index_q} <= {i_cycle_start, i_index};
+            beside_0_q <= {i_tick && starts_q, i_tick ? index_q : beside_0_q[15:0]};
+            beside_1_q <= beside_0_q;
+        end
+    end
+    assign {o_cycle_start, o_index} = beside_1_q;
+endmodule
+`default_nettype wire

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Lets START, PUSH and MODULATE wait: for a carrier period, or START and MODULATE for the end of what plays.
+//
+// GATE says what the next of them waits for. One that waits has been answered already; here are its arguments and its turn. What
+// waits for a period goes on when i_count is one less, because a change takes effect with the next period; so it begins in the
+// period that was named, or, when its first record cannot be loaded in the time of one period, in a later one, never before. When
+// that moment had passed as the command came, it acts at once, and o_late strobes. There is one period at a time that things can wait
+// for: o_busy says that the arguments name another one.
+// Indices that are pushed behind a gate go into the live FIFO at once, and o_closed keeps the FIFO from giving them out. A START that
+// acts by itself empties the FIFO; if that happens while a PUSH is writing there, what is left of that PUSH is taken back, too.
+`default_nettype none
+`include "interface.vh"
+module schedule (
+    input  wire        clk,
+    input  wire        rst,
+    input  wire [47:0] i_count,       // the period at the pins
+    input  wire [1:0]  i_mode,
+    // Commands: strobes, and their arguments
+    input  wire        i_gate,
+    input  wire        i_select,
+    input  wire        i_start,
+    input  wire        i_stop,
+    input  wire        i_modulate,
+    input  wire        i_forget,      // a new session: no gate for its first command
+    input  wire [15:0] i_argument_0,
+    input  wire [15:0] i_argument_1,
+    input  wire [15:0] i_argument_2,
+    output wire        o_busy,        // GATE would be refused with these arguments; valid two clocks after they are in place
+    output wire        o_at_end,      // the next command waits for the end of what plays
+    // START, to index_source
+    output wire        o_start,       // strobe
+    output wire        o_follow,      // a START waits for the end of what plays
+    input  wire        i_followed,    // strobe: it has begun
+    output wire [15:0] o_argument_0,
+    output wire [15:0] o_argument_1,
+    output wire [15:0] o_argument_2,
+    // PUSH, to live_fifo and index_source
+    input  wire        i_push,
+    input  wire        i_keep,
+    input  wire        i_take_back,
+    input  wire        i_clear,       // strobe: the FIFO is emptied
+    output wire        o_keep,
+    output wire        o_take_back,
+    output wire        o_mark,        // strobe, with o_keep: what is kept is behind the gate
+    output wire        o_closed,      // what is behind the mark must wait
+    output wire        o_live,        // strobe: indices can be played
+    // MODULATE, to modulation
+    output wire        o_modulate,    // strobe: the arguments of the last MODULATE take effect
+    output wire        o_at_pass_end, // with o_modulate: when the samples' present pass has ended
+    output wire        o_waiting,
+    output wire        o_late         // strobe
+);
+    localparam [47:0] NONE = 48'd0, END = {48{1'b1}};
+
+    // ---- The gate
+
+    reg  [47:0] gate_q;     // the last period that was named
+    reg         armed_q;    // the next command waits
+    reg         at_end_q;   // for the end of what plays
+    reg         reached_q;  // the period is the next one, or has come
+    reg         differs_q;  // the arguments name another one
+    reg         start_q, follow_q, live_q, modulate_q;  // what waits; follow_q alone is not for the period
+    wire [47:0] named      = {i_argument_2, i_argument_1, i_argument_0};
+    wire        for_period = armed_q && !at_end_q;
+    wire        uses_gate  = i_start || i_keep || i_modulate;
+    assign o_busy    = differs_q && (start_q || live_q || modulate_q);
+    assign o_at_end  = armed_q && at_end_q;
+    assign o_waiting = start_q || follow_q || live_q || modulate_q;
+    assign o_late    = uses_gate && for_period && reached_q;
+
+    always @(posedge clk) begin
+        reached_q <= i_count + 48'd1 >= gate_q;
+        differs_q <= named != gate_q && named != NONE && named != END;
+        if (i_gate && named != NONE && named != END) gate_q <= named;
+        if (i_gate) {armed_q, at_end_q} <= {named != NONE, named == END};
+        else if (rst || uses_gate || i_stop || i_forget) armed_q <= 1'b0;
+    end
+
+    // ---- START
+
+    reg [47:0] waiting_q;  // its arguments
+    wire others = i_select || i_start || i_stop;
+    wire fires  = start_q && reached_q && !others;
+    assign o_start  = (i_start && !(armed_q && (at_end_q || !reached_q))) || fires;
+    assign o_follow = follow_q && !others;
+    assign {o_argument_2, o_argument_1, o_argument_0} = i_select || i_start ? named : waiting_q;
+
+    always @(posedge clk) begin
+        if (i_start) waiting_q <= named;
+        if (rst || i_select || i_stop || (o_live && i_mode != `HG_MODE_LIVE)) {start_q, follow_q} <= 2'b00;
+        else if (i_start) {start_q, follow_q} <= {for_period && !reached_q, armed_q && at_end_q};
+        else begin
+            if (fires) start_q <= 1'b0;
+            if (i_followed) follow_q <= 1'b0;
+        end
+    end
+
+    // ---- PUSH
+
+    reg  pushing_q;  // provisional indices are in the FIFO
+    reg  cut_q;      // some of them are gone
+    wire gated = for_period && !reached_q;
+    assign o_keep      = i_keep && !cut_q;
+    assign o_take_back = i_take_back || (i_keep && cut_q);
+    assign o_mark      = o_keep && gated && !live_q;
+    assign o_closed    = live_q;
+    assign o_live      = (o_keep && !gated && !live_q) || (live_q && reached_q);
+
+    always @(posedge clk) begin
+        if (rst || i_keep || i_take_back) {pushing_q, cut_q} <= 2'b00;
+        else begin
+            if (i_push) pushing_q <= 1'b1;
+            if (i_clear && (i_push || pushing_q)) cut_q <= 1'b1;
+        end
+        if (rst || i_clear) live_q <= 1'b0;
+        else if (o_mark) live_q <= 1'b1;
+        else if (reached_q) live_q <= 1'b0;
+    end
+
+    // ---- MODULATE
+
+    wire modulates = modulate_q && reached_q && !i_modulate;
+    assign o_modulate    = (i_modulate && !gated) || modulates;
+    assign o_at_pass_end = i_modulate && o_at_end;
+    always @(posedge clk) begin
+        if (rst || i_stop) modulate_q <= 1'b0;
+        else if (i_modulate) modulate_q <= gated;
+        else if (modulates) modulate_q <= 1'b0;
+    end
+
+`ifdef FORMAL
+    `include "formal/schedule.vh"
+`endif
+endmodule
+`default_nettype wire

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "clock.hpp"
+
+namespace haptogram::sim {
+
+/// Counts the carrier periods at the pins, and keeps what waits for one of them (rtl/README.md, contract 10).
+class Schedule {
+public:
+    using Arguments = std::array<std::uint16_t, 3>;
+
+    void reset() { *this = {}; }
+
+    /// A period begins at the pins in this clock.
+    void period_begins(Clock clock) {
+        ++count_;
+        begun_ = {clock, begun_[0], begun_[1]};
+    }
+    /// As a reply tells it that begins in this clock.
+    [[nodiscard]] std::uint64_t period(Clock clock) const { return counted(clock, count_clocks); }
+    [[nodiscard]] bool waiting() const { return start_ || follows_ || pushed_; }
+
+    // The gate.
+    void gate(std::uint64_t period) {
+        if (period != 0 && period != at_end) gate_ = period;
+        armed_ = period != 0;
+        at_end_ = period == at_end;
+    }
+    [[nodiscard]] bool busy(std::uint64_t period) const {
+        return (start_ || pushed_) && period != gate_ && period != 0 && period != at_end;
+    }
+    [[nodiscard]] bool for_the_end() const { return armed_ && at_end_; }
+    void forget() { armed_ = false; }
+
+    /// What a command that uses the gate does in this clock.
+    enum class Turn { now, waits, follows };
+    struct Use {
+        Turn turn;
+        bool late;
+    };
+    [[nodiscard]] Use use(Clock clock) {
+        const bool for_period = armed_ && !at_end_;
+        const Turn turn = for_the_end() ? Turn::follows : for_period && !reached(clock) ? Turn::waits : Turn::now;
+        armed_ = false;
+        return {turn, for_period && turn == Turn::now};
+    }
+
+    // What waits.
+    void start_waits(const Arguments& arguments) { start_ = arguments; }
+    void start_follows() { follows_ = true; }
+    void push_waits() { pushed_ = true; }
+    void drop_starts() { start_.reset(), follows_ = false; }
+    void drop_pushed() { pushed_ = false; }
+    [[nodiscard]] bool push_is_waiting() const { return pushed_; }
+
+    /// Whether what waits for the period goes on in this clock.
+    [[nodiscard]] bool opens(Clock clock) const { return (start_ || pushed_) && reached(clock); }
+    [[nodiscard]] std::optional<Arguments> take_start() {
+        const std::optional<Arguments> start = start_;
+        start_.reset();
+        return start;
+    }
+    /// The clock in which it does, as far as is known.
+    [[nodiscard]] Clock next() const {
+        if ((!start_ && !pushed_) || count_ + 1 < gate_) return never;
+        return begun_[std::min<std::uint64_t>(count_ + 1 - gate_, begun_.size() - 1)] + compare_clocks;
+    }
+
+private:
+    static constexpr std::uint64_t at_end = (std::uint64_t{1} << 48) - 1;
+    static constexpr Clock count_clocks = 2;    // from a period's beginning until it is counted
+    static constexpr Clock compare_clocks = 3;  // and until its number is compared
+
+    /// Without those that began fewer than `delay` clocks ago.
+    [[nodiscard]] std::uint64_t counted(Clock clock, Clock delay) const {
+        std::uint64_t known = count_;
+        for (const Clock begun : begun_)
+            if (known > 0 && clock < begun + delay) --known;
+        return known;
+    }
+    [[nodiscard]] bool reached(Clock clock) const { return counted(clock, compare_clocks) + 1 >= gate_; }
+
+    std::uint64_t count_ = 0;
+    std::array<Clock, 3> begun_{};  // the last periods, the latest one first
+    std::uint64_t gate_ = 0;
+    bool armed_ = false, at_end_ = false;
+    std::optional<Arguments> start_;
+    bool follows_ = false, pushed_ = false;
+};
+
+}  // namespace haptogram::sim

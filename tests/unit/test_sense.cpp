@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <ctime>
+#include <filesystem>
+#include <numbers>
+#include <random>
+
+#include "haptogram/base/file.hpp"
+#include "haptogram/base/process.hpp"
+#include "haptogram/hand/synthetic.hpp"
+#include "haptogram/sense/cloud.hpp"
+#include "haptogram/sense/depth_folder.hpp"
+#include "haptogram/sense/depth_png.hpp"
+#include "haptogram/sense/depth_renderer.hpp"
+#include "message_of.hpp"
+#include "recorded_depth.hpp"
+
+using namespace haptogram;
+using Catch::Contains;
+
+namespace {
+
+/// The largest set of pixels that touch each other at their sides; the others become 0.
+DepthPicture largest_component(const DepthPicture& picture, std::uint32_t width) {
+    std::vector<std::uint32_t> label(picture.size(), 0);
+    std::uint32_t labels = 0, best = 0;
+    std::size_t most = 0;
+    for (std::size_t start = 0; start < picture.size(); ++start) {
+        if (picture[start] == 0 || label[start] != 0) continue;
+        std::vector<std::size_t> waiting{start};
+        label[start] = ++labels;
+        std::size_t count = 0;
+        while (!waiting.empty()) {
+            const std::size_t at = waiting.back();
+            waiting.pop_back();
+            ++count;
+            const auto visit = [&](bool inside, std::size_t other) {
+                if (!inside || picture[other] == 0 || label[other] != 0) return;
+                label[other] = labels;
+                waiting.push_back(other);
+            };
+            visit(at % width > 0, at - 1);
+            visit((at + 1) % width > 0, at + 1);
+            visit(at >= width, at - width);
+            visit(at + width < picture.size(), at + width);
+        }
+        if (count > most) {
+            most = count;
+            best = labels;
+        }
+    }
+    DepthPicture kept(picture.size(), 0);
+    for (std::size_t i = 0; i < picture.size(); ++i)
+        if (label[i] == best) kept[i] = picture[i];
+    return kept;
+}
+
+}  // namespace
+
+TEST_CASE("sense: a recorded hand has as many points and cells as numpy finds (F2)") {
+    const auto folder = recorded_depth();
+    if (folder.empty()) {
+        WARN("skipped: there are no recorded depth frames in ../shared/data/depth");
+        return;
+    }
+    const DepthCamera camera;
+    DepthPicture picture = depth_from_png(read_file(folder / "130.png"), "130.png", camera);
+    for (auto& count : picture)
+        if (count * camera.unit_m >= 0.6) count = 0;
+    picture = largest_component(picture, camera.width);
+    CloudOptions options;
+    options.low = {-1, -1, 0.001};
+    options.high = {1, 1, 0.6};
+    options.window_px = 1;
+    CloudMaker maker(options);
+    const std::vector<Vec3> points = maker.points(camera, picture);
+    CHECK(points.size() == 20'360);
+    double nearest = 1.0, farthest = 0.0;
+    for (const Vec3& p : points) {
+        nearest = std::min(nearest, p.z);
+        farthest = std::max(farthest, p.z);
+    }
+    CHECK(nearest == Approx(0.4725).margin(5e-5));
+    CHECK(farthest == Approx(0.5990).margin(5e-5));
+    CHECK(voxel_grid(points, 0.5e-3).size() == 20'360);
+    CHECK(voxel_grid(points, 1e-3).size() == 20'350);
+    CHECK(voxel_grid(points, 2e-3).size() == 8'202);
+}
+
+TEST_CASE("sense: simulated cameras see a ball where it is, from four sides") {
+    const Vec3 middle{0.01, -0.02, 0.2};
+    const std::vector<RoundedBody> ball{{middle, {}, {}, 0.02}};
+    std::vector<DepthCamera> cameras = cameras_around(middle, 0.35, 4);
+    for (DepthCamera& camera : cameras) camera.unit_m = 1e-6 * 10;  // finer than real ones, to see the geometry
+    CloudOptions options;
+    options.window_px = 1;
+    options.cell_m = 0.0;
+    CloudMaker maker(options);
+    DepthShot shot;
+    for (const DepthCamera& camera : cameras) shot.pictures.emplace_back(render_depth(ball, camera));
+    const std::vector<Vec3> points = maker.cloud(cameras, shot);
+    REQUIRE(points.size() > 4000);
+    double worst = 0.0;
+    Vec3 low = middle, high = middle;
+    for (const Vec3& p : points) {
+        worst = std::max(worst, std::abs(distance(p, middle) - 0.02));
+        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+    CHECK(worst < 2e-5);  // half a count along a ray that grazes the ball
+    CHECK(high.x - low.x == Approx(0.04).margin(1e-4));
+    CHECK(high.y - low.y == Approx(0.04).margin(1e-4));
+    CHECK(high.z - low.z > 0.036);
+}
+
+TEST_CASE("sense: the noise of simulated depth is that of a stereo camera, and pixels at edges are missing") {
+    // A wall in front of the camera: a plate of 5 mm at 0.4 m.
+    DepthCamera camera = wide_depth_camera();
+    camera.unit_m = 1e-5;
+    const std::vector<RoundedBody> wall{{{0, 0, 0.405}, {0.05, 0, 0}, {0, 0.05, 0}, 0.005}};
+    DepthNoise noise;
+    noise.seed = std::random_device{}();
+    const DepthPicture clean = render_depth(wall, camera), noisy = render_depth(wall, camera, noise);
+    double sum = 0.0, squares = 0.0;
+    std::size_t flat = 0, lost = 0, seen = 0;
+    for (std::size_t i = 0; i < clean.size(); ++i) {
+        if (clean[i] == 0) continue;
+        ++seen;
+        if (noisy[i] == 0) ++lost;
+        if (noisy[i] == 0 || clean[i] != 40'000) continue;
+        const double off = (noisy[i] - clean[i]) * camera.unit_m;
+        sum += off;
+        squares += off * off;
+        ++flat;
+    }
+    REQUIRE(flat > 8000);
+    CHECK(std::sqrt(squares / static_cast<double>(flat)) == Approx(0.57e-3).epsilon(0.05));  // that of a D435 at 0.4 m
+    CHECK(std::abs(sum / static_cast<double>(flat)) < 5.0 * 0.57e-3 / std::sqrt(static_cast<double>(flat)));
+    CHECK(lost > 100);
+    CHECK(lost < seen / 20);
+}
+
+TEST_CASE("sense: the bilateral filter smooths a noisy wall and keeps an edge") {
+    DepthCamera camera = wide_depth_camera();
+    const std::vector<RoundedBody> walls{{{-0.03, 0, 0.405}, {0.028, 0, 0}, {0, 0.05, 0}, 0.005},
+                                         {{0.03, 0, 0.445}, {0.028, 0, 0}, {0, 0.05, 0}, 0.005}};
+    DepthNoise noise;
+    noise.edge_loss = 0.0;
+    CloudOptions options;
+    options.low = {-1, -1, 0.1};
+    options.high = {1, 1, 1};
+    options.cell_m = 0.0;
+    CloudMaker filtering(options);
+    options.window_px = 1;
+    CloudMaker plain(options);
+    const DepthPicture picture = render_depth(walls, camera, noise);
+    const auto spread = [](const std::vector<Vec3>& points, double z) {
+        double squares = 0.0;
+        std::size_t count = 0;
+        for (const Vec3& p : points)
+            if (std::abs(p.z - z) < 5e-3 && std::abs(p.y) < 0.04 && std::abs(std::abs(p.x) - 0.03) < 0.025) {
+                squares += (p.z - z) * (p.z - z);
+                ++count;
+            }
+        return std::sqrt(squares / static_cast<double>(count));
+    };
+    const std::vector<Vec3> rough = plain.points(camera, picture), smooth = filtering.points(camera, picture);
+    CHECK(rough.size() == smooth.size());
+    // White noise through a window of 5 × 5 with σ = 2 px keeps √(Σw²)/Σw = 0.22 of its amplitude.
+    CHECK(spread(smooth, 0.4) < 0.3 * spread(rough, 0.4));
+    CHECK(spread(smooth, 0.44) < 0.3 * spread(rough, 0.44));
+    std::size_t between = 0;
+    for (const Vec3& p : smooth)
+        if (p.z > 0.41 && p.z < 0.43 && std::abs(p.y) < 0.045) ++between;
+    CHECK(between < smooth.size() / 50);
+}
+
+TEST_CASE("sense: a recording gives back its shots, and says what is lost and what is damaged") {
+    const TemporaryFolder folder;
+    std::vector<DepthCamera> cameras = cameras_around({0, 0, 0.2}, 0.35, 2);
+    for (DepthCamera& camera : cameras) {
+        camera.width = 64;
+        camera.height = 48;
+    }
+    std::mt19937 random(std::random_device{}());
+    std::vector<DepthShot> shots;
+    {
+        const DepthRecorder recorder(folder.path() / "hand", cameras, 30.0);
+        for (const std::uint64_t number : {3U, 4U, 7U}) {
+            DepthShot shot{number, static_cast<double>(number) / 30.0, {}};
+            for (const DepthCamera& camera : cameras) {
+                DepthPicture picture(std::size_t{camera.width} * camera.height);
+                for (auto& count : picture) count = static_cast<std::uint16_t>(random());
+                shot.pictures.emplace_back(std::move(picture));
+            }
+            if (number == 4) shot.pictures[1].reset();
+            recorder.write(shot);
+            shots.push_back(std::move(shot));
+        }
+    }
+    DepthFolder read(folder.path() / "hand");
+    REQUIRE(read.cameras().size() == 2);
+    CHECK(read.cameras()[1].pose.origin == cameras[1].pose.origin);
+    CHECK(read.cameras()[1].pose.z == cameras[1].pose.z);
+    for (const DepthShot& shot : shots) {
+        const auto again = read.next();
+        REQUIRE(again.has_value());
+        CHECK(again->number == shot.number);
+        CHECK(again->time_s == Approx(shot.time_s));
+        CHECK(again->pictures == shot.pictures);
+    }
+    CHECK_FALSE(read.next().has_value());
+    CHECK_THAT(message_of([&] { DepthRecorder(folder.path() / "hand", cameras, 30.0); }), Contains("already"));
+
+    const auto first = folder.path() / "hand/camera1/000003.png";
+    const std::string good = read_file(first);
+    const auto says = [&](const std::string& content) {
+        write_file(first, content);
+        return message_of([&] { (void)DepthFolder(folder.path() / "hand").next(); });
+    };
+    CHECK_THAT(says(good.substr(0, good.size() / 2)), Contains("000003.png") && Contains("ends too early"));
+    CHECK_THAT(says("no picture"), Contains("000003.png") && Contains("PNG"));
+    DepthCamera other = cameras[0];
+    other.width = 32;
+    CHECK_THAT(says(depth_to_png(DepthPicture(std::size_t{32} * 48), other)),
+               Contains("32 x 48") && Contains("expected the camera's 64 x 48"));
+    write_file(folder.path() / "hand/camera1/hand.png", good);
+    CHECK_THAT(message_of([&] { DepthFolder(folder.path() / "hand"); }), Contains("hand.png") && Contains("number"));
+}
+
+TEST_CASE("sense: cameras.toml that cannot be used is refused with its line") {
+    const TemporaryFolder folder;
+    const std::string good = cameras_to_toml({DepthCamera{}}, 30.0);
+    const auto says = [&](const std::string& from, const std::string& to) {
+        std::string text = good;
+        text.replace(text.find(from), from.size(), to);
+        write_file(folder.path() / "cameras.toml", text);
+        return message_of([&] { DepthFolder(folder.path()); });
+    };
+    CHECK_THAT(says("haptogram-depth-1", "depth"), Contains("cameras.toml:1") && Contains("haptogram-depth-1"));
+    CHECK_THAT(says("width = 640", "width = 0"), Contains("cameras.toml:6") && Contains("width"));
+    CHECK_THAT(says("right = [1, 0, 0]", "right = [0, 0, 1]"), Contains("right angles"));
+    CHECK_THAT(says("unit_mm", "unit"), Contains("unknown key"));
+    CHECK_THAT(says("[[camera]]", "[camera]"), Contains("no camera"));
+    CHECK_THAT(says("rate_hz = 30", "rate_hz = 30"), Contains("camera1") && Contains("cannot be read"));
+}
+
+TEST_CASE("sense: a simulated hand is as large as its skin") {
+    const Hand hand = synthetic_hand(HandScript::press, 0.0, 0.2);
+    const std::vector<RoundedBody> bodies = bodies_of(hand);
+    DepthCamera camera = wide_depth_camera();
+    camera.pose = looking_at({0, 0, -0.15}, {0, 0, 0.2});
+    CloudOptions options;
+    options.window_px = 1;
+    CloudMaker maker(options);
+    const std::vector<Vec3> points = maker.points(camera, render_depth(bodies, camera));
+    REQUIRE(points.size() > 10'000);
+    const std::vector<SkinRegion> skin = palmar_surface(hand);
+    double worst = 0.0;
+    for (std::size_t i = 0; i < points.size(); i += 97) {
+        double least = 1.0;
+        for (const SkinRegion& region : skin)
+            least = std::min(least, distance(region.nearest(points[i]).position, points[i]));
+        worst = std::max(worst, least);
+    }
+    // The simulated camera looks at the palm's side; the rounded rim of the palm and of tips is not in the skin.
+    CHECK(worst < 15e-3);
+    const auto tip = hand.fingers[1]->joints[3];
+    double highest_y = 0.0;
+    for (const Vec3& p : points)
+        if (std::abs(p.x - tip.x) < 3e-3) highest_y = std::max(highest_y, p.y);
+    CHECK(highest_y == Approx(tip.y + 7.5e-3).margin(1e-3));
+}

@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The board files of constraints/, for scripts."""
+import tomllib
+from pathlib import Path
+
+BOARDS = Path(__file__).resolve().parent.parent / "constraints"
+
+
+class Unknown(Exception):
+    """There is no board of this name."""
+
+
+def names():
+    return sorted(p.stem for p in BOARDS.glob("*.toml"))
+
+
+def load(name):
+    """A board's file, with what it has from the board that it is like. `haptogram board list` checks files; this does not."""
+    path = BOARDS / f"{name}.toml"
+    if not path.exists():
+        raise Unknown(f"no board {name}; there are {', '.join(names())}")
+    own = tomllib.loads(path.read_text(encoding="utf-8"))
+    return load(own["like"]) | own if "like" in own else own
