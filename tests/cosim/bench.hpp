@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <random>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -131,13 +132,16 @@ private:
 };
 
 /// Words as they go over the link, low byte first.
-inline Bytes words(std::initializer_list<std::uint16_t> values) {
+inline Bytes words(std::span<const std::uint16_t> values) {
     Bytes bytes;
     for (const std::uint16_t value : values) {
         bytes.push_back(static_cast<std::uint8_t>(value));
         bytes.push_back(static_cast<std::uint8_t>(value >> 8));
     }
     return bytes;
+}
+inline Bytes words(std::initializer_list<std::uint16_t> values) {
+    return words(std::span(values.begin(), values.size()));
 }
 
 /// An image for a bench, with the given records and each of them for one cycle in the sequence.

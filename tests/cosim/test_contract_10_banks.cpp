@@ -282,7 +282,8 @@ TEST_CASE("contract 10: the count of carrier periods is that of the pins, and st
     auto g = generator();
     Banks bench(g);
     const Record slow = record(bench.channels(), 1000, 300, 1, 5);  // 300,000 clocks, longer than a reply takes
-    std::ranges::copy(primary_words(image_of(bench.channels(), {slow})), bench.board.primary_memory().begin());
+    const auto image = image_of(bench.channels(), {slow});
+    bench.client.write(interface::primary_base, words(primary_words(image)));
     bench.client.select(1, 0);
     bench.wait_for_index(1);
     for (int i = 0; i < 5; ++i) {

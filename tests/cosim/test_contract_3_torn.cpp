@@ -7,12 +7,7 @@ using namespace haptogram::test;
 namespace {
 
 link::Bytes record_bytes(const Record& r) {
-    link::Bytes bytes;
-    for (const std::uint16_t word : primary_words(image_of(static_cast<std::uint32_t>(r.timings.size()), {r}))) {
-        bytes.push_back(static_cast<std::uint8_t>(word));
-        bytes.push_back(static_cast<std::uint8_t>(word >> 8));
-    }
-    return bytes;
+    return words(primary_words(image_of(static_cast<std::uint32_t>(r.timings.size()), {r})));
 }
 
 }  // namespace
