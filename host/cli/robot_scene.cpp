@@ -22,7 +22,6 @@ namespace {
 
 using namespace fusion;
 using nlohmann::ordered_json;
-using robot::Vector3;
 
 /// What both modes have in common.
 struct SceneCommand {
@@ -51,16 +50,6 @@ struct TellCommand : SceneCommand {
     double height_mm = 250.0, range_mm = 100.0, cell_mm = 20.0, size_mm = 20.0;
     TellScene scene;
 };
-
-/// The places of the hand, in the robot's frame.
-std::vector<Vector3> way_of(const SceneCommand& command, Vec3 centre) {
-    std::vector<Vector3> way;
-    for (const std::string& text : command.way) {
-        const Vec3 place = parse_point_mm("way", text) - centre;
-        way.emplace_back(place.x, place.y, place.z);
-    }
-    return way;
-}
 
 void write_outputs(const SceneCommand& command, const std::string& title, const SceneRun& run, double carrier_hz,
                    const ordered_json& report) {
@@ -106,17 +95,11 @@ int play(const SceneCommand& command, const std::string& title, MakeScene make_s
     options.plant.seed = command.seed;
     const double carrier_hz = choose_timer(instrument.array, instrument.core).carrier_hz();
     const SharedClock clock = shared_clock(options.controller.admittance.period_s, carrier_hz);
-    const std::vector<Vector3> way = way_of(command, options.robot_centre);
-    const double speed = command.speed_mm_s * millimetre;
-    const double duration = seconds_along(way, speed) + command.wait_s;
-    options.start = way.front();
-    // A hand that carries a load wants to be higher than the load lets it be.
-    const double lift = weight_n / command.hand.stiffness_n_m;
-    options.user = robot::impedance_user(
-        command.hand, [there = along(way, speed), lift](double time) { return there(time) + lift * Vector3::UnitZ(); });
+    HandWay way{{}, command.speed_mm_s * millimetre, command.wait_s, command.hand, weight_n};
+    for (const std::string& place : command.way) way.places.push_back(parse_point_mm("way", place));
     const SceneRun run = [&] {
         ProgressLine progress("play");
-        return play_scene(make_scene(clock), options, instrument.array, tables, clock, duration, progress.callback());
+        return play_scene(make_scene(clock), way, options, instrument.array, tables, clock, progress.callback());
     }();
     std::vector<const Frame*> frames;
     for (const Period& period : run.periods) frames.push_back(&period.frame);
@@ -139,16 +122,12 @@ int play(const SceneCommand& command, const std::string& title, MakeScene make_s
                run.silent == 0
                    ? ""
                    : fmt::format("{} of {} points stay silent; the first: {}", run.silent, run.points, run.why));
-    double most = 0.0, apart = 0.0;
-    for (const Period& period : run.periods) {
-        most = std::max(most, Vector3(period.stimulus.wrench.head<3>()).norm());
-        apart = std::max(apart, Vector3(period.measured.head<3>() - period.user).norm());
-    }
-    report.add("most_force_n", most,
+    const SceneForces forces = forces_of(run);
+    report.add("most_force_n", forces.most_n,
                fmt::format("the cables rendered up to {:.3f} N; what the controller took for the user's force was "
                            "{:.3f} N off at most",
-                           most, apart));
-    report.add("most_force_off_n", apart);
+                           forces.most_n, forces.most_off_n));
+    report.add("most_force_off_n", forces.most_off_n);
     report.add("least_tension_n", run.least_tension_n);
     ordered_json events = ordered_json::array(), pins = ordered_json::array();
     for (const robot::Event& event : run.events) {
@@ -183,33 +162,15 @@ int explore(ExploreCommand command) {
         command.scene.weight_n);
 }
 
-/// What a sign is for the values 0 and 1, on the command line and inside.
-struct SignRange {
-    double low, high;
-    bool millimetres;
-};
-SignRange usual_range(PalmSign sign) {
-    switch (sign) {
-        case PalmSign::intensity: return {1.0, 4.0, false};
-        case PalmSign::frequency: return {80.0, 300.0, false};
-        case PalmSign::translation: return {-30.0, 30.0, true};
-        case PalmSign::rotation: return {0.0, 90.0, false};
-        case PalmSign::scaling: return {0.5, 2.0, false};
-    }
-    return {0.0, 1.0, false};
-}
-
 int tell_value(TellCommand command) {
     PalmPattern& pattern = command.scene.pattern;
     pattern.sign = palm_sign(command.sign);
-    pattern.shape = command.shape == "focus"  ? PalmShape::focus
-                    : command.shape == "line" ? PalmShape::line
-                                              : PalmShape::ring;
+    pattern.shape = palm_shape(command.shape);
     pattern.size_m = command.size_mm * millimetre;
     const SignRange usual = usual_range(pattern.sign);
-    const double unit = usual.millimetres ? millimetre : 1.0;
-    pattern.low = command.low.value_or(usual.low) * unit;
-    pattern.high = command.high.value_or(usual.high) * unit;
+    const double unit = pattern.sign == PalmSign::translation ? millimetre : 1.0;
+    pattern.low = command.low ? *command.low * unit : usual.low;
+    pattern.high = command.high ? *command.high * unit : usual.high;
     command.scene.value = palm_value(command.value);
     command.scene.height_m = command.height_mm * millimetre;
     command.scene.range_m = command.range_mm * millimetre;

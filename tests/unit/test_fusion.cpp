@@ -325,15 +325,10 @@ SceneRun played(const Scene& scene, const std::vector<Vector3>& way_mm, double w
     TogetherOptions options;
     options.geometry = robot::find_geometry();
     options.plant.seed = Catch::rngSeed();
-    std::vector<Vector3> way;
-    for (const Vector3& place : way_mm) way.push_back((place - Vector3(0, 0, 250)) * 1e-3);
-    options.start = way.front();
-    const robot::Impedance hand;
-    options.user = robot::impedance_user(hand, [there = along(way, speed_m_s), weight_n, hand](double time) {
-        return Vector3(there(time) + weight_n / hand.stiffness_n_m * Vector3::UnitZ());
-    });
+    HandWay way{{}, speed_m_s, wait_s, {}, weight_n};
+    for (const Vector3& place : way_mm) way.places.push_back(Vec3{place.x(), place.y(), place.z()} * 1e-3);
     const SharedClock clock = shared_clock(0.030, 40000.0);
-    return play_scene(scene, options, hoshi(), tables(), clock, seconds_along(way, speed_m_s) + wait_s);
+    return play_scene(scene, way, options, hoshi(), tables(), clock);
 }
 
 ExploreScene cube_and_surface() {

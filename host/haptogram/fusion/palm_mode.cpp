@@ -37,6 +37,24 @@ PalmSign palm_sign(const std::string& name) {
         "sign", fmt::format("found \"{}\", expected intensity, frequency, translation, rotation or scaling", name));
 }
 
+SignRange usual_range(PalmSign sign) {
+    switch (sign) {
+        case PalmSign::intensity: return {1.0, 4.0};
+        case PalmSign::frequency: return {80.0, 300.0};
+        case PalmSign::translation: return {-30e-3, 30e-3};
+        case PalmSign::rotation: return {0.0, 90.0};
+        case PalmSign::scaling: return {0.5, 2.0};
+    }
+    throw bad_argument("sign", "is none that a pattern has");
+}
+
+PalmShape palm_shape(const std::string& name) {
+    for (const auto& [known, shape] :
+         {std::pair("focus", PalmShape::focus), std::pair("line", PalmShape::line), std::pair("ring", PalmShape::ring)})
+        if (name == known) return shape;
+    throw bad_argument("pattern", fmt::format("found \"{}\", expected focus, line or ring", name));
+}
+
 Stimulus tell(const PalmPattern& pattern, double value, const Hand& palm, std::size_t points) {
     require_sound(pattern, points);
     if (!(value >= 0.0 && value <= 1.0))

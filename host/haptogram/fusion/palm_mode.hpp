@@ -16,7 +16,15 @@ enum class PalmSign { intensity, frequency, translation, rotation, scaling };
 /// "intensity", "frequency", "translation", "rotation" or "scaling". @throws Error{bad_argument} naming "sign"
 [[nodiscard]] PalmSign palm_sign(const std::string& name);
 
+/// What a sign is for the values 0 and 1 unless the user says otherwise, in the units of PalmPattern. Ours.
+struct SignRange {
+    double low, high;
+};
+[[nodiscard]] SignRange usual_range(PalmSign sign);
+
 enum class PalmShape { focus, line, ring };
+/// "focus", "line" or "ring". @throws Error{bad_argument} naming "pattern"
+[[nodiscard]] PalmShape palm_shape(const std::string& name);
 
 /// A pattern on the palm. The paper names the signs; the measures and ranges are ours. `low` and `high` are what the
 /// sign is for the values 0 and 1, linear between them.

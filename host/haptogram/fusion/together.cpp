@@ -99,6 +99,32 @@ SceneRun play_scene(const Scene& scene, const TogetherOptions& options, const Ar
     return run;
 }
 
+SceneRun play_scene(const Scene& scene, const HandWay& way, TogetherOptions options, const Array& array,
+                    const perception::Tables& tables, const SharedClock& clock, const Progress& progress) {
+    std::vector<robot::Vector3> places;
+    for (const Vec3 place : way.places) {
+        const Vec3 there = place - options.robot_centre;
+        places.emplace_back(there.x, there.y, there.z);
+    }
+    const double duration_s = seconds_along(places, way.speed_m_s) + way.wait_s;
+    const robot::Vector3 lift = way.load_n / way.hand.stiffness_n_m * robot::Vector3::UnitZ();
+    options.start = places.front();
+    options.user = robot::impedance_user(way.hand, [there = along(places, way.speed_m_s), lift](double time_s) {
+        return robot::Vector3(there(time_s) + lift);
+    });
+    return play_scene(scene, options, array, tables, clock, duration_s, progress);
+}
+
+SceneForces forces_of(const SceneRun& run) {
+    SceneForces forces;
+    for (const Period& period : run.periods) {
+        const robot::Vector3 asked = period.stimulus.wrench.head<3>(), measured = period.measured.head<3>();
+        forces.most_n = std::max(forces.most_n, asked.norm());
+        forces.most_off_n = std::max(forces.most_off_n, (measured - period.user).norm());
+    }
+    return forces;
+}
+
 std::string to_csv(const SceneRun& run) {
     fmt::memory_buffer text;
     auto out = std::back_inserter(text);

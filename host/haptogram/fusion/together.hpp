@@ -90,6 +90,28 @@ struct SceneRun {
                                   const perception::Tables& tables, const SharedClock& clock, double duration_s,
                                   const Progress& progress = {});
 
+/// How a hand goes through a scene: along straight lines from place to place with one speed, then it stays at the last.
+struct HandWay {
+    std::vector<Vec3> places;  ///< of the palm, array frame, metres; at least one
+    double speed_m_s = 0.05;
+    double wait_s = 1.0;    ///< at the last place
+    robot::Impedance hand;  ///< between the hand and where it wants to be
+    double load_n = 0.0;  ///< that it carries: it wants to be higher than its way by as much as the load pulls it down
+};
+
+/// Plays a scene for a hand on its way; `start` and `user` of the options follow from it.
+/// @throws Error{bad_argument} naming "way" or "speed"; and as play_scene() above
+[[nodiscard]] SceneRun play_scene(const Scene& scene, const HandWay& way, TogetherOptions options, const Array& array,
+                                  const perception::Tables& tables, const SharedClock& clock,
+                                  const Progress& progress = {});
+
+/// The forces of a run, N.
+struct SceneForces {
+    double most_n = 0.0;      ///< largest force that the scene asked of the cables
+    double most_off_n = 0.0;  ///< largest difference of the user's force and what the controller took it for
+};
+[[nodiscard]] SceneForces forces_of(const SceneRun& run);
+
 /// A row a period: time_s, x_mm, y_mm, z_mm of the palm, the scene's wrench (fx_n, fy_n, fz_n, tx_nm, ty_nm, tz_nm),
 /// the user's force (user_x_n …) and what the controller takes it for (measured_x_n …), frequency_hz and magnitude of
 /// the ultrasound (0 when it is silent), points that are played, and silent ones.
