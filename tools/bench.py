@@ -104,6 +104,14 @@ def scatter_rows(build):
            f"{ours['further_s'] * 1e3:.0f} ms; factorising takes {ours['factorise_s']:.2f} s")  # fmt: skip
 
 
+def live_rows(build):
+    """Depth pictures of a hand with two fingers on a cube to the paths of their rings, on one thread."""
+    ours = json.loads(run(build / "tools/bench/haptogram_measure_live"))
+    for name, what, most in (("one_640", "depth picture of 640 × 480 → rings", 5), ("four_848", "four depth pictures of 848 × 480 → rings", 15)):
+        one = ours[name]
+        yield (what, f"≤ {most} ms", one["ms"] <= most and one["rings"] > 0, f"{one['ms']:.1f} ms; {one['points']:,} points, {one['rings']} rings")
+
+
 def robot_rows(build):
     """The cable robot, on one thread."""
     ours = json.loads(run(build / "tools/bench/haptogram_measure_robot"))
@@ -276,6 +284,8 @@ def measure(build):
         fields = field_rows(build, others)
         say("the cable robot")
         robot = list(robot_rows(build))
+        say("depth to rings")
+        live = list(live_rows(build))
         say("a sweep")
         sweep = list(sweep_rows(build))
         say("boundary elements")
@@ -304,6 +314,7 @@ def measure(build):
         *fields,
         *link,
         *robot,
+        *live,
         *sweep,
         *scatter,
         ("compile of 10^6 points to 200", "≤ 2 s", million_s <= 2.0, f"{million_s:.2f} s"),

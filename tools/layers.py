@@ -39,7 +39,7 @@ LAYERS = {
     "analysis":   {"may": IMAGE, "at": (0, 3), "knows": "pulses to drives, checks of foci"},
     "instrument": {"may": [*IMAGE, "scattering", "perception", "analysis"], "at": (0, 2), "knows": "the verbs as functions"},
     "link":       {"may": IMAGE, "at": (2, 3), "knows": "frames, ports, devices"},
-    "live":       {"may": [*INSTRUMENT, "sense", "scene", "link"], "at": (3, 1), "knows": "depth to rings, as it comes"},
+    "live":       {"may": [*INSTRUMENT, "perception", "sense", "scene", "link"], "at": (3, 1), "knows": "depth to rings, as it comes"},
     "sim":        {"may": [*IMAGE, "analysis", "link"], "at": (2, 2), "knows": "boards without hardware"},
     "studio":     {"may": [*INSTRUMENT, "link"], "at": (1, 1), "knows": "the page in the browser, its server"},
     "cli":        {"may": [*INSTRUMENT, "perception", "robot", "fusion", "sense", "scene", "link", "live", "sim", "studio"], "at": (1, 0), "knows": "the program: parse, call, print"},

@@ -33,8 +33,15 @@ struct LiveCommand {
     double mass_g = 0.0, latency_ms = 35.0, distance_mm = 300.0;
     live::CameraOptions cameras;
     live::LoopOptions loop;
+    std::optional<double> magnitude;
+    double press_radius_mm = PressOptions{}.radius_m / millimetre;
     bool json = false;
 };
+
+FocusMotion motion_of(const std::string& focus) {
+    if (focus == "static") return FocusMotion::still;
+    return focus == "press" ? FocusMotion::pressing : FocusMotion::revolving;
+}
 
 class PortBoard final : public LiveBoard {
 public:
@@ -73,12 +80,40 @@ live::LoopOptions options_of(const LiveCommand& command) {
     // The floor is what the object stands on when it begins.
     options.scene.world.low.z = options.scene.pose.origin.z - 0.5 * options.scene.size_m;
     options.scene.world.high.z = options.scene.world.low.z + 0.25;
-    options.ring.motion = command.focus == "static" ? FocusMotion::still : FocusMotion::revolving;
+    options.ring.motion = motion_of(command.focus);
+    options.magnitude = command.magnitude;
+    options.ring.press.radius_m = command.press_radius_mm * millimetre;
     options.predict.kind = live::prediction_of(command.predict);
     options.predict.ahead_s = command.latency_ms * 1e-3;
     options.method = method_of(command.method, "method");
     options.rate_hz = command.cameras.rate_hz;
     return options;
+}
+
+void tell_run(Report& report, const live::LoopReport& done, const live::Latency& at_pins) {
+    report.tell(fmt::format(
+        "shots             {}, {} of them with rings; {} lost, {} out of order, {} empty, {} without a camera",
+        done.shots, done.with_rings, done.lost, done.out_of_order, done.empty, done.without_camera));
+    for (std::size_t i = 0; i < done.without_picture.size(); ++i)
+        if (done.without_picture[i] > 0)
+            report.tell(fmt::format("camera {:<10} gave no picture in {} shots", i + 1, done.without_picture[i]));
+    if (done.blind > 0)
+        report.tell(fmt::format("all cameras       gave no picture in {} shots, which were missed", done.blind));
+    report.tell(fmt::format(
+        "fingers           {} behind the middle, {} without a section, {} seen from one side, {} out of reach",
+        done.through, done.no_section, done.constrained, done.out_of_reach));
+    report.tell(fmt::format("deadlines         {} missed, {} fades, {} underruns of the board", done.missed, done.fades,
+                            done.underruns));
+    const auto line = [](const live::Latency& latency, const std::string& by) {
+        return fmt::format("latency           {:.1f} / {:.1f} / {:.1f} ms least, median, most: {} rings {}",
+                           1e3 * latency.least_s, 1e3 * latency.median_s, 1e3 * latency.most_s, latency.rings, by);
+    };
+    if (at_pins.rings > 0) report.tell(line(at_pins, "at the pins"));
+    if (const live::Latency stamped = live::latency_of(done.rings); stamped.rings > 0)
+        report.tell(
+            line(stamped, fmt::format("by the board's carrier periods, ± {:.2f} ms", 1e3 * stamped.uncertain_s)));
+    else if (at_pins.rings == 0 && !done.rings.empty())
+        report.tell("latency           unknown: the board does not count carrier periods (its parameter SCHEDULE)");
 }
 
 int live_loop(const LiveCommand& command) {
@@ -103,22 +138,27 @@ int live_loop(const LiveCommand& command) {
     if (!command.scene.empty()) write_file(command.scene, scene);
     const auto latency = live::latency_of(done.rings, board->starts());
     Report report(live::to_json(done, latency));
-    report.tell(fmt::format(
-        "shots             {}, {} of them with rings; {} lost, {} out of order, {} empty, {} without a camera",
-        done.shots, done.with_rings, done.lost, done.out_of_order, done.empty, done.without_camera));
-    report.tell(fmt::format(
-        "fingers           {} behind the middle, {} without a section, {} seen from one side, {} out of reach",
-        done.through, done.no_section, done.constrained, done.out_of_reach));
-    report.tell(fmt::format("deadlines         {} missed, {} fades, {} underruns of the board", done.missed, done.fades,
-                            done.underruns));
-    if (latency.rings > 0)
-        report.tell(
-            fmt::format("latency           {:.1f} / {:.1f} / {:.1f} ms least, median, most: {} rings at the pins",
-                        1e3 * latency.least_s, 1e3 * latency.median_s, 1e3 * latency.most_s, latency.rings));
+    tell_run(report, done, latency);
     if (command.focus == "static")
         report.tell(fmt::format("focus             static, modulated at {:g} Hz", options.ring.still_am_hz));
+    if (options.magnitude)
+        report.tell(fmt::format("magnitude         {:g}, on a palm; {} shots with a finger that cannot feel so",
+                                *options.magnitude, done.without_magnitude));
+    if (!command.record.empty())
+        write_file(std::filesystem::path(command.record) / "run.json", live::run_to_json(done, latency).dump(1) + "\n");
     report.print(command.json);
     return 0;
+}
+
+void add_press(CLI::App& sub, LiveCommand& options) {
+    PressOptions& press = options.loop.ring.press;
+    sub.add_option("--press-frequency", press.turns_hz, "Of press: turns a second")
+        ->check(positive())
+        ->capture_default_str();
+    sub.add_option("--press-radius", options.press_radius_mm, "Of press: of the circle, mm")
+        ->check(positive())
+        ->capture_default_str();
+    sub.add_option("--press-foci", press.foci, "Of press: on each finger")->check(whole(1, 16))->capture_default_str();
 }
 
 }  // namespace
@@ -146,9 +186,15 @@ void add_live(CLI::App& app, Action& action) {
     sub->add_option("--array", options->array, "Array file or shipped array")->capture_default_str();
     sub->add_option("--focus", options->focus,
                     "dynamic: ten points around each finger's section, 100 times a second; "
-                    "static: one in its middle, modulated")
-        ->check(CLI::IsMember({"dynamic", "static"}))
+                    "static: one in its middle, modulated; press: several that turn slowly around the middle, felt as "
+                    "steady pressure, as render's algorithm L")
+        ->check(CLI::IsMember({"dynamic", "static", "press"}))
         ->capture_default_str();
+    add_press(*sub, *options);
+    sub->add_option("--magnitude", options->magnitude,
+                    "How strong the static focus feels to a palm, from the array's force and the Multimodal paper's "
+                    "tables (see haptogram magnitude)")
+        ->check(positive());
     sub->add_option("--method", options->method, "For several fingers at once, as solve has them")
         ->capture_default_str();
     sub->add_option("--predict", options->predict, "Takes fingers forward over the latency")

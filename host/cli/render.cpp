@@ -279,8 +279,8 @@ void add_render(CLI::App& app, Action& action) {
     sub->add_option("--wait", touch.pointer_wait_s, "Of K: at each corner, s")
         ->check(not_negative())
         ->capture_default_str();
-    add_mm(*sub, "--press-radius", touch.press_radius_m, "Of L: of the circles, mm");
-    sub->add_option("--press-foci", touch.press_foci, "Of L: on each circle")
+    add_mm(*sub, "--press-radius", touch.press.radius_m, "Of L: of the circles, mm");
+    sub->add_option("--press-foci", touch.press.foci, "Of L: on each circle")
         ->check(whole(1, 16))
         ->capture_default_str();
     sub->add_option("--seed", touch.feature.seed, "Of what is random")

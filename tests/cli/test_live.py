@@ -46,6 +46,35 @@ def test_the_static_focus_is_said_to_be_modulated(tmp_path):
     assert "static, modulated at 200 Hz" in said
 
 
+def test_a_recording_keeps_when_rings_were_played(tmp_path):
+    run = json.loads(succeed([*PRESS, *BOARD, "--record", "hand", "--json"], cwd=tmp_path).stdout)
+    kept = json.loads((tmp_path / "hand/run.json").read_text())
+    assert len(kept["ring_times"]) == run["rings"] and kept["latency_ms"] == run["latency_ms"]
+    assert all(ring["pushed_s"] > ring["shot_s"] for ring in kept["ring_times"])
+    assert "began_s" not in kept["ring_times"][0]  # this board counts no carrier periods
+
+
+def test_strength_and_pressing_foci(tmp_path):
+    one = [*PRESS, *BOARD, "--focus", "static", "--magnitude", "1.5", "--json"]
+    shared = json.loads(succeed(one, cwd=tmp_path).stdout)  # two fingers share the array's pressure
+    assert shared["without_magnitude"] >= 7 and shared["with_rings"] == 0
+    pressed = json.loads(succeed([*PRESS, *BOARD, "--focus", "press", "--json"], cwd=tmp_path).stdout)
+    assert pressed["with_rings"] >= 7 and pressed["underruns"] == 0
+    refuse(tmp_path, [*PRESS, *BOARD, "--magnitude", "1.5"], USAGE, "--focus static")
+    refuse(tmp_path, [*PRESS, *BOARD, "--focus", "static", "--magnitude", "500"], USAGE, "magnitude")
+    refuse(tmp_path, [*PRESS, *BOARD, "--focus", "press", "--press-radius", "9"], USAGE, "smaller circle")
+
+
+def test_a_camera_that_vanishes_is_named(tmp_path):
+    succeed([*PRESS, *BOARD, "--record", "hand"], cwd=tmp_path)
+    for shot in range(4, 8):
+        (tmp_path / f"hand/camera3/{shot:06}.png").unlink()
+    again = ["live", "--from", "depth:hand", "--object", "cube:60", "--at", "0,0,170", *BOARD]
+    told = succeed(again, cwd=tmp_path)
+    assert "camera 3          gave no picture in 4 shots" in told.stdout.decode()
+    assert told.stderr.decode().count("camera 3 gave no picture") == 4
+
+
 def test_what_it_cannot_use_is_named(tmp_path):
     refuse(tmp_path, ["live", "--from", "camera", *BOARD], USAGE, "depth:FOLDER")
     refuse(tmp_path, ["live", "--from", "fingers:wave", *BOARD], USAGE, "fingers:press")

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "bench.hpp"
+#include "haptogram/hand/synthetic.hpp"
 #include "haptogram/live/loop.hpp"
 #include "haptogram/model/array.hpp"
 #include "haptogram/sense/depth_renderer.hpp"
@@ -115,7 +116,9 @@ TEST_CASE(
     CHECK(report.lost == 6);  // that which came out of order is lost, too
     CHECK(report.out_of_order == 1);
     CHECK(report.without_camera == 2);
-    CHECK(report.empty == 1);
+    CHECK(report.without_picture == std::vector<std::uint64_t>{1, 1, 2, 1});
+    CHECK(report.blind == 1);
+    CHECK(report.empty == 0);
     CHECK(report.shots == 24);
     CHECK(report.fades >= 1);
     CHECK(report.missed >= 4);
@@ -133,6 +136,197 @@ TEST_CASE(
     for (const auto& [time, index] : bench.starts)
         if (time - begin > 7.0 / 30.0 + 2.0 / 30.0 && time - begin < std::max(faded, next) && index == 0) silent = true;
     CHECK(silent);
+}
+
+TEST_CASE("live: when all cameras vanish what plays goes on for a shot, then fades, and the next picture has a ring") {
+    for (const std::size_t count : {1U, 4U}) {
+        LiveBench bench("tile-100");
+        live::Loop loop(bench.client, bench.clock, find_array("tile-10x10"), on_a_cube());
+        std::vector<DepthCamera> cameras = four_cameras();
+        cameras.resize(count);
+        SyntheticDepth simulated(
+            cameras, [](double) { return two_fingers(0.5); }, 30.0, 0.8, no_depth_noise);
+        Changed source(simulated, [](DepthShot& shot) {
+            if (shot.number == 4 || (shot.number >= 8 && shot.number < 14))
+                for (auto& picture : shot.pictures) picture.reset();
+            return true;
+        });
+        std::map<std::uint64_t, live::ShotReport> shots;
+        const live::LoopReport report = loop.run(source, [&](const live::ShotReport& shot, const DepthShot&) {
+            shots[shot.number] = shot;
+            return true;
+        });
+        INFO(count << " cameras");
+        CHECK(report.blind == 7);
+        CHECK(report.without_picture == std::vector<std::uint64_t>(count, 7));
+        CHECK(report.missed == 7);
+        CHECK(report.fades == 1);  // not for the single one
+        CHECK(shots.at(4).troubles.size() == count);
+        CHECK(shots.at(10).troubles.front() == "camera 1 gave no picture");
+        CHECK(shots.at(5).foci == shots.at(3).foci);
+        CHECK(shots.at(14).foci == shots.at(3).foci);
+        CHECK(shots.at(3).foci >= 1);
+        const double begin = report.rings.front().shot_s - static_cast<double>(report.rings.front().shot) / 30.0;
+        std::uint16_t playing = 0;
+        bool silent_early = false, silent_late = false, sounds_again = false;
+        for (const auto& [time, index] : bench.starts) {
+            const double shot = (time - begin) * 30.0;
+            if (shot > 3.0 && shot < 8.0 && index == 0) silent_early = true;
+            if (shot < 13.0) playing = index;
+            if (shot > 14.0 && index != 0) sounds_again = true;
+        }
+        silent_late = playing == 0;
+        CHECK_FALSE(silent_early);
+        CHECK(silent_late);
+        CHECK(sounds_again);
+    }
+}
+
+TEST_CASE("live: a finger out of the array's reach is named and gets no ring, the other one keeps its own") {
+    LiveBench bench("tile-100");
+    live::LoopOptions options = on_a_cube();
+    Array array = find_array("tile-10x10");
+    array.reach_angle_rad = std::atan(30e-3 / 0.2);  // x = 30 mm at this height
+    // One finger walks out of the reach and back, the other one leaves for a while.
+    const auto scene = [](double time_s) {
+        const double x = 15e-3 + 20e-3 * std::max(0.0, std::sin(2.0 * pi * time_s));
+        std::vector<RoundedBody> fingers{{{x, 0, 0.2 + 4e-3 + 25e-3}, {0, 0, 25e-3}, {}, 8e-3}};
+        if (time_s < 0.2 || time_s > 0.35)
+            fingers.push_back({{-18e-3, 0, 0.2 + 4e-3 + 25e-3}, {0, 0, 25e-3}, {}, 8e-3});
+        return fingers;
+    };
+    options.scene.size_m = 90e-3;
+    options.scene.pose.origin = {0, 0, 0.155};
+    live::Loop loop(bench.client, bench.clock, array, options);
+    SyntheticDepth source(four_cameras(), scene, 30.0, 1.0, no_depth_noise);
+    std::uint64_t named = 0, alone = 0, last = 0;
+    const live::LoopReport report = loop.run(source, [&](const live::ShotReport& shot, const DepthShot&) {
+        bool out = false;
+        for (const std::string& trouble : shot.troubles)
+            if (trouble.find("is out of the array's reach") != std::string::npos) {
+                ++named;
+                out = true;
+                CHECK(trouble.find("off the axis") != std::string::npos);
+            }
+        if (out && shot.foci == 1) ++alone;
+        for (const Vec3 centre : shot.centres) CHECK(std::abs(centre.x) < 30e-3);
+        last = shot.foci;
+        return true;
+    });
+    CHECK(named >= 4);
+    CHECK(report.out_of_reach == named);
+    CHECK(alone >= 1);
+    CHECK(report.fades >= 1);  // when nobody else was there
+    CHECK(last == 2);
+    CHECK(report.underruns == 0);
+}
+
+TEST_CASE("live: a whole hand that goes through the object gets no ring, and has one again when it is back") {
+    LiveBench bench("tile-100");
+    live::LoopOptions options = on_a_cube();
+    options.scene.size_m = 40e-3;
+    options.scene.pose.origin = {0, 0, 0.2};
+    live::Loop loop(bench.client, bench.clock, find_array("tile-10x10"), options);
+    const auto scene = [](double time_s) -> std::vector<RoundedBody> {
+        if (time_s > 0.25 && time_s < 0.5) return bodies_of(synthetic_hand(HandScript::press, 0.0, 0.2));
+        return {{{0, 0, 0.22 + 4e-3 + 25e-3}, {0, 0, 25e-3}, {}, 8e-3}};
+    };
+    DepthCamera below = wide_depth_camera();
+    below.pose = looking_at({0, 0, -0.1}, {0, 0, 0.2});
+    SyntheticDepth source({below}, scene, 30.0, 0.8, no_depth_noise);
+    std::size_t last_foci = 0, in_hand = 0;
+    const live::LoopReport report = loop.run(source, [&](const live::ShotReport& shot, const DepthShot&) {
+        last_foci = shot.foci;
+        if (shot.time_s > 0.25 && shot.time_s < 0.5) in_hand += shot.foci;
+        return true;
+    });
+    CHECK(report.through + report.no_section >= 5);
+    CHECK(in_hand == 0);
+    CHECK(report.fades >= 1);
+    CHECK(last_foci == 1);
+    CHECK(report.underruns == 0);
+}
+
+TEST_CASE("live: a board that counts carrier periods tells when rings began, as the pins do") {
+    Array array = find_array("tile-10x10");
+    array.elements.resize(16);
+    array.name = "sixteen";
+    for (const auto motion : {FocusMotion::revolving, FocusMotion::still}) {
+        LiveBench bench("small-16");
+        live::LoopOptions options = on_a_cube();
+        options.ring.motion = motion;
+        options.ring.points = 8;
+        live::Loop loop(bench.client, bench.clock, array, options);
+        SyntheticDepth simulated(four_cameras(), two_fingers, 30.0, 0.8, {});
+        Changed source(simulated, [](DepthShot& shot) { return shot.number < 10 || shot.number > 15; });
+        const live::LoopReport report = loop.run(source);
+        const live::Latency pins = live::latency_of(report.rings, bench.starts);
+        const live::Latency told = live::latency_of(report.rings);
+        CHECK(report.underruns == 0);
+        CHECK(report.fades == 1);
+        REQUIRE(pins.rings > 12);
+        CHECK(told.rings + 3 >= pins.rings);  // those that were silenced at once may not be told
+        CHECK(told.uncertain_s < 1.5e-3);
+        CHECK(told.median_s == Approx(pins.median_s).margin(told.uncertain_s + 1e-4));
+        std::size_t next = 0, compared = 0;
+        for (const live::SentRing& ring : report.rings) {
+            while (next < bench.starts.size() &&
+                   (bench.starts[next].first < ring.pushed_s || bench.starts[next].second != ring.first_index))
+                ++next;
+            if (next == bench.starts.size() || !ring.began_s) continue;
+            ++compared;
+            CHECK(ring.began_s->least <= bench.starts[next].first + 25e-6);
+            CHECK(ring.began_s->most >= bench.starts[next].first - 25e-6);
+        }
+        CHECK(compared == told.rings);
+    }
+    LiveBench other("tile-100");
+    live::Loop loop(other.client, other.clock, find_array("tile-10x10"), on_a_cube());
+    SyntheticDepth source(four_cameras(), two_fingers, 30.0, 0.2, {});
+    CHECK(live::latency_of(loop.run(source).rings).rings == 0);
+}
+
+TEST_CASE("live: pressing foci and a focus of a magnitude play, and what has no magnitude is named") {
+    const auto run = [](live::LoopOptions options, std::size_t fingers) {
+        LiveBench bench("tile-100");
+        live::Loop loop(bench.client, bench.clock, find_array("tile-10x10"), options);
+        SyntheticDepth source(
+            four_cameras(),
+            [fingers](double) {
+                std::vector<RoundedBody> bodies = two_fingers(0.5);
+                bodies.resize(fingers);
+                return bodies;
+            },
+            30.0, 0.4, no_depth_noise);
+        std::string troubles;
+        const live::LoopReport report = loop.run(source, [&](const live::ShotReport& shot, const DepthShot&) {
+            for (const std::string& trouble : shot.troubles) troubles += trouble + "\n";
+            return true;
+        });
+        CHECK(report.underruns == 0);
+        return std::pair(report, troubles);
+    };
+    live::LoopOptions options = on_a_cube();
+    options.ring.motion = FocusMotion::pressing;
+    const auto [pressed, nothing] = run(options, 2);
+    CHECK(pressed.with_rings >= 11);
+    CHECK(pressed.rings.size() >= 4);  // one is 50 ms long
+    CHECK(pressed.fades == 0);
+    CHECK(nothing.empty());
+
+    options = on_a_cube();
+    options.magnitude = 1.5;
+    CHECK_THROWS_WITH(run(options, 1), Catch::Contains("--focus static"));
+    options.ring.motion = FocusMotion::still;
+    const auto [felt, quiet] = run(options, 1);
+    CHECK(felt.with_rings >= 11);
+    CHECK(quiet.empty());
+    const auto [shared, named] = run(options, 2);
+    CHECK(shared.with_rings == 0);
+    CHECK(shared.without_magnitude >= 11);
+    CHECK(named.find("share the array's pressure") != std::string::npos);
+    options.magnitude = 1000.0;
+    CHECK_THROWS_WITH(run(options, 1), Catch::Contains("magnitude"));
 }
 
 TEST_CASE("live: a finger that goes through the object gets no ring, and has one again when it is back") {

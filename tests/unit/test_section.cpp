@@ -192,3 +192,71 @@ TEST_CASE("ring: several fingers share each step, and the still focus is a modul
     CHECK_THAT(message_of([&] { (void)ring_path(both, nowhere, 40e3, options); }),
                Contains("less than a carrier period"));
 }
+
+TEST_CASE("ring: pressing foci turn slowly around each finger, as algorithm L's, and a pass can be repeated") {
+    std::mt19937_64 random(Catch::rngSeed());
+    std::uniform_real_distribution<double> unit(-1.0, 1.0);
+    for (int round = 0; round < 20; ++round) {
+        RingOptions options;
+        options.motion = FocusMotion::pressing;
+        options.press.foci = 1 + static_cast<unsigned>(round % 5);
+        options.points = options.press.foci == 1 ? 24 : 10;
+        Ellipse section;
+        section.centre = {20e-3 * unit(random), 20e-3 * unit(random), 0.2};
+        section.half_major = 8e-3;
+        section.half_minor = 6.5e-3;
+        const std::vector<Ellipse> sections{section, section};
+        const Vec3 start = section.centre + 3e-3 * Vec3{0.6, -0.8, 0};
+        const std::vector<std::optional<Vec3>> starts{start, {}};
+        const Path path = ring_path(sections, starts, 40e3, options);
+        const std::size_t foci = options.press.foci;
+        REQUIRE(path.steps.size() == options.points);
+        double periods = 0.0;
+        for (std::size_t j = 0; j < path.steps.size(); ++j) {
+            const auto& step = path.steps[j].foci;
+            periods += path.steps[j].periods;
+            REQUIRE(step.size() == 2 * foci);
+            const auto& next = path.steps[(j + 1) % options.points].foci;
+            for (std::size_t k = 0; k < step.size(); ++k) {
+                CHECK(distance(step[k].position, section.centre) == Approx(3e-3));
+                CHECK(step[k].position.z == Approx(0.2));
+                // The next step, and the first one after the last, has a focus less than a millimetre on.
+                double least = 1.0;
+                for (const Focus& f : next) least = std::min(least, distance(f.position, step[k].position));
+                CHECK(least < longest_press_step_m);
+                CHECK(least > 0.1e-3);
+            }
+        }
+        CHECK(distance(path.steps[0].foci[0].position, start) < 1e-9);
+        CHECK(periods * 25e-6 * static_cast<double>(foci) == Approx(1.0 / 5.0).epsilon(0.01));
+    }
+    RingOptions coarse;
+    coarse.motion = FocusMotion::pressing;
+    coarse.press.radius_m = 8e-3;
+    CHECK_THAT(message_of([&] { require_sound(coarse); }), Catch::Contains("take more points or a smaller circle"));
+}
+
+TEST_CASE("ring: a wave in steps has so much of its fundamental left") {
+    RingOptions options;
+    options.motion = FocusMotion::still;
+    for (const auto& [hz, points] : {std::pair(200.0, 10), {100.0, 10}, {300.0, 20}, {400.0, 10}}) {
+        options.still_am_hz = hz;
+        options.points = static_cast<std::size_t>(points);
+        const double waves = hz / options.turns_hz;
+        double held[2] = {0, 0}, smooth[2] = {0, 0};  // the fundamental of the amplitude's square, over a turn
+        constexpr int fine = 20000;
+        for (int i = 0; i < fine; ++i) {
+            const double turn = (i + 0.5) / fine, step = std::floor(turn * points) / points;
+            const double phase = 2 * pi * waves * turn;
+            const double a = 0.5 - 0.5 * std::cos(2 * pi * waves * step), b = 0.5 - 0.5 * std::cos(phase);
+            held[0] += a * a * std::cos(phase);
+            held[1] += a * a * std::sin(phase);
+            smooth[0] += b * b * std::cos(phase);
+            smooth[1] += b * b * std::sin(phase);
+        }
+        // From five steps a wave on, no other part of the wave falls onto its fundamental.
+        if (points / waves < 4.5) continue;
+        CHECK(std::hypot(held[0], held[1]) / std::hypot(smooth[0], smooth[1]) ==
+              Approx(held_fundamental(options)).epsilon(1e-3));
+    }
+}

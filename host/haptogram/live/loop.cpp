@@ -15,16 +15,10 @@ namespace {
 
 double processor_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-Ellipse shifted(Ellipse ellipse, Vec3 to) {
-    ellipse.centre = to;
-    return ellipse;
-}
-
-std::optional<std::string> unreachable(const Array& array, const Path& ring) {
-    for (const PathStep& step : ring.steps)
-        for (const Focus& focus : step.foci)
-            if (std::string why = array.unreachable(focus.position); !why.empty()) return why;
-    return {};
+Latency spread_of(std::vector<double> latencies) {
+    if (latencies.empty()) return {};
+    std::sort(latencies.begin(), latencies.end());
+    return {latencies.size(), latencies.front(), latencies[latencies.size() / 2], latencies.back(), 0.0};
 }
 
 }  // namespace
@@ -32,16 +26,9 @@ std::optional<std::string> unreachable(const Array& array, const Path& ring) {
 Loop::Loop(link::Commands& device, const Clock& clock, const Array& array, const LoopOptions& options)
     : device_(device),
       clock_(clock),
-      array_(array),
       options_(options),
-      clouds_(options.cloud),
-      scene_(options.scene),
-      predictor_(options.predict),
-      player_(device, clock, array, options.ring.points, options.method, options.watchdog_ms) {
-    haptogram::require_sound(options.ring);
-    if (!(options.rate_hz > 0.0))
-        throw bad_argument("rate", fmt::format("found {}, expected more than 0", options.rate_hz));
-}
+      player_(device, clock, array, options.ring.points, options.method, options.watchdog_ms),
+      fingers_(array, player_.timer().carrier_hz(), options) {}
 
 void Loop::miss() {
     ++report_.missed;
@@ -64,70 +51,30 @@ void Loop::serve_until(double time_s) {
     }
 }
 
-void Loop::gather(const SceneFinger& finger, const std::optional<Vec3>& sight, ShotReport& shot, Wanted& wanted) {
-    if (!finger.seen) return;
-    const double half = 0.5 * options_.scene.size_m;
-    if (options_.scene.kind != "half-space" && finger.deepest_m > half) {
-        ++report_.through;
-        shot.troubles.push_back(fmt::format("finger {} is {:.1f} mm deep, behind the object's middle: it gets no ring",
-                                            finger.id, 1e3 * finger.deepest_m));
+void Loop::play(const std::optional<Path>& rings, const ShotReport& shot) {
+    if (rings) {
+        player_.replace(*rings, shot.number, shot.time_s + begin_s_);
         return;
     }
-    const auto section = section_of(finger.section, finger.surface, finger.inward, sight, options_.section);
-    if (!section) {
-        ++report_.no_section;
-        shot.troubles.push_back(fmt::format("finger {}: its {} points beside the surface are no section of a finger",
-                                            finger.id, finger.section.size()));
-        return;
-    }
-    if (section->constrained) ++report_.constrained;
-    const Ellipse placed = shifted(section->ellipse, predictor_.ahead(finger.id, section->ellipse.centre, shot.time_s));
-    shot.sections.push_back(section->ellipse);
-    shot.centres.push_back(placed.centre);
-    wanted.sections.push_back(placed);
-    wanted.fingers.push_back(finger.id);
-    const auto last = last_start_.find(finger.id);
-    wanted.starts.push_back(last == last_start_.end() ? std::optional<Vec3>{} : last->second);
-}
-
-void Loop::play(const Wanted& wanted, const ShotReport& shot) {
-    if (wanted.sections.empty()) {
-        // A finger that has left is nothing to feel any more; one that cannot be rendered fades.
-        if (shot.fingers > 0 || !shot.troubles.empty()) {
-            if (player_.playing() && !player_.fading()) {
-                ++report_.fades;
-                player_.fade();
-            }
-        } else if (!player_.fading()) {
-            player_.silence();
+    // A finger that has left is nothing to feel any more; one that cannot be rendered fades.
+    if (shot.fingers > 0 || !shot.troubles.empty()) {
+        if (player_.playing() && !player_.fading()) {
+            ++report_.fades;
+            player_.fade();
         }
-        return;
+    } else if (!player_.fading()) {
+        player_.silence();
     }
-    const Path ring = ring_path(wanted.sections, wanted.starts, player_.timer().carrier_hz(), options_.ring);
-    if (unreachable(array_, ring)) {
-        ++report_.out_of_reach;
-        return;
-    }
-    last_start_.clear();
-    for (std::size_t f = 0; f < wanted.fingers.size(); ++f)
-        if (f < ring.steps.front().foci.size()) last_start_[wanted.fingers[f]] = ring.steps.front().foci[f].position;
-    ++report_.with_rings;
-    player_.replace(ring, shot.number, shot.time_s + begin_s_);
 }
 
-bool Loop::take(const DepthShot& shot, std::span<const DepthCamera> cameras, const Told& told) {
-    if (last_time_s_ && (shot.time_s <= *last_time_s_ || shot.number <= last_number_)) {
-        ++report_.out_of_order;
-        return true;
-    }
-    serve_until(begin_s_ + shot.time_s);
+/// Counts what came of the shot before, and what lies between them.
+ShotReport Loop::begin(const DepthShot& shot) {
     // The ring of the shot before should be on the board by now. A late shot was counted when it was late.
     if (absent_ == 0 && player_.sending() && !player_.fading())
         miss();
-    else if (absent_ == 0)
+    else if (absent_ == 0 && !blind_)
         misses_ = 0;
     absent_ = 0;
-
     ShotReport now;
     now.number = shot.number;
     now.time_s = shot.time_s;
@@ -136,30 +83,26 @@ bool Loop::take(const DepthShot& shot, std::span<const DepthCamera> cameras, con
         now.troubles.push_back(
             fmt::format("{} shots before number {} were lost", shot.number - last_number_ - 1, shot.number));
     }
+    return now;
+}
+
+bool Loop::take(const DepthShot& shot, std::span<const DepthCamera> cameras, const Told& told) {
+    if (last_time_s_ && (shot.time_s <= *last_time_s_ || shot.number <= last_number_)) {
+        ++report_.out_of_order;
+        return true;
+    }
+    serve_until(begin_s_ + shot.time_s);
+    ShotReport now = begin(shot);
     const double began_s = processor_s();
-    std::optional<Vec3> sight;
-    for (std::size_t i = 0; i < shot.pictures.size(); ++i)
-        if (!shot.pictures[i]) now.troubles.push_back(fmt::format("camera {} gave no picture", i + 1));
-    if (!now.troubles.empty() &&
-        std::any_of(shot.pictures.begin(), shot.pictures.end(), [](const auto& p) { return !p; }))
-        ++report_.without_camera;
-    const std::vector<Vec3> cloud = clouds_.cloud(cameras, shot);
-    now.points = cloud.size();
-    if (cloud.empty()) {
-        ++report_.empty;
-        now.troubles.emplace_back("there is nothing in the workspace");
+    const std::optional<Path> rings = fingers_.take(cameras, shot, now);
+    // A shot without any picture is as good as lost: what plays goes on, and fades when the next one is, too.
+    blind_ = std::none_of(shot.pictures.begin(), shot.pictures.end(), [](const auto& p) { return p.has_value(); });
+    if (blind_) {
+        ++report_.blind;
+        miss();
+    } else {
+        play(rings, now);
     }
-    Wanted wanted;
-    for (const SceneFinger& finger : scene_.update(cloud, shot.time_s)) {
-        if (cameras.size() == 1) sight = finger.place - cameras.front().pose.origin;
-        ++now.fingers;
-        now.force_n += norm(finger.force);
-        gather(finger, sight, now, wanted);
-    }
-    predictor_.forget_before(shot.time_s - 2.5 / options_.rate_hz);
-    now.foci = wanted.sections.size();
-    now.object = scene_.object();
-    play(wanted, now);
     now.compute_s = processor_s() - began_s;
     report_.compute_s.push_back(now.compute_s);
     ++report_.shots;
@@ -181,10 +124,12 @@ LoopReport Loop::run(DepthSource& source, const Told& told) {
     // The last ring is played until the shot after it would have been missed.
     if (last_time_s_) serve_until(begin_s_ + *last_time_s_ + 1.5 / options_.rate_hz);
     device_.wait();
+    player_.settle();
     const link::Status status = device_.status();
     link::require_on(status);
     report_.underruns = static_cast<std::uint16_t>(status.underruns - underruns_before);
     report_.rings = player_.sent();
+    static_cast<ShotCounts&>(report_) = fingers_.counts();
     return report_;
 }
 
@@ -196,9 +141,20 @@ Latency latency_of(std::span<const SentRing> rings, std::span<const std::pair<do
         });
         if (start != starts.end()) latencies.push_back(start->first - ring.shot_s);
     }
-    if (latencies.empty()) return {};
-    std::sort(latencies.begin(), latencies.end());
-    return {latencies.size(), latencies.front(), latencies[latencies.size() / 2], latencies.back()};
+    return spread_of(std::move(latencies));
+}
+
+Latency latency_of(std::span<const SentRing> rings) {
+    std::vector<double> latencies;
+    double uncertain_s = 0.0;
+    for (const SentRing& ring : rings) {
+        if (!ring.began_s) continue;
+        latencies.push_back(ring.began_s->middle() - ring.shot_s);
+        uncertain_s = std::max(uncertain_s, ring.began_s->half());
+    }
+    Latency latency = spread_of(std::move(latencies));
+    latency.uncertain_s = uncertain_s;
+    return latency;
 }
 
 }  // namespace haptogram::live

@@ -20,7 +20,13 @@ constexpr std::size_t most_unanswered = 1;  ///< one on the line while another i
 
 /// FIFO entries that must be left when the next turn is pushed: what plays while two records are on the line before it,
 /// 1 ms each in the paper's ring, and 2.2 ms each for a record of 100 channels at 1 Mbaud.
-constexpr double low_water = 7.0;
+constexpr std::size_t most_low_water = 7;
+constexpr double low_water_s = 7e-3;  ///< longer entries need not be so many
+
+std::size_t low_water(double entry_s) {
+    const double entries = std::max(1.0, std::ceil(low_water_s / entry_s));
+    return entries < static_cast<double>(most_low_water) ? static_cast<std::size_t>(entries) : most_low_water;
+}
 
 link::Bytes write_of(const Record& record, std::uint16_t index) {
     Image image;
@@ -64,9 +70,11 @@ RingPlayer::RingPlayer(link::Commands& device, const Clock& clock, const Array& 
     if (free_at_.size() < 3)
         throw bad_input("board", fmt::format("it has {} records; rings of {} steps need three times as many",
                                              board.records, steps));
-    if (board.live_depth < steps + static_cast<std::size_t>(low_water) + 1)
+    if (board.live_depth < steps + most_low_water + 1)
         throw bad_input("board", fmt::format("its live FIFO has {} places; rings of {} steps need {}", board.live_depth,
-                                             steps, steps + static_cast<std::size_t>(low_water) + 1));
+                                             steps, steps + most_low_water + 1));
+    if (interface::has(board.features, interface::Feature::schedule))
+        time_ = std::make_shared<BoardTime>(timer_.period_s());
 }
 
 RingPlayer::Ring RingPlayer::made(const Path& path, std::uint64_t shot, double shot_s) const {
@@ -102,7 +110,7 @@ void RingPlayer::give_bank(Ring& ring, std::size_t bank) const {
         ring.indices.push_back(ring.path.steps[j].foci.empty() ? std::uint16_t{0} : index);
         if (!ring.path.steps[j].foci.empty()) ring.writes.push_back(write_of(records[next++], index));
     }
-    ring.about.first_index = ring.indices.front();
+    ring.about.first_index = ring.indices[ring.first_loud()];
     std::reverse(ring.writes.begin(), ring.writes.end());
 }
 
@@ -135,6 +143,7 @@ void RingPlayer::push(const std::vector<std::uint16_t>& indices, std::uint16_t d
     link::Bytes payload = {static_cast<std::uint8_t>(dwell), static_cast<std::uint8_t>(dwell >> 8)};
     for (const std::uint16_t index : indices)
         for (const unsigned shift : {0U, 8U}) payload.push_back(static_cast<std::uint8_t>(index >> shift));
+    if (time_) time_->pushed(indices, dwell);
     fifo_->pushed += indices.size();
     fifo_->under_way += indices.size();
     submit({interface::Command::push, std::move(payload)}, indices.size());
@@ -159,18 +168,60 @@ double RingPlayer::level() const {
 void RingPlayer::push_turn() {
     const double waiting = level();
     entry_s_ = timer_.period_s() * present_->dwell;
+    const std::size_t first = present_->first_loud();
+    const std::uint64_t entry = fifo_->pushed + first;
     push(present_->indices, present_->dwell);
+    ask();
     free_at_[present_->bank] = fifo_->pushed + 1;
     if (present_->begun) return;
     present_->begun = true;
     present_->about.pushed_s = clock_.now_s();
-    present_->about.expected_s = present_->about.pushed_s + waiting * entry_s_;
-    if (!present_->faded) sent_.push_back(present_->about);
+    present_->about.expected_s = present_->about.pushed_s + (waiting + static_cast<double>(first)) * entry_s_;
+    if (present_->faded) return;
+    if (time_) unstamped_.emplace_back(sent_.size(), entry);
+    sent_.push_back(present_->about);
+}
+
+/// Asks the device which period it is in, if it counts them.
+void RingPlayer::ask() {
+    if (!time_) return;
+    device_.submit({interface::Command::status, {}},
+                   [time = time_, fifo = fifo_, entries = fifo_->pushed, asked_s = clock_.now_s(),
+                    now = clock_.now_s](const link::Reply& reply) {
+                       fifo->level = reply.live_level;
+                       fifo->told_s = now();
+                       time->heard(link::to_status(reply.data), entries, asked_s, fifo->told_s);
+                   });
+    device_.flush();
+    stamp(false);
+}
+
+/// Takes over when rings began. The more statuses come after a ring, the better its beginning is known.
+/// @param all  also of those that have begun just now
+void RingPlayer::stamp(bool all) {
+    constexpr double settled_s = 0.5;
+    while (!unstamped_.empty()) {
+        const auto [place, entry] = unstamped_.front();
+        if (!all && clock_.now_s() - sent_[place].pushed_s < settled_s) break;
+        sent_[place].began_s = time_->began(entry);
+        unstamped_.pop_front();
+        time_->forget_before(entry);
+    }
+    constexpr std::uint64_t kept = 4096;  // a ring that plays on and on needs no more
+    if (unstamped_.empty() && fifo_->pushed > kept) time_->forget_before(fifo_->pushed - kept);
+}
+
+void RingPlayer::settle() {
+    if (!time_) return;
+    ask();
+    device_.wait();
+    stamp(true);
 }
 
 bool RingPlayer::service() {
-    if (present_ && level() <= low_water) {
+    if (present_ && level() <= static_cast<double>(low_water(timer_.period_s() * present_->dwell))) {
         push_turn();
+        if (present_->faded && fades_.empty() && !next_) silence();  // the weakest copy plays one turn
         return true;
     }
     if (!fades_.empty() && !next_ && present_ && present_->begun) {
@@ -209,11 +260,7 @@ void RingPlayer::bring() {
     } else {
         present_ = std::move(next_);
         next_.reset();
-        if (!present_->faded) return;
-        fades_.pop_front();
-        if (!fades_.empty()) return;
-        push_turn();
-        silence();
+        if (present_->faded) fades_.pop_front();
     }
 }
 

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "haptogram/link/commands.hpp"
+#include "haptogram/live/board_time.hpp"
 #include "haptogram/live/clock.hpp"
 #include "haptogram/model/array.hpp"
 #include "haptogram/render/path.hpp"
@@ -21,7 +24,10 @@ struct SentRing {
     double shot_s = 0.0;            ///< time of that shot
     double pushed_s = 0.0;          ///< when its first turn was pushed
     double expected_s = 0.0;        ///< when the board should begin it, by what is in its FIFO
-    std::uint16_t first_index = 0;  ///< of its first step
+    std::uint16_t first_index = 0;  ///< of its first step that sounds
+    /// When that step began, by the device's count of carrier periods; nothing on devices that do not count them, and
+    /// of rings that were silenced before a status showed them.
+    std::optional<Between> began_s{};
 };
 
 /// Plays a ring over and over on a device, and replaces it by another as a whole, where a turn ends.
@@ -58,8 +64,10 @@ public:
     [[nodiscard]] bool sending() const { return next_.has_value(); }
     /// Whether a turn plays, or is under way.
     [[nodiscard]] bool playing() const { return present_.has_value(); }
-    [[nodiscard]] bool fading() const { return !fades_.empty(); }
+    [[nodiscard]] bool fading() const { return !fades_.empty() || (present_ && present_->faded); }
 
+    /// Asks the device where it is, so that sent() tells when the last rings began.
+    void settle();
     [[nodiscard]] const std::vector<SentRing>& sent() const { return sent_; }
     [[nodiscard]] const Timer& timer() const { return timer_; }
 
@@ -73,6 +81,12 @@ private:
         std::uint16_t dwell = 0;
         bool begun = false;  ///< a turn of it was pushed
         bool faded = false;  ///< it is a weaker copy
+        /// The first step that sounds; 0 when none does.
+        [[nodiscard]] std::size_t first_loud() const {
+            const auto loud =
+                std::find_if(path.steps.begin(), path.steps.end(), [](const PathStep& s) { return !s.foci.empty(); });
+            return loud == path.steps.end() ? 0 : static_cast<std::size_t>(loud - path.steps.begin());
+        }
     };
     struct Fifo;
 
@@ -84,6 +98,8 @@ private:
     void bring();
     [[nodiscard]] double level() const;
     void push_turn();
+    void ask();
+    void stamp(bool all);
 
     link::Commands& device_;
     Clock clock_;
@@ -98,6 +114,9 @@ private:
     std::optional<Ring> present_, next_;
     std::deque<Path> fades_;
     std::vector<SentRing> sent_;
+    std::shared_ptr<BoardTime> time_;  ///< empty when the device counts no periods
+    /// Rings whose beginning is not told yet: their places in sent_, and their first entries that sound.
+    std::deque<std::pair<std::size_t, std::uint64_t>> unstamped_;
     double entry_s_ = 0.0;  ///< that a FIFO entry lasts
 };
 

@@ -18,14 +18,14 @@ namespace {
 constexpr double finger_radius_m = 8e-3;
 constexpr double press_s = 1.0;
 
+}  // namespace
+
 std::vector<DepthCamera> cameras_of(const CameraOptions& options) {
     if (options.count != 1) return cameras_around(options.target, options.distance_m, options.count);
     DepthCamera below = wide_depth_camera();
     below.pose = looking_at(options.target - Vec3{0, 0, options.distance_m}, options.target);
     return {below};
 }
-
-}  // namespace
 
 std::vector<RoundedBody> pressing_fingers(double time_s, Vec3 object, double half_m) {
     const double depth = 4.5e-3 - 5.5e-3 * std::cos(2.0 * std::numbers::pi * time_s / press_s);

@@ -22,6 +22,9 @@ struct CameraOptions {
     DepthNoise noise;
 };
 
+/// The cameras of these options.
+[[nodiscard]] std::vector<DepthCamera> cameras_of(const CameraOptions& options);
+
 /// Two round upright fingers of 8 mm that press on the top of an object and let go, once a second.
 /// @param object  its middle @param half_m  half of its edge
 [[nodiscard]] std::vector<RoundedBody> pressing_fingers(double time_s, Vec3 object, double half_m);

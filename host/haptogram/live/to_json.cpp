@@ -11,6 +11,27 @@ using Json = nlohmann::ordered_json;
 Json in_mm(Vec3 p) { return {1e3 * p.x, 1e3 * p.y, 1e3 * p.z}; }
 Json as_list(Vec3 d) { return {d.x, d.y, d.z}; }
 
+Json in_ms(const Latency& latency) {
+    return {{"least", 1e3 * latency.least_s},
+            {"median", 1e3 * latency.median_s},
+            {"most", 1e3 * latency.most_s},
+            {"rings", latency.rings}};
+}
+
+Json times_of(const std::vector<SentRing>& rings) {
+    Json list = Json::array();
+    for (const SentRing& ring : rings) {
+        Json one = {{"shot", ring.shot}, {"shot_s", ring.shot_s}, {"pushed_s", ring.pushed_s}};
+        if (ring.began_s) {
+            one["began_s"] = ring.began_s->middle();
+            one["uncertain_s"] = ring.began_s->half();
+            one["latency_s"] = ring.began_s->middle() - ring.shot_s;
+        }
+        list.push_back(std::move(one));
+    }
+    return list;
+}
+
 }  // namespace
 
 Json to_json(const ShotReport& shot) {
@@ -45,11 +66,14 @@ Json to_json(const LoopReport& report, const Latency& latency) {
                  {"lost", report.lost},
                  {"out_of_order", report.out_of_order},
                  {"empty", report.empty},
+                 {"blind", report.blind},
                  {"without_camera", report.without_camera},
+                 {"without_picture", report.without_picture},
                  {"through", report.through},
                  {"no_section", report.no_section},
                  {"constrained", report.constrained},
                  {"out_of_reach", report.out_of_reach},
+                 {"without_magnitude", report.without_magnitude},
                  {"missed", report.missed},
                  {"fades", report.fades},
                  {"underruns", report.underruns}};
@@ -57,11 +81,50 @@ Json to_json(const LoopReport& report, const Latency& latency) {
         json["compute_ms"] = {{"least", 1e3 * compute.front()},
                               {"median", 1e3 * compute[compute.size() / 2]},
                               {"most", 1e3 * compute.back()}};
-    if (latency.rings > 0)
-        json["latency_ms"] = {{"least", 1e3 * latency.least_s},
-                              {"median", 1e3 * latency.median_s},
-                              {"most", 1e3 * latency.most_s},
-                              {"rings", latency.rings}};
+    if (latency.rings > 0) json["latency_ms"] = in_ms(latency);
+    if (const Latency stamped = latency_of(report.rings); stamped.rings > 0) {
+        json["stamped_latency_ms"] = in_ms(stamped);
+        json["stamped_latency_ms"]["uncertain"] = 1e3 * stamped.uncertain_s;
+    }
+    return json;
+}
+
+Json run_to_json(const LoopReport& report, const Latency& latency) {
+    Json json = to_json(report, latency);
+    json["ring_times"] = times_of(report.rings);
+    return json;
+}
+
+Json to_json(const LiftOptions& asked, const LiftReport& report) {
+    return {{"edge_mm", 1e3 * asked.edge_m},
+            {"at_mm", {1e3 * asked.x_m, 1e3 * asked.y_m}},
+            {"turn_deg", asked.turn_deg},
+            {"done", report.done},
+            {"shots", report.shots},
+            {"first_touch_s", report.first_touch_s},
+            {"time_s", report.time_s},
+            {"lifted_mm", 1e3 * report.lifted_m},
+            {"mean_force_n", report.mean_force_n},
+            {"most_force_n", report.most_force_n},
+            {"energy_made_mj", 1e3 * report.energy_made_j},
+            {"with_rings", report.counts.with_rings},
+            {"through", report.counts.through},
+            {"no_section", report.counts.no_section},
+            {"out_of_reach", report.counts.out_of_reach}};
+}
+
+Json to_json(const SurfaceOptions& asked, const SurfaceReport& report) {
+    Json json = {{"asked_deg", asked.angle_deg}, {"asked_mm", 1e3 * asked.height_m},  {"done", report.done},
+                 {"shots", report.shots},        {"felt_places", report.felt_places}, {"time_s", report.time_s}};
+    if (report.done) {
+        json["answer_deg"] = report.angle_deg;
+        json["answer_mm"] = 1e3 * report.height_m;
+        json["angle_error_deg"] = report.angle_error_deg;
+        json["height_error_mm"] = 1e3 * report.height_error_m;
+    }
+    json["with_rings"] = report.counts.with_rings;
+    json["no_section"] = report.counts.no_section;
+    json["out_of_reach"] = report.counts.out_of_reach;
     return json;
 }
 

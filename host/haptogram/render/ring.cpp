@@ -49,6 +49,21 @@ void require_sound(const RingOptions& options) {
         throw bad_argument("modulation of the still focus",
                            fmt::format("found {} Hz; expected a multiple of {} Hz below {} Hz", options.still_am_hz,
                                        options.turns_hz, 0.5 * options.turns_hz * static_cast<double>(options.points)));
+    const double step_m = 2.0 * pi * options.press.radius_m / options.press.foci / static_cast<double>(options.points);
+    if (options.motion == FocusMotion::pressing &&
+        !(options.press.foci >= 1 && options.press.foci <= 16 && options.press.turns_hz > 0.0 &&
+          options.press.radius_m > 0.0 && step_m < longest_press_step_m))
+        throw bad_argument(
+            "pressing foci",
+            fmt::format("found {} on a circle of {} mm, {} turns a second in steps of {:.3f} mm; expected 1 to 16, a "
+                        "positive radius, turns, and steps below {} mm: take more points or a smaller circle",
+                        options.press.foci, 1e3 * options.press.radius_m, options.press.turns_hz, 1e3 * step_m,
+                        1e3 * longest_press_step_m));
+}
+
+double held_fundamental(const RingOptions& options) {
+    const double step = pi * options.still_am_hz / options.turns_hz / static_cast<double>(options.points);
+    return std::sin(step) / step;
 }
 
 std::vector<Vec3> ring_points(const Ellipse& ellipse, std::size_t count, const std::optional<Vec3>& start) {
@@ -73,13 +88,31 @@ std::vector<Vec3> ring_points(const Ellipse& ellipse, std::size_t count, const s
     return points;
 }
 
+namespace {
+
+/// Adds one finger's pressing foci to a path.
+void add_press(Path& path, const Ellipse& section, const std::optional<Vec3>& start, const RingOptions& options) {
+    const Vec3 from = start ? *start - section.centre : section.major;
+    const double begin = std::atan2(dot(from, section.minor), dot(from, section.major));
+    const double apart = 2.0 * pi / options.press.foci;
+    for (std::size_t j = 0; j < options.points; ++j)
+        for (unsigned k = 0; k < options.press.foci; ++k) {
+            const double turn = begin + apart * (k + static_cast<double>(j) / static_cast<double>(options.points));
+            path.steps[j].foci.push_back({section.centre + options.press.radius_m * (std::cos(turn) * section.major +
+                                                                                     std::sin(turn) * section.minor),
+                                          1.0});
+        }
+}
+
+}  // namespace
+
 Path ring_path(std::span<const Ellipse> sections, std::span<const std::optional<Vec3>> starts, double carrier_hz,
                const RingOptions& options) {
     require_sound(options);
-    const double periods = std::round(carrier_hz / options.turns_hz / static_cast<double>(options.points));
+    const double periods = std::round(carrier_hz / options.passes_hz() / static_cast<double>(options.points));
     if (periods < 1.0)
         throw bad_argument("turns", fmt::format("{} points at {} Hz leave less than a carrier period for each",
-                                                options.points, options.turns_hz));
+                                                options.points, options.passes_hz()));
     Path path;
     path.steps.resize(options.points);
     for (std::size_t j = 0; j < options.points; ++j) path.steps[j].periods = static_cast<std::uint32_t>(periods);
@@ -88,6 +121,10 @@ Path ring_path(std::span<const Ellipse> sections, std::span<const std::optional<
         if (options.motion == FocusMotion::revolving) {
             const std::vector<Vec3> points = ring_points(sections[f], options.points, starts[f]);
             for (std::size_t j = 0; j < options.points; ++j) path.steps[j].foci.push_back({points[j], 1.0});
+            continue;
+        }
+        if (options.motion == FocusMotion::pressing) {
+            add_press(path, sections[f], starts[f], options);
             continue;
         }
         for (std::size_t j = 0; j < options.points; ++j) {

@@ -50,8 +50,8 @@ void check(const TouchOptions& o) {
     positive("blob_palm_gain", o.blob_palm_gain);
     positive("pointer_speed", o.pointer_speed_m_s);
     positive("pointer_window", o.pointer_window_m);
-    positive("press_hz", o.press_hz);
-    positive("press_radius", o.press_radius_m);
+    positive("press_hz", o.press.turns_hz);
+    positive("press_radius", o.press.radius_m);
     require(o.feature.pulse_share >= 0.0 && o.feature.pulse_share < 1.0, "corner_pulse", o.feature.pulse_share,
             "a share from 0 to less than 1");
     require(o.feature.points >= 2, "corner_points", static_cast<double>(o.feature.points), "at least 2");
@@ -60,7 +60,7 @@ void check(const TouchOptions& o) {
     require(o.gap_m >= 0.0 && std::isfinite(o.gap_m), "gap", o.gap_m, "a distance, not negative");
     require(o.pointer_wait_s >= 0.0 && std::isfinite(o.pointer_wait_s), "wait", o.pointer_wait_s,
             "a time, not negative");
-    require(o.press_foci >= 1, "press_foci", o.press_foci, "at least 1");
+    require(o.press.foci >= 1, "press_foci", o.press.foci, "at least 1");
 }
 
 /// The skin in the object: depth maps that are made when they are first needed, and what is drawn from them.
@@ -135,13 +135,13 @@ public:
             if (!maps_[i].touched) continue;
             const std::size_t at = maps_[i].deepest;
             SkinLine circle =
-                skin_circle({skin_[i].points[at], skin_[i].normals[at]}, options_.press_radius_m, LineKind::press, i);
+                skin_circle({skin_[i].points[at], skin_[i].normals[at]}, options_.press.radius_m, LineKind::press, i);
             for (SkinPoint& point : circle.points) point = skin_[i].nearest(point.position);
-            for (unsigned k = 0; k < options_.press_foci; ++k) {
+            for (unsigned k = 0; k < options_.press.foci; ++k) {
                 SkinLine one = circle;
                 std::rotate(
                     one.points.begin(),
-                    one.points.begin() + static_cast<std::ptrdiff_t>(k * circle.points.size() / options_.press_foci),
+                    one.points.begin() + static_cast<std::ptrdiff_t>(k * circle.points.size() / options_.press.foci),
                     one.points.end());
                 lines.push_back(std::move(one));
             }
@@ -322,7 +322,7 @@ Touch touch(Algorithm algorithm, const TouchObject& object, const std::vector<Sk
             break;
         }
         case Algorithm::press:
-            pace = options.pace.value_or(Pace{{}, options.press_hz});
+            pace = options.pace.value_or(Pace{{}, options.press.turns_hz});
             for (const SkinLine& line : meeting.presses()) draw({line});
             break;
     }

@@ -10,6 +10,7 @@
 #include "haptogram/render/draw.hpp"
 #include "haptogram/render/feature.hpp"
 #include "haptogram/render/grain.hpp"
+#include "haptogram/render/press.hpp"
 #include "haptogram/render/voice.hpp"
 
 namespace haptogram {
@@ -63,8 +64,7 @@ struct TouchOptions {
     double pointer_speed_m_s = 0.1, pointer_wait_s = 0.3;
     double pointer_turn_deg = 45.0;  ///< where the outline turns by more within pointer_window_m, it has a corner
     double pointer_window_m = 4e-3;
-    double press_hz = 5.0, press_radius_m = 3e-3;
-    unsigned press_foci = 4;  ///< of each region that is touched
+    PressOptions press;  ///< L's, on each region that is touched
 };
 
 /// What the foci do for a hand at one time.

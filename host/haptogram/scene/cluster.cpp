@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <tuple>
 #include <unordered_map>
+#include <utility>
 
 #include "haptogram/base/error.hpp"
 
@@ -112,6 +114,57 @@ std::vector<Cluster> clusters_of(std::span<const Vec3> points, double distance_m
         }
         cluster.centroid = cluster.centroid * (1.0 / static_cast<double>(of_set.size()));
     }
+    return clusters;
+}
+
+double width_across(std::span<const Vec3> points, Vec3 normal) {
+    constexpr int directions = 12;
+    const Vec3 level = std::abs(normal.x) < 0.9 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+    const Vec3 x = cross(normal, level) * (1.0 / norm(cross(normal, level))), y = cross(normal, x);
+    double widest = 0.0;
+    for (int i = 0; i < directions; ++i) {
+        const double turn = i * std::numbers::pi / directions;
+        const Vec3 way = std::cos(turn) * x + std::sin(turn) * y;
+        double low = HUGE_VAL, high = -HUGE_VAL;
+        for (const Vec3& p : points) {
+            low = std::min(low, dot(p, way));
+            high = std::max(high, dot(p, way));
+        }
+        widest = std::max(widest, high - low);
+    }
+    return widest;
+}
+
+std::vector<Cluster> joined_parts(std::vector<Cluster> clusters, std::vector<Vec3> inward, double width_m) {
+    constexpr double same_way = 0.5 * std::numbers::sqrt2;
+    const auto both = [](const Cluster& a, const Cluster& b) {
+        Cluster all = a;
+        all.points.insert(all.points.end(), b.points.begin(), b.points.end());
+        const double share = static_cast<double>(b.points.size()) / static_cast<double>(all.points.size());
+        all.centroid = a.centroid + share * (b.centroid - a.centroid);
+        return all;
+    };
+    for (bool joined = width_m > 0.0; joined;) {
+        joined = false;
+        std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;
+        for (std::size_t a = 0; a < clusters.size(); ++a)
+            for (std::size_t b = a + 1; b < clusters.size(); ++b)
+                if (const double way = distance(clusters[a].centroid, clusters[b].centroid);
+                    dot(inward[a], inward[b]) > same_way)
+                    pairs.emplace_back(way, a, b);
+        std::sort(pairs.begin(), pairs.end());
+        for (const auto& [way, a, b] : pairs) {
+            Cluster all = both(clusters[a], clusters[b]);
+            if (width_across(all.points, inward[a]) > width_m) continue;
+            clusters[a] = std::move(all);
+            clusters.erase(clusters.begin() + static_cast<std::ptrdiff_t>(b));
+            inward.erase(inward.begin() + static_cast<std::ptrdiff_t>(b));
+            joined = true;
+            break;
+        }
+    }
+    std::stable_sort(clusters.begin(), clusters.end(),
+                     [](const Cluster& a, const Cluster& b) { return a.points.size() > b.points.size(); });
     return clusters;
 }
 

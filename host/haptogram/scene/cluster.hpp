@@ -22,6 +22,21 @@ struct Cluster {
 [[nodiscard]] std::vector<Cluster> clusters_of(std::span<const Vec3> points, double distance_m = 3e-3,
                                                std::size_t least = 30);
 
+/// How wide points are in a plane: the largest distance between two lines in it that hold them all, over 12 directions,
+/// which is at most 1 % less than over all.
+/// @param normal  of the plane, length 1
+[[nodiscard]] double width_across(std::span<const Vec3> points, Vec3 normal);
+
+/// Joins clusters that are parts of one finger. Cameras that look along a finger, or at its sides alone, see parts of
+/// its skin with gaps between them. Two clusters are one finger when they go through the surface in the same direction
+/// within 45° and are together no wider than a finger; nearest pairs go first. Ours: the paper has cameras on all
+/// sides.
+/// @param inward   of each cluster, into the object, length 1
+/// @param width_m  of a finger across; 0 joins none
+/// @return the largest first, as clusters_of()
+[[nodiscard]] std::vector<Cluster> joined_parts(std::vector<Cluster> clusters, std::vector<Vec3> inward,
+                                                double width_m);
+
 /// A finger as it is followed from shot to shot.
 struct TrackedFinger {
     std::uint64_t id = 0;     ///< the same as long as it is followed, from 1

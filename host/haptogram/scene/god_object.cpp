@@ -62,6 +62,23 @@ std::array<Push, FingerContact::god_objects> FingerContact::pushes(Vec3 finger, 
     return pushes;
 }
 
+void FingerContact::turn(Vec3 finger, Vec3 inward, const Pose& body) {
+    const Vec3 from = this->inward(body), axis = cross(from, inward);
+    const double cosine = dot(from, inward);
+    // By Rodrigues' formula; half a turn has no axis of its own, and any across the normal does.
+    const Vec3 across = std::abs(from.x) < 0.9 ? cross(from, {1, 0, 0}) : cross(from, {0, 1, 0});
+    const auto turned = [&](Vec3 v) {
+        if (cosine < -1.0 + 1e-9) return 2.0 / dot(across, across) * dot(across, v) * across - v;
+        return cosine * v + cross(axis, v) + dot(axis, v) / (1.0 + cosine) * axis;
+    };
+    for (std::size_t i = 0; i < god_objects; ++i) {
+        const Vec3 spring = finger + offsets_.at(i) - body.outwards(gods_.at(i));
+        offsets_.at(i) = turned(offsets_.at(i));
+        gods_.at(i) = body.inwards(finger + offsets_.at(i) - turned(spring));
+    }
+    inward_ = {dot(inward, body.x), dot(inward, body.y), dot(inward, body.z)};
+}
+
 bool FingerContact::ended(Vec3 finger, const Pose& body) const { return dot(finger - place(body), inward(body)) < 0.0; }
 
 double FingerContact::spring_energy(Vec3 finger, const Pose& body) const {

@@ -50,9 +50,16 @@ public:
     /// Whether the finger has come out again: (x − x_g)·n < 0 in the middle.
     [[nodiscard]] bool ended(Vec3 finger, const Pose& body) const;
 
+    /// Turns the contact to another normal, as when a finger has slid round a bend or over an edge. Each spring turns
+    /// about the finger with the normal, so it keeps its length and its energy.
+    /// @param inward  array frame, length 1
+    void turn(Vec3 finger, Vec3 inward, const Pose& body);
+
     /// The middle god-object, and the normal into the object there, array frame.
     [[nodiscard]] Vec3 place(const Pose& body) const { return body.outwards(gods_[0]); }
     [[nodiscard]] Vec3 inward(const Pose& body) const { return body.turned(inward_); }
+    /// The same normal in the object's own frame.
+    [[nodiscard]] Vec3 inward_of_body() const { return inward_; }
     /// ½·K·(x − x_g)² of all springs whose god-object is pushed inwards, J.
     [[nodiscard]] double spring_energy(Vec3 finger, const Pose& body) const;
 

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
+#include <utility>
 
 #include "haptogram/base/error.hpp"
 
@@ -16,6 +18,20 @@ constexpr double longest_gap_s = 0.5;  ///< after a longer one the object has st
 
 Solid solid_of(const SceneOptions& options) {
     return built_in_object(options.kind, {options.size_m, options.height_m, {}, {}}).solid;
+}
+
+/// Calls `take` with the points of a cloud that are not farther than a margin from a cluster's box.
+template <class Take>
+void around(std::span<const Vec3> cloud, const Cluster& cluster, double margin, Take take) {
+    Vec3 low = cluster.points.front(), high = low;
+    for (const Vec3& p : cluster.points) {
+        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+    for (const Vec3& p : cloud)
+        if (p.x > low.x - margin && p.y > low.y - margin && p.z > low.z - margin && p.x < high.x + margin &&
+            p.y < high.y + margin && p.z < high.z + margin)
+            take(p);
 }
 
 }  // namespace
@@ -35,37 +51,96 @@ Pose TouchScene::object() const { return world_.bodies() > 0 ? world_.pose(0) : 
 
 double TouchScene::distance_to(Vec3 point) const { return solid_.distance(object().inwards(point)); }
 
-Vec3 TouchScene::inward_at(Vec3 place) const {
-    constexpr double step = 1e-6;
+TouchScene::Entry TouchScene::entry_of(std::span<const Vec3> cloud, Cluster cluster) const {
     const Pose pose = object();
-    const Vec3 at = pose.inwards(place);
-    const auto slope = [&](Vec3 way) { return solid_.distance(at + step * way) - solid_.distance(at - step * way); };
-    const Vec3 out{slope({1, 0, 0}), slope({0, 1, 0}), slope({0, 0, 1})};
-    // In the middle of an object no direction is the nearest; then a finger has come from above.
-    return norm(out) > 0.0 ? pose.turned(out * (-1.0 / norm(out))) : Vec3{0, 0, -1};
+    std::vector<Vec3> outside;
+    around(cloud, cluster, options_.slab_m + options_.cluster_m, [&](Vec3 p) {
+        const Vec3 at = pose.inwards(p);
+        if (const double out = solid_.distance(at); out >= 0.0 && out < options_.slab_m) outside.push_back(at);
+    });
+    Crossing crossing(solid_, outside);
+    // What is in the object altogether came in by the nearest face, and in the middle of it from above.
+    const std::optional<Vec3> voted = crossing.inward();
+    const std::optional<Vec3> nearest = voted ? voted : inward_at(solid_, pose.inwards(cluster.centroid));
+    const Vec3 inward = nearest ? pose.turned(*nearest) : Vec3{0, 0, -1};
+    return {std::move(cluster), std::move(crossing), inward};
+}
+
+std::vector<TouchScene::Entry> TouchScene::entries_of(std::span<const Vec3> cloud) const {
+    const Pose pose = object();
+    std::vector<Vec3> inside;
+    for (const Vec3& p : cloud)
+        if (solid_.contains(pose.inwards(p))) inside.push_back(p);
+    std::vector<Cluster> clusters = clusters_of(inside, options_.cluster_m, options_.least_points);
+    std::vector<Vec3> inward;
+    for (const Cluster& cluster : clusters) inward.push_back(entry_of(cloud, cluster).inward);
+    std::vector<Entry> entries;
+    for (Cluster& cluster : joined_parts(std::move(clusters), std::move(inward), options_.finger_m))
+        entries.push_back(entry_of(cloud, std::move(cluster)));
+    return entries;
 }
 
 std::vector<Vec3> TouchScene::section_of(std::span<const Vec3> cloud, const Cluster& cluster, Vec3 surface,
                                          Vec3 inward) const {
     const auto beside_plane = [&](Vec3 p) { return std::abs(dot(p - surface, inward)) < options_.slab_m; };
     std::vector<Vec3> points;
-    Vec3 low = cluster.points.front(), high = low;
-    for (const Vec3& p : cluster.points) {
-        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    for (const Vec3& p : cluster.points)
         if (beside_plane(p)) points.push_back(p);
-    }
     // Outside, what is joined to the points inside is the same finger. It starts within the slab's thickness of them.
-    const double margin = 2.0 * options_.slab_m + options_.cluster_m;
-    for (const Vec3& p : cloud)
-        if (p.x > low.x - margin && p.y > low.y - margin && p.z > low.z - margin && p.x < high.x + margin &&
-            p.y < high.y + margin && p.z < high.z + margin && beside_plane(p) && distance_to(p) >= 0.0)
-            points.push_back(p);
-    std::vector<Cluster> parts = clusters_of(points, options_.cluster_m, 1);
-    return parts.empty() ? std::vector<Vec3>{} : std::move(parts.front().points);
+    around(cloud, cluster, 2.0 * options_.slab_m + options_.cluster_m, [&](Vec3 p) {
+        if (beside_plane(p) && distance_to(p) >= 0.0) points.push_back(p);
+    });
+    const std::vector<Cluster> parts = clusters_of(points, options_.cluster_m, 1);
+    if (parts.empty()) return {};
+    // A part that has points inside is of this finger, too, unless it makes it wider than one.
+    std::vector<Vec3> section = parts.front().points;
+    for (std::size_t i = 1; i < parts.size(); ++i) {
+        if (std::none_of(parts[i].points.begin(), parts[i].points.end(), [&](Vec3 p) { return distance_to(p) < 0.0; }))
+            continue;
+        std::vector<Vec3> both = section;
+        both.insert(both.end(), parts[i].points.begin(), parts[i].points.end());
+        if (width_across(both, inward) <= options_.finger_m) section = std::move(both);
+    }
+    return section;
 }
 
-void TouchScene::meet(std::span<const Vec3> cloud, const std::vector<Cluster>& clusters,
+/// The contact of a finger: a new one, or the one that it has, turned to where it goes through the surface now.
+/// @param entry  nothing for a finger that is not seen in this shot
+TouchScene::Held& TouchScene::hold(const TrackedFinger& finger, const Entry* entry) {
+    const Pose pose = object();
+    const auto found = held_.find(finger.id);
+    // A finger that has come out, and is in again at another place, begins anew.
+    if (found != held_.end() && entry != nullptr && found->second.contact.ended(finger.place, pose)) held_.erase(found);
+    const Vec3 inward = entry != nullptr ? entry->inward : Vec3{0, 0, -1};
+    const auto [at, fresh] = held_.try_emplace(
+        finger.id, Held{FingerContact(options_.contact, finger.place, inward, pose), finger.place, finger.place});
+    Held& held = at->second;
+    if (!fresh && entry != nullptr) {
+        constexpr double same = 0.985, bend = 0.5 * std::numbers::sqrt2;  // 10° and 45°
+        const double alike = dot(held.contact.inward(pose), entry->inward);
+        const auto votes = [&](Vec3 way) {
+            return entry->crossing.votes_for({dot(way, pose.x), dot(way, pose.y), dot(way, pose.z)});
+        };
+        // Round a bend the normal follows; over an edge only when most of the finger is on the other face.
+        const bool follows = alike > bend || votes(entry->inward) >= 2 * votes(held.contact.inward(pose));
+        if (alike < same && follows && votes(entry->inward) > 0) held.contact.turn(finger.place, entry->inward, pose);
+    }
+    held.from = fresh ? finger.place : held.to;
+    held.to = finger.place;
+    return held;
+}
+
+/// The point of the surface that a god-object belongs to: outwards from one inside, the nearest from one outside.
+Vec3 TouchScene::surface_at(Vec3 god, Vec3 inward_of_body) const {
+    const Pose pose = object();
+    const Vec3 at = pose.inwards(god);
+    const double out = solid_.distance(at);
+    if (out < 0.0) return god - depth_along(solid_, at, inward_of_body) * pose.turned(inward_of_body);
+    const Vec3 way = inward_at(solid_, at).value_or(inward_of_body);
+    return god + out * pose.turned(way);
+}
+
+void TouchScene::meet(std::span<const Vec3> cloud, const std::vector<Entry>& entries,
                       const std::vector<TrackedFinger>& tracked) {
     const Pose pose = object();
     std::erase_if(held_, [&](const auto& held) {
@@ -73,32 +148,26 @@ void TouchScene::meet(std::span<const Vec3> cloud, const std::vector<Cluster>& c
     });
     fingers_.clear();
     for (const TrackedFinger& t : tracked) {
-        const auto found = held_.find(t.id);
-        // A finger that has come out, and is in again at another place, begins anew.
-        if (found != held_.end() && t.seen && found->second.contact.ended(t.place, pose)) held_.erase(found);
-        auto [held, fresh] = held_.try_emplace(
-            t.id, Held{FingerContact(options_.contact, t.place, inward_at(t.place), pose), t.place, t.place});
-        held->second.from = fresh ? t.place : held->second.to;
-        held->second.to = t.place;
+        const Entry* entry = t.seen ? &entries[t.cluster] : nullptr;
+        const Held& held = hold(t, entry);
         SceneFinger finger;
         finger.id = t.id;
         finger.seen = t.seen;
         finger.place = t.place;
-        if (shot_s_ > 0.0) finger.velocity = (t.place - held->second.from) * (1.0 / shot_s_);
-        finger.inward = held->second.contact.inward(pose);
-        const Vec3 god = held->second.contact.place(pose);
-        finger.surface = god + solid_.distance(pose.inwards(god)) * finger.inward;
-        if (t.seen) {
-            for (const Vec3& p : clusters[t.cluster].points)
+        if (shot_s_ > 0.0) finger.velocity = (t.place - held.from) * (1.0 / shot_s_);
+        finger.inward = held.contact.inward(pose);
+        finger.surface = surface_at(held.contact.place(pose), held.contact.inward_of_body());
+        if (entry != nullptr) {
+            for (const Vec3& p : entry->cluster.points)
                 finger.deepest_m = std::max(finger.deepest_m, dot(p - finger.surface, finger.inward));
-            finger.section = section_of(cloud, clusters[t.cluster], finger.surface, finger.inward);
+            finger.section = section_of(cloud, entry->cluster, finger.surface, finger.inward);
         }
         fingers_.push_back(std::move(finger));
     }
 }
 
 void TouchScene::simulate(double seconds) {
-    if (world_.bodies() == 0) return;
+    const bool moves = world_.bodies() > 0;  // what is fixed is pushed, too, and god-objects slide on it
     if (seconds > longest_gap_s) seconds = longest_gap_s;
     owed_s_ += seconds;
     const double step_s = options_.world.step_s;
@@ -111,13 +180,18 @@ void TouchScene::simulate(double seconds) {
             Held& held = held_.at(finger.id);
             const Vec3 velocity = (held.to - held.from) * (1.0 / seconds);
             finger.force = {};
-            for (const Push& push : held.contact.pushes(held.from + part * (held.to - held.from), velocity, pose,
-                                                        [&](Vec3 p) { return world_.velocity_at(0, p); })) {
-                world_.push(0, push.force, push.place);
+            const Vec3 moved = (held.to - held.from) * (1.0 / static_cast<double>(steps));
+            for (const Push& push :
+                 held.contact.pushes(held.from + part * (held.to - held.from), velocity, pose,
+                                     [&](Vec3 p) { return moves ? world_.velocity_at(0, p) : Vec3{}; })) {
+                if (moves) world_.push(0, push.force, push.place);
                 finger.force = finger.force + push.force;
             }
+            // A spring's force grows with the way, so its mean over the step is what counts.
+            work_j_ += 0.5 * dot(held.force + finger.force, moved);
+            held.force = finger.force;
         }
-        world_.step();
+        if (moves) world_.step();
     }
 }
 
@@ -126,12 +200,10 @@ const std::vector<SceneFinger>& TouchScene::update(std::span<const Vec3> cloud, 
         throw bad_argument("time", fmt::format("{} s after one of {} s; expected a later one", time_s, *time_s_));
     shot_s_ = time_s_ ? time_s - *time_s_ : 0.0;
     time_s_ = time_s;
-    const Pose pose = object();
-    std::vector<Vec3> inside;
-    for (const Vec3& p : cloud)
-        if (solid_.contains(pose.inwards(p))) inside.push_back(p);
-    const std::vector<Cluster> clusters = clusters_of(inside, options_.cluster_m, options_.least_points);
-    meet(cloud, clusters, tracker_.update(clusters));
+    const std::vector<Entry> entries = entries_of(cloud);
+    std::vector<Cluster> clusters;
+    for (const Entry& entry : entries) clusters.push_back(entry.cluster);
+    meet(cloud, entries, tracker_.update(clusters));
     if (shot_s_ > 0.0) simulate(shot_s_);
     return fingers_;
 }

@@ -8,6 +8,7 @@
 
 #include "haptogram/hand/object.hpp"
 #include "haptogram/scene/cluster.hpp"
+#include "haptogram/scene/crossing.hpp"
 #include "haptogram/scene/god_object.hpp"
 #include "haptogram/scene/world.hpp"
 
@@ -22,7 +23,8 @@ struct SceneOptions {
     double cluster_m = 3e-3;        ///< points at most so far apart belong to one finger
     std::size_t least_points = 30;  ///< of a finger in the object
     double gate_m = 20e-3;          ///< a finger moves no farther between two shots
-    double slab_m = 2e-3;           ///< points so near to the contact's plane make the section
+    double finger_m = 20e-3;  ///< across a finger: parts within it are one finger (joined_parts()); 0: they stay parts
+    double slab_m = 2e-3;     ///< points so near to the contact's plane make the section
     ContactOptions contact;
     WorldOptions world;
 };
@@ -55,6 +57,9 @@ public:
     [[nodiscard]] Pose object() const;
     /// Of the object and of the fingers' springs, J. With hands that do not move it never grows.
     [[nodiscard]] double energy() const;
+    /// What the fingers have put into the object and their springs by moving, J, since the beginning: the sum of force
+    /// times way over the steps. energy() less this never grows, whatever hands do.
+    [[nodiscard]] double work() const { return work_j_; }
     /// Signed distance to the object as it is now.
     [[nodiscard]] double distance_to(Vec3 point) const;
 
@@ -62,11 +67,21 @@ private:
     struct Held {
         FingerContact contact;
         Vec3 from, to;  ///< where the finger was at the last cloud, and is at this one
+        Vec3 force{};   ///< on the object, N, in the last step
     };
-    void meet(std::span<const Vec3> cloud, const std::vector<Cluster>& clusters,
+    /// A cluster, and where it goes through the surface.
+    struct Entry {
+        Cluster cluster;
+        Crossing crossing;
+        Vec3 inward;  ///< array frame
+    };
+    void meet(std::span<const Vec3> cloud, const std::vector<Entry>& entries,
               const std::vector<TrackedFinger>& tracked);
+    [[nodiscard]] Vec3 surface_at(Vec3 god, Vec3 inward_of_body) const;
+    Held& hold(const TrackedFinger& finger, const Entry* entry);
     void simulate(double seconds);
-    [[nodiscard]] Vec3 inward_at(Vec3 place) const;
+    [[nodiscard]] Entry entry_of(std::span<const Vec3> cloud, Cluster cluster) const;
+    [[nodiscard]] std::vector<Entry> entries_of(std::span<const Vec3> cloud) const;
     [[nodiscard]] std::vector<Vec3> section_of(std::span<const Vec3> cloud, const Cluster& cluster, Vec3 surface,
                                                Vec3 inward) const;
 
@@ -79,6 +94,7 @@ private:
     std::optional<double> time_s_;
     double owed_s_ = 0.0;  ///< time that no whole step has filled yet
     double shot_s_ = 0.0;  ///< between the last two clouds
+    double work_j_ = 0.0;
 };
 
 }  // namespace haptogram

@@ -71,30 +71,40 @@ std::optional<std::uint64_t> number_of(const fs::path& file) {
 
 }  // namespace
 
-DepthFolder::DepthFolder(const fs::path& folder) {
-    const fs::path file = folder / "cameras.toml";
-    const toml::table root = section::parse(file);
-    const Section keys(file.string(), root);
+DepthCameras cameras_from_toml(std::string_view text, const std::string& where) {
+    const toml::table root = section::parse_text(text, where);
+    const Section keys(where, root);
     keys.only({"format", "rate_hz", "camera"});
     const auto format = keys.required(keys.text("format"), "format", fmt::format("\"{}\"", format_name));
     if (format != format_name)
         throw bad_input(keys.at("format"), fmt::format("format must be \"{}\", found \"{}\"", format_name, format));
-    rate_hz_ = keys.required(keys.number("rate_hz", 0.1, 10e3), "rate_hz", "shots a second");
+    DepthCameras found;
+    found.rate_hz = keys.required(keys.number("rate_hz", 0.1, 10e3), "rate_hz", "shots a second");
     const toml::array* list = root["camera"].as_array();
     if (list == nullptr || list->empty() || !list->is_array_of_tables())
-        throw bad_input(file.string(), "there is no camera; expected a table [[camera]] for each");
+        throw bad_input(where, "there is no camera; expected a table [[camera]] for each");
     for (const toml::node& entry : *list) {
-        const Section camera(file.string(), *entry.as_table());
-        cameras_.push_back(read_camera(camera));
-        const fs::path pictures =
-            folder / camera.required(camera.text("folder"), "folder", "the camera's folder of pictures");
+        const Section camera(where, *entry.as_table());
+        found.cameras.push_back(read_camera(camera));
+        found.folders.emplace_back(camera.required(camera.text("folder"), "folder", "the camera's folder of pictures"));
+        found.lines.push_back(camera.at("folder"));
+    }
+    return found;
+}
+
+DepthFolder::DepthFolder(const fs::path& folder) {
+    const fs::path file = folder / "cameras.toml";
+    const DepthCameras found = cameras_from_toml(read_file(file), file.string());
+    rate_hz_ = found.rate_hz;
+    cameras_ = found.cameras;
+    for (std::size_t i = 0; i < cameras_.size(); ++i) {
+        const fs::path pictures = folder / found.folders[i];
         std::error_code error;
         auto& numbered = pictures_.emplace_back();
-        for (const auto& found : fs::directory_iterator(pictures, error))
-            if (const auto number = number_of(found.path())) numbered.push_back({*number, found.path()});
+        for (const auto& entry : fs::directory_iterator(pictures, error))
+            if (const auto number = number_of(entry.path())) numbered.push_back({*number, entry.path()});
         if (error)
-            throw bad_input(camera.at("folder"),
-                            fmt::format("{} cannot be read: {}", pictures.string(), error.message()));
+            throw bad_input(found.lines[i], fmt::format("{} cannot be read: {}", pictures.string(), error.message()));
         std::sort(numbered.begin(), numbered.end(),
                   [](const Picture& a, const Picture& b) { return a.number < b.number; });
     }

@@ -4,11 +4,23 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "haptogram/sense/depth.hpp"
 
 namespace haptogram {
+
+/// What cameras.toml says.
+struct DepthCameras {
+    double rate_hz = 30.0;
+    std::vector<DepthCamera> cameras;
+    std::vector<std::filesystem::path> folders;  ///< of each camera's pictures, as the file names them
+    std::vector<std::string> lines;              ///< where it does, for messages
+};
+/// @param where  names the file in messages
+/// @throws Error{bad_input} naming file, line and key
+[[nodiscard]] DepthCameras cameras_from_toml(std::string_view text, const std::string& where);
 
 /// A recording of depth cameras: a folder with cameras.toml, as README.md beside this file describes it, and for each
 /// camera a folder of pictures whose names are the shots' numbers, such as 0130.png. A shot comes for every number that

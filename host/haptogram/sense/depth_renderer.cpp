@@ -144,6 +144,14 @@ DepthPicture render_depth(const std::vector<RoundedBody>& bodies, const DepthCam
     return picture;
 }
 
+DepthShot render_shot(const std::vector<RoundedBody>& bodies, const std::vector<DepthCamera>& cameras,
+                      const DepthNoise& noise, std::uint64_t number, double time_s) {
+    DepthShot shot{number, time_s, {}};
+    for (std::size_t i = 0; i < cameras.size(); ++i)
+        shot.pictures.emplace_back(render_depth(bodies, cameras[i], noise, number * cameras.size() + i));
+    return shot;
+}
+
 SyntheticDepth::SyntheticDepth(std::vector<DepthCamera> cameras, Scene scene, double rate_hz, double seconds,
                                const DepthNoise& noise)
     : cameras_(std::move(cameras)), scene_(std::move(scene)), rate_hz_(rate_hz), noise_(noise) {
@@ -155,10 +163,8 @@ SyntheticDepth::SyntheticDepth(std::vector<DepthCamera> cameras, Scene scene, do
 
 std::optional<DepthShot> SyntheticDepth::next() {
     if (number_ == shots_) return {};
-    DepthShot shot{number_, static_cast<double>(number_) / rate_hz_, {}};
-    const std::vector<RoundedBody> bodies = scene_(shot.time_s);
-    for (std::size_t i = 0; i < cameras_.size(); ++i)
-        shot.pictures.emplace_back(render_depth(bodies, cameras_[i], noise_, shot.number * cameras_.size() + i));
+    const double time_s = static_cast<double>(number_) / rate_hz_;
+    DepthShot shot = render_shot(scene_(time_s), cameras_, noise_, number_, time_s);
     ++number_;
     return shot;
 }

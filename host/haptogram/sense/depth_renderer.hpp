@@ -39,6 +39,11 @@ inline constexpr DepthNoise no_depth_noise{0.0, 0.0, 10e-3, 0};
 [[nodiscard]] DepthPicture render_depth(const std::vector<RoundedBody>& bodies, const DepthCamera& camera,
                                         const DepthNoise& noise = no_depth_noise, std::uint64_t stream = 0);
 
+/// The pictures that several cameras take of bodies at a time.
+/// @param number  of the shot, which also tells its noise from that of others
+[[nodiscard]] DepthShot render_shot(const std::vector<RoundedBody>& bodies, const std::vector<DepthCamera>& cameras,
+                                    const DepthNoise& noise, std::uint64_t number, double time_s);
+
 /// Depth cameras that see a scene in motion.
 class SyntheticDepth final : public DepthSource {
 public:

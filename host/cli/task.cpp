@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "command.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/live/lift_task.hpp"
+#include "haptogram/live/surface_task.hpp"
+#include "haptogram/live/to_json.hpp"
+#include "haptogram/model/millimetres.hpp"
+#include "haptogram/model/rig.hpp"
+#include "interrupt.hpp"
+#include "report.hpp"
+
+namespace haptogram::cli {
+namespace {
+
+using nlohmann::ordered_json;
+
+/// What both tasks share.
+struct TaskCommand {
+    std::string rig = "cube-300", felt = "dynamic";
+    std::size_t trials = 5, cameras = 4;
+    std::uint64_t seed = 1;
+    double distance_mm = 300.0;
+    bool hidden = false, exact = false, json = false;
+};
+
+live::CameraOptions cameras_of(const TaskCommand& command, std::uint64_t trial) {
+    live::CameraOptions cameras;
+    cameras.count = command.cameras;
+    cameras.distance_m = command.distance_mm * millimetre;
+    if (command.exact) cameras.noise = no_depth_noise;
+    cameras.noise.seed = command.seed * 1'000'003U + trial;
+    return cameras;
+}
+
+void add_shared(CLI::App& sub, TaskCommand& command) {
+    sub.add_option("--rig", command.rig, "Arrays that make the rings, a rig file or a shipped rig")
+        ->capture_default_str();
+    sub.add_option("--trials", command.trials, "How many")->check(whole(1, 10'000))->capture_default_str();
+    sub.add_option("--seed", command.seed, "Of what is drawn and of the cameras' noise")
+        ->check(whole(0, UINT64_MAX))
+        ->capture_default_str();
+    sub.add_option("--distance", command.distance_mm, "Of the cameras, mm")->check(positive())->capture_default_str();
+    sub.add_flag("--exact", command.exact, "Cameras without noise");
+    sub.add_flag("--json", command.json, "Print as JSON, each trial among it");
+}
+
+int lift_cubes(const TaskCommand& command) {
+    catch_interrupts();
+    const Array array = joined(find_rig(command.rig));
+    std::mt19937_64 random(command.seed);
+    Report report;
+    ordered_json trials = ordered_json::array();
+    std::size_t done = 0;
+    double time_s = 0.0, force_n = 0.0, made_j = 0.0;
+    for (std::size_t trial = 1; trial <= command.trials && !interrupted(); ++trial) {
+        live::LiftOptions options;
+        options.cameras = cameras_of(command, trial);
+        options.seen = !command.hidden;
+        options.felt = command.felt == "dynamic"  ? live::Felt::dynamic
+                       : command.felt == "static" ? live::Felt::still
+                                                  : live::Felt::nothing;
+        live::draw_cube(options, random);
+        const live::LiftReport one = live::lift(array, options);
+        trials.push_back(live::to_json(options, one));
+        report.tell(fmt::format(
+            "trial {:<5} cube of {:.0f} mm at ({:.0f}, {:.0f}) mm, turned by {:.0f}°: {} after {:.2f} s; "
+            "{:.1f} mm high, {:.2f} N holding, {:.2f} N at most",
+            trial, 1e3 * options.edge_m, 1e3 * options.x_m, 1e3 * options.y_m, options.turn_deg,
+            one.done ? "lifted" : "not lifted", one.time_s, 1e3 * one.lifted_m, one.mean_force_n, one.most_force_n));
+        made_j = std::max(made_j, one.energy_made_j);
+        if (!one.done) continue;
+        ++done;
+        time_s += one.time_s;
+        force_n += one.mean_force_n;
+    }
+    const auto count = static_cast<double>(done);
+    report.add("task", "lift").add("sight", command.hidden ? "hidden" : "seen").add("felt", command.felt);
+    report.add("trials", trials);
+    report.add("lifted", done, fmt::format("lifted      {} of {}", done, trials.size()));
+    if (done > 0) {
+        report.add("mean_time_s", time_s / count,
+                   fmt::format("mean time   {:.2f} s from the first touch", time_s / count));
+        report.add("mean_force_n", force_n / count,
+                   fmt::format("mean force  {:.2f} N of both fingers", force_n / count));
+    }
+    report.add("energy_made_mj", 1e3 * made_j,
+               fmt::format("energy      {:.3f} mJ at most came from nowhere", 1e3 * made_j));
+    report.print(command.json);
+    return 0;
+}
+
+int find_surfaces(const TaskCommand& command) {
+    catch_interrupts();
+    const Array array = joined(find_rig(command.rig));
+    std::mt19937_64 random(command.seed);
+    Report report;
+    ordered_json trials = ordered_json::array();
+    std::size_t done = 0;
+    double angle = 0.0, height = 0.0, time_s = 0.0;
+    for (std::size_t trial = 1; trial <= command.trials && !interrupted(); ++trial) {
+        live::SurfaceOptions options;
+        options.cameras = cameras_of(command, trial);
+        options.cameras.count = 1;
+        options.middle = {0, 0, 0.15};
+        options.fingers.ring.motion = command.felt == "static" ? FocusMotion::still : FocusMotion::revolving;
+        live::draw_surface(options, random);
+        const live::SurfaceReport one = live::find_surface(array, options);
+        trials.push_back(live::to_json(options, one));
+        report.tell(fmt::format("trial {:<5} {:.1f}° and {:.1f} mm: {}", trial, options.angle_deg,
+                                1e3 * options.height_m,
+                                one.done ? fmt::format("answer {:.1f}° and {:.1f} mm after {:.2f} s", one.angle_deg,
+                                                       1e3 * one.height_m, one.time_s)
+                                         : fmt::format("no answer, felt at {} places", one.felt_places)));
+        if (!one.done) continue;
+        ++done;
+        angle += std::abs(one.angle_error_deg);
+        height += std::abs(one.height_error_m);
+        time_s += one.time_s;
+    }
+    const auto count = static_cast<double>(done);
+    report.add("task", "surface").add("felt", command.felt);
+    report.add("trials", trials);
+    report.add("answered", done, fmt::format("answered    {} of {}", done, trials.size()));
+    if (done > 0) {
+        report.add("mean_angle_error_deg", angle / count,
+                   fmt::format("angle       off by {:.2f}° on average", angle / count));
+        report.add("mean_height_error_mm", 1e3 * height / count,
+                   fmt::format("height      off by {:.2f} mm on average", 1e3 * height / count));
+        report.add("mean_time_s", time_s / count,
+                   fmt::format("mean time   {:.2f} s from the first touch", time_s / count));
+    }
+    report.print(command.json);
+    return 0;
+}
+
+}  // namespace
+
+void add_task(CLI::App& app, Action& action) {
+    CLI::App* task = app.add_subcommand(
+        "task", "The tasks of Fingers' two experiments, by scripted hands before simulated depth cameras");
+    task->require_subcommand(1);
+    auto options = std::make_shared<TaskCommand>();
+    CLI::App* lift = task->add_subcommand("lift", "Two fingers lift a cube by 50 mm for 1.5 s");
+    add_shared(*lift, *options);
+    lift->add_flag("--hidden", options->hidden, "The hand does not see the cube");
+    lift->add_option("--felt", options->felt, "What the fingers feel")
+        ->check(CLI::IsMember({"dynamic", "static", "none"}))
+        ->capture_default_str();
+    lift->add_option("--cameras", options->cameras, "Around the room; 1: below it")
+        ->check(whole(1, 8))
+        ->capture_default_str();
+    lift->callback([options, &action] { action = [options] { return lift_cubes(*options); }; });
+    CLI::App* surface = task->add_subcommand("surface", "A finger finds the angle and the height of a surface");
+    add_shared(*surface, *options);
+    surface->add_option("--felt", options->felt, "What the finger feels")
+        ->check(CLI::IsMember({"dynamic", "static"}))
+        ->capture_default_str();
+    surface->callback([options, &action] { action = [options] { return find_surfaces(*options); }; });
+}
+
+}  // namespace haptogram::cli

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/live/shot_rings.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "haptogram/base/error.hpp"
+
+namespace haptogram::live {
+namespace {
+
+std::string unreachable(const Array& array, const Path& ring) {
+    for (const PathStep& step : ring.steps)
+        for (const Focus& focus : step.foci)
+            if (std::string why = array.unreachable(focus.position); !why.empty()) return why;
+    return {};
+}
+
+/// The still focus' modulation as perception knows it.
+perception::Wanted wanted_of(double magnitude, const RingOptions& ring) {
+    if (ring.motion != FocusMotion::still)
+        throw bad_argument("magnitude",
+                           "is known of a focus that rests and is modulated; take the static focus (--focus static), "
+                           "or leave the magnitude out");
+    return perception::wanted_of(magnitude, fmt::format("sine:{}", ring.still_am_hz), false);
+}
+
+void append(Path& all, const Path& ring) {
+    if (all.steps.empty()) {
+        all = ring;
+        return;
+    }
+    for (std::size_t j = 0; j < all.steps.size(); ++j)
+        all.steps[j].foci.insert(all.steps[j].foci.end(), ring.steps[j].foci.begin(), ring.steps[j].foci.end());
+}
+
+}  // namespace
+
+ShotRings::ShotRings(const Array& array, double carrier_hz, const FingerOptions& options)
+    : array_(array),
+      carrier_hz_(carrier_hz),
+      options_(options),
+      clouds_(options.cloud),
+      scene_(options.scene),
+      predictor_(options.predict),
+      tables_(perception::find_tables()) {
+    haptogram::require_sound(options.ring);
+    if (!(options.rate_hz > 0.0))
+        throw bad_argument("rate", fmt::format("found {}, expected more than 0", options.rate_hz));
+    if (options.magnitude)
+        commands_ =
+            std::make_unique<perception::CommandLattice>(tables_, wanted_of(*options.magnitude, options.ring), array_);
+}
+
+/// @return why it cannot, or nothing
+std::optional<std::string> ShotRings::give_magnitude(Path& ring) {
+    if (!commands_) return {};
+    try {
+        perception::give_magnitude(ring, *commands_);
+    } catch (const Error& error) {
+        return error.message();
+    }
+    const double make_up = 1.0 / std::sqrt(held_fundamental(options_.ring));
+    for (PathStep& step : ring.steps)
+        for (Focus& focus : step.foci)
+            if ((focus.amplitude *= make_up) > 1.0) return "the array is too weak there for a wave in steps";
+    return {};
+}
+
+std::optional<Path> ShotRings::ring_of(const SceneFinger& finger, const std::optional<Vec3>& sight,
+                                       ShotReport& report) {
+    const auto refuse = [&](std::uint64_t& count, const std::string& why) {
+        ++count;
+        report.troubles.push_back(fmt::format("finger {} {}: it gets no ring", finger.id, why));
+        return std::optional<Path>{};
+    };
+    const double half = 0.5 * options_.scene.size_m;
+    if (options_.scene.kind != "half-space" && finger.deepest_m > half)
+        return refuse(counts_.through,
+                      fmt::format("is {:.1f} mm deep, behind the object's middle", 1e3 * finger.deepest_m));
+    const auto section = section_of(finger.section, finger.surface, finger.inward, sight, options_.section);
+    if (!section)
+        return refuse(
+            counts_.no_section,
+            fmt::format("has {} points beside the surface that are no section of a finger", finger.section.size()));
+    Ellipse placed = section->ellipse;
+    placed.centre = predictor_.ahead(finger.id, placed.centre, report.time_s);
+    const auto last = last_start_.find(finger.id);
+    const std::optional<Vec3> start = last == last_start_.end() ? std::optional<Vec3>{} : last->second;
+    Path ring = ring_path({&placed, 1}, {&start, 1}, carrier_hz_, options_.ring);
+    if (const std::string why = unreachable(array_, ring); !why.empty())
+        return refuse(counts_.out_of_reach, fmt::format("is out of the array's reach, {}", why));
+    if (const auto why = give_magnitude(ring))
+        return refuse(counts_.without_magnitude, fmt::format("cannot feel with that magnitude, {}", *why));
+    if (section->constrained) ++counts_.constrained;
+    report.sections.push_back(section->ellipse);
+    report.centres.push_back(placed.centre);
+    return ring;
+}
+
+void ShotRings::note_cameras(const DepthShot& shot, ShotReport& report) {
+    counts_.without_picture.resize(std::max(counts_.without_picture.size(), shot.pictures.size()));
+    bool missing = false;
+    for (std::size_t i = 0; i < shot.pictures.size(); ++i) {
+        if (shot.pictures[i]) continue;
+        missing = true;
+        ++counts_.without_picture[i];
+        report.troubles.push_back(fmt::format("camera {} gave no picture", i + 1));
+    }
+    if (missing) ++counts_.without_camera;
+}
+
+std::optional<Path> ShotRings::take(std::span<const DepthCamera> cameras, const DepthShot& shot, ShotReport& report) {
+    note_cameras(shot, report);
+    report.object = scene_.object();
+    // When all cameras are gone nothing is known of the fingers: the scene stays as it is, as when a shot is lost.
+    if (std::none_of(shot.pictures.begin(), shot.pictures.end(), [](const auto& p) { return p.has_value(); }))
+        return {};
+    const std::vector<Vec3> cloud = clouds_.cloud(cameras, shot);
+    report.points = cloud.size();
+    if (cloud.empty()) {
+        ++counts_.empty;
+        report.troubles.emplace_back("there is nothing in the workspace");
+    }
+    const std::vector<SceneFinger>& fingers = scene_.update(cloud, shot.time_s);
+    report.fingers = fingers.size();
+    std::vector<std::pair<std::uint64_t, Path>> rings;
+    for (const SceneFinger& finger : fingers) {
+        report.force_n += norm(finger.force);
+        if (!finger.seen) continue;
+        std::optional<Vec3> sight;
+        if (cameras.size() == 1) sight = finger.place - cameras.front().pose.origin;
+        if (auto ring = ring_of(finger, sight, report)) rings.emplace_back(finger.id, std::move(*ring));
+    }
+    predictor_.forget_before(shot.time_s - 2.5 / options_.rate_hz);
+    if (commands_ && rings.size() > 1) {
+        ++counts_.without_magnitude;
+        report.troubles.push_back(
+            fmt::format("{} fingers touch at a time and share the array's pressure, of which no magnitude is known: "
+                        "none gets a ring",
+                        rings.size()));
+        rings.clear();
+        report.sections.clear();
+        report.centres.clear();
+    }
+    report.foci = rings.size();
+    report.object = scene_.object();
+    last_start_.clear();
+    if (rings.empty()) return {};
+    ++counts_.with_rings;
+    Path all;
+    for (const auto& [finger, ring] : rings) {
+        if (!ring.steps.front().foci.empty()) last_start_[finger] = ring.steps.front().foci.front().position;
+        append(all, ring);
+    }
+    return all;
+}
+
+}  // namespace haptogram::live

@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The tasks of Fingers' experiments: `haptogram task`."""
+
+import json
+
+from support import BAD_INPUT, USAGE, refuse, succeed
+
+
+def test_a_seen_cube_is_lifted_and_makes_no_energy():
+    found = json.loads(succeed(["task", "lift", "--trials", "1", "--seed", "3", "--json"]).stdout)
+    assert found["task"] == "lift" and found["sight"] == "seen" and found["lifted"] == 1
+    trial = found["trials"][0]
+    assert trial["lifted_mm"] >= 50 and trial["time_s"] > 1.5 and trial["mean_force_n"] > 0.1 * 9.8
+    assert found["energy_made_mj"] < 1
+
+
+def test_the_same_seed_gives_the_same_trials():
+    first, second = (succeed(["task", "surface", "--trials", "1", "--seed", "5", "--json"]).stdout for _ in range(2))
+    assert first == second
+    trial = json.loads(first)["trials"][0]
+    assert abs(trial["answer_deg"] - trial["asked_deg"]) == abs(trial["angle_error_deg"]) < 9
+    assert abs(trial["height_error_mm"]) < 4.5  # what the paper's participants reached
+
+
+def test_what_it_cannot_use_is_named(tmp_path):
+    refuse(tmp_path, ["task", "lift", "--rig", "nothing"], BAD_INPUT, "nothing")
+    refuse(tmp_path, ["task", "lift", "--felt", "warm"], USAGE, "warm")
+    refuse(tmp_path, ["task", "surface", "--felt", "none"], USAGE, "none")
+    refuse(tmp_path, ["task"], USAGE, "subcommand")

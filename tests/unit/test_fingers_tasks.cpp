@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <random>
+
+#include "haptogram/live/lift_task.hpp"
+#include "haptogram/live/surface_task.hpp"
+#include "haptogram/model/rig.hpp"
+#include "message_of.hpp"
+
+using namespace haptogram;
+using Catch::Contains;
+
+namespace {
+
+const Array& cube_of_units() {
+    static const Array array = joined(find_rig("cube-300"));
+    return array;
+}
+
+}  // namespace
+
+TEST_CASE("task: a hidden cube is found by touch and lifted before four cameras, and no energy comes from nowhere") {
+    live::LiftOptions options;
+    options.seen = false;
+    options.cameras.noise = no_depth_noise;
+    options.at_most_s = 4.5;
+    options.edge_m = 50e-3;
+    options.x_m = 8e-3;
+    options.y_m = 4e-3;
+    options.turn_deg = -15.0;
+    const live::LiftReport report = live::lift(cube_of_units(), options);
+    CHECK(report.done);
+    CHECK(report.time_s > options.hold_s);
+    CHECK(report.lifted_m >= options.lift_m);
+    // Two fingers that hold 0.1 kg by friction of 0.8 push with its weight over 2 * 0.8 each, and carry it.
+    CHECK(report.mean_force_n > 0.1 * 9.8 / 0.8);
+    CHECK(report.energy_made_j < 1e-3);
+    options.edge_m = -1.0;
+    CHECK_THAT(message_of([&] { (void)live::lift(cube_of_units(), options); }), Contains("edge"));
+}
+
+TEST_CASE("task: without squeezing the cube is not lifted, and the trial ends in time") {
+    live::LiftOptions options;
+    options.cameras.noise = no_depth_noise;
+    options.squeeze_m = 0.1e-3;
+    options.at_most_s = 1.5;
+    const live::LiftReport report = live::lift(cube_of_units(), options);
+    CHECK_FALSE(report.done);
+    CHECK(report.lifted_m < options.lift_m);
+    CHECK(report.shots == 45);
+    CHECK(report.most_force_n > 0.0);
+}
+
+TEST_CASE("task: angle and height of a surface are found by one finger before one camera") {
+    std::mt19937_64 random(Catch::rngSeed());
+    live::SurfaceOptions options;
+    options.middle = {0, 0, 0.15};
+    options.cameras.count = 1;
+    options.cameras.noise = no_depth_noise;
+    live::draw_surface(options, random);
+    INFO(options.angle_deg << " degrees, " << 1e3 * options.height_m << " mm");
+    const live::SurfaceReport report = live::find_surface(cube_of_units(), options);
+    REQUIRE(report.done);
+    CHECK(report.felt_places >= 3);
+    CHECK(std::abs(report.angle_error_deg) <= 2.0);
+    CHECK(std::abs(report.height_error_m) <= 1e-3);
+    options.places = 1;
+    CHECK_THAT(message_of([&] { (void)live::find_surface(cube_of_units(), options); }), Contains("places"));
+}
