@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "haptogram/analysis/measure.hpp"
 #include "haptogram/base/error.hpp"
@@ -35,10 +36,10 @@ std::vector<RecordResult> check_records(const Bundle& bundle, const std::vector<
 
 }  // namespace
 
-Simulation simulate(const Bundle& bundle, const PlaybackOptions& options) {
+Simulation judged(const Bundle& bundle, Playback playback, const Progress& progress) {
     Simulation result;
-    result.playback = play(bundle.image, options, bundle.name);
-    result.records = check_records(bundle, result.playback.pulses, options.progress);
+    result.playback = std::move(playback);
+    result.records = check_records(bundle, result.playback.pulses, progress);
     for (std::size_t i = 0; i < result.records.size(); ++i) {
         const RecordResult& record = result.records[i];
         if (record.cycles == 0) continue;
@@ -56,6 +57,10 @@ Simulation simulate(const Bundle& bundle, const PlaybackOptions& options) {
     }
     if (result.checked > 0) result.mean_kept /= static_cast<double>(result.checked);
     return result;
+}
+
+Simulation simulate(const Bundle& bundle, const PlaybackOptions& options) {
+    return judged(bundle, play(bundle.image, options, bundle.name), options.progress);
 }
 
 void require_compiled_for(const Bundle& bundle, const Array& array, const Core& core) {

@@ -37,6 +37,9 @@ struct Simulation {
 /// @throws Error{bad_input} when the image would not play or no Verilated core can play it
 [[nodiscard]] Simulation simulate(const Bundle& bundle, const PlaybackOptions& options);
 
+/// Checks every focus of an image from the pulses that a playback has measured.
+[[nodiscard]] Simulation judged(const Bundle& bundle, Playback playback, const Progress& progress = {});
+
 /// @throws Error{bad_input} unless the bundle was compiled for such an array on such a core: same channels, clock,
 /// carrier, duty, air, transducers, and every element at the same place to a micrometre
 void require_compiled_for(const Bundle& bundle, const Array& array, const Core& core);

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "board_run_tiles.hpp"
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
@@ -39,6 +40,7 @@ struct RunOptions {
     std::string pulses;
     std::uint32_t channels = 100;
     double seconds = 0.0;
+    RunTilesOptions tiles;
     bool json = false;
 };
 
@@ -82,7 +84,21 @@ void tell_line(const nlohmann::ordered_json& report, bool as_json, const std::st
     std::fflush(stdout);
 }
 
+int run_tiles(const RunOptions& options) {
+    if (options.model != "rtl")
+        throw bad_argument("model",
+                           "the reference board has no SYNC, and so cannot be one of several; give --model rtl");
+    RunTilesOptions tiles = options.tiles;
+    tiles.channels = options.channels;
+    tiles.pty = options.pty;
+    tiles.real_time = options.speed == "real";
+    tiles.seconds = options.seconds;
+    tiles.json = options.json;
+    return run_boards(tiles);
+}
+
 int run_board(const RunOptions& options) {
+    if (options.tiles.count != 0) return run_tiles(options);
     std::vector<NamedPath> outputs;
     if (!options.pulses.empty()) outputs.push_back({"--pulses", options.pulses});
     if (!options.trace.empty()) outputs.push_back({"--trace", options.trace});
@@ -191,8 +207,28 @@ void add_board_run(CLI::App& board, Action& action) {
         ->capture_default_str();
     sub->add_option("--seconds", options->seconds, "End after so much simulated time (default: Ctrl-C)")
         ->check(positive());
-    sub->add_option("--trace", options->trace, "Write every signal (FST, for GTKWave; the Verilated FPGA only)");
-    sub->add_option("--pulses", options->pulses, "Write the pulses measured at the pins (CSV)");
+    auto* trace =
+        sub->add_option("--trace", options->trace, "Write every signal (FST, for GTKWave; the Verilated FPGA only)");
+    auto* pulses = sub->add_option("--pulses", options->pulses, "Write the pulses measured at the pins (CSV)");
+    auto* tiles = sub->add_option("--tiles", options->tiles.count,
+                                  "So many boards on one wire SYNC, each behind a pseudo-terminal of its own, for a "
+                                  "rig; --pty NAME names them NAME-1, NAME-2 and so on")
+                      ->excludes(image)
+                      ->excludes(trace)
+                      ->excludes(pulses)
+                      ->check(whole(1, 64));
+    sub->add_option("--drift-ppm", options->tiles.drift_ppm, "Their crystals are off by up to so much, to either side")
+        ->needs(tiles)
+        ->check(CLI::Range(0.0, 50.0))
+        ->capture_default_str();
+    sub->add_option("--seed", options->tiles.seed, "Of drifts, start phases and what registers hold at power-up")
+        ->needs(tiles)
+        ->check(whole(0, 4'294'967'295))
+        ->capture_default_str();
+    sub->add_option("--fault", options->tiles.faults,
+                    "silent:TILE@SECONDS cuts a tile's serial line after so much simulated time, sync:TILE@SECONDS its "
+                    "wire SYNC; again for each")
+        ->needs(tiles);
     sub->add_flag("--json", options->json, "Print the port, and the outcome at the end, as a line of JSON each");
     sub->callback([options, &action] { action = [options] { return run_board(*options); }; });
 }

@@ -12,6 +12,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/instrument/compile_numbers.hpp"
+#include "haptogram/instrument/rig.hpp"
 #include "haptogram/render/path_file.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
@@ -24,7 +25,7 @@ struct CompileOptions {
     std::vector<std::string> inputs;  ///< shape files, or one project file
     std::vector<std::string> shapes;
     PrimitiveSpec primitive;  ///< the measures of every --shape, in mm; its kind is not used
-    std::optional<std::string> board, array, unit;
+    std::optional<std::string> board, array, rig, unit;
     std::optional<std::size_t> points;
     std::optional<std::uint64_t> seed;
     std::optional<double> rate_hz, speed_m_s, frequency_hz, size_mm, scale;
@@ -98,18 +99,32 @@ Project project_of(const CompileOptions& options) {
     return project;
 }
 
+/// A rig has one manifest and many images, which are called after it.
+void check_rig_paths(CompileOptions& options) {
+    if (options.output == "-" || !options.manifest.empty() || !options.readmemh.empty())
+        throw bad_argument(options.output == "-"       ? "output"
+                           : !options.manifest.empty() ? "manifest"
+                                                       : "readmemh",
+                           "is for one image, and a rig has one for each tile; name a file with -o wall.json, and the "
+                           "images become wall.tile-1.hex and so on");
+    options.output = manifest_path(options.output);
+}
+
 void check_paths(CompileOptions& options) {
     if (options.output.empty()) throw bad_argument("--output", "the name is empty; name the image");
-    if (options.manifest.empty()) {
+    if (options.manifest.empty() && !options.rig) {
         if (options.output == "-")
             throw bad_argument("-o -", "needs --manifest FILE: an image is of little use without its manifest");
         options.manifest = manifest_path(options.output);
     }
+    if (options.rig) check_rig_paths(options);
     std::vector<NamedPath> inputs;
     for (const std::string& input : options.inputs) inputs.push_back({"an input", input});
     if (options.array && options.array->ends_with(".toml")) inputs.push_back({"--array", *options.array});
     if (options.board && options.board->ends_with(".toml")) inputs.push_back({"--board", *options.board});
-    std::vector<NamedPath> outputs = {{"--output", options.output}, {"--manifest", options.manifest}};
+    if (options.rig && options.rig->ends_with(".toml")) inputs.push_back({"--rig", *options.rig});
+    std::vector<NamedPath> outputs = {{"--output", options.output}};
+    if (!options.rig) outputs.push_back({"--manifest", options.manifest});
     if (!options.path.empty()) inputs.push_back({"--path", options.path});
     if (!options.save_path.empty()) outputs.push_back({"--save-path", options.save_path});
     if (!options.readmemh.empty()) {
@@ -150,10 +165,10 @@ Report report_of(const Compiled& compiled, const CompileOptions& options) {
         .tell(fmt::format("full pressure for at most {} points at this rate, {} with ring-up",
                           numbers["most_points"].get<std::uint32_t>(),
                           numbers["most_points_with_ring_up"].get<std::uint32_t>()))
-        .add("image", options.output,
-             fmt::format("image             {} ({} bytes), manifest {}", options.output, compiled.bundle.hex.size(),
-                         options.manifest))
-        .add("manifest", options.manifest);
+        .tell(options.rig ? std::string()
+                          : fmt::format("image             {} ({} bytes), manifest {}", options.output,
+                                        compiled.bundle.hex.size(), options.manifest));
+    if (!options.rig) report.add("image", options.output).add("manifest", options.manifest);
     if (compiled.pace)
         report.tell(
             fmt::format("drawn             {:.1f} mm and jumps of {:.1f} mm at {:.4g} m/s, {:.4g} Hz, a point "
@@ -174,8 +189,34 @@ Report report_of(const Compiled& compiled, const CompileOptions& options) {
                                    100.0 * number("pressure_left_least"), 100.0 * number("pressure_left_mean")));
 }
 
+int compile_rig(const CompileOptions& options) {
+    const Project project = project_of(options);
+    CompiledRig compiled;
+    {
+        ProgressLine progress("compile");
+        compiled = haptogram::compile_rig(project, *options.rig, options.output, progress.callback());
+    }
+    auto files = files_of(compiled.bundle);
+    if (!options.save_path.empty())
+        files.emplace_back(options.save_path,
+                           to_json_text(compiled.whole.path, compiled.whole.bundle.manifest.timer.carrier_hz()));
+    write_files(files);
+    nlohmann::ordered_json images = nlohmann::ordered_json::array();
+    for (const Bundle& tile : compiled.bundle.tiles) images.push_back(tile.name);
+    report_of(compiled.whole, options)
+        .add("rig", compiled.bundle.rig)
+        .add("images", images)
+        .add("manifest", options.output,
+             fmt::format("rig               {}, {} tiles: {} to {}, manifest {}", compiled.bundle.rig, images.size(),
+                         compiled.bundle.tiles.front().name, compiled.bundle.tiles.back().name, options.output))
+        .print(options.json);
+    for (const std::string& warning : compiled.whole.warnings) complain("warning: " + warning);
+    return 0;
+}
+
 int compile(CompileOptions options) {
     check_paths(options);
+    if (options.rig) return compile_rig(options);
     const Project project = project_of(options);
     Compiled compiled;
     {
@@ -225,9 +266,15 @@ void add_compile(CLI::App& app, Action& action) {
         "--board", options->board,
         "Board file (TOML), shipped board (see haptogram board list) or configuration of the core such as tile-100 "
         "(default: the array file's [board])");
-    sub->add_option("--array", options->array,
-                    fmt::format("Array file (TOML) or shipped array: {} (default: the board's, or tile-10x10)",
-                                fmt::join(shipped_arrays(), ", ")));
+    auto* array =
+        sub->add_option("--array", options->array,
+                        fmt::format("Array file (TOML) or shipped array: {} (default: the board's, or tile-10x10)",
+                                    fmt::join(shipped_arrays(), ", ")));
+    sub->add_option("--rig", options->rig,
+                    fmt::format("Rig file (TOML) or shipped rig instead: {}. Writes an image for each of its boards, "
+                                "beside a rig manifest",
+                                fmt::join(shipped_rigs(), ", ")))
+        ->excludes(array);
     sub->add_option("--unit", options->unit, "Unit of the coordinates in the files")
         ->check(CLI::IsMember({"mm", "cm", "m"}))
         ->default_str(ShapeSource{}.unit);

@@ -9,15 +9,19 @@
 
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
+#include "haptogram/link/rig_devices.hpp"
 #include "haptogram/link/to_json.hpp"
+#include "haptogram/link/transfer.hpp"
 #include "port.hpp"
 #include "report.hpp"
+#include "rig_ports.hpp"
 
 namespace haptogram::cli {
 namespace {
 
 struct DeviceOptions {
     link::PortSettings port;
+    RigPorts ports;  ///< of status
     std::uint16_t watchdog_ms = 0;
     bool has_watchdog = false;
     std::uint16_t divider = 1, samples = 0;
@@ -37,8 +41,30 @@ int info(const DeviceOptions& options) {
     return 0;
 }
 
+/// What each tile of a rig is doing, and whether it holds its own image.
+int rig_status(const DeviceOptions& options) {
+    const RigBundle bundle = load_rig_bundle(options.ports.rig);
+    const std::vector<link::PortSettings> ports = link::ports_of(bundle, options.ports.ports, options.ports.baud);
+    const link::RigDevices devices(bundle, ports);
+    nlohmann::ordered_json states = nlohmann::ordered_json::array();
+    for (std::size_t i = 0; i < ports.size(); ++i) {
+        const link::Tile& tile = devices.tiles()[i];
+        nlohmann::ordered_json state{{"tile", i + 1}, {"port", ports[i].port}};
+        state.update(to_json(tile.device.status()));
+        state["holds_its_image"] = link::holds(tile.device, tile.image);
+        states.push_back(std::move(state));
+    }
+    if (options.json) tell(states, true);
+    for (std::size_t i = 0; !options.json && i < states.size(); ++i) {
+        if (i > 0) fmt::print("\n");
+        tell(states[i], false);
+    }
+    return 0;
+}
+
 int status(const DeviceOptions& options) {
-    link::Device device(options.port);
+    if (options.ports.is_rig()) return rig_status(options);
+    link::Device device(options.ports.one());
     tell(to_json(device.status()), options.json);
     return 0;
 }
@@ -150,7 +176,10 @@ void add_device(CLI::App& app, Action& action) {
     ports->callback([options, &action] { action = [options] { return list(options->json); }; });
 
     add("info", "Print what the board is", info);
-    add("status", "Print what it is doing, and its counters", status);
+    CLI::App* now = sub->add_subcommand("status", "Print what it is doing, and its counters; or each board of a rig");
+    add_rig_port_options(*now, options->ports);
+    now->add_flag("--json", options->json, "As JSON");
+    now->callback([options, &action] { action = [options] { return status(*options); }; });
     auto* watchdog =
         add("enable", "Turn the outputs on; they go off again when no host speaks within the watchdog's time", enable)
             ->add_option("--watchdog", options->watchdog_ms,

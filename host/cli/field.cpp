@@ -90,7 +90,8 @@ void add_field(CLI::App& app, Action& action) {
         "The sound field of an image, of one focal point, or of measured pulses, along a line, in a plane or a volume");
     auto* image = sub->add_option("image", options->source.image,
                                   "Intel HEX image, with its manifest beside it, or a project (.toml): the mean over "
-                                  "its sequence. Or a manifest (.json): the same of exact phases");
+                                  "its sequence. Or a manifest (.json): the same of exact phases, or a rig's manifest: "
+                                  "of all its images together");
     sub->add_option("--record", options->source.record, "Only this record of the image")
         ->needs(image)
         ->check(whole(1, 65535));

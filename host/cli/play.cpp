@@ -10,26 +10,52 @@
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/link/device.hpp"
+#include "haptogram/link/rig_devices.hpp"
 #include "haptogram/link/to_json.hpp"
 #include "interrupt.hpp"
 #include "port.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
+#include "rig_ports.hpp"
 
 namespace haptogram::cli {
 namespace {
 
 struct PlayOptions {
-    link::PortSettings port;
+    RigPorts ports;
+    std::string on_loss = "off";
     link::PlaySettings play{.warn = complain};
     bool sequence = false;  ///< the default, which may be asked for
     std::optional<std::string> am, am_law;
     bool json = false;
 };
 
+int play_rig(const PlayOptions& options) {
+    if (options.play.rate > 0.0 || options.am)
+        throw bad_argument(options.am ? "am" : "rate",
+                           "a rig plays as it was compiled; compile it with that setting, or play one board");
+    const RigBundle bundle = load_rig_bundle(options.ports.rig);
+    const link::RigDevices devices(bundle, link::ports_of(bundle, options.ports.ports, options.ports.baud));
+    const link::RigSettings settings{.index = options.play.index,
+                                     .loops = options.play.loops,
+                                     .seconds = options.play.seconds,
+                                     .watchdog_ms = options.play.watchdog_ms,
+                                     .on_loss = on_loss_of(options.on_loss),
+                                     .warn = complain};
+    ProgressLine progress("play");
+    const link::RigPlayed played = link::play(devices.tiles(), settings, [&](const link::RigPlaying& now) {
+        progress.note(words_of(now));
+        return !interrupted();
+    });
+    tell_rig(played, options.json,
+             fmt::format("{} underruns, {} refused records", played.underruns, played.refused_records));
+    return 0;
+}
+
 int play(const PlayOptions& options) {
     catch_interrupts();
-    link::Device device(options.port);
+    if (options.ports.is_rig()) return play_rig(options);
+    link::Device device(options.ports.one());
     ProgressLine progress("play");
     link::PlaySettings settings = options.play;
     settings.am = {options.am.value_or(""), law_of(options.am_law.value_or("pressure"))};
@@ -51,10 +77,11 @@ int play(const PlayOptions& options) {
 
 void add_play(CLI::App& app, Action& action) {
     auto options = std::make_shared<PlayOptions>();
-    CLI::App* sub = app.add_subcommand(
-        "play",
-        "Turn the outputs on and play what is in the board's memories, until its end or Ctrl-C; then off again");
-    add_port_options(*sub, options->port);
+    CLI::App* sub = app.add_subcommand("play",
+                                       "Turn the outputs on and play what is in the memories of a board, or of a rig's "
+                                       "boards, until its end or Ctrl-C; then off again");
+    auto* rig = add_rig_port_options(*sub, options->ports);
+    add_on_loss_option(*sub, rig, options->on_loss);
     auto* index = sub->add_option("--index", options->play.index, "One record, until Ctrl-C")->check(whole(1, 65535));
     sub->add_option("--loops", options->play.loops,
                     "Passes over the sequence; 0: until Ctrl-C (default: as the image says)")

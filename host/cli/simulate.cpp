@@ -16,6 +16,7 @@
 #include "haptogram/instrument/source.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
+#include "simulate_rig.hpp"
 
 namespace haptogram::cli {
 namespace {
@@ -30,19 +31,9 @@ struct SimulateOptions {
     std::string pulses;
     std::string trace;
     std::string report;
+    SimulateRigOptions rig;
     bool json = false;
 };
-
-std::string words_of_those_off(const sim::Simulation& s) {
-    constexpr std::size_t most_listed = 10;
-    const auto shown = static_cast<std::ptrdiff_t>(std::min(s.off.size(), most_listed));
-    return fmt::format("{} point{} off: record{} {}{}: less than {:.4g} of the pressure, or more than {:.3g} mm away",
-                       s.off.size(), s.off.size() > 1 ? "s are" : " is", s.off.size() > 1 ? "s" : "",
-                       fmt::join(s.off.begin(), s.off.begin() + shown, ", "),
-                       s.off.size() > most_listed ? fmt::format(" and {} more", s.off.size() - most_listed) : "",
-                       s.records[s.off.front() - 1].limits.least_kept,
-                       s.records[s.off.front() - 1].limits.most_offset_m / millimetre);
-}
 
 Report report_of(const Bundle& bundle, const sim::Simulation& s) {
     const Timer& t = bundle.manifest.timer;
@@ -98,7 +89,7 @@ Report report_of(const Bundle& bundle, const sim::Simulation& s) {
                              : std::string())
         .tell(fmt::format("contract violations  {}", p.violation_count));
     for (const std::string& violation : p.violations) report.tell("  " + violation);
-    if (!s.off.empty()) report.tell(words_of_those_off(s));
+    if (!s.off.empty()) report.tell(words_of_those_off(bundle.manifest, s));
     return report
         .add("board", {{"underruns", p.status.underruns},
                        {"refused_records", p.status.refused_records},
@@ -110,6 +101,16 @@ Report report_of(const Bundle& bundle, const sim::Simulation& s) {
 }
 
 int simulate(SimulateOptions options) {
+    if (!options.rig.rig.empty()) {
+        SimulateRigOptions rig = options.rig;
+        rig.passes = options.passes;
+        rig.pulses = options.pulses;
+        rig.report = options.report;
+        rig.json = options.json;
+        return simulate_rig(rig);
+    }
+    if (options.image.empty())
+        throw bad_argument("image", "there is nothing to simulate; name an image, or a rig with --rig");
     if (options.manifest.empty() && !is_project(options.image)) options.manifest = manifest_path(options.image);
     std::vector<NamedPath> outputs;
     if (!options.pulses.empty()) outputs.push_back({"--pulses", options.pulses});
@@ -160,20 +161,40 @@ void add_simulate(CLI::App& app, Action& action) {
     CLI::App* sub = app.add_subcommand(
         "simulate",
         "Play an image on the Verilated FPGA, measure its pins, check contracts and foci; exit code 1 when one is off");
-    sub->add_option("image", options->image, "Intel HEX image, or a project (.toml)")->required();
-    sub->add_option("--manifest", options->manifest, "Manifest (default: the image's name with .json)");
-    sub->add_option("--array", options->array, "Insist that the image was compiled for this array");
+    auto* image = sub->add_option("image", options->image, "Intel HEX image, or a project (.toml)");
+    auto* manifest =
+        sub->add_option("--manifest", options->manifest, "Manifest (default: the image's name with .json)");
+    auto* array = sub->add_option("--array", options->array, "Insist that the image was compiled for this array");
     auto* passes = sub->add_option("--passes", options->passes, "Passes over the sequence")
                        ->check(whole(1, 65535))
                        ->capture_default_str();
-    sub->add_option("--duration", options->duration_ms, "Play for this many ms instead")
-        ->check(positive())
-        ->excludes(passes);
-    sub->add_option("--load", options->load, "Through the simulated serial line, or straight into the memories")
-        ->check(CLI::IsMember({"uart", "direct"}))
-        ->capture_default_str();
+    auto* duration = sub->add_option("--duration", options->duration_ms, "Play for this many ms instead")
+                         ->check(positive())
+                         ->excludes(passes);
+    auto* load =
+        sub->add_option("--load", options->load, "Through the simulated serial line, or straight into the memories")
+            ->check(CLI::IsMember({"uart", "direct"}))
+            ->capture_default_str();
     sub->add_option("--pulses", options->pulses, "Write the measured pulses (CSV)");
-    sub->add_option("--trace", options->trace, "Write every signal (FST, for GTKWave)");
+    auto* trace = sub->add_option("--trace", options->trace, "Write every signal (FST, for GTKWave)");
+    auto* rig = sub->add_option("--rig", options->rig.rig,
+                                "Several boards that play as one instead: the rig manifest (.json) that compile --rig "
+                                "has written. Each tile is a Verilated board with a clock of its own")
+                    ->excludes(image)
+                    ->excludes(manifest)
+                    ->excludes(array)
+                    ->excludes(duration)
+                    ->excludes(load)
+                    ->excludes(trace);
+    sub->add_option("--drift-ppm", options->rig.drift_ppm,
+                    "The crystals of a rig's boards are off by up to so much, to either side")
+        ->needs(rig)
+        ->check(CLI::Range(0.0, 50.0))
+        ->capture_default_str();
+    sub->add_option("--seed", options->rig.seed, "Of drifts, start phases and what registers hold at power-up")
+        ->needs(rig)
+        ->check(whole(0, 4'294'967'295))
+        ->capture_default_str();
     sub->add_option("--report", options->report, "Write the report (JSON)");
     sub->add_flag("--json", options->json, "Print the report as JSON");
     sub->callback([options, &action] { action = [options] { return simulate(*options); }; });

@@ -9,6 +9,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/instrument/compile.hpp"
+#include "haptogram/instrument/rig.hpp"
 #include "progress_line.hpp"
 
 namespace haptogram::cli {

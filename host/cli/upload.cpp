@@ -8,37 +8,71 @@
 #include "haptogram/image/image.hpp"
 #include "haptogram/instrument/source.hpp"
 #include "haptogram/link/device.hpp"
+#include "haptogram/link/rig_devices.hpp"
 #include "haptogram/link/to_json.hpp"
 #include "haptogram/link/transfer.hpp"
-#include "port.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
+#include "rig_ports.hpp"
 
 namespace haptogram::cli {
 namespace {
 
 struct UploadOptions {
-    link::PortSettings port;
+    RigPorts ports;
     link::UploadSettings upload;
     bool json = false;
 };
 
-int upload(const UploadOptions& options) {
-    link::UploadSettings settings = options.upload;
-    const Image image = from_intel_hex(open_hex(settings.image), settings.image);
-    require_playable(image, settings.image);
-    ProgressLine progress("upload");
-    settings.port = options.port.port;
+link::UploadReport upload_to(const link::PortSettings& port, const Image& image, link::UploadSettings settings,
+                             const std::string& stage) {
+    ProgressLine progress(stage);
+    settings.port = port.port;
     settings.progress = progress.callback();
     settings.lost = [](const link::LinkLost& lost, double wait_s) {
         complain(fmt::format("{}; waiting {:.0f} s for it to come back", lost.what(), wait_s));
     };
-    const link::UploadReport report =
-        link::upload([&] { return std::make_unique<link::Device>(options.port); }, image, settings);
-    tell(to_json(report), options.json,
-         fmt::format("{} records and {} sequence entries in {:.2f} s, {} of {} frames written{}, {} sent again",
-                     report.records, report.sequence_entries, report.seconds, report.frames_written, report.frames,
-                     report.verified ? ", read back and equal" : ", digests equal", report.retransmissions));
+    return link::upload([&] { return std::make_unique<link::Device>(port); }, image, settings);
+}
+
+std::string words_of(const link::UploadReport& report) {
+    return fmt::format("{} records and {} sequence entries in {:.2f} s, {} of {} frames written{}, {} sent again",
+                       report.records, report.sequence_entries, report.seconds, report.frames_written, report.frames,
+                       report.verified ? ", read back and equal" : ", digests equal", report.retransmissions);
+}
+
+/// Each tile's image to its board, one after the other.
+int upload_rig(const UploadOptions& options) {
+    const RigBundle bundle = load_rig_bundle(options.ports.rig);
+    const std::vector<link::PortSettings> ports = link::ports_of(bundle, options.ports.ports, options.ports.baud);
+    nlohmann::ordered_json reports = nlohmann::ordered_json::array();
+    for (std::size_t i = 0; i < ports.size(); ++i) {
+        const std::string name = link::name_of_tile(i, ports[i].port);
+        link::UploadSettings settings = options.upload;
+        settings.image = bundle.tiles[i].name;
+        try {
+            const link::UploadReport report =
+                upload_to(ports[i], bundle.tiles[i].image, settings, fmt::format("upload tile {}", i + 1));
+            reports.push_back(to_json(report));
+            if (!options.json) fmt::print("{}: {}\n", name, words_of(report));
+        } catch (const Error& error) {
+            throw Error(error.code(), name, error.what());
+        }
+    }
+    if (options.json) tell(reports, true);
+    return 0;
+}
+
+int upload(const UploadOptions& options) {
+    if (options.ports.is_rig()) return upload_rig(options);
+    const link::UploadSettings& settings = options.upload;
+    if (settings.image.empty())
+        throw bad_argument("image", "there is nothing to upload; name an image, or a rig with --rig");
+    const link::PortSettings port = options.ports.one();
+    const Image image = from_intel_hex(open_hex(settings.image), settings.image);
+    require_playable(image, settings.image);
+    const link::UploadReport report = upload_to(port, image, settings, "upload");
+    tell(to_json(report), options.json, words_of(report));
     return 0;
 }
 
@@ -46,9 +80,10 @@ int upload(const UploadOptions& options) {
 
 void add_upload(CLI::App& app, Action& action) {
     auto options = std::make_shared<UploadOptions>();
-    CLI::App* sub = app.add_subcommand("upload", "Write what differs of an image into a board's memories");
-    sub->add_option("image", options->upload.image, "Intel HEX image, or a project (.toml)")->required();
-    add_port_options(*sub, options->port);
+    CLI::App* sub = app.add_subcommand(
+        "upload", "Write what differs of an image into a board's memories, or of each image of a rig");
+    auto* image = sub->add_option("image", options->upload.image, "Intel HEX image, or a project (.toml)");
+    add_rig_port_options(*sub, options->ports)->excludes(image);
     sub->add_option("--wait", options->upload.wait_s, "Seconds in which a port that was unplugged may come back")
         ->check(not_negative())
         ->capture_default_str();

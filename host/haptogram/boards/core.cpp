@@ -47,9 +47,26 @@ Core core_of_array(const std::string& name) {
     const std::string path = path_or_shipped(name, "arrays", ".toml", "array");
     const toml::table root = section::parse(path);
     const Section section(path, root, "board");
-    section.only({"name", "configuration", "clock_hz", "baud", "channels", "records", "sequence_depth", "live_depth",
-                  "timing_bits", "pulse_bits", "watchdog_ms", "max_high_clocks", "min_pulse_clocks", "max_duty_256",
-                  "width_bits", "modulation_depth", "slew", "foci", "sync"});
+    section.only({"name",
+                  "configuration",
+                  "clock_hz",
+                  "baud",
+                  "channels",
+                  "records",
+                  "sequence_depth",
+                  "live_depth",
+                  "timing_bits",
+                  "pulse_bits",
+                  "watchdog_ms",
+                  "max_high_clocks",
+                  "min_pulse_clocks",
+                  "max_duty_256",
+                  "width_bits",
+                  "modulation_depth",
+                  "slew",
+                  "foci",
+                  "schedule",
+                  "sync"});
     Core core = find_configuration("tile-100");
     if (const auto configuration = section.text("configuration")) {
         try {

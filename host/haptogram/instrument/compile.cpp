@@ -329,13 +329,14 @@ Timer timer_of(ImageKind kind, const Array& array, const Core& core) {
 /// Records of timings: fills in the image, and the manifest's records and solver.
 Image records_image(const Path& path, const Array& array, const Core& core, Method solver, Manifest& manifest,
                     std::string& settings) {
+    const std::uint32_t channels = manifest.core.parameters.channels;
     std::optional<Segments> segments;
     if (!manifest.quantise.empty()) segments = segments_of(manifest.quantise);
     const Timeline timeline = TimelineMaker(path, manifest.timer, core, segments).make();
     if (timeline.steps.empty()) throw bad_argument("path", "every step is silent; there is nothing to play");
 
     Image image;
-    image.channels = core.parameters.channels;
+    image.channels = channels;
     image.clock_hz = core.parameters.clock_hz;
     image.timing_bits = core.parameters.timing_bits;
     image.pulse_bits = core.parameters.pulse_bits;
@@ -361,19 +362,21 @@ Image records_image(const Path& path, const Array& array, const Core& core, Meth
     return image;
 }
 
-Compiled compile_path(Path path, const Array& array, const Core& core, std::uint16_t loops, const std::string& name,
+Compiled compile_path(Path path, const ProjectInstrument& instrument, std::uint16_t loops, const std::string& name,
                       std::string settings, Method solver, const std::string& quantise, ImageKind kind) {
+    const auto& [array, core, boards] = instrument;
     require_sound(path);
-    require_channels(array, core);
+    if (boards == 1) require_channels(array, core);
     Manifest manifest;
     manifest.array = array;
     manifest.core = core;
+    if (boards > 1) manifest.core.parameters.channels = static_cast<std::uint32_t>(array.elements.size());
     manifest.timer = timer_of(kind, array, core);
     manifest.quantise = quantise;
     std::vector<std::string> warnings;
     Image image;
     if (kind == ImageKind::foci) {
-        FocusImage made = focus_image_of(path, array, core, loops);
+        FocusImage made = focus_image_of(path, array, core, loops, boards);
         image = std::move(made.image);
         manifest.records = std::move(made.records);
         manifest.foci = made.meaning;
@@ -392,7 +395,7 @@ Compiled compile_path(Path path, const Array& array, const Core& core, std::uint
     manifest.formation = slowest_formation(array, core, manifest.points());
     Manifest before;  // the members that do not depend on the points
     before.array = array;
-    before.core = core;
+    before.core = manifest.core;
     before.timer = manifest.timer;
     manifest.input_sha256 = sha256(fmt::format("{} {} {}", version(), settings, to_text(before)));
     std::string hex = to_intel_hex(image);
@@ -425,7 +428,7 @@ Compiled compile_on(const ProjectInstrument& instrument, const Project& project,
         const std::vector<double> am_hz = modulate(path, project, timer.carrier_hz(), most_samples, hashes);
         const auto magnitude = feel(path, project, instrument.array);
         progress(0.8, "focusing");
-        Compiled compiled = compile_path(std::move(path), instrument.array, instrument.core, project.loops, name,
+        Compiled compiled = compile_path(std::move(path), instrument, project.loops, name,
                                          settings_text(project) + hashes, Method::gauss_newton, project.quantise, kind);
         compiled.am_hz = am_hz;
         compiled.magnitude = magnitude;
@@ -468,8 +471,8 @@ Compiled compile_on(const ProjectInstrument& instrument, const Project& project,
     const std::vector<double> am_hz = modulate(path, project, timer.carrier_hz(), most_samples, hashes);
     const auto magnitude = feel(path, project, instrument.array);
     progress(0.8, "focusing");
-    Compiled compiled = compile_path(std::move(path), instrument.array, instrument.core, project.loops, name,
-                                     settings_text(project) + hashes, Method::gauss_newton, project.quantise, kind);
+    Compiled compiled = compile_path(std::move(path), instrument, project.loops, name, settings_text(project) + hashes,
+                                     Method::gauss_newton, project.quantise, kind);
     compiled.points = std::move(points);
     compiled.pace = pace;
     compiled.evened = evened;
@@ -531,6 +534,11 @@ Compiled compile(const Project& project, const std::string& name, const Progress
     return compile_on(instrument_of(project), project, name, progress);
 }
 
+Compiled compile(const ProjectInstrument& instrument, const Project& project, const std::string& name,
+                 const Progress& progress) {
+    return compile_on(instrument, project, name, progress);
+}
+
 Compiled compile_for_stream(const Project& project, const std::string& name) {
     ProjectInstrument instrument = instrument_of(project);
     instrument.core.parameters.sequence_depth = interface::sequence_header_field::length.most() + 1;
@@ -547,7 +555,7 @@ Compiled compile(const Path& path, const Array& array, const Core& core, std::ui
     }
     settings += fmt::format("\n{} {}", path.modulation.periods_a_sample, fmt::join(path.modulation.samples, " "));
     if (!quantise.empty()) settings += fmt::format("\nquantise {}", quantise);
-    return compile_path(path, array, core, loops, name, settings, solver, quantise, kind_of(kind, core, quantise));
+    return compile_path(path, {array, core}, loops, name, settings, solver, quantise, kind_of(kind, core, quantise));
 }
 
 }  // namespace haptogram

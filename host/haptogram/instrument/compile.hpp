@@ -55,6 +55,7 @@ struct Compiled {
 struct ProjectInstrument {
     Array array;
     Core core;
+    std::size_t boards = 1;  ///< alike, that share the array's elements: those of a rig (instrument/rig.hpp)
 };
 /// @throws Error{bad_input} for files that cannot be read, or an array that is too large for the board
 [[nodiscard]] ProjectInstrument instrument_of(const Project& project);
@@ -68,6 +69,12 @@ struct ProjectInstrument {
 /// @param name  of the image, for messages
 /// @throws Error naming what is wrong with the project, and the settings that would mend it
 [[nodiscard]] Compiled compile(const Project& project, const std::string& name = "image",
+                               const Progress& progress = {});
+
+/// The same on an array and a core that the project does not name. When several boards share the array, the image is of
+/// all elements, a channel each, within what the records and the sequence of one board hold; image/rig_bundle.hpp cuts
+/// it.
+[[nodiscard]] Compiled compile(const ProjectInstrument& instrument, const Project& project, const std::string& name,
                                const Progress& progress = {});
 
 /// The same for an image whose sequence is streamed, and so may be longer than the board's memory.

@@ -19,16 +19,16 @@ constexpr std::uint32_t most_dwell = interface::sequence_entry_field::dwell.most
 
 using RecordWords = std::vector<FocusWords>;
 
-void require_board(const Array& array, const Core& core) {
+void require_board(const Array& array, const Core& core, std::size_t boards) {
     const interface::CoreParameters& p = core.parameters;
     if (p.foci == 0)
         throw bad_input(core.name, "it computes no foci; compile records for it, or take a board that does",
                         {"records", "board"});
-    if (array.elements.size() != p.channels)
+    if (array.elements.size() != p.channels * boards)
         throw bad_input(array.file.empty() ? array.name : array.file,
                         fmt::format("{} elements, but {} computes foci for all of its {} channels; take an array of as "
                                     "many elements, or compile records, in which a channel can be silent",
-                                    array.elements.size(), core.name, p.channels),
+                                    array.elements.size(), core.name, p.channels * boards),
                         {"records", "array", "board"});
 }
 
@@ -80,13 +80,14 @@ std::uint32_t clocks_to_make(const FocusRecords& foci, std::uint32_t channels) {
 
 }  // namespace
 
-FocusImage focus_image_of(const Path& path, const Array& array, const Core& core, std::uint16_t loops) {
-    require_board(array, core);
+FocusImage focus_image_of(const Path& path, const Array& array, const Core& core, std::uint16_t loops,
+                          std::size_t boards) {
+    require_board(array, core, boards);
     const interface::CoreParameters& p = core.parameters;
     FocusImage made;
     made.timer = choose_amplitude_timer(array, core);
     Image& image = made.image;
-    image.channels = p.channels;
+    image.channels = static_cast<std::uint32_t>(array.elements.size());
     image.clock_hz = p.clock_hz;
     image.timing_bits = p.timing_bits;
     image.pulse_bits = p.pulse_bits;

@@ -27,10 +27,13 @@ struct FocusImage {
 /// longest sum of the path, or over 1 where no sum is longer, so that a lone focus of amplitude 1 has the array's full
 /// duty and several keep their ratio. The path's modulation becomes samples of the board's own, which runs beside the
 /// sequence.
-/// @param loops  passes of the sequence; 0 is for ever
+/// @param loops   passes of the sequence; 0 is for ever
+/// @param boards  that share the array's elements, each with as many as `core` has channels; the image is of all of
+/// them
 /// @throws Error{bad_input} naming the step, for a focus that the board cannot hold or that is too far from an element,
 /// for more foci at a time than the board takes, and when the records, the sequence or the samples do not fit the
 /// board; and when the array has not one element for each channel, because the board computes all of them
-[[nodiscard]] FocusImage focus_image_of(const Path& path, const Array& array, const Core& core, std::uint16_t loops);
+[[nodiscard]] FocusImage focus_image_of(const Path& path, const Array& array, const Core& core, std::uint16_t loops,
+                                        std::size_t boards = 1);
 
 }  // namespace haptogram

@@ -16,7 +16,6 @@
 #include "haptogram/instrument/field.hpp"
 #include "haptogram/instrument/field_file.hpp"
 #include "haptogram/instrument/picture.hpp"
-#include "haptogram/model/rig.hpp"
 #include "haptogram/render/schedule.hpp"
 #include "haptogram/solve/drives.hpp"
 #include "haptogram/solve/segments.hpp"
@@ -158,22 +157,6 @@ Focus parse_focus_mm(const std::string& setting, const std::string& line) {
         throw bad_argument(setting,
                            fmt::format("expected x,y,z or x,y,z,amplitude in mm and 0 to 1, found '{}'", line));
     return focus_of(numbers);
-}
-
-ProjectInstrument instrument_of_rig(const std::string& name) {
-    const Rig rig = find_rig(name);
-    const auto core_of = [](const PosedArray& unit) { return core_of_array(unit.array.file); };
-    ProjectInstrument found{joined(rig), core_of(rig.arrays.front())};
-    interface::CoreParameters& all = found.core.parameters;
-    for (const PosedArray& unit : rig.arrays) {
-        const interface::CoreParameters one = core_of(unit).parameters;
-        if (one.clock_hz != all.clock_hz || one.timing_bits != all.timing_bits || one.pulse_bits != all.pulse_bits)
-            throw bad_input(rig.file, fmt::format("the boards of {} and {} differ in clock_hz, timing_bits or "
-                                                  "pulse_bits, so there are no ticks that both have",
-                                                  rig.arrays.front().array.name, unit.array.name));
-    }
-    all.channels = static_cast<std::uint32_t>(found.array.elements.size());
-    return found;
 }
 
 Solved solve_steps(const std::vector<std::vector<Focus>>& steps, const Array& array, const Core& core,

@@ -44,11 +44,6 @@ struct Solved {
 /// @throws Error{bad_argument}
 [[nodiscard]] Focus parse_focus_mm(const std::string& setting, const std::string& line);
 
-/// A rig as one array, with the core of its units' boards, widened to all elements: each unit has a board of its own,
-/// and all count the same ticks.
-/// @throws Error{bad_input} for a file that cannot be used, or units whose boards differ in their clocks or timers
-[[nodiscard]] ProjectInstrument instrument_of_rig(const std::string& name);
-
 /// Solves each set.
 /// @param follow  begin each set with the drives of the one before, for foci that move by a small part of a wavelength;
 ///                the first set has none before it, and takes as many rounds as by default

@@ -8,6 +8,7 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/image/rig_bundle.hpp"
 #include "haptogram/instrument/compile.hpp"
 #include "haptogram/model/rig.hpp"
 
@@ -32,9 +33,11 @@ Excitation open_excitation(const Source& source, const Progress& progress) {
         return source.quantise.empty() ? exact : in_segments(exact, segments_of(source.quantise));
     }
     if (!source.image.empty()) {
-        if (source.image.ends_with(".json"))
-            return excitation_of(manifest_from_json(read_file(source.image), source.image), source.image,
-                                 source.record);
+        if (source.image.ends_with(".json")) {
+            const std::string text = read_file(source.image);
+            if (is_rig_manifest(text)) return excitation_of(load_rig_bundle(source.image).whole, source.record);
+            return excitation_of(manifest_from_json(text, source.image), source.image, source.record);
+        }
         return excitation_of(open_bundle(source.image, source.manifest, progress), source.record);
     }
     if (source.pulses.empty())

@@ -12,7 +12,8 @@ namespace haptogram {
 
 /// What a verb works on, as a user names it. Exactly one of `image`, `focus` and `pulses` is given.
 struct Source {
-    std::string image;                 ///< an image (.hex), a manifest alone (.json), or a project (.toml)
+    std::string image;                 ///< an image (.hex), a manifest alone (.json), a rig's manifest, which is its
+                                       ///< images, or a project (.toml)
     std::uint32_t record = 0;          ///< only this record of it; 0: all in turn
     std::optional<Vec3> focus;         ///< or exact phases for a point, metres
     std::string array = "tile-10x10";  ///< of `focus`

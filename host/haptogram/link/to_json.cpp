@@ -87,6 +87,18 @@ ordered_json played_to_json(const Played& p) {
             {"interrupted", p.interrupted}};
 }
 
+ordered_json to_json(const RigPlayed& p) {
+    return {{"period", p.period},
+            {"attempts", p.attempts},
+            {"sent", p.sent},
+            {"underruns", p.underruns},
+            {"refused_records", p.refused_records},
+            {"watchdog_trips", p.watchdog_trips},
+            {"guard_trips", p.guard_trips},
+            {"lost", p.lost},
+            {"interrupted", p.interrupted}};
+}
+
 ordered_json streamed_to_json(const Played& p) {
     return {{"sent", p.sent}, {"underruns", p.underruns}, {"interrupted", p.interrupted}};
 }

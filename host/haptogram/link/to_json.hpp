@@ -5,6 +5,7 @@
 
 #include "haptogram/link/play.hpp"
 #include "haptogram/link/port.hpp"
+#include "haptogram/link/rig.hpp"
 #include "haptogram/link/self_test.hpp"
 #include "haptogram/link/transfer.hpp"
 
@@ -17,6 +18,8 @@ namespace haptogram::link {
 [[nodiscard]] nlohmann::ordered_json to_json(const std::vector<Finding>& findings);
 /// Of playing from the device's memories.
 [[nodiscard]] nlohmann::ordered_json played_to_json(const Played& played);
+/// Of a rig, whose counters are sums over its tiles.
+[[nodiscard]] nlohmann::ordered_json to_json(const RigPlayed& played);
 /// Of indices that went over the link.
 [[nodiscard]] nlohmann::ordered_json streamed_to_json(const Played& played);
 

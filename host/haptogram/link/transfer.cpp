@@ -74,6 +74,8 @@ Uploaded upload(Commands& device, const Image& image, const Progress& progress) 
     return {pieces.size() + unread.size(), wrong.size() + unread.size()};
 }
 
+bool holds(Commands& device, const Image& image) { return differing(device, pieces_of(image)).empty(); }
+
 void write_settings(Commands& device, const Image& image) {
     std::vector<Piece> pieces = unread_pieces_of(image);
     cut(pieces, interface::parameters_base, parameters_words(image), frame_bytes(image));

@@ -29,6 +29,9 @@ void require_fits(const Image& image, const Identity& identity, const std::strin
 /// @throws Error{device} when the digests still differ after writing
 Uploaded upload(Commands& device, const Image& image, const Progress& progress = {});
 
+/// Whether a device's memories hold an image, told by their digests; of the geometry of foci nothing can be told.
+[[nodiscard]] bool holds(Commands& device, const Image& image);
+
 /// Writes what an image has of parameters, geometry and modulation, which no bitstream holds. It starts nothing.
 void write_settings(Commands& device, const Image& image);
 

@@ -14,12 +14,19 @@ struct PosedArray {
     Pose pose;
 };
 
+/// What drives one array of a rig, and where it is plugged in; both as the rig's file names them.
+struct RigBoard {
+    std::string board{};  ///< empty: the board that the array's own file names
+    std::string port{};   ///< empty: whoever plays the rig is told
+};
+
 /// Several arrays that play together. Their elements are numbered through: first those of the first array, then those
 /// of the second.
 struct Rig {
     std::string name;
     std::vector<PosedArray> arrays;
-    std::string file{};  ///< where it was read from, for messages
+    std::string file{};              ///< where it was read from, for messages
+    std::vector<RigBoard> boards{};  ///< one an array, or none at all
 };
 
 /// All of a rig's elements as one array in the rig's frame, for everything that computes with elements. A focal point

@@ -22,7 +22,7 @@ Array array_of(const std::string& name, const std::filesystem::path& rig) {
 
 PosedArray read_unit(const std::string& file, const toml::table& table) {
     const Section unit(file, table);
-    unit.only({"array", "origin_mm", "turn_deg"});
+    unit.only({"array", "origin_mm", "turn_deg", "board", "port"});
     const std::string name = unit.required(unit.text("array"), "array", "the name of a shipped array or a path");
     const auto origin = unit.required(unit.numbers("origin_mm", 3), "origin_mm", "where its centre is: [x, y, z]");
     const auto turn = unit.numbers("turn_deg", 3).value_or(std::vector{0.0, 0.0, 0.0});
@@ -33,8 +33,27 @@ PosedArray read_unit(const std::string& file, const toml::table& table) {
     }
 }
 
+RigBoard read_board(const std::string& file, const toml::table& table) {
+    const Section unit(file, table);
+    constexpr auto named = [](const std::string& text) { return !text.empty(); };
+    return {unit.text("board", "the name of a board or of a configuration of the core", named).value_or(""),
+            unit.text("port", "the name of a port, such as /dev/ttyUSB0", named).value_or("")};
+}
+
+/// @throws Error{bad_input} when two units are behind one port
+void require_own_ports(const Rig& rig, const std::string& file, const toml::array& units) {
+    for (std::size_t a = 0; a < rig.boards.size(); ++a)
+        for (std::size_t b = 0; b < a; ++b)
+            if (!rig.boards[a].port.empty() && rig.boards[a].port == rig.boards[b].port)
+                throw bad_input(place(file, units[a]),
+                                fmt::format("its port is {}, and so is that of unit {}; each board has a port of its "
+                                            "own",
+                                            rig.boards[a].port, b + 1));
+}
+
 /// @throws Error when two transducers of different units are nearer than they are wide
 void require_apart(const Rig& rig, const std::string& file, const toml::array& units) {
+    constexpr double rounding_m = 1e-9;
     for (std::size_t a = 0; a < rig.arrays.size(); ++a)
         for (std::size_t b = 0; b < a; ++b)
             for (const Element& one : rig.arrays[a].array.elements)
@@ -42,7 +61,7 @@ void require_apart(const Rig& rig, const std::string& file, const toml::array& u
                     const double apart = distance(rig.arrays[a].pose.outwards(one.position),
                                                   rig.arrays[b].pose.outwards(other.position));
                     const double width = 2.0 * rig.arrays[a].array.transducer.radius_m;
-                    if (apart < width)
+                    if (apart < width - rounding_m)  // transducers may touch
                         throw bad_input(place(file, units[a]),
                                         fmt::format("this unit stands in unit {}: two of their transducers are {:.2f} "
                                                     "mm apart, and {:g} mm wide; move or turn it",
@@ -63,7 +82,11 @@ Rig load_rig(const std::filesystem::path& path) {
     const toml::array* units = root["unit"].as_array();
     if (units == nullptr || units->empty() || !units->is_array_of_tables())
         throw bad_input(whole.at("unit"), "expected at least one unit, each a table that begins with [[unit]]");
-    for (const toml::node& unit : *units) rig.arrays.push_back(read_unit(file, *unit.as_table()));
+    for (const toml::node& unit : *units) {
+        rig.arrays.push_back(read_unit(file, *unit.as_table()));
+        rig.boards.push_back(read_board(file, *unit.as_table()));
+    }
+    require_own_ports(rig, file, *units);
     try {
         static_cast<void>(joined(rig));
     } catch (const Error& error) {

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "haptogram/image/rig_bundle.hpp"
+#include "haptogram/instrument/compile.hpp"
+#include "haptogram/model/rig.hpp"
+
+namespace haptogram {
+
+/// The core of each of a rig's arrays, in their order: the one that the rig's file names, or else the array's own.
+/// @param board  takes the place of all of them
+[[nodiscard]] std::vector<Core> cores_of(const Rig& rig, const std::optional<std::string>& board = {});
+
+/// A rig as one array, with the core of its units' boards, widened to all elements: each unit has a board of its own,
+/// and all count the same ticks.
+/// @throws Error{bad_input} for a file that cannot be used, or units whose boards differ in their clocks or timers
+[[nodiscard]] ProjectInstrument instrument_of_rig(const std::string& name);
+
+/// The images of a rig's boards, and what became of the shape on the way.
+struct CompiledRig {
+    Compiled whole;  ///< as one image of all elements
+    RigBundle bundle;
+};
+
+/// Compiles a project for a rig: its path is made for all arrays together, in the rig's frame, and each board gets its
+/// part of every record.
+/// @param rig   a rig's file, or a shipped rig; the project names no array
+/// @param name  of the rig manifest's file
+/// @throws Error as compile(), and Error{bad_input} when the boards are not alike, cannot be kept in step, or cannot
+/// begin in an agreed carrier period
+[[nodiscard]] CompiledRig compile_rig(const Project& project, const std::string& rig, const std::string& name,
+                                      const Progress& progress = {});
+
+}  // namespace haptogram

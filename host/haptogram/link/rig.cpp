@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/link/rig.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "haptogram/base/error.hpp"
+#include "haptogram/link/rig_tiles.hpp"
+#include "haptogram/link/transfer.hpp"
+
+namespace haptogram::link {
+namespace {
+
+using namespace std::chrono_literals;
+
+Error tile_error(const Tile& tile, const std::string& message) { return {ErrorCode::device, tile.name, message}; }
+
+/// In words, which tile's image a tile holds that does not hold its own.
+std::string found_instead(std::span<const Tile> tiles, const Tile& tile) {
+    for (const Tile& other : tiles)
+        if (&other != &tile && other.image.channels == tile.image.channels &&
+            with(tile, [&](Client& device) { return holds(device, other.image); }))
+            return fmt::format("it holds the image of {}: the two ports are swapped, or the images are", other.name);
+    return "it holds another image than its own; upload the rig to it";
+}
+
+Role role_of(std::size_t tile) { return tile == 0 ? Role::master : Role::slave; }
+
+bool follows(const Status& status) { return status.in_step && status.numbered; }
+
+/// Waits for the slaves, in their lines' own time.
+void wait_for_step(std::span<const Tile> tiles) {
+    constexpr unsigned most_looks = 20;  // of 5 ms, four times what it takes
+    for (std::size_t i = 1; i < tiles.size(); ++i)
+        with(tiles[i], [&](Client& device) {
+            for (unsigned look = 0; !follows(device.status()); ++look) {
+                if (look == most_looks)
+                    throw Error(ErrorCode::device, "board",
+                                fmt::format("it is a slave and does not come into step with {}; check the wire from "
+                                            "there to its sync_in, and the ground",
+                                            tiles[0].name));
+                device.exchange(5ms);
+            }
+        });
+}
+
+std::uint64_t period_of(const Tile& tile) {
+    return with(tile, [](Client& device) { return device.status().period.value_or(0); });
+}
+
+/// A slave could follow another master, or have its number from one.
+void require_same_numbers(std::span<const Tile> tiles) {
+    for (std::size_t i = 1; i < tiles.size(); ++i) {
+        const std::uint64_t from = period_of(tiles[0]), here = period_of(tiles[i]), to = period_of(tiles[0]);
+        if (here + 1 < from || here > to + 1)
+            throw tile_error(tiles[i], fmt::format("it is in carrier period {}, while {} went from {} to {}; is it "
+                                                   "wired to another master?",
+                                                   here, tiles[0].name, from, to));
+    }
+}
+
+void begin_modulation(const Tile& tile, When when) {
+    if (const auto& modulation = tile.image.modulation)
+        tile.device.modulate(modulation->divider, static_cast<std::uint16_t>(modulation->samples.size()), true, 0,
+                             when);
+    else if (tile.device.identity().modulation_words > 0)
+        tile.device.modulate(0, 0, false);
+}
+
+bool silent(const Status& status) { return status.mode == Mode::idle && status.present_index == 0; }
+
+void prepare(std::span<const Tile> tiles) {
+    if (tiles.empty()) throw bad_argument("rig", "it has no tiles; name at least one");
+    require_images(tiles);
+    keep_together(tiles);
+}
+
+/// Tells the watch what goes on. @return whether to go on
+class Teller {
+public:
+    Teller(const RigWatch& watch, RigPlayed& played) : watch_(watch), played_(played) {}
+
+    [[nodiscard]] double seconds() const { return std::chrono::duration<double>(Clock::now() - begun_).count(); }
+    bool operator()(const PlayingTiles& tiles) {
+        if (watch_ && !watch_({seconds(), played_.sent, tiles.statuses()})) played_.interrupted = true;
+        return !played_.interrupted;
+    }
+
+private:
+    using Clock = std::chrono::steady_clock;
+    const RigWatch& watch_;
+    RigPlayed& played_;
+    Clock::time_point begun_ = Clock::now();
+};
+
+RigPlayed outcome(const PlayingTiles& tiles, const RigPlayed& so_far) {
+    RigPlayed played = tiles.played();
+    played.sent = so_far.sent;
+    played.interrupted = so_far.interrupted;
+    return played;
+}
+
+}  // namespace
+
+void require_images(std::span<const Tile> tiles) {
+    for (const Tile& tile : tiles) {
+        require_fits(tile.image, tile.device.identity(), tile.name);
+        with(tile, [&](Client& device) {
+            if (tile.image.foci) write_settings(device, tile.image);
+        });
+        if (!with(tile, [&](Client& device) { return holds(device, tile.image); }))
+            throw tile_error(tile, found_instead(tiles, tile));
+    }
+}
+
+void keep_together(std::span<const Tile> tiles) {
+    if (tiles.size() < 2) return;
+    std::vector<Status> statuses;
+    for (const Tile& tile : tiles) {
+        const interface::CoreParameters core = tile.device.identity().core();
+        if (core.sync == 0 || core.schedule == 0)
+            throw tile_error(tile, fmt::format("this board has no {}, so it cannot play together with others",
+                                               core.sync == 0 ? "SYNC" : "SCHEDULE"));
+        statuses.push_back(with(tile, [](Client& device) { return device.status(); }));
+    }
+    // A new master numbers anew, and the others must learn that; a slave is told its role only when it has another.
+    const bool new_master = statuses[0].role != Role::master;
+    for (std::size_t i = 0; i < tiles.size(); ++i)
+        if (new_master || statuses[i].role != role_of(i))
+            with(tiles[i], [&](Client& device) { device.set_role(role_of(i)); });
+    wait_for_step(tiles);
+    require_same_numbers(tiles);
+}
+
+RigPlayed play(std::span<const Tile> tiles, const RigSettings& settings, const RigWatch& watch) {
+    prepare(tiles);
+    RigPlayed played;
+    PlayingTiles playing(tiles, settings);
+    const auto arm = [&](const Tile& tile, When when) {
+        begin_modulation(tile, when);
+        if (settings.index != 0)
+            tile.device.push({settings.index}, 0, when);
+        else
+            tile.device.start(1, settings.loops ? static_cast<std::uint16_t>(tile.image.sequence.size()) : 0,
+                              settings.loops.value_or(0), when);
+    };
+    const std::uint64_t begins = playing.begin_together(arm, 0, false);
+    Teller tell(watch, played);
+    const std::chrono::milliseconds pause = keep_alive_pause(settings.watchdog_ms);
+    // Asking for the status also keeps the watchdogs quiet.
+    do {
+        playing.wait(pause);
+        playing.ask();
+    } while (tell(playing) && (playing.period() < begins || !playing.all(silent)) &&
+             (settings.seconds == 0.0 || tell.seconds() < settings.seconds));
+    return outcome(playing, played);
+}
+
+}  // namespace haptogram::link

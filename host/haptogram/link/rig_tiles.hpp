@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "haptogram/link/rig.hpp"
+
+namespace haptogram::link {
+
+/// Does something with one tile; what it throws names the tile.
+template <class Work>
+auto with(const Tile& tile, const Work& work) {
+    try {
+        return work(tile.device);
+    } catch (const LinkLost& lost) {
+        throw LinkLost(tile.name, lost.message());
+    } catch (const Error& error) {
+        throw Error(error.code() == ErrorCode::bad_input ? ErrorCode::bad_input : ErrorCode::device, tile.name,
+                    error.message());
+    }
+}
+
+/// The tiles of a rig that plays. Their outputs go off when this goes, whatever ended the playing.
+class PlayingTiles {
+public:
+    PlayingTiles(std::span<const Tile> tiles, const RigSettings& settings);
+    PlayingTiles(const PlayingTiles&) = delete;
+    PlayingTiles& operator=(const PlayingTiles&) = delete;
+    ~PlayingTiles();
+
+    /// Something with each tile that is not lost, one after the other. A tile at which it fails is lost.
+    void each(const std::function<void(const Tile&)>& work);
+    /// Asks all for their status at the same time. A tile is lost that does not answer, or is not fit to play on.
+    /// @throws Error{device} when a tile is lost and the others are not to go on, or when none is left
+    void ask();
+    /// Waits in the lines' own time, which need not be the machine's.
+    void wait(std::chrono::milliseconds pause);
+    /// Has all tiles begin something in one carrier period: `arm` is to do it behind a gate for that period. Should one
+    /// tile hear of it too late, all stop, and a later period is tried.
+    /// @param before     the first period that may be taken
+    /// @param outputs_on whether the outputs are on already; if not, they are turned on once all tiles wait
+    /// @return the period
+    std::uint64_t begin_together(const std::function<void(const Tile&, When)>& arm, std::uint64_t before,
+                                 bool outputs_on);
+
+    [[nodiscard]] bool is_lost(std::size_t tile) const { return !statuses_[tile].has_value(); }
+    [[nodiscard]] const std::vector<std::optional<Status>>& statuses() const { return statuses_; }
+    /// The latest carrier period that any tile has told.
+    [[nodiscard]] std::uint64_t period() const;
+    /// How many periods ahead an agreed one must be, as the last exchange with all tiles showed.
+    [[nodiscard]] std::uint64_t lead() const { return lead_; }
+    /// Whether all that are left satisfy something.
+    [[nodiscard]] bool all(const std::function<bool(const Status&)>& judge) const;
+    /// What all tiles have counted since this began, and the tiles that were lost.
+    [[nodiscard]] RigPlayed played() const;
+
+private:
+    void lose(std::size_t tile, const std::string& why);
+    void exchange(std::span<std::optional<Status>> answers);
+
+    std::span<const Tile> tiles_;
+    const RigSettings& settings_;
+    std::vector<std::optional<Status>> statuses_;
+    std::vector<Status> before_;
+    std::vector<std::string> lost_;
+    bool on_ = false;
+    std::uint64_t lead_ = 0, begun_ = 0;
+    unsigned attempts_ = 0;
+};
+
+}  // namespace haptogram::link
