@@ -380,6 +380,10 @@ def page(table):
     out += ["4 · `foci_base` + (n − 1) · 4 · (`foci_last` + 1) for the n-th, whose index is RECORDS + n. The words of a focus are the lower",
             "16 bits of x, y and z (signed, 18 bits, in 1/128 mm), and then the amplitude in bits 15…8, 0 in 7…6, and the upper bits of z, y and",
             "x in 5…4, 3…2 and 1…0. The settings are in the parameters block."]
+    out += ["", "It is refused, and silence takes its place, when its index is above RECORDS + `foci_count`; when its last word lies beyond primary",
+            "memory; when bits 7…6 of one of its foci are not 0; or when `foci_cycle` is no cycle of amplitudes: it must have 2 · (CHANNELS + 44) to",
+            "2 · min(2^WIDTH_BITS − 1, longest pulse) clocks, and on a master or a slave exactly those of 40 kHz. Positions are no reason: a channel",
+            "whose x, y or z differs from a focus's by 1.024 m or more leaves that focus out, and the record counts in `far_foci`."]
     out += ["", "## Sequence", "", "The header, word 0 of sequence memory:", ""] + parts["sequence_header"]
     out += ["", "An entry, words 1… of it:", ""] + parts["sequence_entry"] + [""]
     for block in table["block"]:
@@ -390,6 +394,9 @@ def page(table):
         if block["region"] == "identity":
             out += ["Bits of features:", "", "| bit | feature | what |", "|---|---|---|"]
             out += [f"| {row['bit']} | {row['name']} | {row['about']} |" for row in table["feature"]] + [""]
+        if block["region"] == "description":
+            out += ["A bitstream holds records and a sequence. An image that also has parameters, geometry or modulation is therefore refused for one:",
+                    "upload it after the board has started, or compile its foci to records.", ""]
         if block["region"] == "status":
             out += ["Values of mode:", "", "| value | mode | where the next record comes from |", "|---|---|---|"]
             out += [f"| {row['value']} | {row['name']} | {row['about']} |" for row in table["mode"]] + [""]

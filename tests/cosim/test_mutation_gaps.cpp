@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the other files promise, at the values where a single wrong bit in the RTL shows: each case kills a mutant
 // (tests/mutation) that no other test had noticed.
-#include "bench.hpp"
+#include "wide_bench.hpp"
 
 using namespace haptogram;
 using namespace haptogram::test;
@@ -398,4 +398,49 @@ TEST_CASE("contract 2: a record that is asked for while another one loads plays 
         REQUIRE(length == 150);
     }
     REQUIRE(bench.client.status().refused_records == 0);
+}
+
+TEST_CASE("contract 2: a command in any clock in which the next record may be taken over is not answered by that one",
+          "[wide][takeover]") {
+    auto g = generator();
+    wide::Wide bench;
+    bench.open();
+    constexpr std::uint32_t cycle = 1250;
+    for (std::uint16_t i = 1; i <= 3; ++i) bench.random_record(g, i, cycle);
+    bench.write_sequence({{1, 2}, {2, 400}});
+    for (std::uint32_t place = 0; place < 90; ++place) {
+        CAPTURE(place);
+        bench.client.start(1, 2, 0);
+        bench.wait_for_index(1);
+        const std::uint64_t begin = bench.recorder.cycles().back().clock;
+        // The frame is 1,667 clocks long. Record 2 is taken over some 60 clocks before two cycles have gone.
+        bench.board.run(begin + 700 + place - bench.board.now());
+        bench.client.submit({interface::Command::select, words({3, 0})});
+        bench.client.flush();
+        // Perhaps record 2 has a cycle before, but not 400 of them.
+        bench.board.run(begin + 3ULL * cycle + 20 - bench.board.now());
+        REQUIRE(bench.board.outputs().index == 3);
+        bench.client.wait();
+    }
+}
+
+TEST_CASE("contract 10: no bit of a carrier period's number is overlooked", "[contract10][long][periods]") {
+    using link::When;
+    Bench bench;
+    bench.load(image_of(16, {record(16, 500, 1, 20, 5)}));
+    bench.open();
+    for (unsigned bit = 12; bit < 48; ++bit) {
+        const std::uint64_t period = std::uint64_t{1} << bit;
+        CAPTURE(bit);
+        bench.client.start(1, 1, 0, When::at_period(period));
+        REQUIRE(bench.client.status().waiting);
+        // Another one, which differs in one bit.
+        const std::uint64_t other = period ^ std::uint64_t{1} << (bit + 17) % 48;
+        REQUIRE_THROWS_WITH(bench.client.start(1, 1, 0, When::at_period(other)), Catch::Contains("gate_busy"));
+        bench.client.stop();
+        const link::Status status = bench.client.status();
+        REQUIRE_FALSE(status.waiting);
+        REQUIRE(status.present_index == 0);
+        REQUIRE(status.late_changes == 0);
+    }
 }
