@@ -17,6 +17,7 @@
 #include "haptogram/image/image.hpp"
 #include "haptogram/image/manifest.hpp"
 #include "haptogram/image/pulses.hpp"
+#include "haptogram/instrument/document.hpp"
 #include "haptogram/instrument/project.hpp"
 #include "haptogram/link/frame.hpp"
 #include "haptogram/model/array.hpp"
@@ -24,6 +25,7 @@
 #include "haptogram/render/path_file.hpp"
 #include "haptogram/render/waveform.hpp"
 #include "haptogram/shape/formats.hpp"
+#include "messages.hpp"
 
 namespace haptogram::fuzz {
 
@@ -91,6 +93,18 @@ void adaptics(const std::string& content) { require_sound(path_from_adaptics(con
 void wav(const std::string& content) { static_cast<void>(wave_from_wav(content, "fuzz")); }
 void leap(const std::string& content) { static_cast<void>(recording_from_leap(content, "fuzz")); }
 
+/// What a page may send to the studio. A document's project must come through its own writer.
+void message(const std::string& content) {
+    const studio::Message found = studio::read_message(content);
+    const auto* const scene = std::get_if<studio::SceneMessage>(&found);
+    if (scene == nullptr) return;
+    const Project project = project_from_toml(toml_of(scene->document), "fuzz");
+    const std::string written = to_toml(project);
+    require(to_toml(project_from_toml(written, "fuzz")) == written);
+    require(toml_of(document_of(written, "fuzz")) ==
+            toml_of(document_of(toml_of(document_of(written, "fuzz")), "fuzz")));
+}
+
 const std::map<std::string, void (*)(const std::string&)> targets = {{"frame", frame},       {"intel_hex", intel_hex},
                                                                      {"pulses", pulses},     {"manifest", manifest},
                                                                      {"ply", ply},           {"obj", obj},
@@ -99,7 +113,7 @@ const std::map<std::string, void (*)(const std::string&)> targets = {{"frame", f
                                                                      {"board", board},       {"project", project},
                                                                      {"path", path},         {"path_csv", path_csv},
                                                                      {"adaptics", adaptics}, {"wav", wav},
-                                                                     {"leap", leap}};
+                                                                     {"leap", leap},         {"message", message}};
 void (*target)(const std::string&) = nullptr;
 
 }  // namespace haptogram::fuzz
