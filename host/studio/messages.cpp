@@ -126,11 +126,37 @@ Message read_message(std::string_view text) {
         return SceneMessage{members.whole("n"), members.object("document")};
     }
     if (type == "slice") {
-        members.only({"n", "scene", "origin", "u", "v", "width", "height"});
-        return SliceMessage{members.whole("n"),
-                            members.text("scene"),
-                            {members.millimetres("origin"), members.millimetres("u"), members.millimetres("v"),
-                             members.whole("width"), members.whole("height")}};
+        members.only({"n", "scene", "origin", "u", "v", "width", "height", "record", "view"});
+        SliceMessage slice{members.whole("n"),
+                           members.text("scene"),
+                           {members.millimetres("origin"), members.millimetres("u"), members.millimetres("v"),
+                            members.whole("width"), members.whole("height")},
+                           members.whole("record"),
+                           members.whole("view")};
+        if (slice.view >= most_views)
+            throw bad_input("message 'slice'", fmt::format("member 'view' is {}, and a page has views 0 to {}",
+                                                           slice.view, most_views - 1));
+        return slice;
+    }
+    if (type == "drives") {
+        members.only({"n", "scene", "record"});
+        return DrivesMessage{members.whole("n"), members.text("scene"), members.whole("record")};
+    }
+    if (type == "analyze") {
+        members.only({"n", "scene"});
+        return AnalyzeMessage{members.whole("n"), members.text("scene")};
+    }
+    if (type == "simulate") {
+        members.only({"n", "scene"});
+        return SimulateMessage{members.whole("n"), members.text("scene")};
+    }
+    if (type == "cancel") {
+        members.only({"n"});
+        return CancelMessage{members.whole("n")};
+    }
+    if (type == "pulses") {
+        members.only({"n", "index", "periods"});
+        return PulsesMessage{members.whole("n"), members.whole("index"), members.whole("periods")};
     }
     if (type == "connect") {
         members.only({"n", "port", "scene"});

@@ -23,7 +23,37 @@ struct SceneMessage {
 struct SliceMessage {
     std::uint32_t n = 0;
     std::string scene;
-    Slice slice;  ///< metres; millimetres on the line
+    Slice slice;               ///< metres; millimetres on the line
+    std::uint32_t record = 0;  ///< of this record alone, counted from 1; 0: the mean over the sequence
+    std::uint32_t view = 0;    ///< 0 to 3: each of a page's views waits for itself
+};
+inline constexpr std::uint32_t most_views = 4;
+/// Tell the drives of one record.
+struct DrivesMessage {
+    std::uint32_t n = 0;
+    std::string scene;
+    std::uint32_t record = 0;  ///< counted from 1
+};
+/// Find out what each focus is like. Of a page, a newer one ends the older.
+struct AnalyzeMessage {
+    std::uint32_t n = 0;
+    std::string scene;
+};
+/// Play a scene's image on the Verilated core, and compare its pins with the image. Of a page, a newer one ends the
+/// older.
+struct SimulateMessage {
+    std::uint32_t n = 0;
+    std::string scene;
+};
+/// End what the last such message began.
+struct CancelMessage {
+    std::uint32_t n = 0;
+};
+/// Tell the pulses that were measured at the pins, from the first of a record on.
+struct PulsesMessage {
+    std::uint32_t n = 0;
+    std::uint32_t index = 0;    ///< of the record on the board
+    std::uint32_t periods = 1;  ///< of the carrier
 };
 /// Connect to a port. "virtual" starts a reference board that can play the scene, "virtual-rtl" the simulated Verilog.
 struct ConnectMessage {
@@ -58,7 +88,8 @@ struct BeatMessage {
     bool hidden = false;  ///< nobody sees it
 };
 
-using Message = std::variant<SceneMessage, SliceMessage, ConnectMessage, DisconnectMessage, UploadMessage, PlayMessage,
+using Message = std::variant<SceneMessage, SliceMessage, DrivesMessage, AnalyzeMessage, SimulateMessage, CancelMessage,
+                             PulsesMessage, ConnectMessage, DisconnectMessage, UploadMessage, PlayMessage,
                              StreamMessage, StopMessage, BeatMessage>;
 
 /// Reads a message. A member that is missing, of another type, or unknown is an error, because page and server are

@@ -163,9 +163,8 @@ std::uint64_t Player::play(std::shared_ptr<const Scene> scene) {
 }
 
 std::uint64_t Player::stream(std::shared_ptr<const Scene> scene, std::uint32_t index) {
-    const std::size_t records = scene->compiled.bundle.image.records.size();
-    if (index < 1 || index > records)
-        throw bad_argument("index", fmt::format("{} is no record; the scene has 1 to {}", index, records));
+    if (!place_of(scene->compiled.bundle.image, index))
+        throw bad_argument("index", fmt::format("{} is no record of the scene", index));
     {
         const std::lock_guard lock(mutex_);
         if (scrub_ && scrub_->scene != scene)

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <complex>
+#include <numbers>
 
 #include "haptogram/acoustics/quantities.hpp"
 #include "haptogram/base/error.hpp"
@@ -32,29 +34,86 @@ void require_ours(const std::string& key, const std::optional<std::string>& foun
                                     *found));
 }
 
+/// What plays one after the other: the record, counted from 1, its index on the board, where its first focus is, from
+/// when and how long, and its amplitude. Silence is left out, and entries of one record in a row are one.
+ordered_json tour_of(const Bundle& bundle) {
+    const Manifest& manifest = bundle.manifest;
+    ordered_json tour = ordered_json::array();
+    std::uint64_t now = 0, from = 0;
+    const std::vector<SequenceEntry>& sequence = bundle.image.sequence;
+    for (std::size_t i = 0; i < sequence.size(); ++i) {
+        now += sequence[i].dwell;
+        const std::uint16_t index = sequence[i].index;
+        if (i + 1 < sequence.size() && sequence[i + 1].index == index) continue;
+        if (index != 0) {
+            const std::size_t place = manifest.place_of(index).value();
+            const RecordMeaning& record = manifest.records[place];
+            const double period_s = manifest.timer.period_s();
+            tour.push_back({{"record", place + 1},
+                            {"index", index},
+                            {"at", millimetres(record.foci.front().position)},
+                            {"from_s", static_cast<double>(from) * period_s},
+                            {"dwell_s", static_cast<double>(now - from) * period_s},
+                            {"amplitude", record.amplitude}});
+        }
+        from = now;
+    }
+    return tour;
+}
+
 }  // namespace
 
 ordered_json to_json(const Scene& scene) {
     const Compiled& c = scene.compiled;
     const Manifest& m = c.bundle.manifest;
-    ordered_json elements = ordered_json::array(), foci = ordered_json::array(), tour = ordered_json::array();
+    ordered_json elements = ordered_json::array(), foci = ordered_json::array();
     for (const Element& element : m.array.elements) elements.push_back(millimetres(element.position));
     for (const PathStep& step : c.path.steps)
         for (const Focus& focus : step.foci) foci.push_back(millimetres(focus.position));
-    for (const SequenceEntry& entry : c.bundle.image.sequence) {
-        if (entry.index == 0 || (!tour.empty() && tour.back()["index"] == entry.index)) continue;
-        tour.push_back(
-            {{"index", entry.index}, {"at", millimetres(m.records[entry.index - 1U].foci.front().position)}});
-    }
+    ordered_json findings = ordered_json::array();
+    for (const Finding& finding : findings_of(scene.settings, c)) findings.push_back(to_json(finding));
     return {{"name", scene.name},
             {"array",
              {{"name", m.array.name}, {"radius_mm", m.array.transducer.radius_m / millimetre}, {"elements", elements}}},
             {"foci", foci},
-            {"tour", tour},
+            {"tour", tour_of(c.bundle)},
+            {"pass_s", 1.0 / m.rate_hz},
             {"channels", m.core.parameters.channels},
             {"numbers", numbers_of(c)},
             {"image_sha256", m.image_sha256},
-            {"warnings", c.warnings}};
+            {"findings", findings}};
+}
+
+ordered_json drives_json(const Scene& scene, std::uint32_t record) {
+    if (record < 1 || record > scene.excitation.drives.size())
+        throw bad_argument(
+            "record", fmt::format("{} is no record; the scene has 1 to {}", record, scene.excitation.drives.size()));
+    const double full = scene.excitation.array.transducer.source_pa_m;
+    ordered_json phases = ordered_json::array(), amplitudes = ordered_json::array();
+    for (const std::complex<double>& drive : scene.excitation.drives[record - 1]) {
+        const double degrees = std::arg(drive) * 180.0 / std::numbers::pi;
+        phases.push_back(degrees < 0.0 ? degrees + 360.0 : degrees);
+        amplitudes.push_back(std::abs(drive) / full);
+    }
+    return {{"record", record},
+            {"index", scene.compiled.bundle.manifest.index_of(record - 1)},
+            {"phases_deg", phases},
+            {"amplitudes", amplitudes}};
+}
+
+ordered_json analysis_json(const Scene& scene, const ImageAnalysis& analysis) {
+    const Compiled& compiled = scene.compiled;
+    ordered_json foci = ordered_json::array(), findings = ordered_json::array();
+    for (const PointAnalysis& point : analysis.points)
+        foci.push_back(
+            {{"record", compiled.bundle.manifest.place_of(static_cast<std::uint32_t>(point.record)).value() + 1},
+             {"radiation_pa", point.focus.radiation_pa},
+             {"width_mm", point.focus.width_m / millimetre},
+             {"depth_mm", point.focus.depth_m / millimetre},
+             {"side_lobe", point.focus.side_lobe},
+             {"force_mn", point.focus.force_n * 1e3}});
+    for (const Finding& finding : findings_of(scene.settings, compiled, analysis)) findings.push_back(to_json(finding));
+    return {{"foci", foci}, {"at_300_mm_db", analysis.loudness.at_300_mm_db}, {"findings", findings}};
 }
 
 void Scenes::open(const std::filesystem::path& path) {
@@ -121,32 +180,39 @@ Made Scenes::compile(const ordered_json& document) {
     std::string identity;
     Project project = project_of(toml_of(document), identity);
     const std::string name = sha256(identity).substr(0, 28);
+    std::shared_ptr<const Scene> found;
     {
         const std::lock_guard lock(mutex_);
         const auto known = std::find_if(scenes_.begin(), scenes_.end(), [&](const auto& s) { return s->name == name; });
         if (known != scenes_.end()) {
             scenes_.splice(scenes_.begin(), scenes_, known);
-            return {scenes_.front(), std::move(project)};
+            found = scenes_.front();
         }
     }
-    Compiled compiled = haptogram::compile(project, "image.hex");
+    if (found) return {found, shape_of(project)};
+    Shape shape;
+    Compiled compiled = haptogram::compile(project, "image.hex", {}, &shape);
     Excitation excitation = excitation_of(compiled.bundle);
     Project named = project;
     for (ShapeSource& source : named.shapes) source.content.reset();
     // A complex amplitude of √2 Pa is a mean square of 1 Pa².
     const double skin = radiation_pressure(std::sqrt(2.0), compiled.bundle.manifest.array.medium);
-    const auto scene =
-        std::make_shared<const Scene>(Scene{name, to_toml(named), std::move(compiled), std::move(excitation), skin});
+    const std::string text = to_toml(named);
+    const auto scene = std::make_shared<const Scene>(
+        Scene{name, text, std::move(named), std::move(compiled), std::move(excitation), skin});
     const std::lock_guard lock(mutex_);
     scenes_.push_front(scene);
     if (scenes_.size() > most_scenes) scenes_.pop_back();
-    return {scene, std::move(project)};
+    return {scene, std::move(shape)};
 }
 
-std::shared_ptr<const Scene> Scenes::find(const std::string& name) const {
+std::shared_ptr<const Scene> Scenes::find(const std::string& name) {
     const std::lock_guard lock(mutex_);
-    for (const auto& scene : scenes_)
-        if (scene->name == name) return scene;
+    const auto known = std::find_if(scenes_.begin(), scenes_.end(), [&](const auto& s) { return s->name == name; });
+    if (known != scenes_.end()) {
+        scenes_.splice(scenes_.begin(), scenes_, known);
+        return scenes_.front();
+    }
     throw bad_argument("scene", fmt::format("there is no scene '{}' any more; send its document again", name));
 }
 

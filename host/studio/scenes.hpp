@@ -11,6 +11,7 @@
 
 #include "haptogram/analysis/excitation.hpp"
 #include "haptogram/instrument/compile.hpp"
+#include "haptogram/instrument/findings.hpp"
 
 namespace haptogram::studio {
 
@@ -18,19 +19,30 @@ namespace haptogram::studio {
 struct Scene {
     std::string name;     ///< a hash of the document and its files, so that equal projects are one scene
     std::string project;  ///< text of the project file
+    Project settings;     ///< the same; the contents of its files are left out
     Compiled compiled;
     Excitation excitation;   ///< of the image
     double skin_per_square;  ///< radiation pressure on skin over the mean square pressure, 1/Pa
 };
 
-/// A scene together with its project, which has the contents of its files: shape_of() makes the object of it.
+/// A scene together with its object at its place, metres; empty for a path.
 struct Made {
     std::shared_ptr<const Scene> scene;
-    Project project;
+    Shape shape;
 };
 
 /// What a scene is in numbers, millimetres and seconds, for the page.
 [[nodiscard]] nlohmann::ordered_json to_json(const Scene& scene);
+
+/// The drives of one record: {"record", "index", "phases_deg", "amplitudes"}, an entry a channel. Phases are those of
+/// the elements' waves, 0 to 360°; amplitudes are shares of an element's full strength.
+/// @param record  counted from 1
+/// @throws Error{bad_argument} when there is no such record
+[[nodiscard]] nlohmann::ordered_json drives_json(const Scene& scene, std::uint32_t record);
+
+/// What the analysis of each focus came to, and all findings: {"foci": [{"record", "radiation_pa", "width_mm",
+/// "depth_mm", "side_lobe", "force_mn"}], "at_300_mm_db", "findings"}.
+[[nodiscard]] nlohmann::ordered_json analysis_json(const Scene& scene, const ImageAnalysis& analysis);
 
 /// The files that pages sent, the project that the studio was started with, and the scenes that were compiled last. All
 /// functions may be called from any thread.
@@ -53,8 +65,9 @@ public:
     /// @throws Error naming what is wrong with the document; a shape file must have been sent, or be the project's, and
     /// an array or a board must be shipped, or be the project's: a page cannot name other files of this machine
     Made compile(const nlohmann::ordered_json& document);
+    /// A scene that is asked for is kept as if it was compiled just now.
     /// @throws Error{bad_argument} when there is no such scene
-    [[nodiscard]] std::shared_ptr<const Scene> find(const std::string& name) const;
+    [[nodiscard]] std::shared_ptr<const Scene> find(const std::string& name);
 
 private:
     [[nodiscard]] Project project_of(const std::string& text, std::string& identity) const;

@@ -7,8 +7,6 @@
 #include <unistd.h>
 
 #include <atomic>
-#include <charconv>
-#include <cmath>
 #include <cstdlib>
 #include <map>
 #include <memory>
@@ -16,18 +14,19 @@
 #include <vector>
 
 #include "assets.hpp"
-#include "haptogram/acoustics/quantities.hpp"
+#include "field_request.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/process.hpp"
 #include "haptogram/base/shipped.hpp"
-#include "haptogram/instrument/field_file.hpp"
+#include "haptogram/instrument/analyze.hpp"
 #include "haptogram/instrument/slice.hpp"
 #include "haptogram/link/port.hpp"
 #include "haptogram/link/to_json.hpp"
 #include "haptogram/shape/primitives.hpp"
 #include "http.hpp"
 #include "messages.hpp"
+#include "pins.hpp"
 #include "player.hpp"
 #include "scenes.hpp"
 #include "worker.hpp"
@@ -52,6 +51,16 @@ std::optional<ordered_json> error_of(Work work) {
         return ordered_json{{"where", ""}, {"message", "out of memory; take fewer points"}};
     } catch (const std::exception& error) {
         return ordered_json{{"where", ""}, {"message", error.what()}};
+    }
+}
+
+/// Work that ends early when nobody waits for it any more, and then has nothing to tell.
+template <class Work>
+void unless_cancelled(Work work) {
+    try {
+        work();
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::cancelled) throw;
     }
 }
 
@@ -85,7 +94,10 @@ private:
     struct Visitor {
         std::shared_ptr<Page> page;
         Clock::time_point heard = Clock::now();
-        std::optional<Clock::time_point> hidden{};  ///< since when
+        std::optional<Clock::time_point> hidden{};                                                   ///< since when
+        std::shared_ptr<std::atomic<bool>> analyzing = std::make_shared<std::atomic<bool>>(false);   ///< still wanted
+        std::shared_ptr<std::atomic<bool>> simulating = std::make_shared<std::atomic<bool>>(false);  ///< the same
+        std::shared_ptr<const Pins> pins{};  ///< what was simulated last
     };
     struct Stop {
         std::uint64_t page, number;  ///< number: of the DeviceThread
@@ -134,7 +146,7 @@ private:
     }
 
     /// The files that a scene is taken away as.
-    Answer take_away(const Request& request) const {
+    Answer take_away(const Request& request) {
         const auto scene = scenes_.find(query_value(request.query, "scene").value_or(""));
         const std::string as = query_value(request.query, "as").value_or("");
         if (as == "hex") return {.type = "text/plain; charset=utf-8", .body = scene->compiled.bundle.hex};
@@ -143,50 +155,17 @@ private:
         return error_answer(400, fmt::format("as '{}'; expected hex, manifest or project", as));
     }
 
-    /// The field on a plane as a file, in another thread: the same function writes it as for `haptogram field`.
+    /// The field on a plane as a file, in another thread.
     void compute_field(const Request& request, const Reply& reply) {
-        const auto value = [&](const char* name) {
-            const std::optional<std::string> found = query_value(request.query, name);
-            if (!found) throw bad_argument(name, "is missing in the query");
-            return *found;
-        };
-        const auto scene = scenes_.find(value("scene"));
-        Reach reach;
-        reach.step_m = millimetres_of("step", value("step"));
-        for (const auto& [axis, range] : {std::pair{"x", &reach.x}, {"y", &reach.y}, {"z", &reach.z}})
-            if (const auto given = query_value(request.query, axis)) *range = parse_range(axis, *given);
-        const Region region = parse_region("plane", value("plane"), reach);
-        const Quantity quantity = quantity_of(value("quantity"));
-        const std::string as = value("as");
-        if (as != "png" && as != "csv" && as != "npy" && as != "vti")
-            throw bad_argument("as", fmt::format("found '{}', expected png, csv, npy or vti", as));
-        const std::string name = "field." + as;
-        check_field_path(name, region, quantity);
-        if (region.axes.size() != 2) throw bad_argument("plane", "the studio gives planes, such as xy@z=130");
-        const double terms = static_cast<double>(region.grid.size() * scene->excitation.array.elements.size() *
-                                                 scene->excitation.drives.size());
-        if (terms > most_slice_terms)
-            throw bad_argument("step",
-                               "asks for more points than the studio computes; take a larger one, or "
-                               "'haptogram field'");
+        const FieldRequest asked = field_request(request.query, scenes_);
         // Owners differ, so that none is dropped for a newer one: each has a client who waits.
-        fields_.ask(++field_number_, [this, scene, region, quantity, name, reply] {
-            const auto error = error_of([&] {
-                const Progress going([this](double, std::string_view) { return !over_; });
-                const TemporaryFolder folder;
-                write_field((folder.path() / name).string(), field(scene->excitation, region, quantity, 1, going));
-                reply({.type = "application/octet-stream", .body = read_file(folder.path() / name)});
-            });
-            if (error) reply(error_answer(422, error->at("message")));
+        fields_.ask(++field_number_, [this, asked, reply] {
+            const Progress going([this](double, std::string_view) { return !over_; });
+            std::string content;
+            const auto error = error_of([&] { content = field_file(asked, going); });
+            reply(error ? error_answer(422, error->at("message"))
+                        : Answer{.type = "application/octet-stream", .body = std::move(content)});
         });
-    }
-
-    static double millimetres_of(const char* name, const std::string& text) {
-        double value = 0.0;
-        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-        if (error != std::errc() || end != text.data() + text.size() || !(value > 0.0) || !std::isfinite(value))
-            throw bad_argument(name, fmt::format("found '{}', expected a length in mm above 0", text));
-        return value * millimetre;
     }
 
     // Pages.
@@ -198,8 +177,12 @@ private:
     }
 
     void close(Page& page) {
-        slices_.forget(page.number());
+        for (std::uint32_t view = 0; view < most_views; ++view) slices_.forget(most_views * page.number() + view);
         compilers_.forget(page.number());
+        analyses_.forget(page.number());
+        simulations_.forget(page.number());
+        if (const auto visitor = visitors_.find(page.number()); visitor != visitors_.end())
+            *visitor->second.analyzing = *visitor->second.simulating = false;
         visitors_.erase(page.number());
         if (driver_ == page.number()) outputs_off("the page that drove the board was closed");
     }
@@ -228,20 +211,82 @@ private:
             tell_failure(page, message.n, [&] {
                 const Made made = scenes_.compile(message.document);
                 page->send(to_text({{"t", "scene"}, {"n", message.n}, {"scene", to_json(*made.scene)}}));
-                page->send(shape_bytes(message.n, shape_of(made.project)));
+                page->send(shape_bytes(message.n, made.shape));
             });
         });
     }
 
     void act(Visitor& visitor, const SliceMessage& message) {
-        slices_.ask(visitor.page->number(), [this, page = visitor.page, message] {
+        slices_.ask(most_views * visitor.page->number() + message.view, [this, page = visitor.page, message] {
             tell_failure(page, message.n, [&] {
                 const auto scene = scenes_.find(message.scene);
                 const Clock::time_point begun = Clock::now();
-                const std::vector<float> values = mean_square_on(scene->excitation, message.slice);
+                const std::vector<float> values =
+                    message.record == 0 ? mean_square_on(scene->excitation, message.slice)
+                                        : mean_square_on(only(scene->excitation, message.record - 1), message.slice);
                 const double ms = std::chrono::duration<double, std::milli>(Clock::now() - begun).count();
-                page->send(slice_bytes(message, values, scene->skin_per_square, ms, scene->excitation.drives.size()));
+                page->send(slice_bytes(message, values, scene->skin_per_square, ms,
+                                       message.record == 0 ? scene->excitation.drives.size() : 1));
             });
+        });
+    }
+
+    void act(Visitor& visitor, const DrivesMessage& message) {
+        tell_failure(visitor.page, message.n, [&] {
+            ordered_json answer{{"t", "drives"}, {"n", message.n}};
+            answer.update(drives_json(*scenes_.find(message.scene), message.record));
+            visitor.page->send(to_text(answer));
+        });
+    }
+
+    void act(Visitor& visitor, const AnalyzeMessage& message) {
+        *visitor.analyzing = false;
+        visitor.analyzing = std::make_shared<std::atomic<bool>>(true);
+        const auto work = [this, page = visitor.page, wanted = visitor.analyzing, message] {
+            tell_failure(page, message.n, [&] {
+                const Progress going([this, &wanted](double, std::string_view) { return !over_ && *wanted; });
+                if (!*wanted) return;
+                unless_cancelled([&] {
+                    const auto scene = scenes_.find(message.scene);
+                    const ImageAnalysis found = analyze(scene->compiled.bundle, least_felt_n, going);
+                    ordered_json answer{{"t", "analysis"}, {"n", message.n}};
+                    answer.update(analysis_json(*scene, found));
+                    page->send(to_text(answer));
+                });
+            });
+        };
+        analyses_.ask(visitor.page->number(), work);
+    }
+
+    void act(Visitor& visitor, const SimulateMessage& message) {
+        *visitor.simulating = false;
+        visitor.simulating = std::make_shared<std::atomic<bool>>(true);
+        const auto work = [this, page = visitor.page, wanted = visitor.simulating, message] {
+            const Progress going([this, &wanted](double, std::string_view) { return !over_ && *wanted; });
+            tell_failure(page, message.n, [&] {
+                if (!*wanted) return;
+                unless_cancelled([&] {
+                    const auto pins = std::make_shared<const Pins>(simulate_pins(*scenes_.find(message.scene), going));
+                    server_.post([this, n = message.n, number = page->number(), pins] {
+                        const auto asker = visitors_.find(number);
+                        if (asker == visitors_.end()) return;
+                        asker->second.pins = pins;
+                        asker->second.page->send(to_text({{"t", "pins"}, {"n", n}, {"report", pins->report}}));
+                    });
+                });
+            });
+        };
+        simulations_.ask(visitor.page->number(), work);
+    }
+
+    void act(Visitor& visitor, const CancelMessage&) { *visitor.simulating = false; }
+
+    void act(Visitor& visitor, const PulsesMessage& message) {
+        tell_failure(visitor.page, message.n, [&] {
+            if (!visitor.pins) throw bad_argument("pulses", "nothing was simulated yet; ask for that first");
+            ordered_json answer{{"t", "pulses"}, {"n", message.n}};
+            answer.update(pulses_json(*visitor.pins, message.index, message.periods));
+            visitor.page->send(to_text(answer));
         });
     }
 
@@ -378,7 +423,7 @@ private:
     Player player_;  // after what it tells of
     std::atomic<bool> over_ = false;
     std::uint64_t field_number_ = 0;
-    Worker slices_, compilers_, fields_;
+    Worker slices_, compilers_, fields_, analyses_, simulations_;
 };
 
 std::filesystem::path built_page(std::string& looked_in) {

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <sys/types.h>
-
 #include <chrono>
 #include <cstdint>
 #include <memory>
@@ -9,21 +7,18 @@
 #include <optional>
 #include <string>
 
+#include "child.hpp"
 #include "haptogram/link/transport.hpp"
 
 namespace haptogram::studio {
 
-/// A simulated board in a process of its own: this program as 'board run'. It ends with this object, and also with
-/// the thread that made it, whatever became of that.
+/// A simulated board in a process of its own: this program as 'board run'.
 class VirtualBoard {
 public:
     /// Starts it and returns at once.
     /// @param model  as 'board run --model' takes it: "reference" keeps real time, "rtl" is the FPGA's own Verilog
     /// @throws Error{failed} when no process can be started
-    VirtualBoard(std::uint32_t channels, std::string model);
-    VirtualBoard(const VirtualBoard&) = delete;
-    VirtualBoard& operator=(const VirtualBoard&) = delete;
-    ~VirtualBoard();
+    VirtualBoard(std::uint32_t channels, const std::string& model);
 
     /// Opens the board's port. Waits at most so long for the board to name it; it can be called again.
     /// @throws Error{device} when it has not yet, or with the board's own words when it has none
@@ -36,8 +31,7 @@ private:
         std::uint32_t baud;
     };
 
-    pid_t process_ = -1;
-    int said_ = -1;  // its standard output and standard error
+    Child child_;
     std::mutex mutex_;
     std::optional<Port> port_;
     std::string text_;

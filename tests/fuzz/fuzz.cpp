@@ -18,6 +18,7 @@
 #include "haptogram/image/image.hpp"
 #include "haptogram/image/manifest.hpp"
 #include "haptogram/image/pulses.hpp"
+#include "haptogram/instrument/document.hpp"
 #include "haptogram/instrument/project.hpp"
 #include "haptogram/link/frame.hpp"
 #include "haptogram/model/array.hpp"
@@ -27,6 +28,7 @@
 #include "haptogram/sense/depth_folder.hpp"
 #include "haptogram/sense/depth_png.hpp"
 #include "haptogram/shape/formats.hpp"
+#include "messages.hpp"
 
 namespace haptogram::fuzz {
 
@@ -128,6 +130,18 @@ void cameras(const std::string& content) {
     require(cameras_to_toml(again.cameras, again.rate_hz) == written);
 }
 
+/// What a page may send to the studio. A document's project must come through its own writer.
+void message(const std::string& content) {
+    const studio::Message found = studio::read_message(content);
+    const auto* const scene = std::get_if<studio::SceneMessage>(&found);
+    if (scene == nullptr) return;
+    const Project project = project_from_toml(toml_of(scene->document), "fuzz");
+    const std::string written = to_toml(project);
+    require(to_toml(project_from_toml(written, "fuzz")) == written);
+    require(toml_of(document_of(written, "fuzz")) ==
+            toml_of(document_of(toml_of(document_of(written, "fuzz")), "fuzz")));
+}
+
 const std::map<std::string, void (*)(const std::string&)> targets = {{"frame", frame},       {"intel_hex", intel_hex},
                                                                      {"pulses", pulses},     {"manifest", manifest},
                                                                      {"ply", ply},           {"obj", obj},
@@ -137,7 +151,7 @@ const std::map<std::string, void (*)(const std::string&)> targets = {{"frame", f
                                                                      {"path", path},         {"path_csv", path_csv},
                                                                      {"adaptics", adaptics}, {"wav", wav},
                                                                      {"leap", leap},         {"depth_png", depth_png},
-                                                                     {"cameras", cameras}};
+                                                                     {"cameras", cameras},   {"message", message}};
 void (*target)(const std::string&) = nullptr;
 
 }  // namespace haptogram::fuzz

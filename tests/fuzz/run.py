@@ -20,7 +20,7 @@ from intelhex import IntelHex
 
 ROOT = Path(__file__).resolve().parents[2]
 TARGETS = ("frame", "intel_hex", "pulses", "manifest", "ply", "obj", "stl", "xyz", "csv", "array", "board", "project",
-           "path", "path_csv", "adaptics", "wav", "leap", "depth_png", "cameras")  # fmt: skip
+           "path", "path_csv", "adaptics", "wav", "leap", "depth_png", "cameras", "message")  # fmt: skip
 CUBE = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
 
 
@@ -134,6 +134,11 @@ def seeds(program):
         "leap": [b'{"frames": [["timestamp", {"hands": [["type", "id", "palmVelocity", "palmPosition", "palmNormal", "direction"]]}, {"pointables": [["handId", "id",'
                  b' "tipPosition", "dipPosition", "pipPosition", "mcpPosition"]]}], [5, [["left", 7, [10, 0, 0], [1, 200, 30], [0, -1, 0], [0, 0, -1]]],'
                  b' [[7, 71, [0, 200, -85], [0, 200, -65], [0, 200, -40], [0, 200, 0]]]]]}', b"BYUwNmD2A0AECWsCGBbZtDUzkAA="],
+        "message": [b'{"t":"scene","n":1,"document":{"format":"haptogram-project-1","points":9,"rate_hz":7.5,"am":"sine:200","place":{"size_mm":40,"center_mm":[0,1.5,130]},'
+                    b'"shape":[{"kind":"circle","diameter_mm":30,"center_mm":[0,0,120]},{"file":"a.ply","unit":"cm","rotate_deg":[0,90,0]}]}}',
+                    b'{"t":"slice","n":2,"scene":"abc","origin":[-80,-80,130],"u":[160,0,0],"v":[0,1.6e2,0],"width":200,"height":100,"record":0,"view":1}',
+                    b'{"t":"connect","n":3,"port":"virtual","scene":"abc"}', b'{"t":"stream","n":4,"scene":"abc","index":7}', b'{"t":"beat","hidden":false}',
+                    b'{"t":"drives","n":5,"scene":"abc","record":7}', b'{"t":"pulses","n":6,"index":7,"periods":2}', b'{"t":"analyze","n":7,"scene":"abc"}'],
     }  # fmt: skip
     subprocess.run([program, "compile", "--shape", "line", "--points", "2", "--array", "tile-7x8", "-o", "seed.hex"],
                    cwd=ROOT / "build/fuzz", stdout=subprocess.DEVNULL, check=True)  # fmt: skip

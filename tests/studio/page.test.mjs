@@ -83,7 +83,7 @@ test("the slice is the field that the command line computes", async (t) => {
       socket.onmessage = ({ data }) => typeof data === "string" && JSON.parse(data).t === "scene" && done(JSON.parse(data).scene.name);
     }),
   );
-  const ask = { t: "slice", n: 1, scene, width: 161, height: 161 };
+  const ask = { t: "slice", n: 1, scene, width: 161, height: 161, record: 0, view: 0 };
   const peak = Math.max(...expected);
   const off = (values) => Math.max(...values.map((value, i) => Math.abs(value - expected[i]))) / peak;
   const along = off(await askSlice(page, { ...ask, origin: [-80, -80, 130], u: [160, 0, 0], v: [0, 160, 0] }));

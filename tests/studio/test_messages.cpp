@@ -23,7 +23,7 @@ T at(const std::vector<std::uint8_t>& bytes, std::size_t place) {
 }
 
 const std::string slice_text =
-    R"({"t":"slice","n":7,"scene":"abc","origin":[-80,-80,130],"u":[160,0,0],"v":[0,160,0],"width":200,"height":100})";
+    R"({"t":"slice","n":7,"scene":"abc","origin":[-80,-80,130],"u":[160,0,0],"v":[0,160,0],"width":200,"height":100,"record":5,"view":2})";
 
 }  // namespace
 
@@ -36,6 +36,17 @@ TEST_CASE("studio messages: every kind is read, lengths become metres") {
     CHECK(slice.slice.v.y == Approx(0.16));
     CHECK(slice.slice.width == 200);
     CHECK(slice.slice.height == 100);
+    CHECK(slice.record == 5);
+    CHECK(slice.view == 2);
+    const auto drives = std::get<DrivesMessage>(read_message(R"({"t":"drives","n":6,"scene":"s","record":3})"));
+    CHECK(drives.scene == "s");
+    CHECK(drives.record == 3);
+    CHECK(std::get<AnalyzeMessage>(read_message(R"({"t":"analyze","n":7,"scene":"s"})")).scene == "s");
+    CHECK(std::get<SimulateMessage>(read_message(R"({"t":"simulate","n":8,"scene":"s"})")).scene == "s");
+    CHECK(std::get<CancelMessage>(read_message(R"({"t":"cancel","n":9})")).n == 9);
+    const auto pulses = std::get<PulsesMessage>(read_message(R"({"t":"pulses","n":10,"index":4,"periods":2})"));
+    CHECK(pulses.index == 4);
+    CHECK(pulses.periods == 2);
     const auto scene = std::get<SceneMessage>(read_message(R"({"t":"scene","n":1,"document":{"points":9}})"));
     CHECK(scene.document["points"] == 9);
     CHECK(std::get<ConnectMessage>(read_message(R"({"t":"connect","n":1,"port":"virtual","scene":"s"})")).port ==
@@ -74,6 +85,12 @@ TEST_CASE("studio messages: bad ones are refused by name") {
          "'origin' is missing or not three numbers"},
         {R"({"t":"slice","n":1,"scene":"s","origin":[0,0,"1"],"u":[1,0,0],"v":[0,1,0],"width":2,"height":2})",
          "'origin' is missing or not three numbers"},
+        {R"({"t":"slice","n":1,"scene":"s","origin":[0,0,1],"u":[1,0,0],"v":[0,1,0],"width":2,"height":2,"view":0})",
+         "'record' is missing"},
+        {R"({"t":"slice","n":1,"scene":"s","origin":[0,0,1],"u":[1,0,0],"v":[0,1,0],"width":2,"height":2,"record":0,"view":4})",
+         "'view' is 4"},
+        {R"({"t":"drives","n":1,"scene":"s"})", "'record' is missing"},
+        {R"({"t":"pulses","n":1,"index":1})", "'periods' is missing"},
     };
     for (const auto& [text, message] : wrong) {
         INFO(text);
@@ -110,7 +127,7 @@ TEST_CASE("studio messages: bytes of a file that are no text do no harm in a mes
 }
 
 TEST_CASE("studio messages: the bytes of a slice") {
-    SliceMessage asked{9, "0123456789abcdef0123456789abXXXX", {{}, {}, {}, 3, 2}};
+    SliceMessage asked{9, "0123456789abcdef0123456789abXXXX", {{}, {}, {}, 3, 2}, 0, 0};
     const std::vector<float> values = {4, 5, 6, 7, 1, 2};
     const auto bytes = slice_bytes(asked, values, 1.5e-5, 2.25, 200);
     REQUIRE(bytes.size() == 64 + 24);

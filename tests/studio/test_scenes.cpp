@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Documents, files and scenes: the same bytes as without the studio, and no other files of this machine.
 #include <catch2/catch.hpp>
+#include <complex>
 #include <future>
 #include <thread>
 
@@ -8,6 +9,8 @@
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/process.hpp"
 #include "haptogram/instrument/document.hpp"
+#include "haptogram/shape/place.hpp"
+#include "pins.hpp"
 #include "scenes.hpp"
 #include "worker.hpp"
 
@@ -57,6 +60,112 @@ TEST_CASE("studio scenes: a dropped file makes the image that the file makes") {
     const Compiled direct = compile(load_project(folder.path() / "project.toml"));
     CHECK(scene->compiled.bundle.hex == direct.bundle.hex);
     CHECK(to_text(scene->compiled.bundle.manifest) == to_text(direct.bundle.manifest));
+}
+
+TEST_CASE("studio scenes: the object is the one that was sampled, new and known") {
+    Scenes scenes;
+    const std::string name = "trimesh_binary.stl";
+    scenes.add_file(name, read_file(std::filesystem::path(data) / "shapes" / name));
+    Project project = project_from_toml(toml_of(with_file(name)), "test");
+    project.folder = std::filesystem::path(data) / "shapes";
+    const Shape expected = shape_of(project);
+    for (int i = 0; i < 2; ++i) {  // the second time the scene is known
+        const Shape shape = scenes.compile(with_file(name)).shape;
+        REQUIRE(shape.pieces.size() == 1);
+        CHECK(std::get<Mesh>(shape.pieces[0]).vertices == std::get<Mesh>(expected.pieces[0]).vertices);
+        CHECK(std::get<Mesh>(shape.pieces[0]).triangles == std::get<Mesh>(expected.pieces[0]).triangles);
+    }
+}
+
+TEST_CASE("studio scenes: objects have places of their own, and the whole has one, too") {
+    Scenes scenes;
+    ordered_json document{{"format", "haptogram-project-1"},
+                          {"points", 40},
+                          {"shape",
+                           {{{"kind", "circle"}, {"diameter_mm", 20}, {"center_mm", {-30, 0, 120}}},
+                            {{"kind", "circle"}, {"size_mm", 10}, {"center_mm", {30, 5, 150}}}}}};
+    const auto extent = [&] { return bounding_box(scenes.compile(document).shape); };
+    CHECK(extent().low.x == Approx(-0.04));
+    CHECK(extent().low.z == Approx(0.12));  // built-in shapes that have centres stay where they are
+    CHECK(extent().high.x == Approx(0.035));
+    CHECK(extent().high.z == Approx(0.15));
+    document["place"] = {{"center_mm", {0, 0, 140}}};
+    CHECK(extent().center().z == Approx(0.14));
+    CHECK(extent().extent().x == Approx(0.075));
+}
+
+TEST_CASE("studio scenes: what plays when, and the drives of each record") {
+    Scenes scenes;
+    const auto scene = scenes.compile(document_of(circle, "circle")).scene;
+    const ordered_json json = to_json(*scene);
+    REQUIRE(json["tour"].size() == 8);
+    double until = 0.0;
+    for (const ordered_json& entry : json["tour"]) {
+        CHECK(entry["from_s"].get<double>() == Approx(until));
+        until += entry["dwell_s"].get<double>();
+    }
+    CHECK(until == Approx(json["pass_s"].get<double>()));
+    CHECK(until == Approx(1.0 / 500));
+    // Delays of the waves' ways: all are in phase at the focus, so phase plus k times the way is the same for all.
+    const Manifest& manifest = scene->compiled.bundle.manifest;
+    for (std::uint32_t record = 1; record <= 8; ++record) {
+        const ordered_json drives = drives_json(*scene, record);
+        REQUIRE(drives["phases_deg"].size() == 100);
+        const Vec3 focus = manifest.records[record - 1].foci[0].position;
+        std::complex<double> sum = 0.0;
+        for (std::size_t i = 0; i < 100; ++i) {
+            CHECK(drives["amplitudes"][i].get<double>() == Approx(1.0).margin(0.01));
+            const double way = distance(manifest.array.elements[i], focus) / manifest.array.wavelength_m();
+            sum += std::polar(1.0, 2.0 * 3.141592653589793 * (drives["phases_deg"][i].get<double>() / 360.0 - way));
+        }
+        CHECK(std::abs(sum) > 99.0);
+    }
+    CHECK_THROWS_WITH(drives_json(*scene, 0), Contains("is no record"));
+    CHECK_THROWS_WITH(drives_json(*scene, 9), Contains("1 to 8"));
+}
+
+TEST_CASE("studio scenes: a tour on a board that computes foci") {
+    Scenes scenes;
+    ordered_json document = document_of(circle, "circle");
+    document["board"] = "colorlight-5a-75e-v7.1-wide";
+    const auto scene = scenes.compile(document).scene;
+    const Manifest& manifest = scene->compiled.bundle.manifest;
+    REQUIRE(manifest.foci);
+    const ordered_json tour = to_json(*scene)["tour"];
+    REQUIRE(tour.size() == 8);
+    // Indices of focus records begin behind those of the board's other records.
+    CHECK(tour[0]["index"] == manifest.core.parameters.records + 1);
+    CHECK(tour[0]["record"] == 1);
+    CHECK(drives_json(*scene, 1)["index"] == tour[0]["index"]);
+}
+
+TEST_CASE("studio scenes: the analysis tells of every focus, and of findings") {
+    Scenes scenes;
+    const auto scene = scenes.compile(document_of(circle, "circle")).scene;
+    const ordered_json json = analysis_json(*scene, analyze(scene->compiled.bundle));
+    REQUIRE(json["foci"].size() == 8);
+    for (std::size_t i = 0; i < 8; ++i) {
+        CHECK(json["foci"][i]["record"] == i + 1);
+        CHECK(json["foci"][i]["radiation_pa"].get<double>() > 0.0);
+    }
+    CHECK(std::any_of(json["findings"].begin(), json["findings"].end(),
+                      [](const ordered_json& each) { return each["kind"] == "short-dwell"; }));
+}
+
+TEST_CASE("studio pins: pulses from a record's first one on") {
+    Pins pins;
+    pins.clock_hz = 50'000'000;
+    pins.carrier_hz = 40e3;  // 1250 clocks
+    for (std::uint32_t i = 0; i < 8; ++i)
+        pins.pulses.push_back({1000 + 625 * i, 1100 + 625 * i, i % 3, static_cast<std::uint16_t>(i < 3 ? 1 : 2)});
+    const ordered_json found = pulses_json(pins, 2, 1);
+    CHECK(found["from_clk"] == 1000 + 3 * 625);
+    CHECK(found["to_clk"] == 1000 + 3 * 625 + 1250);
+    REQUIRE(found["pulses"].size() == 2);
+    CHECK(found["pulses"][1] == ordered_json({1, 3500, 3600, 2}));
+    CHECK_THROWS_WITH(pulses_json(pins, 7, 1), Contains("record 7 had no pulse"));
+    CHECK_THROWS_WITH(pulses_json(pins, 1, 0), Contains("expected 1 to"));
+    CHECK_THROWS_WITH(pulses_json(pins, 1, most_pulse_periods + 1), Contains("expected 1 to"));
 }
 
 TEST_CASE("studio scenes: a new file of an old name is another scene") {

@@ -37,6 +37,10 @@ unit = "cm"
 kind = "helix"
 diameter_mm = 33.3
 turns = 2.5
+scale = 0.5
+size_mm = 30.5
+rotate_deg = [0, 90, 0.25]
+center_mm = [10, -20, 140]
 )";
 
 }  // namespace

@@ -89,6 +89,13 @@ Excitation excitation_of(const Bundle& bundle, std::uint32_t record) {
     return found;
 }
 
+Excitation only(const Excitation& excitation, std::size_t place) {
+    if (place >= excitation.drives.size())
+        throw bad_argument("record",
+                           fmt::format("there are {} sets of drives, not {}", excitation.drives.size(), place + 1));
+    return {excitation.array, {excitation.drives[place]}, {1.0}, {}, excitation.title};
+}
+
 Excitation excitation_of(const Manifest& manifest, const std::string& name, std::uint32_t record) {
     require_record(record, manifest.records.size(), "manifest");
     Excitation found{manifest.array, {}, {}, manifest.points(), name + ", exact phases"};

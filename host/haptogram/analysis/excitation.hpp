@@ -42,6 +42,11 @@ void weaken(Excitation& excitation, double factor);
 /// @throws Error{bad_argument} when there is no such record
 [[nodiscard]] Excitation excitation_of(const Bundle& bundle, std::uint32_t record = 0);
 
+/// One of the sets of drives, as if it played alone.
+/// @param place  counted from 0
+/// @throws Error{bad_argument} when there is no such set
+[[nodiscard]] Excitation only(const Excitation& excitation, std::size_t place);
+
 /// What a manifest asks for: exact phases for each record's foci, each for the share of its dwell.
 [[nodiscard]] Excitation excitation_of(const Manifest& manifest, const std::string& name, std::uint32_t record = 0);
 

@@ -47,6 +47,7 @@ Shape gather(const Project& project, std::string& hashes) {
             }
             hashes += hash;
         }
+        if (source.placement != Placement{}) part = place(part, source.placement);
         std::move(part.pieces.begin(), part.pieces.end(), std::back_inserter(shape.pieces));
     }
     if (shape.pieces.empty())
@@ -60,8 +61,10 @@ Placement placement(const Project& project) {
     Placement result = project.placement;
     const bool built_in = std::all_of(project.shapes.begin(), project.shapes.end(),
                                       [](const ShapeSource& s) { return s.file.empty() && !s.content; });
+    const bool placed = std::any_of(project.shapes.begin(), project.shapes.end(),
+                                    [](const ShapeSource& s) { return s.placement.center.has_value(); });
     // This is where the Haptogram paper shows its shapes.
-    if (!result.center && built_in) result.center = from_mm(0.0, 0.0, 130.0);
+    if (!result.center && built_in && !placed) result.center = from_mm(0.0, 0.0, 130.0);
     return result;
 }
 
@@ -172,17 +175,6 @@ private:
     std::map<std::string, std::size_t> records_;
 };
 
-void warn_of_short_dwells(Compiled& compiled) {
-    const Formation& formation = compiled.bundle.manifest.formation;
-    const double dwell_s = compiled.shortest_dwell_s();
-    if (dwell_s >= formation.with_ring_up_s()) return;
-    const bool geometry = dwell_s < formation.formation_s;
-    compiled.warnings.push_back(
-        fmt::format("a point lasts {:.1f} µs, shorter than the {:.1f} µs {}; it will not reach its full pressure",
-                    dwell_s * 1e6, (geometry ? formation.formation_s : formation.with_ring_up_s()) * 1e6,
-                    geometry ? "in which all waves arrive at a focus" : "that the transducers' ring-up takes as well"));
-}
-
 /// Draws a shape's curves, or, when it has surfaces or clouds, visits its points in a short tour.
 Drawing drawing_of(const Project& project, const Shape& shape, const Array& array, double carrier_hz,
                    const ShapePathOptions& options) {
@@ -198,9 +190,7 @@ Drawing drawing_of(const Project& project, const Shape& shape, const Array& arra
 Path path_in_file(const Project& project, const Array& array, double carrier_hz, std::string& hash) {
     if (!project.shapes.empty())
         throw bad_argument("path", "a path file has its own places; give either shapes or a path");
-    const Placement& p = project.placement;
-    if (p.scale != 1.0 || p.size_m || p.center || p.rotate_deg != Placement{}.rotate_deg || project.clip ||
-        project.pace.speed_m_s || project.pace.frequency_hz)
+    if (project.placement != Placement{} || project.clip || project.pace.speed_m_s || project.pace.frequency_hz)
         throw bad_argument("path",
                            "a path file has its own places and times; scale, size, rotate, center, clip, speed and "
                            "frequency are for shapes");
@@ -411,12 +401,13 @@ Compiled compile_path(Path path, const ProjectInstrument& instrument, std::uint1
                       std::move(warnings)};
     compiled.pressure_left = summary_of(compiled.path, pressure_left(array, compiled.path));
     if (kind == ImageKind::records) warn_of_unheard_foci(compiled);
-    if (compiled.path.modulation.samples.empty()) warn_of_short_dwells(compiled);
+    const std::string short_dwell = short_dwell_warning(compiled);
+    if (!short_dwell.empty()) compiled.warnings.push_back(short_dwell);
     return compiled;
 }
 
 Compiled compile_on(const ProjectInstrument& instrument, const Project& project, const std::string& name,
-                    const Progress& progress) {
+                    const Progress& progress, Shape* placed = nullptr) {
     const ImageKind kind = kind_of(project.image, instrument.core, project.quantise);
     const Timer timer = timer_of(kind, instrument.array, instrument.core);
     const std::size_t most_samples =
@@ -436,7 +427,7 @@ Compiled compile_on(const ProjectInstrument& instrument, const Project& project,
         progress(1.0, "focusing");
         return compiled;
     }
-    const Shape shape = place(gather(project, hashes), placement(project));
+    Shape shape = place(gather(project, hashes), placement(project));
     progress(0.3, "sampling");
     const interface::CoreParameters& core = instrument.core.parameters;
     const std::uint32_t held = kind == ImageKind::foci ? instrument.core.most_focus_records() : core.records;
@@ -473,6 +464,7 @@ Compiled compile_on(const ProjectInstrument& instrument, const Project& project,
     progress(0.8, "focusing");
     Compiled compiled = compile_path(std::move(path), instrument, project.loops, name, settings_text(project) + hashes,
                                      Method::gauss_newton, project.quantise, kind);
+    if (placed != nullptr) *placed = std::move(shape);
     compiled.points = std::move(points);
     compiled.pace = pace;
     compiled.evened = evened;
@@ -495,6 +487,19 @@ double Compiled::shortest_dwell_s() const {
         if (sequence[i].index != 0) least = std::min(least, dwell);
     }
     return static_cast<double>(least) * bundle.manifest.timer.period_s();
+}
+
+std::string short_dwell_warning(const Compiled& compiled) {
+    // A modulation's samples are no foci of their own.
+    if (!compiled.path.modulation.samples.empty()) return {};
+    const Formation& formation = compiled.bundle.manifest.formation;
+    const double dwell_s = compiled.shortest_dwell_s();
+    if (dwell_s >= formation.with_ring_up_s()) return {};
+    const bool geometry = dwell_s < formation.formation_s;
+    return fmt::format(
+        "a point lasts {:.1f} µs, shorter than the {:.1f} µs {}; it will not reach its full pressure", dwell_s * 1e6,
+        (geometry ? formation.formation_s : formation.with_ring_up_s()) * 1e6,
+        geometry ? "in which all waves arrive at a focus" : "that the transducers' ring-up takes as well");
 }
 
 double metres_per_unit(const std::string& unit) {
@@ -530,8 +535,8 @@ Shape shape_of(const Project& project) {
     return place(gather(project, hashes), placement(project));
 }
 
-Compiled compile(const Project& project, const std::string& name, const Progress& progress) {
-    return compile_on(instrument_of(project), project, name, progress);
+Compiled compile(const Project& project, const std::string& name, const Progress& progress, Shape* shape) {
+    return compile_on(instrument_of(project), project, name, progress, shape);
 }
 
 Compiled compile(const ProjectInstrument& instrument, const Project& project, const std::string& name,

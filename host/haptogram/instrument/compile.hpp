@@ -64,12 +64,16 @@ struct ProjectInstrument {
 /// @throws Error naming what is wrong with the shapes or their placement
 [[nodiscard]] Shape shape_of(const Project& project);
 
+/// That a focus is left before its full pressure is there, as a sentence of `warnings`; empty when none is.
+[[nodiscard]] std::string short_dwell_warning(const Compiled& compiled);
+
 /// From shapes to the memories' contents: reads and places the shapes, samples them, orders the points into a short
 /// tour, gives each its share of the time, and focuses the array on each.
 /// @param name  of the image, for messages
+/// @param shape  if given, gets what shape_of() makes, so that who also draws the shape need not read its files twice
 /// @throws Error naming what is wrong with the project, and the settings that would mend it
-[[nodiscard]] Compiled compile(const Project& project, const std::string& name = "image",
-                               const Progress& progress = {});
+[[nodiscard]] Compiled compile(const Project& project, const std::string& name = "image", const Progress& progress = {},
+                               Shape* shape = nullptr);
 
 /// The same on an array and a core that the project does not name. When several boards share the array, the image is of
 /// all elements, a channel each, within what the records and the sequence of one board hold; image/rig_bundle.hpp cuts

@@ -27,9 +27,19 @@ std::optional<double> length(const Section& section, std::string_view key) {
     return millimetres ? std::optional(*millimetres * millimetre) : std::nullopt;
 }
 
+void read_placement(Placement& placement, const Section& section) {
+    assign(placement.scale, section.number("scale", 1e-9, 1e9));
+    placement.size_m = length(section, "size_mm");
+    if (const auto angles = section.numbers("rotate_deg", 3))
+        std::copy(angles->begin(), angles->end(), placement.rotate_deg.begin());
+    if (const auto center = section.numbers("center_mm", 3))
+        placement.center = from_mm((*center)[0], (*center)[1], (*center)[2]);
+}
+
 ShapeSource read_shape(const std::string& file, const toml::table& table) {
     const Section section(file, table);
-    section.only({"file", "unit", "kind", "diameter_mm", "length_mm", "height_mm", "sides", "turns"});
+    section.only({"file", "unit", "kind", "diameter_mm", "length_mm", "height_mm", "sides", "turns", "scale", "size_mm",
+                  "rotate_deg", "center_mm"});
     ShapeSource source;
     assign(source.file, section.text("file"));
     assign(source.primitive.kind, section.text("kind"));
@@ -47,17 +57,8 @@ ShapeSource read_shape(const std::string& file, const toml::table& table) {
         throw bad_input(where, "diameter_mm, length_mm, height_mm, sides and turns measure built-in shapes, not files");
     if (source.file.empty() && section.find("unit") != nullptr)
         throw bad_input(section.at("unit"), "unit is that of a file's coordinates; a built-in shape has none");
+    read_placement(source.placement, section);
     return source;
-}
-
-void read_placement(Placement& placement, const Section& section) {
-    section.only({"scale", "size_mm", "rotate_deg", "center_mm"});
-    assign(placement.scale, section.number("scale", 1e-9, 1e9));
-    placement.size_m = length(section, "size_mm");
-    if (const auto angles = section.numbers("rotate_deg", 3))
-        std::copy(angles->begin(), angles->end(), placement.rotate_deg.begin());
-    if (const auto center = section.numbers("center_mm", 3))
-        placement.center = from_mm((*center)[0], (*center)[1], (*center)[2]);
 }
 
 void read_pace(Project& project, const Section& whole) {
@@ -94,6 +95,20 @@ std::string number(double value) {
 
 std::string in_mm(double metres) { return number(exact_mm(metres)); }
 
+/// The keys of a placement that are not as they are without it.
+std::string to_toml(const Placement& place) {
+    std::string text;
+    if (place.scale != 1.0) text += fmt::format("scale = {}\n", number(place.scale));
+    if (place.size_m) text += fmt::format("size_mm = {}\n", in_mm(*place.size_m));
+    if (place.rotate_deg != Placement{}.rotate_deg)
+        text += fmt::format("rotate_deg = [{}, {}, {}]\n", number(place.rotate_deg[0]), number(place.rotate_deg[1]),
+                            number(place.rotate_deg[2]));
+    if (place.center)
+        text += fmt::format("center_mm = [{}, {}, {}]\n", in_mm(place.center->x), in_mm(place.center->y),
+                            in_mm(place.center->z));
+    return text;
+}
+
 std::string to_toml(const ShapeSource& source) {
     if (source.content)
         throw bad_argument("shapes", fmt::format("'{}' is only in memory; save it as a file first", source.file));
@@ -101,7 +116,7 @@ std::string to_toml(const ShapeSource& source) {
     if (!source.file.empty()) {
         text += fmt::format("file = {}\n", quoted(source.file));
         if (source.unit != ShapeSource{}.unit) text += fmt::format("unit = {}\n", quoted(source.unit));
-        return text;
+        return text + to_toml(source.placement);
     }
     const PrimitiveSpec& p = source.primitive;
     text += fmt::format("kind = {}\n", quoted(p.kind));
@@ -110,7 +125,7 @@ std::string to_toml(const ShapeSource& source) {
     if (p.height) text += fmt::format("height_mm = {}\n", in_mm(*p.height));
     if (p.sides) text += fmt::format("sides = {}\n", *p.sides);
     if (p.turns) text += fmt::format("turns = {}\n", number(*p.turns));
-    return text;
+    return text + to_toml(source.placement);
 }
 
 }  // namespace
@@ -132,7 +147,9 @@ Project project_from_toml(std::string_view text, const std::string& where) {
     assign(project.clip, whole.flag("clip"));
     read_pace(project, whole);
     if (const auto loops = whole.whole("loops", 0, 65535)) project.loops = static_cast<std::uint16_t>(*loops);
-    read_placement(project.placement, Section(where, root, "place"));
+    const Section place(where, root, "place");
+    place.only({"scale", "size_mm", "rotate_deg", "center_mm"});
+    read_placement(project.placement, place);
     if (const toml::node* shapes = root.get("shape")) {
         const toml::array* list = shapes->as_array();
         if (list == nullptr || !list->is_array_of_tables())
@@ -190,16 +207,7 @@ std::string to_toml(const Project& project) {
     if (!project.quantise.empty()) text += fmt::format("quantise = {}\n", quoted(project.quantise));
     if (project.image) text += fmt::format("image = \"{}\"\n", *project.image == ImageKind::foci ? "foci" : "records");
     if (project.loops != standard.loops) text += fmt::format("loops = {}\n", project.loops);
-    const Placement& place = project.placement;
-    std::string placed;
-    if (place.scale != 1.0) placed += fmt::format("scale = {}\n", number(place.scale));
-    if (place.size_m) placed += fmt::format("size_mm = {}\n", in_mm(*place.size_m));
-    if (place.rotate_deg != Placement{}.rotate_deg)
-        placed += fmt::format("rotate_deg = [{}, {}, {}]\n", number(place.rotate_deg[0]), number(place.rotate_deg[1]),
-                              number(place.rotate_deg[2]));
-    if (place.center)
-        placed += fmt::format("center_mm = [{}, {}, {}]\n", in_mm(place.center->x), in_mm(place.center->y),
-                              in_mm(place.center->z));
+    const std::string placed = to_toml(project.placement);
     if (!placed.empty()) text += "\n[place]\n" + placed;
     for (const ShapeSource& shape : project.shapes) text += to_toml(shape);
     return text;

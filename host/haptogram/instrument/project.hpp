@@ -20,6 +20,7 @@ struct ShapeSource {
     std::optional<std::string> content;  ///< takes the place of reading the file
     std::string unit = "mm";             ///< of the file's coordinates: mm, cm or m
     PrimitiveSpec primitive;             ///< when `file` is empty; metres
+    Placement placement{};               ///< of this shape alone, before that of the whole
 };
 
 /// What an image holds: records of timings that the host has computed, or foci that the board computes.
@@ -30,7 +31,8 @@ enum class ImageKind { records, foci };
 struct Project {
     std::vector<ShapeSource> shapes;  ///< their union
     std::string path;                 ///< a path file instead, which has its own places and times
-    Placement placement;              ///< of the whole; built-in shapes alone stand at (0, 0, 130 mm) unless told
+    Placement placement;              ///< of the whole; built-in shapes alone stand at (0, 0, 130 mm), unless it or one
+                                      ///< of them has a centre
     std::size_t points = 200;         ///< focal points to take from a surface, a curve or a larger cloud, or samples
                                       ///< of an AdapTics pattern
     std::uint64_t seed = 1;           ///< of the sampling

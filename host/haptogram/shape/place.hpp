@@ -20,6 +20,7 @@ struct Placement {
     std::optional<double> size_m{};      ///< wanted largest extent of the bounding box, whose centre stays
     std::array<double, 3> rotate_deg{};  ///< about the x, then the y, then the z axis through the centre, right-handed
     std::optional<Vec3> center{};        ///< where the centre of the bounding box goes, metres
+    friend bool operator==(const Placement&, const Placement&) = default;
 };
 
 /// The smallest box along the axes that holds the shape, metres; curves to 1e-9 of their length.

@@ -1,57 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page: puts the parts together, and keeps scene, slice and board as the server told them.
-import { effect, signal } from "@preact/signals";
+import { effect } from "@preact/signals";
 import { render } from "preact";
+import { Board } from "./board";
 import { commands } from "./commands";
-import { edit, endGesture, having, project, type ProjectDocument, redo, undo } from "./document";
-import type { Device, Drawn, Event, Failure, Hello, Link, Point, Scene, SliceData } from "./link";
-import { Bar, Board, Failed, Numbers, Scrubber, Shape, SliceControls, Status, TakeAway, Tools } from "./panels";
+import { Comparer } from "./comparer";
+import { Compare } from "./compare";
+import { edit, endGesture, project, redo, undo } from "./document";
+import { Findings } from "./findings";
+import { Latest } from "./latest";
+import type { Link, Point } from "./link";
+import { Bar, Failed, Numbers, SliceControls, Status, TakeAway, Tools } from "./panels";
+import { moved, placed, placeOf } from "./placing";
+import { PinReader } from "./pin_reader";
+import { Pins } from "./pins";
+import { ProfilePlot } from "./plot";
 import { look, quantities } from "./quantity";
+import { Shape } from "./shape";
 import { Slicer } from "./slicer";
-import { type Edges, type Orientation, View } from "./view";
-
-/** What the handles in the view do. */
-export type Handles = `${"plane" | "object"} ${"move" | "turn"}`;
-
-/** What the panels show and call. */
-export const state = {
-  hello: signal<Hello | undefined>(undefined),
-  scene: signal<Scene | undefined>(undefined),
-  /** Whether the scene shown is that of the document shown. */
-  current: signal(false),
-  object: signal<Drawn | undefined>(undefined),
-  slice: signal<SliceData | undefined>(undefined),
-  latencyMs: signal(0),
-  failure: signal<Failure | undefined>(undefined),
-  device: signal<Device>({ t: "device", connection: "none" }),
-  work: signal<Event | undefined>(undefined),
-  middle: signal<Point>([0, 0, 130]),
-  orientation: signal<Orientation>("xy"),
-  handles: signal<Handles>("plane move"),
-  edges: signal<Edges>({ origin: [-80, -80, 130], u: [160, 0, 0], v: [0, 160, 0] }),
-  /** Whether a slice is still to come. */
-  slicing: signal(false),
-  /** Of files of the field. */
-  stepMm: signal(1),
-  writing: signal(false),
-  /** Place in the tour that the scrubber marks. */
-  at: signal<number | undefined>(undefined),
-  probe: signal<{ at: Point; square: number } | undefined>(undefined),
-};
-
-export interface Actions {
-  place(orientation: Orientation, middle: Point): void;
-  drop(files: File[]): Promise<void>;
-  send(t: string, members?: Record<string, unknown>): void;
-  take(as: "hex" | "manifest" | "project"): Promise<void>;
-  takeField(as: "png" | "csv" | "npy" | "vti"): Promise<void>;
-  copy(text: string): Promise<void>;
-  /** Marks a focal point, and plays it when the marked point is being played. */
-  mark(at: number): void;
-  stream(): void;
-  handle(handles: Handles): void;
-  paint(): void;
-}
+import { type Actions, shownRecord, state } from "./state";
+import { Runner, Timeline } from "./timeline";
+import { View } from "./view";
 
 export function start(link: Link): void {
   const host = document.getElementById("app");
@@ -63,9 +32,44 @@ export function start(link: Link): void {
   const slicer = new Slicer(
     link,
     () => state.edges.peek(),
-    () => state.scene.value?.name,
+    () => {
+      const scene = state.showsKept.peek() ? state.kept.peek()?.scene : state.scene.peek();
+      return scene && { scene: scene.name, record: shownRecord.peek() };
+    },
     (busy) => (state.slicing.value = busy),
   );
+
+  const drives = new Latest<true>(link);
+  const comparer = new Comparer(link, () => slicer.ask(false));
+  const pins = new PinReader(link);
+  const runner = new Runner((at) => mark(at));
+  let analysed: { n: number; scene: string } | undefined; // that was asked for last
+
+  /** Each focus is looked at once the view has all that it asked for. */
+  function askAnalysis(): void {
+    const scene = state.scene.peek();
+    if (scene && state.current.peek() && analysed?.scene !== scene.name) analysed = { n: link.send({ t: "analyze", scene: scene.name }), scene: scene.name };
+  }
+  function mark(at: number): void {
+    const scene = state.scene.peek();
+    const entry = scene?.tour[at];
+    if (!scene || !entry) return;
+    state.at.value = at;
+    view?.showFocus(entry.at);
+    pins.show();
+    drives.ask({ t: "drives", scene: scene.name, record: entry.record }, true);
+    if (state.alone.peek()) slicer.ask(true);
+    const work = state.work.value;
+    if (work?.t === "progress" && work.work === "stream") actions.stream();
+  }
+  function unmark(): void {
+    runner.stop();
+    drives.lose();
+    state.at.value = undefined;
+    state.drives.value = undefined;
+    view?.showFocus(undefined);
+    view?.showDrives(undefined);
+  }
 
   /** One scene is under way at a time; the newest document is asked for when it has come. */
   function askScene(): void {
@@ -104,24 +108,41 @@ export function start(link: Link): void {
   link.listen((event) => {
     if (event.t === "open") {
       asked = undefined;
+      analysed = undefined;
       slicer.lose();
+      drives.lose();
+      comparer.lose();
+      pins.lose();
       void begin().catch(wrong);
     } else if (event.t === "lost") {
       state.device.value = { t: "device", connection: "none" };
       state.work.value = undefined;
     } else if (event.t === "scene") {
-      if (!sceneCame(event.n)) return;
+      if (comparer.sceneCame(event.n) || !sceneCame(event.n)) return;
       state.failure.value = undefined;
+      if (state.scene.peek()?.name !== event.scene.name) {
+        state.analysis.value = undefined;
+        analysed = undefined;
+      }
       state.scene.value = event.scene;
-      view?.showScene(event.scene);
-      state.at.value = undefined;
-      view?.showFocus(undefined);
+      unmark();
+      if (!state.showsKept.peek()) view?.showScene(event.scene);
       slicer.ask(false);
     } else if (event.t === "object") {
+      if (comparer.isOfKept(event.object.n)) return;
       state.object.value = event.object;
-      view?.showObject(event.object);
+      if (!state.showsKept.peek()) view?.showObject(event.object);
+    } else if (event.t === "drives") {
+      if (!drives.came(event.n) || state.scene.peek()?.tour[state.at.peek() ?? -1]?.record !== event.record) return;
+      state.drives.value = event;
+      if (!state.showsKept.peek()) view?.showDrives(event);
+    } else if (event.t === "pins" || event.t === "pulses") {
+      pins.take(event);
+    } else if (event.t === "analysis") {
+      if (event.n === analysed?.n) state.analysis.value = event;
     } else if (event.t === "slice") {
-      if (!slicer.take(event.slice)) return;
+      if (comparer.take(event.slice) || !slicer.take(event.slice)) return;
+      if (event.slice.width === 200) askAnalysis();
       view?.showSlice(event.slice, look.value);
       // Numbers are for reading: ten times a second is enough.
       const now = performance.now();
@@ -135,7 +156,9 @@ export function start(link: Link): void {
     } else if (event.t === "device") {
       state.device.value = event;
     } else if (event.t === "failed") {
-      if (!sceneCame(event.n)) slicer.fail(event.n);
+      if (comparer.failed(event.n)) return;
+      pins.fail(event.n);
+      if (!sceneCame(event.n) && !drives.came(event.n) && slicer.fail(event.n) && state.showsKept.peek()) return comparer.resend();
       if (event.work) state.work.value = event;
       state.failure.value = event.error;
     } else if (event.t === "error") {
@@ -173,6 +196,7 @@ export function start(link: Link): void {
         const before = project.value;
         if (!before || files.length === 0) return;
         const place = { size_mm: 60, center_mm: [0, 0, 130], ...before.place };
+        state.chosen.value = undefined;
         edit({ ...before, place, shape: files.map((file) => ({ file: file.name })) });
         // A file of the same name may have new contents.
         askScene();
@@ -193,12 +217,13 @@ export function start(link: Link): void {
     },
     async takeField(as) {
       const scene = state.scene.value;
-      const { field } = commands(state.edges.value, look.value.quantity, state.stepMm.value);
+      const { field } = commands(state.edges.value, look.value.quantity, state.stepMm.value, shownRecord.value);
       if (!scene || !field) return;
       try {
         state.writing.value = true;
         const { command: quantity } = quantities[look.value.quantity];
-        save(await link.field({ scene: scene.name, plane: field.plane, ...field.ranges, step: String(state.stepMm.value), quantity, as }), `field.${as}`);
+        const of: Record<string, string> = shownRecord.value === 0 ? {} : { record: String(shownRecord.value) };
+        save(await link.field({ scene: scene.name, ...of, plane: field.plane, ...field.ranges, step: String(state.stepMm.value), quantity, as }), `field.${as}`);
       } catch (error) {
         wrong(error);
       } finally {
@@ -206,12 +231,15 @@ export function start(link: Link): void {
       }
     },
     copy: async (text) => await navigator.clipboard.writeText(text).catch(wrong),
+    save: (text, name) => save(new Blob([text]), name),
     mark(at) {
-      const entry = state.scene.value?.tour[at];
-      state.at.value = at;
-      view?.showFocus(entry?.at);
-      const work = state.work.value;
-      if (work?.t === "progress" && work.work === "stream") actions.stream();
+      runner.stop();
+      mark(at);
+    },
+    run: (on) => (on ? runner.start() : runner.stop()),
+    showAlone(on) {
+      state.alone.value = on;
+      slicer.ask(false);
     },
     stream() {
       const scene = state.scene.value;
@@ -223,6 +251,23 @@ export function start(link: Link): void {
       if (!view) return;
       view.handles = handles.startsWith("object") ? "object" : "plane";
       view.turning = handles.endsWith("turn");
+    },
+    choose: (object) => (state.chosen.value = object),
+    simulate: (on) => (on ? pins.simulate() : pins.cancel()),
+    showPulses: (periods) => pins.show(periods),
+    keep(on) {
+      const [scene, document] = [state.scene.value, project.value];
+      if (!on) actions.showKept(false);
+      state.kept.value = on && scene && document ? { document, scene, drawn: state.object.value } : undefined;
+    },
+    showKept(on) {
+      state.showsKept.value = on;
+      const shown = on ? state.kept.value?.scene : state.scene.value;
+      const drawn = on ? state.kept.value?.drawn : state.object.value;
+      if (shown) view?.showScene(shown);
+      if (drawn) view?.showObject(drawn);
+      if (!on && state.drives.value) view?.showDrives(state.drives.value);
+      slicer.ask(false);
     },
     paint: () => view?.paint(),
   };
@@ -237,12 +282,16 @@ export function start(link: Link): void {
       </aside>
       <main id="view">
         <Bar />
-        <Scrubber actions={actions} />
+        <Timeline actions={actions} />
         <Failed />
       </main>
       <aside aria-label="Results and board">
         <Board actions={actions} />
+        <Findings actions={actions} />
         <SliceControls actions={actions} />
+        <ProfilePlot actions={actions} />
+        <Compare actions={actions} />
+        <Pins actions={actions} />
         <Numbers />
       </aside>
       <Status />
@@ -265,8 +314,7 @@ export function start(link: Link): void {
         if (now) {
           const rounded = (point: Point, part: number): number[] => point.map((each) => Number((Math.round(each / part) * part).toFixed(3)));
           const moving = state.handles.peek().endsWith("move");
-          const change = moving ? { center_mm: rounded(centre, 0.1) } : { rotate_deg: rounded(turn, 0.5) };
-          edit(having(now, { place: having((now.place ?? {}) as ProjectDocument, change) }), "handles");
+          edit(moved(now, placed(now, state.chosen.peek()), moving ? { center_mm: rounded(centre, 0.1) } : { rotate_deg: rounded(turn, 0.5) }), "handles");
         }
         if (done) endGesture();
       };
@@ -297,7 +345,13 @@ export function start(link: Link): void {
     if (project.value === undefined) return;
     state.current.value = false;
     askScene();
-    if (view) view.turn = (project.value.place?.rotate_deg ?? [0, 0, 0]) as Point;
+  });
+  effect(() => {
+    if (!view || !project.value) return;
+    const object = placed(project.value, state.chosen.value);
+    const place = placeOf(project.value, object);
+    view.turn = (place.rotate_deg ?? [0, 0, 0]) as Point;
+    view.centre = object === undefined ? undefined : (place.center_mm as Point | undefined);
   });
   effect(() => view?.showLook(look.value));
   if (link.open) void begin().catch(wrong);

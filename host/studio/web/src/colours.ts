@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Colour maps of even steps to the eye, also to those who do not see all colours: viridis, inferno and cividis (all CC0) at
 // 33 places, between which colours are interpolated; and grey.
+import { Color } from "three";
+
 const places = {
   viridis:
     "440154 470d60 48186a 482374 472d7b 453781 424086 3e4989 3b528b 375b8d 33638d 2f6b8e 2c728e 297a8e 26828e 23898e 21918c " +
@@ -19,6 +21,16 @@ export const colourMaps = Object.keys(places) as ColourMap[];
 
 /** The colours of a map from low to high, for the bar beside the view. */
 export const stops = (map: ColourMap): string[] => places[map].split(" ").map((hex) => `#${hex}`);
+
+/** The colour of a phase: a way round the hues at one lightness and strength in CIELAB, so that none stands out. */
+export function phaseColour(degrees: number): Color {
+  const angle = (degrees * Math.PI) / 180;
+  const [a, b] = [48 * Math.cos(angle), 48 * Math.sin(angle)];
+  const y = (65 + 16) / 116;
+  const inverse = (t: number): number => (t > 6 / 29 ? t ** 3 : 3 * (6 / 29) ** 2 * (t - 4 / 29));
+  const [X, Y, Z] = [0.9505 * inverse(y + a / 500), inverse(y), 1.089 * inverse(y - b / 200)]; // of D65
+  return new Color(3.2406 * X - 1.5372 * Y - 0.4986 * Z, -0.9689 * X + 1.8758 * Y + 0.0415 * Z, 0.0557 * X - 0.204 * Y + 1.057 * Z);
+}
 
 /** 256 colours, four bytes each. */
 export function table(map: ColourMap): Uint8Array<ArrayBuffer> {

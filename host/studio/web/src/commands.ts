@@ -28,13 +28,14 @@ export function fieldQuery({ origin, u, v }: Edges, stepMm: number): FieldQuery 
   return { plane: `${Object.keys(ranges).join("")}@${axes[across]}=${rounded(origin[across] ?? 0)}`, ranges };
 }
 
-/** Lines for a shell, and what they ask of the field; that is none when the plane lies askew. */
-export function commands(edges: Edges, quantity: Quantity, stepMm: number): { text: string; field: FieldQuery | undefined } {
+/** Lines for a shell, of one record or, with 0, of all, and what they ask of the field; that is none when the plane lies askew. */
+export function commands(edges: Edges, quantity: Quantity, stepMm: number, record: number): { text: string; field: FieldQuery | undefined } {
   const field = fieldQuery(edges, stepMm);
   const lines = ["haptogram compile project.toml -o image.hex"];
   if (field) {
     const ranges = Object.entries(field.ranges).map(([axis, range]) => `--${axis}=${range}`);
-    lines.push(`haptogram field image.hex --plane ${field.plane} ${ranges.join(" ")} --step ${stepMm} --quantity ${quantities[quantity].command} -o field.png`);
+    const of = record === 0 ? "" : ` --record ${record}`;
+    lines.push(`haptogram field image.hex${of} --plane ${field.plane} ${ranges.join(" ")} --step ${stepMm} --quantity ${quantities[quantity].command} -o field.png`);
   }
   return { text: lines.join("\n"), field };
 }

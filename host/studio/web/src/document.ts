@@ -3,7 +3,15 @@
 // so that undo is a step back.
 import { computed, signal } from "@preact/signals";
 
-export interface ShapeEntry {
+/** Lengths in millimetres, turns in degrees about x, y and z. */
+export interface Place {
+  scale?: number;
+  size_mm?: number;
+  rotate_deg?: number[];
+  center_mm?: number[];
+}
+
+export interface ShapeEntry extends Place {
   kind?: string;
   file?: string;
   unit?: string;
@@ -20,7 +28,7 @@ export interface ProjectDocument {
   frequency_hz?: number;
   even?: boolean;
   am?: string;
-  place?: { size_mm?: number; rotate_deg?: number[]; center_mm?: number[]; scale?: number };
+  place?: Place;
   shape?: ShapeEntry[];
   [key: string]: unknown;
 }

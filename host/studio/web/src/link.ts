@@ -22,17 +22,63 @@ export interface Scene {
   name: string;
   array: { name: string; radius_mm: number; elements: Point[] };
   foci: Point[];
-  /** records in the order of play, and where their focus is */
-  tour: { index: number; at: Point }[];
+  /** records in the order of play: which it is, its index on the board, where its focus is, and when it plays */
+  tour: { record: number; index: number; at: Point; from_s: number; dwell_s: number; amplitude: number }[];
+  pass_s: number;
   channels: number;
   numbers: Numbers;
   image_sha256: string;
-  warnings: string[];
+  findings: Finding[];
+}
+
+/** What is not as a user may expect, where, and which edits of the document mend it. */
+export interface Finding {
+  kind: string;
+  message: string;
+  records: number[];
+  remedies: { label: string; changes: Record<string, unknown> }[];
+}
+
+export interface Analysis {
+  foci: { record: number; radiation_pa: number; width_mm: number; depth_mm: number; side_lobe: number; force_mn: number }[];
+  at_300_mm_db: number;
+  findings: Finding[];
+}
+
+/** What each channel does while a record plays. */
+export interface Drives {
+  record: number;
+  index: number;
+  phases_deg: number[];
+  amplitudes: number[];
+}
+
+/** What `haptogram simulate` reports. */
+export interface PinReport {
+  pulses: number;
+  pulses_equal_to_image: number;
+  contract_violations: number;
+  violations: string[];
+  points_off: number;
+  least_pressure_kept: number;
+  worst_focus_error_mm: number;
+}
+
+/** Pulses at the pins, counted in clocks. */
+export interface PulseWindow {
+  index: number;
+  clock_hz: number;
+  from_clk: number;
+  to_clk: number;
+  /** channel, rise, fall, and which record played */
+  pulses: [number, number, number, number][];
 }
 
 export interface Failure {
   where: string;
   message: string;
+  /** settings that could mend it */
+  remedies?: string[];
 }
 
 export interface Device {
@@ -86,6 +132,10 @@ export type Event =
   | { t: "refused" }
   | { t: "scene"; n: number; scene: Scene }
   | { t: "slice"; slice: SliceData }
+  | ({ t: "drives"; n: number } & Drives)
+  | ({ t: "analysis"; n: number } & Analysis)
+  | { t: "pins"; n: number; report: PinReport }
+  | ({ t: "pulses"; n: number } & PulseWindow)
   | { t: "object"; object: Drawn }
   | Device
   | { t: "progress"; work: string; number: number; stage: string; fraction?: number; seconds?: number }
@@ -183,7 +233,7 @@ export class Link {
     return await (await this.fetch(`/api/take?scene=${scene}&as=${as}`)).blob();
   }
 
-  /** The field on a plane as a file; the query's members are those of README.md. */
+  /** The field on a plane as a file; the query's members are those of ../../README.md. */
   async field(query: Record<string, string>): Promise<Blob> {
     return await (await this.fetch(`/api/field?${new URLSearchParams(query)}`)).blob();
   }

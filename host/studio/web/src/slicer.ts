@@ -21,7 +21,8 @@ export class Slicer {
   constructor(
     private readonly link: Link,
     private readonly edges: () => Edges,
-    private readonly scene: () => string | undefined,
+    /** What the slice is of: a scene, and one of its records or, as 0, all of them. */
+    private readonly of: () => { scene: string; record: number } | undefined,
     /** Told whether a slice is still to come. */
     private readonly busy: (busy: boolean) => void,
   ) {}
@@ -60,13 +61,13 @@ export class Slicer {
   }
 
   private next(): void {
-    const scene = this.scene();
+    const of = this.of();
     this.busy(this.underWay !== undefined || this.wanted !== undefined || this.rest !== undefined);
-    if (this.underWay !== undefined || this.wanted === undefined || scene === undefined || !this.link.open) return;
+    if (this.underWay !== undefined || this.wanted === undefined || of === undefined || !this.link.open) return;
     let points = full;
     if (this.wanted.moving && this.costMs > 0) points = Math.max(least, Math.min(full, Math.floor(Math.sqrt(budgetMs / this.costMs))));
     this.wanted = undefined;
-    const n = this.link.send({ t: "slice", scene, ...this.edges(), width: points, height: points });
+    const n = this.link.send({ t: "slice", ...of, ...this.edges(), width: points, height: points, view: 0 });
     this.underWay = { n, asked: performance.now() };
   }
 }

@@ -9,8 +9,8 @@ import {
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { TransformControls } from "three/addons/controls/TransformControls.js";
-import { type ColourMap, table } from "./colours";
-import type { Drawn, Point, Scene, SliceData } from "./link";
+import { type ColourMap, phaseColour, table } from "./colours";
+import type { Drawn, Drives, Point, Scene, SliceData } from "./link";
 import { type Look, quantities } from "./quantity";
 
 export type Orientation = "xy" | "xz" | "yz";
@@ -71,9 +71,13 @@ export class View {
   private readonly sheet: Mesh<PlaneGeometry, ShaderMaterial>;
   private readonly frame: LineLoop<BufferGeometry, LineBasicMaterial>;
   private readonly array = new Group();
+  private discs: InstancedMesh<CircleGeometry, MeshBasicMaterial> | undefined;
+  private drives: Drives | undefined;
   private readonly object = new Group();
   private readonly path = new Group();
   private readonly pivot = new Group();
+  private middleOfAll = new Vector3();
+  private centreOfOne: Vector3 | undefined;
   private readonly focus: Points<BufferGeometry, PointsMaterial>;
   private readonly uniforms = {
     field: { value: null as DataTexture | null }, colours: { value: null as DataTexture | null }, points: { value: 2 }, top: { value: 1 }, range: { value: 0 }, root: { value: 0 },
@@ -198,9 +202,10 @@ export class View {
     this.clear(this.array);
     const { elements, radius_mm: radius } = scene.array;
     const discs = new InstancedMesh(new CircleGeometry(radius, 20), new MeshBasicMaterial({ side: DoubleSide }), elements.length);
-    discs.userData["colour"] = "--array";
     elements.forEach((element, i) => discs.setMatrixAt(i, new Matrix4().makeTranslation(...element)));
     this.array.add(discs);
+    this.discs = discs;
+    this.drives = undefined;
     this.clear(this.path);
     const first = scene.foci[0];
     if (first) {
@@ -213,6 +218,24 @@ export class View {
     this.paint();
   }
 
+  /** Colours the discs by what they do while a record plays; without drives they are as they are. */
+  showDrives(drives: Drives | undefined): void {
+    this.drives = drives;
+    this.paintDiscs();
+    this.redraw();
+  }
+
+  private paintDiscs(): void {
+    const { discs, drives } = this;
+    if (!discs) return;
+    const off = new Color(getComputedStyle(document.documentElement).getPropertyValue("--array").trim());
+    for (let i = 0; i < discs.count; i++) {
+      const phase = drives?.phases_deg[i];
+      discs.setColorAt(i, phase === undefined ? off : off.clone().lerp(phaseColour(phase), Math.min(1, drives?.amplitudes[i] ?? 0)));
+    }
+    if (discs.instanceColor) discs.instanceColor.needsUpdate = true;
+  }
+
   showObject(drawn: Drawn): void {
     this.clear(this.object);
     const surface = geometryOf(drawn.triangles);
@@ -223,8 +246,20 @@ export class View {
     for (const part of [skin, lines, points]) part.userData["colour"] = "--object";
     this.object.add(skin, lines, points);
     const box = new Box3().setFromObject(this.object);
-    if (!this.gizmo.dragging && !box.isEmpty()) box.getCenter(this.pivot.position);
+    if (!box.isEmpty()) this.middleOfAll = box.getCenter(new Vector3());
+    this.placePivot();
     this.paint();
+  }
+
+  /** Where the handles of the object begin: at the centre of one of several, or, without it, of all together. */
+  set centre(centre: Point | undefined) {
+    this.centreOfOne = centre && new Vector3(...centre);
+    this.placePivot();
+    this.redraw();
+  }
+
+  private placePivot(): void {
+    if (!this.gizmo.dragging) this.pivot.position.copy(this.centreOfOne ?? this.middleOfAll);
   }
 
   showSlice(slice: SliceData, shown: Look): void {
@@ -269,7 +304,8 @@ export class View {
     this.world.background = colour("--view");
     this.frame.material.color = colour("--frame");
     this.focus.material.color = colour("--stop");
-    for (const group of [this.array, this.object, this.path])
+    this.paintDiscs();
+    for (const group of [this.object, this.path])
       for (const part of group.children)
         (part as Mesh<BufferGeometry, MeshBasicMaterial>).material.color = colour(part.userData["colour"] as string);
     this.redraw();

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// The board: connecting, playing, and what it says of itself.
+import { useEffect, useId, useState } from "preact/hooks";
+import { Panel } from "./controls";
+import type { Device } from "./link";
+import { type Actions, state } from "./state";
+
+function boardWords(device: Device): string {
+  if (device.connection === "none") return "Board: none";
+  const name = device.port === "virtual" ? "virtual board" : device.port === "virtual-rtl" ? "virtual board of Verilog" : `board at ${device.port ?? ""}`;
+  if (device.connection !== "connected") return `Board: ${name}, ${device.connection === "lost" ? "connection lost" : "connecting…"}`;
+  const status = device.status;
+  return `Board: ${name}, outputs ${status?.outputs === "on" ? "ON" : "off"}${status?.mode === "idle" ? "" : `, ${status?.mode ?? ""}`}`;
+}
+
+export function Board({ actions }: { actions: Actions }) {
+  const device = state.device.value;
+  const scene = state.scene.value;
+  const work = state.work.value;
+  const [port, setPort] = useState("");
+  const id = useId();
+  const connected = device.connection === "connected";
+  const busy = work?.t === "progress";
+  const on = device.status?.outputs === "on";
+  const ready = connected && scene !== undefined && state.current.value && !busy;
+  useEffect(() => {
+    const words = document.getElementById("board");
+    if (words) {
+      words.textContent = boardWords(device);
+      words.classList.toggle("on", on);
+    }
+    document.title = on ? "● Outputs on: Haptogram studio" : "Haptogram studio";
+  }, [device]);
+  return (
+    <Panel title="Board">
+      {device.connection === "none" ? (
+        <>
+          <button type="button" class="wide" disabled={scene === undefined} onClick={() => actions.send("connect", { port: "virtual", scene: scene?.name ?? "" })}>Start a virtual board</button>
+          <p class="hint">It answers and plays as a real board does, in real time.</p>
+          <button type="button" class="wide" disabled={scene === undefined} onClick={() => actions.send("connect", { port: "virtual-rtl", scene: scene?.name ?? "" })}>Simulate the FPGA's Verilog</button>
+          <p class="hint">The same by the FPGA's own circuit, cycle by cycle; some ten times slower than a board.</p>
+          <div class="field port">
+            <label for={id}>Port</label>
+            <input id={id} type="text" list="ports" value={port} placeholder="/dev/ttyUSB0" onInput={(e) => setPort(e.currentTarget.value)} />
+            <datalist id="ports">{state.hello.value?.ports.map((each) => <option key={each.port} value={each.port}>{each.name}</option>)}</datalist>
+            <button type="button" disabled={port === ""} onClick={() => actions.send("connect", { port, scene: scene?.name ?? "" })}>Connect</button>
+          </div>
+        </>
+      ) : (
+        <>
+          <p>{boardWords(device)}{device.identity && connected && `; ${device.identity.channels} channels, ${device.identity.records} records`}{on && device.status && `; plays record ${device.status.index}`}</p>
+          {device.trouble && <p class="warning">▲ {device.trouble}</p>}
+          <div class="buttons">
+            <button type="button" disabled={!ready} onClick={() => actions.send("upload", { scene: scene?.name ?? "" })}>Upload</button>
+            <button type="button" class="play" disabled={!ready} onClick={() => actions.send("play", { scene: scene?.name ?? "" })}>▶ Play</button>
+            <button type="button" disabled={!ready || state.at.value === undefined} onClick={() => actions.stream()}>▶ Follow the slider</button>
+            <button type="button" onClick={() => actions.send("disconnect")}>Disconnect</button>
+          </div>
+          <p class="hint">Playing turns the outputs on: ultrasound at these levels is loud though inaudible, so keep ears away. They go off when this page is closed, or hidden for 10 s.</p>
+          <Work />
+        </>
+      )}
+    </Panel>
+  );
+}
+
+function Work() {
+  const work = state.work.value;
+  if (!work) return null;
+  if (work.t === "progress" && work.stage === "upload")
+    return <div class="field"><label for="upload">Uploading</label><progress id="upload" max={1} value={work.fraction ?? 0} /><span class="unit">{Math.round(100 * (work.fraction ?? 0))} %</span></div>;
+  if (work.t === "progress" && work.work === "stream") return <p>Playing the marked focal point for {(work.seconds ?? 0).toFixed(1)} s; the slider below the view moves it.</p>;
+  if (work.t === "progress") return <p>Playing for {(work.seconds ?? 0).toFixed(1)} s.</p>;
+  if (work.t === "done" && work.work === "upload") return <p>Uploaded: {work.report?.frames_written} of {work.report?.frames} pieces had to be written.</p>;
+  if (work.t === "done") return <p>Played to its end.</p>;
+  if (work.t === "stopped") return <p>Stopped.</p>;
+  return null;
+}

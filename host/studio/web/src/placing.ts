@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where objects are: a document places the whole, and each of its shapes before that.
+import { having, type Place, type ProjectDocument, type ShapeEntry } from "./document";
+import type { Point } from "./link";
+
+const standard: Point = [0, 0, 130]; // of built-in shapes, none of which has a centre
+const keys = ["scale", "size_mm", "rotate_deg", "center_mm"] as const;
+
+/** Without the keys that are undefined. */
+function clean<T extends object>(given: T): T {
+  return Object.fromEntries(Object.entries(given).filter(([, value]) => value !== undefined)) as T;
+}
+
+/** Which shape of a document has the place that is edited; undefined: the whole. @param chosen  of several */
+export function placed({ shape = [], place }: ProjectDocument, chosen: number | undefined): number | undefined {
+  if (shape.length > 1) return chosen !== undefined && chosen < shape.length ? chosen : undefined;
+  return place === undefined && keys.some((key) => shape[0]?.[key] !== undefined) ? 0 : undefined;
+}
+
+/** Where one of several objects is, or, with undefined, all together. */
+export function placeOf(document: ProjectDocument, object: number | undefined): Place {
+  return object === undefined ? document.place ?? {} : document.shape?.[object] ?? {};
+}
+
+/** A document in which one object, or all together, is somewhere else. */
+export function moved(document: ProjectDocument, object: number | undefined, change: { [Key in keyof Place]: Place[Key] | undefined }): ProjectDocument {
+  if (object === undefined) {
+    const place = clean({ ...document.place, ...change });
+    return having(document, { place: Object.keys(place).length > 0 ? place : undefined });
+  }
+  const shape = (document.shape ?? []).map((each, i) => (i === object ? clean({ ...each, ...change }) : each)) as ShapeEntry[];
+  return having(document, { shape });
+}
+
+/** One more object. What was the place of a single one becomes its own, so that it stays where it is. */
+export function withAnother(document: ProjectDocument, another: ShapeEntry): ProjectDocument {
+  const shapes = document.shape ?? [];
+  const only = shapes.length === 1 ? shapes[0] : undefined;
+  if (!only) return having(document, { shape: [...shapes, another] });
+  const own = keys.some((key) => only[key] !== undefined);
+  if (own && document.place) return having(document, { shape: [only, another] });
+  const place = { ...(only.kind !== undefined && !own ? { center_mm: standard } : {}), ...document.place };
+  return having(document, { shape: [{ ...only, ...place }, another], place: undefined });
+}
+
+/** Without one of several objects. */
+export function without(document: ProjectDocument, object: number): ProjectDocument {
+  return having(document, { shape: (document.shape ?? []).filter((_, i) => i !== object) });
+}

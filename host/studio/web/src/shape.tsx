@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is felt: objects, where they are, and how they are sampled and played.
+import { Choice, NumberField, Panel } from "./controls";
+import { edit, having, project, type ProjectDocument, type ShapeEntry } from "./document";
+import type { Point } from "./link";
+import { library } from "./library";
+import { moved, placed, placeOf, withAnother, without } from "./placing";
+import { type Actions, state } from "./state";
+
+/** What says how fast the object is played; the others follow. `usual` is what a change of pace begins with. */
+const paces = [
+  { key: "rate_hz", name: "passes a second", label: "Passes a second", unit: "Hz", usual: 10 },
+  { key: "speed_m_s", name: "speed of the focus", label: "Speed", unit: "m/s", usual: 7 },
+  { key: "frequency_hz", name: "drawings a second", label: "Drawings a second", unit: "Hz", usual: 10 },
+] as const;
+const noPace = { rate_hz: undefined, speed_m_s: undefined, frequency_hz: undefined };
+
+/** Waveforms of the amplitude, as a project file names them. */
+const modulations = [["", "none"], ["sine:50", "sine, 50 Hz"], ["sine:100", "sine, 100 Hz"], ["sine:200", "sine, 200 Hz"], ["square:200", "square, 200 Hz"]] as const;
+
+const axes = ["x", "y", "z"];
+const replaced = (list: Point, at: number, value: number): number[] => list.map((each, i) => (i === at ? value : each));
+
+/** What several objects are called. */
+const nameOf = (shape: ShapeEntry, i: number): string => `${i + 1}: ${shape.kind ?? shape.file ?? "?"}`;
+
+/** What the object is. Without measures of a kind of shape, the project file's default stands. */
+function ObjectPanel({ actions, now, primitives }: { actions: Actions; now: ProjectDocument; primitives: string[] }) {
+  const shapes = now.shape ?? [];
+  const several = shapes.length > 1;
+  const chosen = several ? placed(now, state.chosen.value) : 0;
+  const shape: ShapeEntry = (chosen === undefined ? undefined : shapes[chosen]) ?? {};
+  const change = (i: number, changes: ShapeEntry): void => edit(having(now, { shape: shapes.map((each, k) => (k === i ? { ...each, ...changes } : each)) }));
+  /** Another kind has other measures, and stands where the old one did. */
+  const become = (i: number, kind: string): void => {
+    const { scale, size_mm, rotate_deg, center_mm } = shapes[i] ?? {};
+    const place = Object.fromEntries(Object.entries({ scale, size_mm, rotate_deg, center_mm }).filter(([, value]) => value !== undefined));
+    edit(having(now, { shape: shapes.map((each, k) => (k === i ? { kind, ...place } : each)) }));
+  };
+  const add = (): void => {
+    const lowest = Math.max(130, ...shapes.map((each) => each.center_mm?.[2] ?? 130));
+    edit(withAnother(now, { kind: "circle", diameter_mm: 30, center_mm: [0, 0, lowest] }));
+    actions.choose(shapes.length);
+  };
+  return (
+    <Panel title="Object">
+      <Choice label="Library" value="" choices={[["", "choose…"], ...Object.keys(library).map((name): [string, string] => [name, name])]} onValue={(name) => { const found = library[name]; actions.choose(undefined); if (found) edit(having(found, { array: now.array, board: now["board"] })); }} />
+      {several && <Choice label="Of several" value={String(chosen ?? "")} choices={[["", "all together"], ...shapes.map((each, i): [string, string] => [String(i), nameOf(each, i)])]} onValue={(value) => actions.choose(value === "" ? undefined : Number(value))} />}
+      {chosen !== undefined && shape.file === undefined && <Choice label="Shape" value={shape.kind ?? ""} choices={primitives.map((kind) => [kind, kind])} onValue={(kind) => become(chosen, kind)} />}
+      {chosen !== undefined && shape.file !== undefined && (
+        <>
+          <p class="file">{shape.file}</p>
+          <Choice label="Unit of the file" value={shape.unit ?? "mm"} choices={[["mm", "mm"], ["cm", "cm"], ["m", "m"]]} onValue={(unit) => change(chosen, { unit })} />
+          {!several && <button type="button" onClick={() => edit(having(now, { shape: [{ kind: "hemisphere" }], place: undefined }))}>Back to a built-in shape</button>}
+        </>
+      )}
+      {chosen === undefined && <p class="file">{shapes.map(nameOf).join(", ")}</p>}
+      <div class="buttons">
+        <button type="button" disabled={shapes.length === 0} onClick={add}>+ Add an object</button>
+        {several && chosen !== undefined && <button type="button" onClick={() => { actions.choose(undefined); edit(without(now, chosen)); }}>Remove this one</button>}
+      </div>
+      <label class="drop">
+        Drop a file anywhere, or choose one
+        <input type="file" multiple accept=".ply,.obj,.stl,.xyz,.csv" onChange={(e) => void actions.drop([...(e.currentTarget.files ?? [])])} />
+        <small>PLY, OBJ, STL, XYZ or CSV</small>
+      </label>
+    </Panel>
+  );
+}
+
+/** Where the chosen object is, or all together. */
+function PlacePanel({ now }: { now: ProjectDocument }) {
+  const shapes = now.shape ?? [];
+  const object = placed(now, state.chosen.value);
+  const place = placeOf(now, object);
+  const apart = object === undefined && place.center_mm === undefined && shapes.some((shape) => shape.center_mm !== undefined);
+  const change = (changes: Parameters<typeof moved>[2]): void => edit(moved(now, object, changes));
+  const centre = (place.center_mm ?? [0, 0, object === undefined ? 130 : 0]) as Point;
+  const turned = (place.rotate_deg ?? [0, 0, 0]) as Point;
+  return (
+    <Panel title={object === undefined ? "Place" : `Place of ${nameOf(shapes[object] ?? {}, object)}`}>
+      {apart ? (
+        <>
+          <p class="hint">Each object has a centre of its own.</p>
+          <button type="button" onClick={() => change({ center_mm: [0, 0, 130] })}>Centre all together</button>
+        </>
+      ) : (
+        axes.map((axis, i) => <NumberField key={axis} label={`Centre ${axis}`} unit="mm" value={centre[i] ?? 0} onValue={(value) => change({ center_mm: replaced(centre, i, value) })} />)
+      )}
+      <NumberField label="Largest extent" unit="mm" value={place.size_mm ?? 0} least={0} onValue={(size) => change({ size_mm: size > 0 ? size : undefined })} />
+      <p class="hint">An extent of 0 leaves the size as it is.</p>
+      {axes.map((axis, i) => <NumberField key={axis} label={`Turn about ${axis}`} unit="°" value={turned[i] ?? 0} step={5} onValue={(value) => change({ rotate_deg: replaced(turned, i, value) })} />)}
+    </Panel>
+  );
+}
+
+export function Shape({ actions }: { actions: Actions }) {
+  const hello = state.hello.value;
+  const now = project.value;
+  if (!hello || !now) return <Panel title="Object"><p>Waiting for the server…</p></Panel>;
+  const change = (changes: Partial<Record<keyof ProjectDocument, unknown>>): void => edit(having(now, changes));
+  const led = paces.find(({ key }) => now[key] !== undefined) ?? paces[0];
+  const pace = led.key;
+  return (
+    <>
+      <ObjectPanel actions={actions} now={now} primitives={hello.primitives} />
+      <PlacePanel now={now} />
+      <Panel title="Sample and play">
+        <NumberField label="Focal points" unit="" value={now.points ?? 200} step={10} least={1} onValue={(points) => change({ points: Math.round(points) })} />
+        <Choice label="Pace" value={pace} choices={paces.map(({ key, name }) => [key, name])} onValue={(key) => change({ ...noPace, [key]: paces.find((each) => each.key === key)?.usual })} />
+        <NumberField label={led.label} unit={led.unit} value={(now[pace] as number | undefined) ?? led.usual} least={0} onValue={(value) => change({ [pace]: value })} />
+        <label class="check"><input type="checkbox" checked={now.even ?? false} onChange={(e) => change({ even: e.currentTarget.checked || undefined })} /> All points feel alike</label>
+        <Choice label="Modulation" value={now.am ?? ""} choices={[...new Set([...modulations.map(([key]) => key), now.am ?? ""])].map((key) => [key, modulations.find(([known]) => known === key)?.[1] ?? key])} onValue={(am) => change({ am: am || undefined })} />
+        <Choice label="Array" value={now.array ?? "tile-10x10"} choices={[...new Set([...hello.arrays, now.array ?? "tile-10x10"])].map((name) => [name, name])} onValue={(array) => change({ array })} />
+      </Panel>
+    </>
+  );
+}

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the page knows, as the server told it, and what its panels can ask for.
+import { computed, signal } from "@preact/signals";
+import type { ProjectDocument } from "./document";
+import type { Analysis, Device, Drawn, Drives, Event, Failure, Hello, PinReport, Point, PulseWindow, Scene, SliceData } from "./link";
+import type { Edges, Orientation } from "./view";
+
+/** What the handles in the view do. */
+export type Handles = `${"plane" | "object"} ${"move" | "turn"}`;
+
+/** A scene that was put aside to be compared with others. */
+export interface Kept {
+  document: ProjectDocument;
+  scene: Scene;
+  drawn: Drawn | undefined;
+}
+
+/** Values along a line, mean square pressure in Pa²: between two points, or of two scenes. */
+export interface Profile {
+  from: Point;
+  to: Point;
+  skinPerSquare: number;
+  values: Float32Array;
+}
+
+export const state = {
+  hello: signal<Hello | undefined>(undefined),
+  scene: signal<Scene | undefined>(undefined),
+  /** Whether the scene shown is that of the document shown. */
+  current: signal(false),
+  object: signal<Drawn | undefined>(undefined),
+  slice: signal<SliceData | undefined>(undefined),
+  latencyMs: signal(0),
+  failure: signal<Failure | undefined>(undefined),
+  device: signal<Device>({ t: "device", connection: "none" }),
+  work: signal<Event | undefined>(undefined),
+  middle: signal<Point>([0, 0, 130]),
+  orientation: signal<Orientation>("xy"),
+  handles: signal<Handles>("plane move"),
+  edges: signal<Edges>({ origin: [-80, -80, 130], u: [160, 0, 0], v: [0, 160, 0] }),
+  /** Whether a slice is still to come. */
+  slicing: signal(false),
+  /** Of files of the field. */
+  stepMm: signal(1),
+  writing: signal(false),
+  /** Place in the tour that the timeline marks. */
+  at: signal<number | undefined>(undefined),
+  /** Drives of the marked record. */
+  drives: signal<Drives | undefined>(undefined),
+  /** Whether the timeline runs, and how much slower than the board it does. */
+  running: signal(false),
+  slower: signal(100),
+  /** Whether the field is that of the marked focal point alone. */
+  alone: signal(false),
+  /** Of the scene shown; none until it has come. */
+  analysis: signal<Analysis | undefined>(undefined),
+  probe: signal<{ at: Point; square: number } | undefined>(undefined),
+  /** Which of several objects is placed; none: all together. */
+  chosen: signal<number | undefined>(undefined),
+  kept: signal<Kept | undefined>(undefined),
+  /** Whether the kept scene is shown in place of the present one. */
+  showsKept: signal(false),
+  /** What was simulated last, of which scene, and the pulses of the marked record. */
+  pins: signal<{ underWay: boolean; scene?: string; report?: PinReport; window?: PulseWindow | undefined }>({ underWay: false }),
+  /** Of the present scene and of the kept one. */
+  profiles: signal<{ now: Profile | undefined; kept: Profile | undefined }>({ now: undefined, kept: undefined }),
+};
+
+/** The record that the field is of; 0 is the mean over the sequence. */
+export const shownRecord = computed(() => {
+  const entry = state.scene.value?.tour[state.at.value ?? -1];
+  return state.alone.value && !state.showsKept.value && entry ? entry.record : 0;
+});
+
+export interface Actions {
+  place(orientation: Orientation, middle: Point): void;
+  drop(files: File[]): Promise<void>;
+  send(t: string, members?: Record<string, unknown>): void;
+  take(as: "hex" | "manifest" | "project"): Promise<void>;
+  takeField(as: "png" | "csv" | "npy" | "vti"): Promise<void>;
+  copy(text: string): Promise<void>;
+  /** Hands text to the user as a file. */
+  save(text: string, name: string): void;
+  /** Marks a focal point, and plays it when the marked point is being played. */
+  mark(at: number): void;
+  stream(): void;
+  /** Lets the timeline run from the marked point on, or stops it. */
+  run(on: boolean): void;
+  /** Whether the field is that of the marked focal point alone. */
+  showAlone(on: boolean): void;
+  handle(handles: Handles): void;
+  /** Which of several objects is placed. */
+  choose(object: number | undefined): void;
+  /** Puts the present scene aside, or forgets the one that was. */
+  keep(on: boolean): void;
+  /** Plays the scene on the Verilated core, or ends that. */
+  simulate(on: boolean): void;
+  /** Asks for the pulses of the marked record, for so many carrier periods. */
+  showPulses(periods: number): void;
+  showKept(on: boolean): void;
+  paint(): void;
+}

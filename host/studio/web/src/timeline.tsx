@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+// The pass in time: what plays when, how strong it is, and which focal point is marked.
+import { computed } from "@preact/signals";
+import { useId, useRef, useState } from "preact/hooks";
+import { Choice } from "./controls";
+import type { Analysis, Scene } from "./link";
+import { short } from "./quantity";
+import { type Actions, state } from "./state";
+
+const height = 40; // of the lane, in its own units; its width is 1000
+const width = 1000;
+const zooms = [1, 4, 16, 64];
+/** Tenths, and no minus before a zero. */
+const tenths = (value: number): string => (Math.round(10 * value) / 10 || 0).toFixed(1);
+const slowings = [1, 10, 100, 1000, 10_000];
+
+/** How strong each entry of the tour is, 1 the strongest: by the analysis, once it has come, and by the amplitudes until then. */
+export function strengths(scene: Scene, analysis: Analysis | undefined): number[] {
+  const byRecord = new Map<number, number>();
+  for (const { record, radiation_pa: pressure } of analysis?.foci ?? []) byRecord.set(record, Math.max(byRecord.get(record) ?? 0, Math.sqrt(pressure)));
+  const values = scene.tour.map(({ record, amplitude }) => (analysis ? byRecord.get(record) ?? 0 : amplitude));
+  const most = Math.max(...values, 1e-12);
+  return values.map((value) => value / most);
+}
+
+/** The entry of the tour that plays at a time; in silence, the one before. */
+export function entryAt(scene: Scene, seconds: number): number {
+  let [low, high] = [0, scene.tour.length - 1];
+  while (low < high) {
+    const middle = Math.ceil((low + high) / 2);
+    if ((scene.tour[middle]?.from_s ?? 0) <= seconds) low = middle;
+    else high = middle - 1;
+  }
+  return low;
+}
+
+/** The part of the pass that is shown: all of it, or a part around the marked point. */
+export function windowOf(scene: Scene, zoom: number, at: number | undefined): { from: number; to: number } {
+  const entry = scene.tour[at ?? 0];
+  const length = scene.pass_s / zoom;
+  const middle = entry ? entry.from_s + entry.dwell_s / 2 : 0;
+  const from = Math.max(0, Math.min(scene.pass_s - length, middle - length / 2));
+  return { from, to: from + length };
+}
+
+const strong = computed(() => (state.scene.value ? strengths(state.scene.value, state.analysis.value) : []));
+
+/** Blocks as one path: an entry is as wide as it lasts and as high as it is strong. Those narrower than a quarter unit become one with what follows. */
+function blocks(scene: Scene, { from, to }: { from: number; to: number }): string {
+  const scale = width / (to - from);
+  const round = (value: number): number => Math.round(value * 100) / 100;
+  let path = "", end = -1;
+  scene.tour.forEach((entry, i) => {
+    const [left, right] = [(entry.from_s - from) * scale, (entry.from_s + entry.dwell_s - from) * scale];
+    if (right < 0 || left > width || right < end + 0.25) return;
+    end = right;
+    const top = height - Math.max(1, (height - 2) * (strong.value[i] ?? 0));
+    const gap = right - left > 4 ? 0.5 : 0; // so that neighbours are told apart
+    path += `M${round(left + gap)} ${height}V${round(top)}H${round(right - gap)}V${height}Z`;
+  });
+  return path;
+}
+
+export function Timeline({ actions }: { actions: Actions }) {
+  const id = useId();
+  const lane = useRef<SVGSVGElement>(null);
+  const [zoom, setZoom] = useState(1);
+  const scene = state.scene.value;
+  const at = state.at.value;
+  if (!scene || scene.tour.length === 0) return null;
+  const { tour } = scene;
+  const entry = at === undefined ? undefined : tour[at];
+  const shown = windowOf(scene, zoom, at);
+  const scale = width / (shown.to - shown.from);
+  const scrub = (event: PointerEvent): void => {
+    const box = lane.current?.getBoundingClientRect();
+    if (!box || event.buttons !== 1) return;
+    const seconds = shown.from + ((event.clientX - box.left) / box.width) * (shown.to - shown.from);
+    actions.mark(entryAt(scene, seconds));
+  };
+  const ms = (seconds: number): string => `${short(seconds * 1e3)} ms`;
+  return (
+    <div class="scrubber" role="group" aria-label="Timeline">
+      <svg ref={lane} class="lane" viewBox={`0 0 ${width} ${height}`} preserveAspectRatio="none" role="img" aria-label={`${tour.length} entries in ${ms(scene.pass_s)}, shown from ${ms(shown.from)} to ${ms(shown.to)}`} onPointerDown={scrub} onPointerMove={scrub}>
+        <path class="blocks" d={blocks(scene, shown)} />
+        {entry && <rect class="mark-here" x={(entry.from_s - shown.from) * scale} y={0} width={Math.max(3, entry.dwell_s * scale)} height={height} />}
+      </svg>
+      <div class="row">
+        <button type="button" aria-pressed={state.running.value} onClick={() => actions.run(!state.running.value)}>{state.running.value ? "❚❚ Hold" : "▶ Run"}</button>
+        <label for={id}>Focal point</label>
+        <input id={id} type="range" min={0} max={tour.length - 1} step={1} value={at ?? 0} onInput={(e) => actions.mark(Number(e.currentTarget.value))} />
+        <output for={id}>{entry ? `${(at ?? 0) + 1} of ${tour.length}: ${entry.at.map(tenths).join(", ")} mm` : `none of ${tour.length}`}</output>
+        <Choice label="Time" value={String(state.slower.value)} choices={slowings.map((each) => [String(each), each === 1 ? "as on the board" : `1/${each.toLocaleString("en")} as fast`])} onValue={(value) => (state.slower.value = Number(value))} />
+        <Choice label="Zoom" value={String(zoom)} choices={zooms.map((each) => [String(each), each === 1 ? "whole pass" : `× ${each}`])} onValue={(value) => setZoom(Number(value))} />
+      </div>
+      {entry && <Marked />}
+    </div>
+  );
+}
+
+/** What is known of the marked focal point, and what the discs' colours mean. */
+function Marked() {
+  const scene = state.scene.value;
+  const entry = scene?.tour[state.at.value ?? -1];
+  if (!scene || !entry) return null;
+  const focus = state.analysis.value?.foci.find(({ record }) => record === entry.record);
+  const { drives } = state;
+  return (
+    <p class="marked">
+      <span>{short(entry.from_s * 1e3)} to {short((entry.from_s + entry.dwell_s) * 1e3)} ms of {short(scene.pass_s * 1e3)} ms</span>
+      <span>record {entry.index}</span>
+      {focus && <span>{short(focus.radiation_pa)} Pa, {short(focus.width_mm)} mm wide, {short(focus.force_mn)} mN</span>}
+      {drives.value?.record === entry.record && <span class="phases">discs: phase 0° <i aria-hidden="true" /> 360°, grey is off</span>}
+    </p>
+  );
+}
+
+/** Lets the marked point run through the tour in slow motion, a picture at a time. */
+export class Runner {
+  private begun: { at: number; seconds: number } | undefined;
+
+  constructor(private readonly mark: (at: number) => void) {}
+
+  start(): void {
+    const scene = state.scene.peek();
+    if (!scene || scene.tour.length === 0) return;
+    this.begun = { at: performance.now(), seconds: scene.tour[state.at.peek() ?? 0]?.from_s ?? 0 };
+    state.running.value = true;
+    requestAnimationFrame(() => this.step());
+  }
+
+  stop(): void {
+    this.begun = undefined;
+    state.running.value = false;
+  }
+
+  private step(): void {
+    const scene = state.scene.peek();
+    if (!this.begun || !scene) return this.stop();
+    const now = performance.now();
+    const seconds = (this.begun.seconds + (now - this.begun.at) / 1000 / state.slower.peek()) % scene.pass_s;
+    this.begun = { at: now, seconds };
+    const at = entryAt(scene, seconds);
+    if (at !== state.at.peek()) this.mark(at);
+    requestAnimationFrame(() => this.step());
+  }
+}
