@@ -17,7 +17,7 @@ namespace {
 
 using namespace haptogram;
 
-/// A whole hand whose index and middle fingers press on a cube.
+/// A whole hand, seen by the cameras, of which a fingertip presses on a cube.
 struct Scene {
     std::vector<RoundedBody> bodies;
     live::FingerOptions options;
