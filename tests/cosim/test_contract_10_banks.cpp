@@ -278,7 +278,8 @@ TEST_CASE("contract 10: a push into which a start falls is kept whole or not at 
     REQUIRE(kept > 0);
 }
 
-TEST_CASE("contract 10: the count of carrier periods is that of the pins, and stays whole in a reply", "[contract10]") {
+TEST_CASE("contract 10: the count of carrier periods is that of the pins, and stays whole in a reply",
+          "[contract10][slow]") {
     auto g = generator();
     Banks bench(g);
     const Record slow = record(bench.channels(), 1000, 300, 1, 5);  // 300,000 clocks, longer than a reply takes
