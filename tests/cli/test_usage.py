@@ -33,9 +33,9 @@ def test_nothing_to_compile(tmp_path):
     refuse(tmp_path, ["compile"], USAGE, "--shape", "circle")
 
 
-@pytest.mark.parametrize("command", ["inspect", "simulate"])
-def test_a_subcommand_without_its_file(command, tmp_path):
-    refuse(tmp_path, [command], USAGE, "required")
+def test_a_subcommand_without_its_file(tmp_path):
+    refuse(tmp_path, ["inspect"], USAGE, "required")
+    refuse(tmp_path, ["simulate"], USAGE, "image", "--rig")
 
 
 NUMBERS = {
