@@ -11,7 +11,7 @@ HOME := $(or $(HOME),$(shell { getent passwd $$(id -u) | cut -d: -f6; } 2>/dev/n
 export PATH HOME
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build deep demo test browser mutants bitstream bitstreams flash soak formal bench figures lint format install fresh clean
+.PHONY: help setup build deep deep-build demo test browser mutants bitstream bitstreams flash soak formal bench figures lint format install fresh clean
 
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -33,21 +33,23 @@ build: ## configure and build everything; PRESET=dev with debugger and sanitizer
 demo: build ## shape → image → simulated FPGA → focus in the air: table and pictures in build/demo
 	@$(PYTHON) tools/demo.py --program $(BUILD)/host/cli/haptogram --output build/demo
 
-# What needs no netlist is built beside the placing of the one that is tested. The deep tests have a folder of their own, build/deep.
-test: ## every test but the browser's and the mutants: units, co-simulation on RTL and netlists, command line, proofs, budgets, lint
-	@$(MAKE) --no-print-directory -j 2 build build/boards/ice40-hx8k-breakout/report.json
-	@$(MAKE) --no-print-directory deep
-	@failed=0; ctest --preset $(PRESET) -j 2 -E '^studio_browser$$' || failed=1; ctest --preset deep -j 2 -E '^mutation$$' || failed=1; exit $$failed
+test: build ## every test but those of `make deep`, `make browser` and `make mutants`: units, co-simulation, command line, proofs, lint
+	@ctest --preset $(PRESET) -j 2 -E '^studio_browser$$'
 
 # Software WebGL wants a processor to itself, and some minutes; a file that fails is run once more (tests/studio/run.mjs).
 browser: build ## the studio's page in Chromium; not part of `make test`
 	@ctest --preset $(PRESET) -R '^studio_browser$$' --output-on-failure
 
 # Each of some 280 faults runs co-simulation until a test notices it: ten minutes and more, so it is not part of `make test`.
-mutants: deep ## would the tests notice a fault in the RTL; not part of `make test`
+mutants: deep-build ## would the tests notice a fault in the RTL; not part of `make test`
 	@ctest --preset deep -R '^mutation$$' --output-on-failure
 
-deep: build/boards/ice40-hx8k-breakout/report.json ## build the netlist, mutation, coverage and fuzz tests; `ctest --preset deep` runs them
+# The contracts' cases again, on the netlists of a small core and of the core as it is placed for a board, which must be within its
+# budget; what the cases reach of the RTL; every reader and parser under a fuzzer. An hour on two slow cores, so it is not part of `make test`.
+deep: deep-build ## netlists, budgets, coverage and fuzzers; not part of `make test`
+	@ctest --preset deep -j 2 -E '^mutation$$'
+
+deep-build: build/boards/ice40-hx8k-breakout/report.json
 	@$(call configure,deep)
 	@cmake --build --preset deep
 

