@@ -46,7 +46,7 @@ mutants: deep-build ## would the tests notice a fault in the RTL; not part of `m
 
 # The contracts' cases again, on the netlists of a small core and of the core as it is placed for a board, which must be within its
 # budget; what the cases reach of the RTL; every reader and parser under a fuzzer. An hour on two slow cores, so it is not part of `make test`.
-deep: deep-build ## netlists, budgets, coverage and fuzzers; not part of `make test`
+deep: deep-build ## netlists, budgets, coverage, fuzzers and the proofs' planted bugs; not part of `make test`
 	@ctest --preset deep -j 2 -E '^mutation$$'
 
 deep-build: build/boards/ice40-hx8k-breakout/report.json
@@ -78,7 +78,7 @@ soak: build ## torture of the link, boards on one wire, reference board and fuzz
 	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/test_reference --rng-seed time --durations yes
 	@$(PYTHON) tests/fuzz/run.py --program $(BUILD)/host/cli/haptogram --runs $(or $(FUZZ_RUNS),10000000)
 
-formal: ## the proofs alone, with a line each
+formal: ## the proofs alone and their planted bugs, with a line each
 	@$(call need,yosys z3)
 	@$(PYTHON) tests/formal/run.py --build build/formal
 

@@ -17,6 +17,7 @@
 #include "progress_line.hpp"
 #include "report.hpp"
 #include "simulate_rig.hpp"
+#include "simulation_report.hpp"
 
 namespace haptogram::cli {
 namespace {
@@ -66,30 +67,8 @@ Report report_of(const Bundle& bundle, const sim::Simulation& s) {
         .add("pulses", p.pulses.size(),
              fmt::format("pulses measured      {}, {} compared and equal to the image", p.pulses.size(),
                          p.pulse_report.checked))
-        .add("pulses_equal_to_image", p.pulse_report.checked)
-        .add("contract_violations", p.violation_count)
-        .add("violations", p.violations)
-        .add("points_checked", s.checked)
-        .add("points_too_short_to_check", s.unsteady)
-        .add("points_off", s.off.size())
-        .add("records_off", s.off)
-        .add("least_pressure_kept", s.least_kept)
-        .add("mean_pressure_kept", s.mean_kept)
-        .add("worst_focus_error_mm", s.worst_offset_m / millimetre,
-             fmt::format("focus error          {:.4f} mm at most, over {} points", s.worst_offset_m / millimetre,
-                         s.checked))
-        .tell(fmt::format("pressure kept        {:.4f} % at least, {:.4f} % on average", 100.0 * s.least_kept,
-                          100.0 * s.mean_kept))
-        .tell(bundle.manifest.quantise.empty()
-                  ? std::string()
-                  : fmt::format("expected             {:.2f} % with the phases of {}; at least {:.2f} % is a pass",
-                                100.0 * s.records.front().limits.expected_kept, bundle.manifest.quantise,
-                                100.0 * s.records.front().limits.least_kept))
-        .tell(s.unsteady > 0 ? fmt::format("too short to check   {} points play for fewer than 3 cycles", s.unsteady)
-                             : std::string())
-        .tell(fmt::format("contract violations  {}", p.violation_count));
-    for (const std::string& violation : p.violations) report.tell("  " + violation);
-    if (!s.off.empty()) report.tell(words_of_those_off(bundle.manifest, s));
+        .add("pulses_equal_to_image", p.pulse_report.checked);
+    add_checks(report, bundle.manifest, s);
     return report
         .add("board", {{"underruns", p.status.underruns},
                        {"refused_records", p.status.refused_records},
@@ -141,17 +120,10 @@ int simulate(SimulateOptions options) {
         how.progress = progress.callback();
         result = sim::simulate(bundle, how);
     }
-    const Report report = report_of(bundle, result);
-    std::vector<std::pair<std::filesystem::path, std::string>> files;
-    if (!options.pulses.empty()) files.emplace_back(options.pulses, to_csv(result.playback.pulses));
-    if (!options.report.empty()) files.emplace_back(options.report, report.json().dump(1) + "\n");
-    write_files(files);
-    if (trace) {
-        sim::require_whole_trace(trace->beside(), options.trace);
-        trace->commit();
-    }
-    if (options.json || (options.pulses != "-" && options.report != "-")) report.print(options.json);
-    return result.good() ? 0 : 1;
+    if (trace) sim::require_whole_trace(trace->beside(), options.trace);
+    const int code = finish(report_of(bundle, result), result, options.pulses, options.report, options.json);
+    if (trace) trace->commit();
+    return code;
 }
 
 }  // namespace

@@ -3,17 +3,14 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <filesystem>
 #include <nlohmann/json.hpp>
-#include <utility>
 #include <vector>
 
 #include "command.hpp"
-#include "haptogram/base/file.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
 #include "rig_simulation.hpp"
+#include "simulation_report.hpp"
 
 namespace haptogram::cli {
 namespace {
@@ -38,41 +35,12 @@ Report report_of(const RigBundle& bundle, const sim::RigSimulation& simulation) 
              fmt::format("simulated            {:.1f} ms in {:.1f} s", 1e3 * simulation.simulated_s, p.seconds))
         .add("seconds", p.seconds)
         .add("pulses", p.pulses.size(), fmt::format("pulses measured      {}", p.pulses.size()))
-        .add("contract_violations", p.violation_count)
-        .add("violations", p.violations)
-        .add("points", s.records.size())
-        .add("points_checked", s.checked)
-        .add("points_too_short_to_check", s.unsteady)
-        .add("points_off", s.off.size())
-        .add("records_off", s.off)
-        .add("least_pressure_kept", s.least_kept)
-        .add("mean_pressure_kept", s.mean_kept)
-        .add("worst_focus_error_mm", s.worst_offset_m / millimetre,
-             fmt::format("focus error          {:.4f} mm at most, over {} points", s.worst_offset_m / millimetre,
-                         s.checked))
-        .tell(fmt::format("pressure kept        {:.4f} % at least, {:.4f} % on average, of a perfect array",
-                          100.0 * s.least_kept, 100.0 * s.mean_kept))
-        .tell(s.unsteady > 0 ? fmt::format("too short to check   {} points play for fewer than 3 cycles", s.unsteady)
-                             : std::string())
-        .tell(fmt::format("contract violations  {}", p.violation_count));
-    for (const std::string& violation : p.violations) report.tell("  " + violation);
-    if (!s.off.empty()) report.tell(words_of_those_off(bundle.whole.manifest, s));
+        .add("points", s.records.size());
+    add_checks(report, bundle.whole.manifest, s);
     return report;
 }
 
 }  // namespace
-
-std::string words_of_those_off(const Manifest& manifest, const sim::Simulation& s) {
-    constexpr std::size_t most_listed = 10;
-    const auto shown = static_cast<std::ptrdiff_t>(std::min(s.off.size(), most_listed));
-    const auto first = static_cast<std::uint32_t>(s.off.front());
-    const FocusLimits& limits = s.records[manifest.place_of(first).value()].limits;
-    return fmt::format("{} point{} off: record{} {}{}: less than {:.4g} of the pressure, or more than {:.3g} mm away",
-                       s.off.size(), s.off.size() > 1 ? "s are" : " is", s.off.size() > 1 ? "s" : "",
-                       fmt::join(s.off.begin(), s.off.begin() + shown, ", "),
-                       s.off.size() > most_listed ? fmt::format(" and {} more", s.off.size() - most_listed) : "",
-                       limits.least_kept, limits.most_offset_m / millimetre);
-}
 
 int simulate_rig(const SimulateRigOptions& options) {
     std::vector<NamedPath> outputs;
@@ -86,13 +54,7 @@ int simulate_rig(const SimulateRigOptions& options) {
         ProgressLine progress("simulate");
         simulation = sim::simulate(bundle, {options.passes, options.drift_ppm, options.seed, progress.callback()});
     }
-    const Report report = report_of(bundle, simulation);
-    std::vector<std::pair<std::filesystem::path, std::string>> files;
-    if (!options.pulses.empty()) files.emplace_back(options.pulses, to_csv(simulation.result.playback.pulses));
-    if (!options.report.empty()) files.emplace_back(options.report, report.json().dump(1) + "\n");
-    write_files(files);
-    if (options.json || (options.pulses != "-" && options.report != "-")) report.print(options.json);
-    return simulation.result.good() ? 0 : 1;
+    return finish(report_of(bundle, simulation), simulation.result, options.pulses, options.report, options.json);
 }
 
 }  // namespace haptogram::cli

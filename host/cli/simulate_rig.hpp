@@ -20,7 +20,4 @@ struct SimulateRigOptions {
 /// @return the exit code
 int simulate_rig(const SimulateRigOptions& options);
 
-/// The points that missed their target, in words.
-[[nodiscard]] std::string words_of_those_off(const Manifest& manifest, const sim::Simulation& simulation);
-
 }  // namespace haptogram::cli
