@@ -151,7 +151,7 @@ def render_rows(program, folder):
         worst = {}
         for algorithm in "AH":
             for thing in objects:
-                runs = [json.loads(run(program, "render", thing, "--hand", "synthetic:press", "--algorithm", algorithm, "-o", folder / "touch.json", "--json"))
+                runs = [json.loads(run(program, "render", thing, "--hand", "synthetic:press", "--algorithm", algorithm, "-o", folder / "touch.json", "--report", "--json"))
                         for _ in range(5)]  # fmt: skip
                 frames = zip(*([f["compute_ms"] for f in r["frames"] if f["lines"]] for r in runs))
                 worst[algorithm] = max([worst.get(algorithm, 0.0), *(min(times) for times in frames)])

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -123,21 +124,28 @@ Solid solid_pyramid(Vec3 base, double edge, double height) {
                                     base + Vec3{-h, h, 0}};
     std::vector<std::vector<Vec3>> faces{{corners[3], corners[2], corners[1], corners[0]}};
     for (std::size_t i = 0; i < 4; ++i) faces.push_back({corners[i], corners[(i + 1) % 4], tip});
-    std::vector<Vec3> normals;
-    for (const std::vector<Vec3>& face : faces) {
-        const Vec3 across = cross(face[1] - face[0], face[2] - face[0]);
-        normals.push_back(across * (1.0 / norm(across)));
+    std::array<Vec3, 5> normals;
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+        const Vec3 across = cross(faces[i][1] - faces[i][0], faces[i][2] - faces[i][0]);
+        normals[i] = across * (1.0 / norm(across));
     }
-    return {[faces, normals](Vec3 p) {
-        // Inside a convex solid the nearest plane of a face is the nearest face.
+    // Above the highest plane of a face. Inside a convex solid that is the nearest face, outside the surface is
+    // farther.
+    const auto above = [points = std::array{faces[0][0], faces[1][0], faces[2][0], faces[3][0], faces[4][0]},
+                        normals](Vec3 p) {
         double highest = -std::numeric_limits<double>::infinity();
-        for (std::size_t i = 0; i < faces.size(); ++i) highest = std::max(highest, dot(p - faces[i][0], normals[i]));
-        if (highest < 0.0) return highest;
-        double nearest = std::numeric_limits<double>::infinity();
-        for (std::size_t i = 0; i < faces.size(); ++i)
-            nearest = std::min(nearest, face_distance(p, faces[i], normals[i]));
-        return nearest;
-    }};
+        for (std::size_t i = 0; i < points.size(); ++i) highest = std::max(highest, dot(p - points[i], normals[i]));
+        return highest;
+    };
+    return {[above, faces, normals](Vec3 p) {
+                if (const double highest = above(p); highest < 0.0) return highest;
+                double nearest = std::numeric_limits<double>::infinity();
+                for (std::size_t i = 0; i < faces.size(); ++i)
+                    if (dot(p - faces[i][0], normals[i]) >= 0.0)  // the nearest face is one that the point sees
+                        nearest = std::min(nearest, face_distance(p, faces[i], normals[i]));
+                return nearest;
+            },
+            above};
 }
 
 Solid moved(const Solid& solid, Vec3 shift, Vec3 angles_deg) {

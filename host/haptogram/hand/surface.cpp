@@ -40,6 +40,11 @@ SkinRegion finger_surface(std::string_view name, const Finger& finger, Vec3 palm
             std::numbers::pi * (static_cast<double>(column) / static_cast<double>(region.columns - 1) - 0.5);
         around.push_back({std::cos(angle), std::sin(angle)});
     }
+    std::size_t most_rows = 0;
+    for (std::size_t segment = 0; segment < 3; ++segment)
+        most_rows += steps_over(distance(finger.joints.at(segment), finger.joints.at(segment + 1)), cell);
+    region.points.reserve(most_rows * region.columns);
+    region.normals.reserve(most_rows * region.columns);
     for (std::size_t segment = 0; segment < 3; ++segment) {
         const Vec3 from = finger.joints.at(segment), to = finger.joints.at(segment + 1);
         const double length = distance(from, to), radius = radii.at(segment);
@@ -68,6 +73,8 @@ SkinRegion palm_surface(const Hand& hand, const SkinOptions& options) {
     region.rows = steps_over(options.palm_length_m, options.cell_m);
     region.columns = steps_over(options.palm_width_m, options.cell_m);
     const Vec3 side = unit(cross(hand.normal, hand.direction));
+    region.points.reserve(region.rows * region.columns);
+    region.normals.assign(region.rows * region.columns, hand.normal);
     const Vec3 wrist = hand.palm - 0.5 * options.palm_length_m * hand.direction;
     for (std::size_t row = 0; row < region.rows; ++row) {
         const double along = options.palm_length_m * (static_cast<double>(row) / static_cast<double>(region.rows - 1));
@@ -75,7 +82,6 @@ SkinRegion palm_surface(const Hand& hand, const SkinOptions& options) {
             const double beside =
                 options.palm_width_m * (static_cast<double>(column) / static_cast<double>(region.columns - 1) - 0.5);
             region.points.push_back(wrist + along * hand.direction + beside * side);
-            region.normals.push_back(hand.normal);
         }
     }
     region.patches.push_back({wrist, hand.direction, side, hand.normal, options.palm_length_m, 0.0,

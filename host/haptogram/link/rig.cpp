@@ -84,7 +84,7 @@ public:
 
     [[nodiscard]] double seconds() const { return std::chrono::duration<double>(Clock::now() - begun_).count(); }
     bool operator()(const PlayingTiles& tiles) {
-        if (watch_ && !watch_({seconds(), played_.sent, tiles.statuses()})) played_.interrupted = true;
+        if (watch_ && !watch_({seconds(), tiles.statuses()})) played_.interrupted = true;
         return !played_.interrupted;
     }
 
@@ -97,7 +97,6 @@ private:
 
 RigPlayed outcome(const PlayingTiles& tiles, const RigPlayed& so_far) {
     RigPlayed played = tiles.played();
-    played.sent = so_far.sent;
     played.interrupted = so_far.interrupted;
     return played;
 }

@@ -90,7 +90,6 @@ ordered_json played_to_json(const Played& p) {
 ordered_json to_json(const RigPlayed& p) {
     return {{"period", p.period},
             {"attempts", p.attempts},
-            {"sent", p.sent},
             {"underruns", p.underruns},
             {"refused_records", p.refused_records},
             {"watchdog_trips", p.watchdog_trips},
