@@ -127,14 +127,16 @@ def robot_rows(build):
 
 def bumpy_ball(path):
     """A closed mesh of 100,800 triangles, 100 mm large, with hollows, as a binary PLY."""
-    rings = columns = 226
-    u, v = np.linspace(0.0, np.pi, rings)[:, None], np.linspace(0.0, 2 * np.pi, columns)[None, :-1]
+    rows, columns = 226, 225  # the first and the last row are the poles
+    u, v = np.linspace(0.0, np.pi, rows)[:, None], np.arange(columns)[None, :] * 2 * np.pi / columns
     r = 50.0 * (1.0 + 0.2 * np.sin(5 * v) * np.sin(u) ** 2 * np.cos(3 * u))
-    points = np.stack([r * np.sin(u) * np.cos(v), r * np.sin(u) * np.sin(v), r * np.cos(u) + 0 * v], axis=2).reshape(-1, 3)
-    i, k = np.divmod(np.arange((rings - 1) * (columns - 1)), columns - 1)
-    a, b = i * (columns - 1) + k, i * (columns - 1) + (k + 1) % (columns - 1)
-    c, d = a + columns - 1, b + columns - 1
-    triangles = np.concatenate([np.stack([a, c, d], 1)[i < rings - 2], np.stack([a, d, b], 1)[i > 0]]).astype("<i4")
+    points = np.stack([r * np.sin(u) * np.cos(v), r * np.sin(u) * np.sin(v), r * np.cos(u)], axis=2).reshape(-1, 3)
+    number = np.arange(rows * columns).reshape(rows, columns)
+    number[0], number[-1] = number[0, 0], number[-1, 0]
+    a, c = number[:-1], number[1:]
+    b, d = np.roll(a, -1, axis=1), np.roll(c, -1, axis=1)
+    corners = np.concatenate([np.stack([a, c, d], 2)[:-1], np.stack([a, d, b], 2)[1:]]).reshape(-1, 3)
+    triangles = corners.astype("<i4")
     faces = np.empty(len(triangles), dtype=[("count", "u1"), ("corners", "<i4", 3)])
     faces["count"], faces["corners"] = 3, triangles
     header = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\nproperty float x\nproperty float y\nproperty float z\n"
