@@ -46,7 +46,7 @@ mutants: deep-build ## would the tests notice a fault in the RTL; not part of `m
 
 # The contracts' cases again, on the netlists of a small core and of the core as it is placed for a board, which must be within its
 # budget; what the cases reach of the RTL; every reader and parser under a fuzzer. An hour on two slow cores, so it is not part of `make test`.
-deep: deep-build ## netlists, budgets, coverage, fuzzers and the proofs' planted bugs; not part of `make test`
+deep: deep-build ## netlists, budgets, coverage, fuzzers, long proofs and planted bugs; not part of `make test`
 	@ctest --preset deep -j 2 -E '^mutation$$'
 
 deep-build: build/boards/ice40-hx8k-breakout/report.json

@@ -134,7 +134,8 @@ class Proof:
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", metavar="NAME", action="append", help="this proof (may be repeated)")
-    parser.add_argument("--bugs", choices=("also", "no", "only"), default="also", help="the planted bugs, too; without them; or they alone (also)")
+    parser.add_argument("--part", choices=("all", "quick", "rest"), default="all",
+                        help="quick: the proofs that take a minute at most; rest: the others, and the planted bugs of all (all)")  # fmt: skip
     parser.add_argument("--jobs", metavar="N", type=int, default=2, help="solvers at a time (2)")
     parser.add_argument("--build", metavar="DIR", type=Path, default=ROOT / "build" / "formal", help="working folder")
     options = parser.parse_args()
@@ -149,8 +150,9 @@ def main():
 
     proofs = []
     for row in rows:
-        bugs = range(1, 1 + len(row.get("bugs", [])))
-        steps = {"also": [0, *bugs], "no": [0], "only": [*bugs]}[options.bugs]
+        proof, bugs = [0], [*range(1, 1 + len(row.get("bugs", [])))]
+        quick = [] if row.get("long") else proof
+        steps = {"all": proof + bugs, "quick": quick, "rest": [s for s in proof + bugs if s not in quick]}[options.part]
         if steps and (not options.only or row["name"] in options.only):
             proofs.append(Proof(row, options.build.resolve(), steps))
     start = time.monotonic()
