@@ -404,21 +404,34 @@ private:
             }
             next.session = std::make_unique<Study>(std::move(command), study_settings(next.number));
             study_ = std::move(next);
-            if (study_->borrowed) broadcast(device_json());
             if (study_->plays) {
-                driver_ = visitor.page->number();
-                driver_work_ = 0;  // none of the player's
-                visitor.hidden = {};
+                driver_ = {};
+                player_.stop();  // one thing plays at a time, so that one page is watched
             }
+            if (study_->borrowed) broadcast(device_json());
             tell_study({{"show", "begun"}, {"n", message.n}});
         });
+    }
+
+    /// While a trial's questions are asked its stimulus plays: then the page must be alive and in sight, as one that
+    /// plays. At other times the outputs are off.
+    void watch_study(const ordered_json& shown) {
+        if (!study_->plays || shown["show"] == "note" || shown["show"] == "wrong") return;
+        driver_ = {};
+        const auto visitor = visitors_.find(study_->page);
+        if (shown["show"] != "ask" || visitor == visitors_.end()) return;
+        driver_ = study_->page;
+        driver_work_ = 0;  // none of the player's
+        visitor->second.hidden = {};
     }
 
     [[nodiscard]] Study::Settings study_settings(std::uint64_t number) {
         return {.shown =
                     [this, number](ordered_json shown) {
                         server_.post([this, number, shown = std::move(shown)]() mutable {
-                            if (study_ && study_->number == number) tell_study(std::move(shown));
+                            if (!study_ || study_->number != number) return;
+                            watch_study(shown);
+                            tell_study(std::move(shown));
                         });
                     },
                 .ended =

@@ -51,8 +51,8 @@ ordered_json study_protocols(const std::filesystem::path& folder) {
     ordered_json found = ordered_json::parse(said, nullptr, false);
     if (code != 0 || !found.is_object())
         throw Error(ErrorCode::failed, "study",
-                    fmt::format("the runner of studies did not start; it needs Python 3.11 or later and the package "
-                                "haptogram, of tools/python. Python says: {}",
+                    fmt::format("the runner of studies did not start; it needs Python 3.11 or later and what "
+                                "'pip install tools/python' brings. Python says: {}",
                                 said.empty() ? "nothing" : said));
     return found;
 }

@@ -6,7 +6,7 @@ import { existsSync, readdirSync, readFileSync, readlinkSync, writeFileSync } fr
 import { dirname, join } from "node:path";
 import { test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { accessible, boardSays, eventually, folder, openPage, picture, settled, sleep, startBrowser, startStudio } from "./support.mjs";
+import { accessible, boardSays, eventually, folder, openPage, picture, run, settled, sleep, start, startBrowser, startStudio } from "./support.mjs";
 
 const root = join(dirname(fileURLToPath(import.meta.url)), "../..");
 const python = existsSync(join(root, "build/venv/bin/python3")) ? join(root, "build/venv/bin/python3") : "python3";
@@ -65,12 +65,16 @@ async function studies(t, options = {}, protocol = short) {
   writeFileSync(join(where, "project.toml"), 'format = "haptogram-project-1"\nrate_hz = 500\npoints = 4\n[[shape]]\nkind = "circle"\n');
   const studio = await startStudio(t, join(where, "project.toml"));
   const page = await openPage(t, await startBrowser(t), studio, options);
+  await choose(page);
+  return { where, studio, page };
+}
+
+async function choose(page) {
   await page.getByRole("button", { name: "Study" }).click();
   await page.getByLabel("Protocol").selectOption("short.toml");
   await page.getByLabel("Participant", { exact: true }).fill("2");
   await page.getByLabel("Seed").fill("7");
   await page.getByLabel("Results file").fill("p2.jsonl");
-  return { where, studio, page };
 }
 
 const begin = (page) => page.getByRole("button", { name: "Begin, or go on" }).click();
@@ -128,7 +132,7 @@ test("a session by buttons and by keys, stopped, gone on with, and equal to the 
   await page.getByRole("button", { name: "Answer" }).click();
   await says(page, "Trial 2 of 4");
   await says(page, "1 of 4");
-  await page.getByRole("button", { name: "Stop for now" }).click();
+  await page.getByRole("button", { name: "Pause the session" }).click();
   await says(page, "The session was stopped.");
   await says(page, "stopped after 1 more answers");
   await accessible(page);
@@ -176,7 +180,8 @@ test("a session by buttons and by keys, stopped, gone on with, and equal to the 
   await page.getByRole("button", { name: "Another session" }).click();
   await page.getByLabel("Participant", { exact: true }).fill("3");
   await begin(page);
-  await says(page, "name another file for this session");
+  await page.getByRole("alert").filter({ hasText: "name another file for this session" }).waitFor();
+  await accessible(page);
   await picture(page, "study-refused-dark");
 });
 
@@ -229,11 +234,82 @@ test("stimuli are played on the studio's board, which is lent and taken back", a
   await page.getByRole("button", { name: "Go on" }).click();
   await byKeys(page, "a");
   await says(page, "Trial 2 of 4");
-  await page.getByRole("button", { name: "Stop for now" }).click();
+  // A page that hangs ends the session while a stimulus plays, and only then.
+  const hang = () => page.evaluate(() => {
+    for (const until = performance.now() + 3000; performance.now() < until;);
+  });
+  await trial(page).waitFor();
+  await hang();
+  await trial(page).click();
+  await question(page, "Which shape").waitFor();
+  await hang();
+  await says(page, "The session was stopped.");
+  await page.locator("#banner", { hasText: "was silent" }).waitFor();
   await boardSays(page, "virtual board, outputs off");
   const [record] = records(join(where, "p2.jsonl"));
   assert.ok(record.stimulus.played && record.versions.haptogram && existsSync(join(where, "study-images", record.stimulus.image)));
   await accessible(page);
+});
+
+test("a board at another port plays, and is off after the page was closed and after the server was killed", async (t) => {
+  const { page, where, studio } = await studies(t, { mayFail: true });
+  const pulses = join(where, "pulses.csv");
+  const board = await start(t, "board", "run", "--json", "--pty", join(where, "port"), "--pulses", pulses);
+  const status = async () => JSON.parse(await run("device", "status", "--json", "--port", board.first.port));
+  const choosePort = async (page) => {
+    await page.getByLabel("Stimuli").selectOption("port");
+    await page.getByLabel("Board's port").fill(board.first.port);
+    await begin(page);
+    await trial(page).click();
+    await question(page, "Which shape").waitFor();
+  };
+  await choosePort(page);
+  await sleep(500);
+  await page.close();
+  await eventually(() => runners(where).length === 0);
+  assert.equal((await status()).outputs, "off");
+  const again = await openPage(t, await startBrowser(t), studio, { mayFail: true });
+  await choose(again);
+  await choosePort(again);
+  await sleep(500);
+  studio.child.kill("SIGKILL");
+  await eventually(() => runners(where).length === 0);
+  assert.equal((await status()).outputs, "off");
+  board.child.kill("SIGINT");
+  assert.equal(JSON.parse((await board.lines.next()).value).enabled, false);
+  await board.ended;
+  assert.ok(readFileSync(pulses, "utf8").trim().split("\n").length > 100, "it had played");
+});
+
+test("a session by the keyboard alone, from the choice on", async (t) => {
+  const { page, where } = await studies(t);
+  await page.reload();
+  await page.getByRole("button", { name: "Study" }).waitFor();
+  /** Tabs to what has this name. */
+  const to = async (name) => {
+    for (let i = 0; i < 40; i++) {
+      await page.keyboard.press("Tab");
+      if (await page.evaluate((name) => (document.activeElement.labels?.[0] ?? document.activeElement).textContent === name, name)) return;
+    }
+    assert.fail(`${name} cannot be reached by Tab`);
+  };
+  await to("Study");
+  await page.keyboard.press("Enter");
+  await page.getByLabel("Protocol").waitFor();
+  await to("Protocol");
+  await page.keyboard.type("short");
+  await to("Results file");
+  await page.keyboard.press("Control+A");
+  await page.keyboard.type("keys.jsonl");
+  await to("Begin, or go on");
+  await page.keyboard.press("Enter");
+  for (const key of ["l", "a", "l", "a"]) await byKeys(page, key);
+  await question(page, "What was it like?").waitFor();
+  await page.keyboard.type("light");
+  await to("Answer");
+  await page.keyboard.press("Enter");
+  await says(page, "The session is complete.");
+  assert.equal(records(join(where, "keys.jsonl")).length, 5);
 });
 
 /** What the server answers to a message on a connection of the test's own, and whether it then closes. */

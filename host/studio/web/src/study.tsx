@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page of studies: the choice of a session, and what its participant sees. It shows what the runner says, and sends what a person does.
-import { useEffect, useId, useRef, useState } from "preact/hooks";
+import { useEffect, useId, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { Choice, NumberField, Panel } from "./controls";
 import type { StudyQuestion } from "./link";
 import { type Actions, state, type StudyChoice, type StudySession } from "./state";
@@ -57,9 +57,11 @@ function Choose({ actions }: WithActions) {
   return (
     <Panel title="A participant's session">
       {failure && <p class="wrong" role="alert"><strong>{failure.where}</strong> {failure.message}</p>}
+      {!studies && failure && <button type="button" onClick={() => actions.anotherStudy()}>Ask again</button>}
       {!studies && !failure && <p role="status">Asking which studies there are…</p>}
       {studies && (
-        <form onSubmit={(event) => { event.preventDefault(); if (ready) begin(); }}>
+        // No form: Enter in a field takes what stands there, and begins nothing.
+        <>
           <Choice label="Protocol" value={protocol} choices={listed.map(([name, each]) => [name, "error" in each ? `${name} (not good)` : `${name}: ${each.title}`])} onValue={(value) => change({ protocol: value })} />
           {about && "error" in about && <p class="warning">▲ {about.error}</p>}
           {good && <p class="hint">{good.source}. {good.trials} trials a participant, {good.participants} participants.</p>}
@@ -82,8 +84,8 @@ function Choose({ actions }: WithActions) {
           {where === "" && <p class="warning">▲ Nothing is played: the results say so of each trial.</p>}
           {where === "studio" && <p class="hint">{device.connection === "connected" ? "The studio lets go of its board for the session, and takes it back after." : "Connect to a board first: on the object's page, at the right."}</p>}
           {where !== "" && <p class="hint">Ultrasound at these levels is loud though inaudible, so keep ears away. STOP, and closing or leaving this page, end the session and turn the outputs off.</p>}
-          <button type="submit" class="play wide" disabled={!ready}>Begin, or go on</button>
-        </form>
+          <button type="button" class="play wide" disabled={!ready} onClick={begin}>Begin, or go on</button>
+        </>
       )}
     </Panel>
   );
@@ -98,11 +100,12 @@ function Session({ session, actions }: WithActions & { session: StudySession }) 
   const { now, of } = session;
   const place = useRef<HTMLDivElement>(null);
   const number = "number" in now ? now.number : 0;
-  // Who answers by keys finds the focus where the next answer goes.
-  useEffect(() => place.current?.querySelector<HTMLElement>("[data-focus]")?.focus(), [now.show, number]);
+  // Who answers by keys finds the focus where the next answer goes, at once: a key may come before the next picture is drawn.
+  useLayoutEffect(() => place.current?.querySelector<HTMLElement>("[data-focus]")?.focus(), [now.show, number]);
   const ended = now.show === "ended";
   const folder = state.studies.value?.folder;
   const complete = ended && now.code === 0;
+  const wrong = ended && now.code !== null && endings[now.code] === undefined;
   const done = complete ? session.trials : Math.min(session.trials, session.trial - 1);
   return (
     <section ref={place}>
@@ -115,12 +118,13 @@ function Session({ session, actions }: WithActions & { session: StudySession }) 
         {now.show === "rest" && <Resting until={now.until} />}
         {now.show === "ask" && <Asked key={now.number} question={now} wrong={session.wrong} actions={actions} />}
         {now.show === "ready" && <p><button type="button" class="play" data-focus onClick={() => actions.answer("")}>Begin the trial</button></p>}
-        {ended && <p tabIndex={-1} data-focus class={complete ? "good" : ""}>{now.code === null ? "The session was cut off. The same choice goes on with it." : (endings[now.code] ?? "The session ended with an error:")}</p>}
-        {ended && <p>Results: <code>{folder ? `${folder}/` : ""}{of.results}</code></p>}
+        {ended && <p tabIndex={-1} data-focus class={complete ? "good" : ""}>{now.code === null ? "The session was cut off. The same choice goes on with it." : (endings[now.code] ?? "The session ended with an error.")}</p>}
+        {wrong && <p class="wrong" role="alert">{session.notes.at(-1)}</p>}
+        {ended && !wrong && <p>Results: <code>{folder ? `${folder}/` : ""}{of.results}</code></p>}
       </div>
       {now.show === "ready" && <details><summary>For the experimenter: what is presented</summary><p>{now.presented}</p></details>}
-      {!ended && <p><button type="button" onClick={() => actions.leaveStudy()}>Stop for now</button></p>}
-      {ended && <p class="buttons"><button type="button" onClick={() => actions.beginStudy(of)} disabled={complete}>Go on</button><button type="button" onClick={() => actions.anotherStudy()}>Another session</button></p>}
+      {!ended && <p><button type="button" onClick={() => actions.leaveStudy()}>Pause the session</button></p>}
+      {ended && <p class="buttons"><button type="button" onClick={() => actions.beginStudy(of)} disabled={complete}>{wrong ? "Try again" : "Go on"}</button><button type="button" onClick={() => actions.anotherStudy()}>Another session</button></p>}
       {session.notes.length > 0 && <ul class="notes" aria-label="What the runner says">{session.notes.map((text, i) => <li key={i}>{text}</li>)}</ul>}
     </section>
   );
@@ -153,7 +157,7 @@ function Asked({ question, wrong, actions }: WithActions & { question: StudyQues
   const buttons: [string, string][] = scale ? Array.from({ length: to - from + 1 }, (_, i) => [String(from + i), ""]) : keys;
   // With a key that begins another one, a person could not say which is meant.
   const byKey = buttons.length > 0 && buttons.every(([key]) => key.length === 1);
-  useEffect(() => {
+  useLayoutEffect(() => {
     if (!byKey) return;
     const press = (event: KeyboardEvent): void => {
       if (event.ctrlKey || event.metaKey || event.altKey || event.repeat || !buttons.some(([key]) => key === event.key)) return;
