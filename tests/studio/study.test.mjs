@@ -83,6 +83,12 @@ const question = (page, words) => page.locator(".question", { hasText: words });
 const says = (page, words) => page.locator("#study", { hasText: words }).waitFor();
 const records = (path) => readFileSync(path, "utf8").trimEnd().split("\n").map((line) => JSON.parse(line));
 
+/** Waits until a trial may begin; a session that ends instead fails with what the page says of it. */
+async function begun(page) {
+  await trial(page).or(page.getByRole("button", { name: /^(Try again|Go on)$/ })).waitFor();
+  assert.ok(await trial(page).isVisible(), await page.locator("#study").innerText());
+}
+
 /** Answers a trial by keys alone. */
 async function byKeys(page, key) {
   await eventually(async () => (await trial(page).count()) === 1 && (await trial(page).evaluate((each) => each === document.activeElement)));
@@ -225,6 +231,7 @@ test("stimuli are played on the studio's board, which is lent and taken back", a
   await page.getByLabel("Stimuli").selectOption("studio");
   await begin(page);
   await boardSays(page, "lent to the study");
+  await begun(page);
   await trial(page).click();
   await question(page, "Which shape").waitFor();
   await page.keyboard.press("Escape");
