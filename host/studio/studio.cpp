@@ -78,7 +78,8 @@ public:
                        }}) {
         if (!options.project.empty()) scenes_.open(options.project);
         name_ = options.project.empty() ? "example" : options.project.filename().string();
-        folder_ = std::filesystem::absolute(options.project).parent_path();  // without a project, the present one
+        folder_ = options.project.empty() ? std::filesystem::current_path()
+                                          : std::filesystem::absolute(options.project).parent_path();
     }
 
     [[nodiscard]] std::uint16_t port() const { return server_.port(); }
