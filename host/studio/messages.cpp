@@ -45,6 +45,36 @@ public:
     [[nodiscard]] std::string text(const char* name) const {
         return get(name, has(name) && message_[name].is_string(), "text").get<std::string>();
     }
+    /// Text of at most so many bytes, without control characters unless they are `allowed`.
+    [[nodiscard]] std::string short_text(const char* name, std::size_t longest, std::string_view allowed = {}) const {
+        std::string found = text(name);
+        const bool controls = std::any_of(found.begin(), found.end(), [&](char each) {
+            return (static_cast<unsigned char>(each) < 32 || each == 127) &&
+                   allowed.find(each) == std::string_view::npos;
+        });
+        if (found.size() > longest || controls)
+            throw bad_input(type_, fmt::format("member '{}' has {} bytes{}; expected at most {}, and no control "
+                                               "characters",
+                                               name, found.size(), controls ? ", some of control" : "", longest));
+        return found;
+    }
+    /// Name of a file without a path: it can only be in the folder where it is looked for.
+    [[nodiscard]] std::string file_name(const char* name, std::string_view ending = {}) const {
+        std::string found = text(name);
+        const auto plain = [](char each) {
+            return (each >= 'a' && each <= 'z') || (each >= 'A' && each <= 'Z') || (each >= '0' && each <= '9') ||
+                   each == '_';
+        };
+        const bool right = !found.empty() && found.size() <= longest_name && plain(found.front()) &&
+                           found.ends_with(ending) && std::all_of(found.begin(), found.end(), [&](char each) {
+                               return plain(each) || each == '-' || each == '.';
+                           });
+        if (!right)
+            throw bad_input(type_, fmt::format("member '{}' is no name of a file{}{}; expected letters, digits, _, - "
+                                               "and ., beginning with a letter, a digit or _, {} at most",
+                                               name, ending.empty() ? "" : " that ends in ", ending, longest_name));
+        return found;
+    }
     [[nodiscard]] bool truth(const char* name) const {
         return get(name, has(name) && message_[name].is_boolean(), "true or false").get<bool>();
     }
@@ -177,6 +207,29 @@ Message read_message(std::string_view text) {
     if (type == "stream") {
         members.only({"n", "scene", "index"});
         return StreamMessage{members.whole("n"), members.text("scene"), members.whole("index")};
+    }
+    if (type == "studies") {
+        members.only({"n"});
+        return StudiesMessage{members.whole("n")};
+    }
+    if (type == "study") {
+        members.only({"n", "protocol", "participant", "seed", "results", "port"});
+        StudyMessage study{
+            members.whole("n"),    members.file_name("protocol"),          members.whole("participant"),
+            members.whole("seed"), members.file_name("results", ".jsonl"), members.short_text("port", longest_port)};
+        if (study.participant < 1 || study.participant > most_participant)
+            throw bad_input("message 'study'", fmt::format("member 'participant' is {}, expected 1 to {}",
+                                                           study.participant, most_participant));
+        return study;
+    }
+    if (type == "answer") {
+        members.only({"n", "number", "text"});
+        return AnswerMessage{members.whole("n"), members.whole("number"),
+                             members.short_text("text", longest_answer, "\n\t")};
+    }
+    if (type == "leave") {
+        members.only({"n"});
+        return LeaveMessage{members.whole("n")};
     }
     if (type == "stop") {
         members.only({"n"});

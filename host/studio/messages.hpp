@@ -79,6 +79,30 @@ struct StreamMessage {
     std::string scene;
     std::uint32_t index = 0;  ///< of a record, from 1 on
 };
+/// Tell which studies there are.
+struct StudiesMessage {
+    std::uint32_t n = 0;
+};
+/// Run a participant's session, or go on with it. The names are of files in the project's folder, without a path.
+struct StudyMessage {
+    std::uint32_t n = 0;
+    std::string protocol;  ///< a shipped one, or a file
+    std::uint32_t participant = 1, seed = 1;
+    std::string results;  ///< a file that ends in .jsonl
+    std::string port;     ///< that plays the stimuli; "studio": the one the studio is connected to; "": none
+};
+/// What a person did where the session waits.
+struct AnswerMessage {
+    std::uint32_t n = 0;
+    std::uint32_t number = 0;  ///< of what was waited for
+    std::string text;
+};
+/// Stop the session where it is; it goes on later.
+struct LeaveMessage {
+    std::uint32_t n = 0;
+};
+inline constexpr std::size_t longest_answer = 4000, longest_name = 100, longest_port = 200;  ///< bytes
+inline constexpr std::uint32_t most_participant = 100'000;
 /// Outputs off, ahead of everything.
 struct StopMessage {
     std::uint32_t n = 0;
@@ -88,9 +112,10 @@ struct BeatMessage {
     bool hidden = false;  ///< nobody sees it
 };
 
-using Message = std::variant<SceneMessage, SliceMessage, DrivesMessage, AnalyzeMessage, SimulateMessage, CancelMessage,
-                             PulsesMessage, ConnectMessage, DisconnectMessage, UploadMessage, PlayMessage,
-                             StreamMessage, StopMessage, BeatMessage>;
+using Message =
+    std::variant<SceneMessage, SliceMessage, DrivesMessage, AnalyzeMessage, SimulateMessage, CancelMessage,
+                 PulsesMessage, ConnectMessage, DisconnectMessage, UploadMessage, PlayMessage, StreamMessage,
+                 StudiesMessage, StudyMessage, AnswerMessage, LeaveMessage, StopMessage, BeatMessage>;
 
 /// Reads a message. A member that is missing, of another type, or unknown is an error, because page and server are
 /// always of one version.

@@ -59,21 +59,46 @@ Player::~Player() {
 }
 
 void Player::connect(const std::string& port) {
-    connect([port] { return link::open_port(port, link::PortSettings{}.baud); }, nullptr);
+    connect([port] { return link::open_port(port, link::PortSettings{}.baud); }, port, nullptr);
 }
 
 void Player::connect_virtual(std::uint32_t channels, const std::string& model) {
     auto board = std::make_shared<VirtualBoard>(channels, model);
-    connect([board] { return board->open(); }, board);
+    connect([board] { return board->open(); }, {}, board);
 }
 
-void Player::connect(std::function<std::unique_ptr<link::Transport>()> open, std::shared_ptr<VirtualBoard> board) {
+void Player::connect(Open open, std::string port, std::shared_ptr<VirtualBoard> board) {
     disconnect();
-    auto device = std::make_shared<link::DeviceThread>(
-        link::DeviceThread::Settings{.open = std::move(open), .told = settings_.told});
+    {
+        const std::lock_guard lock(mutex_);
+        open_ = std::move(open);
+        port_ = std::move(port);
+        board_ = std::move(board);
+    }
+    take_back();
+}
+
+void Player::take_back() {
+    auto device =
+        std::make_shared<link::DeviceThread>(link::DeviceThread::Settings{.open = open_, .told = settings_.told});
     const std::lock_guard lock(mutex_);
     device_ = std::move(device);
-    board_ = std::move(board);
+}
+
+VirtualBoard::Port Player::lend() {
+    stop();
+    std::shared_ptr<link::DeviceThread> device;
+    VirtualBoard::Port port;
+    {
+        const std::lock_guard lock(mutex_);
+        if (!device_) throw Error(ErrorCode::device, "board", "there is no connection; connect to a board first");
+        const auto found = board_ ? board_->port() : VirtualBoard::Port{port_, link::PortSettings{}.baud};
+        if (!found) throw Error(ErrorCode::device, "board", "the virtual board is still starting; wait for it");
+        port = *found;
+        device = std::move(device_);
+    }
+    device.reset();  // waits until the outputs are off
+    return port;
 }
 
 void Player::disconnect() {

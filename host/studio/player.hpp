@@ -41,6 +41,12 @@ public:
     void disconnect();
     [[nodiscard]] bool connected() const;
 
+    /// Turns the outputs off and lets go of the port, so that another program can have it until take_back().
+    /// @throws Error{device} without a connection, or while a virtual board is still starting
+    VirtualBoard::Port lend();
+    /// Connects again to the port that was lent.
+    void take_back();
+
     /// Brings a scene's image into the board's memories.
     /// @return the number by which the work is told of
     /// @throws Error{device} without a connection
@@ -66,7 +72,8 @@ private:
         std::uint64_t number = 0;
         std::uint64_t stops = 0;  ///< that there had been when it was asked for
     };
-    void connect(std::function<std::unique_ptr<link::Transport>()> open, std::shared_ptr<VirtualBoard> board);
+    using Open = std::function<std::unique_ptr<link::Transport>()>;
+    void connect(Open open, std::string port, std::shared_ptr<VirtualBoard> board);
     std::uint64_t ask(Work work);
     void run();
     void tell_progress(const char* name, std::uint64_t number, double fraction, std::string_view stage) const;
@@ -80,6 +87,8 @@ private:
     bool over_ = false;
     std::uint64_t stops_ = 0, asked_ = 0;
     std::shared_ptr<Scrub> scrub_;  // what a stream under way plays
+    Open open_;                     // of the present connection
+    std::string port_;              // of a board that is not ours
     std::shared_ptr<VirtualBoard> board_;
     std::shared_ptr<link::DeviceThread> device_;
     std::thread thread_;

@@ -29,6 +29,7 @@
 #include "pins.hpp"
 #include "player.hpp"
 #include "scenes.hpp"
+#include "study.hpp"
 #include "worker.hpp"
 
 extern char** environ;
@@ -77,6 +78,8 @@ public:
                        }}) {
         if (!options.project.empty()) scenes_.open(options.project);
         name_ = options.project.empty() ? "example" : options.project.filename().string();
+        folder_ = options.project.empty() ? std::filesystem::current_path()
+                                          : std::filesystem::absolute(options.project).parent_path();
     }
 
     [[nodiscard]] std::uint16_t port() const { return server_.port(); }
@@ -100,7 +103,8 @@ private:
         std::shared_ptr<const Pins> pins{};  ///< what was simulated last
     };
     struct Stop {
-        std::uint64_t page, number;  ///< number: of the DeviceThread
+        std::uint64_t page;
+        std::optional<std::uint64_t> number;  ///< of the DeviceThread; none: until the study has ended
         std::uint32_t n;
         Clock::time_point asked = Clock::now();
     };
@@ -123,7 +127,8 @@ private:
             return {.body = to_text({{"name", *name}})};
         }
         if (request.path == "/api/stop" && request.method == "POST") {
-            const bool connected = player_.stop().has_value();
+            const bool connected = player_.stop().has_value() || studying();
+            end_study();
             return {.body = to_text({{"connected", connected}})};
         }
         if (request.path == "/api/take") return take_away(request);
@@ -183,8 +188,10 @@ private:
         simulations_.forget(page.number());
         if (const auto visitor = visitors_.find(page.number()); visitor != visitors_.end())
             *visitor->second.analyzing = *visitor->second.simulating = false;
+        protocols_.forget(page.number());
         visitors_.erase(page.number());
         if (driver_ == page.number()) outputs_off("the page that drove the board was closed");
+        if (study_ && study_->page == page.number()) end_study();
     }
 
     void take(Page& page, const std::string& text) {
@@ -292,6 +299,7 @@ private:
 
     void act(Visitor& visitor, const ConnectMessage& message) {
         tell_failure(visitor.page, message.n, [&] {
+            require_own_port();
             if (message.port == "virtual" || message.port == "virtual-rtl")
                 player_.connect_virtual(scenes_.find(message.scene)->compiled.bundle.image.channels,
                                         message.port == "virtual" ? "reference" : "rtl");
@@ -303,10 +311,13 @@ private:
         });
     }
 
-    void act(Visitor&, const DisconnectMessage&) {
-        player_.disconnect();
-        driver_ = {};
-        broadcast(device_json());
+    void act(Visitor& visitor, const DisconnectMessage& message) {
+        tell_failure(visitor.page, message.n, [&] {
+            require_own_port();
+            player_.disconnect();
+            driver_ = {};
+            broadcast(device_json());
+        });
     }
 
     void act(Visitor& visitor, const UploadMessage& message) {
@@ -325,20 +336,144 @@ private:
     template <class Work>
     void drive(Visitor& visitor, std::uint32_t n, Work work) {
         tell_failure(visitor.page, n, [&] {
-            if (driver_ && *driver_ != visitor.page->number())
-                throw Error(ErrorCode::device, "board", "another page drives it; press STOP there or here first");
+            require_no_other_driver(visitor);
             driver_work_ = work();
             driver_ = visitor.page->number();
             visitor.hidden = {};
         });
     }
 
+    void require_no_other_driver(const Visitor& visitor) const {
+        if (driver_ && *driver_ != visitor.page->number())
+            throw Error(ErrorCode::device, "board", "another page drives it; press STOP there or here first");
+        if (studying()) throw Error(ErrorCode::device, "board", "a study plays; stop the study first");
+    }
+
     void act(Visitor& visitor, const StopMessage& message) {
         driver_ = {};
-        if (const auto number = player_.stop())
-            stops_.push_back({visitor.page->number(), *number, message.n});
+        const std::optional<std::uint64_t> number = player_.stop();
+        if (number || studying())
+            stops_.push_back({visitor.page->number(), studying() ? std::nullopt : number, message.n});
         else
-            visitor.page->send(to_text({{"t", "off"}, {"n", message.n}, {"confirmed", true}}));
+            tell_off({visitor.page->number(), {}, message.n}, true);
+        end_study();
+    }
+
+    // Studies. A page runs one; its participant's answers come from there alone.
+
+    /// Whether a session may have a board of its own playing.
+    [[nodiscard]] bool studying() const { return study_ && study_->plays; }
+
+    void end_study() {
+        if (study_) study_->session->end();
+    }
+
+    void require_own_port() const {
+        if (study_ && study_->borrowed)
+            throw Error(ErrorCode::device, "board", "a study plays on it; stop the study first");
+    }
+
+    void act(Visitor& visitor, const StudiesMessage& message) {
+        protocols_.ask(visitor.page->number(), [this, page = visitor.page, n = message.n] {
+            tell_failure(page, n, [&] {
+                page->send(to_text({{"t", "studies"},
+                                    {"n", n},
+                                    {"folder", folder_.string()},
+                                    {"protocols", study_protocols(folder_)}}));
+            });
+        });
+    }
+
+    void act(Visitor& visitor, const StudyMessage& message) {
+        tell_failure(visitor.page, message.n, [&] {
+            if (study_) throw Error(ErrorCode::failed, "study", "one is under way; stop it first");
+            UnderWay next{.page = visitor.page->number(), .number = ++study_number_};
+            std::optional<StudyPort> port;
+            if (!message.port.empty()) {
+                require_no_other_driver(visitor);
+                next.plays = true;
+                next.borrowed = message.port == "studio";
+                if (!next.borrowed && player_.connected() && message.port == port_)
+                    throw Error(ErrorCode::device, message.port, "the studio has this port; choose the studio's board");
+                port = StudyPort{message.port, link::PortSettings{}.baud};
+            }
+            // Before the port is lent, as it may fail.
+            Child::Command command = study_command(message, folder_, port);
+            if (next.borrowed) {
+                const VirtualBoard::Port lent = player_.lend();
+                command = study_command(message, folder_, StudyPort{lent.name, lent.baud});
+            }
+            next.session = std::make_unique<Study>(std::move(command), study_settings(next.number));
+            study_ = std::move(next);
+            if (study_->plays) {
+                driver_ = {};
+                player_.stop();  // one thing plays at a time, so that one page is watched
+            }
+            if (study_->borrowed) broadcast(device_json());
+            tell_study({{"show", "begun"}, {"n", message.n}});
+        });
+    }
+
+    /// While a trial's questions are asked its stimulus plays: then the page must be alive and in sight, as one that
+    /// plays. At other times the outputs are off.
+    void watch_study(const ordered_json& shown) {
+        if (!study_->plays || shown["show"] == "note" || shown["show"] == "wrong") return;
+        driver_ = {};
+        const auto visitor = visitors_.find(study_->page);
+        if (shown["show"] != "ask" || visitor == visitors_.end()) return;
+        driver_ = study_->page;
+        driver_work_ = 0;  // none of the player's
+        visitor->second.hidden = {};
+    }
+
+    [[nodiscard]] Study::Settings study_settings(std::uint64_t number) {
+        return {.shown =
+                    [this, number](ordered_json shown) {
+                        server_.post([this, number, shown = std::move(shown)]() mutable {
+                            if (!study_ || study_->number != number) return;
+                            watch_study(shown);
+                            tell_study(std::move(shown));
+                        });
+                    },
+                .ended =
+                    [this, number](std::optional<int> code) {
+                        server_.post([this, number, code] {
+                            if (study_ && study_->number == number) study_ended(code);
+                        });
+                    }};
+    }
+
+    void act(Visitor& visitor, const AnswerMessage& message) {
+        if (study_ && study_->page == visitor.page->number()) study_->session->answer(message.number, message.text);
+    }
+
+    void act(Visitor& visitor, const LeaveMessage&) {
+        if (study_ && study_->page == visitor.page->number()) study_->session->leave();
+    }
+
+    void tell_study(ordered_json shown) {
+        const auto visitor = visitors_.find(study_->page);
+        if (visitor == visitors_.end()) return;
+        visitor->second.page->send(to_text({{"t", "study"}, {"shown", std::move(shown)}}));
+    }
+
+    void study_ended(std::optional<int> code) {
+        tell_study({{"show", "ended"}, {"code", code ? ordered_json(*code) : ordered_json()}});
+        const bool borrowed = study_->borrowed;
+        if (studying() && driver_ == study_->page) driver_ = {};
+        study_.reset();
+        if (borrowed) {
+            state_ = {};
+            player_.take_back();
+            broadcast(device_json());
+        }
+        // Its runner turned the outputs off before it ended. Of one that was killed the board's watchdog does it, and
+        // nobody says so.
+        std::erase_if(stops_, [&](const Stop& stop) {
+            if (stop.number) return false;
+            tell_off(stop, code.has_value());
+            return true;
+        });
     }
 
     void act(Visitor& visitor, const BeatMessage& message) {
@@ -351,6 +486,7 @@ private:
     // The board.
 
     [[nodiscard]] ordered_json device_json() const {
+        if (study_ && study_->borrowed) return {{"t", "device"}, {"connection", "lent"}, {"port", port_}};
         if (!player_.connected()) return {{"t", "device"}, {"connection", "none"}};
         ordered_json json{{"t", "device"}, {"connection", to_string(state_.connection)}, {"port", port_}};
         if (state_.connection != link::Connection::connecting) {
@@ -364,7 +500,7 @@ private:
     void tell(const link::DeviceState& state) {
         state_ = state;
         std::erase_if(stops_, [&](const Stop& stop) {
-            if (state.confirmed < stop.number) return false;
+            if (!stop.number || state.confirmed < *stop.number) return false;
             tell_off(stop, true);
             return true;
         });
@@ -385,6 +521,7 @@ private:
     void outputs_off(const std::string& why) {
         driver_ = {};
         player_.stop();
+        if (studying()) end_study();
         broadcast({{"t", "notice"}, {"message", "Outputs off: " + why + "."}});
     }
 
@@ -410,8 +547,17 @@ private:
         for (const auto& [number, visitor] : visitors_) visitor.page->send(to_text(message));
     }
 
+    /// A study under way.
+    struct UnderWay {
+        std::uint64_t page = 0, number = 0;
+        bool plays = false;     ///< on a board
+        bool borrowed = false;  ///< that is the studio's
+        std::unique_ptr<Study> session{};
+    };
+
     Assets assets_;
     std::string name_;
+    std::filesystem::path folder_;  // of the project: where protocols and results are
     Scenes scenes_;
     Server server_;
     std::map<std::uint64_t, Visitor> visitors_;
@@ -423,7 +569,9 @@ private:
     Player player_;  // after what it tells of
     std::atomic<bool> over_ = false;
     std::uint64_t field_number_ = 0;
-    Worker slices_, compilers_, fields_, analyses_, simulations_;
+    Worker slices_, compilers_, fields_, analyses_, simulations_, protocols_;
+    std::uint64_t study_number_ = 0;
+    std::optional<UnderWay> study_;  // the last, so that it ends before the board that it may play on
 };
 
 std::filesystem::path built_page(std::string& looked_in) {

@@ -30,4 +30,9 @@ std::unique_ptr<link::Transport> VirtualBoard::open(std::chrono::milliseconds pa
     return link::open_port(port_->name, port_->baud);
 }
 
+std::optional<VirtualBoard::Port> VirtualBoard::port() const {
+    const std::lock_guard lock(mutex_);
+    return port_;
+}
+
 }  // namespace haptogram::studio

@@ -25,14 +25,16 @@ public:
     [[nodiscard]] std::unique_ptr<link::Transport> open(
         std::chrono::milliseconds patience = std::chrono::milliseconds(200));
 
-private:
     struct Port {
         std::string name;
         std::uint32_t baud;
     };
+    /// Where it is; none while it is still starting.
+    [[nodiscard]] std::optional<Port> port() const;
 
+private:
     Child child_;
-    std::mutex mutex_;
+    mutable std::mutex mutex_;
     std::optional<Port> port_;
     std::string text_;
 };

@@ -95,6 +95,7 @@ def test_the_installed_studio_has_its_page(package, work):
         assert json.loads(studio_address(package / "bin/haptogram"))["page"] is False
         return
     assert json.loads(studio_address(package / "bin/haptogram"))["page"] is True
+    assert (package / "share/haptogram/python/haptogram/study/protocols/haptogram_shapes.toml").is_file(), "the runner of studies"
     moved = work / "moved"
     shutil.copytree(package / "bin", moved / "bin")
     shutil.copytree(package / page, moved / page)

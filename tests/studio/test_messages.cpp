@@ -25,6 +25,9 @@ T at(const std::vector<std::uint8_t>& bytes, std::size_t place) {
 const std::string slice_text =
     R"({"t":"slice","n":7,"scene":"abc","origin":[-80,-80,130],"u":[160,0,0],"v":[0,160,0],"width":200,"height":100,"record":5,"view":2})";
 
+const std::string study_text =
+    R"({"t":"study","n":1,"protocol":"haptogram_shapes","participant":3,"seed":7,"results":"p3.jsonl","port":"/dev/ttyUSB0"})";
+
 }  // namespace
 
 TEST_CASE("studio messages: every kind is read, lengths become metres") {
@@ -57,6 +60,18 @@ TEST_CASE("studio messages: every kind is read, lengths become metres") {
     const auto stream = std::get<StreamMessage>(read_message(R"({"t":"stream","n":5,"scene":"s","index":3})"));
     CHECK(stream.scene == "s");
     CHECK(stream.index == 3);
+    CHECK(std::get<StudiesMessage>(read_message(R"({"t":"studies","n":11})")).n == 11);
+    const auto study = std::get<StudyMessage>(read_message(study_text));
+    CHECK(study.protocol == "haptogram_shapes");
+    CHECK(study.participant == 3);
+    CHECK(study.seed == 7);
+    CHECK(study.results == "p3.jsonl");
+    CHECK(study.port == "/dev/ttyUSB0");
+    const auto answer =
+        std::get<AnswerMessage>(read_message(R"({"t":"answer","n":12,"number":5,"text":"soft\nand ü"})"));
+    CHECK(answer.number == 5);
+    CHECK(answer.text == "soft\nand ü");
+    CHECK(std::get<LeaveMessage>(read_message(R"({"t":"leave","n":13})")).n == 13);
     CHECK(std::get<StopMessage>(read_message(R"({"t":"stop","n":4294967295})")).n == 4294967295);
     CHECK(std::get<BeatMessage>(read_message(R"({"t":"beat","hidden":true})")).hidden);
 }
@@ -96,6 +111,43 @@ TEST_CASE("studio messages: bad ones are refused by name") {
         INFO(text);
         CHECK_THROWS_WITH(read_message(text), Contains(message));
     }
+}
+
+TEST_CASE("studio messages: a study's files are in the project's folder, and its texts are short") {
+    const auto with = [](const char* name, const nlohmann::json& value) {
+        nlohmann::json message = nlohmann::json::parse(study_text);
+        message[name] = value;
+        return message.dump();
+    };
+    for (const char* name : {"", ".", "..", "../a.toml", "a/b.toml", "/etc/passwd", ".a.toml", "-o", "--help",
+                             "a b.toml", "a\n.toml", "a\\b.toml", "ä.toml"}) {
+        INFO(name);
+        CHECK_THROWS_WITH(read_message(with("protocol", name)), Contains("'protocol' is no name of a file"));
+        CHECK_THROWS_WITH(read_message(with("results", std::string(name) + ".jsonl/")),
+                          Contains("'results' is no name"));
+    }
+    for (const char* name : {"p3.json", "p3", "jsonl", "/p3.jsonl", ".jsonl", "../p3.jsonl", "-p3.jsonl"}) {
+        INFO(name);
+        CHECK_THROWS_WITH(read_message(with("results", name)), Contains("that ends in .jsonl"));
+    }
+    CHECK_NOTHROW(read_message(with("protocol", std::string(100, 'a'))));
+    CHECK_THROWS_WITH(read_message(with("protocol", std::string(101, 'a'))), Contains("100 at most"));
+    CHECK_NOTHROW(read_message(with("port", "")));
+    CHECK_THROWS_WITH(read_message(with("port", std::string(201, 'a'))), Contains("201 bytes"));
+    CHECK_THROWS_WITH(read_message(with("port", "a\nb")), Contains("control"));
+    CHECK_THROWS_WITH(read_message(with("participant", 0)), Contains("expected 1 to 100000"));
+    CHECK_THROWS_WITH(read_message(with("participant", 100001)), Contains("expected 1 to 100000"));
+    CHECK_THROWS_WITH(read_message(with("seed", -1)), Contains("'seed' is missing or not a whole number"));
+    CHECK_THROWS_WITH(read_message(with("observer", "page")), Contains("unknown member 'observer'"));
+    const auto answer = [](const std::string& text) {
+        return nlohmann::json{{"t", "answer"}, {"n", 1}, {"number", 1}, {"text", text}}.dump();
+    };
+    CHECK_NOTHROW(read_message(answer(std::string(4000, 'a'))));
+    CHECK_THROWS_WITH(read_message(answer(std::string(4001, 'a'))), Contains("4001 bytes"));
+    CHECK_THROWS_WITH(read_message(answer(std::string("a\0b", 3))), Contains("control"));
+    CHECK_THROWS_WITH(read_message(answer("\x1b[2J")), Contains("control"));
+    CHECK_THROWS_WITH(read_message(R"({"t":"leave","n":1,"now":true})"), Contains("unknown member 'now'"));
+    CHECK_THROWS_WITH(read_message(R"({"t":"studies"})"), Contains("'n' is missing"));
 }
 
 TEST_CASE("studio messages: text that was damaged is read or refused, and nothing else") {

@@ -19,6 +19,8 @@ import { look, quantities } from "./quantity";
 import { Shape } from "./shape";
 import { Slicer } from "./slicer";
 import { type Actions, shownRecord, state } from "./state";
+import { StudyPage } from "./study";
+import { StudyReader } from "./study_reader";
 import { Runner, Timeline } from "./timeline";
 import { View } from "./view";
 
@@ -42,6 +44,7 @@ export function start(link: Link): void {
   const drives = new Latest<true>(link);
   const comparer = new Comparer(link, () => slicer.ask(false));
   const pins = new PinReader(link);
+  const study = new StudyReader(link);
   const runner = new Runner((at) => mark(at));
   let analysed: { n: number; scene: string } | undefined; // that was asked for last
 
@@ -113,6 +116,7 @@ export function start(link: Link): void {
       drives.lose();
       comparer.lose();
       pins.lose();
+      study.lose();
       void begin().catch(wrong);
     } else if (event.t === "lost") {
       state.device.value = { t: "device", connection: "none" };
@@ -155,7 +159,12 @@ export function start(link: Link): void {
       host.dataset["slices"] = String(slicer.shown);
     } else if (event.t === "device") {
       state.device.value = event;
+    } else if (event.t === "studies") {
+      study.came(event.n, event);
+    } else if (event.t === "study") {
+      study.show(event.shown);
     } else if (event.t === "failed") {
+      if (study.fail(event.n, event.error)) return;
       if (comparer.failed(event.n)) return;
       pins.fail(event.n);
       if (!sceneCame(event.n) && !drives.came(event.n) && slicer.fail(event.n) && state.showsKept.peek()) return comparer.resend();
@@ -269,6 +278,17 @@ export function start(link: Link): void {
       if (!on && state.drives.value) view?.showDrives(state.drives.value);
       slicer.ask(false);
     },
+    study(on) {
+      state.studying.value = on;
+      if (on) study.list();
+    },
+    beginStudy: (choice) => study.begin(choice),
+    answer: (text) => study.answer(text),
+    leaveStudy: () => study.leave(),
+    anotherStudy() {
+      state.session.value = undefined;
+      study.list();
+    },
     paint: () => view?.paint(),
   };
 
@@ -295,9 +315,12 @@ export function start(link: Link): void {
         <Numbers />
       </aside>
       <Status />
+      <StudyPage actions={actions} />
     </>,
     host,
   );
+
+  effect(() => void host.classList.toggle("studying", state.studying.value));
 
   const place = document.getElementById("view");
   if (place) {

@@ -8,6 +8,7 @@ import { type Actions, state } from "./state";
 function boardWords(device: Device): string {
   if (device.connection === "none") return "Board: none";
   const name = device.port === "virtual" ? "virtual board" : device.port === "virtual-rtl" ? "virtual board of Verilog" : `board at ${device.port ?? ""}`;
+  if (device.connection === "lent") return `Board: ${name}, lent to the study`;
   if (device.connection !== "connected") return `Board: ${name}, ${device.connection === "lost" ? "connection lost" : "connecting…"}`;
   const status = device.status;
   return `Board: ${name}, outputs ${status?.outputs === "on" ? "ON" : "off"}${status?.mode === "idle" ? "" : `, ${status?.mode ?? ""}`}`;

@@ -83,11 +83,43 @@ export interface Failure {
 
 export interface Device {
   t: "device";
-  connection: "none" | "connecting" | "connected" | "lost";
+  connection: "none" | "connecting" | "connected" | "lost" | "lent";
   port?: string;
   identity?: { name: string; channels: number; records: number };
   status?: { outputs: "on" | "off"; mode: string; index: number; watchdog_trips: number; underruns: number };
   trouble?: string;
+}
+
+/** The studies there are: shipped ones by name, and the protocols in the project's folder by file. */
+export interface Studies {
+  folder: string;
+  protocols: Record<string, { title: string; source: string; trials: number; participants: number; playable: boolean } | { error: string }>;
+}
+
+/** What the runner of a study wants to be shown; ../../README.md has the table. */
+export type StudyShown =
+  | { show: "begun"; n: number }
+  | { show: "tell"; text: string }
+  | { show: "ready"; number: number; trial: number; of: number; presented: string }
+  | StudyQuestion
+  | { show: "wrong"; number: number; text: string }
+  | { show: "late" }
+  | { show: "rest"; seconds: number }
+  | { show: "note"; text: string }
+  | { show: "ended"; code: number | null };
+
+export interface StudyQuestion {
+  show: "ask";
+  number: number;
+  trial: number;
+  of: number;
+  text: string;
+  kind: "choice" | "yes-no" | "scale" | "number" | "text";
+  keys: [string, string][];
+  from: number | null;
+  to: number | null;
+  whole: boolean;
+  limit_s: number | null;
 }
 
 export interface Hello {
@@ -143,6 +175,8 @@ export type Event =
   | { t: "stopped"; work: string; number: number }
   | { t: "failed"; n?: number; work?: string; number?: number; error: Failure }
   | { t: "error"; error: Failure }
+  | ({ t: "studies"; n: number } & Studies)
+  | { t: "study"; shown: StudyShown }
   | { t: "off"; n: number; confirmed: boolean }
   | { t: "notice"; message: string };
 

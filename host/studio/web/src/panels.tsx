@@ -27,6 +27,7 @@ export function Tools({ actions }: WithActions) {
       <button type="button" disabled={!canUndo.value} onClick={undo} title="Undo (Ctrl+Z)">↶ Undo</button>
       <button type="button" disabled={!canRedo.value} onClick={redo} title="Redo (Ctrl+Shift+Z)">↷ Redo</button>
       <button type="button" onClick={toggle}>◐ Theme</button>
+      <button type="button" aria-pressed={state.studying.value} disabled={state.session.value !== undefined && state.session.value.now.show !== "ended"} onClick={() => actions.study(!state.studying.value)}>Study</button>
     </>
   );
 }

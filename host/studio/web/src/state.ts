@@ -2,7 +2,7 @@
 // What the page knows, as the server told it, and what its panels can ask for.
 import { computed, signal } from "@preact/signals";
 import type { ProjectDocument } from "./document";
-import type { Analysis, Device, Drawn, Drives, Event, Failure, Hello, PinReport, Point, PulseWindow, Scene, SliceData } from "./link";
+import type { Analysis, Device, Drawn, Drives, Event, Failure, Hello, PinReport, Point, PulseWindow, Scene, SliceData, Studies, StudyQuestion } from "./link";
 import type { Edges, Orientation } from "./view";
 
 /** What the handles in the view do. */
@@ -21,6 +21,34 @@ export interface Profile {
   to: Point;
   skinPerSquare: number;
   values: Float32Array;
+}
+
+/** What is chosen of a session before it begins. */
+export interface StudyChoice {
+  protocol: string;
+  participant: number;
+  seed: number;
+  results: string;
+  /** "": nothing is played; "studio": the board that the studio is connected to */
+  port: string;
+}
+
+/** A participant's session: what its runner has shown last. */
+export interface StudySession {
+  of: StudyChoice;
+  now:
+    | { show: "starting" | "working" }
+    | { show: "ready"; number: number; presented: string }
+    | StudyQuestion
+    | { show: "rest"; until: number }
+    | { show: "ended"; code: number | null };
+  /** what was told since the last answer */
+  texts: string[];
+  /** what the runner says beside, as in a terminal */
+  notes: string[];
+  wrong: string;
+  trial: number;
+  trials: number;
 }
 
 export const state = {
@@ -62,6 +90,12 @@ export const state = {
   showsKept: signal(false),
   /** What was simulated last, of which scene, and the pulses of the marked record. */
   pins: signal<{ underWay: boolean; scene?: string; report?: PinReport; window?: PulseWindow | undefined }>({ underWay: false }),
+  /** Whether the page of studies is shown, which studies there are, and the session that runs or has ended. */
+  studying: signal(false),
+  studies: signal<Studies | undefined>(undefined),
+  session: signal<StudySession | undefined>(undefined),
+  /** Why studies cannot be run, or the last session could not begin. */
+  studyFailure: signal<Failure | undefined>(undefined),
   /** Of the present scene and of the kept one. */
   profiles: signal<{ now: Profile | undefined; kept: Profile | undefined }>({ now: undefined, kept: undefined }),
 };
@@ -98,5 +132,14 @@ export interface Actions {
   /** Asks for the pulses of the marked record, for so many carrier periods. */
   showPulses(periods: number): void;
   showKept(on: boolean): void;
+  /** Shows the page of studies in place of the object, or the object again. */
+  study(on: boolean): void;
+  beginStudy(choice: StudyChoice): void;
+  /** Answers what the session waits for. */
+  answer(text: string): void;
+  /** Stops the session where it is; it goes on later. */
+  leaveStudy(): void;
+  /** Back to the choice of a session. */
+  anotherStudy(): void;
   paint(): void;
 }

@@ -4,6 +4,7 @@ import argparse
 import json
 import os
 import platform
+import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -14,7 +15,7 @@ from ..cli import Parser, whole
 from ..errors import ErrorCode, HaptogramError
 from . import protocol as protocols
 from . import results
-from .asking import Keyboard, Observer, Stopped
+from .asking import Keyboard, Observer, Page, Stopped
 from .observers import simulated
 from .protocol import Protocol
 from .session import Session
@@ -29,11 +30,21 @@ def say(text: str) -> None:
 
 def list_command(options: argparse.Namespace) -> int:
     found = {name: protocols.read(path) for name, path in protocols.shipped().items()}
+    bad: dict[str, str] = {}
+    for name, path in protocols.in_folder(Path(options.folder)).items() if options.folder else ():
+        try:
+            found[name] = protocols.read(path)
+        except HaptogramError as error:
+            bad[name] = str(error)
     if options.json:
-        print(json.dumps({name: {"title": p.title, "source": p.source, "trials": p.trials, "participants": p.participants} for name, p in found.items()}, indent=1))
+        good = {name: {"title": p.title, "source": p.source, "trials": p.trials, "participants": p.participants, "playable": bool(p.stimulus.compile)}
+                for name, p in found.items()}  # fmt: skip
+        print(json.dumps(good | {name: {"error": error} for name, error in bad.items()}, indent=1))
     else:
         for name, p in found.items():
             print(f"{name:22} {p.participants:3} people × {p.trials:3} {'runs  ' if p.staircase else 'trials'}  {p.title} ({p.source})")
+        for error in bad.values():
+            say(error)
     return 0
 
 
@@ -65,9 +76,23 @@ def _versions(presenter: Presenter) -> dict[str, str]:
     return found
 
 
+def _observer(options: argparse.Namespace, protocol: Protocol) -> Observer:
+    if options.observer == "keyboard":
+        return Keyboard()
+    if options.observer == "page":
+        return Page(protocol.trials)
+    return simulated(protocol, options.observer)
+
+
+def _end(number: int, frame: object) -> None:
+    """The program that shows the page ends a session as Ctrl-C does: outputs off, and results that can be gone on with."""
+    signal.signal(number, signal.SIG_IGN)  # once is enough
+    raise KeyboardInterrupt
+
+
 def run_command(options: argparse.Namespace) -> int:
     protocol = protocols.read(protocols.find(options.protocol))
-    observer: Observer = Keyboard() if options.observer == "keyboard" else simulated(protocol, options.observer)
+    observer = _observer(options, protocol)
     with results.ResultsFile(Path(options.output)) as file:
         if file.moved:
             say(f"{options.output}: its last line was not complete; it is now in {file.moved}, and its trial is asked again")
@@ -83,6 +108,7 @@ def run_command(options: argparse.Namespace) -> int:
                 observer.tell(text)
         session = Session(protocol, options.participant, options.seed, observer, presenter, file.append, before=same, versions=_versions(presenter))
         try:
+            signal.signal(signal.SIGTERM, _end)
             session.run()
         except (Stopped, KeyboardInterrupt):
             say(f"{options.output}: stopped after {session.asked} more answers; the same command goes on with it")
@@ -161,7 +187,9 @@ def parser() -> Parser:
     def json_option(command: Parser) -> None:
         command.add_argument("--json", action="store_true", help="print as JSON")
 
-    json_option(add("list", list_command, "print the shipped protocols"))
+    listing = add("list", list_command, "print the shipped protocols, and those of a folder")
+    listing.add_argument("--folder", help="also the protocols of this folder")
+    json_option(listing)
     check = add("check", check_command, "say whether protocols make sense")
     check.add_argument("protocols", nargs="+", metavar="PROTOCOL", help="file, or name of a shipped protocol")
     run = add("run", run_command, "run a participant's session, or go on with it")
@@ -169,7 +197,7 @@ def parser() -> Parser:
     run.add_argument("--participant", type=whole(1, 100_000), required=True, help="number of the participant, from 1; it decides the orders")
     run.add_argument("--seed", type=whole(0, 2**63), default=1, help="of all random numbers (1)")
     run.add_argument("-o", "--output", required=True, help="results, JSON lines; an unfinished session in it goes on")
-    run.add_argument("--observer", default="keyboard", help="keyboard, simulated:protocol, simulated:chance or simulated:FILE.toml")
+    run.add_argument("--observer", default="keyboard", help="keyboard, page (lines of JSON, for a program that shows them), simulated:protocol, simulated:chance or simulated:FILE.toml")
     run.add_argument("--port", help="serial port of the board that plays the stimuli; without one nothing is played")
     run.add_argument("--baud", type=whole(300, 12_000_000), default=1_000_000, help="its rate")
     run.add_argument("--images", help="folder of the stimuli's images (with --port: study-images); without a port they are compiled only")

@@ -248,7 +248,10 @@ class Simulated:
     def tell(self, text: str) -> None:
         pass
 
-    def ready(self) -> None:
+    def ready(self, occasion: Occasion, presented: str) -> None:
+        pass
+
+    def rest(self, seconds: float) -> None:
         pass
 
     def ask(self, question: Question, occasion: Occasion) -> tuple[Answer, float]:
@@ -261,7 +264,7 @@ def simulated(protocol: Protocol, name: str) -> Simulated:
     """`simulated:protocol`, with the protocol's own models, `simulated:chance`, which guesses, or `simulated:FILE.toml`."""
     kind, _, which = name.partition(":")
     if kind != "simulated" or not which:
-        raise HaptogramError(ErrorCode.USAGE, "--observer", f"found {name!r}, expected keyboard, simulated:protocol, simulated:chance or simulated:FILE.toml")
+        raise HaptogramError(ErrorCode.USAGE, "--observer", f"found {name!r}, expected keyboard, page, simulated:protocol, simulated:chance or simulated:FILE.toml")
     if which == "chance":
         return Simulated(name, {q.name: _guess(q) for q in protocol.questions})
     if which == "protocol":

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A protocol says what a study does: factors and orders, stimuli, questions, rests, staircases, and how its answers are analysed. It is a
 TOML file; README.md describes its keys. The reader is strict: a message names file and key, what was found and what was expected."""
+import contextlib
 import hashlib
 import json
 import math
@@ -17,6 +18,7 @@ from .tables import Table
 
 FORMAT = "haptogram-protocol-1"
 SHIPPED = Path(__file__).parent / "protocols"
+CLAIM = re.compile(rb'^\s*format\s*=\s*"haptogram-protocol-', re.MULTILINE)
 NAME = re.compile(r"[a-z][a-z0-9_]*")
 PLACEHOLDER = re.compile(r"\{([^{}]*)\}")
 ORDERS = ("fixed", "random", "latin-square")
@@ -174,6 +176,22 @@ class Protocol:
 def shipped() -> dict[str, Path]:
     """The protocols of the package, by name."""
     return {path.stem: path for path in sorted(SHIPPED.glob("*.toml"))}
+
+
+def _beginning(path: Path) -> bytes:
+    with path.open("rb") as file:
+        return file.read(tables.LARGEST_FILE)
+
+
+def in_folder(folder: Path) -> dict[str, Path]:
+    """The files of a folder that say that they are protocols, by name; whether they make sense, read() says."""
+    found = {}
+    for path in sorted(folder.glob("*.toml")):
+        with contextlib.suppress(OSError):
+            # A pipe or a device would keep us waiting.
+            if path.is_file() and CLAIM.search(_beginning(path)):
+                found[path.name] = path
+    return found
 
 
 def find(name: str) -> Path:

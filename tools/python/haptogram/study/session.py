@@ -89,12 +89,12 @@ class Session:
         begun = time.monotonic()
         self.observer.tell(f"Trial {cell.number} of {len(self.cells)}" + (f", level {step}" if stairs else ""))
         stimulus = self.presenter.prepare(values)
-        self.observer.ready()
+        occasion = Occasion(self.participant, self.seed, cell, level, ("trial", cell.number, step))
+        self.observer.ready(occasion, fill(self.protocol.stimulus.text, values))
         answers = {}
         self.presenter.start()
         try:
             for question in questions:
-                occasion = Occasion(self.participant, self.seed, cell, level, ("trial", cell.number, step))
                 answers[question.name] = judged(question, *self.observer.ask(question, occasion), values)
         finally:
             self.presenter.stop()
@@ -157,9 +157,8 @@ class Session:
             self._pause(rest.after_trial_s)
 
     def _pause(self, seconds: float) -> None:
-        if seconds and self.observer.waits:
-            self.observer.tell(f"Rest for {seconds:g} s.")
-            time.sleep(seconds)
+        if seconds:
+            self.observer.rest(seconds)
 
 
 __all__ = ["Record", "Session", "Stopped"]
