@@ -81,6 +81,7 @@ void Child::start(const std::string& name, const Command& command, int input, in
         if (input >= 0) ::dup2(input, STDIN_FILENO);
         ::dup2(pipe[1], STDOUT_FILENO);
         ::dup2(pipe[1], STDERR_FILENO);
+        ::close_range(3, ~0U, 0);  // at once: until exec a port of ours would be locked
         if (folder.empty() || ::chdir(folder.c_str()) == 0) ::execve(arguments[0], arguments.data(), variables.data());
         ::_exit(127);
     }

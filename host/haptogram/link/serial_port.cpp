@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptogram/link/serial_port.hpp"
 
+#include <fcntl.h>
 #include <fmt/core.h>
 #include <poll.h>
 #include <sys/file.h>
@@ -43,6 +44,8 @@ SerialPort::SerialPort(const std::string& path, std::uint32_t baud) : port_(std:
     if (error)
         throw port_->error(
             fmt::format("cannot be opened: {}; 'haptogram device list' shows the ports", error.message()));
+    // A program that this one starts would have the port, and the lock, for as long as it runs.
+    ::fcntl(serial.native_handle(), F_SETFD, FD_CLOEXEC);
     // The lock lasts until the port is closed or this process ends, in whatever way.
     if (::flock(serial.native_handle(), LOCK_EX | LOCK_NB) != 0)
         throw port_->error("another program is using it; end that one first");
