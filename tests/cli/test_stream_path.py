@@ -22,6 +22,13 @@ def at_the_pins(folder, image, command):
     return said, rows[np.lexsort(rows.T)]
 
 
+def only_in(some, others):
+    """The periods and indices of pulses that others do not have, for a message."""
+    known = set(map(tuple, others))
+    missing = [row for row in map(tuple, some) if row not in known]
+    return f"{len(missing)} pulses in periods and indices {sorted({(int(row[1]) // PERIOD, int(row[3])) for row in missing})[:20]}"
+
+
 def ring(count, radius=20):
     return [(radius * np.cos(2 * np.pi * i / count), radius * np.sin(2 * np.pi * i / count), 120, 1.0) for i in range(count)]
 
@@ -45,7 +52,7 @@ def test_a_path_makes_the_same_pulses_from_memory_and_live(board, modulation, lo
     assert played["underruns"] == streamed["underruns"] == 0
     assert streamed["sent"] == loops * len(entries_of(tmp_path, "held.hex"))
     assert len(memory) > 500 and len(set(memory[:, 3])) > 8
-    assert np.array_equal(memory, live), f"{len(memory)} and {len(live)} pulses"
+    assert np.array_equal(memory, live), f"{len(memory)} and {len(live)} pulses; {only_in(memory, live)} | {only_in(live, memory)}"
 
 
 def entries_of(folder, image):
