@@ -45,7 +45,7 @@ mutants: deep-build ## would the tests notice a fault in the RTL; not part of `m
 	@ctest --preset deep -R '^mutation$$' --output-on-failure
 
 # The contracts' cases again, on the netlists of a small core and of the core as it is placed for a board, which must be within its
-# budget; what the cases reach of the RTL; every reader and parser under a fuzzer. An hour on two slow cores, so it is not part of `make test`.
+# budget; what the cases reach of the RTL; every reader and parser under a fuzzer. All of it takes longer than `make test`, so it is not part of that.
 deep: deep-build ## netlists, budgets, coverage, fuzzers, long proofs and planted bugs; not part of `make test`
 	@ctest --preset deep -j 2 -E '^mutation$$'
 

@@ -135,7 +135,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", metavar="NAME", action="append", help="this proof (may be repeated)")
     parser.add_argument("--part", choices=("all", "quick", "rest"), default="all",
-                        help="quick: the proofs that take a minute at most; rest: the others, and the planted bugs of all (all)")  # fmt: skip
+                        help="quick: without the proofs that proofs.toml calls long; rest: the others, and the planted bugs of all (all)")  # fmt: skip
     parser.add_argument("--jobs", metavar="N", type=int, default=2, help="solvers at a time (2)")
     parser.add_argument("--build", metavar="DIR", type=Path, default=ROOT / "build" / "formal", help="working folder")
     options = parser.parse_args()
