@@ -4,7 +4,8 @@
 //
 // A command strobe changes the mode at once and raises o_preempt for one clock. Then the memory controller drops what it has
 // prepared, and the cycle controller changes at the next cycle boundary. When a selected index or a sequence has ended, one
-// last entry is offered: silence for ever. Sequence entries are fetched ahead and take 3 clocks each. o_entry/i_take is
+// last entry is offered: silence for ever. o_mode stays until that is taken, which is when the last index that is to be heard begins
+// to play; so whoever reads that nothing plays and that the mode is idle knows that nothing is to come. Sequence entries are fetched ahead and take 3 clocks each. o_entry/i_take is
 // valid/ready.
 // With i_follow a START waits for the end of what plays, and begins without a preempt, so that its first entry is the one after the
 // last: after a selected index whose dwell is 0 at once, after one with a dwell behind it, after a sequence behind its last entry, or
@@ -57,6 +58,7 @@ module index_source #(
     localparam [BITS-1:0] ONE = 1;
 
     reg [1:0]      mode_q;
+    reg [1:0]      ended_q;      // the mode whose last entry was taken, while the silence behind it is offered
     reg            offer_q;      // entry_q holds an entry to be played (not used in live mode)
     reg [31:0]     entry_q;
     reg [2:0]      fetch_q;      // one-hot: the address is out, the word is being read, the word is here
@@ -89,7 +91,7 @@ module index_source #(
     wire        starts    = i_start || follows;
     wire [BITS-1:0] first_d = starts ? i_argument_0[BITS-1:0] : ONE;
 
-    assign o_mode             = mode_q;
+    assign o_mode             = mode_q | ended_q;  // one of them is IDLE, which is 0
     assign o_followed         = follows;
     assign o_fetching         = fetch_q[0];
     assign o_sequence_address = header_q ? {BITS{1'b0}} : number_q;
@@ -107,6 +109,7 @@ module index_source #(
         if (header || commanded || enter_live) after_reset_q <= 1'b0;
         if (i_host) alone_q <= 1'b0;
         if (header || i_header) o_header_valid <= i_header ? new_in_range : in_range;
+        if (rst || commanded || enter_live || follows || (offer_q && i_take)) ended_q <= IDLE;
         if (rst) begin
             after_reset_q <= 1'b1;
             mode_q   <= IDLE;
@@ -124,7 +127,7 @@ module index_source #(
             fetch_q  <= 3'b001;
             header_q <= i_argument_1 == 16'd0;
         end else begin
-            if (finish) mode_q <= IDLE;
+            if (finish) {mode_q, ended_q} <= {IDLE, mode_q};
             else if (o_autostart) mode_q <= SEQUENCE;
             if (finish || fetched) offer_q <= 1'b1;
             else if (taken) offer_q <= 1'b0;

@@ -19,6 +19,7 @@ void EntrySource::command(Clock clock, interface::Mode mode) {
     if (clock == fetched_at_ && fetches_header_) static_cast<void>(look_at_header(clock));
     after_reset_ = false;
     mode_ = mode;
+    told_ = interface::Mode::idle;
     offered_ = ended_ = never;
     fetch_at_ = fetched_at_ = never;
     if (drop_last_ != clock) drop_first_ = clock + 1;  // otherwise two commands come one after the other
@@ -30,9 +31,9 @@ void EntrySource::offer(Clock clock, Entry entry) {
     offered_ = clock + 1;
 }
 
-/// Silence for ever is the last entry.
+/// Silence for ever is the last entry; until it is taken, the mode is told as it was.
 void EntrySource::finish(Clock clock) {
-    mode_ = interface::Mode::idle;
+    told_ = std::exchange(mode_, interface::Mode::idle);
     ended_ = clock + 1;
     offer(clock, {});
 }
@@ -56,6 +57,7 @@ void EntrySource::start(Clock clock, std::uint16_t first, std::uint16_t length, 
 
 void EntrySource::begin_sequence(Clock clock, Start start) {
     mode_ = interface::Mode::sequence;
+    told_ = interface::Mode::idle;
     first_ = number_ = start.first;
     last_ = start.first + start.length - 1U;
     loops_ = start.loops;
@@ -100,7 +102,7 @@ void EntrySource::header_written(Clock clock, std::uint16_t half) {
 }
 
 void EntrySource::reset(Clock clock) {
-    mode_ = interface::Mode::idle;
+    mode_ = told_ = interface::Mode::idle;
     live_.clear();
     offered_ = never;
     after_reset_ = true;
@@ -125,6 +127,7 @@ EntrySource::Entry EntrySource::take(Clock clock) {
     }
     const Entry entry = entry_;
     offered_ = never;
+    told_ = interface::Mode::idle;
     if (mode_ == interface::Mode::single && entry.dwell == 0) ended_ = clock + 1;
     if (mode_ == interface::Mode::single && entry.dwell != 0) {
         if (follows(clock))

@@ -46,7 +46,7 @@ public:
     void host_takes_over() { alone_ = false; }
     void reset(Clock clock);
 
-    [[nodiscard]] interface::Mode mode() const { return mode_; }
+    [[nodiscard]] interface::Mode mode() const { return mode_ != interface::Mode::idle ? mode_ : told_; }
     [[nodiscard]] bool header_valid() const { return header_valid_; }
     [[nodiscard]] std::uint16_t live_level() const { return static_cast<std::uint16_t>(live_.size()); }
     [[nodiscard]] std::uint32_t live_free() const { return live_depth_ - live_level(); }
@@ -83,8 +83,8 @@ private:
 
     std::uint32_t live_depth_;
     const std::vector<std::uint32_t>& sequence_;
-    interface::Mode mode_ = interface::Mode::idle;
-    Clock offered_ = never;  // not used in live mode
+    interface::Mode mode_ = interface::Mode::idle, told_ = interface::Mode::idle;  // told: instead of idle
+    Clock offered_ = never;                                                        // not used in live mode
     Entry entry_;
     std::deque<Live> live_;
     Clock fetch_at_ = never, fetched_at_ = never;

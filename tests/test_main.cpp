@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#define CATCH_CONFIG_MAIN
+#define CATCH_CONFIG_RUNNER
 #include <catch2/catch.hpp>
 #include <cstdio>
+#include <cstdlib>
+#include <random>
 
 namespace {
 
@@ -15,3 +17,14 @@ struct SeedPrinter : Catch::TestEventListenerBase {
 CATCH_REGISTER_LISTENER(SeedPrinter)
 
 }  // namespace
+
+/// Random numbers are those of --rng-seed, else of HAPTOGRAM_SEED, else other ones in each run.
+int main(int argc, char** argv) {
+    Catch::Session session;
+    const char* seed = std::getenv("HAPTOGRAM_SEED");
+    session.configData().rngSeed = seed != nullptr && *seed != '\0'
+                                       ? static_cast<unsigned>(std::strtoul(seed, nullptr, 10))
+                                       : std::random_device{}();
+    const int wrong = session.applyCommandLine(argc, argv);
+    return wrong != 0 ? wrong : session.run();
+}

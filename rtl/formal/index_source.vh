@@ -13,10 +13,12 @@ end
 `endif
 reg [31:0] f_taken_q;     // the last entry that was taken, but for one that a preempt drops
 reg [2:0]  f_follows_q;   // clocks since a follower has begun, one-hot; none when something else was asked for since
+reg        f_plays_q;     // it was taken from a selected index or a sequence, and no command has come since
 wire       f_asked = commanded || enter_live || rst;
 always @(posedge clk) begin
     f_reset_seen_q <= f_reset_seen_q || rst;
     f_follows_q <= {f_follows_q[1:0], follows && i_argument_1 != 16'd0} & {3{!f_asked}};
+    f_plays_q <= !f_asked && (f_plays_q || (taken && mode_q != IDLE));
     if (rst) f_taken_q <= 32'd0;
     else if (o_entry && i_take) f_taken_q <= {o_dwell, o_index};
     if (f_reset_seen_q) begin
@@ -30,7 +32,11 @@ always @(posedge clk) begin
         if (mode_q == IDLE) assert (offer_q ? entry_q == 32'd0 : f_taken_q == 32'd0);
         if (after_reset_q) assert (fetch_q != 3'd0);
         if (fetch_q != 3'd0) assert (mode_q == SEQUENCE ? !after_reset_q : mode_q == IDLE && header_q && after_reset_q);
+        if (mode_q != IDLE || after_reset_q) assert (ended_q == IDLE);
         if (!$past(rst)) begin
+            // Whoever hears nothing and is told IDLE knows that nothing is to come: an entry that was taken may still be waiting to
+            // play until the next one, silence, is taken.
+            if (offer_q && f_taken_q != 32'd0 && f_plays_q) assert (o_mode != IDLE);
             // A follower asks for no change before the end, and drops nothing but silence.
             assert (o_preempt == $past(commanded || enter_live));
             if ($past(follows)) assert (!o_preempt && mode_q == SEQUENCE && fetch_q == 3'b001);
@@ -40,6 +46,7 @@ always @(posedge clk) begin
         end
         cover (follows && mode_q == SEQUENCE && loops_q == 16'd0 && first_q != last_q);
         cover (o_drop);
+        cover (mode_q == IDLE && ended_q == SEQUENCE);
         cover (follows && mode_q == LIVE);
         cover (f_follows_q[2]);
     end

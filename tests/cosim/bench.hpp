@@ -12,6 +12,7 @@
 
 #include "haptogram/image/image.hpp"
 #include "haptogram/link/client.hpp"
+#include "haptogram/link/outputs.hpp"
 #include "haptogram/link/transfer.hpp"
 #include "pulse_check.hpp"
 #include "simulated_board.hpp"

@@ -63,6 +63,41 @@ TEST_CASE("contract 6: a sequence plays its entries for their dwells, as often a
     require_equal(bench.check(image), 30);
 }
 
+TEST_CASE("contract 6: a host that hears nothing and is told idle, or an empty FIFO, has heard all", "[contract6]") {
+    Bench bench;
+    Image image = twelve_records();
+    image.sequence = {{3, 2}, {0, 600}, {1, 5}};
+    bench.load(image);
+    bench.open();
+    const bool live = GENERATE(false, true);
+    SECTION(live ? "live" : "a sequence") {
+        if (live) {
+            bench.client.push({0}, 3000);  // until all are there
+            bench.client.push({3}, 2);
+            bench.client.push({0}, 600);
+            bench.client.push({1}, 5);
+            bench.client.push({0}, 0);
+        } else {
+            bench.client.start(1, 3, 1);
+        }
+        bool silent = false;
+        link::Status status = bench.client.status();
+        for (; !link::is_over(status); status = bench.client.status())
+            silent = silent || (status.present_index == 0 && bench.recorder.pulses().size() >= 32);
+        REQUIRE(silent);
+        REQUIRE(bench.recorder.pulses().size() == 7 * 16);
+        REQUIRE(played(bench) == Steps{{3, 2}, {0, 600}, {1, 5}});
+    }
+    SECTION("one index") {
+        bench.client.select(7, 900);
+        REQUIRE(bench.client.status().mode == link::Mode::idle);  // it plays, and nothing is to come
+        link::Status status = bench.client.status();
+        REQUIRE(status.present_index == 7);
+        while (!link::is_over(status)) status = bench.client.status();
+        REQUIRE(bench.recorder.pulses().size() == 900 * 16);
+    }
+}
+
 TEST_CASE("contract 6: length 0 takes length and loops from the sequence header", "[contract6]") {
     Bench bench;
     Image image = twelve_records();

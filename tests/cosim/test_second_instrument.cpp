@@ -225,6 +225,28 @@ TEST_CASE("second instrument: timings, amplitudes and foci follow each other in 
     require_right(bench.compare(before - 2, bench.recorder.cycles().size() - 2), 100);
 }
 
+TEST_CASE("second instrument: a host that is sure that all is over has heard the last entry", "[second][wide]") {
+    Wide bench;
+    auto g = generator();
+    bench.open();
+    for (std::uint16_t i = 1; i <= 2; ++i) bench.random_record(g, i, 2046);
+    bench.write_sequence({{1, 1}, {0, 4}, {2, 3}});
+    const auto periods = [&](std::uint16_t index) {
+        return std::ranges::count_if(bench.recorder.cycles(),
+                                     [&](const sim::CycleStart& c) { return c.index == index; });
+    };
+    int silent = 0;
+    for (int repeat = 1; repeat <= 150; ++repeat) {
+        bench.client.start(1, 3, 1);
+        bench.board.run(random(g, 0, 10'000));
+        for (link::Status status = link::sure_status(bench.client); !link::is_over(status);
+             status = link::sure_status(bench.client))
+            if (status.present_index == 0) ++silent;
+        REQUIRE(periods(2) == 3 * repeat);
+    }
+    REQUIRE(silent > 20);
+}
+
 TEST_CASE("contract 9: sample i is on the pins in carrier periods i · N to (i + 1) · N − 1",
           "[second][wide][contract9]") {
     Wide bench;

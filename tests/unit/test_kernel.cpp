@@ -127,6 +127,8 @@ const std::vector<double> measured_table{1, 1, 1, 0.891, 0.708, 0.501, 0.355, 0.
 
 /// What single precision is held to here, where nothing stands in the way: a third of what the header promises.
 constexpr double tight = 3e-5;
+/// A piston of many wavelengths multiplies the rounding of the angle; the header's promise.
+constexpr double promised = 1e-4;
 
 }  // namespace
 
@@ -216,7 +218,7 @@ TEST_CASE("kernel: elements that face any way radiate along their normals", "[ke
                     array.transducer.radius_m = upright.transducer.radius_m = radius;
                     const Field found = pressure_at(array, drives, points);
                     CAPTURE(repeat, absorption, static_cast<int>(pattern), radius);
-                    REQUIRE(error(array, drives, points, found) <= tight);
+                    REQUIRE(error(array, drives, points, found) <= (radius > 0.02 ? promised : tight));
                     // Only a point source sounds the same when it faces another way.
                     const bool same = error(upright, drives, points, found) <= tight;
                     if (radius > 2e-3) REQUIRE(same == (pattern == Pattern::point));

@@ -120,7 +120,7 @@ TEST_CASE("sense: the noise of simulated depth is that of a stereo camera, and p
     camera.unit_m = 1e-5;
     const std::vector<RoundedBody> wall{{{0, 0, 0.405}, {0.05, 0, 0}, {0, 0.05, 0}, 0.005}};
     DepthNoise noise;
-    noise.seed = std::random_device{}();
+    noise.seed = Catch::rngSeed();
     const DepthPicture clean = render_depth(wall, camera), noisy = render_depth(wall, camera, noise);
     double sum = 0.0, squares = 0.0;
     std::size_t flat = 0, lost = 0, seen = 0;
@@ -183,7 +183,7 @@ TEST_CASE("sense: a recording gives back its shots, and says what is lost and wh
         camera.width = 64;
         camera.height = 48;
     }
-    std::mt19937 random(std::random_device{}());
+    std::mt19937 random(Catch::rngSeed());
     std::vector<DepthShot> shots;
     {
         const DepthRecorder recorder(folder.path() / "hand", cameras, 30.0);

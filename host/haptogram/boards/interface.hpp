@@ -316,7 +316,7 @@ enum class Kind : unsigned {
 
 /// Where the next record comes from.
 enum class Mode : unsigned {
-    idle = 0,  // nowhere; the last record may still be playing
+    idle = 0,  // nowhere; the last record may still be playing, and if none is, all is over
     single = 1,  // the record that `select` named
     sequence = 2,  // sequence memory
     live = 3,  // the live FIFO

@@ -65,7 +65,7 @@ struct Status {
     bool stopped = false;             ///< the stop input is active: outputs stay off
     bool modulated = false;           ///< the modulation runs
     bool waiting = false;             ///< a start, a modulation or pushed indices wait for their time
-    Mode mode = Mode::idle;           ///< idle: the last record may still be playing
+    Mode mode = Mode::idle;           ///< idle: nothing is to come; the last record may still be playing
     std::uint16_t present_index = 0;  ///< of the record that plays; 0 is silence
     std::uint16_t underruns = 0, refused_records = 0, frames_good = 0, frames_damaged = 0, frames_repeated = 0,
                   frames_refused = 0, watchdog_trips = 0, guard_trips = 0, bent_periods = 0, far_foci = 0;

@@ -7,6 +7,7 @@
 
 #include "haptogram/base/file.hpp"
 #include "haptogram/link/device.hpp"
+#include "haptogram/link/outputs.hpp"
 #include "haptogram/link/transfer.hpp"
 
 int main(int argc, char** argv) try {
@@ -19,7 +20,7 @@ int main(int argc, char** argv) try {
     // From here on the watchdog turns the outputs off 500 ms after the last request, whatever ends this program.
     board.enable();
     board.start(1, static_cast<std::uint16_t>(image.sequence.size()), 1);
-    while (board.status().mode != link::Mode::idle) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    while (!link::is_over(link::sure_status(board))) std::this_thread::sleep_for(std::chrono::milliseconds(50));
     board.disable();
     return 0;
 } catch (const haptogram::Error& error) {

@@ -42,4 +42,14 @@ void require_on(const Status& status) {
         throw Error(ErrorCode::device, "board", "it has turned its outputs off: its watchdog or guard tripped");
 }
 
+bool is_over(const Status& status) {
+    return status.present_index == 0 && status.live_level == 0 &&
+           (status.mode == Mode::idle || status.mode == Mode::live);
+}
+
+Status sure_status(Commands& device) {
+    const Status status = device.status();
+    return is_over(status) ? device.status() : status;
+}
+
 }  // namespace haptogram::link

@@ -33,4 +33,12 @@ private:
 /// @throws Error{device} when the device has turned its outputs off by itself
 void require_on(const Status& status);
 
+/// Whether nothing plays and nothing is to come.
+[[nodiscard]] bool is_over(const Status& status);
+
+/// The status; when it says that all is over, it is asked for a second time. For between the clock in which a record of
+/// amplitudes is taken and its first pulse passes up to one carrier period, which is less than a status takes on the
+/// line.
+[[nodiscard]] Status sure_status(Commands& device);
+
 }  // namespace haptogram::link

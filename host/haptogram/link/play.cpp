@@ -106,13 +106,12 @@ Played play(Commands& device, const PlaySettings& settings, const Watch& watch) 
         const std::chrono::milliseconds pause = keep_alive_pause(settings.watchdog_ms);
         do {
             std::this_thread::sleep_for(pause);
-            now.status = device.status();
+            now.status = sure_status(device);
             now.seconds = std::chrono::duration<double>(Clock::now() - begun).count();
             now.underruns = since(now.status, &Status::underruns);
             interrupted = watch && !watch(now);
             require_on(now.status);
-        } while (!interrupted && (now.status.mode != Mode::idle || now.status.present_index != 0) &&
-                 (settings.seconds == 0.0 || now.seconds < settings.seconds));
+        } while (!interrupted && !is_over(now.status) && (settings.seconds == 0.0 || now.seconds < settings.seconds));
     }
     return {.underruns = now.underruns,
             .refused_records = since(now.status, &Status::refused_records),

@@ -69,8 +69,6 @@ void begin_modulation(const Tile& tile, When when) {
         tile.device.modulate(0, 0, false);
 }
 
-bool silent(const Status& status) { return status.mode == Mode::idle && status.present_index == 0; }
-
 void prepare(std::span<const Tile> tiles) {
     if (tiles.empty()) throw bad_argument("rig", "it has no tiles; name at least one");
     require_images(tiles);
@@ -152,7 +150,8 @@ RigPlayed play(std::span<const Tile> tiles, const RigSettings& settings, const R
     do {
         playing.wait(pause);
         playing.ask();
-    } while (tell(playing) && (playing.period() < begins || !playing.all(silent)) &&
+        if (playing.all(is_over)) playing.ask();  // as sure_status() does
+    } while (tell(playing) && (playing.period() < begins || !playing.all(is_over)) &&
              (settings.seconds == 0.0 || tell.seconds() < settings.seconds));
     return outcome(playing, played);
 }

@@ -63,9 +63,9 @@ Duration play_silence(Commands& device, std::uint16_t cycles, double give_up_s, 
     Duration lasted;
     while (seconds(Clock::now() - begun) < give_up_s) {
         const auto before = Clock::now();
-        const Status status = device.status();
+        const Status status = sure_status(device);
         require_on(status);
-        if (status.mode == Mode::idle && status.present_index == 0) {
+        if (is_over(status)) {
             lasted.most_s = seconds(Clock::now() - asked);
             break;
         }

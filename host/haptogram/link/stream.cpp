@@ -65,8 +65,7 @@ Played feed(Commands& device, const StreamSettings& settings, SourceOf<Entry>& s
         // Silence for good comes last: running out of indices would count as an underrun.
         while (go_on() && fifo.room() == 0) fifo.refresh();
         if (!played.interrupted) fifo.push({0}, 0);
-        for (learn(device.status()); go_on() && (now.status.live_level > 0 || now.status.present_index != 0);
-             learn(device.status())) {
+        for (learn(sure_status(device)); go_on() && !is_over(now.status); learn(sure_status(device))) {
             require_on(now.status);
             std::this_thread::sleep_for(pause);
         }

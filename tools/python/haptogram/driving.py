@@ -33,9 +33,18 @@ def keep_alive_pause(watchdog_ms: int) -> float:
     return 0.001 * (min(LINK_KEEP_ALIVE_MS, within_watchdog) if watchdog_ms else LINK_KEEP_ALIVE_MS)
 
 
+def _is_over(status: Status) -> bool:
+    """Whether nothing plays and nothing is to come."""
+    return status.present_index == 0 and status.live_level == 0 and status.mode in ("idle", "live")
+
+
 def _watch(board: Client) -> Status:
-    """The board's status. Raises HaptogramError when the board has turned its outputs off by itself."""
+    """The board's status; when it says that all is over, it is asked for a second time. For between the clock in which a record of
+    amplitudes is taken and its first pulse passes up to one carrier period, which is less than a status takes on the line.
+    Raises HaptogramError when the board has turned its outputs off by itself."""
     now = board.status()
+    if _is_over(now):
+        now = board.status()
     if not now.enabled:
         raise device_error("board", "it has turned its outputs off: its watchdog or guard tripped")
     return now
@@ -66,7 +75,7 @@ def play(board: Client, *, index: int = 0, loops: int | None = None, seconds: fl
         while not stopped() and not (seconds and time.monotonic() >= end):
             time.sleep(pause)
             now = _watch(board)
-            if now.mode == "idle" and now.present_index == 0:
+            if _is_over(now):
                 break
     return _outcome(before, now, stopped())
 
@@ -100,7 +109,7 @@ def stream(board: Client, batches: Iterable[Sequence[Entry]], *, watchdog_ms: in
         # Silence for good comes last: running out of indices would count as an underrun.
         silent = False
         now = _watch(board)
-        while not stopped() and not (silent and now.live_level == 0 and now.present_index == 0):
+        while not stopped() and not (silent and _is_over(now)):
             if not silent and now.live_level < depth:
                 board.push([0], 0)
                 silent = True
