@@ -21,7 +21,7 @@ struct FieldCommand {
     std::string focus;
     std::string plane = "xy@z=130", line;
     bool volume = false;
-    double extent_mm = 80.0, step_mm = 1.0;
+    double extent_mm = 80.0, step_mm = 1.0, below_db = 6.0;
     std::string x, y, z;
     std::optional<std::string> am, am_law, quantise;
     std::string quantity = "radiation";
@@ -31,16 +31,19 @@ struct FieldCommand {
 };
 
 /// How the field was computed: a message on standard error, or JSON on standard output.
-void tell_how(const Field& field, bool as_json) {
-    if (as_json)
-        tell({{"region", field.region.text},
-              {"quantity", field.quantity},
-              {"points", field.region.grid.size()},
-              {"method", name_of(field.method)},
-              {"error", field.error}},
-             true);
-    else
-        fmt::print(stderr, "{}\n", description_of(field));
+void tell_how(const Field& field, const std::string& surface, bool as_json) {
+    if (as_json) {
+        nlohmann::json how = {{"region", field.region.text},
+                              {"quantity", field.quantity},
+                              {"points", field.region.grid.size()},
+                              {"method", name_of(field.method)},
+                              {"error", field.error}};
+        if (!surface.empty()) how["surface"] = surface;
+        tell(how, true);
+        return;
+    }
+    fmt::print(stderr, "{}\n", description_of(field));
+    if (!surface.empty()) fmt::print(stderr, "{}\n", surface);
 }
 
 Region region_of(const FieldCommand& command) {
@@ -76,8 +79,8 @@ int field(const FieldCommand& command) {
         ProgressLine progress("field");
         found = haptogram::field(excitation, region, quantity, command.threads, progress.callback());
     }
-    write_field(command.output, found);
-    tell_how(found, command.json);
+    const std::string surface = write_field(command.output, found, command.below_db);
+    tell_how(found, surface, command.json);
     return 0;
 }
 
@@ -135,7 +138,11 @@ void add_field(CLI::App& app, Action& action) {
         ->check(whole(0, 1024))
         ->capture_default_str();
     sub->add_option("-o,--output", options->output,
-                    "A .csv, .npy, .vti (ParaView) or .png file; - is CSV on standard output")
+                    "A .csv, .npy, .vti (ParaView) or .png file, or of a volume an .stl file, the surface --below the "
+                    "greatest value; - is CSV on standard output")
+        ->capture_default_str();
+    sub->add_option("--below", options->below_db, "Of an .stl file: decibels below the greatest value of the volume")
+        ->check(positive())
         ->capture_default_str();
     sub->add_flag("--json", options->json, "Print how it was computed, and how far it may be off, as JSON");
     sub->callback([options, &action] {

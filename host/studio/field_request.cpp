@@ -30,6 +30,13 @@ double millimetres_of(const char* name, const std::string& text) {
     return *value * millimetre;
 }
 
+double decibels_of(const char* name, const std::string& text) {
+    const std::optional<double> value = number_of<double>(text);
+    if (!value || !(*value > 0.0) || !std::isfinite(*value))
+        throw bad_argument(name, fmt::format("found '{}', expected decibels above 0", text));
+    return *value;
+}
+
 std::uint32_t record_of(const std::string& text, std::size_t records) {
     const std::optional<std::uint32_t> value = number_of<std::uint32_t>(text);
     if (!value || *value < 1 || *value > records)
@@ -53,14 +60,16 @@ FieldRequest field_request(std::string_view query, Scenes& scenes) {
     reach.step_m = millimetres_of("step", value("step"));
     for (const auto& [axis, range] : {std::pair{"x", &reach.x}, {"y", &reach.y}, {"z", &reach.z}})
         if (const auto given = query_value(query, axis)) *range = parse_range(axis, *given);
-    request.region = parse_region("plane", value("plane"), reach);
-    request.quantity = quantity_of(value("quantity"));
     const std::string as = value("as");
-    if (as != "png" && as != "csv" && as != "npy" && as != "vti")
-        throw bad_argument("as", fmt::format("found '{}', expected png, csv, npy or vti", as));
+    if (as != "png" && as != "csv" && as != "npy" && as != "vti" && as != "stl")
+        throw bad_argument("as", fmt::format("found '{}', expected png, csv, npy, vti or stl", as));
+    request.region = as == "stl" ? parse_region("volume", "xyz", reach) : parse_region("plane", value("plane"), reach);
+    request.quantity = quantity_of(value("quantity"));
+    if (as == "stl") request.below_db = decibels_of("below", value("below"));
     request.name = "field." + as;
     check_field_path(request.name, request.region, request.quantity);
-    if (request.region.axes.size() != 2) throw bad_argument("plane", "the studio gives planes, such as xy@z=130");
+    if (as != "stl" && request.region.axes.size() != 2)
+        throw bad_argument("plane", "the studio gives planes, such as xy@z=130");
     const double terms = static_cast<double>(request.region.grid.size() * excitation.array.elements.size() *
                                              (request.record == 0 ? excitation.drives.size() : 1));
     if (terms > most_slice_terms)
@@ -74,7 +83,8 @@ std::string field_file(const FieldRequest& request, const Progress& progress) {
     const Excitation played =
         request.record == 0 ? scene.excitation : excitation_of(scene.compiled.bundle, request.record);
     const TemporaryFolder folder;
-    write_field((folder.path() / request.name).string(), field(played, request.region, request.quantity, 1, progress));
+    write_field((folder.path() / request.name).string(), field(played, request.region, request.quantity, 1, progress),
+                request.below_db);
     return read_file(folder.path() / request.name);
 }
 

@@ -13,13 +13,14 @@
 
 namespace haptogram::studio {
 
-/// The field of a scene on a plane, as a file.
+/// The field of a scene on a plane, or the surface of one value in a volume, as a file.
 struct FieldRequest {
     std::shared_ptr<const Scene> scene;
     std::uint32_t record = 0;  ///< of this one alone, counted from 1; 0: the mean over the sequence
     Region region;
     Quantity quantity{};
-    std::string name;  ///< of the file
+    double below_db = 6.0;  ///< of a surface
+    std::string name;       ///< of the file
 };
 
 /// Reads the query of /api/field; README.md has its members.

@@ -123,6 +123,27 @@ def test_a_volume_for_paraview(small):
     assert array.get("Name") == "radiation_pressure_pa" and np.array_equal(values, np.load(small.folder / "v.npy").ravel())
 
 
+def test_the_surface_half_the_greatest_pressure(small):
+    """As the reader of shapes finds it: a closed body around the focus, as wide as the line through the focus says."""
+    around = ["--x", "-30:30", "--y", "-30:30", "--step", 1]
+    said = succeed(["field", "--focus", "10,0,100", "--volume", *around, "--z", "60:160", "-o", "s.stl"], cwd=small.folder)
+    assert "triangles" in text(said.stderr) and "open" not in text(said.stderr)
+    corners = np.frombuffer((small.folder / "s.stl").read_bytes()[84:], dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("_", "<u2")])["corners"]
+    _, line = field_of(small.folder, "--focus", "10,0,100", "--line", "x@y=0,z=100", "--x", "-30:30", "--step", 0.1, "--quantity", "rms")
+    _, up = field_of(small.folder, "--focus", "10,0,100", "--line", "z@x=10,y=0", "--z", "60:160", "--step", 0.1, "--quantity", "rms")
+    most = max(line[:, 1].max(), up[:, 1].max())
+    wide = line[line[:, 1] > most * 10 ** (-6 / 20), 0]
+    near = corners.reshape(-1, 3)[np.abs(corners.reshape(-1, 3)[:, 2] - 100) < 0.3]
+    assert len(near) > 10 and near[:, 0].min() == pytest.approx(wide[0], abs=0.6) and near[:, 0].max() == pytest.approx(wide[-1], abs=0.6)
+    wider = succeed(["field", "--focus", "10,0,100", "--volume", *around, "--z", "60:160", "--below", 12, "-o", "w.stl", "--json"], cwd=small.folder)
+    assert "open where it leaves the volume" in json.loads(wider.stdout)["surface"]
+    assert (small.folder / "w.stl").stat().st_size > (small.folder / "s.stl").stat().st_size
+    succeed(["compile", "s.stl", "--points", 50, "--size", 20, "-o", "shape.hex"], cwd=small.folder)
+    for wrong in (["--plane", "xy@z=100", "-o", "p.stl"], ["--volume", "--step", 5, "--quantity", "complex", "-o", "c.stl"]):
+        result = run(["field", "--focus", "10,0,100", *wrong], cwd=small.folder)
+        assert result.returncode == USAGE and ".stl" in text(result.stderr) and not (small.folder / wrong[-1]).exists()
+
+
 @pytest.mark.parametrize("arguments", [["image.hex", "--step", 8], ["--focus", "0,0,100", "--line", "z@x=0,y=0", "--quantity", "spl"]])
 def test_a_picture(arguments, small):
     said = succeed(["field", *arguments, "-o", "f.png"], cwd=small.folder, timeout=60)

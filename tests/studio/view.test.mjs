@@ -35,7 +35,7 @@ async function middle(page) {
 
 /** Where a point in millimetres is drawn by the view's first camera: its place, its target and its angle are those of view.ts. */
 function drawnAt([x, y, z], { x: middleX, y: middleY, box }) {
-  const [eye, target, up] = [[260, -400, 340], [0, 0, 100], [0, 0, 1]];
+  const [eye, target, up] = [[260, -400, 340], [0, 0, 75], [0, 0, 1]];
   const minus = (a, b) => a.map((each, i) => each - b[i]);
   const dot = (a, b) => a.reduce((sum, each, i) => sum + each * b[i], 0);
   const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
@@ -289,4 +289,53 @@ test("the slider below the view moves the focus on the board", async (t) => {
   await slider.fill("1");
   await page.locator(".scrubber", { hasText: "2 of 8" }).waitFor();
   assert.match(await page.locator("#board").innerText(), /outputs off/);
+});
+
+/** The pixels of the view, as red, green and blue, one after the other. */
+async function pixels(page) {
+  const shot = (await page.locator("#view canvas").screenshot()).toString("base64");
+  return page.evaluate(async (base64) => {
+    const image = new Image();
+    image.src = `data:image/png;base64,${base64}`;
+    await image.decode();
+    const context = Object.assign(document.createElement("canvas"), { width: image.width, height: image.height }).getContext("2d");
+    context.drawImage(image, 0, 0);
+    return [...context.getImageData(0, 0, image.width, image.height).data].filter((_, i) => i % 4 !== 3);
+  }, shot);
+}
+
+test("the surface around the focal points: drawn, wider further below, of the object where it is now, and gone again", async (t) => {
+  const studio = await startStudio(t);
+  const page = await openPage(t, await startBrowser(t), studio);
+  await settled(page);
+  await page.mouse.move(2, 2);
+  const corners = async () => Number(await page.locator("#app").getAttribute("data-surface"));
+  const shown = async (choice) => {
+    const before = await corners();
+    await field(page, "Surface").selectOption(choice);
+    await eventually(async () => (await corners()) !== before && (await page.getByText("The surface is being computed").count()) === 0);
+    return pixels(page);
+  };
+  const differing = (a, b) => a.reduce((sum, each, i) => sum + (i % 3 === 0 && Math.abs(each - b[i]) + Math.abs(a[i + 1] - b[i + 1]) + Math.abs(a[i + 2] - b[i + 2]) > 60 ? 1 : 0), 0);
+  const none = await pixels(page);
+  const narrow = await shown("3");
+  const first = await corners();
+  assert.ok(first > 1000 && differing(none, narrow) > 300, `${first} corners, ${differing(none, narrow)} pixels`);
+  const wide = await shown("6");
+  assert.ok(differing(none, wide) > 1.2 * differing(none, narrow), `${differing(none, wide)} pixels at 6 dB, ${differing(none, narrow)} at 3 dB`);
+  await accessible(page);
+  await picture(page, "surface");
+  // It follows the object.
+  await field(page, "Surface").selectOption("3");
+  await eventually(async () => (await corners()) === first);
+  await fill(page, "Centre z", 150);
+  await settled(page);
+  await eventually(async () => (await corners()) !== first);
+  await fill(page, "Centre z", 130);
+  await eventually(async () => (await corners()) === first);
+  await field(page, "Surface").selectOption("");
+  await eventually(async () => (await corners()) === 0);
+  await settled(page);
+  await page.mouse.move(2, 2);
+  await eventually(async () => differing(none, await pixels(page)) < 50);
 });

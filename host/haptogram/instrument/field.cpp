@@ -60,7 +60,7 @@ Quantity quantity_of(std::string_view name) {
 
 Field field(const Excitation& excitation, const Region& region, Quantity quantity, unsigned threads,
             const Progress& progress) {
-    Field found{region, {}, {}, {}, excitation.foci, excitation.title};
+    Field found{region, {}, {}, {}, excitation.foci, excitation.title, FieldMethod::sums, 0.0, quantity};
     const Array array = region.pose ? seen_from(excitation.array, *region.pose) : excitation.array;
     FieldOptions options;
     options.threads = threads == 0 ? std::max(1U, std::thread::hardware_concurrency()) : threads;

@@ -46,6 +46,7 @@ struct Field {
     /// How far the pressure, or the velocity, may be off: of the largest that the drives, with any phases, could make
     /// at any of the points.
     double error = 0.0;
+    Quantity kind = Quantity::rms;
 };
 
 /// The field of an excitation over a region.

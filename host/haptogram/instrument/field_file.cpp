@@ -10,6 +10,7 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/instrument/iso_surface.hpp"
 #include "haptogram/instrument/picture.hpp"
 
 namespace haptogram {
@@ -141,10 +142,14 @@ void draw(const std::string& path, const Field& field) {
 
 void check_field_path(const std::string& path, const Region& region, Quantity quantity) {
     const std::string kind = ending(path);
-    if (!kind.empty() && kind != ".csv" && kind != ".npy" && kind != ".vti" && kind != ".png")
+    if (!kind.empty() && kind != ".csv" && kind != ".npy" && kind != ".vti" && kind != ".png" && kind != ".stl")
         throw bad_argument(
             "output",
-            fmt::format("'{}' is no ending that is known; .csv, .npy, .vti and .png are, and none means CSV", kind));
+            fmt::format("'{}' is no ending that is known; .csv, .npy, .vti, .png and .stl are, and none means CSV",
+                        kind));
+    if (kind == ".stl" && (region.axes.size() != 3 || quantity == Quantity::complex))
+        throw bad_argument("output",
+                           "a .stl file holds the surface of one value in a volume; take a volume and a real quantity");
     if (kind == ".png" && (region.axes.size() == 3 || (quantity == Quantity::complex)))
         throw bad_argument(
             "output",
@@ -158,15 +163,21 @@ std::string description_of(const Field& field) {
                        field.method == FieldMethod::interpolated ? "interpolation"
                        : field.method == FieldMethod::shifts     ? "shifted copies of one element's field"
                                                                  : "sums of all waves",
-                       field.error, field.quantity == "rms_velocity_m_s" ? "velocity" : "pressure");
+                       field.error, field.kind == Quantity::velocity ? "velocity" : "pressure");
 }
 
-void write_field(const std::string& path, const Field& field) {
+std::string write_field(const std::string& path, const Field& field, double below_db) {
     const std::string kind = ending(path);
-    if (kind == ".png")
+    if (kind == ".png") {
         draw(path, field);
-    else
+    } else if (kind == ".stl") {
+        const IsoSurface surface = surface_below(field, below_db);
+        write_file(path, to_stl(surface));
+        return description_of(surface);
+    } else {
         write_file(path, kind == ".npy" ? to_npy(field) : kind == ".vti" ? to_vti(field) : to_csv(field));
+    }
+    return {};
 }
 
 }  // namespace haptogram

@@ -6,8 +6,8 @@
 
 namespace haptogram {
 
-/// @throws Error{bad_argument} when a path's ending is none of .csv, .npy, .vti and .png, or cannot show what is to be
-/// written
+/// @throws Error{bad_argument} when a path's ending is none of .csv, .npy, .vti, .png and .stl, or cannot show what is
+/// to be written
 void check_field_path(const std::string& path, const Region& region, Quantity quantity);
 
 /// CSV: a column an axis in millimetres, of an oblique plane then x, y and z, and then the value.
@@ -25,8 +25,10 @@ void check_field_path(const std::string& path, const Region& region, Quantity qu
 [[nodiscard]] std::string about(const Field& field);
 
 /// Writes the field in the format that the path's ending names; standard output ("-"), devices and pipes get CSV. A
-/// picture is drawn by python3 with matplotlib, which must be there.
+/// picture is drawn by python3 with matplotlib, which must be there. An .stl file is of the surface so many decibels
+/// below the greatest value.
+/// @return in words, what the surface is; empty for the other files
 /// @throws Error{bad_input} when it cannot be written
-void write_field(const std::string& path, const Field& field);
+std::string write_field(const std::string& path, const Field& field, double below_db = 6.0);
 
 }  // namespace haptogram

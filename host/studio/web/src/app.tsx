@@ -21,6 +21,7 @@ import { Slicer } from "./slicer";
 import { type Actions, shownRecord, state } from "./state";
 import { StudyPage } from "./study";
 import { StudyReader } from "./study_reader";
+import { Surfaces } from "./surface";
 import { Runner, Timeline } from "./timeline";
 import { View } from "./view";
 
@@ -377,5 +378,19 @@ export function start(link: Link): void {
     view.centre = object === undefined ? undefined : (place.center_mm as Point | undefined);
   });
   effect(() => view?.showLook(look.value));
+  const surfaces = new Surfaces(
+    link,
+    (geometry) => {
+      view?.showSurface(geometry);
+      host.dataset["surface"] = String(geometry?.getAttribute("position").count ?? 0);
+    },
+    wrong,
+    (busy) => (state.surfacing.value = busy),
+  );
+  effect(() => {
+    const scene = state.showsKept.value ? state.kept.value?.scene : state.scene.value;
+    const belowDb = state.surface.value;
+    surfaces.ask(view && scene && belowDb !== undefined ? { scene, record: shownRecord.value, belowDb } : undefined);
+  });
   if (link.open) void begin().catch(wrong);
 }

@@ -100,6 +100,8 @@ const orientations: [Orientation, string][] = [["xy", "level (xy)"], ["xz", "upr
 
 const handles: [Handles, string][] = [["plane move", "move the plane"], ["plane turn", "turn the plane"], ["object move", "move the object"], ["object turn", "turn the object"]];
 
+const surfaces = [3, 6, 12, 20]; // dB
+
 export function SliceControls({ actions }: WithActions) {
   const middle = state.middle.value;
   const orientation = state.orientation.value;
@@ -116,6 +118,8 @@ export function SliceControls({ actions }: WithActions) {
       {slice && top !== undefined && shown !== "below" && <NumberField label="Top" unit={quantities[shown].unit} value={Number(valueOf(top, shown, top, slice.skinPerSquare).toPrecision(6))} least={shown === "level" ? -100 : 1e-6} onValue={(value) => (look.value = { ...look.value, top: squareOf(value, shown, top, slice.skinPerSquare) })} />}
       <Choice label="Plane" value={orientation} choices={orientations} onValue={(value) => actions.place(value as Orientation, value === "xy" ? [0, 0, middle[2]] : [0, 0, Math.max(90, middle[2])])} />
       <label class="check"><input type="checkbox" checked={state.alone.value} disabled={state.at.value === undefined && !state.alone.value} onChange={(e) => actions.showAlone(e.currentTarget.checked)} /> Of the marked focal point alone</label>
+      <Choice label="Surface" value={String(state.surface.value ?? "")} choices={[["", "none"], ...surfaces.map((below): [string, string] => [String(below), `${below} dB below the greatest`])]} onValue={(value) => (state.surface.value = value === "" ? undefined : Number(value))} />
+      {state.surfacing.value && <p class="hint">The surface is being computed.</p>}
       <div class="field">
         <label for={height}>Height</label>
         <input id={height} type="range" min={20} max={300} step={0.5} value={middle[2]} onInput={(e) => move(2, Number(e.currentTarget.value))} />

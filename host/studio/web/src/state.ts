@@ -97,6 +97,10 @@ export const state = {
   /** Why studies cannot be run, or the last session could not begin. */
   studyFailure: signal<Failure | undefined>(undefined),
   /** Of the present scene and of the kept one. */
+  /** How many decibels the surface in the view lies below the greatest value around the focal points; none: there is no surface. */
+  surface: signal<number | undefined>(undefined),
+  /** Whether a surface is being computed. */
+  surfacing: signal(false),
   profiles: signal<{ now: Profile | undefined; kept: Profile | undefined }>({ now: undefined, kept: undefined }),
 };
 

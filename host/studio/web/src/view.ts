@@ -74,6 +74,7 @@ export class View {
   private discs: InstancedMesh<CircleGeometry, MeshBasicMaterial> | undefined;
   private drives: Drives | undefined;
   private readonly object = new Group();
+  private readonly surface = new Group();
   private readonly path = new Group();
   private readonly pivot = new Group();
   private middleOfAll = new Vector3();
@@ -101,13 +102,13 @@ export class View {
     this.camera.up.set(0, 0, 1);
     this.camera.position.set(260, -400, 340);
     const orbit = new OrbitControls(this.camera, this.canvas);
-    orbit.target.set(0, 0, 100);
+    orbit.target.set(0, 0, 75); // so that the array stands above the timeline
     orbit.update();
     orbit.addEventListener("change", () => this.redraw());
 
     const sun = new DirectionalLight(0xffffff, 2);
     sun.position.set(1, -2, 3);
-    this.world.add(new AmbientLight(0xffffff, 1.6), sun, this.array, this.object, this.path, this.plane);
+    this.world.add(new AmbientLight(0xffffff, 1.6), sun, this.array, this.object, this.surface, this.path, this.plane);
 
     const { uniforms } = this;
     this.sheet = new Mesh(new PlaneGeometry(1, 1), new ShaderMaterial({ side: DoubleSide, transparent: true, uniforms, vertexShader, fragmentShader }));
@@ -251,6 +252,17 @@ export class View {
     this.paint();
   }
 
+  /** The surface of one value of the field, in place of the one before. */
+  showSurface(geometry: BufferGeometry | undefined): void {
+    this.clear(this.surface);
+    if (geometry) {
+      const skin = new Mesh(geometry, new MeshLambertMaterial({ side: DoubleSide, transparent: true, opacity: 0.6 }));
+      skin.userData["colour"] = "--surface";
+      this.surface.add(skin);
+    }
+    this.paint();
+  }
+
   /** Where the handles of the object begin: at the centre of one of several, or, without it, of all together. */
   set centre(centre: Point | undefined) {
     this.centreOfOne = centre && new Vector3(...centre);
@@ -305,7 +317,7 @@ export class View {
     this.frame.material.color = colour("--frame");
     this.focus.material.color = colour("--stop");
     this.paintDiscs();
-    for (const group of [this.object, this.path])
+    for (const group of [this.object, this.surface, this.path])
       for (const part of group.children)
         (part as Mesh<BufferGeometry, MeshBasicMaterial>).material.color = colour(part.userData["colour"] as string);
     this.redraw();
