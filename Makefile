@@ -90,9 +90,9 @@ build/peers/installed: tools/bench/peers.txt
 	@python3 -m venv build/peers && build/peers/bin/pip install --quiet --disable-pip-version-check -r $< && cp $< $@ \
 	  || { rm -rf build/peers; echo "make: the peers of tools/bench/peers.txt could not be installed; bench goes on without them" >&2; }
 
-bench: build build/peers/installed ## the project's numbers beside their targets and other libraries, as a table and build/bench.json
+bench: build build/peers/installed ## the project's numbers beside their targets and other libraries, as a table and build/bench.json; ONLY="render field" only parts
 	@cmake --build --preset $(PRESET) --target haptogram_measure_link
-	@$(PYTHON) tools/bench.py --build $(BUILD) --output build/bench.json
+	@$(PYTHON) tools/bench.py --build $(BUILD) --output build/bench.json $(if $(ONLY),--only $(ONLY))
 
 figures: build ## the papers' figures, computed, beside the papers' numbers: build/figures/index.html
 	@$(PYTHON) tools/figures.py --program $(BUILD)/host/cli/haptogram --tool $(BUILD)/tools/figures/haptogram_figures --output build/figures
