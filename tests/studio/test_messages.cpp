@@ -206,7 +206,7 @@ TEST_CASE("studio messages: one as long as the server takes is refused at once, 
 
 TEST_CASE("studio messages: what ends a connection or is answered over HTTP is text, whatever it quotes") {
     CHECK(close_reason("message 'stop': no") == "message 'stop': no");
-    CHECK(close_reason("found '\xff\n\xc3\xa4'") == "found '????'");
+    CHECK(close_reason("found '\xff\n\xc3\xa4'") == "found '" + std::string(4, '?') + "'");
     CHECK(close_reason(std::string(500, 'a')) == std::string(123, 'a'));
     const Answer answer = error_answer(422, "there is no scene '\xff'");
     CHECK(answer.status == 422);
