@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "browser_door.hpp"
 #include "command.hpp"
 #include "interrupt.hpp"
 

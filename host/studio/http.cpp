@@ -76,10 +76,8 @@ public:
     void send(std::string message) override { queue(std::move(message)); }
     void send(std::vector<std::uint8_t> bulk) override { queue(std::move(bulk)); }
     void close(const std::string& reason) override {
-        net::post(socket_.get_executor(), [self = shared_from_this(), reason] {
-            // The protocol has room for 123 bytes.
-            self->socket_.async_close({websocket::close_code::policy_error, reason.substr(0, 120)},
-                                      [self](beast::error_code) {});
+        net::post(socket_.get_executor(), [self = shared_from_this(), reason = close_reason(reason)] {
+            self->socket_.async_close({websocket::close_code::policy_error, reason}, [self](beast::error_code) {});
         });
     }
 
@@ -130,7 +128,16 @@ private:
 }  // namespace
 
 Answer error_answer(unsigned status, const std::string& message) {
-    return {status, "application/json", nlohmann::json{{"error", {{"message", message}}}}.dump()};
+    const nlohmann::json answer{{"error", {{"message", message}}}};
+    return {status, "application/json", answer.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)};
+}
+
+std::string close_reason(std::string message) {
+    constexpr std::size_t room = 123;
+    if (message.size() > room) message.resize(room);
+    for (char& each : message)
+        if (each < ' ' || each > '~') each = '?';
+    return message;
 }
 
 class Server::Inside {

@@ -26,8 +26,12 @@ struct Answer {
     bool gzip = false;  ///< how the body is encoded
 };
 
-/// {"error": {"message": …}}
+/// {"error": {"message": …}}. Bytes of the message that are no UTF-8 become U+FFFD.
 [[nodiscard]] Answer error_answer(unsigned status, const std::string& message);
+
+/// Why a WebSocket is closed, as its protocol takes it: 123 bytes at most, and UTF-8. What a message quotes may be
+/// neither, so bytes that are no printable ASCII become question marks.
+[[nodiscard]] std::string close_reason(std::string message);
 
 /// A page that is connected.
 class Page {

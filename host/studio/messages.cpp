@@ -94,6 +94,29 @@ private:
     std::string type_;
 };
 
+/// Refuses what could not be a message of a page and would keep the server from STOP: lists within lists, which take
+/// the stack of whoever copies them, and names by the thousand, each of which is compared with all before it. A text
+/// that is no JSON may pass; the parser refuses it.
+void require_modest(std::string_view text) {
+    std::size_t depth = 0, members = 0;
+    bool quoted = false;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const char each = text[i];
+        if (each == '"') quoted = !quoted;
+        if (quoted) {
+            if (each == '\\') ++i;
+        } else if (each == '{' || each == '[') {
+            if (++depth > most_depth)
+                throw bad_input("message", fmt::format("its lists and objects are more than {} deep", most_depth));
+        } else if (each == '}' || each == ']') {
+            depth -= depth > 0 ? 1 : 0;
+        } else if (each == ':') {
+            if (++members > most_members)
+                throw bad_input("message", fmt::format("it has more than {} members; take fewer shapes", most_members));
+        }
+    }
+}
+
 template <class T>
 void put(std::vector<std::uint8_t>& bytes, std::size_t at, T value) {
     std::memcpy(bytes.data() + at, &value, sizeof value);
@@ -141,6 +164,7 @@ std::size_t stride(std::size_t count, std::size_t most) { return std::max<std::s
 }  // namespace
 
 Message read_message(std::string_view text) {
+    require_modest(text);
     ordered_json message;
     try {
         message = ordered_json::parse(text);

@@ -1,69 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "studio.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <unistd.h>
 
-#include <atomic>
-#include <cstdlib>
 #include <map>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "assets.hpp"
-#include "field_request.hpp"
+#include "computing.hpp"
+#include "failure.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/base/file.hpp"
-#include "haptogram/base/process.hpp"
 #include "haptogram/base/shipped.hpp"
-#include "haptogram/instrument/analyze.hpp"
-#include "haptogram/instrument/slice.hpp"
 #include "haptogram/link/port.hpp"
 #include "haptogram/link/to_json.hpp"
 #include "haptogram/shape/primitives.hpp"
 #include "http.hpp"
 #include "messages.hpp"
-#include "pins.hpp"
 #include "player.hpp"
 #include "scenes.hpp"
 #include "study.hpp"
 #include "worker.hpp"
-
-extern char** environ;
 
 namespace haptogram::studio {
 namespace {
 
 using nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
-
-/// What may be wrong is told to the page; what cannot be told ends the program.
-template <class Work>
-std::optional<ordered_json> error_of(Work work) {
-    try {
-        work();
-        return {};
-    } catch (const Error& error) {
-        return to_json(error);
-    } catch (const std::bad_alloc&) {
-        return ordered_json{{"where", ""}, {"message", "out of memory; take fewer points"}};
-    } catch (const std::exception& error) {
-        return ordered_json{{"where", ""}, {"message", error.what()}};
-    }
-}
-
-/// Work that ends early when nobody waits for it any more, and then has nothing to tell.
-template <class Work>
-void unless_cancelled(Work work) {
-    try {
-        work();
-    } catch (const Error& error) {
-        if (error.code() != ErrorCode::cancelled) throw;
-    }
-}
 
 /// The one server with its pages, scenes and board. Its callbacks run in the server's thread.
 class Studio {
@@ -97,10 +61,7 @@ private:
     struct Visitor {
         std::shared_ptr<Page> page;
         Clock::time_point heard = Clock::now();
-        std::optional<Clock::time_point> hidden{};                                                   ///< since when
-        std::shared_ptr<std::atomic<bool>> analyzing = std::make_shared<std::atomic<bool>>(false);   ///< still wanted
-        std::shared_ptr<std::atomic<bool>> simulating = std::make_shared<std::atomic<bool>>(false);  ///< the same
-        std::shared_ptr<const Pins> pins{};  ///< what was simulated last
+        std::optional<Clock::time_point> hidden{};  ///< since when
     };
     struct Stop {
         std::uint64_t page;
@@ -113,7 +74,7 @@ private:
 
     void answer(Request request, const Reply& reply) {
         if (request.path == "/api/field")
-            compute_field(request, reply);
+            computing_.field(request, reply);
         else
             reply(answer_at_once(std::move(request)));
     }
@@ -160,19 +121,6 @@ private:
         return error_answer(400, fmt::format("as '{}'; expected hex, manifest or project", as));
     }
 
-    /// The field on a plane as a file, in another thread.
-    void compute_field(const Request& request, const Reply& reply) {
-        const FieldRequest asked = field_request(request.query, scenes_);
-        // Owners differ, so that none is dropped for a newer one: each has a client who waits.
-        fields_.ask(++field_number_, [this, asked, reply] {
-            const Progress going([this](double, std::string_view) { return !over_; });
-            std::string content;
-            const auto error = error_of([&] { content = field_file(asked, going); });
-            reply(error ? error_answer(422, error->at("message"))
-                        : Answer{.type = "application/octet-stream", .body = std::move(content)});
-        });
-    }
-
     // Pages.
 
     void open(std::shared_ptr<Page> page) {
@@ -182,12 +130,7 @@ private:
     }
 
     void close(Page& page) {
-        for (std::uint32_t view = 0; view < most_views; ++view) slices_.forget(most_views * page.number() + view);
-        compilers_.forget(page.number());
-        analyses_.forget(page.number());
-        simulations_.forget(page.number());
-        if (const auto visitor = visitors_.find(page.number()); visitor != visitors_.end())
-            *visitor->second.analyzing = *visitor->second.simulating = false;
+        computing_.forget(page);
         protocols_.forget(page.number());
         visitors_.erase(page.number());
         if (driver_ == page.number()) outputs_off("the page that drove the board was closed");
@@ -204,101 +147,20 @@ private:
             page.close(error->at("message"));
             return;
         }
-        std::visit([&](const auto& each) { act(visitor->second, each); }, *message);
+        std::visit(
+            [&](const auto& each) {
+                if constexpr (requires { computing_.ask(visitor->second.page, each); })
+                    computing_.ask(visitor->second.page, each);
+                else
+                    act(visitor->second, each);
+            },
+            *message);
     }
 
-    /// Work in another thread whose failure the page is told as the answer to message `n`.
-    template <class Work>
-    void tell_failure(const std::shared_ptr<Page>& page, std::uint32_t n, Work work) {
-        if (const auto error = error_of(work)) page->send(to_text({{"t", "failed"}, {"n", n}, {"error", *error}}));
-    }
-
-    void act(Visitor& visitor, const SceneMessage& message) {
-        compilers_.ask(visitor.page->number(), [this, page = visitor.page, message] {
-            tell_failure(page, message.n, [&] {
-                const Made made = scenes_.compile(message.document);
-                page->send(to_text({{"t", "scene"}, {"n", message.n}, {"scene", to_json(*made.scene)}}));
-                page->send(shape_bytes(message.n, made.shape));
-            });
-        });
-    }
-
-    void act(Visitor& visitor, const SliceMessage& message) {
-        slices_.ask(most_views * visitor.page->number() + message.view, [this, page = visitor.page, message] {
-            tell_failure(page, message.n, [&] {
-                const auto scene = scenes_.find(message.scene);
-                const Clock::time_point begun = Clock::now();
-                const std::vector<float> values =
-                    message.record == 0 ? mean_square_on(scene->excitation, message.slice)
-                                        : mean_square_on(only(scene->excitation, message.record - 1), message.slice);
-                const double ms = std::chrono::duration<double, std::milli>(Clock::now() - begun).count();
-                page->send(slice_bytes(message, values, scene->skin_per_square, ms,
-                                       message.record == 0 ? scene->excitation.drives.size() : 1));
-            });
-        });
-    }
-
-    void act(Visitor& visitor, const DrivesMessage& message) {
-        tell_failure(visitor.page, message.n, [&] {
-            ordered_json answer{{"t", "drives"}, {"n", message.n}};
-            answer.update(drives_json(*scenes_.find(message.scene), message.record));
-            visitor.page->send(to_text(answer));
-        });
-    }
-
-    void act(Visitor& visitor, const AnalyzeMessage& message) {
-        *visitor.analyzing = false;
-        visitor.analyzing = std::make_shared<std::atomic<bool>>(true);
-        const auto work = [this, page = visitor.page, wanted = visitor.analyzing, message] {
-            tell_failure(page, message.n, [&] {
-                const Progress going([this, &wanted](double, std::string_view) { return !over_ && *wanted; });
-                if (!*wanted) return;
-                unless_cancelled([&] {
-                    const auto scene = scenes_.find(message.scene);
-                    const ImageAnalysis found = analyze(scene->compiled.bundle, least_felt_n, going);
-                    ordered_json answer{{"t", "analysis"}, {"n", message.n}};
-                    answer.update(analysis_json(*scene, found));
-                    page->send(to_text(answer));
-                });
-            });
-        };
-        analyses_.ask(visitor.page->number(), work);
-    }
-
-    void act(Visitor& visitor, const SimulateMessage& message) {
-        *visitor.simulating = false;
-        visitor.simulating = std::make_shared<std::atomic<bool>>(true);
-        const auto work = [this, page = visitor.page, wanted = visitor.simulating, message] {
-            const Progress going([this, &wanted](double, std::string_view) { return !over_ && *wanted; });
-            tell_failure(page, message.n, [&] {
-                if (!*wanted) return;
-                unless_cancelled([&] {
-                    const auto pins = std::make_shared<const Pins>(simulate_pins(*scenes_.find(message.scene), going));
-                    server_.post([this, n = message.n, number = page->number(), pins] {
-                        const auto asker = visitors_.find(number);
-                        if (asker == visitors_.end()) return;
-                        asker->second.pins = pins;
-                        asker->second.page->send(to_text({{"t", "pins"}, {"n", n}, {"report", pins->report}}));
-                    });
-                });
-            });
-        };
-        simulations_.ask(visitor.page->number(), work);
-    }
-
-    void act(Visitor& visitor, const CancelMessage&) { *visitor.simulating = false; }
-
-    void act(Visitor& visitor, const PulsesMessage& message) {
-        tell_failure(visitor.page, message.n, [&] {
-            if (!visitor.pins) throw bad_argument("pulses", "nothing was simulated yet; ask for that first");
-            ordered_json answer{{"t", "pulses"}, {"n", message.n}};
-            answer.update(pulses_json(*visitor.pins, message.index, message.periods));
-            visitor.page->send(to_text(answer));
-        });
-    }
+    // The board: what pages ask of it.
 
     void act(Visitor& visitor, const ConnectMessage& message) {
-        tell_failure(visitor.page, message.n, [&] {
+        tell_failure(*visitor.page, message.n, [&] {
             require_own_port();
             if (message.port == "virtual" || message.port == "virtual-rtl")
                 player_.connect_virtual(scenes_.find(message.scene)->compiled.bundle.image.channels,
@@ -312,7 +174,7 @@ private:
     }
 
     void act(Visitor& visitor, const DisconnectMessage& message) {
-        tell_failure(visitor.page, message.n, [&] {
+        tell_failure(*visitor.page, message.n, [&] {
             require_own_port();
             player_.disconnect();
             driver_ = {};
@@ -321,7 +183,7 @@ private:
     }
 
     void act(Visitor& visitor, const UploadMessage& message) {
-        tell_failure(visitor.page, message.n, [&] { (void)player_.upload(scenes_.find(message.scene)); });
+        tell_failure(*visitor.page, message.n, [&] { (void)player_.upload(scenes_.find(message.scene)); });
     }
 
     void act(Visitor& visitor, const PlayMessage& message) {
@@ -335,7 +197,7 @@ private:
     /// Work that turns the outputs on, for the one page that then keeps them on. @param work  returns its number
     template <class Work>
     void drive(Visitor& visitor, std::uint32_t n, Work work) {
-        tell_failure(visitor.page, n, [&] {
+        tell_failure(*visitor.page, n, [&] {
             require_no_other_driver(visitor);
             driver_work_ = work();
             driver_ = visitor.page->number();
@@ -375,7 +237,7 @@ private:
 
     void act(Visitor& visitor, const StudiesMessage& message) {
         protocols_.ask(visitor.page->number(), [this, page = visitor.page, n = message.n] {
-            tell_failure(page, n, [&] {
+            tell_failure(*page, n, [&] {
                 page->send(to_text({{"t", "studies"},
                                     {"n", n},
                                     {"folder", folder_.string()},
@@ -385,7 +247,7 @@ private:
     }
 
     void act(Visitor& visitor, const StudyMessage& message) {
-        tell_failure(visitor.page, message.n, [&] {
+        tell_failure(*visitor.page, message.n, [&] {
             if (study_) throw Error(ErrorCode::failed, "study", "one is under way; stop it first");
             UnderWay next{.page = visitor.page->number(), .number = ++study_number_};
             std::optional<StudyPort> port;
@@ -483,7 +345,7 @@ private:
             visitor.hidden = Clock::now();
     }
 
-    // The board.
+    // The board: what it tells, and what keeps its outputs on.
 
     [[nodiscard]] ordered_json device_json() const {
         if (study_ && study_->borrowed) return {{"t", "device"}, {"connection", "lent"}, {"port", port_}};
@@ -539,8 +401,9 @@ private:
             tell_off(stop, false);
             return true;
         });
-        over_ = ended();
-        return !over_;
+        const bool over = ended();
+        if (over) computing_.end();
+        return !over;
     }
 
     void broadcast(const ordered_json& message) {
@@ -567,9 +430,8 @@ private:
     link::DeviceState state_;
     std::string port_;
     Player player_;  // after what it tells of
-    std::atomic<bool> over_ = false;
-    std::uint64_t field_number_ = 0;
-    Worker slices_, compilers_, fields_, analyses_, simulations_, protocols_;
+    Computing computing_{scenes_, [this](std::function<void()> work) { server_.post(std::move(work)); }};
+    Worker protocols_;
     std::uint64_t study_number_ = 0;
     std::optional<UnderWay> study_;  // the last, so that it ends before the board that it may play on
 };
@@ -600,32 +462,6 @@ void run(const Options& options,
                     "then build again"
                   : "");
     studio.run(access, ended);
-}
-
-BrowserDoor::BrowserDoor(const std::string& address) {
-    const std::filesystem::path program = find_program("xdg-open");
-    const char* const folder = std::getenv("XDG_RUNTIME_DIR");
-    if (program.empty() || folder == nullptr ||
-        (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr))
-        return;
-    std::string name = (std::filesystem::path(folder) / "haptogram-XXXXXX.html").string();
-    const int descriptor = ::mkstemps(name.data(), 5);  // readable by the user alone
-    if (descriptor < 0) return;
-    file_ = name;
-    const std::string text =
-        fmt::format("<!DOCTYPE html><meta http-equiv=\"refresh\" content=\"0;url={}\">\n", address);
-    const bool written = ::write(descriptor, text.data(), text.size()) == static_cast<ssize_t>(text.size());
-    ::close(descriptor);
-    if (!written) return;
-    std::string path = program.string();
-    char* const arguments[] = {path.data(), name.data(), nullptr};
-    pid_t child = 0;
-    (void)::posix_spawn(&child, path.c_str(), nullptr, nullptr, arguments, environ);
-}
-
-BrowserDoor::~BrowserDoor() {
-    std::error_code ignored;
-    if (!file_.empty()) std::filesystem::remove(file_, ignored);
 }
 
 }  // namespace haptogram::studio

@@ -29,17 +29,4 @@ void run(const Options& options,
          const std::function<void(const std::string& address, const std::string& missing)>& listening,
          const std::function<bool()>& ended);
 
-/// Opens an address in the user's browser, by a file that only the user can read: the token is in no list of processes.
-class BrowserDoor {
-public:
-    /// Does nothing when there is no display or no xdg-open.
-    explicit BrowserDoor(const std::string& address);
-    BrowserDoor(const BrowserDoor&) = delete;
-    BrowserDoor& operator=(const BrowserDoor&) = delete;
-    ~BrowserDoor();
-
-private:
-    std::filesystem::path file_;
-};
-
 }  // namespace haptogram::studio

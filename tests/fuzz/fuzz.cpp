@@ -3,6 +3,7 @@
 // with an Error; any other exception, a crash, a leak or a hang is a finding. What is taken must come through its own
 // writer.
 #include <unistd.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -17,13 +18,17 @@
 #include "haptogram/image/image.hpp"
 #include "haptogram/image/manifest.hpp"
 #include "haptogram/image/pulses.hpp"
+#include "haptogram/instrument/document.hpp"
 #include "haptogram/instrument/project.hpp"
 #include "haptogram/link/frame.hpp"
 #include "haptogram/model/array.hpp"
 #include "haptogram/render/adaptics.hpp"
 #include "haptogram/render/path_file.hpp"
 #include "haptogram/render/waveform.hpp"
+#include "haptogram/sense/depth_folder.hpp"
+#include "haptogram/sense/depth_png.hpp"
 #include "haptogram/shape/formats.hpp"
+#include "messages.hpp"
 
 namespace haptogram::fuzz {
 
@@ -91,6 +96,81 @@ void adaptics(const std::string& content) { require_sound(path_from_adaptics(con
 void wav(const std::string& content) { static_cast<void>(wave_from_wav(content, "fuzz")); }
 void leap(const std::string& content) { static_cast<void>(recording_from_leap(content, "fuzz")); }
 
+/// What a writer wrote, read again: to refuse that is a finding.
+template <class Read>
+auto again(Read read) {
+    try {
+        return read();
+    } catch (const Error&) {
+        std::abort();
+    }
+}
+
+/// A PNG whose chunks all have the CRC of what they hold, so that what is behind them is reached.
+std::string with_good_checks(std::string png) {
+    const auto word = [&png](std::size_t at) {
+        std::uint32_t value = 0;
+        for (std::size_t i = 0; i < 4; ++i) value = value << 8U | static_cast<std::uint8_t>(png[at + i]);
+        return value;
+    };
+    constexpr std::size_t signature = 8, around = 12;  // length, type and CRC
+    for (std::size_t at = signature; at + around <= png.size();) {
+        const std::size_t length = word(at);
+        if (length > png.size() - at - around) break;
+        const auto* typed = reinterpret_cast<const Bytef*>(png.data() + at + 4);
+        const auto sum = static_cast<std::uint32_t>(::crc32(0, typed, static_cast<uInt>(length + 4)));
+        for (unsigned i = 0; i < 4; ++i) png[at + 8 + length + i] = static_cast<char>(sum >> (24 - 8 * i));
+        at += around + length;
+    }
+    return png;
+}
+
+void depth_png(const std::string& content) {
+    DepthCamera camera;
+    camera.width = 4;
+    camera.height = 3;
+    const DepthPicture picture = depth_from_png(with_good_checks(content), "fuzz", camera);
+    const std::string written = depth_to_png(picture, camera);
+    require(again([&] { return depth_from_png(written, "fuzz", camera); }) == picture);
+}
+
+void cameras(const std::string& content) {
+    const DepthCameras found = cameras_from_toml(content, "fuzz");
+    const std::string written = cameras_to_toml(found.cameras, found.rate_hz);
+    const DepthCameras same = again([&] { return cameras_from_toml(written, "fuzz"); });
+    require(cameras_to_toml(same.cameras, same.rate_hz) == written);
+}
+
+/// A name of a file that can only be in the folder where it is looked for, and that no program takes for an option.
+bool is_plain_name(const std::string& name) {
+    return !name.empty() && name.find_first_of("/\\") == std::string::npos && name[0] != '.' && name[0] != '-';
+}
+
+/// What a page may send to the studio. What is refused is told to the page, and so must be text whatever was found; a
+/// document that is taken for a project must come through its own writer.
+void message(const std::string& content) {
+    studio::Message found;
+    try {
+        found = studio::read_message(content);
+    } catch (const Error& error) {
+        require(error.code() == ErrorCode::bad_input);
+        require(nlohmann::json::accept(studio::to_text(studio::to_json(error))));
+        throw;
+    }
+    if (const auto* const study = std::get_if<studio::StudyMessage>(&found))
+        require(is_plain_name(study->protocol) && is_plain_name(study->results) && study->participant >= 1);
+    if (const auto* const slice = std::get_if<studio::SliceMessage>(&found)) require(slice->view < studio::most_views);
+    if (const auto* const answer = std::get_if<studio::AnswerMessage>(&found))
+        require(nlohmann::json::accept(nlohmann::json(answer->text).dump()));
+    const auto* const scene = std::get_if<studio::SceneMessage>(&found);
+    if (scene == nullptr) return;
+    const Project project = project_from_toml(toml_of(scene->document), "fuzz");
+    const std::string written = to_toml(project);
+    require(to_toml(again([&] { return project_from_toml(written, "fuzz"); })) == written);
+    const std::string as_document = toml_of(again([&] { return document_of(written, "fuzz"); }));
+    require(toml_of(again([&] { return document_of(as_document, "fuzz"); })) == as_document);
+}
+
 const std::map<std::string, void (*)(const std::string&)> targets = {{"frame", frame},       {"intel_hex", intel_hex},
                                                                      {"pulses", pulses},     {"manifest", manifest},
                                                                      {"ply", ply},           {"obj", obj},
@@ -99,7 +179,8 @@ const std::map<std::string, void (*)(const std::string&)> targets = {{"frame", f
                                                                      {"board", board},       {"project", project},
                                                                      {"path", path},         {"path_csv", path_csv},
                                                                      {"adaptics", adaptics}, {"wav", wav},
-                                                                     {"leap", leap}};
+                                                                     {"leap", leap},         {"depth_png", depth_png},
+                                                                     {"cameras", cameras},   {"message", message}};
 void (*target)(const std::string&) = nullptr;
 
 }  // namespace haptogram::fuzz

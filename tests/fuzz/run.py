@@ -13,14 +13,29 @@ import shutil
 import struct
 import subprocess
 import sys
+import zlib
 from pathlib import Path
 
 from intelhex import IntelHex
 
 ROOT = Path(__file__).resolve().parents[2]
 TARGETS = ("frame", "intel_hex", "pulses", "manifest", "ply", "obj", "stl", "xyz", "csv", "array", "board", "project",
-           "path", "path_csv", "adaptics", "wav", "leap")  # fmt: skip
+           "path", "path_csv", "adaptics", "wav", "leap", "depth_png", "cameras", "message")  # fmt: skip
 CUBE = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+SOUND_CAMERAS = b"""format = "haptogram-depth-1"
+rate_hz = 30
+[[camera]]
+folder = "camera1"
+width = 640
+height = 480
+focal_px = [476.007, 476.007]
+centre_px = [313.683, 242.755]
+unit_mm = 0.125
+baseline_mm = 50
+position_mm = [0, 1.5, -300]
+right = [1, 0, 0]
+forward = [0, 0.6, 0.8]
+"""
 
 
 def sound_hex():
@@ -72,6 +87,36 @@ def sound_pattern():
     }  # fmt: skip
 
 
+def sound_depth(colour=0, bits=16, interlaced=0, level=0):
+    """A depth picture of 4 x 3 counts; with level 0 its counts stand in it as they are."""
+    counts = [[0, 1, 3000 + row, 65535] for row in range(3)]
+    if interlaced:  # the passes that a picture of this size has
+        counts = [counts[0][:1], counts[0][2:3], counts[2][::2], counts[0][1::2], counts[2][1::2], counts[1]]
+    rows = b"".join(b"\0" + struct.pack(f">{len(row)}H", *row) for row in counts)
+    chunk = lambda kind, data: struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))  # noqa: E731
+    header = struct.pack(">2I5B", 4, 3, bits, colour, 0, 0, interlaced)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"gAMA", struct.pack(">I", 45455)) + chunk(b"IDAT", zlib.compress(rows, level)) + chunk(b"IEND", b"")
+
+
+def sound_messages():
+    """A message of each kind that the studio's page may send, by host/studio/README.md."""
+    shapes = [{"kind": "circle", "diameter_mm": 30, "center_mm": [0, 0, 120]}, {"file": "a.ply", "unit": "cm", "rotate_deg": [0, 90, 0]}]
+    document = {"format": "haptogram-project-1", "points": 9, "rate_hz": 7.5, "am": "sine:200", "place": {"size_mm": 40, "center_mm": [0, 1.5, 130]}, "shape": shapes}
+    path = {"format": "haptogram-project-1", "path": "a.json", "array": "hoshi-18x18"}
+    of_scene = {
+        "slice": {"origin": [-80, -80, 130], "u": [160, 0, 0], "v": [0, 1.6e2, 0], "width": 200, "height": 100, "record": 0, "view": 1},
+        "drives": {"record": 7}, "analyze": {}, "simulate": {}, "connect": {"port": "virtual"}, "upload": {}, "play": {}, "stream": {"index": 7},
+    }  # fmt: skip
+    others = {
+        "cancel": {}, "pulses": {"index": 7, "periods": 2}, "disconnect": {}, "studies": {},
+        "study": {"protocol": "haptogram_shapes", "participant": 3, "seed": 7, "results": "p3.jsonl", "port": "studio"},
+        "answer": {"number": 5, "text": "soft\n\u00fc"}, "leave": {}, "stop": {},
+    }  # fmt: skip
+    found = [{"t": "scene", "n": 1, "document": document}, {"t": "scene", "n": 2, "document": path}, {"t": "beat", "hidden": False}]
+    found += [{"t": kind, "n": 3, "scene": "abc", **members} for kind, members in of_scene.items()]
+    return found + [{"t": kind, "n": 4, **members} for kind, members in others.items()]
+
+
 def seeds(program):
     """Small sound files, each of another kind."""
     rows = "".join(f"{x} {y} {z}\n" for x, y, z in CUBE)
@@ -104,9 +149,12 @@ def seeds(program):
         "path_csv": [b"time_ms,x_mm,y_mm,z_mm,intensity\n0,1,2,130,1\n1,2,2,130,0.5\n", b"z_mm;x_mm;y_mm;time_s\n130;0;0;0\n130;1;0;0.001\n"],
         "adaptics": [json.dumps(sound_pattern()).encode()],
         "wav": [b"RIFF" + struct.pack("<I", 44) + b"WAVEfmt " + struct.pack("<IHHIIHH", 16, 1, 1, 8000, 16000, 2, 16) + b"data" + struct.pack("<I4h", 8, 0, 99, -99, 0)],
+        "depth_png": [sound_depth(), sound_depth(level=9), sound_depth(interlaced=1), sound_depth(bits=8), sound_depth(colour=2)],
+        "cameras": [SOUND_CAMERAS, SOUND_CAMERAS + SOUND_CAMERAS[SOUND_CAMERAS.index(b"[[") :].replace(b"camera1", b"b")],
         "leap": [b'{"frames": [["timestamp", {"hands": [["type", "id", "palmVelocity", "palmPosition", "palmNormal", "direction"]]}, {"pointables": [["handId", "id",'
                  b' "tipPosition", "dipPosition", "pipPosition", "mcpPosition"]]}], [5, [["left", 7, [10, 0, 0], [1, 200, 30], [0, -1, 0], [0, 0, -1]]],'
                  b' [[7, 71, [0, 200, -85], [0, 200, -65], [0, 200, -40], [0, 200, 0]]]]]}', b"BYUwNmD2A0AECWsCGBbZtDUzkAA="],
+        "message": [json.dumps(each).encode() for each in sound_messages()],
     }  # fmt: skip
     subprocess.run([program, "compile", "--shape", "line", "--points", "2", "--array", "tile-7x8", "-o", "seed.hex"],
                    cwd=ROOT / "build/fuzz", stdout=subprocess.DEVNULL, check=True)  # fmt: skip

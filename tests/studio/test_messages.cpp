@@ -6,6 +6,7 @@
 #include <cstring>
 #include <random>
 
+#include "http.hpp"
 #include "messages.hpp"
 
 using namespace haptogram;
@@ -171,6 +172,45 @@ TEST_CASE("studio messages: text that was damaged is read or refused, and nothin
         }
     }
     CHECK(refused > 10'000);
+}
+
+TEST_CASE("studio messages: one as long as the server takes is refused at once, however it is nested or named") {
+    const auto repeated = [](std::string_view piece, std::size_t times) {
+        std::string text;
+        for (std::size_t i = 0; i < times; ++i) text += piece;
+        return text;
+    };
+    const auto document = [](const std::string& members) {
+        return R"({"t":"scene","n":1,"document":{)" + members + "}}";
+    };
+    constexpr std::size_t many = most_message_bytes / 2 - 50;
+    for (const std::string& deep :
+         {document(R"("a":)" + repeated("[", many) + repeated("]", many)),
+          document(R"("a":)" + repeated(R"({"a":)", many / 6) + "1" + repeated("}", many / 6)),
+          repeated("[", 2 * many)}) {
+        REQUIRE(deep.size() <= most_message_bytes);
+        CHECK_THROWS_WITH(read_message(deep), Contains("deep"));
+    }
+    std::string names = R"("a":1)";
+    for (int i = 0; names.size() < most_message_bytes - 100; ++i) names += ",\"" + std::to_string(i) + "\":1";
+    CHECK_THROWS_WITH(read_message(document(names)), Contains("more than 4000 members"));
+
+    // What looks deep or many within a text is none.
+    const std::string quoted = R"("a":")" + repeated(R"(\\\"[{:)", 50'000) + "\"";
+    CHECK(std::get<SceneMessage>(read_message(document(quoted))).document["a"].get<std::string>().size() == 250'000);
+    std::string shapes = R"({"kind":"circle","diameter_mm":30,"center_mm":[0,0,120]})";
+    shapes += repeated("," + shapes, 999);
+    CHECK(std::get<SceneMessage>(read_message(document(R"("shape":[)" + shapes + "]"))).document["shape"].size() ==
+          1000);
+}
+
+TEST_CASE("studio messages: what ends a connection or is answered over HTTP is text, whatever it quotes") {
+    CHECK(close_reason("message 'stop': no") == "message 'stop': no");
+    CHECK(close_reason("found '\xff\n\xc3\xa4'") == "found '" + std::string(4, '?') + "'");
+    CHECK(close_reason(std::string(500, 'a')) == std::string(123, 'a'));
+    const Answer answer = error_answer(422, "there is no scene '\xff'");
+    CHECK(answer.status == 422);
+    CHECK(nlohmann::json::parse(answer.body)["error"]["message"] == "there is no scene '\xEF\xBF\xBD'");
 }
 
 TEST_CASE("studio messages: bytes of a file that are no text do no harm in a message") {

@@ -240,10 +240,26 @@ TEST_CASE("sense: cameras.toml that cannot be used is refused with its line") {
     };
     CHECK_THAT(says("haptogram-depth-1", "depth"), Contains("cameras.toml:1") && Contains("haptogram-depth-1"));
     CHECK_THAT(says("width = 640", "width = 0"), Contains("cameras.toml:6") && Contains("width"));
-    CHECK_THAT(says("right = [1, 0, 0]", "right = [0, 0, 1]"), Contains("right angles"));
+    CHECK_THAT(says("right = [1.0, 0.0, 0.0]", "right = [0, 0, 1]"), Contains("right angles"));
     CHECK_THAT(says("unit_mm", "unit"), Contains("unknown key"));
     CHECK_THAT(says("[[camera]]", "[camera]"), Contains("no camera"));
-    CHECK_THAT(says("rate_hz = 30", "rate_hz = 30"), Contains("camera1") && Contains("cannot be read"));
+    CHECK_THAT(says("rate_hz = 30.0", "rate_hz = 30"), Contains("camera1") && Contains("cannot be read"));
+}
+
+TEST_CASE("sense: every number of cameras.toml is read back as it was written, to the sign of nothing") {
+    DepthCamera camera;
+    camera.pose.origin = {-0.0, 1.0 / 3.0, 1e17};
+    camera.pose.x = {1.0, -0.0, 0.0};
+    camera.centre_x_px = -1e300;
+    camera.unit_m = 1.7e-4;
+    const std::string text = cameras_to_toml({camera}, 30.0);
+    const DepthCameras read = cameras_from_toml(text, "cameras.toml");
+    REQUIRE(read.cameras.size() == 1);
+    CHECK(std::signbit(read.cameras[0].pose.origin.x));
+    CHECK(std::signbit(read.cameras[0].pose.x.y));
+    CHECK(read.cameras[0].pose.origin == camera.pose.origin);
+    CHECK(read.cameras[0].centre_x_px == camera.centre_x_px);
+    CHECK(cameras_to_toml(read.cameras, read.rate_hz) == text);
 }
 
 TEST_CASE("sense: a simulated hand is as large as its skin") {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <sstream>
 
+#include "haptogram/base/toml_number.hpp"
 #include "haptogram/base/toml_section.hpp"
 #include "haptogram/model/millimetres.hpp"
 #include "haptogram/solve/segments.hpp"
@@ -15,6 +16,7 @@ namespace haptogram {
 namespace {
 
 using section::assign;
+using section::number_text;
 using section::Section;
 
 constexpr std::string_view format_name = "haptogram-project-1";
@@ -85,24 +87,16 @@ std::string quoted(const std::string& text) {
     return out.str();
 }
 
-/// The shortest digits that read back as the same number, with a decimal point so that TOML takes it for a
-/// floating-point number.
-std::string number(double value) {
-    std::string text = fmt::format("{}", value);
-    if (text.find_first_of(".en") == std::string::npos) text += ".0";
-    return text;
-}
-
-std::string in_mm(double metres) { return number(exact_mm(metres)); }
+std::string in_mm(double metres) { return number_text(exact_mm(metres)); }
 
 /// The keys of a placement that are not as they are without it.
 std::string to_toml(const Placement& place) {
     std::string text;
-    if (place.scale != 1.0) text += fmt::format("scale = {}\n", number(place.scale));
+    if (place.scale != 1.0) text += fmt::format("scale = {}\n", number_text(place.scale));
     if (place.size_m) text += fmt::format("size_mm = {}\n", in_mm(*place.size_m));
     if (place.rotate_deg != Placement{}.rotate_deg)
-        text += fmt::format("rotate_deg = [{}, {}, {}]\n", number(place.rotate_deg[0]), number(place.rotate_deg[1]),
-                            number(place.rotate_deg[2]));
+        text += fmt::format("rotate_deg = [{}, {}, {}]\n", number_text(place.rotate_deg[0]),
+                            number_text(place.rotate_deg[1]), number_text(place.rotate_deg[2]));
     if (place.center)
         text += fmt::format("center_mm = [{}, {}, {}]\n", in_mm(place.center->x), in_mm(place.center->y),
                             in_mm(place.center->z));
@@ -124,7 +118,7 @@ std::string to_toml(const ShapeSource& source) {
     if (p.length) text += fmt::format("length_mm = {}\n", in_mm(*p.length));
     if (p.height) text += fmt::format("height_mm = {}\n", in_mm(*p.height));
     if (p.sides) text += fmt::format("sides = {}\n", *p.sides);
-    if (p.turns) text += fmt::format("turns = {}\n", number(*p.turns));
+    if (p.turns) text += fmt::format("turns = {}\n", number_text(*p.turns));
     return text + to_toml(source.placement);
 }
 
@@ -196,14 +190,15 @@ std::string to_toml(const Project& project) {
     if (project.seed != standard.seed) text += fmt::format("seed = {}\n", project.seed);
     if (project.clip) text += "clip = true\n";
     const bool paced = project.pace.speed_m_s || project.pace.frequency_hz;
-    if (!paced && project.rate_hz != standard.rate_hz) text += fmt::format("rate_hz = {}\n", number(project.rate_hz));
-    if (project.pace.speed_m_s) text += fmt::format("speed_m_s = {}\n", number(*project.pace.speed_m_s));
-    if (project.pace.frequency_hz) text += fmt::format("frequency_hz = {}\n", number(*project.pace.frequency_hz));
+    if (!paced && project.rate_hz != standard.rate_hz)
+        text += fmt::format("rate_hz = {}\n", number_text(project.rate_hz));
+    if (project.pace.speed_m_s) text += fmt::format("speed_m_s = {}\n", number_text(*project.pace.speed_m_s));
+    if (project.pace.frequency_hz) text += fmt::format("frequency_hz = {}\n", number_text(*project.pace.frequency_hz));
     if (project.jump == Jump::blank) text += "jump = \"blank\"\n";
     if (project.even) text += "even = true\n";
     if (!project.am.empty()) text += fmt::format("am = {}\n", quoted(project.am));
     if (project.am_law == AmplitudeLaw::radiation) text += "am_law = \"radiation\"\n";
-    if (project.magnitude) text += fmt::format("magnitude = {}\n", number(*project.magnitude));
+    if (project.magnitude) text += fmt::format("magnitude = {}\n", number_text(*project.magnitude));
     if (!project.quantise.empty()) text += fmt::format("quantise = {}\n", quoted(project.quantise));
     if (project.image) text += fmt::format("image = \"{}\"\n", *project.image == ImageKind::foci ? "foci" : "records");
     if (project.loops != standard.loops) text += fmt::format("loops = {}\n", project.loops);

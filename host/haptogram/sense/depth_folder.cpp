@@ -7,10 +7,12 @@
 #include <charconv>
 #include <cmath>
 #include <cstddef>
+#include <initializer_list>
 #include <utility>
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/base/toml_number.hpp"
 #include "haptogram/base/toml_section.hpp"
 #include "haptogram/model/millimetres.hpp"
 #include "haptogram/sense/depth_png.hpp"
@@ -19,6 +21,7 @@ namespace haptogram {
 namespace {
 
 namespace fs = std::filesystem;
+using section::number_text;
 using section::Section;
 
 constexpr const char* format_name = "haptogram-depth-1";
@@ -129,16 +132,22 @@ std::optional<DepthShot> DepthFolder::next() {
 }
 
 std::string cameras_to_toml(const std::vector<DepthCamera>& cameras, double rate_hz) {
-    std::string text = fmt::format("format = \"{}\"\nrate_hz = {}\n", format_name, rate_hz);
-    const auto list = [](Vec3 v) { return fmt::format("[{}, {}, {}]", v.x, v.y, v.z); };
+    std::string text = fmt::format("format = \"{}\"\nrate_hz = {}\n", format_name, number_text(rate_hz));
+    const auto list = [](std::initializer_list<double> numbers) {
+        std::string all;
+        for (const double each : numbers) all += (all.empty() ? "" : ", ") + number_text(each);
+        return "[" + all + "]";
+    };
     for (std::size_t i = 0; i < cameras.size(); ++i) {
         const DepthCamera& c = cameras[i];
-        const Vec3 place{exact_mm(c.pose.origin.x), exact_mm(c.pose.origin.y), exact_mm(c.pose.origin.z)};
+        const Vec3 &place = c.pose.origin, &right = c.pose.x, &forward = c.pose.z;
         text += fmt::format(
-            "\n[[camera]]\nfolder = \"camera{}\"\nwidth = {}\nheight = {}\nfocal_px = [{}, {}]\ncentre_px = [{}, {}]\n"
+            "\n[[camera]]\nfolder = \"camera{}\"\nwidth = {}\nheight = {}\nfocal_px = {}\ncentre_px = {}\n"
             "unit_mm = {}\nbaseline_mm = {}\nposition_mm = {}\nright = {}\nforward = {}\n",
-            i + 1, c.width, c.height, c.focal_x_px, c.focal_y_px, c.centre_x_px, c.centre_y_px, exact_mm(c.unit_m),
-            exact_mm(c.baseline_m), list(place), list(c.pose.x), list(c.pose.z));
+            i + 1, c.width, c.height, list({c.focal_x_px, c.focal_y_px}), list({c.centre_x_px, c.centre_y_px}),
+            number_text(exact_mm(c.unit_m)), number_text(exact_mm(c.baseline_m)),
+            list({exact_mm(place.x), exact_mm(place.y), exact_mm(place.z)}), list({right.x, right.y, right.z}),
+            list({forward.x, forward.y, forward.z}));
     }
     return text;
 }

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "computing.hpp"
+
+#include <chrono>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "failure.hpp"
+#include "field_request.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/instrument/analyze.hpp"
+#include "haptogram/instrument/slice.hpp"
+
+namespace haptogram::studio {
+namespace {
+
+using nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+/// Work that ends early when nobody waits for it any more, and then has nothing to tell.
+template <class Work>
+void unless_cancelled(Work work) {
+    try {
+        work();
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::cancelled) throw;
+    }
+}
+
+}  // namespace
+
+Computing::Computing(Scenes& scenes, std::function<void(std::function<void()>)> post)
+    : scenes_(scenes), post_(std::move(post)) {}
+
+Progress Computing::going_while(Wanted wanted) const {
+    return Progress([this, wanted = std::move(wanted)](double, std::string_view) { return !over_ && *wanted; });
+}
+
+void Computing::field(const Request& request, const Reply& reply) {
+    const FieldRequest asked = field_request(request.query, scenes_);
+    // Owners differ, so that none is dropped for a newer one: each has a client who waits.
+    fields_.ask(++field_number_, [this, asked, reply] {
+        const Progress going([this](double, std::string_view) { return !over_; });
+        std::string content;
+        const auto error = error_of([&] { content = field_file(asked, going); });
+        reply(error ? error_answer(422, error->at("message"))
+                    : Answer{.type = "application/octet-stream", .body = std::move(content)});
+    });
+}
+
+void Computing::ask(const std::shared_ptr<Page>& page, const SceneMessage& message) {
+    compilers_.ask(page->number(), [this, page, message] {
+        tell_failure(*page, message.n, [&] {
+            const Made made = scenes_.compile(message.document);
+            page->send(to_text({{"t", "scene"}, {"n", message.n}, {"scene", to_json(*made.scene)}}));
+            page->send(shape_bytes(message.n, made.shape));
+        });
+    });
+}
+
+void Computing::ask(const std::shared_ptr<Page>& page, const SliceMessage& message) {
+    slices_.ask(most_views * page->number() + message.view, [this, page, message] {
+        tell_failure(*page, message.n, [&] {
+            const auto scene = scenes_.find(message.scene);
+            const Clock::time_point begun = Clock::now();
+            const std::vector<float> values =
+                message.record == 0 ? mean_square_on(scene->excitation, message.slice)
+                                    : mean_square_on(only(scene->excitation, message.record - 1), message.slice);
+            const double ms = std::chrono::duration<double, std::milli>(Clock::now() - begun).count();
+            page->send(slice_bytes(message, values, scene->skin_per_square, ms,
+                                   message.record == 0 ? scene->excitation.drives.size() : 1));
+        });
+    });
+}
+
+void Computing::ask(const std::shared_ptr<Page>& page, const DrivesMessage& message) {
+    tell_failure(*page, message.n, [&] {
+        ordered_json answer{{"t", "drives"}, {"n", message.n}};
+        answer.update(drives_json(*scenes_.find(message.scene), message.record));
+        page->send(to_text(answer));
+    });
+}
+
+void Computing::ask(const std::shared_ptr<Page>& page, const AnalyzeMessage& message) {
+    Wanted& analyzing = askers_[page->number()].analyzing;
+    *analyzing = false;
+    analyzing = std::make_shared<std::atomic<bool>>(true);
+    analyses_.ask(page->number(), [this, page, wanted = analyzing, message] {
+        tell_failure(*page, message.n, [&] {
+            if (!*wanted) return;
+            unless_cancelled([&] {
+                const auto scene = scenes_.find(message.scene);
+                const ImageAnalysis found = analyze(scene->compiled.bundle, least_felt_n, going_while(wanted));
+                ordered_json answer{{"t", "analysis"}, {"n", message.n}};
+                answer.update(analysis_json(*scene, found));
+                page->send(to_text(answer));
+            });
+        });
+    });
+}
+
+void Computing::ask(const std::shared_ptr<Page>& page, const SimulateMessage& message) {
+    Wanted& simulating = askers_[page->number()].simulating;
+    *simulating = false;
+    simulating = std::make_shared<std::atomic<bool>>(true);
+    simulations_.ask(page->number(), [this, page, wanted = simulating, message] {
+        tell_failure(*page, message.n, [&] {
+            if (!*wanted) return;
+            unless_cancelled([&] {
+                const auto pins =
+                    std::make_shared<const Pins>(simulate_pins(*scenes_.find(message.scene), going_while(wanted)));
+                post_([this, n = message.n, page, pins] {
+                    const auto asker = askers_.find(page->number());
+                    if (asker == askers_.end()) return;
+                    asker->second.pins = pins;
+                    page->send(to_text({{"t", "pins"}, {"n", n}, {"report", pins->report}}));
+                });
+            });
+        });
+    });
+}
+
+void Computing::ask(const std::shared_ptr<Page>& page, const CancelMessage&) {
+    *askers_[page->number()].simulating = false;
+}
+
+void Computing::ask(const std::shared_ptr<Page>& page, const PulsesMessage& message) {
+    tell_failure(*page, message.n, [&] {
+        const std::shared_ptr<const Pins> pins = askers_[page->number()].pins;
+        if (!pins) throw bad_argument("pulses", "nothing was simulated yet; ask for that first");
+        ordered_json answer{{"t", "pulses"}, {"n", message.n}};
+        answer.update(pulses_json(*pins, message.index, message.periods));
+        page->send(to_text(answer));
+    });
+}
+
+void Computing::forget(const Page& page) {
+    for (std::uint32_t view = 0; view < most_views; ++view) slices_.forget(most_views * page.number() + view);
+    compilers_.forget(page.number());
+    analyses_.forget(page.number());
+    simulations_.forget(page.number());
+    const auto asker = askers_.find(page.number());
+    if (asker == askers_.end()) return;
+    *asker->second.analyzing = *asker->second.simulating = false;
+    askers_.erase(asker);
+}
+
+}  // namespace haptogram::studio

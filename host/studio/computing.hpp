@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+
+#include "haptogram/base/progress.hpp"
+#include "http.hpp"
+#include "messages.hpp"
+#include "pins.hpp"
+#include "scenes.hpp"
+#include "worker.hpp"
+
+namespace haptogram::studio {
+
+/// What pages ask of scenes: to compile them, and what they do in the air and at the pins. It is computed in threads of
+/// its own and answered to the page that asked. No board has a part in it. Its functions are for the server's thread,
+/// and return at once.
+class Computing {
+public:
+    /// @param post  calls work in the server's thread
+    Computing(Scenes& scenes, std::function<void(std::function<void()>)> post);
+
+    /// The field on a plane as a file.
+    /// @throws Error when the request makes no sense
+    void field(const Request& request, const Reply& reply);
+
+    void ask(const std::shared_ptr<Page>& page, const SceneMessage& message);
+    void ask(const std::shared_ptr<Page>& page, const SliceMessage& message);
+    void ask(const std::shared_ptr<Page>& page, const DrivesMessage& message);
+    void ask(const std::shared_ptr<Page>& page, const AnalyzeMessage& message);
+    void ask(const std::shared_ptr<Page>& page, const SimulateMessage& message);
+    void ask(const std::shared_ptr<Page>& page, const CancelMessage& message);
+    void ask(const std::shared_ptr<Page>& page, const PulsesMessage& message);
+
+    /// A page was closed: what it waits for is dropped, or ends early.
+    void forget(const Page& page);
+    /// All that can ends early.
+    void end() { over_ = true; }
+
+private:
+    using Wanted = std::shared_ptr<std::atomic<bool>>;  ///< whether somebody still waits for it
+    struct Asker {
+        Wanted analyzing = std::make_shared<std::atomic<bool>>(false);
+        Wanted simulating = std::make_shared<std::atomic<bool>>(false);
+        std::shared_ptr<const Pins> pins{};  ///< what was simulated last
+    };
+
+    [[nodiscard]] Progress going_while(Wanted wanted) const;
+
+    Scenes& scenes_;
+    std::function<void(std::function<void()>)> post_;
+    std::map<std::uint64_t, Asker> askers_;  // by their page's number, from their first such message on
+    std::atomic<bool> over_ = false;
+    std::uint64_t field_number_ = 0;
+    Worker slices_, compilers_, fields_, analyses_, simulations_;  // last, so that they end before what they use
+};
+
+}  // namespace haptogram::studio
