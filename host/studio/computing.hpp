@@ -28,6 +28,8 @@ public:
     void field(const Request& request, const Reply& reply);
 
     void ask(const std::shared_ptr<Page>& page, const SceneMessage& message);
+    void ask(const std::shared_ptr<Page>& page, const HandMessage& message);
+    void ask(const std::shared_ptr<Page>& page, const PathMessage& message);
     void ask(const std::shared_ptr<Page>& page, const SliceMessage& message);
     void ask(const std::shared_ptr<Page>& page, const DrivesMessage& message);
     void ask(const std::shared_ptr<Page>& page, const AnalyzeMessage& message);
@@ -45,6 +47,7 @@ private:
     struct Asker {
         Wanted analyzing = std::make_shared<std::atomic<bool>>(false);
         Wanted simulating = std::make_shared<std::atomic<bool>>(false);
+        Wanted rendering = std::make_shared<std::atomic<bool>>(false);
         std::shared_ptr<const Pins> pins{};  ///< what was simulated last
     };
 
@@ -55,7 +58,8 @@ private:
     std::map<std::uint64_t, Asker> askers_;  // by their page's number, from their first such message on
     std::atomic<bool> over_ = false;
     std::uint64_t field_number_ = 0;
-    Worker slices_, compilers_, fields_, analyses_, simulations_;  // last, so that they end before what they use
+    // Last, so that they end before what they use.
+    Worker slices_, compilers_, hands_, renderers_, fields_, analyses_, simulations_;
 };
 
 }  // namespace haptogram::studio

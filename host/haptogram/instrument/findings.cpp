@@ -18,7 +18,7 @@ bool modulated(const Compiled& compiled) {
 
 /// Points of a shape that are visited so many times a second, whose number is free to choose.
 bool is_visited_at_rate(const Project& project) {
-    return project.path.empty() && !project.pace.speed_m_s && !project.pace.frequency_hz && !project.even &&
+    return project.is_of_shapes() && !project.pace.speed_m_s && !project.pace.frequency_hz && !project.even &&
            project.am.empty();
 }
 
@@ -137,7 +137,7 @@ void find_uneven(const Project& project, const Compiled& compiled, const ImageAn
                                 100.0 * least / most),
                     records_that(compiled.bundle.manifest, analysis,
                                  [&](const PointAnalysis& p) { return strength(p) < least_even_share * most; })};
-    if (project.path.empty() && !project.even)
+    if (project.is_of_shapes() && !project.even)
         finding.remedies.push_back({"Give the weak ones more time", {{"even", true}}});
     found.push_back(std::move(finding));
 }
@@ -168,7 +168,7 @@ void find_small(const Project& project, const Compiled& compiled, const ImageAna
                     fmt::format("the focal points span {:.3g} mm, and one focus is {:.3g} mm wide; all will feel "
                                 "like one point",
                                 extent / millimetre, width / millimetre)};
-    if (project.path.empty()) {
+    if (project.is_of_shapes()) {
         // The focal points span a little less than the object that they are sampled from.
         const double size_mm = std::ceil(2.0 * least_widths * width / millimetre);
         finding.remedies.push_back(
