@@ -63,18 +63,22 @@ ordered_json tour_of(const Bundle& bundle) {
 
 }  // namespace
 
+ordered_json to_json(const Array& array) {
+    ordered_json elements = ordered_json::array();
+    for (const Element& element : array.elements) elements.push_back(millimetres(element.position));
+    return {{"name", array.name}, {"radius_mm", array.transducer.radius_m / millimetre}, {"elements", elements}};
+}
+
 ordered_json to_json(const Scene& scene) {
     const Compiled& c = scene.compiled;
     const Manifest& m = c.bundle.manifest;
-    ordered_json elements = ordered_json::array(), foci = ordered_json::array();
-    for (const Element& element : m.array.elements) elements.push_back(millimetres(element.position));
+    ordered_json foci = ordered_json::array();
     for (const PathStep& step : c.path.steps)
         for (const Focus& focus : step.foci) foci.push_back(millimetres(focus.position));
     ordered_json findings = ordered_json::array();
     for (const Finding& finding : findings_of(scene.settings, c)) findings.push_back(to_json(finding));
     return {{"name", scene.name},
-            {"array",
-             {{"name", m.array.name}, {"radius_mm", m.array.transducer.radius_m / millimetre}, {"elements", elements}}},
+            {"array", to_json(m.array)},
             {"foci", foci},
             {"tour", tour_of(c.bundle)},
             {"pass_s", 1.0 / m.rate_hz},

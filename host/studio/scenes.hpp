@@ -46,6 +46,9 @@ struct HandScene {
     std::shared_ptr<const DrawnObject> object;
 };
 
+/// An array for drawing, millimetres: {"name", "radius_mm", "elements"}.
+[[nodiscard]] nlohmann::ordered_json to_json(const Array& array);
+
 /// What a scene is in numbers, millimetres and seconds, for the page.
 [[nodiscard]] nlohmann::ordered_json to_json(const Scene& scene);
 

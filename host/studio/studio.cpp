@@ -13,8 +13,10 @@
 #include "failure.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/shipped.hpp"
+#include "haptogram/hand/object.hpp"
 #include "haptogram/link/port.hpp"
 #include "haptogram/link/to_json.hpp"
+#include "haptogram/render/touch.hpp"
 #include "haptogram/shape/primitives.hpp"
 #include "http.hpp"
 #include "messages.hpp"
@@ -102,11 +104,16 @@ private:
 
     ordered_json hello() const {
         ordered_json ports = link::to_json(link::available_ports());
+        ordered_json algorithms = ordered_json::array();
+        for (const AlgorithmName& each : algorithm_names())
+            algorithms.push_back({{"letter", std::string(1, each.letter)}, {"about", each.about}});
         return {{"version", version()},
                 {"project", name_},
                 {"document", scenes_.first_document()},
                 {"primitives", primitive_kinds()},
                 {"arrays", shipped_arrays()},
+                {"touched", object_kinds()},
+                {"algorithms", algorithms},
                 {"ports", ports},
                 {"most_file_bytes", most_body_bytes}};
     }

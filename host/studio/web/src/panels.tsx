@@ -70,7 +70,7 @@ export function Numbers() {
   const scene = state.scene.value;
   const object = state.object.value;
   const slice = state.slice.value;
-  if (!scene) return <Panel title="Numbers"><p>Compiling…</p></Panel>;
+  if (!scene) return <Panel title="Numbers"><p>{state.current.value ? "There is no image." : "Compiling…"}</p></Panel>;
   const { numbers } = scene;
   const { quantity: shown, top } = look.value;
   const drawn = object ? object.triangles.length / 9 : 0;
@@ -161,7 +161,7 @@ export function Failed() {
 
 export function Status() {
   const { slice, scene, current } = state;
-  const words = !current.value ? "Compiling…" : `${state.hello.value?.project ?? ""}: ${scene.value?.foci.length ?? 0} focal points for ${scene.value?.array.name ?? ""}`;
+  const words = !current.value ? "Compiling…" : !scene.value ? `${state.hello.value?.project ?? ""}: no image` : `${state.hello.value?.project ?? ""}: ${scene.value?.foci.length ?? 0} focal points for ${scene.value?.array.name ?? ""}`;
   return (
     <footer>
       <span>{words}</span>
