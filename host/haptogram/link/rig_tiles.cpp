@@ -139,7 +139,14 @@ void PlayingTiles::exchange(std::span<std::optional<Status>> answers) {
     const auto pause = std::max<std::size_t>(
         1, static_cast<std::size_t>(keep_alive_pause(settings_.watchdog_ms).count()) / tiles_.size());
     for (unsigned look = 1; look <= most_looks(settings_.watchdog_ms); ++look) {
-        if (!with_the_silent([](Client& device, std::size_t) { device.exchange(1ms); })) break;
+        bool answered = false;  // something that was asked before, such as entries of a stream
+        const auto listen = [&answered](Client& device, std::size_t) {
+            const std::size_t open = device.unanswered();
+            device.exchange(1ms);
+            answered |= device.unanswered() < open;
+        };
+        if (!with_the_silent(listen)) break;
+        if (answered) look = 0;
         for (std::size_t i = 0; look % pause == 0 && i < tiles_.size(); ++i)
             if (!is_lost(i) && answers[i] && trouble[i].empty()) keep_alive(tiles_[i]);
     }
