@@ -90,7 +90,8 @@ std::size_t require_played(const Pair& pair, const Rises& rises, const Entries& 
                     const double clocks = static_cast<double>(rise.at - period[0]) / clock_fs;
                     if (rise.at < period[0] - early || rise.index != entry.index || !record ||
                         (record->kind == interface::Kind::timings &&
-                         std::abs(clocks - record->timings[rise.channel]) > most_clocks))
+                         std::abs(clocks - static_cast<double>(record->timings[rise.channel] * record->prescaler)) >
+                             most_clocks))
                         FAIL(
                             fmt::format("tile {}, channel {}: a pulse of record {}, {:.1f} clocks after the begin of "
                                         "a period in which record {} plays",
@@ -117,7 +118,7 @@ TEST_CASE("rig, stream: every pulse of both tiles is in the carrier period of it
     Pair pair(g, ImageKind::records);
     link::keep_together(pair.rig);  // now, so that what is recorded is not reset any more
     Rises rises(pair);
-    const Entries entries = random_entries(g, 240, {1, 2, 5, 10, 20, 40});
+    const Entries entries = random_entries(g, 200, {1, 2, 5, 10});
     link::RepeatedEntries source(entries, 1);
     const link::RigPlayed played = link::stream(pair.rig, pair.settings(), source);
     pair.run_ms(0.2);
@@ -130,7 +131,7 @@ TEST_CASE("rig, stream: every pulse of both tiles is in the carrier period of it
     const std::uint64_t pulses = require_played(pair, rises, entries);
     fmt::print("rig, stream: seed {}, {} entries, {} pulses, each in its period on both tiles\n", Catch::rngSeed(),
                entries.size(), pulses);
-    CHECK(pulses > 100'000);
+    CHECK(pulses > 50'000);
 }
 
 TEST_CASE("rig, stream: a path goes into the tiles and plays pass after pass") {
