@@ -1,9 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rigs: the files that `compile --rig` writes, and what the commands refuse."""
+"""Rigs: the files that `compile --rig` writes, what the commands refuse, and two Verilated boards behind pseudo-terminals that play and are streamed to."""
+import contextlib
 import json
+import os
+import select
+import signal
+import subprocess
+import threading
+import tty
 
 import pytest
-from support import BAD_INPUT, USAGE, assert_one_message, run, succeed, text
+from support import BAD_INPUT, DEVICE, PROGRAM, USAGE, assert_one_message, path_file, run, succeed, text
 
 PAIR = """format = "haptogram-rig-1"
 name = "pair"
@@ -58,6 +65,14 @@ def test_the_files_of_a_rig(pair):
         (["play", "--rig", "wall.json", "--port", "a", "--port", "a"], USAGE, ["--port", "two tiles"]),
         (["play", "--rig", "wall.json", "--rate", 3], USAGE, ["--rate", "as it was compiled"]),
         (["play"], USAGE, ["--port", "missing"]),
+        (["stream", "--rig", "wall.json", "--foci"], USAGE, ["--foci", "indices"]),
+        (["stream", "--rig", "wall.json", "--am", "sine:200"], USAGE, ["--am", "as it was compiled"]),
+        (["stream", "--rig", "wall.json", "--port", "a"], USAGE, ["--port", "1 given", "2 tiles"]),
+        (["stream", "--rig", "wall.tile-1.json"], BAD_INPUT, ["wall.tile-1.json", "no rig manifest"]),
+        (["stream", "--port", "a", "--on-loss", "rest"], USAGE, ["--on-loss", "--rig"]),
+        (["stream", "--path", "p.json", "--rig", "2x2", "--array", "hoshi"], USAGE, ["--array", "a rig has arrays of its own"]),
+        (["stream", "--port", "a", "--port", "b"], USAGE, ["--port", "given 2 times"]),
+        (["stream"], USAGE, ["--port", "missing"]),
         (["play", "--port", "a", "--port", "b"], USAGE, ["--port", "given 2 times"]),
         (["upload", "--port", "a"], USAGE, ["nothing to upload"]),
         (["simulate"], USAGE, ["nothing to simulate"]),
@@ -68,3 +83,142 @@ def test_the_files_of_a_rig(pair):
 )
 def test_what_cannot_be_done(pair, args, code, needles):
     assert_one_message(run(args, cwd=pair), code, *needles)
+
+
+ENABLE = 0x04  # rtl/INTERFACE.md
+
+
+def commands_in(data):
+    """The commands of whole frames: a frame is COBS, its first byte a number, its second the command."""
+    for frame in data.split(b"\0")[:-1]:
+        plain, at = bytearray(), 0
+        while at < len(frame):
+            code = frame[at]
+            plain += frame[at + 1 : at + code]
+            at += code
+            if code < 255 and at < len(frame):
+                plain.append(0)
+        if len(plain) > 1:
+            yield plain[1]
+
+
+class Cable:
+    """A serial line from a program to a board that can be cut. Its port has a name of its own."""
+
+    def __init__(self, board):
+        self.board = os.open(board, os.O_RDWR | os.O_NOCTTY)
+        self.host, self.end = os.openpty()
+        tty.setraw(self.end)
+        tty.setraw(self.board)
+        self.name = os.ttyname(self.end)
+        self.cut, self.enabled, self.over = threading.Event(), threading.Event(), threading.Event()
+        self.thread = threading.Thread(target=self.carry, daemon=True)
+        self.thread.start()
+
+    def carry(self):
+        sent = b""
+        while not self.over.is_set():
+            for source in select.select([self.host, self.board], [], [], 0.05)[0]:
+                data = os.read(source, 4096)
+                if self.cut.is_set():
+                    continue
+                os.write(self.board if source == self.host else self.host, data)
+                if source == self.host:
+                    sent += data
+                    if ENABLE in commands_in(sent):
+                        self.enabled.set()
+                    sent = sent[sent.rfind(b"\0") + 1 :]
+
+    def close(self):
+        self.over.set()
+        self.thread.join()
+        for descriptor in (self.board, self.host, self.end):
+            os.close(descriptor)
+
+
+@contextlib.contextmanager
+def two_boards(folder, upload=True):
+    """Two Verilated boards on one wire, with their images, and the cables to them."""
+    command = [str(PROGRAM), "board", "run", "--tiles", "2", "--json", "--speed", "max", "--pty", str(folder / "tile")]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    cables = []
+    try:
+        told = json.loads(process.stdout.readline())
+        cables += [Cable(port) for port in told["ports"]]
+        ports = [word for cable in cables for word in ("--port", cable.name)]
+        if upload:
+            succeed(["upload", "--rig", "wall.json", *ports], cwd=folder, timeout=120)
+        yield cables, ports
+    finally:
+        process.kill()
+        process.communicate()
+        for cable in cables:
+            cable.close()
+
+
+def cut_while(folder, cables, args):
+    """Runs a command, and cuts the second cable once the outputs are on. @return the process, which still runs"""
+    process = subprocess.Popen([str(PROGRAM), *map(str, args)], cwd=folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert cables[1].enabled.wait(60), "the outputs were never turned on"
+    cables[1].cut.set()
+    return process
+
+
+def outputs(folder, cable):
+    return json.loads(succeed(["device", "status", "--port", cable.name, "--json"], cwd=folder, timeout=60).stdout)["outputs"]
+
+
+def test_a_tile_that_falls_silent_takes_the_others_with_it(pair):
+    with two_boards(pair) as (cables, ports):
+        process = cut_while(pair, cables, ["play", "--rig", "wall.json", *ports, "--loops", 0])
+        said, warned = process.communicate(timeout=120)
+        assert process.returncode == DEVICE and said == b"", text(warned)
+        assert "tile 2" in text(warned) and "does not answer" in text(warned) and "all tiles are switched off" in text(warned)
+        assert outputs(pair, cables[0]) == "off"
+
+
+def test_the_others_go_on_when_that_is_wanted(pair):
+    with two_boards(pair) as (cables, ports):
+        process = cut_while(pair, cables, ["play", "--rig", "wall.json", *ports, "--loops", 0, "--on-loss", "rest", "--json"])
+        warning = text(process.stderr.readline())
+        assert "tile 2" in warning and "does not answer" in warning and "the others go on" in warning
+        assert process.poll() is None
+        process.send_signal(signal.SIGINT)
+        said, warned = process.communicate(timeout=120)
+        report = json.loads(said)
+        assert process.returncode == 0, text(warned)
+        assert report["lost"] == [f"tile 2 ({cables[1].name})"] and report["interrupted"] and report["watchdog_trips"] == 0
+        assert outputs(pair, cables[0]) == "off"
+
+
+def test_lines_go_to_all_tiles(pair):
+    lines = [f"{1 + n % 4} {(40, 80, 120)[n % 3]}" for n in range(60)] + ["0 40"]
+    with two_boards(pair) as (cables, ports):
+        stream = ["stream", "--rig", "wall.json", *ports, "--json"]
+        report = json.loads(succeed(stream, cwd=pair, timeout=120, stdin=None, input="\n".join(lines).encode()).stdout)
+        assert (report["sent"], report["refused_records"], report["lost"], report["interrupted"]) == (61, 0, [], False)
+        assert report["period"] > 0
+        result = run(stream, cwd=pair, timeout=120, stdin=None, input=b"1 40\n5 40\n")
+        assert_one_message(result, BAD_INPUT, "standard input:2", "from 0 to 4")
+        assert [outputs(pair, cable) for cable in cables] == ["off", "off"]
+
+
+def test_a_stream_goes_on_without_a_tile_that_falls_silent(pair):
+    with two_boards(pair) as (cables, ports):
+        (pair / "long.txt").write_text("1 60\n2 60\n" * 20000)
+        process = cut_while(pair, cables, ["stream", "long.txt", "--rig", "wall.json", *ports, "--on-loss", "rest", "--json"])
+        warning = text(process.stderr.readline())
+        assert "tile 2" in warning and "the others go on" in warning
+        process.send_signal(signal.SIGINT)
+        said, warned = process.communicate(timeout=120)
+        report = json.loads(said)
+        assert process.returncode == 0, text(warned)
+        assert report["lost"] == [f"tile 2 ({cables[1].name})"] and report["sent"] > 0 and report["interrupted"]
+        assert outputs(pair, cables[0]) == "off"
+
+
+def test_a_path_goes_to_a_rig(pair):
+    path = path_file(pair, [([(10 * n, 0, 180, 1.0)], 60) for n in range(5)])
+    with two_boards(pair, upload=False) as (_, ports):
+        report = json.loads(succeed(["stream", "--path", path, "--rig", "pair.toml", *ports, "--loops", 2, "--json"], cwd=pair, timeout=120).stdout)
+    assert (report["sent"], report["refused_records"], report["lost"]) == (10, 0, [])

@@ -61,44 +61,6 @@ void require_same_numbers(std::span<const Tile> tiles) {
     }
 }
 
-void begin_modulation(const Tile& tile, When when) {
-    if (const auto& modulation = tile.image.modulation)
-        tile.device.modulate(modulation->divider, static_cast<std::uint16_t>(modulation->samples.size()), true, 0,
-                             when);
-    else if (tile.device.identity().modulation_words > 0)
-        tile.device.modulate(0, 0, false);
-}
-
-void prepare(std::span<const Tile> tiles) {
-    if (tiles.empty()) throw bad_argument("rig", "it has no tiles; name at least one");
-    require_images(tiles);
-    keep_together(tiles);
-}
-
-/// Tells the watch what goes on. @return whether to go on
-class Teller {
-public:
-    Teller(const RigWatch& watch, RigPlayed& played) : watch_(watch), played_(played) {}
-
-    [[nodiscard]] double seconds() const { return std::chrono::duration<double>(Clock::now() - begun_).count(); }
-    bool operator()(const PlayingTiles& tiles) {
-        if (watch_ && !watch_({seconds(), tiles.statuses()})) played_.interrupted = true;
-        return !played_.interrupted;
-    }
-
-private:
-    using Clock = std::chrono::steady_clock;
-    const RigWatch& watch_;
-    RigPlayed& played_;
-    Clock::time_point begun_ = Clock::now();
-};
-
-RigPlayed outcome(const PlayingTiles& tiles, const RigPlayed& so_far) {
-    RigPlayed played = tiles.played();
-    played.interrupted = so_far.interrupted;
-    return played;
-}
-
 }  // namespace
 
 void require_images(std::span<const Tile> tiles) {
@@ -133,7 +95,6 @@ void keep_together(std::span<const Tile> tiles) {
 
 RigPlayed play(std::span<const Tile> tiles, const RigSettings& settings, const RigWatch& watch) {
     prepare(tiles);
-    RigPlayed played;
     PlayingTiles playing(tiles, settings);
     const auto arm = [&](const Tile& tile, When when) {
         begin_modulation(tile, when);
@@ -144,7 +105,7 @@ RigPlayed play(std::span<const Tile> tiles, const RigSettings& settings, const R
                               settings.loops.value_or(0), when);
     };
     const std::uint64_t begins = playing.begin_together(arm, 0, false);
-    Teller tell(watch, played);
+    RigTeller tell(watch);
     const std::chrono::milliseconds pause = keep_alive_pause(settings.watchdog_ms);
     // Asking for the status also keeps the watchdogs quiet.
     do {
@@ -153,7 +114,7 @@ RigPlayed play(std::span<const Tile> tiles, const RigSettings& settings, const R
         if (playing.all(is_over)) playing.ask();  // as sure_status() does
     } while (tell(playing) && (playing.period() < begins || !playing.all(is_over)) &&
              (settings.seconds == 0.0 || tell.seconds() < settings.seconds));
-    return outcome(playing, played);
+    return tell.outcome(playing);
 }
 
 }  // namespace haptogram::link
