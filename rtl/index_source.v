@@ -4,9 +4,9 @@
 //
 // A command strobe changes the mode at once and raises o_preempt for one clock. Then the memory controller drops what it has
 // prepared, and the cycle controller changes at the next cycle boundary. When a selected index or a sequence has ended, one
-// last entry is offered: silence for ever. o_mode stays until that is taken, which is when the last index that is to be heard begins
-// to play; so whoever reads that nothing plays and that the mode is idle knows that nothing is to come. Sequence entries are fetched ahead and take 3 clocks each. o_entry/i_take is
-// valid/ready.
+// last entry is offered: silence for ever. o_mode stays until that is taken, which is when the last index that is to be heard
+// begins to play; with amplitudes, up to a carrier period before. So whoever reads that nothing plays and that the mode is idle
+// knows that nothing is to come. Sequence entries are fetched ahead and take 3 clocks each. o_entry/i_take is valid/ready.
 // With i_follow a START waits for the end of what plays, and begins without a preempt, so that its first entry is the one after the
 // last: after a selected index whose dwell is 0 at once, after one with a dwell behind it, after a sequence behind its last entry, or
 // behind the last one of its present pass when it is played for ever, after live indices when none is left. When the silence that
