@@ -103,7 +103,7 @@ def commands_in(data):
 
 
 class Cable:
-    """A serial line from a program to a board that can be cut. Its port has a name of its own."""
+    """A serial line from a program to a board that can be cut and mended. Its port has a name of its own."""
 
     def __init__(self, board):
         self.board = os.open(board, os.O_RDWR | os.O_NOCTTY)
@@ -111,7 +111,8 @@ class Cable:
         tty.setraw(self.end)
         tty.setraw(self.board)
         self.name = os.ttyname(self.end)
-        self.cut, self.enabled, self.over = threading.Event(), threading.Event(), threading.Event()
+        self.cut, self.playing, self.over = threading.Event(), threading.Event(), threading.Event()
+        self.since_enable = None
         self.thread = threading.Thread(target=self.carry, daemon=True)
         self.thread.start()
 
@@ -125,9 +126,23 @@ class Cable:
                 os.write(self.board if source == self.host else self.host, data)
                 if source == self.host:
                     sent += data
-                    if ENABLE in commands_in(sent):
-                        self.enabled.set()
+                    self.look(commands_in(sent))
                     sent = sent[sent.rfind(b"\0") + 1 :]
+
+    def look(self, commands):
+        """Plays once ENABLE was answered, which is so when other commands came after it."""
+        for command in commands:
+            if command == ENABLE:
+                self.since_enable = 0
+            elif self.since_enable is not None:
+                self.since_enable += 1
+                if self.since_enable == 5:
+                    self.playing.set()
+
+    def mend(self):
+        self.cut.clear()
+        self.playing.clear()
+        self.since_enable = None
 
     def close(self):
         self.over.set()
@@ -136,89 +151,92 @@ class Cable:
             os.close(descriptor)
 
 
-@contextlib.contextmanager
-def two_boards(folder, upload=True):
-    """Two Verilated boards on one wire, with their images, and the cables to them."""
-    command = [str(PROGRAM), "board", "run", "--tiles", "2", "--json", "--speed", "max", "--pty", str(folder / "tile")]
+@pytest.fixture(scope="module")
+def boards(pair):
+    """Two Verilated boards on one wire, with their images. @return the cables to them, and the options that name their ports"""
+    command = [str(PROGRAM), "board", "run", "--tiles", "2", "--json", "--speed", "max"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    cables = []
+    cables = [Cable(port) for port in json.loads(process.stdout.readline())["ports"]]
     try:
-        told = json.loads(process.stdout.readline())
-        cables += [Cable(port) for port in told["ports"]]
         ports = [word for cable in cables for word in ("--port", cable.name)]
-        if upload:
-            succeed(["upload", "--rig", "wall.json", *ports], cwd=folder, timeout=120)
+        succeed(["upload", "--rig", "wall.json", *ports], cwd=pair, timeout=120)
         yield cables, ports
     finally:
-        process.kill()
-        process.communicate()
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60)
         for cable in cables:
             cable.close()
 
 
+@contextlib.contextmanager
 def cut_while(folder, cables, args):
-    """Runs a command, and cuts the second cable once the outputs are on. @return the process, which still runs"""
+    """Runs a command, cuts the second cable once the tiles play, and mends it at the end. @return the process, which still runs"""
     process = subprocess.Popen([str(PROGRAM), *map(str, args)], cwd=folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    assert cables[1].enabled.wait(60), "the outputs were never turned on"
-    cables[1].cut.set()
-    return process
+    try:
+        assert cables[1].playing.wait(120), f"it never played: {text(process.stderr.read() if process.poll() is not None else b'it still runs')}"
+        cables[1].cut.set()
+        yield process
+    finally:
+        process.kill()
+        process.wait()
+        for cable in cables:
+            cable.mend()
 
 
 def outputs(folder, cable):
     return json.loads(succeed(["device", "status", "--port", cable.name, "--json"], cwd=folder, timeout=60).stdout)["outputs"]
 
 
-def test_a_tile_that_falls_silent_takes_the_others_with_it(pair):
-    with two_boards(pair) as (cables, ports):
-        process = cut_while(pair, cables, ["play", "--rig", "wall.json", *ports, "--loops", 0])
-        said, warned = process.communicate(timeout=120)
-        assert process.returncode == DEVICE and said == b"", text(warned)
-        assert "tile 2" in text(warned) and "does not answer" in text(warned) and "all tiles are switched off" in text(warned)
-        assert outputs(pair, cables[0]) == "off"
+def test_a_tile_that_falls_silent_takes_the_others_with_it(pair, boards):
+    cables, ports = boards
+    with cut_while(pair, cables, ["play", "--rig", "wall.json", *ports, "--loops", 0]) as process:
+        said, warned = process.communicate(timeout=200)
+    assert process.returncode == DEVICE and said == b"", text(warned)
+    assert "tile 2" in text(warned) and "does not answer" in text(warned) and "all tiles are switched off" in text(warned)
+    assert outputs(pair, cables[0]) == "off"
 
 
-def test_the_others_go_on_when_that_is_wanted(pair):
-    with two_boards(pair) as (cables, ports):
-        process = cut_while(pair, cables, ["play", "--rig", "wall.json", *ports, "--loops", 0, "--on-loss", "rest", "--json"])
+def goes_on_without_tile_2(pair, boards, args):
+    """@return the report of a command that the second tile's cable is cut of, and that is then ended"""
+    cables, ports = boards
+    with cut_while(pair, cables, [*args, *ports, "--on-loss", "rest", "--json"]) as process:
         warning = text(process.stderr.readline())
-        assert "tile 2" in warning and "does not answer" in warning and "the others go on" in warning
+        assert "tile 2" in warning and "the others go on" in warning
         assert process.poll() is None
         process.send_signal(signal.SIGINT)
         said, warned = process.communicate(timeout=120)
-        report = json.loads(said)
-        assert process.returncode == 0, text(warned)
-        assert report["lost"] == [f"tile 2 ({cables[1].name})"] and report["interrupted"] and report["watchdog_trips"] == 0
-        assert outputs(pair, cables[0]) == "off"
+    assert process.returncode == 0, text(warned)
+    report = json.loads(said)
+    assert report["lost"] == [f"tile 2 ({cables[1].name})"] and report["interrupted"]
+    assert outputs(pair, cables[0]) == "off"
+    return report
 
 
-def test_lines_go_to_all_tiles(pair):
-    lines = [f"{1 + n % 4} {(40, 80, 120)[n % 3]}" for n in range(60)] + ["0 40"]
-    with two_boards(pair) as (cables, ports):
-        stream = ["stream", "--rig", "wall.json", *ports, "--json"]
-        report = json.loads(succeed(stream, cwd=pair, timeout=120, stdin=None, input="\n".join(lines).encode()).stdout)
-        assert (report["sent"], report["refused_records"], report["lost"], report["interrupted"]) == (61, 0, [], False)
-        assert report["period"] > 0
-        result = run(stream, cwd=pair, timeout=120, stdin=None, input=b"1 40\n5 40\n")
-        assert_one_message(result, BAD_INPUT, "standard input:2", "from 0 to 4")
-        assert [outputs(pair, cable) for cable in cables] == ["off", "off"]
+def test_the_others_go_on_when_that_is_wanted(pair, boards):
+    assert goes_on_without_tile_2(pair, boards, ["play", "--rig", "wall.json", "--loops", 0])["watchdog_trips"] == 0
 
 
-def test_a_stream_goes_on_without_a_tile_that_falls_silent(pair):
-    with two_boards(pair) as (cables, ports):
-        (pair / "long.txt").write_text("1 60\n2 60\n" * 20000)
-        process = cut_while(pair, cables, ["stream", "long.txt", "--rig", "wall.json", *ports, "--on-loss", "rest", "--json"])
-        warning = text(process.stderr.readline())
-        assert "tile 2" in warning and "the others go on" in warning
-        process.send_signal(signal.SIGINT)
-        said, warned = process.communicate(timeout=120)
-        report = json.loads(said)
-        assert process.returncode == 0, text(warned)
-        assert report["lost"] == [f"tile 2 ({cables[1].name})"] and report["sent"] > 0 and report["interrupted"]
-        assert outputs(pair, cables[0]) == "off"
+def test_a_stream_goes_on_without_a_tile_that_falls_silent(pair, boards):
+    (pair / "long.txt").write_text("401 60\n402 60\n" * 20000)
+    assert goes_on_without_tile_2(pair, boards, ["stream", "long.txt", "--rig", "wall.json"])["sent"] > 0
 
 
-def test_a_path_goes_to_a_rig(pair):
+def test_lines_go_to_all_tiles(pair, boards):
+    cables, ports = boards
+    lines = [f"{401 + n % 4} {(40, 80, 120)[n % 3]}" for n in range(15)] + ["0 40"]
+    stream = ["stream", "--rig", "wall.json", *ports, "--json"]
+    report = json.loads(succeed(stream, cwd=pair, timeout=120, stdin=None, input="\n".join(lines).encode()).stdout)
+    assert (report["sent"], report["refused_records"], report["lost"], report["interrupted"]) == (16, 0, [], False)
+    assert report["period"] > 0
+    result = run(stream, cwd=pair, timeout=120, stdin=None, input=b"401 40\n405 40\n")
+    assert_one_message(result, BAD_INPUT, "standard input:2", "from 0 to 404")
+    result = run(stream, cwd=pair, timeout=120, stdin=None, input=b"1 40\n")
+    assert_one_message(result, BAD_INPUT, "found index 1", "4 records of the images, from 401 to 404")
+    assert [outputs(pair, cable) for cable in cables] == ["off", "off"]
+
+
+def test_a_path_goes_to_a_rig(pair, boards):
     path = path_file(pair, [([(10 * n, 0, 180, 1.0)], 60) for n in range(5)])
-    with two_boards(pair, upload=False) as (_, ports):
-        report = json.loads(succeed(["stream", "--path", path, "--rig", "pair.toml", *ports, "--loops", 2, "--json"], cwd=pair, timeout=120).stdout)
+    stream = ["stream", "--path", path, "--rig", "pair.toml", *boards[1], "--loops", 2, "--json"]
+    report = json.loads(succeed(stream, cwd=pair, timeout=120).stdout)
     assert (report["sent"], report["refused_records"], report["lost"]) == (10, 0, [])

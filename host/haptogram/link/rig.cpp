@@ -30,24 +30,22 @@ Role role_of(std::size_t tile) { return tile == 0 ? Role::master : Role::slave; 
 
 bool follows(const Status& status) { return status.in_step && status.numbered; }
 
-/// Waits for the slaves, in their lines' own time.
-void wait_for_step(std::span<const Tile> tiles) {
-    constexpr unsigned most_looks = 20;  // of 5 ms, four times what it takes
-    for (std::size_t i = 1; i < tiles.size(); ++i)
-        with(tiles[i], [&](Client& device) {
-            for (unsigned look = 0; !follows(device.status()); ++look) {
-                if (look == most_looks)
-                    throw Error(ErrorCode::device, "board",
-                                fmt::format("it is a slave and does not come into step with {}; check the wire from "
-                                            "there to its sync_in, and the ground",
-                                            tiles[0].name));
-                device.exchange(5ms);
-            }
-        });
-}
-
 std::uint64_t period_of(const Tile& tile) {
     return with(tile, [](Client& device) { return device.status().period.value_or(0); });
+}
+
+/// Waits for the slaves as long as the master counts: simulated boards may take a while for a carrier period.
+void wait_for_step(std::span<const Tile> tiles) {
+    constexpr std::uint64_t most_periods = 4000;  // 100 ms, four times what it takes
+    const std::uint64_t begin = period_of(tiles[0]);
+    for (const Tile& tile : tiles.subspan(1))
+        while (!with(tile, [](Client& device) { return follows(device.status()); })) {
+            if (period_of(tiles[0]) - begin > most_periods)
+                throw tile_error(tile, fmt::format("it is a slave and does not come into step with {}; check the wire "
+                                                   "from there to its sync_in, and the ground",
+                                                   tiles[0].name));
+            with(tile, [](Client& device) { device.exchange(5ms); });
+        }
 }
 
 /// A slave could follow another master, or have its number from one.

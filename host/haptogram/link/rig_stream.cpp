@@ -53,8 +53,9 @@ private:
         ahead_ = source_.next(patience);
         if (ahead_ && ahead_->index != 0 && !place_of(image_, ahead_->index))
             throw bad_input("stream", fmt::format("found index {}, expected 0 for silence or one of the {} records of "
-                                                  "the images, up to {}",
-                                                  ahead_->index, image_.record_count(), highest_index(image_)));
+                                                  "the images, from {} to {}",
+                                                  ahead_->index, image_.record_count(), index_of(image_, 0),
+                                                  highest_index(image_)));
         return ahead_.has_value();
     }
 
