@@ -86,6 +86,7 @@ def test_what_cannot_be_done(pair, args, code, needles):
 
 
 ENABLE = 0x04  # rtl/INTERFACE.md
+PATIENCE_S = 500  # two Verilated boards on a busy machine take a minute for what takes seconds on an idle one
 
 
 def commands_in(data):
@@ -159,7 +160,7 @@ def boards(pair):
     cables = [Cable(port) for port in json.loads(process.stdout.readline())["ports"]]
     try:
         ports = [word for cable in cables for word in ("--port", cable.name)]
-        succeed(["upload", "--rig", "wall.json", *ports], cwd=pair, timeout=120)
+        succeed(["upload", "--rig", "wall.json", *ports], cwd=pair, timeout=PATIENCE_S)
         yield cables, ports
     finally:
         process.send_signal(signal.SIGINT)
@@ -173,7 +174,7 @@ def cut_while(folder, cables, args):
     """Runs a command, cuts the second cable once the tiles play, and mends it at the end. @return the process, which still runs"""
     process = subprocess.Popen([str(PROGRAM), *map(str, args)], cwd=folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     try:
-        assert cables[1].playing.wait(120), f"it never played: {text(process.stderr.read() if process.poll() is not None else b'it still runs')}"
+        assert cables[1].playing.wait(PATIENCE_S), f"it never played: {text(process.stderr.read() if process.poll() is not None else b'it still runs')}"
         cables[1].cut.set()
         yield process
     finally:
@@ -184,53 +185,44 @@ def cut_while(folder, cables, args):
 
 
 def outputs(folder, cable):
-    return json.loads(succeed(["device", "status", "--port", cable.name, "--json"], cwd=folder, timeout=60).stdout)["outputs"]
+    return json.loads(succeed(["device", "status", "--port", cable.name, "--json"], cwd=folder, timeout=PATIENCE_S).stdout)["outputs"]
 
 
 def test_a_tile_that_falls_silent_takes_the_others_with_it(pair, boards):
     cables, ports = boards
     with cut_while(pair, cables, ["play", "--rig", "wall.json", *ports, "--loops", 0]) as process:
-        said, warned = process.communicate(timeout=200)
+        said, warned = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == DEVICE and said == b"", text(warned)
     assert "tile 2" in text(warned) and "does not answer" in text(warned) and "all tiles are switched off" in text(warned)
     assert outputs(pair, cables[0]) == "off"
 
 
-def goes_on_without_tile_2(pair, boards, args):
-    """@return the report of a command that the second tile's cable is cut of, and that is then ended"""
+def test_a_stream_goes_on_without_a_tile_that_falls_silent(pair, boards):
     cables, ports = boards
-    with cut_while(pair, cables, [*args, *ports, "--on-loss", "rest", "--json"]) as process:
+    (pair / "long.txt").write_text("401 60\n402 60\n" * 20000)
+    stream = ["stream", "long.txt", "--rig", "wall.json", *ports, "--on-loss", "rest", "--json"]
+    with cut_while(pair, cables, stream) as process:
         warning = text(process.stderr.readline())
         assert "tile 2" in warning and "the others go on" in warning
         assert process.poll() is None
         process.send_signal(signal.SIGINT)
-        said, warned = process.communicate(timeout=120)
+        said, warned = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 0, text(warned)
     report = json.loads(said)
-    assert report["lost"] == [f"tile 2 ({cables[1].name})"] and report["interrupted"]
+    assert report["lost"] == [f"tile 2 ({cables[1].name})"] and report["interrupted"] and report["sent"] > 0
     assert outputs(pair, cables[0]) == "off"
-    return report
-
-
-def test_the_others_go_on_when_that_is_wanted(pair, boards):
-    assert goes_on_without_tile_2(pair, boards, ["play", "--rig", "wall.json", "--loops", 0])["watchdog_trips"] == 0
-
-
-def test_a_stream_goes_on_without_a_tile_that_falls_silent(pair, boards):
-    (pair / "long.txt").write_text("401 60\n402 60\n" * 20000)
-    assert goes_on_without_tile_2(pair, boards, ["stream", "long.txt", "--rig", "wall.json"])["sent"] > 0
 
 
 def test_lines_go_to_all_tiles(pair, boards):
     cables, ports = boards
     lines = [f"{401 + n % 4} {(40, 80, 120)[n % 3]}" for n in range(15)] + ["0 40"]
     stream = ["stream", "--rig", "wall.json", *ports, "--json"]
-    report = json.loads(succeed(stream, cwd=pair, timeout=120, stdin=None, input="\n".join(lines).encode()).stdout)
+    report = json.loads(succeed(stream, cwd=pair, timeout=PATIENCE_S, stdin=None, input="\n".join(lines).encode()).stdout)
     assert (report["sent"], report["refused_records"], report["lost"], report["interrupted"]) == (16, 0, [], False)
     assert report["period"] > 0
-    result = run(stream, cwd=pair, timeout=120, stdin=None, input=b"401 40\n405 40\n")
+    result = run(stream, cwd=pair, timeout=PATIENCE_S, stdin=None, input=b"401 40\n405 40\n")
     assert_one_message(result, BAD_INPUT, "standard input:2", "from 0 to 404")
-    result = run(stream, cwd=pair, timeout=120, stdin=None, input=b"1 40\n")
+    result = run(stream, cwd=pair, timeout=PATIENCE_S, stdin=None, input=b"1 40\n")
     assert_one_message(result, BAD_INPUT, "found index 1", "4 records of the images, from 401 to 404")
     assert [outputs(pair, cable) for cable in cables] == ["off", "off"]
 
@@ -238,5 +230,5 @@ def test_lines_go_to_all_tiles(pair, boards):
 def test_a_path_goes_to_a_rig(pair, boards):
     path = path_file(pair, [([(10 * n, 0, 180, 1.0)], 60) for n in range(5)])
     stream = ["stream", "--path", path, "--rig", "pair.toml", *boards[1], "--loops", 2, "--json"]
-    report = json.loads(succeed(stream, cwd=pair, timeout=120).stdout)
+    report = json.loads(succeed(stream, cwd=pair, timeout=PATIENCE_S).stdout)
     assert (report["sent"], report["refused_records"], report["lost"]) == (10, 0, [])
