@@ -47,7 +47,7 @@ int play_rig(const PlayOptions& options) {
         progress.note(words_of(now));
         return !interrupted();
     });
-    tell_rig(played, options.json,
+    tell_rig(played, link::to_json(played), options.json,
              fmt::format("{} underruns, {} refused records", played.underruns, played.refused_records));
     return 0;
 }

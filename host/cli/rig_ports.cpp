@@ -5,7 +5,6 @@
 
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/link/to_json.hpp"
 #include "report.hpp"
 
 namespace haptogram::cli {
@@ -45,8 +44,9 @@ void add_on_loss_option(CLI::App& sub, CLI::Option* rig, std::string& on_loss) {
 
 link::OnLoss on_loss_of(const std::string& name) { return name == "rest" ? link::OnLoss::rest : link::OnLoss::off; }
 
-void tell_rig(const link::RigPlayed& played, bool as_json, const std::string& sentence) {
-    tell(link::to_json(played), as_json,
+void tell_rig(const link::RigPlayed& played, const nlohmann::ordered_json& json, bool as_json,
+              const std::string& sentence) {
+    tell(json, as_json,
          fmt::format("{}, begun together in carrier period {}{}", sentence, played.period,
                      played.lost.empty() ? "" : fmt::format("; lost {}", fmt::join(played.lost, ", "))));
 }

@@ -2,6 +2,7 @@
 #pragma once
 #include <CLI/CLI.hpp>
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,7 +32,8 @@ void add_on_loss_option(CLI::App& sub, CLI::Option* rig, std::string& on_loss);
 [[nodiscard]] link::OnLoss on_loss_of(const std::string& name);
 
 /// What a rig has played, printed like what one board has.
-void tell_rig(const link::RigPlayed& played, bool as_json, const std::string& sentence);
+void tell_rig(const link::RigPlayed& played, const nlohmann::ordered_json& json, bool as_json,
+              const std::string& sentence);
 
 /// What a rig that plays is doing, for a progress line.
 [[nodiscard]] std::string words_of(const link::RigPlaying& now);

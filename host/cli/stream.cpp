@@ -10,13 +10,17 @@
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/instrument/compile.hpp"
+#include "haptogram/instrument/rig.hpp"
 #include "haptogram/link/device.hpp"
+#include "haptogram/link/rig_devices.hpp"
+#include "haptogram/link/rig_stream.hpp"
 #include "haptogram/link/to_json.hpp"
 #include "haptogram/link/transfer.hpp"
 #include "interrupt.hpp"
 #include "port.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
+#include "rig_ports.hpp"
 
 namespace haptogram::cli {
 namespace {
@@ -27,7 +31,8 @@ struct StreamOptions {
     std::optional<std::string> array, board;
     std::size_t points = Project{}.points;
     std::uint64_t loops = 1;
-    link::PortSettings port;
+    RigPorts ports;
+    std::string on_loss = "off";
     link::StreamSettings stream{.warn = complain};
     std::uint16_t dwell = 1;
     double rate = 0.0;
@@ -36,7 +41,7 @@ struct StreamOptions {
     bool json = false;
 };
 
-Compiled compiled_path(const StreamOptions& options) {
+Project project_of(const StreamOptions& options) {
     Project project;
     project.path = options.path;
     project.array = options.array;
@@ -44,14 +49,59 @@ Compiled compiled_path(const StreamOptions& options) {
     project.points = options.points;
     project.am = options.am.value_or("");
     project.am_law = law_of(options.am_law.value_or("pressure"));
-    return compile_for_stream(project, options.path);
+    return project;
+}
+
+/// What a board or a rig is told of a path that was streamed.
+void warn_of(const Compiled& compiled, std::uint64_t underruns) {
+    if (underruns > 0)
+        complain(
+            "warning: the board had to wait for indices, and held a focus meanwhile; entries of different dwells are a "
+            "frame each on the line, so take longer dwells, fewer points or a lower speed");
+    for (const std::string& warning : compiled.warnings) complain("warning: " + warning);
+}
+
+int stream_rig(const StreamOptions& options) {
+    if (options.foci)
+        throw bad_argument("foci",
+                           "a rig's tiles share no frame in which a line could name a focus; stream indices, or "
+                           "a path with --path");
+    if (options.am && options.path.empty())
+        throw bad_argument("am", "a rig plays as it was compiled; compile it with that setting");
+    std::optional<CompiledRig> compiled;
+    if (!options.path.empty()) compiled = compile_rig_for_stream(project_of(options), options.ports.rig, options.path);
+    const RigBundle bundle = compiled ? compiled->bundle : load_rig_bundle(options.ports.rig);
+    const link::RigDevices devices(bundle, link::ports_of(bundle, options.ports.ports, options.ports.baud));
+    const link::RigSettings settings{
+        .watchdog_ms = options.stream.watchdog_ms, .on_loss = on_loss_of(options.on_loss), .warn = complain};
+    ProgressLine progress("stream");
+    const link::RigWatch watch = [&](const link::RigPlaying& now) {
+        progress.note(fmt::format("{} indices, {}", now.sent, words_of(now)));
+        return !interrupted();
+    };
+    link::RigPlayed played;
+    if (compiled) {
+        played = link::stream(devices.tiles(), settings, options.loops, progress.callback(), watch);
+    } else {
+        const double carrier_hz = bundle.whole.manifest.timer.carrier_hz();
+        const std::uint16_t dwell = options.rate > 0.0 ? link::dwell_of(options.rate, carrier_hz) : options.dwell;
+        link::StreamLines source(options.file, dwell, link::highest_index(bundle.tiles.front().image));
+        played = link::stream(devices.tiles(), settings, source, watch);
+    }
+    tell_rig(played, link::streamed_to_json(played), options.json,
+             fmt::format("{} indices, {} underruns, {} refused records", played.sent, played.underruns,
+                         played.refused_records));
+    if (compiled) warn_of(compiled->whole, played.underruns);
+    return 0;
 }
 
 int stream(const StreamOptions& options) {
     catch_interrupts();
+    if (options.ports.is_rig()) return stream_rig(options);
+    const link::PortSettings port = options.ports.one();
     std::optional<Compiled> compiled;
-    if (!options.path.empty()) compiled = compiled_path(options);
-    link::Device device(options.port);
+    if (!options.path.empty()) compiled = compile_for_stream(project_of(options), options.path);
+    link::Device device(port);
     const std::string what = options.foci ? "foci" : "indices";
     ProgressLine progress("stream");
     const link::Watch watch = [&](const link::Playing& now) {
@@ -77,12 +127,7 @@ int stream(const StreamOptions& options) {
     }
     tell(streamed_to_json(played), options.json,
          fmt::format("{} {}, {} underruns", played.sent, what, played.underruns));
-    if (compiled && played.underruns > 0)
-        complain(
-            "warning: the board had to wait for indices, and held a focus meanwhile; entries of different dwells are a "
-            "frame each on the line, so take longer dwells, fewer points or a lower speed");
-    if (compiled)
-        for (const std::string& warning : compiled->warnings) complain("warning: " + warning);
+    if (compiled) warn_of(*compiled, played.underruns);
     return 0;
 }
 
@@ -92,8 +137,8 @@ void add_stream(CLI::App& app, Action& action) {
     auto options = std::make_shared<StreamOptions>();
     CLI::App* sub =
         app.add_subcommand("stream",
-                           "Turn the outputs on and play indices or foci as they come, or a path, no faster than "
-                           "the board takes them; then off again");
+                           "Turn the outputs of a board, or of a rig's boards, on and play indices or foci as they "
+                           "come, or a path, no faster than they take them; then off again");
     auto* file =
         sub->add_option("file", options->file,
                         "Lines 'index' or 'index dwell', of records or of the board's foci; - is standard input")
@@ -117,12 +162,19 @@ void add_stream(CLI::App& app, Action& action) {
         "--foci", options->foci,
         "Lines 'x y z', 'x y z amplitude' or 'x y z amplitude dwell' instead, in mm in the array's frame; the "
         "board computes the rest, for the array of the image of foci in it");
-    add_port_options(*sub, options->port);
-    auto* dwell = sub->add_option("--dwell", options->dwell,
-                                  "Cycles that an index or a focus lasts if its line does not say; 0: until the next")
-                      ->excludes(path)
-                      ->check(whole(0, 65535))
-                      ->capture_default_str();
+    auto* rig = add_rig_port_options(*sub, options->ports);
+    rig->description(
+        "Several boards that play as one: the rig manifest (.json) that compile --rig has written and upload has "
+        "written into them; an index is the same record on all, each from its own image. With --path a rig as compile "
+        "takes it, whose boards get their images now");
+    add_on_loss_option(*sub, rig, options->on_loss);
+    auto* dwell =
+        sub->add_option("--dwell", options->dwell,
+                        "Cycles that an index or a focus lasts if its line does not say; 0: until the next, which "
+                        "the tiles of a rig begin some 5 ms after it came, or later")
+            ->excludes(path)
+            ->check(whole(0, 65535))
+            ->capture_default_str();
     sub->add_option("--rate", options->rate,
                     "Indices or foci a second instead: the whole number of cycles that is nearest")
         ->check(positive())

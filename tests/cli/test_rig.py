@@ -1,9 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rigs: the files that `compile --rig` writes, and what the commands refuse."""
+"""Rigs: the files that `compile --rig` writes, what the commands refuse, and two Verilated boards behind pseudo-terminals that play and are streamed to."""
+import contextlib
 import json
+import os
+import select
+import signal
+import subprocess
+import threading
+import tty
 
 import pytest
-from support import BAD_INPUT, USAGE, assert_one_message, run, succeed, text
+from support import BAD_INPUT, DEVICE, PROGRAM, USAGE, assert_one_message, path_file, run, succeed, text
 
 PAIR = """format = "haptogram-rig-1"
 name = "pair"
@@ -58,6 +65,14 @@ def test_the_files_of_a_rig(pair):
         (["play", "--rig", "wall.json", "--port", "a", "--port", "a"], USAGE, ["--port", "two tiles"]),
         (["play", "--rig", "wall.json", "--rate", 3], USAGE, ["--rate", "as it was compiled"]),
         (["play"], USAGE, ["--port", "missing"]),
+        (["stream", "--rig", "wall.json", "--foci"], USAGE, ["--foci", "indices"]),
+        (["stream", "--rig", "wall.json", "--am", "sine:200"], USAGE, ["--am", "as it was compiled"]),
+        (["stream", "--rig", "wall.json", "--port", "a"], USAGE, ["--port", "1 given", "2 tiles"]),
+        (["stream", "--rig", "wall.tile-1.json"], BAD_INPUT, ["wall.tile-1.json", "no rig manifest"]),
+        (["stream", "--port", "a", "--on-loss", "rest"], USAGE, ["--on-loss", "--rig"]),
+        (["stream", "--path", "p.json", "--rig", "2x2", "--array", "hoshi"], USAGE, ["--array", "a rig has arrays of its own"]),
+        (["stream", "--port", "a", "--port", "b"], USAGE, ["--port", "given 2 times"]),
+        (["stream"], USAGE, ["--port", "missing"]),
         (["play", "--port", "a", "--port", "b"], USAGE, ["--port", "given 2 times"]),
         (["upload", "--port", "a"], USAGE, ["nothing to upload"]),
         (["simulate"], USAGE, ["nothing to simulate"]),
@@ -68,3 +83,152 @@ def test_the_files_of_a_rig(pair):
 )
 def test_what_cannot_be_done(pair, args, code, needles):
     assert_one_message(run(args, cwd=pair), code, *needles)
+
+
+ENABLE = 0x04  # rtl/INTERFACE.md
+PATIENCE_S = 500  # two Verilated boards on a busy machine take a minute for what takes seconds on an idle one
+
+
+def commands_in(data):
+    """The commands of whole frames: a frame is COBS, its first byte a number, its second the command."""
+    for frame in data.split(b"\0")[:-1]:
+        plain, at = bytearray(), 0
+        while at < len(frame):
+            code = frame[at]
+            plain += frame[at + 1 : at + code]
+            at += code
+            if code < 255 and at < len(frame):
+                plain.append(0)
+        if len(plain) > 1:
+            yield plain[1]
+
+
+class Cable:
+    """A serial line from a program to a board that can be cut and mended. Its port has a name of its own."""
+
+    def __init__(self, board):
+        self.board = os.open(board, os.O_RDWR | os.O_NOCTTY)
+        self.host, self.end = os.openpty()
+        tty.setraw(self.end)
+        tty.setraw(self.board)
+        self.name = os.ttyname(self.end)
+        self.cut, self.playing, self.over = threading.Event(), threading.Event(), threading.Event()
+        self.since_enable = None
+        self.thread = threading.Thread(target=self.carry, daemon=True)
+        self.thread.start()
+
+    def carry(self):
+        sent = b""
+        while not self.over.is_set():
+            for source in select.select([self.host, self.board], [], [], 0.05)[0]:
+                data = os.read(source, 4096)
+                if self.cut.is_set():
+                    continue
+                os.write(self.board if source == self.host else self.host, data)
+                if source == self.host:
+                    sent += data
+                    self.look(commands_in(sent))
+                    sent = sent[sent.rfind(b"\0") + 1 :]
+
+    def look(self, commands):
+        """Plays once ENABLE was answered, which is so when other commands came after it."""
+        for command in commands:
+            if command == ENABLE:
+                self.since_enable = 0
+            elif self.since_enable is not None:
+                self.since_enable += 1
+                if self.since_enable == 5:
+                    self.playing.set()
+
+    def mend(self):
+        self.cut.clear()
+        self.playing.clear()
+        self.since_enable = None
+
+    def close(self):
+        self.over.set()
+        self.thread.join()
+        for descriptor in (self.board, self.host, self.end):
+            os.close(descriptor)
+
+
+@pytest.fixture(scope="module")
+def boards(pair):
+    """Two Verilated boards on one wire, with their images. @return the cables to them, and the options that name their ports"""
+    command = [str(PROGRAM), "board", "run", "--tiles", "2", "--json", "--speed", "max"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    cables = [Cable(port) for port in json.loads(process.stdout.readline())["ports"]]
+    try:
+        ports = [word for cable in cables for word in ("--port", cable.name)]
+        succeed(["upload", "--rig", "wall.json", *ports], cwd=pair, timeout=PATIENCE_S)
+        yield cables, ports
+    finally:
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60)
+        for cable in cables:
+            cable.close()
+
+
+@contextlib.contextmanager
+def cut_while(folder, cables, args):
+    """Runs a command, cuts the second cable once the tiles play, and mends it at the end. @return the process, which still runs"""
+    process = subprocess.Popen([str(PROGRAM), *map(str, args)], cwd=folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    try:
+        assert cables[1].playing.wait(PATIENCE_S), f"it never played: {text(process.stderr.read() if process.poll() is not None else b'it still runs')}"
+        cables[1].cut.set()
+        yield process
+    finally:
+        process.kill()
+        process.wait()
+        for cable in cables:
+            cable.mend()
+
+
+def outputs(folder, cable):
+    return json.loads(succeed(["device", "status", "--port", cable.name, "--json"], cwd=folder, timeout=PATIENCE_S).stdout)["outputs"]
+
+
+def test_a_tile_that_falls_silent_takes_the_others_with_it(pair, boards):
+    cables, ports = boards
+    with cut_while(pair, cables, ["play", "--rig", "wall.json", *ports, "--loops", 0]) as process:
+        said, warned = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == DEVICE and said == b"", text(warned)
+    assert "tile 2" in text(warned) and "does not answer" in text(warned) and "all tiles are switched off" in text(warned)
+    assert outputs(pair, cables[0]) == "off"
+
+
+def test_a_stream_goes_on_without_a_tile_that_falls_silent(pair, boards):
+    cables, ports = boards
+    (pair / "long.txt").write_text("401 60\n402 60\n" * 20000)
+    stream = ["stream", "long.txt", "--rig", "wall.json", *ports, "--on-loss", "rest", "--json"]
+    with cut_while(pair, cables, stream) as process:
+        warning = text(process.stderr.readline())
+        assert "tile 2" in warning and "the others go on" in warning
+        assert process.poll() is None
+        process.send_signal(signal.SIGINT)
+        said, warned = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 0, text(warned)
+    report = json.loads(said)
+    assert report["lost"] == [f"tile 2 ({cables[1].name})"] and report["interrupted"] and report["sent"] > 0
+    assert outputs(pair, cables[0]) == "off"
+
+
+def test_lines_go_to_all_tiles(pair, boards):
+    cables, ports = boards
+    lines = [f"{401 + n % 4} {(40, 80, 120)[n % 3]}" for n in range(15)] + ["0 40"]
+    stream = ["stream", "--rig", "wall.json", *ports, "--json"]
+    report = json.loads(succeed(stream, cwd=pair, timeout=PATIENCE_S, stdin=None, input="\n".join(lines).encode()).stdout)
+    assert (report["sent"], report["refused_records"], report["lost"], report["interrupted"]) == (16, 0, [], False)
+    assert report["period"] > 0
+    result = run(stream, cwd=pair, timeout=PATIENCE_S, stdin=None, input=b"401 40\n405 40\n")
+    assert_one_message(result, BAD_INPUT, "standard input:2", "from 0 to 404")
+    result = run(stream, cwd=pair, timeout=PATIENCE_S, stdin=None, input=b"1 40\n")
+    assert_one_message(result, BAD_INPUT, "found index 1", "4 records of the images, from 401 to 404")
+    assert [outputs(pair, cable) for cable in cables] == ["off", "off"]
+
+
+def test_a_path_goes_to_a_rig(pair, boards):
+    path = path_file(pair, [([(10 * n, 0, 180, 1.0)], 60) for n in range(5)])
+    stream = ["stream", "--path", path, "--rig", "pair.toml", *boards[1], "--loops", 2, "--json"]
+    report = json.loads(succeed(stream, cwd=pair, timeout=PATIENCE_S).stdout)
+    assert (report["sent"], report["refused_records"], report["lost"]) == (10, 0, [])

@@ -3,121 +3,14 @@
 // Verilated boards as tiles, each with a crystal of its own. And what a host does when a tile is not as it must be.
 #include <fmt/format.h>
 
-#include <functional>
 #include <set>
 
-#include "bench.hpp"
-#include "haptogram/base/error.hpp"
-#include "haptogram/instrument/rig.hpp"
-#include "haptogram/link/frame.hpp"
-#include "haptogram/link/rig.hpp"
-#include "haptogram/link/transfer.hpp"
-#include "rig_simulation.hpp"
+#include "pair.hpp"
 #include "serve_tiles.hpp"
 
 using namespace haptogram;
 using namespace haptogram::test;
 using Catch::Contains;
-
-namespace {
-
-Project circle(std::mt19937& g, std::size_t points, double rate_hz, ImageKind kind) {
-    std::uniform_real_distribution<double> sideways(-20, 20), up(150, 220);
-    Project project;
-    project.shapes.push_back({});
-    project.shapes.back().primitive.kind = "circle";
-    project.placement.center = from_mm(sideways(g), sideways(g), up(g));
-    project.points = points;
-    project.rate_hz = rate_hz;
-    project.seed = g();
-    project.image = kind;
-    return project;
-}
-
-/// A line that can be cut, and that tells which command it carries.
-class TroubledLine final : public link::Transport {
-public:
-    explicit TroubledLine(link::Transport& line) : line_(line) {}
-    void write(std::span<const std::uint8_t> bytes) override {
-        const auto frame = link::cobs_decode(bytes.first(bytes.empty() ? 0 : bytes.size() - 1));
-        if (on_command && frame && frame->size() > 1) on_command(static_cast<interface::Command>((*frame)[1]));
-        if (!cut) line_.write(bytes);
-    }
-    [[nodiscard]] std::vector<std::uint8_t> read(std::chrono::microseconds patience) override {
-        auto bytes = line_.read(patience);
-        if (cut) bytes.clear();
-        return bytes;
-    }
-    [[nodiscard]] std::chrono::microseconds patience() const override { return line_.patience(); }
-
-    bool cut = false;
-    std::function<void(interface::Command)> on_command;  ///< before it goes out
-
-private:
-    link::Transport& line_;
-};
-
-/// Two tiles in one time, with their images in their memories.
-struct Pair {
-    CompiledRig compiled;
-    sim::Tiles tiles;
-    std::vector<std::unique_ptr<sim::TileTransport>> wires;
-    std::vector<std::unique_ptr<TroubledLine>> lines;
-    std::vector<std::unique_ptr<link::Client>> hosts;
-    std::vector<link::Tile> rig;
-    std::vector<std::string> warnings;
-    std::vector<std::vector<std::pair<Femtoseconds, std::uint16_t>>> played;  // of each tile: changes of index
-
-    Pair(std::mt19937& g, ImageKind kind)
-        : compiled(compile_rig(circle(g, 5, 200.0, kind), "2x2", "wall.json")),
-          tiles("tile-100-wide", sim::random_oscillators(2, 50.0, static_cast<std::uint32_t>(g())),
-                static_cast<std::uint32_t>(g())),
-          played(2) {
-        for (std::size_t i = 0; i < 2; ++i) {
-            wires.push_back(std::make_unique<sim::TileTransport>(tiles, i));
-            lines.push_back(std::make_unique<TroubledLine>(*wires.back()));
-            hosts.push_back(std::make_unique<link::Client>(*lines.back()));
-            hosts.back()->identify();
-            rig.push_back({*hosts.back(), compiled.bundle.tiles[i].image, fmt::format("tile {}", i + 1)});
-            link::upload(*hosts.back(), rig.back().image);
-            tiles.board(i).on_cycle_start([this, i](const sim::CycleStart& start) {
-                if (start.enabled && (played[i].empty() || played[i].back().second != start.index))
-                    played[i].push_back({tiles.now(), start.index});
-            });
-        }
-    }
-
-    link::RigSettings settings(link::OnLoss on_loss = link::OnLoss::off) {
-        return {.loops = 0, .watchdog_ms = 40, .on_loss = on_loss, .warn = [this](const std::string& message) {
-                    warnings.push_back(message);
-                }};
-    }
-    bool any_enabled() { return tiles.board(0).outputs().enabled || tiles.board(1).outputs().enabled; }
-    void run_ms(double milliseconds) { tiles.run(static_cast<Femtoseconds>(milliseconds * 1000.0) * microsecond); }
-
-    /// Both play the same indices, each change at the same time to two clocks.
-    void require_alike(std::size_t least) {
-        for (auto& one : played)
-            while (!one.empty() && one.front().second == 0) one.erase(one.begin());
-        const std::size_t both = std::min(played[0].size(), played[1].size());
-        REQUIRE(both >= least);
-        for (std::size_t i = 0; i < both; ++i) {
-            REQUIRE(played[0][i].second == played[1][i].second);
-            REQUIRE(std::abs(played[0][i].first - played[1][i].first) <= 2 * 20'000'000);
-        }
-    }
-};
-
-std::string error_of(const std::function<void()>& work) {
-    try {
-        work();
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "no error";
-}
-
-}  // namespace
 
 TEST_CASE("rig: a shape on four tiles, from the compiler to the pins, is where one perfect array has it") {
     std::mt19937 g(Catch::rngSeed());
@@ -214,6 +107,78 @@ TEST_CASE("rig: a tile that hears of the agreed period too late makes all agree 
     CHECK(played.attempts == 2);
     CHECK(stalls >= 2);
     pair.require_alike(2);
+}
+
+TEST_CASE("rig: when a tile falls silent while it plays, all go off, or the others go on") {
+    std::mt19937 g(Catch::rngSeed());
+    Pair pair(g, ImageKind::records);
+    int looks = 0, looks_after = 0;
+    bool went_off = false;
+    const auto play = [&](link::OnLoss on_loss) {
+        looks = looks_after = 0;
+        return link::play(pair.rig, pair.settings(on_loss), [&](const link::RigPlaying& now) {
+            if (++looks == 2) pair.lines[1]->cut = true;
+            if (!pair.tiles.board(0).outputs().enabled) went_off = true;
+            return now.statuses[1].has_value() || ++looks_after < 5;
+        });
+    };
+    SECTION("all go off") {
+        CHECK_THAT(error_of([&] { static_cast<void>(play(link::OnLoss::off)); }),
+                   Contains("tile 2") && Contains("does not answer") && Contains("all tiles are switched off"));
+        CHECK(looks == 2);
+        CHECK_FALSE(pair.tiles.board(0).outputs().enabled);
+        pair.run_ms(45);  // the silent one's watchdog
+        CHECK_FALSE(pair.any_enabled());
+    }
+    SECTION("the others go on") {
+        const link::RigPlayed played = play(link::OnLoss::rest);
+        CHECK(played.lost == std::vector<std::string>{"tile 2"});
+        CHECK(looks_after == 5);
+        CHECK(played.interrupted);
+        // Nobody heard the first one pause while the host waited for the other.
+        CHECK_FALSE(went_off);
+        CHECK(played.watchdog_trips == 0);
+        REQUIRE_FALSE(pair.warnings.empty());
+        CHECK_THAT(pair.warnings[0], Contains("tile 2") && Contains("does not answer") && Contains("the others go on"));
+        CHECK_FALSE(pair.any_enabled());
+    }
+}
+
+TEST_CASE("rig: a tile that is reset or out of step leaves the others playing, if that is wanted") {
+    std::mt19937 g(Catch::rngSeed());
+    Pair pair(g, ImageKind::records);
+    const bool reset = GENERATE(false, true);
+    int looks = 0, looks_after = 0;
+    const link::RigPlayed played =
+        link::play(pair.rig, pair.settings(link::OnLoss::rest), [&](const link::RigPlaying& now) {
+            if (++looks == 2) {
+                if (reset)
+                    pair.hosts[1]->reset();
+                else
+                    pair.tiles.connect(1, false);
+            }
+            if (!now.statuses[1]) CHECK(pair.tiles.board(0).outputs().enabled);
+            return now.statuses[1].has_value() || ++looks_after < 3;
+        });
+    CHECK(played.lost == std::vector<std::string>{"tile 2"});
+    REQUIRE_FALSE(pair.warnings.empty());
+    CHECK_THAT(pair.warnings[0], Contains("tile 2") && Contains(reset ? "reset" : "out of step"));
+    CHECK_FALSE(pair.any_enabled());
+}
+
+TEST_CASE("rig: the loss of the first tile, which gives the time, ends it for all") {
+    std::mt19937 g(Catch::rngSeed());
+    Pair pair(g, ImageKind::records);
+    int looks = 0;
+    CHECK_THAT(
+        error_of([&] {
+            static_cast<void>(link::play(pair.rig, pair.settings(link::OnLoss::rest), [&](const link::RigPlaying&) {
+                if (++looks == 2) pair.hosts[0]->reset();
+                return true;
+            }));
+        }),
+        Contains("tile 2") && Contains("out of step") && Contains("no tile is left"));
+    CHECK_FALSE(pair.any_enabled());
 }
 
 TEST_CASE("rig: faults as a text") {

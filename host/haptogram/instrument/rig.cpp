@@ -66,6 +66,32 @@ std::vector<TilePart> parts_of(const Rig& rig, const std::vector<Core>& cores) {
     return parts;
 }
 
+CompiledRig compile_on(const Project& project, const std::string& rig_name, const std::string& name, bool streamed,
+                       const Progress& progress) {
+    if (project.array)
+        throw bad_argument("array", "a rig has arrays of its own; leave out the array, or the rig", {"array", "rig"});
+    const Rig rig = find_rig(rig_name);
+    const std::vector<Core> cores = cores_of(rig, project.board);
+    require_alike(rig, cores);
+    require_together(rig, cores);
+    const std::vector<TilePart> parts = parts_of(rig, cores);
+    // The board with the fewest channels holds the least.
+    Core least = *std::ranges::min_element(cores, {}, [](const Core& c) { return c.parameters.channels; });
+    if (streamed) least.parameters.sequence_depth = interface::sequence_header_field::length.most() + 1;
+    CompiledRig compiled{compile({joined(rig), least, cores.size()}, project, name, progress), {}};
+    if (cores.size() > 1) require_common_period(rig, compiled.whole.bundle.manifest.timer, least);
+    if (compiled.whole.bundle.image.foci)
+        for (const TilePart& part : parts)
+            if (part.elements != part.core.parameters.channels)
+                throw bad_input(rig.file,
+                                fmt::format("{} has {} elements, but {} computes foci for all of its {} channels; "
+                                            "compile records, in which a channel can be silent",
+                                            part.array, part.elements, part.core.name, part.core.parameters.channels),
+                                {"records"});
+    compiled.bundle = split(compiled.whole.bundle, rig.name, parts, name);
+    return compiled;
+}
+
 }  // namespace
 
 std::vector<Core> cores_of(const Rig& rig, const std::optional<std::string>& board) {
@@ -93,29 +119,13 @@ ProjectInstrument instrument_of_rig(const std::string& name) {
     return found;
 }
 
-CompiledRig compile_rig(const Project& project, const std::string& rig_name, const std::string& name,
+CompiledRig compile_rig(const Project& project, const std::string& rig, const std::string& name,
                         const Progress& progress) {
-    if (project.array)
-        throw bad_argument("array", "a rig has arrays of its own; leave out the array, or the rig", {"array", "rig"});
-    const Rig rig = find_rig(rig_name);
-    const std::vector<Core> cores = cores_of(rig, project.board);
-    require_alike(rig, cores);
-    require_together(rig, cores);
-    const std::vector<TilePart> parts = parts_of(rig, cores);
-    // The board with the fewest channels holds the least.
-    const Core& least = *std::ranges::min_element(cores, {}, [](const Core& c) { return c.parameters.channels; });
-    CompiledRig compiled{compile({joined(rig), least, cores.size()}, project, name, progress), {}};
-    if (cores.size() > 1) require_common_period(rig, compiled.whole.bundle.manifest.timer, least);
-    if (compiled.whole.bundle.image.foci)
-        for (const TilePart& part : parts)
-            if (part.elements != part.core.parameters.channels)
-                throw bad_input(rig.file,
-                                fmt::format("{} has {} elements, but {} computes foci for all of its {} channels; "
-                                            "compile records, in which a channel can be silent",
-                                            part.array, part.elements, part.core.name, part.core.parameters.channels),
-                                {"records"});
-    compiled.bundle = split(compiled.whole.bundle, rig.name, parts, name);
-    return compiled;
+    return compile_on(project, rig, name, false, progress);
+}
+
+CompiledRig compile_rig_for_stream(const Project& project, const std::string& rig, const std::string& name) {
+    return compile_on(project, rig, name, true, {});
 }
 
 }  // namespace haptogram

@@ -34,4 +34,8 @@ struct CompiledRig {
 [[nodiscard]] CompiledRig compile_rig(const Project& project, const std::string& rig, const std::string& name,
                                       const Progress& progress = {});
 
+/// The same for images whose sequence is streamed, and so may be longer than the boards' memories.
+[[nodiscard]] CompiledRig compile_rig_for_stream(const Project& project, const std::string& rig,
+                                                 const std::string& name);
+
 }  // namespace haptogram

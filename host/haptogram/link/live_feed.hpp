@@ -28,6 +28,8 @@ public:
     /// Learns how far the FIFO has drained: waits for an answer that is under way, or else asks for the status. Either
     /// keeps the watchdog quiet.
     void refresh();
+    /// The same from a status that was asked for behind all that was pushed.
+    void learn(const Status& status) { fifo_->level = status.live_level; }
     /// Entries in the FIFO as the device said last, and those that are on their way to it.
     [[nodiscard]] std::size_t level() const { return fifo_->level + fifo_->under_way; }
 

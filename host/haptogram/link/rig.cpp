@@ -30,24 +30,22 @@ Role role_of(std::size_t tile) { return tile == 0 ? Role::master : Role::slave; 
 
 bool follows(const Status& status) { return status.in_step && status.numbered; }
 
-/// Waits for the slaves, in their lines' own time.
-void wait_for_step(std::span<const Tile> tiles) {
-    constexpr unsigned most_looks = 20;  // of 5 ms, four times what it takes
-    for (std::size_t i = 1; i < tiles.size(); ++i)
-        with(tiles[i], [&](Client& device) {
-            for (unsigned look = 0; !follows(device.status()); ++look) {
-                if (look == most_looks)
-                    throw Error(ErrorCode::device, "board",
-                                fmt::format("it is a slave and does not come into step with {}; check the wire from "
-                                            "there to its sync_in, and the ground",
-                                            tiles[0].name));
-                device.exchange(5ms);
-            }
-        });
-}
-
 std::uint64_t period_of(const Tile& tile) {
     return with(tile, [](Client& device) { return device.status().period.value_or(0); });
+}
+
+/// Waits for the slaves as long as the master counts: simulated boards may take a while for a carrier period.
+void wait_for_step(std::span<const Tile> tiles) {
+    constexpr std::uint64_t most_periods = 4000;  // 100 ms, four times what it takes
+    const std::uint64_t begin = period_of(tiles[0]);
+    for (const Tile& tile : tiles.subspan(1))
+        while (!with(tile, [](Client& device) { return follows(device.status()); })) {
+            if (period_of(tiles[0]) - begin > most_periods)
+                throw tile_error(tile, fmt::format("it is a slave and does not come into step with {}; check the wire "
+                                                   "from there to its sync_in, and the ground",
+                                                   tiles[0].name));
+            with(tile, [](Client& device) { device.exchange(5ms); });
+        }
 }
 
 /// A slave could follow another master, or have its number from one.
@@ -59,44 +57,6 @@ void require_same_numbers(std::span<const Tile> tiles) {
                                                    "wired to another master?",
                                                    here, tiles[0].name, from, to));
     }
-}
-
-void begin_modulation(const Tile& tile, When when) {
-    if (const auto& modulation = tile.image.modulation)
-        tile.device.modulate(modulation->divider, static_cast<std::uint16_t>(modulation->samples.size()), true, 0,
-                             when);
-    else if (tile.device.identity().modulation_words > 0)
-        tile.device.modulate(0, 0, false);
-}
-
-void prepare(std::span<const Tile> tiles) {
-    if (tiles.empty()) throw bad_argument("rig", "it has no tiles; name at least one");
-    require_images(tiles);
-    keep_together(tiles);
-}
-
-/// Tells the watch what goes on. @return whether to go on
-class Teller {
-public:
-    Teller(const RigWatch& watch, RigPlayed& played) : watch_(watch), played_(played) {}
-
-    [[nodiscard]] double seconds() const { return std::chrono::duration<double>(Clock::now() - begun_).count(); }
-    bool operator()(const PlayingTiles& tiles) {
-        if (watch_ && !watch_({seconds(), tiles.statuses()})) played_.interrupted = true;
-        return !played_.interrupted;
-    }
-
-private:
-    using Clock = std::chrono::steady_clock;
-    const RigWatch& watch_;
-    RigPlayed& played_;
-    Clock::time_point begun_ = Clock::now();
-};
-
-RigPlayed outcome(const PlayingTiles& tiles, const RigPlayed& so_far) {
-    RigPlayed played = tiles.played();
-    played.interrupted = so_far.interrupted;
-    return played;
 }
 
 }  // namespace
@@ -133,7 +93,6 @@ void keep_together(std::span<const Tile> tiles) {
 
 RigPlayed play(std::span<const Tile> tiles, const RigSettings& settings, const RigWatch& watch) {
     prepare(tiles);
-    RigPlayed played;
     PlayingTiles playing(tiles, settings);
     const auto arm = [&](const Tile& tile, When when) {
         begin_modulation(tile, when);
@@ -144,7 +103,7 @@ RigPlayed play(std::span<const Tile> tiles, const RigSettings& settings, const R
                               settings.loops.value_or(0), when);
     };
     const std::uint64_t begins = playing.begin_together(arm, 0, false);
-    Teller tell(watch, played);
+    RigTeller tell(watch);
     const std::chrono::milliseconds pause = keep_alive_pause(settings.watchdog_ms);
     // Asking for the status also keeps the watchdogs quiet.
     do {
@@ -153,7 +112,7 @@ RigPlayed play(std::span<const Tile> tiles, const RigSettings& settings, const R
         if (playing.all(is_over)) playing.ask();  // as sure_status() does
     } while (tell(playing) && (playing.period() < begins || !playing.all(is_over)) &&
              (settings.seconds == 0.0 || tell.seconds() < settings.seconds));
-    return outcome(playing, played);
+    return tell.outcome(playing);
 }
 
 }  // namespace haptogram::link

@@ -42,6 +42,7 @@ struct RigSettings {
 /// What goes on while a rig plays.
 struct RigPlaying {
     double seconds = 0.0;                         ///< since it began
+    std::uint64_t sent = 0;                       ///< of a stream: entries that went to each tile
     std::vector<std::optional<Status>> statuses;  ///< one a tile, as it said last; empty for a lost one
 };
 
@@ -50,8 +51,9 @@ using RigWatch = std::function<bool(const RigPlaying&)>;
 
 /// What became of it. Counters are sums over the tiles.
 struct RigPlayed {
+    std::uint64_t sent = 0;    ///< of a stream: entries that went to each tile
     std::uint64_t period = 0;  ///< the carrier period in which all tiles began
-    unsigned attempts = 0;     ///< until one was agreed on that none missed
+    unsigned attempts = 0;     ///< until one was agreed on that none missed; of a stream, the most
     std::uint64_t underruns = 0, refused_records = 0, watchdog_trips = 0, guard_trips = 0;
     std::vector<std::string> lost;  ///< tiles that did not stay to the end, with on_loss = rest
     bool interrupted = false;       ///< the watch ended it

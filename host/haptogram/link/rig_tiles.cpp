@@ -35,6 +35,17 @@ std::string unfit(const Status& status, const Status& before, bool on) {
     return "it has turned its outputs off: its watchdog or guard tripped";
 }
 
+/// Without waiting for the answer.
+void keep_alive(const Tile& tile) {
+    try {
+        tile.device.exchange(0us);
+        if (tile.device.unanswered() == 0) tile.device.submit({interface::Command::keep_alive, {}});
+        tile.device.flush();
+    } catch (const Error&) {
+        // It will not answer either when it is asked next, and is lost then.
+    }
+}
+
 }  // namespace
 
 PlayingTiles::PlayingTiles(std::span<const Tile> tiles, const RigSettings& settings)
@@ -124,8 +135,21 @@ void PlayingTiles::exchange(std::span<std::optional<Status>> answers) {
                       [answers, i](const Reply& reply) { answers[i] = to_status(reply.data); });
         device.flush();
     });
-    for (unsigned look = 0; look < most_looks(settings_.watchdog_ms); ++look)
-        if (!with_the_silent([](Client& device, std::size_t) { device.exchange(1ms); })) break;
+    // While some are waited for, the others' watchdogs must be kept quiet.
+    const auto pause = std::max<std::size_t>(
+        1, static_cast<std::size_t>(keep_alive_pause(settings_.watchdog_ms).count()) / tiles_.size());
+    for (unsigned look = 1; look <= most_looks(settings_.watchdog_ms); ++look) {
+        bool answered = false;  // something that was asked before, such as entries of a stream
+        const auto listen = [&answered](Client& device, std::size_t) {
+            const std::size_t open = device.unanswered();
+            device.exchange(1ms);
+            answered |= device.unanswered() < open;
+        };
+        if (!with_the_silent(listen)) break;
+        if (answered) look = 0;
+        for (std::size_t i = 0; look % pause == 0 && i < tiles_.size(); ++i)
+            if (!is_lost(i) && answers[i] && trouble[i].empty()) keep_alive(tiles_[i]);
+    }
     for (std::size_t i = 0; i < tiles_.size(); ++i) {
         if (is_lost(i) || answers[i]) continue;
         tiles_[i].device.drop();  // nobody may tell of answers to variables that are gone
@@ -226,6 +250,20 @@ RigPlayed PlayingTiles::played() const {
         played.guard_trips += since(&Status::guard_trips);
     }
     return played;
+}
+
+void prepare(std::span<const Tile> tiles) {
+    if (tiles.empty()) throw bad_argument("rig", "it has no tiles; name at least one");
+    require_images(tiles);
+    keep_together(tiles);
+}
+
+void begin_modulation(const Tile& tile, When when) {
+    if (const auto& modulation = tile.image.modulation)
+        tile.device.modulate(modulation->divider, static_cast<std::uint16_t>(modulation->samples.size()), true, 0,
+                             when);
+    else if (tile.device.identity().modulation_words > 0)
+        tile.device.modulate(0, 0, false);
 }
 
 }  // namespace haptogram::link

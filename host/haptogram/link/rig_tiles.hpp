@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -70,6 +71,39 @@ private:
     bool on_ = false;
     std::uint64_t lead_ = 0, begun_ = 0;
     unsigned attempts_ = 0;
+};
+
+/// That there are tiles, that they hold their images, and that they are in step.
+void prepare(std::span<const Tile> tiles);
+
+/// What an image says of modulation.
+void begin_modulation(const Tile& tile, When when);
+
+/// Tells the watch what goes on, and remembers what it said.
+class RigTeller {
+public:
+    explicit RigTeller(const RigWatch& watch) : watch_(watch) {}
+
+    [[nodiscard]] double seconds() const { return std::chrono::duration<double>(Clock::now() - begun_).count(); }
+    /// @return whether to go on
+    bool operator()(const PlayingTiles& tiles) {
+        if (watch_ && !watch_({seconds(), sent, tiles.statuses()})) interrupted_ = true;
+        return !interrupted_;
+    }
+    [[nodiscard]] RigPlayed outcome(const PlayingTiles& tiles) const {
+        RigPlayed played = tiles.played();
+        played.sent = sent;
+        played.interrupted = interrupted_;
+        return played;
+    }
+
+    std::uint64_t sent = 0;  ///< entries that went over the lines
+
+private:
+    using Clock = std::chrono::steady_clock;
+    const RigWatch& watch_;
+    bool interrupted_ = false;
+    Clock::time_point begun_ = Clock::now();
 };
 
 }  // namespace haptogram::link

@@ -102,4 +102,10 @@ ordered_json streamed_to_json(const Played& p) {
     return {{"sent", p.sent}, {"underruns", p.underruns}, {"interrupted", p.interrupted}};
 }
 
+ordered_json streamed_to_json(const RigPlayed& p) {
+    ordered_json json{{"sent", p.sent}};
+    json.update(to_json(p));
+    return json;
+}
+
 }  // namespace haptogram::link

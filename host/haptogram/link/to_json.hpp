@@ -22,5 +22,6 @@ namespace haptogram::link {
 [[nodiscard]] nlohmann::ordered_json to_json(const RigPlayed& played);
 /// Of indices that went over the link.
 [[nodiscard]] nlohmann::ordered_json streamed_to_json(const Played& played);
+[[nodiscard]] nlohmann::ordered_json streamed_to_json(const RigPlayed& played);
 
 }  // namespace haptogram::link
