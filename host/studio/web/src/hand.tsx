@@ -92,7 +92,7 @@ function Touched({ actions, now, hand }: WithDocument) {
   const [centre, turned] = [hand.center_mm ?? touchedAt, hand.rotate_deg ?? [0, 0, 0]];
   return (
     <Panel title="Touched object">
-      <Choice label="Object" value={object} choices={[...kinds, ...(kinds.includes(object) ? [] : [object])].map((kind) => [kind, kind])} onValue={(kind) => change(now, { object: kind, unit: undefined, height_mm: undefined, size_mm: kinds.includes(object) ? hand.size_mm : undefined })} />
+      <Choice label="Kind" value={object} choices={[...kinds, ...(kinds.includes(object) ? [] : [object])].map((kind) => [kind, kind])} onValue={(kind) => change(now, { object: kind, unit: undefined, height_mm: undefined, size_mm: kinds.includes(object) ? hand.size_mm : undefined })} />
       {file && <Choice label="Unit of the file" value={hand.unit ?? "mm"} choices={[["mm", "mm"], ["cm", "cm"], ["m", "m"]]} onValue={(unit) => change(now, { unit })} />}
       {object !== "half-space" && <NumberField label={file ? "Largest extent" : "Size"} unit="mm" value={hand.size_mm ?? (file ? 0 : 100)} least={0} onValue={(size) => change(now, { size_mm: size > 0 ? size : undefined })} />}
       {file && <p class="hint">An extent of 0 leaves the size as it is.</p>}
