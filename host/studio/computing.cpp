@@ -10,7 +10,9 @@
 #include "field_request.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/instrument/analyze.hpp"
+#include "haptogram/instrument/findings.hpp"
 #include "haptogram/instrument/hand_project.hpp"
+#include "haptogram/instrument/report_page.hpp"
 #include "haptogram/instrument/slice.hpp"
 #include "haptogram/render/path_file.hpp"
 
@@ -40,12 +42,26 @@ Progress Computing::going_while(Wanted wanted) const {
 }
 
 void Computing::field(const Request& request, const Reply& reply) {
-    const FieldRequest asked = field_request(request.query, scenes_);
+    write(reply, [asked = field_request(request.query, scenes_)](const Progress& going) { return field_file(asked, going); });
+}
+
+void Computing::report(const Request& request, const Reply& reply) {
+    write(reply, [scene = scenes_.find(query_value(request.query, "scene").value_or(""))](const Progress& going) {
+        const Bundle& bundle = scene->compiled.bundle;
+        const ImageAnalysis analysis = analyze(bundle, least_felt_n, going.between(0.0, 0.5));
+        std::vector<std::string> findings;
+        for (const Finding& finding : findings_of(scene->settings, scene->compiled, analysis))
+            findings.push_back(finding.message);
+        return report_page(bundle, analysis, findings, report_picture(bundle, 1, going.between(0.5, 1.0)));
+    });
+}
+
+void Computing::write(const Reply& reply, std::function<std::string(const Progress&)> content_of) {
     // Owners differ, so that none is dropped for a newer one: each has a client who waits.
-    fields_.ask(++field_number_, [this, asked, reply] {
+    files_.ask(++file_number_, [this, reply, content_of = std::move(content_of)] {
         const Progress going([this](double, std::string_view) { return !over_; });
         std::string content;
-        const auto error = error_of([&] { content = field_file(asked, going); });
+        const auto error = error_of([&] { content = content_of(going); });
         reply(error ? error_answer(422, error->at("message"))
                     : Answer{.type = "application/octet-stream", .body = std::move(content)});
     });

@@ -177,20 +177,6 @@ void find_small(const Project& project, const Compiled& compiled, const ImageAna
     found.push_back(std::move(finding));
 }
 
-void find_loud(const ImageAnalysis& analysis, std::vector<Finding>& found) {
-    const Loudness& loud = analysis.loudness;
-    if (loud.at_300_mm_db > recommended_for_ears_db)
-        found.push_back({"loud", fmt::format("an ear 300 mm above the array would meet {:.0f} dB, and {:.0f} dB are "
-                                             "recommended as the limit; keep ears away. This is a model's number, and "
-                                             "certifies nothing",
-                                             loud.at_300_mm_db, recommended_for_ears_db)});
-    if (loud.intensity_w_m2 > safe_in_tissue_w_m2)
-        found.push_back(
-            {"intense", fmt::format("{:.3g} W/m² {:.0f} mm above the array are more than the {:.0f} W/m² that "
-                                    "are known to be safe inside tissue; skin lets 0.1 % in",
-                                    loud.intensity_w_m2, loud.highest_at_m / millimetre, safe_in_tissue_w_m2)});
-}
-
 void find_left_out(const Compiled& compiled, std::vector<Finding>& found) {
     const TouredPoints& points = compiled.points;
     if (points.clipped > 0)
@@ -238,8 +224,23 @@ std::vector<Finding> findings_of(const Project& project, const Compiled& compile
     find_uneven(project, compiled, analysis, found);
     find_side_lobes(compiled, analysis, found);
     find_lost_to_bandwidth(compiled, found);
-    find_loud(analysis, found);
+    std::ranges::move(findings_of(analysis.loudness), std::back_inserter(found));
     find_others(compiled, found);
+    return found;
+}
+
+std::vector<Finding> findings_of(const Loudness& loudness) {
+    std::vector<Finding> found;
+    if (loudness.at_300_mm_db > recommended_for_ears_db)
+        found.push_back({"loud", fmt::format("an ear 300 mm above the array would meet {:.0f} dB, and {:.0f} dB are "
+                                             "recommended as the limit; keep ears away. This is a model's number, and "
+                                             "certifies nothing",
+                                             loudness.at_300_mm_db, recommended_for_ears_db)});
+    if (loudness.intensity_w_m2 > safe_in_tissue_w_m2)
+        found.push_back(
+            {"intense", fmt::format("{:.3g} W/m² {:.0f} mm above the array are more than the {:.0f} W/m² that "
+                                    "are known to be safe inside tissue; skin lets 0.1 % in",
+                                    loudness.intensity_w_m2, loudness.highest_at_m / millimetre, safe_in_tissue_w_m2)});
     return found;
 }
 

@@ -12,7 +12,7 @@ import { Findings } from "./findings";
 import { HandReport } from "./hand";
 import { HandReader, ofAllFrames } from "./hand_reader";
 import { Latest } from "./latest";
-import type { Link, Point, Scene } from "./link";
+import { filesOfScene, type Link, type Point, type Scene } from "./link";
 import { Bar, Failed, Numbers, SliceControls, Status, TakeAway, Tools } from "./panels";
 import { moved, placed, placeOf } from "./placing";
 import { PinReader } from "./pin_reader";
@@ -263,8 +263,18 @@ export function start(link: Link): void {
       try {
         const scene = state.scene.value;
         if (!scene) return;
-        const names = { hex: "image.hex", manifest: "image.json", project: "project.toml" };
-        save(await link.take(scene.name, as), names[as]);
+        state.writing.value = true;
+        save(await link.take(scene.name, as), filesOfScene[as]);
+      } catch (error) {
+        wrong(error);
+      } finally {
+        state.writing.value = false;
+      }
+    },
+    async copyMethods() {
+      try {
+        const scene = state.scene.value;
+        if (scene) await navigator.clipboard.writeText(await (await link.take(scene.name, "methods")).text());
       } catch (error) {
         wrong(error);
       }

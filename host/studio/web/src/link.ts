@@ -290,6 +290,17 @@ const longestPause = 4000; // ms between attempts to reach the server
 const beatPause = 200; // ms between signs of life
 const stopPatience = 100; // ms until STOP also goes over HTTP
 
+/** What a scene can be taken away as, and the files' names. */
+export const filesOfScene = {
+  hex: "image.hex",
+  manifest: "image.json",
+  project: "project.toml",
+  primary: "image.primary.mem",
+  sequence: "image.sequence.mem",
+  report: "report.html",
+};
+export type FileOfScene = keyof typeof filesOfScene;
+
 export class Link {
   private socket: WebSocket | undefined;
   private pause = 250;
@@ -339,8 +350,9 @@ export class Link {
     await this.post(`/api/files?name=${encodeURIComponent(file.name)}`, file);
   }
 
-  async take(scene: string, as: "hex" | "manifest" | "project"): Promise<Blob> {
-    return await (await this.fetch(`/api/take?scene=${scene}&as=${as}`)).blob();
+  async take(scene: string, as: FileOfScene | "methods"): Promise<Blob> {
+    const address = as === "report" ? `/api/report?scene=${scene}` : `/api/take?scene=${scene}&as=${as}`;
+    return await (await this.fetch(address)).blob();
   }
 
   /** The field on a plane as a file; the query's members are those of ../../README.md. */

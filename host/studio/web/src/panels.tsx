@@ -43,6 +43,13 @@ export function TakeAway({ actions }: WithActions) {
         <button type="button" disabled={!ready} onClick={() => void actions.take("hex")}>Image (.hex)</button>
         <button type="button" disabled={!ready} onClick={() => void actions.take("manifest")}>Manifest (.json)</button>
         <button type="button" disabled={!ready} onClick={() => void actions.take("project")}>Project (.toml)</button>
+        <button type="button" disabled={!ready} onClick={() => void actions.take("primary")} title="Primary memory for Verilog's $readmemh">Records (.mem)</button>
+        <button type="button" disabled={!ready} onClick={() => void actions.take("sequence")} title="Sequence memory for Verilog's $readmemh">Sequence (.mem)</button>
+      </div>
+      <h3>For a paper</h3>
+      <div class="buttons">
+        <button type="button" disabled={!ready || state.writing.value} onClick={() => void actions.take("report")}>Report (.html)</button>
+        <button type="button" disabled={!ready} onClick={() => void actions.copyMethods()}>Copy methods text</button>
       </div>
       <h3>Field on the plane</h3>
       <NumberField label="Step" unit="mm" value={state.stepMm.value} step={0.1} least={0.05} onValue={(value) => (state.stepMm.value = value)} />

@@ -2,7 +2,7 @@
 // What the page knows, as the server told it, and what its panels can ask for.
 import { computed, signal } from "@preact/signals";
 import type { ProjectDocument } from "./document";
-import type { Analysis, Device, Drawn, Drives, Event, Failure, FrameReport, HandFrame, Hello, PinReport, Point, PulseWindow, Scene, SliceData, Studies, StudyQuestion } from "./link";
+import type { Analysis, Device, Drawn, Drives, Event, Failure, FileOfScene, FrameReport, HandFrame, Hello, PinReport, Point, PulseWindow, Scene, SliceData, Studies, StudyQuestion } from "./link";
 import type { Edges, Orientation } from "./view";
 
 /** What the handles in the view do. */
@@ -119,7 +119,9 @@ export interface Actions {
   place(orientation: Orientation, middle: Point): void;
   drop(files: File[]): Promise<void>;
   send(t: string, members?: Record<string, unknown>): void;
-  take(as: "hex" | "manifest" | "project"): Promise<void>;
+  take(as: FileOfScene): Promise<void>;
+  /** Copies the paragraph for a paper's section on methods. */
+  copyMethods(): Promise<void>;
   /** Renders the hand's frame, or all of them, and saves the path; or only looks through them. */
   renderHand(what: "frame" | "all" | "look"): Promise<void>;
   takeField(as: "png" | "csv" | "npy" | "vti"): Promise<void>;
