@@ -110,8 +110,7 @@ Subject subject_of(const RenderCommand& command) {
     subject.project.board = command.board;
     HandSource& hand = subject.project.hand.emplace();
     hand.touched = std::make_shared<const TouchObject>(open_object(object_of(command)));
-    hand.hands =
-        std::make_shared<const HandRecording>(open_hands(command.hand, command.model, command.hand_rate_hz));
+    hand.hands = std::make_shared<const HandRecording>(open_hands(command.hand, command.model, command.hand_rate_hz));
     return subject;
 }
 

@@ -82,7 +82,10 @@ void Computing::ask(const std::shared_ptr<Page>& page, const HandMessage& messag
         tell_failure(*page, message.n, [&] {
             const HandScene scene = scenes_.hand(message.document);
             const HandView view = hand_view(scene.project, scene.instrument);
-            ordered_json answer{{"t", "hand"}, {"n", message.n}, {"drawn", scene.object->name}, {"array", to_json(scene.instrument.array)}};
+            ordered_json answer{{"t", "hand"},
+                                {"n", message.n},
+                                {"drawn", scene.object->name},
+                                {"array", to_json(scene.instrument.array)}};
             answer.update(to_json(view));
             if (message.drawn != scene.object->name)
                 page->send(touched_bytes(message.n, scene.object->surface, scene.object->touched->edges));

@@ -126,9 +126,9 @@ struct BeatMessage {
 };
 
 using Message =
-    std::variant<SceneMessage, HandMessage, PathMessage, SliceMessage, DrivesMessage, AnalyzeMessage, SimulateMessage, CancelMessage,
-                 PulsesMessage, ConnectMessage, DisconnectMessage, UploadMessage, PlayMessage, StreamMessage,
-                 StudiesMessage, StudyMessage, AnswerMessage, LeaveMessage, StopMessage, BeatMessage>;
+    std::variant<SceneMessage, HandMessage, PathMessage, SliceMessage, DrivesMessage, AnalyzeMessage, SimulateMessage,
+                 CancelMessage, PulsesMessage, ConnectMessage, DisconnectMessage, UploadMessage, PlayMessage,
+                 StreamMessage, StudiesMessage, StudyMessage, AnswerMessage, LeaveMessage, StopMessage, BeatMessage>;
 
 inline constexpr std::size_t most_depth = 16;      ///< of lists and objects within each other in a message
 inline constexpr std::size_t most_members = 4000;  ///< of a message and all objects in it; a shape has ten at most
@@ -179,9 +179,9 @@ inline constexpr std::size_t most_drawn_triangles = 50'000, most_drawn_points = 
 [[nodiscard]] std::vector<std::uint8_t> touched_bytes(std::uint32_t n, const Mesh& surface,
                                                       const std::vector<Edge>& edges);
 
-/// A frame of a hand as bytes for drawing, little-endian, millimetres: a header of 64 bytes, then float32 x, y, z of the
-/// corners of the skin's triangles (three each), of line segments that can be felt and of those that are too weak (two
-/// each), and of the focal points of the pass.
+/// A frame of a hand as bytes for drawing, little-endian, millimetres: a header of 64 bytes, then float32 x, y, z of
+/// the corners of the skin's triangles (three each), of line segments that can be felt and of those that are too weak
+/// (two each), and of the focal points of the pass.
 ///
 /// | at | type | what |
 /// |----|------|------|

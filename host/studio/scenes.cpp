@@ -77,15 +77,9 @@ ordered_json to_json(const Scene& scene) {
         for (const Focus& focus : step.foci) foci.push_back(millimetres(focus.position));
     ordered_json findings = ordered_json::array();
     for (const Finding& finding : findings_of(scene.settings, c)) findings.push_back(to_json(finding));
-    return {{"name", scene.name},
-            {"array", to_json(m.array)},
-            {"foci", foci},
-            {"tour", tour_of(c.bundle)},
-            {"pass_s", 1.0 / m.rate_hz},
-            {"channels", m.core.parameters.channels},
-            {"numbers", numbers_of(c)},
-            {"image_sha256", m.image_sha256},
-            {"findings", findings}};
+    return {{"name", scene.name},        {"array", to_json(m.array)},      {"foci", foci},
+            {"tour", tour_of(c.bundle)}, {"pass_s", 1.0 / m.rate_hz},      {"channels", m.core.parameters.channels},
+            {"numbers", numbers_of(c)},  {"image_sha256", m.image_sha256}, {"findings", findings}};
 }
 
 ordered_json drives_json(const Scene& scene, std::uint32_t record) {
@@ -151,8 +145,7 @@ ordered_json Scenes::first_document() const {
 void Scenes::add_file(const std::string& name, std::string content) {
     const bool plain = std::none_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
     if (name.empty() || name.size() > 100 || name.front() == '.' || !plain || name.find('/') != std::string::npos)
-        throw bad_input("name",
-                        "a file's name has 1 to 100 bytes, no slash, and no dot in front; rename the file");
+        throw bad_input("name", "a file's name has 1 to 100 bytes, no slash, and no dot in front; rename the file");
     if (!name.ends_with(".json") && !name.ends_with(".lz") && !name.ends_with(".pose")) (void)shape_format(name);
     std::string hash = sha256(content);
     const std::lock_guard lock(mutex_);
@@ -188,8 +181,7 @@ Project Scenes::project_of(const std::string& text, std::string& identity) const
 
 const Scenes::File& Scenes::file_of(const std::string& name) const {
     const auto file = files_.find(name);
-    if (file == files_.end())
-        throw bad_input(name, "the studio does not have this file; drop it onto the page again");
+    if (file == files_.end()) throw bad_input(name, "the studio does not have this file; drop it onto the page again");
     return file->second;
 }
 
@@ -202,7 +194,8 @@ template <class What, class Open>
 std::shared_ptr<const What> Scenes::opened(Opened<What>& known, const std::string& name, const Open& open) {
     {
         const std::lock_guard lock(mutex_);
-        const auto found = std::find_if(known.begin(), known.end(), [&](const auto& each) { return each.first == name; });
+        const auto found =
+            std::find_if(known.begin(), known.end(), [&](const auto& each) { return each.first == name; });
         if (found != known.end()) {
             known.splice(known.begin(), known, found);
             return known.front().second;

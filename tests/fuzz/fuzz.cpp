@@ -166,8 +166,7 @@ void message(const std::string& content) {
     const auto* const hand = std::get_if<studio::HandMessage>(&found);
     const auto* const rendered = std::get_if<studio::PathMessage>(&found);
     if (scene == nullptr && hand == nullptr && rendered == nullptr) return;
-    const auto& document =
-        scene != nullptr ? scene->document : (hand != nullptr ? hand->document : rendered->document);
+    const auto& document = scene != nullptr ? scene->document : (hand != nullptr ? hand->document : rendered->document);
     const Project project = project_from_toml(toml_of(document), "fuzz");
     const std::string written = to_toml(project);
     require(to_toml(again([&] { return project_from_toml(written, "fuzz"); })) == written);

@@ -129,8 +129,9 @@ TEST_CASE("studio scenes: recordings and meshes of a hand are files that were se
     CHECK_THROWS_WITH(scenes.hand(document("torn.lz", "cube")), Contains("torn.lz"));
     scenes.add_file("hand.json", "{\"frames\": []}");
     CHECK_THROWS_WITH(scenes.hand(document("hand.json", "cube")), Contains("hand.json"));
-    scenes.add_file("hand.json",
-                    R"({"frames": [{"timestamp": 1, "pointables": [], "hands": [{"id": 7, "type": "right", "palmPosition": [0, 200, 0], "palmNormal": [0, -1, 0], "direction": [0, 0, -1], "palmVelocity": [0, 0, 0]}]}]})");
+    scenes.add_file(
+        "hand.json",
+        R"({"frames": [{"timestamp": 1, "pointables": [], "hands": [{"id": 7, "type": "right", "palmPosition": [0, 200, 0], "palmNormal": [0, -1, 0], "direction": [0, 0, -1], "palmVelocity": [0, 0, 0]}]}]})");
     scenes.add_file(mesh, read_file(std::filesystem::path(data) / "shapes" / mesh));
     const HandScene scene = scenes.hand(document("hand.json", mesh));
     CHECK(scene.project.hand->hands->frames.size() == 1);

@@ -98,8 +98,7 @@ TEST_CASE("hand project: the image is that of the path that is rendered, for eve
     project.hand->object.angles_deg = {0.0, 0.0, 30.0};
     const ProjectInstrument instrument = instrument_of(project);
     const Rendered rendered = render(project, instrument);
-    const Path path =
-        path_from_json(to_json_text(rendered.path, rendered.carrier_hz), "path", rendered.carrier_hz);
+    const Path path = path_from_json(to_json_text(rendered.path, rendered.carrier_hz), "path", rendered.carrier_hz);
     const auto image_of = [](auto make) -> std::string {
         try {
             return make().bundle.hex;

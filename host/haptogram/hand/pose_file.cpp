@@ -188,8 +188,7 @@ HandRecording load_hands(const std::filesystem::path& file, const std::filesyste
         throw bad_input(file.string(),
                         "the name of a recording of hands ends in .json or .lz (Leap) or .pose; rename or convert it");
     const std::filesystem::path bones = bones_file(file, model);
-    return recording_from_poses(content(file), file.string(), bones_from_json(content(bones), bones.string()),
-                                rate_hz);
+    return recording_from_poses(content(file), file.string(), bones_from_json(content(bones), bones.string()), rate_hz);
 }
 
 }  // namespace haptogram

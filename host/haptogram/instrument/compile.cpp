@@ -205,14 +205,15 @@ Path path_in_file(const Project& project, const Array& array, double carrier_hz,
     return path;
 }
 
-/// What a project's hand feels, as `haptogram render` writes it and compile reads it, so that both ways lead to the same
-/// image.
+/// What a project's hand feels, as `haptogram render` writes it and compile reads it, so that both ways lead to the
+/// same image.
 /// @param hash  gets that of the path
 Path path_of_hand(const Project& project, const ProjectInstrument& instrument, double carrier_hz, std::string& hash,
                   std::vector<std::string>& warnings, std::optional<perception::PathMagnitude>& magnitude) {
     if (!project.shapes.empty() || project.placement != Placement{} || project.clip || project.even)
-        throw bad_argument("hand", "what a hand feels has its own places; leave out shapes, scale, size, rotate, "
-                                   "center, clip and even");
+        throw bad_argument("hand",
+                           "what a hand feels has its own places; leave out shapes, scale, size, rotate, "
+                           "center, clip and even");
     Rendered rendered = render(project, instrument);
     const std::string text = to_json_text(rendered.path, rendered.carrier_hz);
     hash += sha256(text);

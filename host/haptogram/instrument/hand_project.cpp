@@ -80,9 +80,8 @@ HandView hand_view(const Project& project, const ProjectInstrument& instrument) 
     const HandSource& hand = *opened.hand;
     const std::vector<HandFrame>& frames = hand.hands->frames;
     if (!hand.frame || *hand.frame > frames.size() || *hand.frame == 0)
-        throw bad_argument("frame", hand.frame
-                                        ? fmt::format("found {}, expected 1 to {}", *hand.frame, frames.size())
-                                        : fmt::format("is missing; expected 1 to {}", frames.size()));
+        throw bad_argument("frame", hand.frame ? fmt::format("found {}, expected 1 to {}", *hand.frame, frames.size())
+                                               : fmt::format("is missing; expected 1 to {}", frames.size()));
     HandView view;
     view.frame = *hand.frame;
     view.frames = frames.size();

@@ -106,9 +106,9 @@ HandRecording open_hands(const std::string& name, const std::string& model, doub
         const char* const end = text.data() + text.size();
         const auto [next, error] = std::from_chars(begin, end, height_mm);
         if (error != std::errc() || next != end || !(height_mm > 0.0 && height_mm < 1e4))
-            throw bad_argument("hand", fmt::format("the height in mm after {} is \"{}\"; expected a positive number",
-                                                   name.substr(0, synthetic_prefix.size() + colon),
-                                                   std::string(begin, end)));
+            throw bad_argument("hand",
+                               fmt::format("the height in mm after {} is \"{}\"; expected a positive number",
+                                           name.substr(0, synthetic_prefix.size() + colon), std::string(begin, end)));
     }
     constexpr double frames_hz = 100.0;
     HandRecording recording;

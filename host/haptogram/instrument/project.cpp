@@ -77,11 +77,12 @@ HandSource read_hand(const Section& section) {
     object.height_m = length(section, "height_mm");
     if (const auto center = section.numbers("center_mm", 3))
         object.centre = from_mm((*center)[0], (*center)[1], (*center)[2]);
-    if (const auto angles = section.numbers("rotate_deg", 3)) object.angles_deg = {(*angles)[0], (*angles)[1], (*angles)[2]};
+    if (const auto angles = section.numbers("rotate_deg", 3))
+        object.angles_deg = {(*angles)[0], (*angles)[1], (*angles)[2]};
     assign(object.unit, section.text("unit", "\"mm\", \"cm\" or \"m\"", is_unit));
     assign(hand.algorithm, section.text("algorithm", "a letter from A to L", [](const std::string& text) {
-               return text.size() == 1 && text[0] >= 'A' && text[0] <= 'L';
-           }));
+        return text.size() == 1 && text[0] >= 'A' && text[0] <= 'L';
+    }));
     hand.frame = section.whole("frame", 1, 1'000'000'000);
     return hand;
 }
@@ -194,8 +195,7 @@ Project project_from_toml(std::string_view text, const std::string& where) {
     const Section whole(where, root);
     whole.only({"format",    "array",        "board", "points", "seed",  "clip",   "rate_hz",
                 "speed_m_s", "frequency_hz", "jump",  "even",   "am",    "am_law", "magnitude",
-                "quantise",  "image",        "loops", "place",  "shape", "path",
-                "hand"});
+                "quantise",  "image",        "loops", "place",  "shape", "path",   "hand"});
     const auto format = whole.required(whole.text("format"), "format", fmt::format("\"{}\"", format_name));
     if (format != format_name)
         throw whole.wrong(*whole.find("format"), "format", fmt::format("\"{}\" for this version", format_name));

@@ -124,7 +124,8 @@ void modulate(Rendered& rendered, double am_hz, const Array& array, const Render
                                              name_of(options.algorithm).letter));
     const std::string am = am_hz > 0.0 ? fmt::format("sine:{}", am_hz) : options.am;
     const AmplitudeLaw law = am_hz > 0.0 ? AmplitudeLaw::pressure : options.am_law;
-    if (!am.empty()) rendered.path.modulation = modulation_of(am, law, rendered.carrier_hz, options.am_folder).modulation;
+    if (!am.empty())
+        rendered.path.modulation = modulation_of(am, law, rendered.carrier_hz, options.am_folder).modulation;
     if (!options.magnitude) return;
     const perception::Tables tables = perception::find_tables();
     perception::CommandLattice commands(

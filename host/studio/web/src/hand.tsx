@@ -139,7 +139,7 @@ function Path({ actions, now }: Omit<WithDocument, "hand">) {
       </div>
       <pre class="command" tabIndex={0} aria-label="Commands that make these paths">{text}</pre>
       <button type="button" onClick={() => void actions.copy(text)}>Copy the paths' commands</button>
-      <p class="hint">“haptogram stream --path” plays a path of any length.</p>
+      <p class="hint">“haptogram stream --path” plays a path of any length on a board that computes foci.</p>
     </Panel>
   );
 }
