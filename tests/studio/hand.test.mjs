@@ -114,7 +114,7 @@ test("scrubbing: by slider, keys, and the lane of all frames; one gesture is one
   await lane.scrollIntoViewIfNeeded();
   const box = await lane.boundingBox();
   await page.mouse.click(box.x + 0.8 * box.width, box.y + box.height / 2);
-  await frameIs(page, 241);
+  await frameIs(page, "(239|240|241|242)"); // a pixel is more than a frame
   await picture(page, "hand-frames");
   await page.getByRole("button", { name: "Undo" }).click();
   await frameIs(page, 60);
