@@ -44,15 +44,15 @@ int make_report(const ReportOptions& options) {
 
 void add_report(CLI::App& app, Action& action) {
     auto options = std::make_shared<ReportOptions>();
-    CLI::App* sub = app.add_subcommand(
-        "report", "A page about an image, or the paragraph on it for a paper's section on methods");
+    CLI::App* sub =
+        app.add_subcommand("report", "A page about an image, or the paragraph on it for a paper's section on methods");
     sub->add_option("image", options->image, "Intel HEX image, with its manifest beside it, or a project (.toml)")
         ->required();
-    auto* output =
-        sub->add_option("-o,--output", options->output, "The page, one HTML file; - is standard output")
-            ->default_val("report.html");
+    auto* output = sub->add_option("-o,--output", options->output, "The page, one HTML file; - is standard output")
+                       ->default_val("report.html");
     auto* methods = sub->add_flag("--methods", options->methods, "Print only the paragraph")->excludes(output);
-    sub->add_flag("--no-picture", options->no_picture, "Leave out the picture of the field, which needs python3 with matplotlib")
+    sub->add_flag("--no-picture", options->no_picture,
+                  "Leave out the picture of the field, which needs python3 with matplotlib")
         ->excludes(methods);
     sub->callback([options, &action] { action = [options] { return make_report(*options); }; });
 }

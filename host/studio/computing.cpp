@@ -42,7 +42,8 @@ Progress Computing::going_while(Wanted wanted) const {
 }
 
 void Computing::field(const Request& request, const Reply& reply) {
-    write(reply, [asked = field_request(request.query, scenes_)](const Progress& going) { return field_file(asked, going); });
+    write(reply,
+          [asked = field_request(request.query, scenes_)](const Progress& going) { return field_file(asked, going); });
 }
 
 void Computing::report(const Request& request, const Reply& reply) {

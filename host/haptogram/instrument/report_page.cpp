@@ -19,13 +19,12 @@ namespace {
 /// "28" or "12 to 40".
 template <class Value>
 std::string range(Value least, Value most, const char* unit) {
-    return least == most ? fmt::format("{:.4g} {}", static_cast<double>(least), unit)
-                         : fmt::format("{:.4g} to {:.4g} {}", static_cast<double>(least), static_cast<double>(most), unit);
+    return least == most
+               ? fmt::format("{:.4g} {}", static_cast<double>(least), unit)
+               : fmt::format("{:.4g} to {:.4g} {}", static_cast<double>(least), static_cast<double>(most), unit);
 }
 
-std::string periods(std::uint32_t count) {
-    return fmt::format("{} carrier period{}", count, count == 1 ? "" : "s");
-}
+std::string periods(std::uint32_t count) { return fmt::format("{} carrier period{}", count, count == 1 ? "" : "s"); }
 
 struct Dwells {
     std::uint32_t least = 0, most = 0;  // carrier periods
@@ -182,10 +181,10 @@ std::string methods_text(const Bundle& bundle) {
         "to 90 %.",
         1e6 * manifest.formation.formation_s, 1e6 * manifest.formation.with_ring_up_s());
     if (manifest.modulation)
-        text += fmt::format(
-            " The board multiplied all amplitudes by {} samples of {} each, over and over ({:.4g} Hz).",
-            manifest.modulation->samples.size(), periods(manifest.modulation->divider),
-            1e6 / (period_us * static_cast<double>(manifest.modulation->samples.size() * manifest.modulation->divider)));
+        text += fmt::format(" The board multiplied all amplitudes by {} samples of {} each, over and over ({:.4g} Hz).",
+                            manifest.modulation->samples.size(), periods(manifest.modulation->divider),
+                            1e6 / (period_us * static_cast<double>(manifest.modulation->samples.size() *
+                                                                   manifest.modulation->divider)));
     text += fmt::format(
         " The image was compiled by Haptogram {} for {} with {} channels at {:.4g} MHz (SHA-256 of the image {}, of "
         "what it was made of {}).",
@@ -198,7 +197,8 @@ std::string report_page(const Bundle& bundle, const ImageAnalysis& analysis, con
                         const std::string& picture) {
     const std::string name = escaped(bundle.name);
     std::string html = fmt::format(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Report on {0}</title>\n{1}</head><body>\n"
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Report on "
+        "{0}</title>\n{1}</head><body>\n"
         "<h1>Report on {0}</h1>\n<h2>For a section on methods</h2>\n<p>{2}</p>\n<h2>What to know</h2>\n",
         name, style, escaped(methods_text(bundle)));
     if (findings.empty()) {
@@ -218,7 +218,8 @@ std::string report_page(const Bundle& bundle, const ImageAnalysis& analysis, con
             "src=\"data:image/png;base64,{}\">\n",
             base64(picture));
     html += fmt::format(
-        "<h2>Foci</h2>\n<p>Computed, not measured: what a model of the array makes of the image.</p>\n{}</body></html>\n",
+        "<h2>Foci</h2>\n<p>Computed, not measured: what a model of the array makes of the "
+        "image.</p>\n{}</body></html>\n",
         table_of(analysis));
     return html;
 }
