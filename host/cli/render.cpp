@@ -10,6 +10,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/instrument/compile.hpp"
+#include "haptogram/instrument/hand_project.hpp"
 #include "haptogram/instrument/source.hpp"
 #include "haptogram/render/path_file.hpp"
 #include "progress_line.hpp"
@@ -36,6 +37,7 @@ struct RenderCommand {
     double gap_mm = 10.0;
     TouchOptions touch;
     std::vector<std::string> outputs;
+    std::vector<std::string> given;  ///< names of the options on the command line
 };
 
 RenderOptions options_of(const RenderCommand& command) {
@@ -69,24 +71,47 @@ ObjectSource object_of(const RenderCommand& command) {
     return source;
 }
 
-ordered_json to_json(const FrameReport& f) {
-    ordered_json json = {{"frame", f.frame},
-                         {"time_s", f.time_s},
-                         {"hands", f.hands},
-                         {"lines", f.lines},
-                         {"foci", f.foci},
-                         {"length_mm", f.length_m / millimetre},
-                         {"draw_hz", f.draw_hz},
-                         {"focus_pa", f.focus_pa},
-                         {"width_mm", f.width_m / millimetre},
-                         {"strength_pa", f.strength_pa},
-                         {"tilt", f.tilt},
-                         {"weak", f.weak},
-                         {"out_of_reach", f.out_of_reach},
-                         {"lines_missed", f.lines_missed},
-                         {"compute_ms", f.compute_s * 1e3}};
-    if (!f.why.empty()) json["why"] = f.why;
-    return json;
+/// What is rendered, and on what.
+struct Subject {
+    Project project;
+    RenderOptions options;
+};
+
+/// The project file's settings. A frame, an array or a board on the command line take the place of the file's.
+Subject subject_in_file(const RenderCommand& command) {
+    for (const std::string& name : command.given)
+        if (name != "object" && name != "--frame" && name != "--array" && name != "--board" && name != "--report" &&
+            name != "--json" && name != "--output")
+            throw bad_argument(name, fmt::format("is a setting of the project file {}; change it there, or name the "
+                                                 "object and --hand instead of the project",
+                                                 command.object));
+    Subject subject{load_project(command.object), {}};
+    Project& project = subject.project;
+    if (!project.hand)
+        throw bad_input(command.object, "it has no [hand] that feels an object; 'haptogram compile' takes it as it is");
+    if (command.frame) project.hand->frame = command.frame;
+    // Relative names in the file start from its folder, and those on the command line do not.
+    const auto from_here = [](const std::string& name) {
+        return name.ends_with(".toml") ? std::filesystem::absolute(name).string() : name;
+    };
+    if (command.array) project.array = from_here(*command.array);
+    if (command.board) project.board = from_here(*command.board);
+    open_hand(project);
+    subject.options = render_options(project);
+    return subject;
+}
+
+Subject subject_of(const RenderCommand& command) {
+    if (is_project(command.object)) return subject_in_file(command);
+    if (command.hand.empty())
+        throw bad_argument("hand", "is missing; name a recording of hands, or a script such as synthetic:slide");
+    Subject subject{{}, options_of(command)};
+    subject.project.array = command.array;
+    subject.project.board = command.board;
+    HandSource& hand = subject.project.hand.emplace();
+    hand.touched = std::make_shared<const TouchObject>(open_object(object_of(command)));
+    hand.hands = std::make_shared<const HandRecording>(open_hands(command.hand, command.model, command.hand_rate_hz));
+    return subject;
 }
 
 void print_frames(const std::vector<FrameReport>& frames) {
@@ -102,7 +127,7 @@ int render(const RenderCommand& command) {
     std::string path, picture;
     std::vector<NamedPath> inputs, outputs;
     if (!command.object.empty()) inputs.push_back({"the object", command.object});
-    inputs.push_back({"--hand", command.hand});
+    if (!command.hand.empty()) inputs.push_back({"--hand", command.hand});
     for (const std::string& output : command.outputs) {
         std::string& place = output.ends_with(".png") ? picture : path;
         if (output != "-" && !output.ends_with(".png") && !output.ends_with(".json"))
@@ -116,13 +141,11 @@ int render(const RenderCommand& command) {
     require_distinct(inputs, outputs);
     if (path == "-" && (command.report || command.json))
         throw bad_argument("output", "the path would go to standard output with the report; give it a file");
-    const RenderOptions options = options_of(command);
-    const TouchObject object = open_object(object_of(command));
-    const HandRecording hands = open_hands(command.hand, command.model, command.hand_rate_hz);
-    Project project;
-    project.array = command.array;
-    project.board = command.board;
-    const ProjectInstrument instrument = instrument_of(project);
+    const Subject subject = subject_of(command);
+    const RenderOptions& options = subject.options;
+    const TouchObject& object = *subject.project.hand->touched;
+    const HandRecording& hands = *subject.project.hand->hands;
+    const ProjectInstrument instrument = instrument_of(subject.project);
     const double carrier_hz = choose_timer(instrument.array, instrument.core).carrier_hz();
     Rendered rendered;
     {
@@ -196,12 +219,13 @@ void add_render(CLI::App& app, Action& action) {
         "Let recorded or synthetic hands feel a solid object: a path for compile, a report for each frame, a picture");
     sub->add_option(
            "object", options->object,
-           fmt::format("{}, or a mesh file (PLY, OBJ, STL) of a closed surface", fmt::join(object_kinds(), ", ")))
+           fmt::format("{}, or a mesh file (PLY, OBJ, STL) of a closed surface; or a project file (.toml) with a "
+                       "[hand], which has all settings but --frame, --array and --board",
+                       fmt::join(object_kinds(), ", ")))
         ->required();
     sub->add_option("--hand", options->hand,
                     "A Leap recording (.json, .lz), poses (.pose), or synthetic:press, slide, grasp or wave, with "
-                    ":HEIGHT of the palm in mm behind it if it is not 200")
-        ->required();
+                    ":HEIGHT of the palm in mm behind it if it is not 200");
     sub->add_option("--hand-model", options->model, "Bones of a .pose file (default: model_hand.json beside it)");
     sub->add_option("--hand-rate", options->hand_rate_hz, "Frames a second of a .pose file")
         ->check(positive())
@@ -291,7 +315,11 @@ void add_render(CLI::App& app, Action& action) {
     sub->add_flag("--json", options->json, "Print as JSON");
     sub->add_option("-o,--output", options->outputs,
                     "The path as .json (- is standard output), or a .png picture; may be repeated");
-    sub->callback([options, &action] { action = [options] { return render(*options); }; });
+    sub->callback([sub, options, &action] {
+        for (const CLI::Option* option : sub->get_options())
+            if (option->count() > 0) options->given.push_back(option->get_name());
+        action = [options] { return render(*options); };
+    });
 }
 
 }  // namespace haptogram::cli

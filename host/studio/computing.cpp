@@ -10,7 +10,11 @@
 #include "field_request.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/instrument/analyze.hpp"
+#include "haptogram/instrument/findings.hpp"
+#include "haptogram/instrument/hand_project.hpp"
+#include "haptogram/instrument/report_page.hpp"
 #include "haptogram/instrument/slice.hpp"
+#include "haptogram/render/path_file.hpp"
 
 namespace haptogram::studio {
 namespace {
@@ -38,12 +42,27 @@ Progress Computing::going_while(Wanted wanted) const {
 }
 
 void Computing::field(const Request& request, const Reply& reply) {
-    const FieldRequest asked = field_request(request.query, scenes_);
+    write(reply,
+          [asked = field_request(request.query, scenes_)](const Progress& going) { return field_file(asked, going); });
+}
+
+void Computing::report(const Request& request, const Reply& reply) {
+    write(reply, [scene = scenes_.find(query_value(request.query, "scene").value_or(""))](const Progress& going) {
+        const Bundle& bundle = scene->compiled.bundle;
+        const ImageAnalysis analysis = analyze(bundle, least_felt_n, going.between(0.0, 0.5));
+        std::vector<std::string> findings;
+        for (const Finding& finding : findings_of(scene->settings, scene->compiled, analysis))
+            findings.push_back(finding.message);
+        return report_page(bundle, analysis, findings, report_picture(bundle, 1, going.between(0.5, 1.0)));
+    });
+}
+
+void Computing::write(const Reply& reply, std::function<std::string(const Progress&)> content_of) {
     // Owners differ, so that none is dropped for a newer one: each has a client who waits.
-    fields_.ask(++field_number_, [this, asked, reply] {
+    files_.ask(++file_number_, [this, reply, content_of = std::move(content_of)] {
         const Progress going([this](double, std::string_view) { return !over_; });
         std::string content;
-        const auto error = error_of([&] { content = field_file(asked, going); });
+        const auto error = error_of([&] { content = content_of(going); });
         reply(error ? error_answer(422, error->at("message"))
                     : Answer{.type = "application/octet-stream", .body = std::move(content)});
     });
@@ -55,6 +74,46 @@ void Computing::ask(const std::shared_ptr<Page>& page, const SceneMessage& messa
             const Made made = scenes_.compile(message.document);
             page->send(to_text({{"t", "scene"}, {"n", message.n}, {"scene", to_json(*made.scene)}}));
             page->send(shape_bytes(message.n, made.shape));
+        });
+    });
+}
+
+void Computing::ask(const std::shared_ptr<Page>& page, const HandMessage& message) {
+    hands_.ask(page->number(), [this, page, message] {
+        tell_failure(*page, message.n, [&] {
+            const HandScene scene = scenes_.hand(message.document);
+            const HandView view = hand_view(scene.project, scene.instrument);
+            ordered_json answer{{"t", "hand"},
+                                {"n", message.n},
+                                {"drawn", scene.object->name},
+                                {"array", to_json(scene.instrument.array)}};
+            answer.update(to_json(view));
+            if (message.drawn != scene.object->name)
+                page->send(touched_bytes(message.n, scene.object->surface, scene.object->touched->edges));
+            page->send(hand_bytes(message.n, view));
+            page->send(to_text(answer));
+        });
+    });
+}
+
+void Computing::ask(const std::shared_ptr<Page>& page, const PathMessage& message) {
+    Wanted& rendering = askers_[page->number()].rendering;
+    *rendering = false;
+    rendering = std::make_shared<std::atomic<bool>>(true);
+    renderers_.ask(page->number(), [this, page, wanted = rendering, message] {
+        tell_failure(*page, message.n, [&] {
+            if (!*wanted) return;
+            unless_cancelled([&] {
+                const HandScene scene = scenes_.hand(message.document);
+                const Rendered rendered = render(scene.project, scene.instrument, going_while(wanted));
+                ordered_json frames = ordered_json::array();
+                for (const FrameReport& report : rendered.frames) frames.push_back(to_json(report));
+                page->send(to_text({{"t", "path"},
+                                    {"n", message.n},
+                                    {"text", to_json_text(rendered.path, rendered.carrier_hz)},
+                                    {"frames", frames},
+                                    {"warnings", rendered.warnings}}));
+            });
         });
     });
 }
@@ -138,11 +197,13 @@ void Computing::ask(const std::shared_ptr<Page>& page, const PulsesMessage& mess
 void Computing::forget(const Page& page) {
     for (std::uint32_t view = 0; view < most_views; ++view) slices_.forget(most_views * page.number() + view);
     compilers_.forget(page.number());
+    hands_.forget(page.number());
+    renderers_.forget(page.number());
     analyses_.forget(page.number());
     simulations_.forget(page.number());
     const auto asker = askers_.find(page.number());
     if (asker == askers_.end()) return;
-    *asker->second.analyzing = *asker->second.simulating = false;
+    *asker->second.analyzing = *asker->second.simulating = *asker->second.rendering = false;
     askers_.erase(asker);
 }
 

@@ -26,8 +26,13 @@ public:
     /// The field on a plane as a file.
     /// @throws Error when the request makes no sense
     void field(const Request& request, const Reply& reply);
+    /// The report on a scene, one HTML file.
+    /// @throws Error when there is no such scene
+    void report(const Request& request, const Reply& reply);
 
     void ask(const std::shared_ptr<Page>& page, const SceneMessage& message);
+    void ask(const std::shared_ptr<Page>& page, const HandMessage& message);
+    void ask(const std::shared_ptr<Page>& page, const PathMessage& message);
     void ask(const std::shared_ptr<Page>& page, const SliceMessage& message);
     void ask(const std::shared_ptr<Page>& page, const DrivesMessage& message);
     void ask(const std::shared_ptr<Page>& page, const AnalyzeMessage& message);
@@ -45,17 +50,21 @@ private:
     struct Asker {
         Wanted analyzing = std::make_shared<std::atomic<bool>>(false);
         Wanted simulating = std::make_shared<std::atomic<bool>>(false);
+        Wanted rendering = std::make_shared<std::atomic<bool>>(false);
         std::shared_ptr<const Pins> pins{};  ///< what was simulated last
     };
 
     [[nodiscard]] Progress going_while(Wanted wanted) const;
+    /// Answers with a file that takes a while.
+    void write(const Reply& reply, std::function<std::string(const Progress&)> content_of);
 
     Scenes& scenes_;
     std::function<void(std::function<void()>)> post_;
     std::map<std::uint64_t, Asker> askers_;  // by their page's number, from their first such message on
     std::atomic<bool> over_ = false;
-    std::uint64_t field_number_ = 0;
-    Worker slices_, compilers_, fields_, analyses_, simulations_;  // last, so that they end before what they use
+    std::uint64_t file_number_ = 0;
+    // Last, so that they end before what they use.
+    Worker slices_, compilers_, hands_, renderers_, files_, analyses_, simulations_;
 };
 
 }  // namespace haptogram::studio

@@ -158,6 +158,26 @@ std::vector<std::array<std::uint32_t, 3>> drawn(const Mesh& mesh, std::size_t mo
     return triangles;
 }
 
+void append_bytes(std::vector<std::uint8_t>& bytes, const std::vector<float>& values) {
+    const auto* const begin = reinterpret_cast<const std::uint8_t*>(values.data());
+    bytes.insert(bytes.end(), begin, begin + sizeof(float) * values.size());
+}
+
+/// @param corners  of triangles, segments, points
+std::vector<std::uint8_t> drawn_bytes(std::uint32_t n, const std::array<std::vector<float>, 3>& corners,
+                                      std::size_t triangles, std::size_t points) {
+    std::vector<std::uint8_t> bytes(64);
+    std::memcpy(bytes.data(), "HOB1", 4);
+    put(bytes, 4, n);
+    put(bytes, 8, static_cast<std::uint32_t>(corners[0].size() / 9));
+    put(bytes, 12, static_cast<std::uint32_t>(corners[1].size() / 6));
+    put(bytes, 16, static_cast<std::uint32_t>(corners[2].size() / 3));
+    put(bytes, 20, static_cast<std::uint32_t>(triangles));
+    put(bytes, 24, static_cast<std::uint32_t>(points));
+    for (const std::vector<float>& each : corners) append_bytes(bytes, each);
+    return bytes;
+}
+
 /// Every so many-th of `count`, so that at most `most` are taken.
 std::size_t stride(std::size_t count, std::size_t most) { return std::max<std::size_t>(1, (count + most - 1) / most); }
 
@@ -178,6 +198,14 @@ Message read_message(std::string_view text) {
     if (type == "scene") {
         members.only({"n", "document"});
         return SceneMessage{members.whole("n"), members.object("document")};
+    }
+    if (type == "hand") {
+        members.only({"n", "document", "drawn"});
+        return HandMessage{members.whole("n"), members.object("document"), members.short_text("drawn", longest_name)};
+    }
+    if (type == "path") {
+        members.only({"n", "document"});
+        return PathMessage{members.whole("n"), members.object("document")};
     }
     if (type == "slice") {
         members.only({"n", "scene", "origin", "u", "v", "width", "height", "record", "view"});
@@ -314,19 +342,52 @@ std::vector<std::uint8_t> shape_bytes(std::uint32_t n, const Shape& shape) {
                 append(corners[2], cloud.points[i]);
         }
     }
+    return drawn_bytes(n, corners, triangles, points);
+}
+
+std::vector<std::uint8_t> touched_bytes(std::uint32_t n, const Mesh& surface, const std::vector<Edge>& edges) {
+    std::array<std::vector<float>, 3> corners;
+    for (const auto& triangle : drawn(surface, most_drawn_triangles))
+        for (const std::uint32_t corner : triangle) append(corners[0], surface.vertices[corner]);
+    for (const Edge& edge : edges)
+        for (std::size_t i = 0; i + 1 < edge.size(); ++i)
+            for (const Vec3& end : {edge[i], edge[i + 1]}) append(corners[1], end);
+    return drawn_bytes(n, corners, surface.triangles.size(), 0);
+}
+
+std::vector<std::uint8_t> hand_bytes(std::uint32_t n, const HandView& view) {
+    std::array<std::vector<float>, 4> corners;  // of the skin, felt and weak segments, foci
+    for (const auto& triangle : view.skin)
+        for (const Vec3& corner : triangle) append(corners[0], corner);
+    for (const auto& segment : view.strong)
+        for (const Vec3& end : segment) append(corners[1], end);
+    for (const auto& segment : view.weak)
+        for (const Vec3& end : segment) append(corners[2], end);
+    for (const Vec3& focus : view.foci) append(corners[3], focus);
     std::vector<std::uint8_t> bytes(64);
-    std::memcpy(bytes.data(), "HOB1", 4);
+    std::memcpy(bytes.data(), "HHA1", 4);
     put(bytes, 4, n);
-    put(bytes, 8, static_cast<std::uint32_t>(corners[0].size() / 9));
-    put(bytes, 12, static_cast<std::uint32_t>(corners[1].size() / 6));
-    put(bytes, 16, static_cast<std::uint32_t>(corners[2].size() / 3));
-    put(bytes, 20, static_cast<std::uint32_t>(triangles));
-    put(bytes, 24, static_cast<std::uint32_t>(points));
-    for (const std::vector<float>& each : corners) {
-        const auto* const begin = reinterpret_cast<const std::uint8_t*>(each.data());
-        bytes.insert(bytes.end(), begin, begin + sizeof(float) * each.size());
-    }
+    put(bytes, 8, static_cast<std::uint32_t>(view.skin.size()));
+    put(bytes, 12, static_cast<std::uint32_t>(view.strong.size()));
+    put(bytes, 16, static_cast<std::uint32_t>(view.weak.size()));
+    put(bytes, 20, static_cast<std::uint32_t>(view.foci.size()));
+    for (const std::vector<float>& each : corners) append_bytes(bytes, each);
     return bytes;
+}
+
+ordered_json to_json(const HandView& view) {
+    ordered_json lines = ordered_json::array();
+    for (const SkinLine& line : view.lines)
+        lines.push_back({{"kind", name_of(line.kind)}, {"length_mm", length_of(line) / millimetre}});
+    return {{"frame", view.frame},
+            {"frames", view.frames},
+            {"time_s", view.time_s},
+            {"end_s", view.end_s},
+            {"pass_s", view.pass_s},
+            {"lines", lines},
+            {"report", view.report ? to_json(*view.report) : ordered_json()},
+            {"warnings", view.warnings},
+            {"nothing", view.nothing ? to_json(*view.nothing) : ordered_json()}};
 }
 
 }  // namespace haptogram::studio

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/hand/object.hpp"
+#include "haptogram/instrument/hand_project.hpp"
 #include "haptogram/instrument/slice.hpp"
 #include "haptogram/shape/shape.hpp"
 
@@ -18,6 +20,17 @@ namespace haptogram::studio {
 struct SceneMessage {
     std::uint32_t n = 0;
     nlohmann::ordered_json document;  ///< haptogram/instrument/document.hpp
+};
+/// Show one frame of the hand that a project has, and what it feels.
+struct HandMessage {
+    std::uint32_t n = 0;
+    nlohmann::ordered_json document;
+    std::string drawn;  ///< what the page has drawn of the object, as an answer called it; "": nothing
+};
+/// Render the hand that a project has: its frame, or, without one, all of them.
+struct PathMessage {
+    std::uint32_t n = 0;
+    nlohmann::ordered_json document;
 };
 /// Compute a slice of a scene's field.
 struct SliceMessage {
@@ -113,9 +126,9 @@ struct BeatMessage {
 };
 
 using Message =
-    std::variant<SceneMessage, SliceMessage, DrivesMessage, AnalyzeMessage, SimulateMessage, CancelMessage,
-                 PulsesMessage, ConnectMessage, DisconnectMessage, UploadMessage, PlayMessage, StreamMessage,
-                 StudiesMessage, StudyMessage, AnswerMessage, LeaveMessage, StopMessage, BeatMessage>;
+    std::variant<SceneMessage, HandMessage, PathMessage, SliceMessage, DrivesMessage, AnalyzeMessage, SimulateMessage,
+                 CancelMessage, PulsesMessage, ConnectMessage, DisconnectMessage, UploadMessage, PlayMessage,
+                 StreamMessage, StudiesMessage, StudyMessage, AnswerMessage, LeaveMessage, StopMessage, BeatMessage>;
 
 inline constexpr std::size_t most_depth = 16;      ///< of lists and objects within each other in a message
 inline constexpr std::size_t most_members = 4000;  ///< of a message and all objects in it; a shape has ten at most
@@ -161,5 +174,25 @@ inline constexpr std::size_t most_drawn_triangles = 50'000, most_drawn_points = 
 /// | 8, 12, 16 | u32 | triangles, line segments, points that follow |
 /// | 20, 24 | u32 | triangles and points that the shape has |
 [[nodiscard]] std::vector<std::uint8_t> shape_bytes(std::uint32_t n, const Shape& shape);
+
+/// The same of an object that a hand feels: its surface, and its edges as line segments.
+[[nodiscard]] std::vector<std::uint8_t> touched_bytes(std::uint32_t n, const Mesh& surface,
+                                                      const std::vector<Edge>& edges);
+
+/// A frame of a hand as bytes for drawing, little-endian, millimetres: a header of 64 bytes, then float32 x, y, z of
+/// the corners of the skin's triangles (three each), of line segments that can be felt and of those that are too weak
+/// (two each), and of the focal points of the pass.
+///
+/// | at | type | what |
+/// |----|------|------|
+/// | 0  | u8[4] | "HHA1" |
+/// | 4  | u32 | number of the request |
+/// | 8, 12, 16, 20 | u32 | triangles, felt segments, weak segments, focal points that follow |
+[[nodiscard]] std::vector<std::uint8_t> hand_bytes(std::uint32_t n, const HandView& view);
+
+/// The same in numbers: {"frame", "frames", "time_s", "end_s", "pass_s", "lines": [{"kind", "length_mm"}], "report",
+/// "warnings", "nothing"}. `report` is null when the frame has no lines, and `nothing`, else null, is the error that
+/// says why.
+[[nodiscard]] nlohmann::ordered_json to_json(const HandView& view);
 
 }  // namespace haptogram::studio

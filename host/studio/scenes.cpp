@@ -63,25 +63,23 @@ ordered_json tour_of(const Bundle& bundle) {
 
 }  // namespace
 
+ordered_json to_json(const Array& array) {
+    ordered_json elements = ordered_json::array();
+    for (const Element& element : array.elements) elements.push_back(millimetres(element.position));
+    return {{"name", array.name}, {"radius_mm", array.transducer.radius_m / millimetre}, {"elements", elements}};
+}
+
 ordered_json to_json(const Scene& scene) {
     const Compiled& c = scene.compiled;
     const Manifest& m = c.bundle.manifest;
-    ordered_json elements = ordered_json::array(), foci = ordered_json::array();
-    for (const Element& element : m.array.elements) elements.push_back(millimetres(element.position));
+    ordered_json foci = ordered_json::array();
     for (const PathStep& step : c.path.steps)
         for (const Focus& focus : step.foci) foci.push_back(millimetres(focus.position));
     ordered_json findings = ordered_json::array();
     for (const Finding& finding : findings_of(scene.settings, c)) findings.push_back(to_json(finding));
-    return {{"name", scene.name},
-            {"array",
-             {{"name", m.array.name}, {"radius_mm", m.array.transducer.radius_m / millimetre}, {"elements", elements}}},
-            {"foci", foci},
-            {"tour", tour_of(c.bundle)},
-            {"pass_s", 1.0 / m.rate_hz},
-            {"channels", m.core.parameters.channels},
-            {"numbers", numbers_of(c)},
-            {"image_sha256", m.image_sha256},
-            {"findings", findings}};
+    return {{"name", scene.name},        {"array", to_json(m.array)},      {"foci", foci},
+            {"tour", tour_of(c.bundle)}, {"pass_s", 1.0 / m.rate_hz},      {"channels", m.core.parameters.channels},
+            {"numbers", numbers_of(c)},  {"image_sha256", m.image_sha256}, {"findings", findings}};
 }
 
 ordered_json drives_json(const Scene& scene, std::uint32_t record) {
@@ -120,9 +118,16 @@ void Scenes::open(const std::filesystem::path& path) {
     const std::string text = read_file(path);
     Project project = project_from_toml(text, path.string());
     project.folder = path.parent_path();
-    std::map<std::string, std::string> files;
+    std::map<std::string, File> files;
+    const auto keep = [&](const std::string& file) {
+        std::string content = read_file(project.folder / file);
+        std::string hash = sha256(content);
+        files[file] = {std::move(content), std::move(hash)};
+    };
     for (const ShapeSource& source : project.shapes)
-        if (!source.file.empty()) files[source.file] = read_file(project.folder / source.file);
+        if (!source.file.empty()) keep(source.file);
+    if (project.hand)
+        for (const std::string& file : files_of(*project.hand)) keep(file);
     ordered_json document = document_of(text, path.string());
     const std::lock_guard lock(mutex_);
     files_.merge(files);
@@ -140,17 +145,17 @@ ordered_json Scenes::first_document() const {
 void Scenes::add_file(const std::string& name, std::string content) {
     const bool plain = std::none_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
     if (name.empty() || name.size() > 100 || name.front() == '.' || !plain || name.find('/') != std::string::npos)
-        throw bad_input("name",
-                        "a shape file's name has 1 to 100 bytes, no slash, and no dot in front; rename the file");
-    (void)shape_format(name);
+        throw bad_input("name", "a file's name has 1 to 100 bytes, no slash, and no dot in front; rename the file");
+    if (!name.ends_with(".json") && !name.ends_with(".lz") && !name.ends_with(".pose")) (void)shape_format(name);
+    std::string hash = sha256(content);
     const std::lock_guard lock(mutex_);
     std::size_t total = content.size();
-    for (const auto& [other, kept] : files_) total += other == name ? 0 : kept.size();
+    for (const auto& [other, kept] : files_) total += other == name ? 0 : kept.content.size();
     if (total > most_file_bytes)
         throw bad_input(name, fmt::format("all files together would have {} bytes, and the studio keeps {}; start it "
                                           "again",
                                           total, most_file_bytes));
-    files_[name] = std::move(content);
+    files_[name] = {std::move(content), std::move(hash)};
 }
 
 Project Scenes::project_of(const std::string& text, std::string& identity) const {
@@ -167,18 +172,81 @@ Project Scenes::project_of(const std::string& text, std::string& identity) const
     identity = text;
     for (ShapeSource& source : project.shapes) {
         if (source.file.empty()) continue;
-        const auto file = files_.find(source.file);
-        if (file == files_.end())
-            throw bad_input(source.file, "the studio does not have this file; drop it onto the page again");
-        source.content = file->second;
-        identity += sha256(file->second);
+        const File& file = file_of(source.file);
+        source.content = file.content;
+        identity += file.hash;
     }
     return project;
+}
+
+const Scenes::File& Scenes::file_of(const std::string& name) const {
+    const auto file = files_.find(name);
+    if (file == files_.end()) throw bad_input(name, "the studio does not have this file; drop it onto the page again");
+    return file->second;
+}
+
+std::string Scenes::hash_of(const std::string& name) const {
+    const std::lock_guard lock(mutex_);
+    return file_of(name).hash;
+}
+
+template <class What, class Open>
+std::shared_ptr<const What> Scenes::opened(Opened<What>& known, const std::string& name, const Open& open) {
+    {
+        const std::lock_guard lock(mutex_);
+        const auto found =
+            std::find_if(known.begin(), known.end(), [&](const auto& each) { return each.first == name; });
+        if (found != known.end()) {
+            known.splice(known.begin(), known, found);
+            return known.front().second;
+        }
+    }
+    // Not under the lock: it may take long. Two that open the same at once each make it, and one of them is kept.
+    auto made = std::make_shared<const What>(open());
+    const std::lock_guard lock(mutex_);
+    std::erase_if(known, [&](const auto& each) { return each.first == name; });
+    known.emplace_front(name, made);
+    if (known.size() > most_opened) known.pop_back();
+    return made;
+}
+
+/// @param identity  gets the hashes of its files
+std::shared_ptr<const DrawnObject> Scenes::open_hand(Project& project, std::string& identity) {
+    HandSource& hand = *project.hand;
+    std::string hashes;
+    for (const std::string& file : files_of(hand)) hashes += hash_of(file);
+    identity += hashes;
+    const FileReader read = [this](const std::filesystem::path& file) {
+        const std::lock_guard lock(mutex_);
+        return file_of(file.string()).content;
+    };
+    hand.hands = opened(hands_, fmt::format("{} {} {} {}", hand.recording, hand.model, hand.rate_hz, hashes),
+                        [&] { return open_hands(hand.recording, hand.model, hand.rate_hz, read); });
+    Project alone;  // so that its text is of the object alone
+    alone.hand.emplace().object = hand.object;
+    const std::string name =
+        sha256(to_toml(alone) + (names_mesh(hand.object) ? hash_of(hand.object.name) : "")).substr(0, 28);
+    auto object = opened(objects_, name, [&] {
+        return DrawnObject{name, std::make_shared<const TouchObject>(open_object(hand.object, read)),
+                           surface_of(hand.object, read)};
+    });
+    hand.touched = object->touched;
+    return object;
+}
+
+HandScene Scenes::hand(const ordered_json& document) {
+    std::string identity;
+    HandScene scene{project_of(toml_of(document), identity), {}, {}};
+    if (!scene.project.hand) throw bad_input("hand", "the project has none; add a [hand]");
+    scene.object = open_hand(scene.project, identity);
+    scene.instrument = instrument_of(scene.project);
+    return scene;
 }
 
 Made Scenes::compile(const ordered_json& document) {
     std::string identity;
     Project project = project_of(toml_of(document), identity);
+    if (project.hand) (void)open_hand(project, identity);
     const std::string name = sha256(identity).substr(0, 28);
     std::shared_ptr<const Scene> found;
     {
@@ -195,6 +263,10 @@ Made Scenes::compile(const ordered_json& document) {
     Excitation excitation = excitation_of(compiled.bundle);
     Project named = project;
     for (ShapeSource& source : named.shapes) source.content.reset();
+    if (named.hand) {
+        named.hand->hands.reset();
+        named.hand->touched.reset();
+    }
     // A complex amplitude of √2 Pa is a mean square of 1 Pa².
     const double skin = radiation_pressure(std::sqrt(2.0), compiled.bundle.manifest.array.medium);
     const std::string text = to_toml(named);

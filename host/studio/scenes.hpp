@@ -12,6 +12,7 @@
 #include "haptogram/analysis/excitation.hpp"
 #include "haptogram/instrument/compile.hpp"
 #include "haptogram/instrument/findings.hpp"
+#include "haptogram/instrument/hand_project.hpp"
 
 namespace haptogram::studio {
 
@@ -30,6 +31,23 @@ struct Made {
     std::shared_ptr<const Scene> scene;
     Shape shape;
 };
+
+/// An object that hands touch, and how it is drawn.
+struct DrawnObject {
+    std::string name;  ///< a hash of its settings and its file
+    std::shared_ptr<const TouchObject> touched;
+    Mesh surface;
+};
+
+/// A document's hand, with recording and object opened.
+struct HandScene {
+    Project project;
+    ProjectInstrument instrument;
+    std::shared_ptr<const DrawnObject> object;
+};
+
+/// An array for drawing, millimetres: {"name", "radius_mm", "elements"}.
+[[nodiscard]] nlohmann::ordered_json to_json(const Array& array);
 
 /// What a scene is in numbers, millimetres and seconds, for the page.
 [[nodiscard]] nlohmann::ordered_json to_json(const Scene& scene);
@@ -50,6 +68,7 @@ class Scenes {
 public:
     static constexpr std::size_t most_file_bytes = 512 * 1024 * 1024;  ///< of all files together
     static constexpr std::size_t most_scenes = 16;
+    static constexpr std::size_t most_opened = 4;  ///< recordings, and objects that they touch
 
     /// Reads a project's shape files, so that the page can refer to them by the names that the project has for them.
     /// @throws Error as load_project() and read_file()
@@ -58,22 +77,38 @@ public:
     [[nodiscard]] nlohmann::ordered_json first_document() const;
 
     /// Keeps a file under a name, in place of an older one of that name.
-    /// @throws Error{bad_input} for a name that no shape file of a project can have, or when all files are too large
+    /// @throws Error{bad_input} for a name that no file of shapes or of hands can have, or when all files are too large
     void add_file(const std::string& name, std::string content);
 
     /// Compiles a document, unless it is one of the scenes already.
     /// @throws Error naming what is wrong with the document; a shape file must have been sent, or be the project's, and
     /// an array or a board must be shipped, or be the project's: a page cannot name other files of this machine
     Made compile(const nlohmann::ordered_json& document);
+    /// Opens what a document's hand names, unless it is open already.
+    /// @throws Error as compile()
+    HandScene hand(const nlohmann::ordered_json& document);
     /// A scene that is asked for is kept as if it was compiled just now.
     /// @throws Error{bad_argument} when there is no such scene
     [[nodiscard]] std::shared_ptr<const Scene> find(const std::string& name);
 
 private:
+    struct File {
+        std::string content, hash;
+    };
+    template <class What>
+    using Opened = std::list<std::pair<std::string, std::shared_ptr<const What>>>;  // the one used last in front
+
     [[nodiscard]] Project project_of(const std::string& text, std::string& identity) const;
+    [[nodiscard]] const File& file_of(const std::string& name) const;
+    [[nodiscard]] std::string hash_of(const std::string& name) const;
+    std::shared_ptr<const DrawnObject> open_hand(Project& project, std::string& identity);
+    template <class What, class Open>
+    std::shared_ptr<const What> opened(Opened<What>& known, const std::string& name, const Open& open);
 
     mutable std::mutex mutex_;
-    std::map<std::string, std::string> files_;
+    std::map<std::string, File> files_;
+    Opened<HandRecording> hands_;
+    Opened<DrawnObject> objects_;
     nlohmann::ordered_json first_;
     Project opened_;
     std::list<std::shared_ptr<const Scene>> scenes_;  // the one used last in front

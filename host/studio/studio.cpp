@@ -13,8 +13,11 @@
 #include "failure.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/shipped.hpp"
+#include "haptogram/hand/object.hpp"
+#include "haptogram/instrument/report_page.hpp"
 #include "haptogram/link/port.hpp"
 #include "haptogram/link/to_json.hpp"
+#include "haptogram/render/touch.hpp"
 #include "haptogram/shape/primitives.hpp"
 #include "http.hpp"
 #include "messages.hpp"
@@ -75,6 +78,8 @@ private:
     void answer(Request request, const Reply& reply) {
         if (request.path == "/api/field")
             computing_.field(request, reply);
+        else if (request.path == "/api/report")
+            computing_.report(request, reply);
         else
             reply(answer_at_once(std::move(request)));
     }
@@ -102,11 +107,16 @@ private:
 
     ordered_json hello() const {
         ordered_json ports = link::to_json(link::available_ports());
+        ordered_json algorithms = ordered_json::array();
+        for (const AlgorithmName& each : algorithm_names())
+            algorithms.push_back({{"letter", std::string(1, each.letter)}, {"about", each.about}});
         return {{"version", version()},
                 {"project", name_},
                 {"document", scenes_.first_document()},
                 {"primitives", primitive_kinds()},
                 {"arrays", shipped_arrays()},
+                {"touched", object_kinds()},
+                {"algorithms", algorithms},
                 {"ports", ports},
                 {"most_file_bytes", most_body_bytes}};
     }
@@ -115,10 +125,17 @@ private:
     Answer take_away(const Request& request) {
         const auto scene = scenes_.find(query_value(request.query, "scene").value_or(""));
         const std::string as = query_value(request.query, "as").value_or("");
-        if (as == "hex") return {.type = "text/plain; charset=utf-8", .body = scene->compiled.bundle.hex};
         if (as == "manifest") return {.body = to_text(scene->compiled.bundle.manifest)};
-        if (as == "project") return {.type = "text/plain; charset=utf-8", .body = scene->project};
-        return error_answer(400, fmt::format("as '{}'; expected hex, manifest or project", as));
+        const auto text = [](std::string body) -> Answer {
+            return {.type = "text/plain; charset=utf-8", .body = std::move(body)};
+        };
+        if (as == "hex") return text(scene->compiled.bundle.hex);
+        if (as == "project") return text(scene->project);
+        if (as == "primary") return text(primary_readmemh(scene->compiled.bundle.image));
+        if (as == "sequence") return text(sequence_readmemh(scene->compiled.bundle.image));
+        if (as == "methods") return text(methods_text(scene->compiled.bundle));
+        return error_answer(400,
+                            fmt::format("as '{}'; expected hex, manifest, project, primary, sequence or methods", as));
     }
 
     // Pages.

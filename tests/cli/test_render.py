@@ -82,6 +82,38 @@ def test_a_recording_keeps_its_time_and_says_what_each_frame_is(tmp_path):
     assert any("ms a frame" in line for line in lines[-4:])
 
 
+def test_a_project_is_rendered_as_the_options_do_and_compiled_as_its_path(tmp_path):
+    (tmp_path / "hand.json").write_text(json.dumps(LEAP))
+    (tmp_path / "p.toml").write_text("""format = "haptogram-project-1"
+points = 24
+frequency_hz = 100
+seed = 3
+
+[hand]
+recording = "hand.json"
+object = "pyramid"
+size_mm = 61.5
+height_mm = 40
+center_mm = [1.25, -2, 151]
+rotate_deg = [10, 20, 30]
+algorithm = "H"
+frame = 1
+""")
+    _, _, project = rendered(tmp_path, "p.toml")
+    _, _, options = rendered(tmp_path, "pyramid", "--hand", "hand.json", "--size", 61.5, "--height", 40, "--center=1.25,-2,151", "--rotate",
+                             "10,20,30", "--algorithm", "H", "--frame", 1, "--points", 24, "--frequency", 100, "--seed", 3)  # fmt: skip
+    assert project == options
+    succeed(["compile", "--path", "path.json", "-o", "image.hex"], cwd=tmp_path)
+    succeed(["compile", "p.toml", "-o", "project.hex"], cwd=tmp_path)
+    assert (tmp_path / "image.hex").read_bytes() == (tmp_path / "project.hex").read_bytes()
+    refuse(tmp_path, ["render", "p.toml", "--speed", 3], USAGE, "--speed", "project file")
+    refuse(tmp_path, ["render", "p.toml", "--frame", 3], USAGE, "--frame", "expected 1 to 2")
+    refuse(tmp_path, ["render", "sphere"], USAGE, "--hand", "missing")
+    refuse(tmp_path, ["compile", "p.toml", "--clip"], USAGE, "clip")
+    (tmp_path / "shape.toml").write_text('format = "haptogram-project-1"\n[[shape]]\nkind = "circle"\n')
+    refuse(tmp_path, ["render", "shape.toml"], BAD_INPUT, r"no \[hand\]")
+
+
 def test_a_lost_hand_is_silence(tmp_path):
     (tmp_path / "hand.json").write_text(json.dumps(LEAP))
     report, where, _ = rendered(tmp_path, "sphere", "--hand", "hand.json", "--center", "0,0,150")

@@ -163,8 +163,11 @@ void message(const std::string& content) {
     if (const auto* const answer = std::get_if<studio::AnswerMessage>(&found))
         require(nlohmann::json::accept(nlohmann::json(answer->text).dump()));
     const auto* const scene = std::get_if<studio::SceneMessage>(&found);
-    if (scene == nullptr) return;
-    const Project project = project_from_toml(toml_of(scene->document), "fuzz");
+    const auto* const hand = std::get_if<studio::HandMessage>(&found);
+    const auto* const rendered = std::get_if<studio::PathMessage>(&found);
+    if (scene == nullptr && hand == nullptr && rendered == nullptr) return;
+    const auto& document = scene != nullptr ? scene->document : (hand != nullptr ? hand->document : rendered->document);
+    const Project project = project_from_toml(toml_of(document), "fuzz");
     const std::string written = to_toml(project);
     require(to_toml(again([&] { return project_from_toml(written, "fuzz"); })) == written);
     const std::string as_document = toml_of(again([&] { return document_of(written, "fuzz"); }));

@@ -19,8 +19,8 @@ constexpr int period = PARAMETER_PERIOD_CLOCKS;
 struct Tile {
     Bench<Vsync_tile_bench> bench;
     double clock_length = 1.0, next = 0.0;
-    int place = 0;       // clock of the cycle
-    int length = 0;      // clocks since the cycle began
+    int place = 0;        // clock of the cycle
+    int length = 0;       // clocks since the cycle began
     double begun = -1e9;  // when that was
 
     void reset(int role, double ppm) {

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
-import { accessible, drop, folder, hasValue, openPage, picture, run, settled, shapes, slices, startBrowser, startStudio, takeAway } from "./support.mjs";
+import { accessible, drop, eventually, folder, hasValue, openPage, picture, run, settled, shapes, slices, startBrowser, startStudio, takeAway } from "./support.mjs";
 
 /** Numbers of a request over a WebSocket of the test's own, with the page's token. */
 const askSlice = (page, message) =>
@@ -230,6 +230,28 @@ test("what is taken away is what the command line makes", async (t) => {
   await run("compile", join(where, "project.toml"), "-o", join(where, "image.hex"));
   assert.deepEqual(hex, readFileSync(join(where, "image.hex")));
   assert.deepEqual(manifest, readFileSync(join(where, "image.json")));
+  await run("compile", join(where, "project.toml"), "-o", join(where, "again.hex"), "--readmemh", join(where, "again"));
+  assert.deepEqual(await takeAway(page, "Records (.mem)"), readFileSync(join(where, "again.primary.mem")));
+  assert.deepEqual(await takeAway(page, "Sequence (.mem)"), readFileSync(join(where, "again.sequence.mem")));
+  const methods = await run("report", join(where, "image.hex"), "--methods");
+  await page.context().grantPermissions(["clipboard-read", "clipboard-write"]);
+  await page.getByRole("button", { name: "Copy methods text" }).click();
+  const copied = () => page.evaluate(() => navigator.clipboard.readText());
+  await eventually(async () => (await copied()).startsWith("The stimulus"));
+  assert.equal((await copied()) + "\n", methods);
+  // The report is a page of its own: it has all foci and a picture, and asks for nothing.
+  writeFileSync(join(where, "report.html"), await takeAway(page, "Report"));
+  const report = await page.context().newPage();
+  const asked = [];
+  report.on("request", (request) => asked.push(request.url()));
+  await report.goto(`file://${join(where, "report.html")}`);
+  assert.equal(await report.locator("p").first().innerText(), methods.trim());
+  assert.equal(await report.locator("table.foci tbody tr").count(), 50);
+  assert.ok((await report.locator("img").evaluate((image) => image.naturalWidth)) > 300);
+  assert.deepEqual(asked.filter((url) => !url.startsWith("file:") && !url.startsWith("data:")), []);
+  await accessible(report);
+  await picture(report, "report");
+  await report.close();
   // And a studio that is started with that project makes them, too.
   const second = await startStudio(t, join(where, "project.toml"));
   const again = await openPage(t, await startBrowser(t), second);

@@ -102,6 +102,8 @@ test("files are kept by name, and taken away as they are", async (t) => {
   }
   assert.equal((await ask(studio, "/api/files", { method: "POST", headers })).status, 400);
   assert.equal((await ask(studio, "/api/take?scene=none&as=hex", { headers })).status, 422);
+  assert.equal((await ask(studio, "/api/report?scene=none", { headers })).status, 422);
+  assert.equal((await ask(studio, "/api/report?scene=none")).status, 401);
 });
 
 test("Ctrl-C ends the server, and a port that is taken is said", async (t) => {

@@ -53,6 +53,10 @@ TEST_CASE("studio messages: every kind is read, lengths become metres") {
     CHECK(pulses.periods == 2);
     const auto scene = std::get<SceneMessage>(read_message(R"({"t":"scene","n":1,"document":{"points":9}})"));
     CHECK(scene.document["points"] == 9);
+    const auto hand = std::get<HandMessage>(read_message(R"({"t":"hand","n":2,"document":{"points":9},"drawn":"a"})"));
+    CHECK(hand.document["points"] == 9);
+    CHECK(hand.drawn == "a");
+    CHECK(std::get<PathMessage>(read_message(R"({"t":"path","n":3,"document":{"points":9}})")).document["points"] == 9);
     CHECK(std::get<ConnectMessage>(read_message(R"({"t":"connect","n":1,"port":"virtual","scene":"s"})")).port ==
           "virtual");
     CHECK(std::get<DisconnectMessage>(read_message(R"({"t":"disconnect","n":2})")).n == 2);
@@ -107,6 +111,10 @@ TEST_CASE("studio messages: bad ones are refused by name") {
          "'view' is 4"},
         {R"({"t":"drives","n":1,"scene":"s"})", "'record' is missing"},
         {R"({"t":"pulses","n":1,"index":1})", "'periods' is missing"},
+        {R"({"t":"hand","n":1,"document":{}})", "'drawn' is missing"},
+        {R"({"t":"hand","n":1,"document":{},"drawn":"\u0000"})", "'drawn' has 1 bytes, some of control"},
+        {R"({"t":"path","n":1,"document":{},"drawn":""})", "unknown member 'drawn'"},
+        {R"({"t":"path","n":1,"document":3})", "'document' is missing or not an object"},
     };
     for (const auto& [text, message] : wrong) {
         INFO(text);
@@ -254,6 +262,48 @@ TEST_CASE("studio messages: the bytes of an object") {
     CHECK(at<float>(bytes, segments + 4 * 3) == Approx(1.0));                // the end of the first segment
     CHECK(at<float>(bytes, segments + 4 * (199 * 6 + 3)) == Approx(200.0));  // and of the last
     CHECK(at<float>(bytes, bytes.size() - 4) == Approx(3.0));
+}
+
+TEST_CASE("studio messages: the bytes and the numbers of a hand's frame") {
+    HandView view;
+    view.frame = 3;
+    view.frames = 9;
+    view.skin = {{Vec3{0.001, 0.002, 0.003}, {}, {}}, {Vec3{}, {}, {}}};
+    view.strong = {{Vec3{0.004, 0.0, 0.0}, {}}};
+    view.weak = {{Vec3{0.005, 0.0, 0.0}, {}}, {Vec3{}, {}}, {Vec3{}, {}}};
+    view.foci = {{0.006, 0.0, 0.0}, {0.0, 0.0, 0.007}};
+    const auto bytes = hand_bytes(77, view);
+    CHECK(std::string(bytes.begin(), bytes.begin() + 4) == "HHA1");
+    CHECK(at<std::uint32_t>(bytes, 4) == 77);
+    const std::array<std::uint32_t, 4> counts{2, 1, 3, 2};
+    for (std::size_t i = 0; i < 4; ++i) CHECK(at<std::uint32_t>(bytes, 8 + 4 * i) == counts[i]);
+    REQUIRE(bytes.size() == 64 + 4 * (2 * 9 + 1 * 6 + 3 * 6 + 2 * 3));
+    CHECK(at<float>(bytes, 64 + 4) == Approx(2.0F));
+    CHECK(at<float>(bytes, 64 + 4 * 18) == Approx(4.0F));
+    CHECK(at<float>(bytes, 64 + 4 * 24) == Approx(5.0F));
+    CHECK(at<float>(bytes, 64 + 4 * 42) == Approx(6.0F));
+    CHECK(at<float>(bytes, 64 + 4 * 47) == Approx(7.0F));
+    CHECK(to_json(view)["report"].is_null());
+    CHECK(to_json(view)["nothing"].is_null());
+    view.nothing = bad_input("hand", "too far");
+    CHECK(to_json(view)["nothing"]["message"] == "too far");
+    view.report = FrameReport{};
+    view.report->strength_pa = 2.5;
+    CHECK(to_json(view)["report"]["strength_pa"] == 2.5);
+    CHECK(to_json(view)["frames"] == 9);
+}
+
+TEST_CASE("studio messages: the bytes of an object that a hand feels: its surface and its edges") {
+    const Mesh mesh{{{0.0, 0.0, 0.001}, {0.002, 0.0, 0.0}, {0.0, 0.003, 0.0}}, {{0, 1, 2}}};
+    const auto bytes = touched_bytes(5, mesh, {{{0.0, 0.0, 0.0}, {0.004, 0.0, 0.0}, {0.0, 0.005, 0.0}}});
+    CHECK(std::string(bytes.begin(), bytes.begin() + 4) == "HOB1");
+    CHECK(at<std::uint32_t>(bytes, 8) == 1);
+    CHECK(at<std::uint32_t>(bytes, 12) == 2);
+    CHECK(at<std::uint32_t>(bytes, 16) == 0);
+    REQUIRE(bytes.size() == 64 + 4 * (9 + 12));
+    CHECK(at<float>(bytes, 64 + 8) == Approx(1.0F));
+    CHECK(at<float>(bytes, 64 + 4 * 12) == Approx(4.0F));
+    CHECK(at<float>(bytes, 64 + 4 * 19) == Approx(5.0F));
 }
 
 TEST_CASE("studio messages: a large object is drawn coarser, without holes, and the header says so") {

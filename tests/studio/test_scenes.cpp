@@ -94,6 +94,51 @@ TEST_CASE("studio scenes: objects have places of their own, and the whole has on
     CHECK(extent().extent().x == Approx(0.075));
 }
 
+TEST_CASE("studio scenes: a hand is what its project file makes, and is opened once") {
+    const ordered_json document{{"format", "haptogram-project-1"},
+                                {"points", 30},
+                                {"hand", {{"recording", "synthetic:press"}, {"object", "cone"}, {"frame", 20}}}};
+    Scenes scenes;
+    const HandScene first = scenes.hand(document), again = scenes.hand(document);
+    CHECK(first.object == again.object);
+    CHECK(first.project.hand->hands == again.project.hand->hands);
+    CHECK(first.object->surface.triangles.size() > 1000);
+    const auto scene = scenes.compile(document).scene;
+    CHECK(scene->compiled.bundle.hex == compile(project_from_toml(toml_of(document), "direct")).bundle.hex);
+    CHECK(compile(project_from_toml(scene->project, "taken away")).bundle.hex == scene->compiled.bundle.hex);
+    CHECK(to_json(*scene)["foci"].size() == 30);
+    ordered_json other = document;
+    other["hand"]["size_mm"] = 50;
+    CHECK(scenes.hand(other).object->name != first.object->name);
+    CHECK_THROWS_WITH(scenes.hand(document_of(circle, "circle")), Contains("no") && Contains("[hand]"));
+}
+
+TEST_CASE("studio scenes: recordings and meshes of a hand are files that were sent, by any name, and no others") {
+    const std::string mesh = "trimesh_binary.stl";
+    const auto document = [](const std::string& recording, const std::string& object) {
+        return ordered_json{{"format", "haptogram-project-1"},
+                            {"hand", {{"recording", recording}, {"object", object}, {"frame", 1}}}};
+    };
+    Scenes scenes;
+    for (const char* name : {"/etc/passwd.json", "../secret.lz", "a.pose", "synthetic", ""})
+        CHECK_THROWS_WITH(scenes.hand(document(name, "cube")), Contains("does not have this file"));
+    for (const char* name : {"/etc/passwd.stl", "trimesh_binary.stl"})
+        CHECK_THROWS_WITH(scenes.hand(document("synthetic:press", name)), Contains("does not have this file"));
+    CHECK_THROWS_WITH(scenes.hand(document("synthetic:press", "torus")), Contains("found \"torus\""));
+    scenes.add_file("torn.lz", "N4Ig");
+    CHECK_THROWS_WITH(scenes.hand(document("torn.lz", "cube")), Contains("torn.lz"));
+    scenes.add_file("hand.json", "{\"frames\": []}");
+    CHECK_THROWS_WITH(scenes.hand(document("hand.json", "cube")), Contains("hand.json"));
+    scenes.add_file(
+        "hand.json",
+        R"({"frames": [{"timestamp": 1, "pointables": [], "hands": [{"id": 7, "type": "right", "palmPosition": [0, 200, 0], "palmNormal": [0, -1, 0], "direction": [0, 0, -1], "palmVelocity": [0, 0, 0]}]}]})");
+    scenes.add_file(mesh, read_file(std::filesystem::path(data) / "shapes" / mesh));
+    const HandScene scene = scenes.hand(document("hand.json", mesh));
+    CHECK(scene.project.hand->hands->frames.size() == 1);
+    CHECK(scene.object->surface.triangles.size() > 0);
+    CHECK_THROWS_WITH(scenes.add_file("hand.png", "x"), Contains("hand.png"));
+}
+
 TEST_CASE("studio scenes: what plays when, and the drives of each record") {
     Scenes scenes;
     const auto scene = scenes.compile(document_of(circle, "circle")).scene;
@@ -206,7 +251,7 @@ TEST_CASE("studio scenes: names of files") {
          {std::string(), std::string("../a.ply"), std::string("/a.ply"), std::string(".a.ply"), std::string("a\nb.ply"),
           std::string("a\0b.ply", 7), std::string(97, 'a') + ".ply"}) {
         INFO(wrong);
-        CHECK_THROWS_WITH(scenes.add_file(wrong, "x"), Contains("shape file's name"));
+        CHECK_THROWS_WITH(scenes.add_file(wrong, "x"), Contains("a file's name"));
     }
     CHECK_THROWS_AS(scenes.add_file("a.exe", "x"), Error);
 }

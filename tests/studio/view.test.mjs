@@ -6,7 +6,7 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { delimiter, dirname, join } from "node:path";
 import { test } from "node:test";
 import { promisify } from "node:util";
-import { accessible, boardSays, eventually, folder, hasValue, openPage, picture, program, run, settled, slices, startBrowser, startStudio, takeAway } from "./support.mjs";
+import { accessible, boardSays, drawnAt, eventually, folder, hasValue, middle, openPage, picture, pixels, program, run, settled, slices, startBrowser, startStudio, takeAway } from "./support.mjs";
 
 const field = (page, label) => page.getByLabel(label, { exact: true });
 async function fill(page, label, value) {
@@ -25,25 +25,6 @@ async function colourAt(page, x, y) {
     context.drawImage(image, 0, 0);
     return [...context.getImageData(0, 0, 1, 1).data].slice(0, 3);
   }, shot);
-}
-
-/** Where the middle of the view is, in pixels of the page. */
-async function middle(page) {
-  const box = await page.locator("#view canvas").boundingBox();
-  return { x: box.x + box.width / 2, y: box.y + box.height / 2, box };
-}
-
-/** Where a point in millimetres is drawn by the view's first camera: its place, its target and its angle are those of view.ts. */
-function drawnAt([x, y, z], { x: middleX, y: middleY, box }) {
-  const [eye, target, up] = [[260, -400, 340], [0, 0, 75], [0, 0, 1]];
-  const minus = (a, b) => a.map((each, i) => each - b[i]);
-  const dot = (a, b) => a.reduce((sum, each, i) => sum + each * b[i], 0);
-  const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-  const unit = (a) => a.map((each) => each / Math.sqrt(dot(a, a)));
-  const forward = unit(minus(target, eye)), right = unit(cross(forward, up)), above = cross(right, forward);
-  const from = minus([x, y, z], eye);
-  const size = box.height / 2 / Math.tan((19 * Math.PI) / 180) / dot(from, forward);
-  return { x: middleX + size * dot(from, right), y: middleY - size * dot(from, above) };
 }
 
 test("colours, ranges and units ask for no new slice, and what is above the top is marked", async (t) => {
@@ -290,19 +271,6 @@ test("the slider below the view moves the focus on the board", async (t) => {
   await page.locator(".scrubber", { hasText: "2 of 8" }).waitFor();
   assert.match(await page.locator("#board").innerText(), /outputs off/);
 });
-
-/** The pixels of the view, as red, green and blue, one after the other. */
-async function pixels(page) {
-  const shot = (await page.locator("#view canvas").screenshot()).toString("base64");
-  return page.evaluate(async (base64) => {
-    const image = new Image();
-    image.src = `data:image/png;base64,${base64}`;
-    await image.decode();
-    const context = Object.assign(document.createElement("canvas"), { width: image.width, height: image.height }).getContext("2d");
-    context.drawImage(image, 0, 0);
-    return [...context.getImageData(0, 0, image.width, image.height).data].filter((_, i) => i % 4 !== 3);
-  }, shot);
-}
 
 test("the surface around the focal points: drawn, wider further below, of the object where it is now, and gone again", async (t) => {
   const studio = await startStudio(t);

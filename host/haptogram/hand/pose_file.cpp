@@ -175,15 +175,20 @@ HandRecording recording_from_poses(std::string_view text, const std::string& whe
     return recording;
 }
 
-HandRecording load_hands(const std::filesystem::path& file, const std::filesystem::path& model, double rate_hz) {
+std::filesystem::path bones_file(const std::filesystem::path& file, const std::filesystem::path& model) {
+    return model.empty() ? file.parent_path() / "model_hand.json" : model;
+}
+
+HandRecording load_hands(const std::filesystem::path& file, const std::filesystem::path& model, double rate_hz,
+                         const FileReader& read) {
+    const auto content = [&](const std::filesystem::path& path) { return read ? read(path) : read_file(path); };
     const std::string ending = file.extension().string();
-    if (ending == ".json" || ending == ".lz") return load_leap(file);
+    if (ending == ".json" || ending == ".lz") return recording_from_leap(content(file), file.string());
     if (ending != ".pose")
         throw bad_input(file.string(),
                         "the name of a recording of hands ends in .json or .lz (Leap) or .pose; rename or convert it");
-    const std::filesystem::path bones = model.empty() ? file.parent_path() / "model_hand.json" : model;
-    return recording_from_poses(read_file(file), file.string(), bones_from_json(read_file(bones), bones.string()),
-                                rate_hz);
+    const std::filesystem::path bones = bones_file(file, model);
+    return recording_from_poses(content(file), file.string(), bones_from_json(content(bones), bones.string()), rate_hz);
 }
 
 }  // namespace haptogram

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -36,11 +37,18 @@ struct HandBones {
 [[nodiscard]] HandRecording recording_from_poses(std::string_view text, const std::string& where,
                                                  const HandBones& bones, double rate_hz);
 
+/// The file with a .pose file's bones: the model, or, when it is empty, model_hand.json beside it.
+[[nodiscard]] std::filesystem::path bones_file(const std::filesystem::path& file, const std::filesystem::path& model);
+
+/// How the content of a file is got: from the disk, unless somebody has it in memory.
+using FileReader = std::function<std::string(const std::filesystem::path&)>;
+
 /// Reads a recording; its ending tells the format: .pose, or .json and .lz as leap.hpp reads them.
 /// @param model    of .pose, the file of its bones; empty: model_hand.json beside it
 /// @param rate_hz  of .pose
+/// @param read     gets the contents; by default read_file()
 /// @throws Error{bad_input} also for another ending
 [[nodiscard]] HandRecording load_hands(const std::filesystem::path& file, const std::filesystem::path& model = {},
-                                       double rate_hz = 60.0);
+                                       double rate_hz = 60.0, const FileReader& read = {});
 
 }  // namespace haptogram

@@ -14,6 +14,7 @@
 #include "haptogram/base/file.hpp"
 #include "haptogram/boards/board.hpp"
 #include "haptogram/instrument/focus_image.hpp"
+#include "haptogram/instrument/hand_project.hpp"
 #include "haptogram/render/adaptics.hpp"
 #include "haptogram/render/path_file.hpp"
 #include "haptogram/render/reach.hpp"
@@ -76,6 +77,11 @@ std::string settings_text(Project project) {
         if (!source.file.empty()) source.file = "file";
     }
     if (!project.path.empty()) project.path = "file";
+    if (project.hand) {
+        if (!project.hand->recording.starts_with(synthetic_prefix)) project.hand->recording = "file";
+        if (!is_built_in(project.hand->object)) project.hand->object.name = "file";
+        project.hand->model.clear();
+    }
     project.array.reset();
     project.board.reset();
     // Written apart, because a project file cannot hold the largest seeds.
@@ -196,6 +202,25 @@ Path path_in_file(const Project& project, const Array& array, double carrier_hz,
                            "frequency are for shapes");
     Path path = load_path(project.folder / project.path, carrier_hz, project.points, &hash);
     require_reachable(path, array);
+    return path;
+}
+
+/// What a project's hand feels, as `haptogram render` writes it and compile reads it, so that both ways lead to the
+/// same image.
+/// @param hash  gets that of the path
+Path path_of_hand(const Project& project, const ProjectInstrument& instrument, double carrier_hz, std::string& hash,
+                  std::vector<std::string>& warnings, std::optional<perception::PathMagnitude>& magnitude) {
+    if (!project.shapes.empty() || project.placement != Placement{} || project.clip || project.even)
+        throw bad_argument("hand",
+                           "what a hand feels has its own places; leave out shapes, scale, size, rotate, "
+                           "center, clip and even");
+    Rendered rendered = render(project, instrument);
+    const std::string text = to_json_text(rendered.path, rendered.carrier_hz);
+    hash += sha256(text);
+    warnings = std::move(rendered.warnings);
+    magnitude = rendered.magnitude;
+    Path path = path_from_json(text, "what the hand feels", carrier_hz);
+    require_reachable(path, instrument.array);
     return path;
 }
 
@@ -427,6 +452,18 @@ Compiled compile_on(const ProjectInstrument& instrument, const Project& project,
         progress(1.0, "focusing");
         return compiled;
     }
+    if (project.hand) {
+        std::vector<std::string> warnings;
+        std::optional<perception::PathMagnitude> magnitude;
+        Path path = path_of_hand(project, instrument, timer.carrier_hz(), hashes, warnings, magnitude);
+        progress(0.8, "focusing");
+        Compiled compiled = compile_path(std::move(path), instrument, project.loops, name,
+                                         settings_text(project) + hashes, Method::gauss_newton, project.quantise, kind);
+        compiled.magnitude = magnitude;
+        compiled.warnings.insert(compiled.warnings.begin(), warnings.begin(), warnings.end());
+        progress(1.0, "focusing");
+        return compiled;
+    }
     Shape shape = place(gather(project, hashes), placement(project));
     progress(0.3, "sampling");
     const interface::CoreParameters& core = instrument.core.parameters;
@@ -530,7 +567,7 @@ ProjectInstrument instrument_of(const Project& project) {
 }
 
 Shape shape_of(const Project& project) {
-    if (!project.path.empty()) return {};
+    if (!project.is_of_shapes()) return {};
     std::string hashes;
     return place(gather(project, hashes), placement(project));
 }

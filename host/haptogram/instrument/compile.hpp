@@ -60,7 +60,8 @@ struct ProjectInstrument {
 /// @throws Error{bad_input} for files that cannot be read, or an array that is too large for the board
 [[nodiscard]] ProjectInstrument instrument_of(const Project& project);
 
-/// The union of a project's shapes at its place in the array frame, metres: what compile() samples. Empty for a path.
+/// The union of a project's shapes at its place in the array frame, metres: what compile() samples. Empty for a path,
+/// and for a hand.
 /// @throws Error naming what is wrong with the shapes or their placement
 [[nodiscard]] Shape shape_of(const Project& project);
 

@@ -18,7 +18,7 @@ bool modulated(const Compiled& compiled) {
 
 /// Points of a shape that are visited so many times a second, whose number is free to choose.
 bool is_visited_at_rate(const Project& project) {
-    return project.path.empty() && !project.pace.speed_m_s && !project.pace.frequency_hz && !project.even &&
+    return project.is_of_shapes() && !project.pace.speed_m_s && !project.pace.frequency_hz && !project.even &&
            project.am.empty();
 }
 
@@ -137,7 +137,7 @@ void find_uneven(const Project& project, const Compiled& compiled, const ImageAn
                                 100.0 * least / most),
                     records_that(compiled.bundle.manifest, analysis,
                                  [&](const PointAnalysis& p) { return strength(p) < least_even_share * most; })};
-    if (project.path.empty() && !project.even)
+    if (project.is_of_shapes() && !project.even)
         finding.remedies.push_back({"Give the weak ones more time", {{"even", true}}});
     found.push_back(std::move(finding));
 }
@@ -168,27 +168,13 @@ void find_small(const Project& project, const Compiled& compiled, const ImageAna
                     fmt::format("the focal points span {:.3g} mm, and one focus is {:.3g} mm wide; all will feel "
                                 "like one point",
                                 extent / millimetre, width / millimetre)};
-    if (project.path.empty()) {
+    if (project.is_of_shapes()) {
         // The focal points span a little less than the object that they are sampled from.
         const double size_mm = std::ceil(2.0 * least_widths * width / millimetre);
         finding.remedies.push_back(
             {fmt::format("Make it {:g} mm large", size_mm), {{"place", {{"size_mm", size_mm}}}}});
     }
     found.push_back(std::move(finding));
-}
-
-void find_loud(const ImageAnalysis& analysis, std::vector<Finding>& found) {
-    const Loudness& loud = analysis.loudness;
-    if (loud.at_300_mm_db > recommended_for_ears_db)
-        found.push_back({"loud", fmt::format("an ear 300 mm above the array would meet {:.0f} dB, and {:.0f} dB are "
-                                             "recommended as the limit; keep ears away. This is a model's number, and "
-                                             "certifies nothing",
-                                             loud.at_300_mm_db, recommended_for_ears_db)});
-    if (loud.intensity_w_m2 > safe_in_tissue_w_m2)
-        found.push_back(
-            {"intense", fmt::format("{:.3g} W/m² {:.0f} mm above the array are more than the {:.0f} W/m² that "
-                                    "are known to be safe inside tissue; skin lets 0.1 % in",
-                                    loud.intensity_w_m2, loud.highest_at_m / millimetre, safe_in_tissue_w_m2)});
 }
 
 void find_left_out(const Compiled& compiled, std::vector<Finding>& found) {
@@ -238,8 +224,23 @@ std::vector<Finding> findings_of(const Project& project, const Compiled& compile
     find_uneven(project, compiled, analysis, found);
     find_side_lobes(compiled, analysis, found);
     find_lost_to_bandwidth(compiled, found);
-    find_loud(analysis, found);
+    std::ranges::move(findings_of(analysis.loudness), std::back_inserter(found));
     find_others(compiled, found);
+    return found;
+}
+
+std::vector<Finding> findings_of(const Loudness& loudness) {
+    std::vector<Finding> found;
+    if (loudness.at_300_mm_db > recommended_for_ears_db)
+        found.push_back({"loud", fmt::format("an ear 300 mm above the array would meet {:.0f} dB, and {:.0f} dB are "
+                                             "recommended as the limit; keep ears away. This is a model's number, and "
+                                             "certifies nothing",
+                                             loudness.at_300_mm_db, recommended_for_ears_db)});
+    if (loudness.intensity_w_m2 > safe_in_tissue_w_m2)
+        found.push_back(
+            {"intense", fmt::format("{:.3g} W/m² {:.0f} mm above the array are more than the {:.0f} W/m² that "
+                                    "are known to be safe inside tissue; skin lets 0.1 % in",
+                                    loudness.intensity_w_m2, loudness.highest_at_m / millimetre, safe_in_tissue_w_m2)});
     return found;
 }
 

@@ -51,13 +51,19 @@ inline constexpr double least_widths = 2.0;
 /// | kind | rule |
 /// |------|------|
 /// | `weak`      | less force in the focus than a palm is known to feel |
-/// | `uneven`    | some points have less than half of the strongest one's radiation pressure, weighted by their dwells
-/// | | `side-lobe` | more than half of the focus's radiation pressure stands beside it | | `small`     | the foci lie
-/// within two widths of a focus, so that their shape is not felt | | `loud`      | more than the level that is
-/// recommended for ears, at 300 mm; a model, and no certificate | | `intense`   | more intensity than is known to be
-/// safe inside tissue |
+/// | `uneven`    | some points have less than half of the strongest one's pressure on skin, weighted by their dwells |
+/// | `side-lobe` | more than half of the focus's radiation pressure stands beside it |
+/// | `small`     | the foci lie within two widths of a focus, so that their shape is not felt |
+///
+/// And what findings_of(Loudness) finds.
 [[nodiscard]] std::vector<Finding> findings_of(const Project& project, const Compiled& compiled,
                                                const ImageAnalysis& analysis);
+
+/// | kind | rule |
+/// |------|------|
+/// | `loud`    | more than the level that is recommended for ears, at 300 mm; a model, and no certificate |
+/// | `intense` | more intensity than is known to be safe inside tissue |
+[[nodiscard]] std::vector<Finding> findings_of(const Loudness& loudness);
 
 /// {"kind", "message", "records", "remedies": [{"label", "changes"}]}, records counted from 1.
 [[nodiscard]] nlohmann::ordered_json to_json(const Finding& finding);

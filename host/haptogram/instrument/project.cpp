@@ -63,6 +63,30 @@ ShapeSource read_shape(const std::string& file, const toml::table& table) {
     return source;
 }
 
+HandSource read_hand(const Section& section) {
+    section.only({"recording", "model", "frames_hz", "object", "size_mm", "height_mm", "center_mm", "rotate_deg",
+                  "unit", "algorithm", "frame"});
+    HandSource hand;
+    hand.recording = section.required(section.text("recording"), "recording",
+                                      "a file of recorded hands, or \"synthetic:SCRIPT\" in quotes");
+    assign(hand.model, section.text("model"));
+    assign(hand.rate_hz, section.number("frames_hz", 1e-3, 1e6));
+    ObjectSource& object = hand.object;
+    assign(object.name, section.text("object"));
+    object.size_m = length(section, "size_mm");
+    object.height_m = length(section, "height_mm");
+    if (const auto center = section.numbers("center_mm", 3))
+        object.centre = from_mm((*center)[0], (*center)[1], (*center)[2]);
+    if (const auto angles = section.numbers("rotate_deg", 3))
+        object.angles_deg = {(*angles)[0], (*angles)[1], (*angles)[2]};
+    assign(object.unit, section.text("unit", "\"mm\", \"cm\" or \"m\"", is_unit));
+    assign(hand.algorithm, section.text("algorithm", "a letter from A to L", [](const std::string& text) {
+        return text.size() == 1 && text[0] >= 'A' && text[0] <= 'L';
+    }));
+    hand.frame = section.whole("frame", 1, 1'000'000'000);
+    return hand;
+}
+
 void read_pace(Project& project, const Section& whole) {
     const std::string* first = nullptr;
     static const std::string keys[] = {"rate_hz", "speed_m_s", "frequency_hz"};
@@ -122,6 +146,48 @@ std::string to_toml(const ShapeSource& source) {
     return text + to_toml(source.placement);
 }
 
+std::string to_toml(const HandSource& hand) {
+    const HandSource standard;
+    const ObjectSource& object = hand.object;
+    std::string text = fmt::format("\n[hand]\nrecording = {}\n", quoted(hand.recording));
+    if (!hand.model.empty()) text += fmt::format("model = {}\n", quoted(hand.model));
+    if (hand.rate_hz != standard.rate_hz) text += fmt::format("frames_hz = {}\n", number_text(hand.rate_hz));
+    text += fmt::format("object = {}\n", quoted(object.name));
+    if (object.size_m) text += fmt::format("size_mm = {}\n", in_mm(*object.size_m));
+    if (object.height_m) text += fmt::format("height_mm = {}\n", in_mm(*object.height_m));
+    if (object.centre != standard.object.centre)
+        text += fmt::format("center_mm = [{}, {}, {}]\n", in_mm(object.centre.x), in_mm(object.centre.y),
+                            in_mm(object.centre.z));
+    if (object.angles_deg != standard.object.angles_deg)
+        text += fmt::format("rotate_deg = [{}, {}, {}]\n", number_text(object.angles_deg.x),
+                            number_text(object.angles_deg.y), number_text(object.angles_deg.z));
+    if (object.unit != standard.object.unit) text += fmt::format("unit = {}\n", quoted(object.unit));
+    text += fmt::format("algorithm = {}\n", quoted(hand.algorithm));
+    if (hand.frame) text += fmt::format("frame = {}\n", *hand.frame);
+    return text;
+}
+
+/// What a project cannot have beside what it plays, because that has its own.
+void check_subject(const Project& project, const Section& whole, const std::string& where) {
+    if (project.is_of_shapes() && project.shapes.empty())
+        throw bad_input(where, "it has no [[shape]]; add one with a 'file' or the 'kind' of a built-in shape");
+    if (project.hand && !project.path.empty())
+        throw bad_input(whole.at("path"), "path and [hand] both say what is played; keep one");
+    const auto refuse = [&](std::initializer_list<std::string_view> keys, std::string_view why) {
+        for (const std::string_view key : keys)
+            if (whole.find(key) != nullptr)
+                throw bad_input(whole.at(key), fmt::format("{} is of shapes; {}", key, why));
+    };
+    if (!project.path.empty())
+        refuse({"shape", "place", "clip", "rate_hz", "speed_m_s", "frequency_hz", "jump", "even"},
+               "the file of 'path' has its own places and times");
+    if (project.hand)
+        refuse({"shape", "place", "clip", "rate_hz", "even"},
+               "what a hand feels is where the hand meets the object, and has a speed_m_s or a frequency_hz");
+    if (project.hand && !project.hand->frame && whole.find("points") != nullptr)
+        throw bad_input(whole.at("points"), "points are those of one frame's pass; add a frame to [hand]");
+}
+
 }  // namespace
 
 Project project_from_toml(std::string_view text, const std::string& where) {
@@ -129,7 +195,7 @@ Project project_from_toml(std::string_view text, const std::string& where) {
     const Section whole(where, root);
     whole.only({"format",    "array",        "board", "points", "seed",  "clip",   "rate_hz",
                 "speed_m_s", "frequency_hz", "jump",  "even",   "am",    "am_law", "magnitude",
-                "quantise",  "image",        "loops", "place",  "shape", "path"});
+                "quantise",  "image",        "loops", "place",  "shape", "path",   "hand"});
     const auto format = whole.required(whole.text("format"), "format", fmt::format("\"{}\"", format_name));
     if (format != format_name)
         throw whole.wrong(*whole.find("format"), "format", fmt::format("\"{}\" for this version", format_name));
@@ -151,6 +217,7 @@ Project project_from_toml(std::string_view text, const std::string& where) {
         for (const toml::node& shape : *list) project.shapes.push_back(read_shape(where, *shape.as_table()));
     }
     assign(project.path, whole.text("path"));
+    if (const Section hand(where, root, "hand"); hand.exists()) project.hand = read_hand(hand);
     assign(project.even, whole.flag("even"));
     assign(project.am, whole.text("am"));
     if (const auto law = whole.text("am_law", "\"pressure\" or \"radiation\"",
@@ -162,12 +229,7 @@ Project project_from_toml(std::string_view text, const std::string& where) {
     if (const auto image = whole.text("image", "\"records\" or \"foci\"",
                                       [](const std::string& name) { return name == "records" || name == "foci"; }))
         project.image = *image == "foci" ? ImageKind::foci : ImageKind::records;
-    if (project.path.empty() && project.shapes.empty())
-        throw bad_input(where, "it has no [[shape]]; add one with a 'file' or the 'kind' of a built-in shape");
-    for (const char* const key : {"shape", "place", "clip", "rate_hz", "speed_m_s", "frequency_hz", "jump", "even"})
-        if (!project.path.empty() && whole.find(key) != nullptr)
-            throw bad_input(whole.at(key),
-                            fmt::format("{} is of shapes; the file of 'path' has its own places and times", key));
+    check_subject(project, whole, where);
     return project;
 }
 
@@ -202,6 +264,7 @@ std::string to_toml(const Project& project) {
     if (!project.quantise.empty()) text += fmt::format("quantise = {}\n", quoted(project.quantise));
     if (project.image) text += fmt::format("image = \"{}\"\n", *project.image == ImageKind::foci ? "foci" : "records");
     if (project.loops != standard.loops) text += fmt::format("loops = {}\n", project.loops);
+    if (project.hand) text += to_toml(*project.hand);
     const std::string placed = to_toml(project.placement);
     if (!placed.empty()) text += "\n[place]\n" + placed;
     for (const ShapeSource& shape : project.shapes) text += to_toml(shape);

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "haptogram/instrument/hand_source.hpp"
 #include "haptogram/render/draw.hpp"
 #include "haptogram/render/waveform.hpp"
 #include "haptogram/shape/place.hpp"
@@ -31,10 +32,11 @@ enum class ImageKind { records, foci };
 struct Project {
     std::vector<ShapeSource> shapes;  ///< their union
     std::string path;                 ///< a path file instead, which has its own places and times
+    std::optional<HandSource> hand;   ///< or a hand that feels an object
     Placement placement;              ///< of the whole; built-in shapes alone stand at (0, 0, 130 mm), unless it or one
                                       ///< of them has a centre
-    std::size_t points = 200;         ///< focal points to take from a surface, a curve or a larger cloud, or samples
-                                      ///< of an AdapTics pattern
+    std::size_t points = 200;         ///< focal points to take from a surface, a curve or a larger cloud, samples of
+                                      ///< an AdapTics pattern, or steps of the pass of a hand's one frame
     std::uint64_t seed = 1;           ///< of the sampling
     bool clip = false;                ///< leave out points that the array cannot reach
     double rate_hz = 10.0;            ///< passes over the shape a second, when there is no pace
@@ -51,6 +53,9 @@ struct Project {
     std::optional<std::string> array;  ///< file or shipped array; by default the board's, or tile-10x10
     std::optional<std::string> board;  ///< file, shipped board or configuration; by default what the array's file says
     std::filesystem::path folder;      ///< that relative paths start from; empty: the present one
+
+    /// Whether it plays shapes, not a path or what a hand feels.
+    [[nodiscard]] bool is_of_shapes() const { return path.empty() && !hand; }
 };
 
 /// Reads a project file (TOML); host/haptogram/instrument/README.md describes its keys.

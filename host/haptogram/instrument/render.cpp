@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <ctime>
 #include <nlohmann/json.hpp>
@@ -16,14 +15,9 @@
 #include "haptogram/acoustics/quantities.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/hand/pose_file.hpp"
-#include "haptogram/hand/synthetic.hpp"
-#include "haptogram/instrument/compile.hpp"
 #include "haptogram/instrument/picture.hpp"
 #include "haptogram/render/voice.hpp"
 #include "haptogram/render/waveform.hpp"
-#include "haptogram/shape/import.hpp"
-#include "haptogram/shape/place.hpp"
 #include "haptogram/solve/solver.hpp"
 
 namespace haptogram {
@@ -83,9 +77,7 @@ void describe(FrameReport& report, const Touch& touch, const Array& array, doubl
     double weak = 0.0;
     for (const Voice& voice : touch.voices)
         for (const Leg& leg : voice.legs) {
-            const double here = tilt_of(0.5 * (leg.from.position + leg.to.position), leg.from.normal);
-            if (!leg.silent && report.strength_pa * here * report.width_m * report.width_m < least_force_n)
-                weak += leg.seconds;
+            if (!leg.silent && is_weak(leg, report, least_force_n)) weak += leg.seconds;
         }
     report.weak = weak / weight;
 }
@@ -132,7 +124,8 @@ void modulate(Rendered& rendered, double am_hz, const Array& array, const Render
                                              name_of(options.algorithm).letter));
     const std::string am = am_hz > 0.0 ? fmt::format("sine:{}", am_hz) : options.am;
     const AmplitudeLaw law = am_hz > 0.0 ? AmplitudeLaw::pressure : options.am_law;
-    if (!am.empty()) rendered.path.modulation = modulation_of(am, law, rendered.carrier_hz).modulation;
+    if (!am.empty())
+        rendered.path.modulation = modulation_of(am, law, rendered.carrier_hz, options.am_folder).modulation;
     if (!options.magnitude) return;
     const perception::Tables tables = perception::find_tables();
     perception::CommandLattice commands(
@@ -152,59 +145,29 @@ std::vector<SkinRegion> skin_of(const HandRecording& hands, std::size_t frame, c
     return skin;
 }
 
-TouchObject open_object(const ObjectSource& source) {
-    const auto kinds = object_kinds();
-    if (std::find(kinds.begin(), kinds.end(), source.name) != kinds.end()) {
-        ObjectMeasures measures;
-        measures.size = source.size_m.value_or(measures.size);
-        measures.height = source.height_m.value_or(measures.size);
-        measures.centre = source.centre;
-        measures.angles_deg = source.angles_deg;
-        return built_in_object(source.name, measures);
-    }
-    if (source.name.find('.') == std::string::npos)
-        throw bad_argument(
-            "object", fmt::format("found \"{}\", expected {} or a mesh file", source.name, fmt::join(kinds, ", ")));
-    if (source.height_m) throw bad_argument("height", "is of built-in objects; a mesh is scaled by its size");
-    const double metres = metres_per_unit(source.unit);
-    Placement placement;
-    placement.size_m = source.size_m;
-    placement.rotate_deg = {source.angles_deg.x, source.angles_deg.y, source.angles_deg.z};
-    placement.center = source.centre;
-    const Shape shape = place(load_shape(std::filesystem::path(source.name), metres), placement);
-    if (shape.pieces.size() != 1 || !std::holds_alternative<Mesh>(shape.pieces.front()))
-        throw bad_input(source.name, "it has points without faces, and so no volume; give a closed mesh");
-    const Mesh& mesh = std::get<Mesh>(shape.pieces.front());
-    try {
-        return mesh_object(source.name, mesh.vertices, mesh.triangles);
-    } catch (const Error& error) {
-        throw Error(error.code(), source.name, error.message());
-    }
+bool is_weak(const Leg& leg, const FrameReport& report, double least_force_n) {
+    const double tilt = tilt_of(0.5 * (leg.from.position + leg.to.position), leg.from.normal);
+    return report.strength_pa * tilt * report.width_m * report.width_m < least_force_n;
 }
 
-HandRecording open_hands(const std::string& name, const std::string& model, double rate_hz) {
-    constexpr std::string_view prefix = "synthetic:";
-    if (!name.starts_with(prefix)) return load_hands(name, model, rate_hz);
-    const std::string text = name.substr(prefix.size());
-    const std::size_t colon = std::min(text.find(':'), text.size());
-    const HandScript script = hand_script(text.substr(0, colon));
-    double height_mm = 200.0;
-    if (colon < text.size()) {
-        const char* const begin = text.data() + colon + 1;
-        const char* const end = text.data() + text.size();
-        const auto [next, error] = std::from_chars(begin, end, height_mm);
-        if (error != std::errc() || next != end || !(height_mm > 0.0 && height_mm < 1e4))
-            throw bad_argument("hand", fmt::format("the height in mm after {} is \"{}\"; expected a positive number",
-                                                   name.substr(0, prefix.size() + colon), std::string(begin, end)));
-    }
-    constexpr double frames_hz = 100.0;
-    HandRecording recording;
-    const auto count = static_cast<std::size_t>(std::lround(seconds_of(script) * frames_hz));
-    for (std::size_t i = 0; i < count; ++i) {
-        const double time_s = static_cast<double>(i) / frames_hz;
-        recording.frames.push_back({time_s, {synthetic_hand(script, time_s, height_mm * millimetre)}});
-    }
-    return recording;
+ordered_json to_json(const FrameReport& f) {
+    ordered_json json = {{"frame", f.frame},
+                         {"time_s", f.time_s},
+                         {"hands", f.hands},
+                         {"lines", f.lines},
+                         {"foci", f.foci},
+                         {"length_mm", f.length_m / millimetre},
+                         {"draw_hz", f.draw_hz},
+                         {"focus_pa", f.focus_pa},
+                         {"width_mm", f.width_m / millimetre},
+                         {"strength_pa", f.strength_pa},
+                         {"tilt", f.tilt},
+                         {"weak", f.weak},
+                         {"out_of_reach", f.out_of_reach},
+                         {"lines_missed", f.lines_missed},
+                         {"compute_ms", f.compute_s * 1e3}};
+    if (!f.why.empty()) json["why"] = f.why;
+    return json;
 }
 
 double focal_width(const Array& array, Vec3 focus) {
@@ -273,6 +236,7 @@ Rendered render(const TouchObject& object, const HandRecording& hands, const Arr
         lost += played.out_of_reach;
         weak_frames += report.weak > 0.5 ? 1 : 0;
         facing_away += report.foci > 0 && report.tilt < 0.05 ? 1 : 0;
+        if (one) rendered.touch = made;
     }
     if (foci == 0) throw nothing_touched(object, hands, settings);
     if (lost == foci)

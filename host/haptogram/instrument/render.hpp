@@ -2,6 +2,8 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +11,7 @@
 #include "haptogram/base/progress.hpp"
 #include "haptogram/hand/object.hpp"
 #include "haptogram/hand/surface.hpp"
+#include "haptogram/instrument/hand_source.hpp"
 #include "haptogram/model/array.hpp"
 #include "haptogram/perception/path_magnitude.hpp"
 #include "haptogram/render/path.hpp"
@@ -16,23 +19,6 @@
 #include "haptogram/render/waveform.hpp"
 
 namespace haptogram {
-
-/// An object as a user names it.
-struct ObjectSource {
-    std::string name = "sphere";     ///< a kind of object_kinds(), or a mesh file
-    std::optional<double> size_m;    ///< by default 100 mm, and a mesh as it is
-    std::optional<double> height_m;  ///< of a cone, a pyramid and a cylinder; by default the size
-    Vec3 centre{0.0, 0.0, 0.2};      ///< of its bounding box
-    Vec3 angles_deg;
-    std::string unit = "mm";  ///< of a mesh file's coordinates: mm, cm or m
-};
-/// @throws Error{bad_input} for files that cannot be used or have no volume, Error{bad_argument} for measures
-[[nodiscard]] TouchObject open_object(const ObjectSource& source);
-
-/// A recording as a user names it: a file as load_hands() reads it, or "synthetic:SCRIPT" or "synthetic:SCRIPT:HEIGHT"
-/// with the height of the palm in mm, which is one round of the script at 100 frames a second.
-/// @throws Error{bad_input} or Error{bad_argument}
-[[nodiscard]] HandRecording open_hands(const std::string& name, const std::string& model = {}, double rate_hz = 60.0);
 
 /// The palmar skin of all hands of a recording's frame.
 /// @param frame  from 1
@@ -49,6 +35,7 @@ struct RenderOptions {
     std::optional<std::uint32_t> dwell;  ///< carrier periods of a step; by default usual_dwell()
     std::optional<std::size_t> points;   ///< of the pass of one frame, instead of the dwell
     std::string am;  ///< waveform of the amplitude, as modulation_of() reads it; empty: the algorithm's own, if any
+    std::filesystem::path am_folder;  ///< that relative names of files in it start from
     AmplitudeLaw am_law = AmplitudeLaw::pressure;
     std::optional<double>
         magnitude;  ///< how strong each focus feels under that waveform (perception/path_magnitude.hpp)
@@ -78,8 +65,12 @@ struct FrameReport {
     double compute_s = 0.0;        ///< processor time that skin, lines and path took
 };
 
+/// A frame's report, millimetres, pascals and shares from 0 to 1, as `haptogram render --report --json` prints it.
+[[nodiscard]] nlohmann::ordered_json to_json(const FrameReport& report);
+
 struct Rendered {
     Path path;
+    std::optional<Touch> touch;  ///< of one frame: what is drawn
     std::vector<FrameReport> frames;
     double carrier_hz = 0.0;
     std::optional<perception::PathMagnitude> magnitude;  ///< the commands, when a magnitude was asked for
@@ -94,6 +85,10 @@ struct Rendered {
 /// algorithm's own, and naming "magnitude" where the array or the tables do not have it
 [[nodiscard]] Rendered render(const TouchObject& object, const HandRecording& hands, const Array& array,
                               double carrier_hz, const RenderOptions& options, const Progress& progress = {});
+
+/// Whether a part of a line is estimated to press on the skin with less than the least force, by the frame's strength,
+/// the skin's tilt there, and the focus' width.
+[[nodiscard]] bool is_weak(const Leg& leg, const FrameReport& report, double least_force_n);
 
 /// Full width at half maximum of the radiation pressure through a focus of exact phases, along x, metres.
 [[nodiscard]] double focal_width(const Array& array, Vec3 focus);

@@ -6,10 +6,13 @@ import { Board } from "./board";
 import { commands } from "./commands";
 import { Comparer } from "./comparer";
 import { Compare } from "./compare";
-import { edit, endGesture, project, redo, undo } from "./document";
+import { edit, endGesture, project, type ProjectDocument, redo, undo } from "./document";
+import { takeDrops, withFiles } from "./dropping";
 import { Findings } from "./findings";
+import { HandReport } from "./hand";
+import { HandReader, ofAllFrames } from "./hand_reader";
 import { Latest } from "./latest";
-import type { Link, Point } from "./link";
+import { filesOfScene, type Link, type Point, type Scene } from "./link";
 import { Bar, Failed, Numbers, SliceControls, Status, TakeAway, Tools } from "./panels";
 import { moved, placed, placeOf } from "./placing";
 import { PinReader } from "./pin_reader";
@@ -46,6 +49,19 @@ export function start(link: Link): void {
   const comparer = new Comparer(link, () => slicer.ask(false));
   const pins = new PinReader(link);
   const study = new StudyReader(link);
+  const hands = new HandReader(link, ({ hand, drawn, object }, newest) => {
+    if (!project.peek()?.hand) return;
+    state.hand.value = hand;
+    if (!state.scene.peek()) view?.showArray(hand.array);
+    if (object) {
+      state.object.value = object;
+      view?.showObject(object);
+    }
+    view?.showHand(drawn);
+    if (!newest) return;
+    if (hand.nothing) dropScene();
+    else askScene();
+  });
   const runner = new Runner((at) => mark(at));
   let analysed: { n: number; scene: string } | undefined; // that was asked for last
 
@@ -75,6 +91,27 @@ export function start(link: Link): void {
     view?.showDrives(undefined);
   }
 
+  /** Nothing is played of the document. */
+  function dropScene(): void {
+    state.scene.value = state.slice.value = state.analysis.value = undefined;
+    state.failure.value = undefined;
+    unmark();
+    slicer.stop();
+    view?.clearScene();
+    state.current.value = true;
+  }
+  function showScene(scene: Scene, of: ProjectDocument | undefined): void {
+    view?.showScene(scene, of?.hand === undefined); // the hand has its own drawing of the focal points
+  }
+  /** Of a hand the frame is asked for first: it comes sooner, and may have nothing to play. */
+  function ask(): void {
+    const document = project.value;
+    if (!document) return;
+    if (document.hand) return hands.ask(document);
+    if (state.hand.value) view?.showHand((state.hand.value = undefined));
+    hands.forget();
+    askScene();
+  }
   /** One scene is under way at a time; the newest document is asked for when it has come. */
   function askScene(): void {
     const document = project.value;
@@ -87,7 +124,7 @@ export function start(link: Link): void {
     const changed = asked.document !== JSON.stringify(project.value);
     asked = undefined;
     state.current.value = !changed;
-    if (changed) askScene();
+    if (changed) ask();
     return true;
   }
   const planeMoved = (): void => {
@@ -110,6 +147,7 @@ export function start(link: Link): void {
 
   let told = 0;
   link.listen((event) => {
+    if (hands.take(event)) return;
     if (event.t === "open") {
       asked = undefined;
       analysed = undefined;
@@ -118,6 +156,7 @@ export function start(link: Link): void {
       comparer.lose();
       pins.lose();
       study.lose();
+      hands.lose();
       void begin().catch(wrong);
     } else if (event.t === "lost") {
       state.device.value = { t: "device", connection: "none" };
@@ -131,10 +170,10 @@ export function start(link: Link): void {
       }
       state.scene.value = event.scene;
       unmark();
-      if (!state.showsKept.peek()) view?.showScene(event.scene);
+      if (!state.showsKept.peek()) showScene(event.scene, project.peek());
       slicer.ask(false);
     } else if (event.t === "object") {
-      if (comparer.isOfKept(event.object.n)) return;
+      if (comparer.isOfKept(event.object.n) || project.peek()?.hand) return;
       state.object.value = event.object;
       if (!state.showsKept.peek()) view?.showObject(event.object);
     } else if (event.t === "drives") {
@@ -166,6 +205,12 @@ export function start(link: Link): void {
       study.show(event.shown);
     } else if (event.t === "failed") {
       if (study.fail(event.n, event.error)) return;
+      const frame = hands.fail(event.n, event.error);
+      if (frame === "older" || frame === "path") return;
+      if (frame) {
+        dropScene();
+        view?.showHand((state.hand.value = undefined));
+      }
       if (comparer.failed(event.n)) return;
       pins.fail(event.n);
       if (!sceneCame(event.n) && !drives.came(event.n) && slicer.fail(event.n) && state.showsKept.peek()) return comparer.resend();
@@ -184,7 +229,7 @@ export function start(link: Link): void {
     state.hello.value = hello;
     for (const file of sent.values()) await link.sendFile(file);
     if (project.value === undefined) edit(hello.document);
-    askScene();
+    ask();
   }
 
   const actions: Actions = {
@@ -205,11 +250,10 @@ export function start(link: Link): void {
         }
         const before = project.value;
         if (!before || files.length === 0) return;
-        const place = { size_mm: 60, center_mm: [0, 0, 130], ...before.place };
         state.chosen.value = undefined;
-        edit({ ...before, place, shape: files.map((file) => ({ file: file.name })) });
+        edit(withFiles(before, files.map((file) => file.name)));
         // A file of the same name may have new contents.
-        askScene();
+        ask();
       } catch (error) {
         wrong(error);
       }
@@ -219,10 +263,35 @@ export function start(link: Link): void {
       try {
         const scene = state.scene.value;
         if (!scene) return;
-        const names = { hex: "image.hex", manifest: "image.json", project: "project.toml" };
-        save(await link.take(scene.name, as), names[as]);
+        state.writing.value = true;
+        save(await link.take(scene.name, as), filesOfScene[as]);
       } catch (error) {
         wrong(error);
+      } finally {
+        state.writing.value = false;
+      }
+    },
+    async copyMethods() {
+      try {
+        const scene = state.scene.value;
+        if (scene) await navigator.clipboard.writeText(await (await link.take(scene.name, "methods")).text());
+      } catch (error) {
+        wrong(error);
+      }
+    },
+    async renderHand(what) {
+      const document = project.value;
+      if (!document?.hand || state.rendering.value) return;
+      try {
+        state.rendering.value = true;
+        const of = what === "frame" ? document : ofAllFrames(document);
+        const { text, frames } = await hands.render(of);
+        if (what !== "frame") state.frames.value = { of: JSON.stringify(of), reports: frames };
+        if (what !== "look") save(new Blob([text]), "path.json");
+      } catch (error) {
+        wrong(error);
+      } finally {
+        state.rendering.value = false;
       }
     },
     async takeField(as) {
@@ -274,7 +343,7 @@ export function start(link: Link): void {
       state.showsKept.value = on;
       const shown = on ? state.kept.value?.scene : state.scene.value;
       const drawn = on ? state.kept.value?.drawn : state.object.value;
-      if (shown) view?.showScene(shown);
+      if (shown) showScene(shown, on ? state.kept.value?.document : project.value);
       if (drawn) view?.showObject(drawn);
       if (!on && state.drives.value) view?.showDrives(state.drives.value);
       slicer.ask(false);
@@ -308,6 +377,7 @@ export function start(link: Link): void {
       </main>
       <aside aria-label="Results and board">
         <Board actions={actions} />
+        <HandReport />
         <Findings actions={actions} />
         <SliceControls actions={actions} />
         <ProfilePlot actions={actions} />
@@ -346,18 +416,7 @@ export function start(link: Link): void {
       place.append(Object.assign(document.createElement("p"), { className: "failed", textContent: `There is no 3-D view: ${String(error)}. All else works.` }));
     }
   }
-  document.addEventListener("dragover", (event) => {
-    event.preventDefault();
-    host.classList.add("dropping");
-  });
-  document.addEventListener("dragleave", (event) => {
-    if (event.relatedTarget === null) host.classList.remove("dropping");
-  });
-  document.addEventListener("drop", (event) => {
-    event.preventDefault();
-    host.classList.remove("dropping");
-    void actions.drop([...(event.dataTransfer?.files ?? [])]);
-  });
+  takeDrops(host, (files) => void actions.drop(files));
   addEventListener("keydown", (event) => {
     const key = event.key.toLowerCase();
     if (!(event.ctrlKey || event.metaKey) || (key !== "z" && key !== "y")) return;
@@ -368,7 +427,7 @@ export function start(link: Link): void {
   effect(() => {
     if (project.value === undefined) return;
     state.current.value = false;
-    askScene();
+    ask();
   });
   effect(() => {
     if (!view || !project.value) return;

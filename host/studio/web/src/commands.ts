@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The commands that make the same files as the page, for the same plane.
+import type { ProjectDocument } from "./document";
 import type { Point } from "./link";
 import { quantities, type Quantity } from "./quantity";
 import type { Edges } from "./view";
@@ -38,4 +39,36 @@ export function commands(edges: Edges, quantity: Quantity, stepMm: number, recor
     lines.push(`haptogram field image.hex${of} --plane ${field.plane} ${ranges.join(" ")} --step ${stepMm} --quantity ${quantities[quantity].command} -o field.png`);
   }
   return { text: lines.join("\n"), field };
+}
+
+/** A word as a shell takes it. */
+const word = (text: string): string => (/^[\w.,:=/+-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
+
+/** The command that renders a document's hand: its frame, or, when the document has none, all of them. */
+export function renderCommand({ hand, points, seed, speed_m_s, frequency_hz, jump, am, am_law, magnitude, array, board }: ProjectDocument): string {
+  if (!hand) return "";
+  const options: [string, unknown][] = [
+    ["hand", hand.recording],
+    ["hand-model", hand.model],
+    ["hand-rate", hand.frames_hz],
+    ["algorithm", hand.algorithm],
+    ["size", hand.size_mm],
+    ["height", hand.height_mm],
+    ["center", hand.center_mm?.join(",")],
+    ["rotate", hand.rotate_deg?.join(",")],
+    ["unit", hand.unit],
+    ["frame", hand.frame],
+    ["points", hand.frame === undefined ? undefined : (points ?? 200)],
+    ["speed", speed_m_s],
+    ["frequency", frequency_hz],
+    ["jump", jump],
+    ["am", am],
+    ["am-law", am_law],
+    ["magnitude", magnitude],
+    ["seed", seed],
+    ["array", array],
+    ["board", board],
+  ];
+  const given = options.filter(([, value]) => value !== undefined).map(([name, value]) => `--${name}=${word(String(value))}`);
+  return `haptogram render ${word(hand.object ?? "sphere")} ${given.join(" ")} -o path.json`;
 }

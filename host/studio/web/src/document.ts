@@ -18,6 +18,24 @@ export interface ShapeEntry extends Place {
   [key: string]: unknown;
 }
 
+/** A hand that feels an object by an algorithm. */
+export interface HandTable {
+  /** a file, or synthetic:SCRIPT:HEIGHT */
+  recording: string;
+  model?: string;
+  frames_hz?: number;
+  /** a built-in object, or a mesh file */
+  object?: string;
+  size_mm?: number;
+  height_mm?: number;
+  center_mm?: number[];
+  rotate_deg?: number[];
+  unit?: string;
+  algorithm?: string;
+  /** from 1; without it, the whole recording */
+  frame?: number;
+}
+
 export interface ProjectDocument {
   format: string;
   array?: string;
@@ -30,6 +48,8 @@ export interface ProjectDocument {
   am?: string;
   place?: Place;
   shape?: ShapeEntry[];
+  /** in place of shapes */
+  hand?: HandTable;
   [key: string]: unknown;
 }
 

@@ -16,6 +16,10 @@ export class Latest<About> {
     this.next();
   }
 
+  isUnderWay(n: number): boolean {
+    return this.underWay?.n === n;
+  }
+
   /** What the answer, or the failure, of this number is about, if it is the one that is waited for. */
   came(n: number | undefined): About | undefined {
     const { underWay } = this;

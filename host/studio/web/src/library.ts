@@ -11,5 +11,6 @@ export const library: Record<string, ProjectDocument> = {
   "Point that vibrates at 200 Hz": { format, am: "sine:200", shape: [{ kind: "point" }] },
   "Plus of 40 points": { format, points: 40, rate_hz: 40, shape: [{ kind: "plus", length_mm: 50 }] },
   "Cube of 150 points": { format, points: 150, rate_hz: 10, shape: [{ kind: "cube", length_mm: 40 }] },
+  "Hand that slides over a sphere": { format, points: 100, hand: { recording: "synthetic:slide", object: "sphere", algorithm: "A", frame: 60 } },
   "Helix drawn 5 times a second": { format, points: 200, frequency_hz: 5, shape: [{ kind: "helix" }] },
 };

@@ -18,9 +18,15 @@ export interface Numbers {
   image_bytes: number;
 }
 
+export interface ArrayOf {
+  name: string;
+  radius_mm: number;
+  elements: Point[];
+}
+
 export interface Scene {
   name: string;
-  array: { name: string; radius_mm: number; elements: Point[] };
+  array: ArrayOf;
   foci: Point[];
   /** records in the order of play: which it is, its index on the board, where its focus is, and when it plays */
   tour: { record: number; index: number; at: Point; from_s: number; dwell_s: number; amplitude: number }[];
@@ -51,6 +57,58 @@ export interface Drives {
   index: number;
   phases_deg: number[];
   amplitudes: number[];
+}
+
+/** What became of a frame of a hand, as `haptogram render --report --json` prints it. */
+export interface FrameReport {
+  frame: number;
+  time_s: number;
+  lines: number;
+  foci: number;
+  length_mm: number;
+  draw_hz: number;
+  focus_pa: number;
+  width_mm: number;
+  strength_pa: number;
+  tilt: number;
+  weak: number;
+  out_of_reach: number;
+  why?: string;
+  lines_missed: number;
+  compute_ms: number;
+}
+
+/** A frame of a hand in numbers. */
+export interface HandFrame {
+  /** what was drawn of the object: the page says it back, and is not sent the same again */
+  drawn: string;
+  array: ArrayOf;
+  frame: number;
+  frames: number;
+  time_s: number;
+  end_s: number;
+  pass_s: number;
+  lines: { kind: string; length_mm: number }[];
+  report: FrameReport | null;
+  warnings: string[];
+  /** why there are no lines */
+  nothing: Failure | null;
+}
+
+/** A frame of a hand for drawing, millimetres: corners of triangles, ends of line segments, focal points. */
+export interface DrawnHand {
+  n: number;
+  skin: Float32Array<ArrayBuffer>;
+  felt: Float32Array<ArrayBuffer>;
+  weak: Float32Array<ArrayBuffer>;
+  foci: Float32Array<ArrayBuffer>;
+}
+
+/** A rendered path as a file, and what became of its frames. */
+export interface RenderedPath {
+  text: string;
+  frames: FrameReport[];
+  warnings: string[];
 }
 
 /** What `haptogram simulate` reports. */
@@ -127,6 +185,9 @@ export interface Hello {
   project: string;
   document: ProjectDocument;
   primitives: string[];
+  /** objects that a hand can touch */
+  touched: string[];
+  algorithms: { letter: string; about: string }[];
   arrays: string[];
   ports: { port: string; name: string }[];
   most_file_bytes: number;
@@ -169,6 +230,9 @@ export type Event =
   | { t: "pins"; n: number; report: PinReport }
   | ({ t: "pulses"; n: number } & PulseWindow)
   | { t: "object"; object: Drawn }
+  | ({ t: "hand"; n: number } & HandFrame)
+  | { t: "skin"; skin: DrawnHand }
+  | ({ t: "path"; n: number } & RenderedPath)
   | Device
   | { t: "progress"; work: string; number: number; stage: string; fraction?: number; seconds?: number }
   | { t: "done"; work: string; number: number; report?: { frames: number; frames_written: number } }
@@ -210,9 +274,32 @@ export function readObject(bytes: ArrayBuffer): Drawn {
   };
 }
 
+export function readHand(bytes: ArrayBuffer): DrawnHand {
+  const view = new DataView(bytes);
+  let at = 64;
+  const next = (count: number, each: number): Float32Array<ArrayBuffer> => {
+    const found = new Float32Array(bytes, at, count * each);
+    at += found.byteLength;
+    return found;
+  };
+  const count = (place: number): number => view.getUint32(place, true);
+  return { n: count(4), skin: next(count(8), 9), felt: next(count(12), 6), weak: next(count(16), 6), foci: next(count(20), 3) };
+}
+
 const longestPause = 4000; // ms between attempts to reach the server
 const beatPause = 200; // ms between signs of life
 const stopPatience = 100; // ms until STOP also goes over HTTP
+
+/** What a scene can be taken away as, and the files' names. */
+export const filesOfScene = {
+  hex: "image.hex",
+  manifest: "image.json",
+  project: "project.toml",
+  primary: "image.primary.mem",
+  sequence: "image.sequence.mem",
+  report: "report.html",
+};
+export type FileOfScene = keyof typeof filesOfScene;
 
 export class Link {
   private socket: WebSocket | undefined;
@@ -263,8 +350,9 @@ export class Link {
     await this.post(`/api/files?name=${encodeURIComponent(file.name)}`, file);
   }
 
-  async take(scene: string, as: "hex" | "manifest" | "project"): Promise<Blob> {
-    return await (await this.fetch(`/api/take?scene=${scene}&as=${as}`)).blob();
+  async take(scene: string, as: FileOfScene | "methods"): Promise<Blob> {
+    const address = as === "report" ? `/api/report?scene=${scene}` : `/api/take?scene=${scene}&as=${as}`;
+    return await (await this.fetch(address)).blob();
   }
 
   /** The field on a plane as a file; the query's members are those of ../../README.md. */
@@ -307,7 +395,9 @@ export class Link {
   private receive(data: string | ArrayBuffer): void {
     if (typeof data === "string") return this.tell(JSON.parse(data) as Event);
     const magic = new TextDecoder().decode(new Uint8Array(data, 0, 4));
-    this.tell(magic === "HSL1" ? { t: "slice", slice: readSlice(data) } : { t: "object", object: readObject(data) });
+    if (magic === "HSL1") this.tell({ t: "slice", slice: readSlice(data) });
+    else if (magic === "HHA1") this.tell({ t: "skin", skin: readHand(data) });
+    else this.tell({ t: "object", object: readObject(data) });
   }
 
   private tell(event: Event): void {

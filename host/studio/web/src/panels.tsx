@@ -43,6 +43,13 @@ export function TakeAway({ actions }: WithActions) {
         <button type="button" disabled={!ready} onClick={() => void actions.take("hex")}>Image (.hex)</button>
         <button type="button" disabled={!ready} onClick={() => void actions.take("manifest")}>Manifest (.json)</button>
         <button type="button" disabled={!ready} onClick={() => void actions.take("project")}>Project (.toml)</button>
+        <button type="button" disabled={!ready} onClick={() => void actions.take("primary")} title="Primary memory for Verilog's $readmemh">Records (.mem)</button>
+        <button type="button" disabled={!ready} onClick={() => void actions.take("sequence")} title="Sequence memory for Verilog's $readmemh">Sequence (.mem)</button>
+      </div>
+      <h3>For a paper</h3>
+      <div class="buttons">
+        <button type="button" disabled={!ready || state.writing.value} onClick={() => void actions.take("report")}>Report (.html)</button>
+        <button type="button" disabled={!ready} onClick={() => void actions.copyMethods()}>Copy methods text</button>
       </div>
       <h3>Field on the plane</h3>
       <NumberField label="Step" unit="mm" value={state.stepMm.value} step={0.1} least={0.05} onValue={(value) => (state.stepMm.value = value)} />
@@ -70,7 +77,7 @@ export function Numbers() {
   const scene = state.scene.value;
   const object = state.object.value;
   const slice = state.slice.value;
-  if (!scene) return <Panel title="Numbers"><p>Compiling…</p></Panel>;
+  if (!scene) return <Panel title="Numbers"><p>{state.current.value ? "There is no image." : "Compiling…"}</p></Panel>;
   const { numbers } = scene;
   const { quantity: shown, top } = look.value;
   const drawn = object ? object.triangles.length / 9 : 0;
@@ -161,7 +168,7 @@ export function Failed() {
 
 export function Status() {
   const { slice, scene, current } = state;
-  const words = !current.value ? "Compiling…" : `${state.hello.value?.project ?? ""}: ${scene.value?.foci.length ?? 0} focal points for ${scene.value?.array.name ?? ""}`;
+  const words = !current.value ? "Compiling…" : !scene.value ? `${state.hello.value?.project ?? ""}: no image` : `${state.hello.value?.project ?? ""}: ${scene.value?.foci.length ?? 0} focal points for ${scene.value?.array.name ?? ""}`;
   return (
     <footer>
       <span>{words}</span>

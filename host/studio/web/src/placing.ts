@@ -4,6 +4,7 @@ import { having, type Place, type ProjectDocument, type ShapeEntry } from "./doc
 import type { Point } from "./link";
 
 const standard: Point = [0, 0, 130]; // of built-in shapes, none of which has a centre
+export const touchedAt: Point = [0, 0, 200]; // of an object that a hand feels
 const keys = ["scale", "size_mm", "rotate_deg", "center_mm"] as const;
 
 /** Without the keys that are undefined. */
@@ -19,11 +20,13 @@ export function placed({ shape = [], place }: ProjectDocument, chosen: number | 
 
 /** Where one of several objects is, or, with undefined, all together. */
 export function placeOf(document: ProjectDocument, object: number | undefined): Place {
+  if (document.hand) return { center_mm: document.hand.center_mm ?? touchedAt, rotate_deg: document.hand.rotate_deg ?? [0, 0, 0] };
   return object === undefined ? document.place ?? {} : document.shape?.[object] ?? {};
 }
 
 /** A document in which one object, or all together, is somewhere else. */
 export function moved(document: ProjectDocument, object: number | undefined, change: { [Key in keyof Place]: Place[Key] | undefined }): ProjectDocument {
+  if (document.hand) return having(document, { hand: clean({ ...document.hand, ...change }) });
   if (object === undefined) {
     const place = clean({ ...document.place, ...change });
     return having(document, { place: Object.keys(place).length > 0 ? place : undefined });

@@ -2,6 +2,7 @@
 // What is felt: objects, where they are, and how they are sampled and played.
 import { Choice, NumberField, Panel } from "./controls";
 import { edit, having, project, type ProjectDocument, type ShapeEntry } from "./document";
+import { HandSettings } from "./hand";
 import type { Point } from "./link";
 import { library } from "./library";
 import { moved, placed, placeOf, withAnother, without } from "./placing";
@@ -16,7 +17,7 @@ const paces = [
 const noPace = { rate_hz: undefined, speed_m_s: undefined, frequency_hz: undefined };
 
 /** Waveforms of the amplitude, as a project file names them. */
-const modulations = [["", "none"], ["sine:50", "sine, 50 Hz"], ["sine:100", "sine, 100 Hz"], ["sine:200", "sine, 200 Hz"], ["square:200", "square, 200 Hz"]] as const;
+export const modulations = [["", "none"], ["sine:50", "sine, 50 Hz"], ["sine:100", "sine, 100 Hz"], ["sine:200", "sine, 200 Hz"], ["square:200", "square, 200 Hz"]] as const;
 
 const axes = ["x", "y", "z"];
 const replaced = (list: Point, at: number, value: number): number[] => list.map((each, i) => (i === at ? value : each));
@@ -98,6 +99,7 @@ export function Shape({ actions }: { actions: Actions }) {
   const hello = state.hello.value;
   const now = project.value;
   if (!hello || !now) return <Panel title="Object"><p>Waiting for the server…</p></Panel>;
+  if (now.hand) return <HandSettings actions={actions} now={now} hand={now.hand} />;
   const change = (changes: Partial<Record<keyof ProjectDocument, unknown>>): void => edit(having(now, changes));
   const led = paces.find(({ key }) => now[key] !== undefined) ?? paces[0];
   const pace = led.key;

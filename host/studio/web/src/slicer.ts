@@ -60,6 +60,13 @@ export class Slicer {
     this.underWay = undefined;
   }
 
+  /** There is nothing to slice any more. */
+  stop(): void {
+    clearTimeout(this.rest);
+    this.rest = this.wanted = this.underWay = undefined;
+    this.busy(false);
+  }
+
   private next(): void {
     const of = this.of();
     this.busy(this.underWay !== undefined || this.wanted !== undefined || this.rest !== undefined);

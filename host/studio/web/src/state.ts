@@ -2,7 +2,7 @@
 // What the page knows, as the server told it, and what its panels can ask for.
 import { computed, signal } from "@preact/signals";
 import type { ProjectDocument } from "./document";
-import type { Analysis, Device, Drawn, Drives, Event, Failure, Hello, PinReport, Point, PulseWindow, Scene, SliceData, Studies, StudyQuestion } from "./link";
+import type { Analysis, Device, Drawn, Drives, Event, Failure, FileOfScene, FrameReport, HandFrame, Hello, PinReport, Point, PulseWindow, Scene, SliceData, Studies, StudyQuestion } from "./link";
 import type { Edges, Orientation } from "./view";
 
 /** What the handles in the view do. */
@@ -96,11 +96,16 @@ export const state = {
   session: signal<StudySession | undefined>(undefined),
   /** Why studies cannot be run, or the last session could not begin. */
   studyFailure: signal<Failure | undefined>(undefined),
-  /** Of the present scene and of the kept one. */
   /** How many decibels the surface in the view lies below the greatest value around the focal points; none: there is no surface. */
   surface: signal<number | undefined>(undefined),
   /** Whether a surface is being computed. */
   surfacing: signal(false),
+  /** The frame of the hand that the document has. */
+  hand: signal<HandFrame | undefined>(undefined),
+  /** Whether a path is being rendered, and what became of all frames of the document without its frame, as text. */
+  rendering: signal(false),
+  frames: signal<{ of: string; reports: FrameReport[] } | undefined>(undefined),
+  /** Of the present scene and of the kept one. */
   profiles: signal<{ now: Profile | undefined; kept: Profile | undefined }>({ now: undefined, kept: undefined }),
 };
 
@@ -114,7 +119,11 @@ export interface Actions {
   place(orientation: Orientation, middle: Point): void;
   drop(files: File[]): Promise<void>;
   send(t: string, members?: Record<string, unknown>): void;
-  take(as: "hex" | "manifest" | "project"): Promise<void>;
+  take(as: FileOfScene): Promise<void>;
+  /** Copies the paragraph for a paper's section on methods. */
+  copyMethods(): Promise<void>;
+  /** Renders the hand's frame, or all of them, and saves the path; or only looks through them. */
+  renderHand(what: "frame" | "all" | "look"): Promise<void>;
   takeField(as: "png" | "csv" | "npy" | "vti"): Promise<void>;
   copy(text: string): Promise<void>;
   /** Hands text to the user as a file. */

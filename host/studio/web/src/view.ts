@@ -10,7 +10,8 @@ import {
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { TransformControls } from "three/addons/controls/TransformControls.js";
 import { type ColourMap, phaseColour, table } from "./colours";
-import type { Drawn, Drives, Point, Scene, SliceData } from "./link";
+import { HandDrawing } from "./hand_drawing";
+import type { ArrayOf, Drawn, DrawnHand, Drives, Point, Scene, SliceData } from "./link";
 import { type Look, quantities } from "./quantity";
 
 export type Orientation = "xy" | "xz" | "yz";
@@ -76,6 +77,7 @@ export class View {
   private readonly object = new Group();
   private readonly surface = new Group();
   private readonly path = new Group();
+  private readonly hand = new HandDrawing();
   private readonly pivot = new Group();
   private middleOfAll = new Vector3();
   private centreOfOne: Vector3 | undefined;
@@ -108,7 +110,7 @@ export class View {
 
     const sun = new DirectionalLight(0xffffff, 2);
     sun.position.set(1, -2, 3);
-    this.world.add(new AmbientLight(0xffffff, 1.6), sun, this.array, this.object, this.surface, this.path, this.plane);
+    this.world.add(new AmbientLight(0xffffff, 1.6), sun, this.array, this.object, this.surface, this.path, this.hand.group, this.plane);
 
     const { uniforms } = this;
     this.sheet = new Mesh(new PlaneGeometry(1, 1), new ShaderMaterial({ side: DoubleSide, transparent: true, uniforms, vertexShader, fragmentShader }));
@@ -199,22 +201,27 @@ export class View {
     return { origin: round(origin), u: round(corner(0.5, -0.5).sub(origin)), v: round(corner(-0.5, 0.5).sub(origin)) };
   }
 
-  showScene(scene: Scene): void {
+  showArray({ elements, radius_mm: radius }: ArrayOf): void {
     this.clear(this.array);
-    const { elements, radius_mm: radius } = scene.array;
     const discs = new InstancedMesh(new CircleGeometry(radius, 20), new MeshBasicMaterial({ side: DoubleSide }), elements.length);
     elements.forEach((element, i) => discs.setMatrixAt(i, new Matrix4().makeTranslation(...element)));
     this.array.add(discs);
     this.discs = discs;
     this.drives = undefined;
+    this.paint();
+  }
+
+  /** @param tour  whether its focal points are drawn, in their order */
+  showScene(scene: Scene, tour: boolean): void {
+    this.showArray(scene.array);
     this.clear(this.path);
-    const first = scene.foci[0];
+    const first = tour ? scene.foci[0] : undefined;
     if (first) {
-      const tour = new Line(geometryOf(flat([...scene.foci, first])), new LineBasicMaterial());
-      tour.userData["colour"] = "--tour";
+      const line = new Line(geometryOf(flat([...scene.foci, first])), new LineBasicMaterial());
+      line.userData["colour"] = "--tour";
       const foci = new Points(geometryOf(flat(scene.foci)), new PointsMaterial({ size: 5, sizeAttenuation: false }));
       foci.userData["colour"] = "--focus";
-      this.path.add(tour, foci);
+      this.path.add(line, foci);
     }
     this.paint();
   }
@@ -250,6 +257,20 @@ export class View {
     if (!box.isEmpty()) this.middleOfAll = box.getCenter(new Vector3());
     this.placePivot();
     this.paint();
+  }
+
+  /** A hand and what it feels; without one, none. */
+  showHand(hand: DrawnHand | undefined): void {
+    this.hand.show(hand);
+    this.paint();
+  }
+
+  /** No scene: neither focal points nor a field. */
+  clearScene(): void {
+    this.clear(this.path);
+    this.sheet.visible = false;
+    this.slice = undefined;
+    this.redraw();
   }
 
   /** The surface of one value of the field, in place of the one before. */
@@ -316,6 +337,7 @@ export class View {
     this.world.background = colour("--view");
     this.frame.material.color = colour("--frame");
     this.focus.material.color = colour("--stop");
+    this.hand.paint(colour);
     this.paintDiscs();
     for (const group of [this.object, this.surface, this.path])
       for (const part of group.children)

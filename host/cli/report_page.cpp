@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/instrument/report_page.hpp"
+
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "command.hpp"
+#include "haptogram/base/file.hpp"
+#include "haptogram/instrument/findings.hpp"
+#include "haptogram/instrument/source.hpp"
+#include "progress_line.hpp"
+
+namespace haptogram::cli {
+namespace {
+
+struct ReportOptions {
+    std::string image, output;
+    bool methods = false, no_picture = false;
+};
+
+int make_report(const ReportOptions& options) {
+    const Bundle bundle = open_bundle(options.image);
+    if (options.methods) {
+        fmt::print("{}\n", methods_text(bundle));
+        return 0;
+    }
+    std::string page;
+    {
+        ProgressLine progress("report");
+        const Progress all = progress.callback();
+        const ImageAnalysis analysis = analyze(bundle, least_felt_n, all.in_stage("analyze").between(0.0, 0.5));
+        const std::string picture =
+            options.no_picture ? "" : report_picture(bundle, 0, all.in_stage("field").between(0.5, 1.0));
+        std::vector<std::string> findings = analysis.warnings;
+        for (const Finding& finding : findings_of(analysis.loudness)) findings.push_back(finding.message);
+        page = report_page(bundle, analysis, findings, picture);
+    }
+    write_file(options.output, page);
+    return 0;
+}
+
+}  // namespace
+
+void add_report(CLI::App& app, Action& action) {
+    auto options = std::make_shared<ReportOptions>();
+    CLI::App* sub =
+        app.add_subcommand("report", "A page about an image, or the paragraph on it for a paper's section on methods");
+    sub->add_option("image", options->image, "Intel HEX image, with its manifest beside it, or a project (.toml)")
+        ->required();
+    auto* output = sub->add_option("-o,--output", options->output, "The page, one HTML file; - is standard output")
+                       ->default_val("report.html");
+    auto* methods = sub->add_flag("--methods", options->methods, "Print only the paragraph")->excludes(output);
+    sub->add_flag("--no-picture", options->no_picture,
+                  "Leave out the picture of the field, which needs python3 with matplotlib")
+        ->excludes(methods);
+    sub->callback([options, &action] { action = [options] { return make_report(*options); }; });
+}
+
+}  // namespace haptogram::cli
