@@ -119,16 +119,27 @@ void Computing::ask(const std::shared_ptr<Page>& page, const PathMessage& messag
 }
 
 void Computing::ask(const std::shared_ptr<Page>& page, const SliceMessage& message) {
-    slices_.ask(most_views * page->number() + message.view, [this, page, message] {
+    slice(page, message, [message](const Scene& scene) -> Values {
+        if (message.record == 0) return {mean_square_on(scene.excitation, message.slice), scene.excitation.drives.size()};
+        return {mean_square_on(only(scene.excitation, message.record - 1), message.slice), 1};
+    });
+}
+
+void Computing::ask(const std::shared_ptr<Page>& page, const ReachMessage& message) {
+    slice(page, message.slice, [asked = message.slice.slice](const Scene& scene) -> Values {
+        return {reachable_on(scene.excitation.array, asked), 1};
+    });
+}
+
+void Computing::slice(const std::shared_ptr<Page>& page, const SliceMessage& message,
+                      const std::function<Values(const Scene&)>& values_of) {
+    slices_.ask(most_views * page->number() + message.view, [this, page, message, values_of] {
         tell_failure(*page, message.n, [&] {
             const auto scene = scenes_.find(message.scene);
             const Clock::time_point begun = Clock::now();
-            const std::vector<float> values =
-                message.record == 0 ? mean_square_on(scene->excitation, message.slice)
-                                    : mean_square_on(only(scene->excitation, message.record - 1), message.slice);
+            const Values found = values_of(*scene);
             const double ms = std::chrono::duration<double, std::milli>(Clock::now() - begun).count();
-            page->send(slice_bytes(message, values, scene->skin_per_square, ms,
-                                   message.record == 0 ? scene->excitation.drives.size() : 1));
+            page->send(slice_bytes(message, found.squares, scene->skin_per_square, ms, found.sets));
         });
     });
 }

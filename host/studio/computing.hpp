@@ -34,6 +34,7 @@ public:
     void ask(const std::shared_ptr<Page>& page, const HandMessage& message);
     void ask(const std::shared_ptr<Page>& page, const PathMessage& message);
     void ask(const std::shared_ptr<Page>& page, const SliceMessage& message);
+    void ask(const std::shared_ptr<Page>& page, const ReachMessage& message);
     void ask(const std::shared_ptr<Page>& page, const DrivesMessage& message);
     void ask(const std::shared_ptr<Page>& page, const AnalyzeMessage& message);
     void ask(const std::shared_ptr<Page>& page, const SimulateMessage& message);
@@ -55,6 +56,12 @@ private:
     };
 
     [[nodiscard]] Progress going_while(Wanted wanted) const;
+    struct Values {
+        std::vector<float> squares;  ///< as mean_square_on() gives them
+        std::size_t sets = 0;        ///< of drives
+    };
+    void slice(const std::shared_ptr<Page>& page, const SliceMessage& message,
+               const std::function<Values(const Scene&)>& values_of);
     /// Answers with a file that takes a while.
     void write(const Reply& reply, std::function<std::string(const Progress&)> content_of);
 

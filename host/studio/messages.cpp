@@ -27,6 +27,7 @@ class Members {
 public:
     Members(const ordered_json& message, std::string type) : message_(message), type_(std::move(type)) {}
 
+    [[nodiscard]] const std::string& type() const { return type_; }
     void only(std::initializer_list<std::string_view> known) const {
         for (const auto& [key, value] : message_.items())
             if (key != "t" && std::find(known.begin(), known.end(), key) == known.end())
@@ -181,6 +182,18 @@ std::vector<std::uint8_t> drawn_bytes(std::uint32_t n, const std::array<std::vec
 /// Every so many-th of `count`, so that at most `most` are taken.
 std::size_t stride(std::size_t count, std::size_t most) { return std::max<std::size_t>(1, (count + most - 1) / most); }
 
+SliceMessage slice_of(const Members& members) {
+    SliceMessage slice{.n = members.whole("n"),
+                       .scene = members.text("scene"),
+                       .slice = {members.millimetres("origin"), members.millimetres("u"), members.millimetres("v"),
+                                 members.whole("width"), members.whole("height")},
+                       .view = members.whole("view")};
+    if (slice.view >= most_views)
+        throw bad_input(members.type(), fmt::format("member 'view' is {}, and a page has views 0 to {}", slice.view,
+                                                    most_views - 1));
+    return slice;
+}
+
 }  // namespace
 
 Message read_message(std::string_view text) {
@@ -209,16 +222,13 @@ Message read_message(std::string_view text) {
     }
     if (type == "slice") {
         members.only({"n", "scene", "origin", "u", "v", "width", "height", "record", "view"});
-        SliceMessage slice{members.whole("n"),
-                           members.text("scene"),
-                           {members.millimetres("origin"), members.millimetres("u"), members.millimetres("v"),
-                            members.whole("width"), members.whole("height")},
-                           members.whole("record"),
-                           members.whole("view")};
-        if (slice.view >= most_views)
-            throw bad_input("message 'slice'", fmt::format("member 'view' is {}, and a page has views 0 to {}",
-                                                           slice.view, most_views - 1));
+        SliceMessage slice = slice_of(members);
+        slice.record = members.whole("record");
         return slice;
+    }
+    if (type == "reach") {
+        members.only({"n", "scene", "origin", "u", "v", "width", "height", "view"});
+        return ReachMessage{slice_of(members)};
     }
     if (type == "drives") {
         members.only({"n", "scene", "record"});

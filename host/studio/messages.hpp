@@ -41,6 +41,10 @@ struct SliceMessage {
     std::uint32_t view = 0;    ///< 0 to 3: each of a page's views waits for itself
 };
 inline constexpr std::uint32_t most_views = 4;
+/// Compute a slice of what a focus at each of its points could have. It is answered as a SliceMessage is; its record is 0.
+struct ReachMessage {
+    SliceMessage slice;
+};
 /// Tell the drives of one record.
 struct DrivesMessage {
     std::uint32_t n = 0;
@@ -126,7 +130,7 @@ struct BeatMessage {
 };
 
 using Message =
-    std::variant<SceneMessage, HandMessage, PathMessage, SliceMessage, DrivesMessage, AnalyzeMessage, SimulateMessage,
+    std::variant<SceneMessage, HandMessage, PathMessage, SliceMessage, ReachMessage, DrivesMessage, AnalyzeMessage, SimulateMessage,
                  CancelMessage, PulsesMessage, ConnectMessage, DisconnectMessage, UploadMessage, PlayMessage,
                  StreamMessage, StudiesMessage, StudyMessage, AnswerMessage, LeaveMessage, StopMessage, BeatMessage>;
 

@@ -105,6 +105,7 @@ def sound_messages():
     path = {"format": "haptogram-project-1", "path": "a.json", "array": "hoshi-18x18"}
     of_scene = {
         "slice": {"origin": [-80, -80, 130], "u": [160, 0, 0], "v": [0, 1.6e2, 0], "width": 200, "height": 100, "record": 0, "view": 1},
+        "reach": {"origin": [-80, -80, 130], "u": [160, 0, 0], "v": [0, 0, 60], "width": 48, "height": 48, "view": 0},
         "drives": {"record": 7}, "analyze": {}, "simulate": {}, "connect": {"port": "virtual"}, "upload": {}, "play": {}, "stream": {"index": 7},
     }  # fmt: skip
     others = {

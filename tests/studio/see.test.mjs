@@ -60,6 +60,29 @@ for (const colorScheme of ["light", "dark"])
     assert.deepEqual(csv, readFileSync(join(where, "field.csv")));
   });
 
+test("what one focus could have is what the command line maps", async (t) => {
+  const { page, where } = await openProject(t, ring);
+  await field(page, "Shown").selectOption("rms");
+  await field(page, "Plane").selectOption("xz");
+  await settled(page);
+  const middle = async () => Number((await page.locator("aside").last().innerText()).match(/At the plane's middle\s+([\d.,]+)/)[1].replaceAll(",", ""));
+  const played = await middle();
+  await field(page, "What one focus could have at each point").check();
+  await page.getByText("The array's workspace").waitFor();
+  await settled(page);
+  await accessible(page);
+  await picture(page, "workspace");
+  const at = await field(page, "Middle z").inputValue();
+  await run("analyze", "--array", "tile-10x10", "--plane", `xy@z=${at}`, "--extent", 4, "--step", 2, "-o", join(where, "map.csv"));
+  const rows = readFileSync(join(where, "map.csv"), "utf8").trim().split("\n").filter((line) => /^[-\d]/.test(line)).map((line) => line.split(",").map(Number));
+  const [, , amplitude] = rows.find(([x, y]) => x === 0 && y === 0);
+  const found = await middle();
+  assert.ok(Math.abs(found / (amplitude / Math.SQRT2) - 1) < 0.01, `${found} Pa rms, and a pressure of ${amplitude} Pa`);
+  await field(page, "What one focus could have at each point").uncheck();
+  await settled(page);
+  await eventually(async () => (await middle()) === played);
+});
+
 test("the timeline runs in slow motion, and a mark holds it", async (t) => {
   const { page } = await openProject(t, ring);
   await field(page, "Time").selectOption("10");

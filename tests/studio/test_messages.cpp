@@ -42,6 +42,14 @@ TEST_CASE("studio messages: every kind is read, lengths become metres") {
     CHECK(slice.slice.height == 100);
     CHECK(slice.record == 5);
     CHECK(slice.view == 2);
+    const auto reach = std::get<ReachMessage>(read_message(
+        R"({"t":"reach","n":8,"scene":"abc","origin":[0,0,50],"u":[10,0,0],"v":[0,0,20],"width":48,"height":49,"view":3})"));
+    CHECK(reach.slice.n == 8);
+    CHECK(reach.slice.scene == "abc");
+    CHECK(reach.slice.slice.v.z == Approx(0.02));
+    CHECK(reach.slice.slice.height == 49);
+    CHECK(reach.slice.record == 0);
+    CHECK(reach.slice.view == 3);
     const auto drives = std::get<DrivesMessage>(read_message(R"({"t":"drives","n":6,"scene":"s","record":3})"));
     CHECK(drives.scene == "s");
     CHECK(drives.record == 3);
@@ -109,6 +117,10 @@ TEST_CASE("studio messages: bad ones are refused by name") {
          "'record' is missing"},
         {R"({"t":"slice","n":1,"scene":"s","origin":[0,0,1],"u":[1,0,0],"v":[0,1,0],"width":2,"height":2,"record":0,"view":4})",
          "'view' is 4"},
+        {R"({"t":"reach","n":1,"scene":"s","origin":[0,0,1],"u":[1,0,0],"v":[0,1,0],"width":2,"height":2,"record":0,"view":0})",
+         "unknown member 'record'"},
+        {R"({"t":"reach","n":1,"scene":"s","origin":[0,0,1],"u":[1,0,0],"v":[0,1,0],"width":2,"height":2,"view":4})",
+         "message 'reach': member 'view' is 4"},
         {R"({"t":"drives","n":1,"scene":"s"})", "'record' is missing"},
         {R"({"t":"pulses","n":1,"index":1})", "'periods' is missing"},
         {R"({"t":"hand","n":1,"document":{}})", "'drawn' is missing"},

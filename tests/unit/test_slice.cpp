@@ -2,6 +2,7 @@
 // Slices in any direction, against a sum in double precision at points that are written down here.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <random>
 
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/analysis/focus_check.hpp"
@@ -78,6 +79,38 @@ TEST_CASE("slice: the same numbers as the field of a region") {
         worst = std::max(worst, std::abs(square - part[i]));
     }
     CHECK(worst <= 1e-5F * peak);
+}
+
+TEST_CASE("slice: what a focus could have at each point is what one has that is made there") {
+    const Array array = find_array("tile-10x10");
+    std::mt19937 random(Catch::rngSeed());
+    std::uniform_real_distribution<double> sideways(-120, 120), up(5, 250), edge(-100, 100);
+    std::size_t within = 0, beyond = 0;
+    for (int round = 0; round < 8; ++round) {
+        const Slice slice{from_mm(sideways(random), sideways(random), up(random)),
+                          from_mm(edge(random), edge(random), edge(random)),
+                          from_mm(edge(random), edge(random), edge(random)), 5, 4};
+        const std::vector<float> found = reachable_on(array, slice);
+        REQUIRE(found.size() == 20);
+        for (std::size_t i = 0; i < found.size(); ++i) {
+            const Vec3 point = slice.origin + static_cast<double>(i % 5) / 4.0 * slice.u +
+                               static_cast<double>(i / 5) / 3.0 * slice.v;
+            if (!array.unreachable(point).empty()) {
+                CHECK(found[i] == 0.0F);
+                ++beyond;
+                continue;
+            }
+            const Excitation focus = excitation_of(array, point);
+            CHECK(found[i] == Approx(mean_square(focus, point)).epsilon(1e-6));
+            ++within;
+        }
+    }
+    CHECK(within + beyond == 160);
+    const Slice over{from_mm(-10, -10, 150), from_mm(20, 0, 0), from_mm(0, 20, 0), 2, 2};
+    for (const float square : reachable_on(array, over)) CHECK(square > 0.0F);
+    Slice bad = over;
+    bad.width = 1;
+    CHECK_THROWS_WITH(reachable_on(array, bad), Contains("take 2 to 2048"));
 }
 
 TEST_CASE("slice: any number of threads gives the same bytes") {

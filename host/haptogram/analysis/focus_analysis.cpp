@@ -91,19 +91,18 @@ FocusAnalysis analyze(const Array& array, const Core& core, Drives drives, Vec3 
     return result;
 }
 
+double reachable_pressure(const Array& array, Vec3 point) {
+    if (!array.unreachable(point).empty()) return std::numeric_limits<double>::quiet_NaN();
+    double sum = 0.0;
+    for (const Element& element : array.elements) sum += std::abs(propagation(array, element, point));
+    return sum * array.transducer.source_pa_m;
+}
+
 std::vector<float> workspace(const Array& array, const Grid& grid) {
     std::vector<float> found;
     found.reserve(grid.size());
-    for (std::size_t i = 0; i < grid.size(); ++i) {
-        const Vec3 point = grid.point(i);
-        if (!array.unreachable(point).empty()) {
-            found.push_back(std::numeric_limits<float>::quiet_NaN());
-            continue;
-        }
-        double sum = 0.0;
-        for (const Element& element : array.elements) sum += std::abs(propagation(array, element, point));
-        found.push_back(static_cast<float>(sum * array.transducer.source_pa_m));
-    }
+    for (std::size_t i = 0; i < grid.size(); ++i)
+        found.push_back(static_cast<float>(reachable_pressure(array, grid.point(i))));
     return found;
 }
 

@@ -26,8 +26,10 @@ struct FocusAnalysis {
 
 [[nodiscard]] FocusAnalysis analyze(const Array& array, const Core& core, Drives drives, Vec3 focus);
 
-/// The pressure amplitude at every point when the array focuses on it with exact phases, Pa: Σ source·D(θ)/R·e^{−αR}.
+/// The pressure amplitude at a point when the array focuses on it with exact phases, Pa: Σ source·D(θ)/R·e^{−αR}.
 /// NaN where no focal point may lie (Array::unreachable).
+[[nodiscard]] double reachable_pressure(const Array& array, Vec3 point);
+/// The same at every point of a grid.
 [[nodiscard]] std::vector<float> workspace(const Array& array, const Grid& grid);
 
 /// How loud a sequence is for an ear, averaged over time, in dB SPL: at the loudest place of the axis farther than λ

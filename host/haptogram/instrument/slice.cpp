@@ -7,25 +7,25 @@
 #include <cmath>
 #include <optional>
 
+#include "haptogram/analysis/focus_analysis.hpp"
 #include "haptogram/base/error.hpp"
 
 namespace haptogram {
 namespace {
 
-void require_sound(const Excitation& excitation, const Slice& slice) {
+void require_sound(const Slice& slice, std::size_t elements, std::size_t sets) {
     if (std::min(slice.width, slice.height) < 2 || std::max(slice.width, slice.height) > most_slice_points)
         throw bad_argument("slice", fmt::format("has {} × {} points; take 2 to {} along each edge", slice.width,
                                                 slice.height, most_slice_points));
     for (const Vec3& each : {slice.origin, slice.u, slice.v})
         if (!std::isfinite(each.x) || !std::isfinite(each.y) || !std::isfinite(each.z))
             throw bad_argument("slice", "its corner and its edges must be finite numbers");
-    const double terms = static_cast<double>(slice.size()) * static_cast<double>(excitation.array.elements.size()) *
-                         static_cast<double>(excitation.drives.size());
+    const double terms =
+        static_cast<double>(slice.size()) * static_cast<double>(elements) * static_cast<double>(sets);
     if (terms > most_slice_terms)
         throw bad_argument("slice", fmt::format("{} × {} points of {} elements with {} sets of drives are too many; "
                                                 "take fewer points",
-                                                slice.width, slice.height, excitation.array.elements.size(),
-                                                excitation.drives.size()));
+                                                slice.width, slice.height, elements, sets));
 }
 
 std::vector<double> spread(double from, double length, std::uint32_t count) {
@@ -68,11 +68,22 @@ std::vector<Vec3> points_of(const Slice& slice) {
 
 std::vector<float> mean_square_on(const Excitation& excitation, const Slice& slice, unsigned threads,
                                   const Progress& progress) {
-    require_sound(excitation, slice);
+    require_sound(slice, excitation.array.elements.size(), excitation.drives.size());
     const FieldOptions options{threads, progress};
     if (const std::optional<Grid> grid = grid_of(slice))
         return mean_square_pressure(excitation.array, excitation.sequence(), *grid, options);
     return mean_square_pressure_at(excitation.array, excitation.sequence(), points_of(slice), options);
+}
+
+std::vector<float> reachable_on(const Array& array, const Slice& slice) {
+    require_sound(slice, array.elements.size(), 1);
+    std::vector<float> found;
+    found.reserve(slice.size());
+    for (const Vec3& point : points_of(slice)) {
+        const double amplitude_pa = reachable_pressure(array, point);
+        found.push_back(std::isnan(amplitude_pa) ? 0.0F : static_cast<float>(0.5 * amplitude_pa * amplitude_pa));
+    }
+    return found;
 }
 
 }  // namespace haptogram

@@ -29,4 +29,8 @@ inline constexpr double most_slice_terms = 1e10;          ///< elements × sets 
 [[nodiscard]] std::vector<float> mean_square_on(const Excitation& excitation, const Slice& slice, unsigned threads = 1,
                                                 const Progress& progress = {});
 
+/// The same of a focus that the array makes at each point in turn: what it can do where. 0 out of its reach.
+/// @throws Error as mean_square_on(), of one set of drives
+[[nodiscard]] std::vector<float> reachable_on(const Array& array, const Slice& slice);
+
 }  // namespace haptogram

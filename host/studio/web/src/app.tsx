@@ -40,7 +40,8 @@ export function start(link: Link): void {
     () => state.edges.peek(),
     () => {
       const scene = state.showsKept.peek() ? state.kept.peek()?.scene : state.scene.peek();
-      return scene && { scene: scene.name, record: shownRecord.peek() };
+      if (!scene) return undefined;
+      return state.reach.peek() ? { t: "reach", scene: scene.name } : { t: "slice", scene: scene.name, record: shownRecord.peek() };
     },
     (busy) => (state.slicing.value = busy),
   );
@@ -318,6 +319,10 @@ export function start(link: Link): void {
     run: (on) => (on ? runner.start() : runner.stop()),
     showAlone(on) {
       state.alone.value = on;
+      slicer.ask(false);
+    },
+    showReach(on) {
+      state.reach.value = on;
       slicer.ask(false);
     },
     stream() {

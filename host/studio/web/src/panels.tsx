@@ -124,7 +124,9 @@ export function SliceControls({ actions }: WithActions) {
       <label class="check"><input type="checkbox" checked={top !== undefined} disabled={!slice} onChange={(e) => (look.value = { ...look.value, top: e.currentTarget.checked ? slice?.greatest : undefined })} /> Hold the top of the scale</label>
       {slice && top !== undefined && shown !== "below" && <NumberField label="Top" unit={quantities[shown].unit} value={Number(valueOf(top, shown, top, slice.skinPerSquare).toPrecision(6))} least={shown === "level" ? -100 : 1e-6} onValue={(value) => (look.value = { ...look.value, top: squareOf(value, shown, top, slice.skinPerSquare) })} />}
       <Choice label="Plane" value={orientation} choices={orientations} onValue={(value) => actions.place(value as Orientation, value === "xy" ? [0, 0, middle[2]] : [0, 0, Math.max(90, middle[2])])} />
-      <label class="check"><input type="checkbox" checked={state.alone.value} disabled={state.at.value === undefined && !state.alone.value} onChange={(e) => actions.showAlone(e.currentTarget.checked)} /> Of the marked focal point alone</label>
+      <label class="check"><input type="checkbox" checked={state.alone.value} disabled={state.reach.value || (state.at.value === undefined && !state.alone.value)} onChange={(e) => actions.showAlone(e.currentTarget.checked)} /> Of the marked focal point alone</label>
+      <label class="check"><input type="checkbox" checked={state.reach.value} onChange={(e) => actions.showReach(e.currentTarget.checked)} /> What one focus could have at each point</label>
+      {state.reach.value && <p class="hint">The array's workspace, as “haptogram analyze --array” writes it; nothing where it cannot focus. Surface, profile and files stay those of the sequence.</p>}
       <Choice label="Surface" value={String(state.surface.value ?? "")} choices={[["", "none"], ...surfaces.map((below): [string, string] => [String(below), `${below} dB below the greatest`])]} onValue={(value) => (state.surface.value = value === "" ? undefined : Number(value))} />
       {state.surfacing.value && <p class="hint">The surface is being computed.</p>}
       <div class="field">

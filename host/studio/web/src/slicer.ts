@@ -21,8 +21,8 @@ export class Slicer {
   constructor(
     private readonly link: Link,
     private readonly edges: () => Edges,
-    /** What the slice is of: a scene, and one of its records or, as 0, all of them. */
-    private readonly of: () => { scene: string; record: number } | undefined,
+    /** What the slice is of, as the server is asked for it. */
+    private readonly of: () => { t: string; scene: string; record?: number } | undefined,
     /** Told whether a slice is still to come. */
     private readonly busy: (busy: boolean) => void,
   ) {}
@@ -74,7 +74,7 @@ export class Slicer {
     let points = full;
     if (this.wanted.moving && this.costMs > 0) points = Math.max(least, Math.min(full, Math.floor(Math.sqrt(budgetMs / this.costMs))));
     this.wanted = undefined;
-    const n = this.link.send({ t: "slice", ...of, ...this.edges(), width: points, height: points, view: 0 });
+    const n = this.link.send({ ...of, ...this.edges(), width: points, height: points, view: 0 });
     this.underWay = { n, asked: performance.now() };
   }
 }

@@ -80,6 +80,8 @@ export const state = {
   slower: signal(100),
   /** Whether the field is that of the marked focal point alone. */
   alone: signal(false),
+  /** Whether the field is what one focus could have at each point. */
+  reach: signal(false),
   /** Of the scene shown; none until it has come. */
   analysis: signal<Analysis | undefined>(undefined),
   probe: signal<{ at: Point; square: number } | undefined>(undefined),
@@ -135,6 +137,8 @@ export interface Actions {
   run(on: boolean): void;
   /** Whether the field is that of the marked focal point alone. */
   showAlone(on: boolean): void;
+  /** Whether the field is what one focus could have at each point. */
+  showReach(on: boolean): void;
   handle(handles: Handles): void;
   /** Which of several objects is placed. */
   choose(object: number | undefined): void;
