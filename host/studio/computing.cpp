@@ -120,7 +120,8 @@ void Computing::ask(const std::shared_ptr<Page>& page, const PathMessage& messag
 
 void Computing::ask(const std::shared_ptr<Page>& page, const SliceMessage& message) {
     slice(page, message, [message](const Scene& scene) -> Values {
-        if (message.record == 0) return {mean_square_on(scene.excitation, message.slice), scene.excitation.drives.size()};
+        if (message.record == 0)
+            return {mean_square_on(scene.excitation, message.slice), scene.excitation.drives.size()};
         return {mean_square_on(only(scene.excitation, message.record - 1), message.slice), 1};
     });
 }

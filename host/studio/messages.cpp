@@ -189,8 +189,8 @@ SliceMessage slice_of(const Members& members) {
                                  members.whole("width"), members.whole("height")},
                        .view = members.whole("view")};
     if (slice.view >= most_views)
-        throw bad_input(members.type(), fmt::format("member 'view' is {}, and a page has views 0 to {}", slice.view,
-                                                    most_views - 1));
+        throw bad_input(members.type(),
+                        fmt::format("member 'view' is {}, and a page has views 0 to {}", slice.view, most_views - 1));
     return slice;
 }
 

@@ -41,7 +41,8 @@ struct SliceMessage {
     std::uint32_t view = 0;    ///< 0 to 3: each of a page's views waits for itself
 };
 inline constexpr std::uint32_t most_views = 4;
-/// Compute a slice of what a focus at each of its points could have. It is answered as a SliceMessage is; its record is 0.
+/// Compute a slice of what a focus at each of its points could have. It is answered as a SliceMessage is; its record is
+/// 0.
 struct ReachMessage {
     SliceMessage slice;
 };
@@ -129,10 +130,10 @@ struct BeatMessage {
     bool hidden = false;  ///< nobody sees it
 };
 
-using Message =
-    std::variant<SceneMessage, HandMessage, PathMessage, SliceMessage, ReachMessage, DrivesMessage, AnalyzeMessage, SimulateMessage,
-                 CancelMessage, PulsesMessage, ConnectMessage, DisconnectMessage, UploadMessage, PlayMessage,
-                 StreamMessage, StudiesMessage, StudyMessage, AnswerMessage, LeaveMessage, StopMessage, BeatMessage>;
+using Message = std::variant<SceneMessage, HandMessage, PathMessage, SliceMessage, ReachMessage, DrivesMessage,
+                             AnalyzeMessage, SimulateMessage, CancelMessage, PulsesMessage, ConnectMessage,
+                             DisconnectMessage, UploadMessage, PlayMessage, StreamMessage, StudiesMessage, StudyMessage,
+                             AnswerMessage, LeaveMessage, StopMessage, BeatMessage>;
 
 inline constexpr std::size_t most_depth = 16;      ///< of lists and objects within each other in a message
 inline constexpr std::size_t most_members = 4000;  ///< of a message and all objects in it; a shape has ten at most

@@ -93,8 +93,8 @@ TEST_CASE("slice: what a focus could have at each point is what one has that is 
         const std::vector<float> found = reachable_on(array, slice);
         REQUIRE(found.size() == 20);
         for (std::size_t i = 0; i < found.size(); ++i) {
-            const Vec3 point = slice.origin + static_cast<double>(i % 5) / 4.0 * slice.u +
-                               static_cast<double>(i / 5) / 3.0 * slice.v;
+            const Vec3 point =
+                slice.origin + static_cast<double>(i % 5) / 4.0 * slice.u + static_cast<double>(i / 5) / 3.0 * slice.v;
             if (!array.unreachable(point).empty()) {
                 CHECK(found[i] == 0.0F);
                 ++beyond;

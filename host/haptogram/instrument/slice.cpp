@@ -20,8 +20,7 @@ void require_sound(const Slice& slice, std::size_t elements, std::size_t sets) {
     for (const Vec3& each : {slice.origin, slice.u, slice.v})
         if (!std::isfinite(each.x) || !std::isfinite(each.y) || !std::isfinite(each.z))
             throw bad_argument("slice", "its corner and its edges must be finite numbers");
-    const double terms =
-        static_cast<double>(slice.size()) * static_cast<double>(elements) * static_cast<double>(sets);
+    const double terms = static_cast<double>(slice.size()) * static_cast<double>(elements) * static_cast<double>(sets);
     if (terms > most_slice_terms)
         throw bad_argument("slice", fmt::format("{} × {} points of {} elements with {} sets of drives are too many; "
                                                 "take fewer points",
