@@ -20,6 +20,9 @@ struct ReportOptions {
 };
 
 int make_report(const ReportOptions& options) {
+    if (!options.methods)
+        require_distinct({{"the image", options.image}, {"its manifest", manifest_path(options.image)}},
+                         {{"--output", options.output}});
     const Bundle bundle = open_bundle(options.image);
     if (options.methods) {
         fmt::print("{}\n", methods_text(bundle));

@@ -37,7 +37,7 @@ struct Crystals {
 
 }  // namespace
 
-TEST_CASE("carrier_sync: a million cycles of four and nine tiles begin within two clocks of each other") {
+TEST_CASE("carrier_sync: cycles of four and nine tiles begin within two clocks of each other") {
     const std::size_t count = GENERATE(4, 9);
     const bool soak = std::getenv("HAPTOGRAM_SOAK") != nullptr;
     const std::uint64_t cycles = soak ? 1'000'000 : 1'000, until_wander = 20;  // half a millisecond
