@@ -29,6 +29,7 @@ module haptogram_core #(
     parameter FOCI            = `HG_DEFAULT_FOCI,
     parameter SCHEDULE        = `HG_DEFAULT_SCHEDULE,
     parameter SYNC            = `HG_DEFAULT_SYNC,
+    parameter CHAIN           = `HG_DEFAULT_CHAIN,
     parameter CARRIER_HZ      = 40000,  // of the cycles before the first record, which starts at the end of one
     parameter PRIMARY_FILE    = "",     // $readmemh files: the memories' contents at power-up
     parameter SEQUENCE_FILE   = ""
@@ -40,6 +41,8 @@ module haptogram_core #(
     input  wire                i_sync,         // from the master, not synchronous to clk
     output wire                o_sync,         // of the master
     output wire                o_tx,
+    input  wire                i_next,         // the next tile's o_tx, not synchronous to clk; high where there is none
+    output wire                o_next,         // to the next tile's i_rx
     output wire [CHANNELS-1:0] o_pins,
     output wire                o_enabled,      // for the drivers' enable input
     output wire                o_alive,        // changes all the time, as long as there is a clock
@@ -80,10 +83,10 @@ module haptogram_core #(
     wire [15:0] frame_word, reply_word;
 
     link #(
-        .CHANNELS(CHANNELS), .RING_BITS(RING_BITS), .CLOCK_HZ(CLOCK_HZ), .BAUD(BAUD)
+        .CHANNELS(CHANNELS), .RING_BITS(RING_BITS), .CLOCK_HZ(CLOCK_HZ), .BAUD(BAUD), .CHAIN(CHAIN)
     ) serial (
         .clk(clk), .rst(rst),
-        .i_rx(i_rx), .o_tx(o_tx),
+        .i_rx(i_rx), .o_tx(o_tx), .i_next(i_next), .o_next(o_next),
         .o_valid(frame_valid), .o_word(frame_word), .i_take(frame_take),
         .o_good(frame_good), .o_damaged(frame_damaged),
         .i_done(execute || repeated || refused), .i_session(session), .i_expected(expected),
@@ -352,7 +355,7 @@ module haptogram_core #(
         .CHANNELS(CHANNELS), .RECORDS(RECORDS), .SEQUENCE_DEPTH(SEQUENCE_DEPTH), .LIVE_DEPTH(LIVE_DEPTH),
         .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS), .CLOCK_HZ(CLOCK_HZ), .MIN_PULSE_CLOCKS(MIN_PULSE_CLOCKS),
         .MAX_PULSE_CLOCKS(MAX_PULSE_CLOCKS), .MAX_DUTY_256(MAX_DUTY_256), .MAX_CYCLE_CLOCKS(MAX_CYCLE_CLOCKS),
-        .WIDTH_BITS(WIDTH_BITS), .MODULATION_DEPTH(MODULATION_DEPTH), .SLEW(SLEW), .FOCI(FOCI), .SCHEDULE(SCHEDULE), .SYNC(SYNC),
+        .WIDTH_BITS(WIDTH_BITS), .MODULATION_DEPTH(MODULATION_DEPTH), .SLEW(SLEW), .FOCI(FOCI), .SCHEDULE(SCHEDULE), .SYNC(SYNC), .CHAIN(CHAIN),
         .FRAME_BYTES(FRAME_BYTES)
     ) registers (
         .clk(clk), .rst(play_rst),

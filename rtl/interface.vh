@@ -1,7 +1,7 @@
 // Generated from tools/interface.toml by tools/generate_interface.py; edit the table, not this file.
 // SPDX-License-Identifier: Apache-2.0
 
-`define HG_VERSION 16'h0201
+`define HG_VERSION 16'h0202
 `define HG_NAME 128'h000000000000006d6172676f74706148
 `define HG_REGION_PRIMARY 4'h0
 `define HG_REGION_SEQUENCE 4'h1
@@ -87,6 +87,7 @@
 `define HG_FEATURE_SCHEDULE 16'h0100
 `define HG_FEATURE_LIVE_FOCI 16'h0200
 `define HG_FEATURE_SYNC 16'h1000
+`define HG_FEATURE_CHAIN 16'h2000
 `define HG_KIND_TIMINGS 8'd0
 `define HG_KIND_AMPLITUDES 8'd1
 `define HG_MODE_IDLE 2'd0
@@ -127,6 +128,9 @@
 `define HG_REPLY_STOPPED 8'h0a
 `define HG_REPLY_GATE_BUSY 8'h0b
 `define HG_REPLY_OUT_OF_STEP 8'h10
+`define HG_CHAIN_ALL 8'd2
+`define HG_CHAIN_NEAR 8'd3
+`define HG_CHAIN_COMPLEMENT 8'hfd
 `define HG_DEFAULT_CHANNELS 100
 `define HG_DEFAULT_RECORDS 400
 `define HG_DEFAULT_SEQUENCE_DEPTH 1024
@@ -145,3 +149,4 @@
 `define HG_DEFAULT_FOCI 0
 `define HG_DEFAULT_SCHEDULE 0
 `define HG_DEFAULT_SYNC 0
+`define HG_DEFAULT_CHAIN 0

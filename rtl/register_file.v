@@ -24,6 +24,7 @@ module register_file #(
     parameter SLEW           = 0,
     parameter FOCI           = 0,
     parameter SYNC           = 0,
+    parameter CHAIN          = 0,
     parameter SCHEDULE       = 0,
     parameter FRAME_BYTES    = 214
 ) (
@@ -68,7 +69,8 @@ module register_file #(
     localparam SAMPLE_WORDS = MODULATION_DEPTH / 2;
     localparam [15:0] FEATURES = `HG_FEATURES | (WIDTH_BITS != 0 ? `HG_FEATURE_AMPLITUDE : 16'd0) | (SLEW != 0 ? `HG_FEATURE_SLEW : 16'd0)
                                  | (MODULATION_DEPTH != 0 ? `HG_FEATURE_MODULATION : 16'd0) | (FOCI != 0 ? `HG_FEATURE_FOCI | `HG_FEATURE_LIVE_FOCI : 16'd0)
-                                 | (SCHEDULE != 0 ? `HG_FEATURE_SCHEDULE : 16'd0) | (SYNC != 0 ? `HG_FEATURE_SYNC : 16'd0);
+                                 | (SCHEDULE != 0 ? `HG_FEATURE_SCHEDULE : 16'd0) | (SYNC != 0 ? `HG_FEATURE_SYNC : 16'd0)
+                                 | (CHAIN != 0 ? `HG_FEATURE_CHAIN : 16'd0);
 
     reg [15:0] underruns_q, records_refused_q, good_q, damaged_q, repeated_q, refused_q, watchdog_q, guard_q, bent_q, far_q, missed_q, lost_q, late_q;
     reg [47:0] period_q;

@@ -14,7 +14,9 @@ module uart_rx #(
     input  wire       rst,
     input  wire       i_line,  // synchronous to clk
     output reg  [7:0] o_byte,
-    output reg        o_valid
+    output reg        o_valid,
+    output wire       o_sample,     // strobe, in the middle of a bit: the line is read now
+    output wire [3:0] o_bits_left   // 10 for the start bit, 9 to 2 for data, 1 for the stop bit; 0 between bytes
 );
     localparam [19:0] HALF_BIT = 20'h80000;
 
@@ -22,6 +24,9 @@ module uart_rx #(
     reg [3:0]  bits_left_q;  // 10 until the middle of the start bit; 0 when idle
     reg        high_seen_q;  // the line has been high, so that low now is a falling edge
     wire [20:0] phase_d = {1'b0, phase_q} + {1'b0, STEP};
+
+    assign o_sample    = bits_left_q != 4'd0 && phase_d[20];
+    assign o_bits_left = bits_left_q;
 
     always @(posedge clk) begin
         o_valid <= 1'b0;

@@ -18,7 +18,8 @@ public:
     /// What is at the ports after a clock's rising edge.
     struct Outputs {
         bool tx = true, enabled = false, alive = false, playing = false, fault = false, cycle_start = false,
-             sync = false;
+             sync = false,
+             next = true;  ///< the serial line to the next tile of a chain
         std::uint16_t index = 0;
         std::vector<std::uint32_t> pins;  ///< channel k is bit k % 32 of word k / 32
     };
@@ -31,6 +32,7 @@ public:
     /// What is at the ports before it.
     struct Inputs {
         bool reset = false, rx = true, stop = false, sync = false;
+        bool next = true;  ///< the serial line from the next tile
     };
 
     /// One rising clock edge with these inputs; `outputs` is what follows it.

@@ -32,7 +32,8 @@ void SimulatedBoard::reset(unsigned clocks) {
 
 void SimulatedBoard::clock() {
     const bool line = sender_.level(now_);
-    model_->clock({.reset = in_reset_, .rx = forced_line_.value_or(line), .stop = stop_, .sync = sync_}, outputs_);
+    model_->clock({.reset = in_reset_, .rx = forced_line_.value_or(line), .stop = stop_, .sync = sync_, .next = next_},
+                  outputs_);
     if (outputs_.cycle_start && on_cycle_start_) on_cycle_start_({now_, outputs_.index, outputs_.enabled});
     for (std::size_t word = 0; word < last_pins_.size(); ++word) {
         std::uint32_t changed = outputs_.pins[word] ^ last_pins_[word];

@@ -41,6 +41,8 @@ public:
     void press_stop(bool pressed) override { stop_ = pressed; }
     /// The level at the wire SYNC, of boards that have it.
     void drive_sync(bool level) { sync_ = level; }
+    /// The level at the serial line from the next tile of a chain.
+    void drive_next(bool level) { next_ = level; }
 
     void on_edge(std::function<void(const Edge&)> callback) override { on_edge_ = std::move(callback); }
     void on_cycle_start(std::function<void(const CycleStart&)> callback) override {
@@ -69,7 +71,7 @@ private:
     std::function<void(const Arrival&)> on_arrival_;
     std::uint64_t now_ = 0;
     bool in_reset_ = true;
-    bool stop_ = false, sync_ = false;
+    bool stop_ = false, sync_ = false, next_ = true;
 };
 
 /// Name of the first of these configurations that has this clock and these channels, and enough records, sequence words

@@ -44,6 +44,7 @@ void Tiles::clock(Tile& tile) {
         tile.arriving.pop_front();
     }
     tile.board->drive_sync(tile.connected && tile.level);
+    if (chained_) join(tile);
     tile.board->run(1);
     if (&tile == tiles_.data() && tile.board->outputs().sync != wire_) {
         wire_ = !wire_;
@@ -51,6 +52,17 @@ void Tiles::clock(Tile& tile) {
     }
     tile.next_fs += tile.period_fs;
     if (tile.oscillator.wander_ppm > 0.0 && tile.clocks_to_wander-- == 0) wander(tile);
+}
+
+/// What a board sees of its neighbours in a chain at its next clock.
+void Tiles::join(Tile& tile) {
+    Tile* const next = &tile + 1;
+    if (&tile != tiles_.data()) {
+        tile.board->force_line(tile.cut || (&tile - 1)->board->outputs().next);
+        // Nobody listens to this board's own end.
+        if (tile.board->received() > 4096) static_cast<void>(tile.board->receive());
+    }
+    tile.board->drive_next(next == tiles_.data() + tiles_.size() || next->cut || next->board->outputs().tx);
 }
 
 void Tiles::run(Femtoseconds duration) {

@@ -44,6 +44,10 @@ public:
     /// Runs all boards for so long.
     void run(Femtoseconds duration);
 
+    /// Wires each board's serial line behind the one before it, instead of to a host of its own.
+    void chain() { chained_ = true; }
+    /// Cuts the wires of a chain between this board and the one before it, or joins them again.
+    void cut_chain(std::size_t board, bool cut) { tiles_[board].cut = cut; }
     /// Plugs a board's end of the wire in, or out: then it sees a low level.
     void connect(std::size_t board, bool connected);
     /// Drives the wire from elsewhere at a time that has not come yet, as a function generator does. Times must not go
@@ -63,16 +67,17 @@ private:
         std::uint32_t clocks_to_wander = 0;
         double wander_ppm = 0.0;
         std::deque<Change> arriving;
-        bool level = false, connected = true;
+        bool level = false, connected = true, cut = false;
     };
 
     void clock(Tile& tile);
+    void join(Tile& tile);
     void wander(Tile& tile);
 
     std::vector<Tile> tiles_;
     std::mt19937 random_;
     Femtoseconds now_ = 0;
-    bool wire_ = false;
+    bool wire_ = false, chained_ = false;
 };
 
 /// The serial line of one of several boards: waiting for bytes runs all of them.

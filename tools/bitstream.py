@@ -94,6 +94,7 @@ def synthesise(folder, board):
     defines += [f"-DHG_STOP={pins.get('stop_level', 0)}"] if "stop" in pins else []
     defines += [f"-DHG_DRIVER_ENABLE={pins.get('driver_enable_level', 1)}"] if "driver_enable" in pins else []
     defines += [f"-DHG_{key.upper()}" for key in ("sync_in", "sync_out") if key in pins]
+    defines += ["-DHG_CHAIN"] if "next_rx" in pins else []
     defines += [f"-DHG_HIGH={len(pins['high'])}"] if pins.get("high") else []
     sets = " ".join(f"-set {k} {v}" for k, v in board["parameters"].items())
     files = " ".join(f'-set {n.upper()}_FILE "{n}_init.hex"' for n in memories(board))
@@ -128,9 +129,10 @@ def constraints(board):
     pins, channels = board["pins"], board["parameters"]["CHANNELS"]
     sites = [("i_clk", pins["clk"]), ("i_rx", pins["rx"]), ("o_tx", pins["tx"])]
     sites += [(port, pins[key]) for port, key in [("o_led", "led"), ("i_stop", "stop"), ("o_driver_enable", "driver_enable"),
-                                                  ("o_alive", "alive"), ("i_sync", "sync_in"), ("o_sync", "sync_out")] if key in pins]
-    # At rest the serial line is high and SYNC low, and a stop switch that nobody has fitted is not pressed.
-    pulls = {"i_rx": "UP", "i_sync": "DOWN", "i_stop": "DOWN" if pins.get("stop_level", 0) else "UP"}
+                                                  ("o_alive", "alive"), ("i_sync", "sync_in"), ("o_sync", "sync_out"),
+                                                  ("i_next", "next_rx"), ("o_next", "next_tx")] if key in pins]
+    # At rest serial lines are high and SYNC low, and a stop switch that nobody has fitted is not pressed.
+    pulls = {"i_rx": "UP", "i_next": "UP", "i_sync": "DOWN", "i_stop": "DOWN" if pins.get("stop_level", 0) else "UP"}
     sites += [(f"o_high[{i}]", ball) for i, ball in enumerate(pins.get("high", []))]
     sites += [(f"o_pins[{k}]", row[3]) for k, row in enumerate(board["outputs"][:channels])]
     if board["fpga"]["family"] == "ice40":

@@ -100,6 +100,10 @@ def verilog(table):
         define(f"COMMAND_{command['name']}", f"8'h{command['code']:02x}")
     for status in table["status"]:
         define(f"REPLY_{status['name']}", f"8'h{status['code']:02x}")
+    chain = table["chain"]
+    define("CHAIN_ALL", f"8'd{chain['all']}")
+    define("CHAIN_NEAR", "8'd3")  # the nearest tile's number is 1
+    define("CHAIN_COMPLEMENT", "8'hfd")  # of both
     for parameter in table["parameter"]:
         define(f"DEFAULT_{parameter['name']}", parameter["default"])
     return "\n".join(out) + "\n"
@@ -236,6 +240,8 @@ def cpp(table):
         out += [f"}}  // namespace {name}_field"]
     out += ["", "/// How a host deals with a line that loses bytes; rtl/INTERFACE.md says what each number means.", "namespace link_policy {"]
     out += [f"inline constexpr unsigned {row['name']} = {row['value']};" for row in table["link"]] + ["}  // namespace link_policy"]
+    out += ["", "/// What stands before each frame in a chain of tiles; rtl/INTERFACE.md says how it is used.", "namespace chain {"]
+    out += [f"inline constexpr unsigned {name} = {value};" for name, value in table["chain"].items()] + ["}  // namespace chain"]
     for name, words in blocks(table).items():
         out += ["", f"enum class {name.capitalize()}Word : unsigned {{"]
         out += [f"    {word} = {position}," for position, word in enumerate(words)]
@@ -340,6 +346,7 @@ def python(table):
     out.append(f"LONGEST_CYCLE_S = {table['image']['longest_cycle_s']}")
     out += ["", "# How a host deals with a line that loses bytes; rtl/INTERFACE.md says what each number means."]
     out += [f"LINK_{row['name'].upper()} = {row['value']}" for row in table["link"]] + [""]
+    out += [f"CHAIN_{name.upper()} = {value}" for name, value in table["chain"].items()] + [""]
     for name, words in blocks(table).items():
         out.append(f"{name.upper()}_WORDS = {words!r}".replace("'", '"'))
     status = blocks(table)["status"]
@@ -415,7 +422,17 @@ def page(table):
             "answered, from the first missing frame on; the board applies each sequence number once. This project's hosts all do so:", ""]
     out += ["| number | value | what |", "|---|---|---|"]
     out += [f"| {row['name']} | {row['value']} | {row['about']} |" for row in table["link"]]
-    out += ["", "## Parameters of the core", "", "| parameter | range | unit | default | what | why |", "|---|---|---|---|---|---|"]
+    chain = table["chain"]
+    out += ["", "## A chain of tiles", "",
+            "Boards with chain pass the line on: from each board's second serial port a wire leads to the next one's first, and one back. Then two bytes",
+            f"stand before each frame, outside of its COBS: 2 · n + 1 for the n-th tile, counted from 1 to {chain['most_tiles']}, or {chain['all']} for all; and behind it the",
+            "complement of that byte's upper seven bits, above a 1. A tile counts the number down as it passes the frame on, and takes for its own what comes",
+            "with a 1. An answer comes with the number of the tile that it is from, written alike; each tile on its way has counted it up. All answer what is for all.",
+            "Two bytes that do not fit each other are for nobody.", "",
+            f"After power-up a board knows nothing of this: it takes and answers frames as above and passes none on. The three bytes {chain['all']}, 253, 0 make it one of a",
+            "chain, and from then on go to the next tile. So a host sends them, asks the first tile, sends them again, asks the second, until none answers; to a board",
+            "without chain they are a damaged frame. A break of the line, which must be half a bit longer for each tile, ends the chain and turns all outputs off.", ""]
+    out += ["## Parameters of the core", "", "| parameter | range | unit | default | what | why |", "|---|---|---|---|---|---|"]
     for p in table["parameter"]:
         bounds = [f"{p['low']}…{p['high']}"] + [f"{sign} {p[key]}" for key, sign in (("at_least", "≥"), ("at_most", "≤")) if key in p]
         bounds += ["a power of two"] if p.get("power_of_two") else []

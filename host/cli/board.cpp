@@ -67,6 +67,8 @@ ordered_json to_json(const Board::Pins& pins) {
             {"alive", or_null(pins.alive)},
             {"sync_in", or_null(pins.sync_in)},
             {"sync_out", or_null(pins.sync_out)},
+            {"next_rx", or_null(pins.next_rx)},
+            {"next_tx", or_null(pins.next_tx)},
             {"active", pins.active_low ? "low" : "high"},
             {"drive_ma", or_null(pins.drive_ma)},
             {"slew", or_null(pins.slew)},
@@ -142,6 +144,9 @@ std::string to_text(const Pinout& pinout) {
         text += fmt::format("SYNC   in ball {}; from the master, when this board is a slave\n", *pins.sync_in);
     if (pins.sync_out)
         text += fmt::format("SYNC   out ball {}; to the slaves, when this board is the master\n", *pins.sync_out);
+    if (pins.next_rx)
+        text += fmt::format("chain  rx ball {}, tx ball {}; the serial line of the next board\n", *pins.next_rx,
+                            *pins.next_tx);
     if (pins.active_low) text += "active low: a transducer's driver is on while its pin is low\n";
     if (!pins.high.empty()) text += fmt::format("high   ball {}\n", fmt::join(pins.high, ", "));
     text += fmt::format("array  {}, {} elements; x to the right, y up, seen from the side of the hand\n",

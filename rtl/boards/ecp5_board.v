@@ -8,6 +8,7 @@
 //   HG_DRIVER_ENABLE  the level, 0 or 1, at which the drivers are on, when it has a pin for their enable input: they are while
 //                     outputs are enabled and the clock runs
 //   HG_SYNC_IN, HG_SYNC_OUT  when it has a pin for SYNC from a master, or to slaves
+//   HG_CHAIN          when it has two for the serial line of the next tile
 //   HG_ALIVE          when it has a pin that changes as long as there is a clock
 //   HG_ACTIVE_LOW     when a transducer's driver is on while its pin is low
 // The enable is taken away by clock_watch, which has a clock of its own, when this one stops.
@@ -32,6 +33,7 @@ module ecp5_board #(
     parameter FOCI            = `HG_DEFAULT_FOCI,
     parameter SCHEDULE        = `HG_DEFAULT_SCHEDULE,
     parameter SYNC            = `HG_DEFAULT_SYNC,
+    parameter CHAIN           = `HG_DEFAULT_CHAIN,
     parameter PRIMARY_FILE    = "",
     parameter SEQUENCE_FILE   = ""
 ) (
@@ -47,6 +49,10 @@ module ecp5_board #(
     output wire                o_sync,
 `endif
     output wire                o_tx,
+`ifdef HG_CHAIN
+    input  wire                i_next,
+    output wire                o_next,
+`endif
 `ifdef HG_DRIVER_ENABLE
     output wire                o_driver_enable,
 `endif
@@ -71,7 +77,15 @@ module ecp5_board #(
 `else
     wire sync_in = 1'b0;
 `endif
-    wire sync_out;
+`ifdef HG_CHAIN
+    wire next_in = i_next;
+`else
+    wire next_in = 1'b1;
+`endif
+    wire sync_out, next_out;
+`ifdef HG_CHAIN
+    assign o_next = next_out;
+`endif
 `ifdef HG_SYNC_OUT
     assign o_sync = sync_out;
 `endif
@@ -84,9 +98,9 @@ module ecp5_board #(
         .CHANNELS(CHANNELS), .RECORDS(RECORDS), .SEQUENCE_DEPTH(SEQUENCE_DEPTH), .LIVE_DEPTH(LIVE_DEPTH), .TIMING_BITS(TIMING_BITS),
         .PULSE_BITS(PULSE_BITS), .CLOCK_HZ(CLOCK_HZ), .BAUD(BAUD), .WATCHDOG_MS(WATCHDOG_MS), .MAX_HIGH_CLOCKS(MAX_HIGH_CLOCKS),
         .MIN_PULSE_CLOCKS(MIN_PULSE_CLOCKS), .MAX_DUTY_256(MAX_DUTY_256), .WIDTH_BITS(WIDTH_BITS),
-        .MODULATION_DEPTH(MODULATION_DEPTH), .SLEW(SLEW), .FOCI(FOCI), .SCHEDULE(SCHEDULE), .SYNC(SYNC), .PRIMARY_FILE(PRIMARY_FILE), .SEQUENCE_FILE(SEQUENCE_FILE)
+        .MODULATION_DEPTH(MODULATION_DEPTH), .SLEW(SLEW), .FOCI(FOCI), .SCHEDULE(SCHEDULE), .SYNC(SYNC), .CHAIN(CHAIN), .PRIMARY_FILE(PRIMARY_FILE), .SEQUENCE_FILE(SEQUENCE_FILE)
     ) core (
-        .clk(clk), .rst(rst), .i_rx(i_rx), .i_stop(stop), .i_sync(sync_in), .o_sync(sync_out), .o_tx(o_tx), .o_pins(pins), .o_enabled(enabled), .o_alive(alive),
+        .clk(clk), .rst(rst), .i_rx(i_rx), .i_stop(stop), .i_sync(sync_in), .o_sync(sync_out), .o_tx(o_tx), .i_next(next_in), .o_next(next_out), .o_pins(pins), .o_enabled(enabled), .o_alive(alive),
         .o_playing(playing), .o_fault(fault), .o_index(), .o_cycle_start(cycle_start));
     clock_watch watch (.i_alive(alive), .o_running(running));
 `ifdef HG_DRIVER_ENABLE

@@ -26,6 +26,7 @@ module ice40_hx8k_breakout #(
     parameter FOCI            = `HG_DEFAULT_FOCI,
     parameter SCHEDULE        = `HG_DEFAULT_SCHEDULE,
     parameter SYNC            = `HG_DEFAULT_SYNC,
+    parameter CHAIN           = `HG_DEFAULT_CHAIN,
     parameter PRIMARY_FILE    = "",
     parameter SEQUENCE_FILE   = ""
 ) (
@@ -50,9 +51,9 @@ module ice40_hx8k_breakout #(
         .CHANNELS(CHANNELS), .RECORDS(RECORDS), .SEQUENCE_DEPTH(SEQUENCE_DEPTH), .LIVE_DEPTH(LIVE_DEPTH), .TIMING_BITS(TIMING_BITS),
         .PULSE_BITS(PULSE_BITS), .CLOCK_HZ(CLOCK_HZ), .BAUD(BAUD), .WATCHDOG_MS(WATCHDOG_MS), .MAX_HIGH_CLOCKS(MAX_HIGH_CLOCKS),
         .MIN_PULSE_CLOCKS(MIN_PULSE_CLOCKS), .MAX_DUTY_256(MAX_DUTY_256), .WIDTH_BITS(WIDTH_BITS),
-        .MODULATION_DEPTH(MODULATION_DEPTH), .SLEW(SLEW), .FOCI(FOCI), .SCHEDULE(SCHEDULE), .SYNC(SYNC), .PRIMARY_FILE(PRIMARY_FILE), .SEQUENCE_FILE(SEQUENCE_FILE)
+        .MODULATION_DEPTH(MODULATION_DEPTH), .SLEW(SLEW), .FOCI(FOCI), .SCHEDULE(SCHEDULE), .SYNC(SYNC), .CHAIN(CHAIN), .PRIMARY_FILE(PRIMARY_FILE), .SEQUENCE_FILE(SEQUENCE_FILE)
     ) core (
-        .clk(clk), .rst(rst), .i_rx(i_rx), .i_stop(!i_stop), .i_sync(1'b0), .o_sync(), .o_tx(o_tx), .o_pins(pins), .o_enabled(o_driver_enable), .o_alive(alive),
+        .clk(clk), .rst(rst), .i_rx(i_rx), .i_stop(!i_stop), .i_sync(1'b0), .o_sync(), .o_tx(o_tx), .i_next(1'b1), .o_next(), .o_pins(pins), .o_enabled(o_driver_enable), .o_alive(alive),
         .o_playing(playing), .o_fault(fault), .o_index(), .o_cycle_start(cycle_start));
     // The registers in the I/O cells: all pins change within the same nanosecond, wherever their channels were placed.
     genvar k;

@@ -99,7 +99,7 @@ Board::Flash read_flash(const Section& section) {
 
 Board::Pins read_pins(const Section& section, const Board::Fpga& fpga, const interface::CoreParameters& parameters) {
     section.only({"clk", "rx", "tx", "led", "stop", "stop_level", "driver_enable", "driver_enable_level", "alive",
-                  "sync_in", "sync_out", "active", "drive_ma", "slew", "high"});
+                  "sync_in", "sync_out", "next_rx", "next_tx", "active", "drive_ma", "slew", "high"});
     Board::Pins pins;
     pins.clk = ball(section, "clk");
     pins.rx = ball(section, "rx");
@@ -115,6 +115,15 @@ Board::Pins read_pins(const Section& section, const Board::Fpga& fpga, const int
     for (const char* key : {"sync_in", "sync_out"})
         if (section.find(key) != nullptr && parameters.sync == 0)
             throw section.wrong(*section.find(key), key, "no such key, or parameters.SYNC = 1: this core has no SYNC");
+    pins.next_rx = section.text("next_rx", a_ball, is_word);
+    pins.next_tx = section.text("next_tx", a_ball, is_word);
+    for (const char* key : {"next_rx", "next_tx"})
+        if (section.find(key) != nullptr && parameters.chain == 0)
+            throw section.wrong(*section.find(key), key,
+                                "no such key, or parameters.CHAIN = 1: this core passes no line on");
+    if (pins.next_rx.has_value() != pins.next_tx.has_value())
+        throw bad_input(section.at(pins.next_rx ? "next_rx" : "next_tx"),
+                        "found one of next_rx and next_tx, expected both or none");
     if (const auto active = section.text("active")) {
         if (*active != "high" && *active != "low")
             throw section.wrong(*section.find("active"), "active", "\"high\" or \"low\"");

@@ -33,6 +33,8 @@ struct Board {
         std::optional<std::string> alive;          ///< output that changes as long as there is a clock
         std::optional<std::string> sync_in;        ///< input of SYNC, of a slave
         std::optional<std::string> sync_out;       ///< output of SYNC, of a master
+        std::optional<std::string> next_rx;        ///< input of a chain: the line from the next tile
+        std::optional<std::string> next_tx;        ///< output of a chain: the line to it
         bool active_low = false;                   ///< a transducer's driver is on while its pin is low
         std::optional<std::uint32_t> drive_ma;     ///< strength of the outputs; only an ecp5 has a choice
         std::optional<std::string> slew;           ///< "slow" or "fast"; only an ecp5 has a choice

@@ -66,7 +66,8 @@ Core core_of_array(const std::string& name) {
                   "slew",
                   "foci",
                   "schedule",
-                  "sync"});
+                  "sync",
+                  "chain"});
     Core core = find_configuration("tile-100");
     if (const auto configuration = section.text("configuration")) {
         try {

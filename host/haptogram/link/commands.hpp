@@ -51,6 +51,7 @@ struct Identity {
         core.foci = foci;
         core.schedule = interface::has(features, interface::Feature::schedule) ? 1 : 0;
         core.sync = interface::has(features, interface::Feature::sync) ? 1 : 0;
+        core.chain = interface::has(features, interface::Feature::chain) ? 1 : 0;
         core.max_high_clocks = max_high_clocks(max_pulse_clocks);
         return core;
     }

@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
+#include <mutex>
 #include <system_error>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/link/chain.hpp"
 #include "haptogram/link/serial_port.hpp"
 #if HAPTOGRAM_FTDI
 #include "haptogram/link/ftdi_port.hpp"
@@ -33,9 +36,21 @@ std::unique_ptr<Transport> open_ftdi(const std::string& name, std::uint32_t) {
 void add_ftdi(std::vector<PortInfo>&) {}
 #endif
 
+/// The chain behind a port: all tiles of it that this process uses share the one port, which has one user at a time.
+std::shared_ptr<Chain> open_chain(const std::string& name, std::uint32_t baud) {
+    static std::mutex mutex;
+    static std::map<std::pair<std::string, std::uint32_t>, std::weak_ptr<Chain>> chains;
+    const std::lock_guard lock(mutex);
+    std::weak_ptr<Chain>& known = chains[{name, baud}];
+    std::shared_ptr<Chain> chain = known.lock();
+    if (!chain || chain->lost()) known = chain = std::make_shared<Chain>(open_port(name, baud));
+    return chain;
+}
+
 }  // namespace
 
 std::unique_ptr<Transport> open_port(const std::string& name, std::uint32_t baud) {
+    if (const auto chained = chained_port(name)) return open_chain(chained->port, baud)->tile(chained->tile);
     if (name.starts_with("ftdi:")) return open_ftdi(name, baud);
     return std::make_unique<SerialPort>(name, baud);
 }

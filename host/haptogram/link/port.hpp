@@ -11,11 +11,14 @@ namespace haptogram::link {
 
 /// Where a device is.
 struct PortSettings {
-    std::string port;                ///< a serial port such as /dev/ttyUSB0, or ftdi:[VID:PID[:SERIAL]]
+    std::string port;  ///< a serial port such as /dev/ttyUSB0, or ftdi:[VID:PID[:SERIAL]]; #N behind it: tile N of the
+                       ///< chain there
     std::uint32_t baud = 1'000'000;  ///< the rate, which the build of the FPGA fixes
 };
 
-/// Opens the port of that name: an FTDI chip when the name begins with "ftdi:", else a serial port.
+/// Opens the port of that name: an FTDI chip when the name begins with "ftdi:", else a serial port. With "#2" at its
+/// end, the second tile of a chain behind it; those of one process share the port.
+/// @throws Error{bad_argument} when there is no such number of a tile
 /// @throws Error{device} as FtdiPort and SerialPort do, and when this build leaves FTDI out
 [[nodiscard]] std::unique_ptr<Transport> open_port(const std::string& name, std::uint32_t baud);
 

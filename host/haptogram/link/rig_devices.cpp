@@ -6,19 +6,23 @@
 #include <algorithm>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/link/chain.hpp"
 
 namespace haptogram::link {
 
 std::vector<PortSettings> ports_of(const RigBundle& bundle, const std::vector<std::string>& ports,
                                    std::optional<std::uint32_t> baud) {
-    if (!ports.empty() && ports.size() != bundle.tiles.size())
+    const bool chained = ports.size() == 1 && bundle.tiles.size() > 1 && !chained_port(ports.front());
+    if (!ports.empty() && !chained && ports.size() != bundle.tiles.size())
         throw bad_argument("port", fmt::format("{} given, but the rig {} has {} tiles; give one for each, in their "
-                                               "order",
+                                               "order, or one alone that leads to a chain of them",
                                                ports.size(), bundle.rig, bundle.tiles.size()));
     std::vector<PortSettings> settings;
     for (std::size_t i = 0; i < bundle.tiles.size(); ++i) {
         const TilePart& part = bundle.parts[i];
-        const std::string& port = ports.empty() ? part.port : ports[i];
+        const std::string port = chained         ? name_of({ports.front(), static_cast<unsigned>(i + 1)})
+                                 : ports.empty() ? part.port
+                                                 : ports[i];
         if (port.empty())
             throw bad_argument("port", fmt::format("the rig {} names none for tile {} of {}; give one for each tile, "
                                                    "in their order, or name them in the rig's file and compile again",

@@ -4,7 +4,7 @@ import enum
 from typing import NamedTuple
 
 NAME = 'Haptogram'
-VERSION = (2, 1)
+VERSION = (2, 2)
 PRIMARY_BASE = 0x00000000
 SEQUENCE_BASE = 0x10000000
 IDENTITY_BASE = 0x20000000
@@ -31,6 +31,9 @@ LINK_MOST_STRANGE = 4
 LINK_ASKING_BYTES = 12
 LINK_KEEP_ALIVE_MS = 100
 LINK_KEEP_ALIVE_SHARE = 5
+
+CHAIN_ALL = 2
+CHAIN_MOST_TILES = 126
 
 IDENTITY_WORDS = ["name_0", "name_1", "name_2", "name_3", "name_4", "name_5", "name_6", "name_7", "version", "channels", "records", "sequence_depth", "live_depth", "bits", "clock_hz_low", "clock_hz_high", "features", "frame_bytes", "min_pulse_clocks", "max_pulse_clocks", "max_duty_256", "max_cycle_low", "max_cycle_high", "width_bits", "foci", "modulation_words"]
 STATUS_WORDS = ["flags", "present_index", "underruns", "refused_records", "frames_good", "frames_damaged", "frames_repeated", "watchdog_trips", "guard_trips", "live_level", "watchdog_ms", "frames_refused", "bent_periods", "far_foci", "sync", "sync_misses", "sync_losses", "late_changes", "period_low", "period_middle", "period_high"]
@@ -181,6 +184,7 @@ class Feature(enum.IntEnum):
     SCHEDULE = 8
     LIVE_FOCI = 9
     SYNC = 12
+    CHAIN = 13
 
 
 class Mode(enum.IntEnum):
