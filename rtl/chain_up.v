@@ -52,11 +52,12 @@ module chain_up #(
     wire         takes_next;
     wire [BITS:0] used = write_q - read_q;
     wire         keeps = arrives && i_chained && !used[BITS];
+    wire         waits = write_q != read_q;
 
     always @(posedge clk) begin
         if (keeps) kept[write_q[BITS-1:0]] <= arrived;
         next_byte_q <= kept[read_q[BITS-1:0]];
-        has_next_q  <= !rst && i_chained && !takes_next && write_q != read_q;
+        has_next_q  <= !rst && i_chained && !takes_next && waits;
         if (rst || !i_chained) begin
             write_q <= {(BITS+1){1'b0}};
             read_q  <= {(BITS+1){1'b0}};
@@ -91,7 +92,7 @@ module chain_up #(
             owner_q <= NOBODY;
             place_q <= 2'd0;
         end else if (owner_q == NOBODY) begin
-            owner_q <= has_next_q ? NEXT : i_valid ? OWN : NOBODY;
+            owner_q <= waits ? NEXT : i_valid ? OWN : NOBODY;
             place_q <= 2'd0;
         end else if (goes) begin
             if (!place_q[1]) place_q <= place_q + 1'b1;

@@ -22,7 +22,10 @@ void LinkCounters::in(std::span<const std::uint8_t> bytes) {
 void LinkCounters::out(std::span<const std::uint8_t> bytes) {
     bytes_out += bytes.size();
     std::vector<link::Reply> replies;
-    decoder_.feed(bytes, replies);
+    for (const std::uint8_t& byte : bytes) {
+        if (place_ >= header_) decoder_.feed({&byte, 1}, replies);
+        place_ = byte == 0 ? 0 : place_ + 1;
+    }
     for (const link::Reply& reply : replies)
         ++(reply.status == interface::Status::ok         ? applied
            : reply.status == interface::Status::repeated ? repeated

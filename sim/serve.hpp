@@ -14,6 +14,8 @@ namespace haptogram::sim {
 /// cut off.
 class LinkCounters {
 public:
+    /// @param header  bytes before each frame from the board that are not part of it: those of a chain
+    explicit LinkCounters(std::size_t header = 0) : header_(header) {}
     void in(std::span<const std::uint8_t> bytes);
     void out(std::span<const std::uint8_t> bytes);
 
@@ -22,6 +24,7 @@ public:
     std::uint64_t applied = 0, repeated = 0, refused = 0;  ///< those that were answered
 
 private:
+    std::size_t header_, place_ = 0;
     bool in_frame_ = false;
     link::ReplyDecoder decoder_;
 };

@@ -62,16 +62,16 @@ ServedTiles serve(Tiles& tiles, std::span<const std::unique_ptr<PseudoTerminal>>
     const auto wall = [begun] { return std::chrono::duration<double>(Clock::now() - begun).count(); };
     ServedTiles served;
     served.enabled.resize(tiles.size());
-    std::vector<LinkCounters> links(tiles.size());
+    std::vector<LinkCounters> links(terminals.size(), LinkCounters(tiles.chained() ? 2 : 0));
     double given_up_s = 0.0;  // real time that a slow simulation has lost, and does not try to make up for
     const auto go_on = [&] {
         served.simulated_s = seconds_of(tiles.now());
         served.wall_s = wall();
         served.frames = served.applied = 0;
-        for (std::size_t i = 0; i < tiles.size(); ++i) {
-            served.enabled[i] = tiles.board(i).outputs().enabled;
-            served.frames += links[i].frames;
-            served.applied += links[i].applied;
+        for (std::size_t i = 0; i < tiles.size(); ++i) served.enabled[i] = tiles.board(i).outputs().enabled;
+        for (const LinkCounters& link : links) {
+            served.frames += link.frames;
+            served.applied += link.applied;
         }
         return watch(served) && (options.seconds == 0.0 || served.simulated_s < options.seconds);
     };
@@ -79,16 +79,20 @@ ServedTiles serve(Tiles& tiles, std::span<const std::unique_ptr<PseudoTerminal>>
         const double ahead_s = served.simulated_s + given_up_s - wall();
         if (ahead_s < -most_behind_s) given_up_s -= ahead_s + most_behind_s;
         int patience_ms = options.real_time && ahead_s > 1e-3 ? static_cast<int>(1e3 * ahead_s) : 0;
-        for (const TileFault& fault : faults)
-            if (fault.kind == TileFault::Kind::sync && served.simulated_s >= fault.at_s)
+        for (const TileFault& fault : faults) {
+            if (served.simulated_s < fault.at_s) continue;
+            if (fault.kind == TileFault::Kind::sync)
                 tiles.connect(fault.tile, false);
-        for (std::size_t i = 0; i < tiles.size(); ++i) {
+            else if (tiles.chained() && fault.tile > 0)
+                tiles.cut_chain(fault.tile, true);
+        }
+        for (std::size_t i = 0; i < terminals.size(); ++i) {
             const auto arrived = terminals[i]->read(std::chrono::milliseconds(std::exchange(patience_ms, 0)));
             links[i].in(arrived);
             if (!is_cut(faults, i, served.simulated_s)) tiles.board(i).send(arrived);
         }
         tiles.run(slice);
-        for (std::size_t i = 0; i < tiles.size(); ++i) {
+        for (std::size_t i = 0; i < terminals.size(); ++i) {
             const auto answer = tiles.board(i).receive();
             if (is_cut(faults, i, served.simulated_s)) continue;
             terminals[i]->write(answer);

@@ -17,7 +17,7 @@ namespace haptogram::sim {
 /// Something that goes wrong with one of several boards, to see what a host makes of it.
 struct TileFault {
     enum class Kind {
-        silent,  ///< its serial line is cut: nothing gets in or out any more
+        silent,  ///< its serial line is cut: nothing gets in or out any more, and in a chain nothing to those behind it
         sync,    ///< its end of the wire SYNC is loose
     };
     Kind kind = Kind::silent;
@@ -41,7 +41,8 @@ struct ServedTiles {
 /// @throws Error{bad_argument} for "channels" when there is none
 [[nodiscard]] std::string_view tile_model_with_channels(std::uint32_t channels);
 
-/// Runs several boards, each behind a pseudo-terminal of its own, in the time that they share.
+/// Runs several boards, each behind a pseudo-terminal of its own, or all behind one when they are chained, in the time
+/// that they share.
 /// @param watch  told many times a second what was done so far; false ends the serving
 ServedTiles serve(Tiles& tiles, std::span<const std::unique_ptr<PseudoTerminal>> terminals, const ServeOptions& options,
                   std::span<const TileFault> faults, const std::function<bool(const ServedTiles&)>& watch);

@@ -46,6 +46,7 @@ public:
 
     /// Wires each board's serial line behind the one before it, instead of to a host of its own.
     void chain() { chained_ = true; }
+    [[nodiscard]] bool chained() const { return chained_; }
     /// Cuts the wires of a chain between this board and the one before it, or joins them again.
     void cut_chain(std::size_t board, bool cut) { tiles_[board].cut = cut; }
     /// Plugs a board's end of the wire in, or out: then it sees a low level.

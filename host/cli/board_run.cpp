@@ -217,6 +217,9 @@ void add_board_run(CLI::App& board, Action& action) {
                       ->excludes(trace)
                       ->excludes(pulses)
                       ->check(whole(1, 64));
+    sub->add_flag("--chain", options->tiles.chain,
+                  "One pseudo-terminal for all of them: each passes the serial line on to the next; --pty names it")
+        ->needs(tiles);
     sub->add_option("--drift-ppm", options->tiles.drift_ppm, "Their crystals are off by up to so much, to either side")
         ->needs(tiles)
         ->check(CLI::Range(0.0, 50.0))
@@ -225,9 +228,11 @@ void add_board_run(CLI::App& board, Action& action) {
         ->needs(tiles)
         ->check(whole(0, 4'294'967'295))
         ->capture_default_str();
-    sub->add_option("--fault", options->tiles.faults,
-                    "silent:TILE@SECONDS cuts a tile's serial line after so much simulated time, sync:TILE@SECONDS its "
-                    "wire SYNC; again for each")
+    sub->add_option(
+           "--fault", options->tiles.faults,
+           "silent:TILE@SECONDS cuts a tile's serial line after so much simulated time (in a chain those behind it "
+           "lose theirs, too), sync:TILE@SECONDS its "
+           "wire SYNC; again for each")
         ->needs(tiles);
     sub->add_flag("--json", options->json, "Print the port, and the outcome at the end, as a line of JSON each");
     sub->callback([options, &action] { action = [options] { return run_board(*options); }; });

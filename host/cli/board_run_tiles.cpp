@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "haptogram/link/chain.hpp"
 #include "interrupt.hpp"
 #include "rig_simulation.hpp"
 #include "serve_tiles.hpp"
@@ -28,13 +29,16 @@ int run_boards(const RunTilesOptions& options) {
     const std::vector<sim::Oscillator> oscillators =
         sim::random_oscillators(options.count, options.drift_ppm, options.seed);
     sim::Tiles tiles(sim::tile_model_with_channels(options.channels), oscillators, options.seed);
+    if (options.chain) tiles.chain();
     catch_interrupts();
     std::vector<std::unique_ptr<sim::PseudoTerminal>> terminals;
     nlohmann::ordered_json ports = nlohmann::ordered_json::array(), drifts = nlohmann::ordered_json::array();
     for (std::size_t i = 0; i < options.count; ++i) {
-        terminals.push_back(std::make_unique<sim::PseudoTerminal>(
-            options.pty.empty() ? std::string() : fmt::format("{}-{}", options.pty, i + 1)));
-        ports.push_back(terminals.back()->name());
+        if (!options.chain || i == 0)
+            terminals.push_back(std::make_unique<sim::PseudoTerminal>(
+                options.pty.empty() || options.chain ? options.pty : fmt::format("{}-{}", options.pty, i + 1)));
+        const std::string port = terminals.back()->name();
+        ports.push_back(options.chain ? link::name_of({port, static_cast<unsigned>(i + 1)}) : port);
         drifts.push_back(oscillators[i].offset_ppm);
     }
     const interface::CoreParameters& p = tiles.board(0).parameters();

@@ -13,6 +13,7 @@ struct RunTilesOptions {
     std::uint32_t seed = 1;
     std::vector<std::string> faults;
     std::uint32_t channels = 100;
+    bool chain = false;  ///< one serial line for all
     std::string pty;
     bool real_time = true;
     double seconds = 0.0;

@@ -139,7 +139,29 @@ int sync(const DeviceOptions& options) {
     return after_change(device, options);
 }
 
-int list(bool as_json) {
+/// Who answers behind each port that was named, instead of which ports there are.
+int list_chains(const DeviceOptions& options) {
+    nlohmann::ordered_json found = nlohmann::ordered_json::array();
+    for (const std::string& port : options.ports.ports) {
+        link::PortSettings settings{.port = port};
+        if (options.ports.baud) settings.baud = *options.ports.baud;
+        for (const link::FoundDevice& device : link::devices_behind(settings)) {
+            const link::Identity& identity = device.identity;
+            if (!options.json)
+                fmt::print("{} {} channels, {} records, {} MHz\n", device.port, identity.channels, identity.records,
+                           identity.clock_hz / 1e6);
+            nlohmann::ordered_json row{{"port", device.port}};
+            row.update(to_json(identity));
+            found.push_back(std::move(row));
+        }
+    }
+    if (options.json) tell(found, true);
+    return 0;
+}
+
+int list(const DeviceOptions& options) {
+    if (!options.ports.ports.empty()) return list_chains(options);
+    const bool as_json = options.json;
     const std::vector<link::PortInfo> ports = link::available_ports();
     if (as_json) {
         tell(link::to_json(ports), true);
@@ -171,9 +193,17 @@ void add_device(CLI::App& app, Action& action) {
         command->callback([options, &action, what] { action = [options, what] { return what(*options); }; });
         return command;
     };
-    CLI::App* ports = sub->add_subcommand("list", "Print the serial ports and the FTDI chips");
+    CLI::App* ports =
+        sub->add_subcommand("list", "Print the serial ports and the FTDI chips, or who answers behind one");
+    ports
+        ->add_option("--port", options->ports.ports,
+                     "Ask behind this port: each tile of a chain, or the one board there; again for each port")
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    ports->add_option("--baud", options->ports.baud, "Its rate, which the board's build fixes")
+        ->check(whole(300, 12'000'000));
     ports->add_flag("--json", options->json, "As JSON");
-    ports->callback([options, &action] { action = [options] { return list(options->json); }; });
+    ports->callback([options, &action] { action = [options] { return list(*options); }; });
 
     add("info", "Print what the board is", info);
     CLI::App* now = sub->add_subcommand("status", "Print what it is doing, and its counters; or each board of a rig");

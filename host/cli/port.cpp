@@ -7,7 +7,8 @@ namespace haptogram::cli {
 
 void add_port_options(CLI::App& sub, link::PortSettings& settings) {
     sub.add_option("--port", settings.port,
-                   "Serial port of the board, or of 'haptogram board run', or ftdi:[VID:PID[:SERIAL]]")
+                   "Serial port of the board, or of 'haptogram board run', or ftdi:[VID:PID[:SERIAL]]; #N behind it is "
+                   "tile N of a chain")
         ->required();
     sub.add_option("--baud", settings.baud, "Its rate, which the board's build fixes")
         ->check(whole(300, 12'000'000))

@@ -23,8 +23,9 @@ link::PortSettings RigPorts::one() const {
 
 CLI::Option* add_rig_port_options(CLI::App& sub, RigPorts& ports) {
     sub.add_option("--port", ports.ports,
-                   "Serial port of the board, or of 'haptogram board run', or ftdi:[VID:PID[:SERIAL]]; with --rig one "
-                   "for each tile, in their order, unless the rig's file names them")
+                   "Serial port of the board, or of 'haptogram board run', or ftdi:[VID:PID[:SERIAL]]; #N behind it is "
+                   "tile N of a chain; with --rig one for each tile, in their order, or one that leads to a chain of "
+                   "them, unless the rig's file names them")
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     sub.add_option("--baud", ports.baud, "Its rate, which the board's build fixes; of a rig, what its boards have")

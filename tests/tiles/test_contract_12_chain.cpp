@@ -154,6 +154,8 @@ TEST_CASE("contract 12: every frame reaches its tile, and every answer comes bac
     ChainBench bench(2 + random() % 4, random);
     CAPTURE(Catch::rngSeed(), bench.tiles.size());
     bench.open();
+    // What all have under way takes longer than the patience of one line.
+    for (auto& host : bench.hosts) host->set_patience(std::chrono::milliseconds(200));
     CHECK(write_and_read(bench, 250, random) == 0);
     // Nothing was lost on the way, so nothing had to be sent again.
     CHECK(bench.retransmissions() == 0);

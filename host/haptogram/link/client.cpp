@@ -50,7 +50,8 @@ void Client::exchange(std::chrono::microseconds at_most) {
         throw LinkLost(
             "board",
             fmt::format(
-                "no answer to {} after {} tries; check the cable, the baud rate and that the board runs Haptogram",
+                "no answer to {} after {} tries; check the cable, the baud rate and that the board runs Haptogram; a "
+                "tile of a chain is named by a # and its number behind the port",
                 to_string(command), most_tries));
     }
     send_again();

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <string>
+#include <vector>
+
 #include "haptogram/link/client.hpp"
 #include "haptogram/link/port.hpp"
 
@@ -12,5 +15,16 @@ public:
     /// @throws Error{device} when the port cannot be opened or no Haptogram answers
     explicit Device(const PortSettings& settings) : Client(open_port(settings.port, settings.baud)) { identify(); }
 };
+
+/// A device that has answered.
+struct FoundDevice {
+    std::string port;  ///< what PortSettings take
+    Identity identity;
+};
+
+/// Who answers behind a port: the tiles of a chain in their order, or one board alone. Takes some seconds, because the
+/// end of a chain shows only by its silence.
+/// @throws Error{device} when the port cannot be opened or nobody answers
+[[nodiscard]] std::vector<FoundDevice> devices_behind(const PortSettings& settings);
 
 }  // namespace haptogram::link
