@@ -122,7 +122,7 @@ def test_a_shipped_board_drives_its_array(board):
         assert output["y_mm"] == pytest.approx((row - (rows - 1) / 2) * pitch)
     pins = file["pins"]
     balls = [o["ball"] for o in outputs] + [pins["clk"], pins["rx"], pins["tx"], *pins["high"]]
-    balls += [pins[key] for key in ("led", "stop", "driver_enable", "alive", "sync_in", "sync_out") if key in pins]
+    balls += [pins[key] for key in ("led", "stop", "driver_enable", "alive", "sync_in", "sync_out", "next_rx", "next_tx") if key in pins]
     assert len(set(balls)) == len(balls)
     assert len({(o["connector"], o["pin"]) for o in outputs}) == len(outputs)
 
@@ -135,7 +135,7 @@ def test_the_pinout_says_what_the_file_says(board):
     assert shown["parameters"] == parameters(board)
     assert shown["board"] == board
     assert shown["fpga"] == {"speed": None, **file["fpga"]}
-    unsaid = {"led": None, "stop": None, "stop_level": 0, "driver_enable": None, "driver_enable_level": 1, "alive": None, "sync_in": None, "sync_out": None, "active": "high",
+    unsaid = {"led": None, "stop": None, "stop_level": 0, "driver_enable": None, "driver_enable_level": 1, "alive": None, "sync_in": None, "sync_out": None, "next_rx": None, "next_tx": None, "active": "high",
               "drive_ma": None, "slew": None}  # fmt: skip
     assert shown["pins"] == unsaid | file["pins"]
 
@@ -154,7 +154,7 @@ def test_a_shipped_board_makes_its_carrier(board, tmp_path):
         assert record["pulse_length"] * record["prescaler"] < p["MAX_HIGH_CLOCKS"]
     succeed(["inspect", "image.hex"], cwd=tmp_path)
     manifest = read_json(tmp_path / "image.json")
-    unsaid = {"LIVE_DEPTH", "WATCHDOG_MS", "MAX_HIGH_CLOCKS", "MAX_DUTY_256", "SCHEDULE", "SYNC"}
+    unsaid = {"LIVE_DEPTH", "WATCHDOG_MS", "MAX_HIGH_CLOCKS", "MAX_DUTY_256", "SCHEDULE", "SYNC", "CHAIN"}
     if p["WIDTH_BITS"] == 0:
         unsaid |= {"MIN_PULSE_CLOCKS", "WIDTH_BITS", "MODULATION_DEPTH", "SLEW", "FOCI"}
     assert manifest["board"] == {"name": board, **{key.lower(): p[key] for key in p if key not in unsaid}}
@@ -223,6 +223,20 @@ def test_a_board_is_like_another_but_for_what_it_says(folder):
     assert pinout("own.toml", "--array", "pair.toml", cwd=folder)["fpga"] == {"speed": None, **board_file(SMALL)["fpga"]}
 
 
+def test_a_board_in_a_chain(folder):
+    chained = GOOD.replace("[pins]\n", '[pins]\nnext_rx = "T1"\nnext_tx = "T2"\n')
+    (folder / "board.toml").write_text(chained)
+    refuse(folder, ["board", "pinout", "board.toml"], BAD_INPUT, r"board\.toml", "pins.next_rx", "CHAIN = 1")
+    (folder / "board.toml").write_text(chained.replace("[parameters]\n", "[parameters]\nCHAIN = 1\n"))
+    pins = pinout("board.toml", cwd=folder)["pins"]
+    assert (pins["next_rx"], pins["next_tx"]) == ("T1", "T2")
+    assert "rx ball T1, tx ball T2" in text(succeed(["board", "pinout", "board.toml"], cwd=folder).stdout)
+    (folder / "board.toml").write_text(chained.replace("[parameters]\n", "[parameters]\nCHAIN = 1\n").replace('next_tx = "T2"\n', ""))
+    refuse(folder, ["board", "pinout", "board.toml"], BAD_INPUT, r"board\.toml", "one of next_rx and next_tx", "both or none")
+    (folder / "board.toml").write_text(chained.replace("[parameters]\n", "[parameters]\nCHAIN = 1\n").replace('"T2"', '"T1"'))
+    refuse(folder, ["board", "pinout", "board.toml"], BAD_INPUT, r"board\.toml", "T1")
+
+
 @pytest.mark.parametrize(
     "like, needles",
     [("nobody", ["own.toml:1", "nobody", "no shipped board"]), ("missing.toml", ["own.toml:1", "missing.toml"]),
@@ -274,7 +288,7 @@ def test_files_that_are_not_there(folder):
 
 
 REQUIRED = ["description", "sources", "array", *(f"fpga.{k}" for k in ("family", "device", "package", "speed", "top")),
-            *(f"parameters.{k}" for k in parameters(LARGE) if k not in ("WIDTH_BITS", "MODULATION_DEPTH", "SLEW", "FOCI", "SCHEDULE", "SYNC")), *(f"flash.{k}" for k in ("load", "write", "note")),
+            *(f"parameters.{k}" for k in parameters(LARGE) if k not in ("WIDTH_BITS", "MODULATION_DEPTH", "SLEW", "FOCI", "SCHEDULE", "SYNC", "CHAIN")), *(f"flash.{k}" for k in ("load", "write", "note")),
             *(f"pins.{k}" for k in ("clk", "rx", "tx", "high"))]  # fmt: skip
 
 

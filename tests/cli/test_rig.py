@@ -61,13 +61,18 @@ def test_the_files_of_a_rig(pair):
         (["compile", "--shape", "circle", "--rig", "2x2", "--array", "hoshi"], USAGE, ["--array", "--rig"]),
         (["compile", "--shape", "circle", "--rig", "cube-300"], BAD_INPUT, ["cube-300", "neither SYNC nor SCHEDULE"]),
         (["upload", "--rig", "wall.tile-1.json"], BAD_INPUT, ["wall.tile-1.json", "no rig manifest"]),
-        (["upload", "--rig", "wall.json", "--port", "a"], USAGE, ["--port", "1 given", "2 tiles"]),
+        (["upload", "--rig", "wall.json", *["--port", "a"] * 3], USAGE, ["--port", "3 given", "2 tiles", "a chain"]),
+        (["upload", "--rig", "wall.json", "--port", "a"], DEVICE, ["tile 1", "a#1", "cannot be opened"]),
+        (["device", "info", "--port", "a#0"], USAGE, ["a#0", "from 1 to 126"]),
+        (["device", "info", "--port", "a#1#2"], USAGE, ["a#1#2", "from 1 to 126"]),
+        (["device", "list", "--port", "a"], DEVICE, ["a", "cannot be opened"]),
+        (["board", "run", "--chain"], USAGE, ["--chain", "--tiles"]),
         (["play", "--rig", "wall.json", "--port", "a", "--port", "a"], USAGE, ["--port", "two tiles"]),
         (["play", "--rig", "wall.json", "--rate", 3], USAGE, ["--rate", "as it was compiled"]),
         (["play"], USAGE, ["--port", "missing"]),
         (["stream", "--rig", "wall.json", "--foci"], USAGE, ["--foci", "indices"]),
         (["stream", "--rig", "wall.json", "--am", "sine:200"], USAGE, ["--am", "as it was compiled"]),
-        (["stream", "--rig", "wall.json", "--port", "a"], USAGE, ["--port", "1 given", "2 tiles"]),
+        (["stream", "--rig", "wall.json", *["--port", "a"] * 3], USAGE, ["--port", "3 given", "2 tiles"]),
         (["stream", "--rig", "wall.tile-1.json"], BAD_INPUT, ["wall.tile-1.json", "no rig manifest"]),
         (["stream", "--port", "a", "--on-loss", "rest"], USAGE, ["--on-loss", "--rig"]),
         (["stream", "--path", "p.json", "--rig", "2x2", "--array", "hoshi"], USAGE, ["--array", "a rig has arrays of its own"]),
@@ -232,3 +237,40 @@ def test_a_path_goes_to_a_rig(pair, boards):
     stream = ["stream", "--path", path, "--rig", "pair.toml", *boards[1], "--loops", 2, "--json"]
     report = json.loads(succeed(stream, cwd=pair, timeout=PATIENCE_S).stdout)
     assert (report["sent"], report["refused_records"], report["lost"]) == (10, 0, [])
+
+
+@contextlib.contextmanager
+def chain(folder, *options):
+    """Two Verilated boards behind one pseudo-terminal, called port."""
+    process = subprocess.Popen([str(PROGRAM), "board", "run", "--tiles", "2", "--chain", "--json", "--speed", "max", "--pty", "port", *options], cwd=folder, stdout=subprocess.PIPE)
+    try:
+        assert json.loads(process.stdout.readline())["ports"] == ["port#1", "port#2"]
+        yield process
+    finally:
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60)
+
+
+def test_a_rig_behind_one_port(pair):
+    with chain(pair):
+        listed = json.loads(succeed(["device", "list", "--port", "port", "--json"], cwd=pair, timeout=PATIENCE_S).stdout)
+        assert [(tile["port"], tile["channels"]) for tile in listed] == [("port#1", 100), ("port#2", 100)]
+        succeed(["upload", "--rig", "wall.json", "--port", "port"], cwd=pair, timeout=PATIENCE_S)
+        states = json.loads(succeed(["device", "status", "--rig", "wall.json", "--port", "port", "--json"], cwd=pair, timeout=PATIENCE_S).stdout)
+        assert [(tile["port"], tile["holds_its_image"]) for tile in states] == [("port#1", True), ("port#2", True)]
+        played = json.loads(succeed(["play", "--rig", "wall.json", "--port", "port", "--loops", 2, "--json"], cwd=pair, timeout=PATIENCE_S).stdout)
+        assert (played["lost"], played["refused_records"]) == ([], 0)
+        # The ports in the wrong order: each tile holds the other's image.
+        result = run(["play", "--rig", "wall.json", "--port", "port#2", "--port", "port#1"], cwd=pair, timeout=PATIENCE_S)
+        assert_one_message(result, DEVICE, "tile 1", "port#2")
+
+
+def test_a_board_alone_is_listed_as_one(pair):
+    process = subprocess.Popen([str(PROGRAM), "board", "run", "--json", "--speed", "max", "--pty", "alone"], cwd=pair, stdout=subprocess.PIPE)
+    try:
+        process.stdout.readline()
+        found = text(succeed(["device", "list", "--port", "alone"], cwd=pair, timeout=PATIENCE_S).stdout)
+        assert found == "alone 100 channels, 400 records, 50 MHz\n"
+    finally:
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60)

@@ -186,6 +186,8 @@ std::vector<Board::Output> read_outputs(const Section& root, const std::string& 
     if (pins.alive) use(file, *pins.alive, "pins.alive");
     if (pins.sync_in) use(file, *pins.sync_in, "pins.sync_in");
     if (pins.sync_out) use(file, *pins.sync_out, "pins.sync_out");
+    if (pins.next_rx) use(file, *pins.next_rx, "pins.next_rx");
+    if (pins.next_tx) use(file, *pins.next_tx, "pins.next_tx");
     for (const std::string& ball : pins.high) use(file, ball, "in pins.high");
     return outputs;
 }

@@ -9,6 +9,7 @@ from types import TracebackType
 from typing import Self
 
 from .board import Identity, Status
+from .chain import ChainedLine, split
 from .errors import HaptogramError, bad_input, device_error
 from .foci import FOCUS_BYTES, Focus
 from .frame import Reply, Request
@@ -49,9 +50,11 @@ class Client:
 
     @classmethod
     def open(cls, port: str, baud: int = 1_000_000) -> Self:
-        line = Port(port, baud)
+        """`port` is a serial port, with "#2" behind it the second tile of a chain there."""
+        path, tile = split(port)
+        line = Port(path, baud)
         try:
-            return cls(line)
+            return cls(ChainedLine(line, tile) if tile else line)
         except BaseException:
             line.close()
             raise
