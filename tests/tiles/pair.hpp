@@ -11,6 +11,7 @@
 #include "bench.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/instrument/rig.hpp"
+#include "haptogram/link/chain.hpp"
 #include "haptogram/link/frame.hpp"
 #include "haptogram/link/rig.hpp"
 #include "haptogram/link/transfer.hpp"
@@ -58,7 +59,7 @@ private:
 struct Pair {
     CompiledRig compiled;
     sim::Tiles tiles;
-    std::vector<std::unique_ptr<sim::TileTransport>> wires;
+    std::vector<std::unique_ptr<link::Transport>> wires;
     std::vector<std::unique_ptr<TroubledLine>> lines;
     std::vector<std::unique_ptr<link::Client>> hosts;
     std::vector<link::Tile> rig;
@@ -66,13 +67,19 @@ struct Pair {
     std::vector<Femtoseconds> periods;                                        // of the master: when each began
     std::vector<std::vector<std::pair<Femtoseconds, std::uint16_t>>> played;  // of each tile: changes of index
 
-    Pair(std::mt19937& g, ImageKind kind)
+    /// @param chained  the second's serial line is behind the first's
+    Pair(std::mt19937& g, ImageKind kind, bool chained = false)
         : compiled(compile_rig(circle(g, 5, 200.0, kind), "2x2", "wall.json")),
           tiles("tile-100-wide", sim::random_oscillators(2, 50.0, static_cast<std::uint32_t>(g())),
                 static_cast<std::uint32_t>(g())),
           played(2) {
+        if (chained) tiles.chain();
+        const auto chain = std::make_shared<link::Chain>(std::make_unique<sim::TileTransport>(tiles, 0));
         for (std::size_t i = 0; i < 2; ++i) {
-            wires.push_back(std::make_unique<sim::TileTransport>(tiles, i));
+            if (chained)
+                wires.push_back(chain->tile(static_cast<unsigned>(i + 1)));
+            else
+                wires.push_back(std::make_unique<sim::TileTransport>(tiles, i));
             lines.push_back(std::make_unique<TroubledLine>(*wires.back()));
             hosts.push_back(std::make_unique<link::Client>(*lines.back()));
             hosts.back()->identify();

@@ -145,6 +145,32 @@ TEST_CASE("rig: when a tile falls silent while it plays, all go off, or the othe
     }
 }
 
+TEST_CASE("rig: tiles behind one line play together, and one that is cut off is named") {
+    std::mt19937 g(Catch::rngSeed());
+    const bool go_on = g() % 2 == 0;
+    Pair pair(g, ImageKind::records, true);
+    int looks = 0, looks_after = 0;
+    const auto play = [&] {
+        return link::play(pair.rig, pair.settings(go_on ? link::OnLoss::rest : link::OnLoss::off),
+                          [&](const link::RigPlaying& now) {
+                              if (++looks == 3) pair.tiles.cut_chain(1, true);
+                              return now.statuses[1].has_value() || ++looks_after < 3;
+                          });
+    };
+    if (go_on) {
+        const link::RigPlayed played = play();
+        CHECK(played.lost == std::vector<std::string>{"tile 2"});
+        CHECK(played.watchdog_trips == 0);
+    } else {
+        CHECK_THAT(error_of([&] { static_cast<void>(play()); }),
+                   Contains("tile 2") && Contains("does not answer") && Contains("all tiles are switched off"));
+    }
+    pair.require_alike(4);
+    CHECK_FALSE(pair.tiles.board(0).outputs().enabled);
+    pair.run_ms(45);  // the watchdog of the one that is cut off
+    CHECK_FALSE(pair.any_enabled());
+}
+
 TEST_CASE("rig: a tile that is reset or out of step leaves the others playing, if that is wanted") {
     std::mt19937 g(Catch::rngSeed());
     Pair pair(g, ImageKind::records);
