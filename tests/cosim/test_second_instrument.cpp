@@ -6,6 +6,7 @@
 #include <cmath>
 #include <complex>
 #include <cstdlib>
+#include <map>
 #include <numbers>
 
 #include "haptogram/link/focus_ring.hpp"
@@ -516,12 +517,20 @@ TEST_CASE("second instrument: after any commands at any time a record plays exac
         bench.open();
         constexpr std::uint16_t base = 600;
         const FocusEngine engine = square_engine(4, 1.5);
-        bench.write_engine(engine, base, 10, 3, false);
+        // A ring of records of three foci has no room beside these, so with three PUSH_FOCI is refused.
+        const std::size_t each = round % 2 == 0 ? 1 : 3;
+        const auto random_foci = [&] {
+            std::vector<FocusWords> foci;
+            for (std::size_t f = 0; f < each; ++f) foci.push_back(random_focus(g));
+            return foci;
+        };
+        bench.write_engine(engine, base, 10, each, false);
         for (std::uint16_t i = 1; i <= 10; ++i) {
             bench.raw_record(g, i, random(g, 300, 1400), static_cast<std::uint8_t>(random(g, 1, 150)));
             bench.random_record(g, static_cast<std::uint16_t>(10 + i), random(g, 2 * lead, 2046));
-            bench.write_foci(engine, base, i, {random_focus(g), random_focus(g), random_focus(g)}, false);
+            bench.write_foci(engine, base, i, random_foci(), false);
         }
+        if (each == 1) static_cast<void>(link::make_ring(bench.client));
         std::vector<SequenceEntry> sequence;
         for (std::uint16_t i = 1; i <= 20; ++i) sequence.push_back({i, 1});
         bench.write_sequence(sequence);
@@ -532,13 +541,15 @@ TEST_CASE("second instrument: after any commands at any time a record plays exac
         link::ReplyDecoder decoder;
         std::vector<link::Reply> replies;
         std::size_t seen = 0, applied = 0;
-        const auto look = [&] {  // at the replies that have come; whether a command was refused
+        std::map<interface::Command, std::size_t> of;  // how often each was applied
+        const auto look = [&] {                        // at the replies that have come; whether a command was refused
             decoder.feed(bench.board.receive(), replies);
             bool refused = false;
             for (; seen < replies.size(); ++seen) {
                 const bool ok = replies[seen].status == interface::Status::ok;
                 refused = refused || !ok;
                 applied += ok ? 1 : 0;
+                of[replies[seen].command] += ok ? 1 : 0;
             }
             return refused;
         };
@@ -546,10 +557,10 @@ TEST_CASE("second instrument: after any commands at any time a record plays exac
             REQUIRE(bench.board.run_until([&] { return bench.board.line_idle(); }, 10'000'000));
             bench.board.run(50'000);
         };
-        for (int i = 0; i < 150; ++i) {
+        for (int i = 0; i < 350; ++i) {
             const auto index = static_cast<std::uint16_t>(random(g, 0, 2) == 0 ? random(g, records + 1, records + 10)
                                                                                : random(g, 0, 20));
-            switch (random(g, 0, 9)) {
+            switch (random(g, 0, 13)) {
                 case 0: send(interface::Command::start, words({1, 20, 0})); break;
                 case 1: send(interface::Command::stop, {}); break;
                 case 2: send(interface::Command::disable, {}); break;
@@ -559,6 +570,24 @@ TEST_CASE("second instrument: after any commands at any time a record plays exac
                     break;
                 case 5: send(interface::Command::push, words({1, index, 3, 12})); break;
                 case 6: send(interface::Command::enable, {}); break;
+                case 7: send(interface::Command::keep_alive, {}); break;
+                case 8: {  // soon, past, at the end of what plays, or not at all
+                    const auto soon = static_cast<std::uint16_t>(bench.board.now() / 1250 + random(g, 0, 20));
+                    const std::uint16_t period[] = {soon, 1, 0xffff, 0};
+                    const std::uint32_t which = random(g, 0, 3);
+                    const auto above = static_cast<std::uint16_t>(which == 2 ? 0xffff : 0);
+                    send(interface::Command::gate, words({period[which], above, above}));
+                    break;
+                }
+                case 9:
+                case 10: {
+                    Words payload{static_cast<std::uint16_t>(random(g, 0, 3))};
+                    for (std::uint32_t n = random(g, 1, 4); n > 0; --n)
+                        for (const FocusWords& focus : random_foci())
+                            payload.insert(payload.end(), focus.begin(), focus.end());
+                    send(interface::Command::push_foci, words(payload));
+                    break;
+                }
                 default:
                     send(interface::Command::select, words({index, static_cast<std::uint16_t>(random(g, 0, 3))}));
                     break;
@@ -572,7 +601,9 @@ TEST_CASE("second instrument: after any commands at any time a record plays exac
         }
         wait();
         static_cast<void>(look());
-        REQUIRE(applied >= 50);  // a refused one takes those with it that are on the line already
+        REQUIRE(applied >= 30);  // a refused one takes those with it that are on the line already
+        REQUIRE(of[interface::Command::gate] > 0);
+        REQUIRE((of[interface::Command::push_foci] > 0) == (each == 1));
         link::Client client(bench.line);
         client.identify();
         client.reset();
