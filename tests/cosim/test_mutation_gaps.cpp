@@ -407,18 +407,22 @@ TEST_CASE("contract 2: a command in any clock in which the next record may be ta
     bench.open();
     constexpr std::uint32_t cycle = 1250;
     for (std::uint16_t i = 1; i <= 3; ++i) bench.random_record(g, i, cycle);
-    bench.write_sequence({{1, 2}, {2, 400}});
+    constexpr std::uint16_t dwell = 6;  // longer than START's answer takes
+    bench.write_sequence({{1, dwell}, {2, 400}});
     for (std::uint32_t place = 0; place < 90; ++place) {
         CAPTURE(place);
+        const auto& cycles = bench.recorder.cycles();
+        std::size_t first = cycles.size();
         bench.client.start(1, 2, 0);
         bench.wait_for_index(1);
-        const std::uint64_t begin = bench.recorder.cycles().back().clock;
-        // The frame is 1,667 clocks long. Record 2 is taken over some 60 clocks before two cycles have gone.
-        bench.board.run(begin + 700 + place - bench.board.now());
+        while (cycles[first].index != 1) ++first;
+        const std::uint64_t change = cycles[first].clock + std::uint64_t{dwell} * cycle;
+        // The frame is 1,667 clocks long. Record 2 is taken over some 60 clocks before the change.
+        bench.board.run(change - 1800 + place - bench.board.now());
         bench.client.submit({interface::Command::select, words({3, 0})});
         bench.client.flush();
         // Perhaps record 2 has a cycle before, but not 400 of them.
-        bench.board.run(begin + 3ULL * cycle + 20 - bench.board.now());
+        bench.board.run(change + cycle + 20 - bench.board.now());
         REQUIRE(bench.board.outputs().index == 3);
         bench.client.wait();
     }
