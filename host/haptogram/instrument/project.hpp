@@ -56,6 +56,10 @@ struct Project {
 
     /// Whether it plays shapes, not a path or what a hand feels.
     [[nodiscard]] bool is_of_shapes() const { return path.empty() && !hand; }
+    /// Where a board or an array that it names is: a file from its folder on, or the name of a shipped one.
+    [[nodiscard]] std::string beside(const std::string& name) const {
+        return name.ends_with(".toml") ? (folder / name).string() : name;
+    }
 };
 
 /// Reads a project file (TOML); host/haptogram/instrument/README.md describes its keys.

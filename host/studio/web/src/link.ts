@@ -189,6 +189,8 @@ export interface Hello {
   touched: string[];
   algorithms: { letter: string; about: string }[];
   arrays: string[];
+  /** shipped ones: the array of each, and what the file of its bitstream is called */
+  boards: { name: string; array: string; bitstream: string }[];
   ports: { port: string; name: string }[];
   most_file_bytes: number;
 }
@@ -353,6 +355,11 @@ export class Link {
   async take(scene: string, as: FileOfScene | "methods"): Promise<Blob> {
     const address = as === "report" ? `/api/report?scene=${scene}` : `/api/take?scene=${scene}&as=${as}`;
     return await (await this.fetch(address)).blob();
+  }
+
+  /** The scene's image in its board's bitstream; with autostart it plays at power-up. */
+  async bitstream(scene: string, autostart: boolean): Promise<Blob> {
+    return await (await this.fetch(`/api/bitstream?scene=${scene}&autostart=${autostart ? 1 : 0}`)).blob();
   }
 
   /** The field on a plane as a file; the query's members are those of ../../README.md. */
