@@ -65,7 +65,8 @@ void Computing::report(const Request& request, const Reply& reply) {
 void Computing::bitstream(const Request& request, const Reply& reply, const std::filesystem::path& placed) {
     const auto scene = scenes_.find(query_value(request.query, "scene").value_or(""));
     const std::string autostart = query_value(request.query, "autostart").value_or("0");
-    if (autostart != "0" && autostart != "1") throw bad_argument("autostart", fmt::format("found '{}', expected 0 or 1", autostart));
+    if (autostart != "0" && autostart != "1")
+        throw bad_argument("autostart", fmt::format("found '{}', expected 0 or 1", autostart));
     if (!scene->settings.board)
         throw bad_argument("board", "the project names none; a bitstream is one board's, so choose one");
     write(reply, [scene, placed, autostart](const Progress& going) {
@@ -214,8 +215,9 @@ void Computing::ask(const std::shared_ptr<Page>& page, const SimulateMessage& me
     });
 }
 
-void Computing::ask(const std::shared_ptr<Page>& page, const CancelMessage&) {
-    *askers_[page->number()].simulating = false;
+void Computing::ask(const std::shared_ptr<Page>& page, const CancelMessage& message) {
+    const Asker& asker = askers_[page->number()];
+    *(message.what == CancelMessage::What::analyze ? asker.analyzing : asker.simulating) = false;
 }
 
 void Computing::ask(const std::shared_ptr<Page>& page, const PulsesMessage& message) {

@@ -62,6 +62,10 @@ struct Project {
     }
 };
 
+/// A name of an array, a board or a waveform that a command line gives for a project's: a file is looked for from the
+/// working folder on, not beside the project.
+[[nodiscard]] std::string from_here(const std::string& name);
+
 /// Reads a project file (TOML); host/haptogram/instrument/README.md describes its keys.
 /// @throws Error{bad_input} naming the file, the line and the key, also for unknown keys
 [[nodiscard]] Project load_project(const std::filesystem::path& path);

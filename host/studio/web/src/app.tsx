@@ -117,6 +117,11 @@ export function start(link: Link): void {
   function askScene(): void {
     const document = project.value;
     if (asked || !document || !link.open) return;
+    // What is found out about the scene before would hold this one up.
+    if (analysed && !state.analysis.peek()) {
+      link.send({ t: "cancel", what: "analyze" });
+      analysed = undefined;
+    }
     const text = JSON.stringify(document);
     asked = { n: link.send({ t: "scene", document }), document: text };
   }

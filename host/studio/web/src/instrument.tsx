@@ -4,10 +4,7 @@ import { Choice } from "./controls";
 import type { ProjectDocument } from "./document";
 import type { Hello } from "./link";
 
-interface Changes {
-  array?: string | undefined;
-  board?: string | undefined;
-}
+type Changes = Partial<Record<"array" | "board", string | undefined>>;
 
 const named = (name: string): [string, string] => [name, name];
 

@@ -50,7 +50,7 @@ export function TakeAway({ actions }: WithActions) {
       <h3>Bitstream</h3>
       <div class="buttons">
         <button type="button" disabled={!ready || !board || state.writing.value} onClick={() => void actions.takeBitstream(false)} title="For the FPGA: the core with this image in its memories">{board ? `${board.bitstream}` : "Bitstream"}</button>
-        <button type="button" disabled={!ready || !board || state.writing.value} onClick={() => void actions.takeBitstream(true)} title="The same, and the board plays it at power-up, with no host and no watchdog">that plays at power-up</button>
+        <button type="button" disabled={!ready || !board || state.writing.value} onClick={() => void actions.takeBitstream(true)} title="The same, and the board plays it at power-up, with no host and no watchdog">with autostart</button>
       </div>
       {!board && <p class="hint">Choose a board under "Sample and play" first.</p>}
       <h3>For a paper</h3>
@@ -87,7 +87,7 @@ export function Numbers() {
   if (!scene) return <Panel title="Numbers"><p>{state.current.value ? "There is no image." : "Compiling…"}</p></Panel>;
   const { numbers } = scene;
   const { quantity: shown, top } = look.value;
-  const drawn = object ? object.triangles.length / 9 : 0;
+  const drawn = object ? object.triangles.length / 3 : 0;
   return (
     <Panel title="Numbers">
       <table class={state.current.value ? "" : "stale"}>
