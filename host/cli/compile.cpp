@@ -49,7 +49,8 @@ Project project_of(const CompileOptions& options) {
                            "measure a built-in shape, and there is none; add --shape, or scale files with --size");
     Project project;
     std::vector<std::string> files = options.inputs;
-    if (files.size() == 1 && is_project(files.front())) {
+    const bool in_file = files.size() == 1 && is_project(files.front());
+    if (in_file) {
         project = load_project(files.front());
         files.clear();
     }
@@ -69,13 +70,16 @@ Project project_of(const CompileOptions& options) {
             if (*length) **length *= millimetre;
         project.shapes.push_back(source);
     }
-    if (!options.path.empty()) project.path = options.path;
+    if (!options.path.empty()) project.path = in_file ? std::filesystem::absolute(options.path).string() : options.path;
     if (!project.path.empty() && options.rate_hz) throw bad_argument("rate", "is of shapes; a path has its own times");
     const auto put = [](auto& target, const auto& given) {
         if (given) target = *given;
     };
-    put(project.board, options.board);
-    put(project.array, options.array);
+    const auto put_name = [in_file](auto& target, const std::optional<std::string>& given) {
+        if (given) target = in_file ? from_here(*given) : *given;
+    };
+    put_name(project.board, options.board);
+    put_name(project.array, options.array);
     put(project.points, options.points);
     put(project.seed, options.seed);
     put(project.rate_hz, options.rate_hz);
@@ -90,7 +94,7 @@ Project project_of(const CompileOptions& options) {
     if (!options.rotate_deg.empty()) std::copy_n(options.rotate_deg.begin(), 3, project.placement.rotate_deg.begin());
     project.clip = project.clip || options.clip;
     project.even = project.even || options.even;
-    put(project.am, options.am);
+    put_name(project.am, options.am);
     if (options.magnitude) project.magnitude = options.magnitude;
     put(project.quantise, options.quantise);
     if (options.foci || options.records) project.image = options.foci ? ImageKind::foci : ImageKind::records;

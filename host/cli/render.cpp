@@ -90,10 +90,6 @@ Subject subject_in_file(const RenderCommand& command) {
     if (!project.hand)
         throw bad_input(command.object, "it has no [hand] that feels an object; 'haptogram compile' takes it as it is");
     if (command.frame) project.hand->frame = command.frame;
-    // Relative names in the file start from its folder, and those on the command line do not.
-    const auto from_here = [](const std::string& name) {
-        return name.ends_with(".toml") ? std::filesystem::absolute(name).string() : name;
-    };
     if (command.array) project.array = from_here(*command.array);
     if (command.board) project.board = from_here(*command.board);
     open_hand(project);

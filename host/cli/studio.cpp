@@ -46,6 +46,9 @@ void add_studio(CLI::App& app, Action& action) {
     sub->add_option("project", options->studio.project, "Project file that the page begins with (default: an example)");
     sub->add_option("--port", options->studio.port, "Port of the page (default: one that is free)");
     sub->add_option("--page", options->studio.page, "Folder of the built page, for those who work on it");
+    sub->add_option("--placed", options->studio.placed,
+                    "Folder of what 'make bitstream' made, for bitstreams of the page")
+        ->capture_default_str();
     sub->add_flag("--no-browser", options->no_browser, "Only print the address");
     sub->add_flag("--json", options->json, "Print the address as JSON");
     sub->callback([options, &action] { action = [options] { return serve(*options); }; });

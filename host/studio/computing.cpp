@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "computing.hpp"
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <string_view>
 #include <utility>
@@ -9,9 +11,12 @@
 #include "failure.hpp"
 #include "field_request.hpp"
 #include "haptogram/base/error.hpp"
+#include "haptogram/base/file.hpp"
+#include "haptogram/base/process.hpp"
 #include "haptogram/instrument/analyze.hpp"
 #include "haptogram/instrument/findings.hpp"
 #include "haptogram/instrument/hand_project.hpp"
+#include "haptogram/instrument/patch.hpp"
 #include "haptogram/instrument/report_page.hpp"
 #include "haptogram/instrument/slice.hpp"
 #include "haptogram/render/path_file.hpp"
@@ -54,6 +59,24 @@ void Computing::report(const Request& request, const Reply& reply) {
         for (const Finding& finding : findings_of(scene->settings, scene->compiled, analysis))
             findings.push_back(finding.message);
         return report_page(bundle, analysis, findings, report_picture(bundle, 1, going.between(0.5, 1.0)));
+    });
+}
+
+void Computing::bitstream(const Request& request, const Reply& reply, const std::filesystem::path& placed) {
+    const auto scene = scenes_.find(query_value(request.query, "scene").value_or(""));
+    const std::string autostart = query_value(request.query, "autostart").value_or("0");
+    if (autostart != "0" && autostart != "1")
+        throw bad_argument("autostart", fmt::format("found '{}', expected 0 or 1", autostart));
+    if (!scene->settings.board)
+        throw bad_argument("board", "the project names none; a bitstream is one board's, so choose one");
+    write(reply, [scene, placed, autostart](const Progress& going) {
+        const TemporaryFolder folder;
+        const std::filesystem::path image = folder.path() / "image.hex";
+        write_file(image, scene->compiled.bundle.hex);
+        PatchOptions options{.board = scene->settings.beside(*scene->settings.board), .image = image.string()};
+        options.autostart = autostart == "1";
+        options.placed = placed;
+        return patch(options, going).bitstream;
     });
 }
 
@@ -192,8 +215,9 @@ void Computing::ask(const std::shared_ptr<Page>& page, const SimulateMessage& me
     });
 }
 
-void Computing::ask(const std::shared_ptr<Page>& page, const CancelMessage&) {
-    *askers_[page->number()].simulating = false;
+void Computing::ask(const std::shared_ptr<Page>& page, const CancelMessage& message) {
+    const Asker& asker = askers_[page->number()];
+    *(message.what == CancelMessage::What::analyze ? asker.analyzing : asker.simulating) = false;
 }
 
 void Computing::ask(const std::shared_ptr<Page>& page, const PulsesMessage& message) {

@@ -2,6 +2,7 @@
 #pragma once
 #include <atomic>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
@@ -29,6 +30,10 @@ public:
     /// The report on a scene, one HTML file.
     /// @throws Error when there is no such scene
     void report(const Request& request, const Reply& reply);
+    /// A scene's image in the bitstream of its board.
+    /// @param placed  folder of the boards' placed designs, as patch() takes it
+    /// @throws Error when there is no such scene, or it names no board
+    void bitstream(const Request& request, const Reply& reply, const std::filesystem::path& placed);
 
     void ask(const std::shared_ptr<Page>& page, const SceneMessage& message);
     void ask(const std::shared_ptr<Page>& page, const HandMessage& message);

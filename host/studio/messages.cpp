@@ -11,6 +11,7 @@
 #include <initializer_list>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "haptogram/shape/place.hpp"
@@ -159,23 +160,47 @@ std::vector<std::array<std::uint32_t, 3>> drawn(const Mesh& mesh, std::size_t mo
     return triangles;
 }
 
-void append_bytes(std::vector<std::uint8_t>& bytes, const std::vector<float>& values) {
+template <class T>
+void append_bytes(std::vector<std::uint8_t>& bytes, const std::vector<T>& values) {
     const auto* const begin = reinterpret_cast<const std::uint8_t*>(values.data());
-    bytes.insert(bytes.end(), begin, begin + sizeof(float) * values.size());
+    bytes.insert(bytes.end(), begin, begin + sizeof(T) * values.size());
 }
 
-/// @param corners  of triangles, segments, points
-std::vector<std::uint8_t> drawn_bytes(std::uint32_t n, const std::array<std::vector<float>, 3>& corners,
-                                      std::size_t triangles, std::size_t points) {
+/// What is drawn of a shape: float32 x, y, z of each, and triangles by the numbers of their vertices.
+struct Drawing {
+    std::vector<float> vertices, segments, points;
+    std::vector<std::uint32_t> triangles;
+};
+
+/// Adds a mesh's triangles, with those of its vertices that they have.
+void append(Drawing& drawing, const Mesh& mesh, const std::vector<std::array<std::uint32_t, 3>>& triangles) {
+    std::vector<std::optional<std::uint32_t>> number(mesh.vertices.size());
+    for (const auto& triangle : triangles)
+        for (const std::uint32_t corner : triangle) {
+            if (!number[corner]) {
+                number[corner] = static_cast<std::uint32_t>(drawing.vertices.size() / 3);
+                append(drawing.vertices, mesh.vertices[corner]);
+            }
+            drawing.triangles.push_back(*number[corner]);
+        }
+}
+
+/// @param triangles, points  that the shape has
+std::vector<std::uint8_t> drawn_bytes(std::uint32_t n, const Drawing& drawing, std::size_t triangles,
+                                      std::size_t points) {
     std::vector<std::uint8_t> bytes(64);
     std::memcpy(bytes.data(), "HOB1", 4);
     put(bytes, 4, n);
-    put(bytes, 8, static_cast<std::uint32_t>(corners[0].size() / 9));
-    put(bytes, 12, static_cast<std::uint32_t>(corners[1].size() / 6));
-    put(bytes, 16, static_cast<std::uint32_t>(corners[2].size() / 3));
-    put(bytes, 20, static_cast<std::uint32_t>(triangles));
-    put(bytes, 24, static_cast<std::uint32_t>(points));
-    for (const std::vector<float>& each : corners) append_bytes(bytes, each);
+    put(bytes, 8, static_cast<std::uint32_t>(drawing.vertices.size() / 3));
+    put(bytes, 12, static_cast<std::uint32_t>(drawing.triangles.size() / 3));
+    put(bytes, 16, static_cast<std::uint32_t>(drawing.segments.size() / 6));
+    put(bytes, 20, static_cast<std::uint32_t>(drawing.points.size() / 3));
+    put(bytes, 24, static_cast<std::uint32_t>(triangles));
+    put(bytes, 28, static_cast<std::uint32_t>(points));
+    append_bytes(bytes, drawing.vertices);
+    append_bytes(bytes, drawing.triangles);
+    append_bytes(bytes, drawing.segments);
+    append_bytes(bytes, drawing.points);
     return bytes;
 }
 
@@ -243,8 +268,12 @@ Message read_message(std::string_view text) {
         return SimulateMessage{members.whole("n"), members.text("scene")};
     }
     if (type == "cancel") {
-        members.only({"n"});
-        return CancelMessage{members.whole("n")};
+        members.only({"n", "what"});
+        const std::string what = members.short_text("what", longest_name);
+        if (what != "analyze" && what != "simulate")
+            throw bad_input(members.type(), fmt::format("member 'what' is '{}', not 'analyze' or 'simulate'", what));
+        using What = CancelMessage::What;
+        return CancelMessage{members.whole("n"), what == "analyze" ? What::analyze : What::simulate};
     }
     if (type == "pulses") {
         members.only({"n", "index", "periods"});
@@ -331,7 +360,7 @@ std::vector<std::uint8_t> slice_bytes(const SliceMessage& asked, const std::vect
 }
 
 std::vector<std::uint8_t> shape_bytes(std::uint32_t n, const Shape& shape) {
-    std::array<std::vector<float>, 3> corners;  // of triangles, segments, points
+    Drawing drawing;
     std::size_t triangles = 0, points = 0;
     for (const Piece& piece : shape.pieces) {
         if (const auto* const mesh = std::get_if<Mesh>(&piece)) triangles += mesh->triangles.size();
@@ -340,29 +369,27 @@ std::vector<std::uint8_t> shape_bytes(std::uint32_t n, const Shape& shape) {
     for (const Piece& piece : shape.pieces) {
         if (const auto* const mesh = std::get_if<Mesh>(&piece)) {
             const double share = static_cast<double>(mesh->triangles.size()) / static_cast<double>(triangles);
-            for (const auto& triangle : drawn(*mesh, static_cast<std::size_t>(share * most_drawn_triangles)))
-                for (const std::uint32_t corner : triangle) append(corners[0], mesh->vertices[corner]);
+            append(drawing, *mesh, drawn(*mesh, static_cast<std::size_t>(share * most_drawn_triangles)));
         } else if (const auto* const curve = std::get_if<Curve>(&piece)) {
             constexpr int segments = 200;
             for (int i = 0; i < segments; ++i)
-                for (const int end : {i, i + 1}) append(corners[1], curve->at(curve->length * end / segments));
+                for (const int end : {i, i + 1}) append(drawing.segments, curve->at(curve->length * end / segments));
         } else {
             const Cloud& cloud = std::get<Cloud>(piece);
             for (std::size_t i = 0; i < cloud.points.size(); i += stride(points, most_drawn_points))
-                append(corners[2], cloud.points[i]);
+                append(drawing.points, cloud.points[i]);
         }
     }
-    return drawn_bytes(n, corners, triangles, points);
+    return drawn_bytes(n, drawing, triangles, points);
 }
 
 std::vector<std::uint8_t> touched_bytes(std::uint32_t n, const Mesh& surface, const std::vector<Edge>& edges) {
-    std::array<std::vector<float>, 3> corners;
-    for (const auto& triangle : drawn(surface, most_drawn_triangles))
-        for (const std::uint32_t corner : triangle) append(corners[0], surface.vertices[corner]);
+    Drawing drawing;
+    append(drawing, surface, drawn(surface, most_drawn_triangles));
     for (const Edge& edge : edges)
         for (std::size_t i = 0; i + 1 < edge.size(); ++i)
-            for (const Vec3& end : {edge[i], edge[i + 1]}) append(corners[1], end);
-    return drawn_bytes(n, corners, surface.triangles.size(), 0);
+            for (const Vec3& end : {edge[i], edge[i + 1]}) append(drawing.segments, end);
+    return drawn_bytes(n, drawing, surface.triangles.size(), 0);
 }
 
 std::vector<std::uint8_t> hand_bytes(std::uint32_t n, const HandView& view) {

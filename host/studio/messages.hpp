@@ -63,9 +63,11 @@ struct SimulateMessage {
     std::uint32_t n = 0;
     std::string scene;
 };
-/// End what the last such message began.
+/// End what the page's last message of that kind began.
 struct CancelMessage {
+    enum class What { analyze, simulate };
     std::uint32_t n = 0;
+    What what = What::simulate;
 };
 /// Tell the pulses that were measured at the pins, from the first of a record on.
 struct PulsesMessage {
@@ -165,19 +167,19 @@ inline constexpr std::size_t most_members = 4000;  ///< of a message and all obj
 [[nodiscard]] std::vector<std::uint8_t> slice_bytes(const SliceMessage& asked, const std::vector<float>& values,
                                                     double skin_per_square, double took_ms, std::size_t sets);
 
-inline constexpr std::size_t most_drawn_triangles = 50'000, most_drawn_points = 50'000;
+inline constexpr std::size_t most_drawn_triangles = 10'000, most_drawn_points = 50'000;
 
-/// A shape as bytes for drawing, little-endian, millimetres: a header of 64 bytes, then float32 x, y, z of the corners
-/// of triangles (three each), of line segments (two each) and of points. Larger meshes are sent coarser: vertices in
-/// one cell of a grid become one, which leaves no holes. Of larger clouds every so many-th point is sent. The header
-/// says how many there are.
+/// A shape as bytes for drawing, little-endian, millimetres: a header of 64 bytes, then float32 x, y, z of the
+/// vertices; u32 numbers of the vertices of triangles (three each); float32 x, y, z of the ends of line segments (two
+/// each) and of points. Larger meshes are sent coarser: vertices in one cell of a grid become one, which leaves no
+/// holes. Of larger clouds every so many-th point is sent. The header says how many there are.
 ///
 /// | at | type | what |
 /// |----|------|------|
 /// | 0  | u8[4] | "HOB1" |
 /// | 4  | u32 | number of the request |
-/// | 8, 12, 16 | u32 | triangles, line segments, points that follow |
-/// | 20, 24 | u32 | triangles and points that the shape has |
+/// | 8, 12, 16, 20 | u32 | vertices, triangles, line segments, points that follow |
+/// | 24, 28 | u32 | triangles and points that the shape has |
 [[nodiscard]] std::vector<std::uint8_t> shape_bytes(std::uint32_t n, const Shape& shape);
 
 /// The same of an object that a hand feels: its surface, and its edges as line segments.

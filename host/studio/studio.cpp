@@ -13,7 +13,9 @@
 #include "failure.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/shipped.hpp"
+#include "haptogram/boards/board.hpp"
 #include "haptogram/hand/object.hpp"
+#include "haptogram/instrument/patch.hpp"
 #include "haptogram/instrument/report_page.hpp"
 #include "haptogram/link/port.hpp"
 #include "haptogram/link/to_json.hpp"
@@ -43,6 +45,7 @@ public:
                        [this](ordered_json report) {
                            server_.post([this, report = std::move(report)] { tell_work(report); });
                        }}) {
+        placed_ = options.placed;
         if (!options.project.empty()) scenes_.open(options.project);
         name_ = options.project.empty() ? "example" : options.project.filename().string();
         folder_ = options.project.empty() ? std::filesystem::current_path()
@@ -80,6 +83,8 @@ private:
             computing_.field(request, reply);
         else if (request.path == "/api/report")
             computing_.report(request, reply);
+        else if (request.path == "/api/bitstream")
+            computing_.bitstream(request, reply, placed_);
         else
             reply(answer_at_once(std::move(request)));
     }
@@ -110,11 +115,17 @@ private:
         ordered_json algorithms = ordered_json::array();
         for (const AlgorithmName& each : algorithm_names())
             algorithms.push_back({{"letter", std::string(1, each.letter)}, {"about", each.about}});
+        ordered_json boards = ordered_json::array();
+        for (const std::string& name : shipped_boards()) {
+            const Board board = load_board(name);
+            boards.push_back({{"name", name}, {"array", board.array}, {"bitstream", bitstream_file(board)}});
+        }
         return {{"version", version()},
                 {"project", name_},
                 {"document", scenes_.first_document()},
                 {"primitives", primitive_kinds()},
                 {"arrays", shipped_arrays()},
+                {"boards", boards},
                 {"touched", object_kinds()},
                 {"algorithms", algorithms},
                 {"ports", ports},
@@ -438,6 +449,7 @@ private:
     Assets assets_;
     std::string name_;
     std::filesystem::path folder_;  // of the project: where protocols and results are
+    std::filesystem::path placed_;  // boards' designs, for bitstreams
     Scenes scenes_;
     Server server_;
     std::map<std::uint64_t, Visitor> visitors_;

@@ -62,6 +62,18 @@ def test_files_are_beside_the_project(folder, tmp_path):
     assert len(json.loads((folder / "cloud.json").read_text())["records"]) == 3
 
 
+def test_files_on_the_command_line_are_not_beside_the_project(folder):
+    inner = folder / "inner"
+    inner.mkdir()
+    (inner / "ring.toml").write_bytes((folder / "ring.toml").read_bytes())
+    (folder / "few.toml").write_text("[array]\nelements_mm = [[30, 0], [0, 30.5], [-30, 0]]\n[board]\nchannels = 16\n")
+    (folder / "half.csv").write_text("time_s,amplitude\n0,0.5\n0.01,0.5\n")
+    succeed(["compile", "inner/ring.toml", "--array", "few.toml", "--am", "csv:half.csv", "-o", "few.hex"], cwd=folder)
+    assert len(json.loads((folder / "few.json").read_text())["array"]["elements_mm"]) == 3
+    succeed(["compile", "inner/ring.toml", "--array", "few.toml", "-o", "all.hex"], cwd=folder)
+    assert (folder / "few.hex").read_bytes() != (folder / "all.hex").read_bytes()
+
+
 @pytest.mark.parametrize(
     "change, needles",
     [

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page in a real browser: what a user does from the start to the image, and what it shows.
 import assert from "node:assert/strict";
-import { readFileSync, writeFileSync } from "node:fs";
+import { existsSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
 import { accessible, drop, eventually, folder, hasValue, openPage, picture, run, settled, shapes, slices, startBrowser, startStudio, takeAway } from "./support.mjs";
@@ -192,7 +192,11 @@ test("large files: from the drop to the mean field of their foci", async (t) => 
           if (compiling && !name().startsWith("Compiling")) {
             look.disconnect();
             const before = app.dataset.slices;
-            const next = new MutationObserver(() => app.dataset.slices !== before && (window.took ??= performance.now() - begun));
+            const next = new MutationObserver(() => {
+              if (app.dataset.slices === before) return;
+              next.disconnect();
+              window.took = performance.now() - begun;
+            });
             next.observe(app, { attributes: true });
           }
         });
@@ -257,6 +261,40 @@ test("what is taken away is what the command line makes", async (t) => {
   const again = await openPage(t, await startBrowser(t), second);
   await settled(again);
   assert.deepEqual(await takeAway(again, "Image"), hex);
+});
+
+test("a board's bitstream holds the image, as the command line makes it", async (t) => {
+  const placed = join(shapes, "../../../build/boards");
+  const studio = await startStudio(t, "--placed", placed);
+  const page = await openPage(t, await startBrowser(t), studio, { allowed: /422/ });
+  await settled(page);
+  const button = page.getByRole("button", { name: "with autostart" });
+  assert.ok(await button.isDisabled());
+  const board = "ice40-hx8k-breakout";
+  const choose = async (on) => {
+    await on.getByLabel("Focal points", { exact: true }).fill("20");
+    await on.getByLabel("Focal points", { exact: true }).press("Enter");
+    await on.getByLabel("For board", { exact: true }).selectOption(board);
+    await on.locator("footer", { hasText: "20 focal points" }).waitFor();
+    await settled(on);
+  };
+  await choose(page);
+  assert.match(await page.locator("pre.command").innerText(), new RegExp(`haptogram bitstream --board ${board} --image image.hex -o ${board}.bin`));
+  if (existsSync(join(placed, board, "placed.asc"))) {
+    const where = await folder(t);
+    writeFileSync(join(where, "image.hex"), await takeAway(page, "Image (.hex)"));
+    await run("bitstream", "--board", board, "--placed", placed, "--image", join(where, "image.hex"), "--autostart", "-o", join(where, "made.bin"));
+    assert.deepEqual(await takeAway(page, "with autostart"), readFileSync(join(where, "made.bin")));
+    await run("bitstream", "--board", board, "--placed", placed, "--image", join(where, "image.hex"), "-o", join(where, "silent.bin"));
+    assert.deepEqual(await takeAway(page, `${board}.bin`), readFileSync(join(where, "silent.bin")));
+  } else t.diagnostic(`${board} is not placed here`);
+  // One that was never placed says how.
+  const unplaced = await startStudio(t, "--placed", await folder(t));
+  const other = await openPage(t, await startBrowser(t), unplaced, { allowed: /422/ });
+  await settled(other);
+  await choose(other);
+  await other.getByRole("button", { name: `${board}.bin` }).click();
+  await other.locator(".failed", { hasText: `make bitstream BOARD=${board}` }).waitFor();
 });
 
 test("a document that makes no sense is explained, and undone", async (t) => {

@@ -55,7 +55,11 @@ TEST_CASE("studio messages: every kind is read, lengths become metres") {
     CHECK(drives.record == 3);
     CHECK(std::get<AnalyzeMessage>(read_message(R"({"t":"analyze","n":7,"scene":"s"})")).scene == "s");
     CHECK(std::get<SimulateMessage>(read_message(R"({"t":"simulate","n":8,"scene":"s"})")).scene == "s");
-    CHECK(std::get<CancelMessage>(read_message(R"({"t":"cancel","n":9})")).n == 9);
+    const auto cancel = std::get<CancelMessage>(read_message(R"({"t":"cancel","n":9,"what":"analyze"})"));
+    CHECK(cancel.n == 9);
+    CHECK(cancel.what == CancelMessage::What::analyze);
+    CHECK(std::get<CancelMessage>(read_message(R"({"t":"cancel","n":9,"what":"simulate"})")).what ==
+          CancelMessage::What::simulate);
     const auto pulses = std::get<PulsesMessage>(read_message(R"({"t":"pulses","n":10,"index":4,"periods":2})"));
     CHECK(pulses.index == 4);
     CHECK(pulses.periods == 2);
@@ -122,6 +126,8 @@ TEST_CASE("studio messages: bad ones are refused by name") {
         {R"({"t":"reach","n":1,"scene":"s","origin":[0,0,1],"u":[1,0,0],"v":[0,1,0],"width":2,"height":2,"view":4})",
          "message 'reach': member 'view' is 4"},
         {R"({"t":"drives","n":1,"scene":"s"})", "'record' is missing"},
+        {R"({"t":"cancel","n":1})", "'what' is missing"},
+        {R"({"t":"cancel","n":1,"what":"all"})", "'what' is 'all', not 'analyze' or 'simulate'"},
         {R"({"t":"pulses","n":1,"index":1})", "'periods' is missing"},
         {R"({"t":"hand","n":1,"document":{}})", "'drawn' is missing"},
         {R"({"t":"hand","n":1,"document":{},"drawn":"\u0000"})", "'drawn' has 1 bytes, some of control"},
@@ -258,18 +264,20 @@ TEST_CASE("studio messages: the bytes of a slice") {
 
 TEST_CASE("studio messages: the bytes of an object") {
     Shape shape;
-    shape.pieces.emplace_back(Mesh{{{0, 0, 0.1}, {0.01, 0, 0.1}, {0, 0.02, 0.1}}, {{0, 1, 2}}});
+    shape.pieces.emplace_back(Mesh{{{0, 0, 0.1}, {0.01, 0, 0.1}, {0, 0.02, 0.1}, {0, 0, 0.3}}, {{1, 2, 0}, {1, 0, 2}}});
     shape.pieces.emplace_back(Curve{[](double s) { return Vec3{s, 0, 0}; }, 0.2, false});
     shape.pieces.emplace_back(Cloud{{{0.001, 0.002, 0.003}}});
     const auto bytes = shape_bytes(4, shape);
-    REQUIRE(bytes.size() == 64 + 4 * (9 + 200 * 6 + 3));
+    // The two triangles share their corners, and the fourth vertex has none.
+    REQUIRE(bytes.size() == 64 + 4 * (3 * 3 + 2 * 3 + 200 * 6 + 3));
     CHECK(std::string(bytes.begin(), bytes.begin() + 4) == "HOB1");
-    CHECK(at<std::uint32_t>(bytes, 8) == 1);
-    CHECK(at<std::uint32_t>(bytes, 12) == 200);
-    CHECK(at<std::uint32_t>(bytes, 16) == 1);
-    CHECK(at<float>(bytes, 64 + 4 * 3) == 10.0F);
-    CHECK(at<float>(bytes, 64 + 4 * 7) == 20.0F);
-    const std::size_t segments = 64 + 4 * 9;
+    const std::array<std::uint32_t, 6> counts{3, 2, 200, 1, 2, 1};
+    for (std::size_t i = 0; i < counts.size(); ++i) CHECK(at<std::uint32_t>(bytes, 8 + 4 * i) == counts[i]);
+    CHECK(at<float>(bytes, 64) == 10.0F);
+    CHECK(at<float>(bytes, 64 + 4 * 4) == 20.0F);
+    const std::array<std::uint32_t, 6> corners{0, 1, 2, 0, 2, 1};
+    for (std::size_t i = 0; i < corners.size(); ++i) CHECK(at<std::uint32_t>(bytes, 64 + 4 * (9 + i)) == corners[i]);
+    const std::size_t segments = 64 + 4 * (9 + 6);
     CHECK(at<float>(bytes, segments) == 0.0F);
     CHECK(at<float>(bytes, segments + 4 * 3) == Approx(1.0));                // the end of the first segment
     CHECK(at<float>(bytes, segments + 4 * (199 * 6 + 3)) == Approx(200.0));  // and of the last
@@ -309,13 +317,12 @@ TEST_CASE("studio messages: the bytes of an object that a hand feels: its surfac
     const Mesh mesh{{{0.0, 0.0, 0.001}, {0.002, 0.0, 0.0}, {0.0, 0.003, 0.0}}, {{0, 1, 2}}};
     const auto bytes = touched_bytes(5, mesh, {{{0.0, 0.0, 0.0}, {0.004, 0.0, 0.0}, {0.0, 0.005, 0.0}}});
     CHECK(std::string(bytes.begin(), bytes.begin() + 4) == "HOB1");
-    CHECK(at<std::uint32_t>(bytes, 8) == 1);
-    CHECK(at<std::uint32_t>(bytes, 12) == 2);
-    CHECK(at<std::uint32_t>(bytes, 16) == 0);
-    REQUIRE(bytes.size() == 64 + 4 * (9 + 12));
+    const std::array<std::uint32_t, 6> counts{3, 1, 2, 0, 1, 0};
+    for (std::size_t i = 0; i < counts.size(); ++i) CHECK(at<std::uint32_t>(bytes, 8 + 4 * i) == counts[i]);
+    REQUIRE(bytes.size() == 64 + 4 * (9 + 3 + 12));
     CHECK(at<float>(bytes, 64 + 8) == Approx(1.0F));
-    CHECK(at<float>(bytes, 64 + 4 * 12) == Approx(4.0F));
-    CHECK(at<float>(bytes, 64 + 4 * 19) == Approx(5.0F));
+    CHECK(at<float>(bytes, 64 + 4 * 15) == Approx(4.0F));
+    CHECK(at<float>(bytes, 64 + 4 * 22) == Approx(5.0F));
 }
 
 TEST_CASE("studio messages: a large object is drawn coarser, without holes, and the header says so") {
@@ -337,16 +344,20 @@ TEST_CASE("studio messages: a large object is drawn coarser, without holes, and 
     Shape shape;
     shape.pieces.emplace_back(mesh);
     const auto bytes = shape_bytes(1, shape);
-    const auto drawn = at<std::uint32_t>(bytes, 8);
-    CHECK(at<std::uint32_t>(bytes, 20) == mesh.triangles.size());
+    const auto vertices = at<std::uint32_t>(bytes, 8), drawn = at<std::uint32_t>(bytes, 12);
+    CHECK(at<std::uint32_t>(bytes, 24) == mesh.triangles.size());
     CHECK(drawn <= most_drawn_triangles);
-    CHECK(drawn > 5'000);
-    CHECK(bytes.size() == 64 + 36 * std::size_t{drawn});
+    CHECK(drawn > most_drawn_triangles / 4);
+    CHECK(vertices < drawn);  // which share them
+    REQUIRE(bytes.size() == 64 + 12 * std::size_t{vertices} + 12 * std::size_t{drawn});
     double area = 0.0;
     for (std::uint32_t i = 0; i < drawn; ++i) {
         std::array<Vec3, 3> corner;
         for (std::size_t k = 0; k < 3; ++k) {
-            const std::size_t place = 64 + 36 * std::size_t{i} + 12 * k;
+            const auto number =
+                at<std::uint32_t>(bytes, 64 + 12 * std::size_t{vertices} + 4 * (3 * std::size_t{i} + k));
+            REQUIRE(number < vertices);
+            const std::size_t place = 64 + 12 * std::size_t{number};
             corner[k] = {at<float>(bytes, place), at<float>(bytes, place + 4), at<float>(bytes, place + 8)};
             CHECK(std::hypot(corner[k].x, corner[k].y, corner[k].z) == Approx(50.0));  // a vertex of the mesh
         }

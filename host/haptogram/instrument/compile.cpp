@@ -547,18 +547,14 @@ double metres_per_unit(const std::string& unit) {
 }
 
 ProjectInstrument instrument_of(const Project& project) {
-    const auto beside = [&](const std::string& name) {
-        const bool path = name.ends_with(".toml");
-        return path ? (project.folder / name).string() : name;
-    };
     ProjectInstrument found;
     if (project.board) {
-        const std::string board = beside(*project.board);
+        const std::string board = project.beside(*project.board);
         found.core = find_core(board);
-        const std::string drives = project.array ? beside(*project.array) : array_of_board(board);
+        const std::string drives = project.array ? project.beside(*project.array) : array_of_board(board);
         found.array = find_array(drives);
     } else {
-        const std::string array = project.array ? beside(*project.array) : "tile-10x10";
+        const std::string array = project.array ? project.beside(*project.array) : "tile-10x10";
         found.array = find_array(array);
         found.core = core_of_array(array);
     }

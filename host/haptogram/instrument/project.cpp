@@ -233,6 +233,12 @@ Project project_from_toml(std::string_view text, const std::string& where) {
     return project;
 }
 
+std::string from_here(const std::string& name) {
+    for (const std::string kind : {"wav:", "csv:"})
+        if (name.starts_with(kind)) return kind + std::filesystem::absolute(name.substr(kind.size())).string();
+    return name.ends_with(".toml") ? std::filesystem::absolute(name).string() : name;
+}
+
 Project load_project(const std::filesystem::path& path) {
     Project project = project_from_toml(read_file(path), path.string());
     project.folder = path.parent_path();

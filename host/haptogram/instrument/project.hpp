@@ -56,7 +56,15 @@ struct Project {
 
     /// Whether it plays shapes, not a path or what a hand feels.
     [[nodiscard]] bool is_of_shapes() const { return path.empty() && !hand; }
+    /// Where a board or an array that it names is: a file from its folder on, or the name of a shipped one.
+    [[nodiscard]] std::string beside(const std::string& name) const {
+        return name.ends_with(".toml") ? (folder / name).string() : name;
+    }
 };
+
+/// A name of an array, a board or a waveform that a command line gives for a project's: a file is looked for from the
+/// working folder on, not beside the project.
+[[nodiscard]] std::string from_here(const std::string& name);
 
 /// Reads a project file (TOML); host/haptogram/instrument/README.md describes its keys.
 /// @throws Error{bad_input} naming the file, the line and the key, also for unknown keys

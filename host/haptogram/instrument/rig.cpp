@@ -71,7 +71,9 @@ CompiledRig compile_on(const Project& project, const std::string& rig_name, cons
     if (project.array)
         throw bad_argument("array", "a rig has arrays of its own; leave out the array, or the rig", {"array", "rig"});
     const Rig rig = find_rig(rig_name);
-    const std::vector<Core> cores = cores_of(rig, project.board);
+    std::optional<std::string> board = project.board;
+    if (board) board = project.beside(*board);
+    const std::vector<Core> cores = cores_of(rig, board);
     require_alike(rig, cores);
     require_together(rig, cores);
     const std::vector<TilePart> parts = parts_of(rig, cores);

@@ -21,7 +21,7 @@ import { ProfilePlot } from "./plot";
 import { look, quantities } from "./quantity";
 import { Shape } from "./shape";
 import { Slicer } from "./slicer";
-import { type Actions, shownRecord, state } from "./state";
+import { type Actions, boardOf, shownRecord, state } from "./state";
 import { StudyPage } from "./study";
 import { StudyReader } from "./study_reader";
 import { Surfaces } from "./surface";
@@ -117,6 +117,11 @@ export function start(link: Link): void {
   function askScene(): void {
     const document = project.value;
     if (asked || !document || !link.open) return;
+    // What is found out about the scene before would hold this one up.
+    if (analysed && !state.analysis.peek()) {
+      link.send({ t: "cancel", what: "analyze" });
+      analysed = undefined;
+    }
     const text = JSON.stringify(document);
     asked = { n: link.send({ t: "scene", document }), document: text };
   }
@@ -266,6 +271,19 @@ export function start(link: Link): void {
         if (!scene) return;
         state.writing.value = true;
         save(await link.take(scene.name, as), filesOfScene[as]);
+      } catch (error) {
+        wrong(error);
+      } finally {
+        state.writing.value = false;
+      }
+    },
+    async takeBitstream(autostart) {
+      try {
+        const scene = state.scene.value;
+        const board = boardOf(project.value);
+        if (!scene || !board) return;
+        state.writing.value = true;
+        save(await link.bitstream(scene.name, autostart), board.bitstream);
       } catch (error) {
         wrong(error);
       } finally {

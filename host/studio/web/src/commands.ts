@@ -30,7 +30,7 @@ export function fieldQuery({ origin, u, v }: Edges, stepMm: number): FieldQuery 
 }
 
 /** Lines for a shell, of one record or, with 0, of all, and what they ask of the field; that is none when the plane lies askew. */
-export function commands(edges: Edges, quantity: Quantity, stepMm: number, record: number): { text: string; field: FieldQuery | undefined } {
+export function commands(edges: Edges, quantity: Quantity, stepMm: number, record: number, board?: { name: string; bitstream: string }): { text: string; field: FieldQuery | undefined } {
   const field = fieldQuery(edges, stepMm);
   const lines = ["haptogram compile project.toml -o image.hex"];
   if (field) {
@@ -38,6 +38,7 @@ export function commands(edges: Edges, quantity: Quantity, stepMm: number, recor
     const of = record === 0 ? "" : ` --record ${record}`;
     lines.push(`haptogram field image.hex${of} --plane ${field.plane} ${ranges.join(" ")} --step ${stepMm} --quantity ${quantities[quantity].command} -o field.png`);
   }
+  if (board) lines.push(`haptogram bitstream --board ${board.name} --image image.hex -o ${board.bitstream}`);
   return { text: lines.join("\n"), field };
 }
 

@@ -39,6 +39,7 @@ export interface HandTable {
 export interface ProjectDocument {
   format: string;
   array?: string;
+  board?: string;
   points?: number;
   /** At most one of these three is there. */
   rate_hz?: number;

@@ -5,6 +5,7 @@ import { renderCommand } from "./commands";
 import { Choice, NumberField, Panel, Row } from "./controls";
 import { edit, endGesture, having, type HandTable, project, type ProjectDocument } from "./document";
 import { ofAllFrames } from "./hand_reader";
+import { InstrumentFields } from "./instrument";
 import type { FrameReport } from "./link";
 import { library } from "./library";
 import { touchedAt } from "./placing";
@@ -123,7 +124,7 @@ function Algorithm({ now, hand }: Omit<WithDocument, "actions">) {
       <Choice label="Between lines" value={String(now["jump"] ?? "hop")} choices={[["hop", "hop at once"], ["blank", "silent on the way"]]} onValue={(jump) => set({ jump: jump === "hop" ? undefined : jump })} />
       <NumberField label="Points of a pass" unit="" value={now.points ?? 200} step={10} least={1} onValue={(points) => set({ points: Math.round(points) })} />
       <Choice label="Modulation" value={now.am ?? ""} choices={[...new Set([...modulations.map(([key]) => key), now.am ?? ""])].map((key) => [key, modulations.find(([known]) => known === key)?.[1] ?? key])} onValue={(am) => set({ am: am || undefined })} />
-      <Choice label="Array" value={now.array ?? "tile-10x10"} choices={[...new Set([...(hello?.arrays ?? []), now.array ?? "tile-10x10"])].map((name) => [name, name])} onValue={(array) => set({ array })} />
+      <InstrumentFields hello={hello} now={now} set={set} />
     </Panel>
   );
 }
@@ -146,7 +147,7 @@ function Path({ actions, now }: Omit<WithDocument, "hand">) {
 
 /** The settings of a hand, in place of those of an object that is sampled. */
 export function HandSettings({ actions, now, hand }: WithDocument) {
-  const back = (): void => edit(having(library["Dome of 200 points"] ?? now, { array: now.array, board: now["board"] }));
+  const back = (): void => edit(having(library["Dome of 200 points"] ?? now, { array: now.array, board: now.board }));
   return (
     <>
       <Recording now={now} hand={hand} />

@@ -189,6 +189,8 @@ export interface Hello {
   touched: string[];
   algorithms: { letter: string; about: string }[];
   arrays: string[];
+  /** shipped ones: the array of each, and what the file of its bitstream is called */
+  boards: { name: string; array: string; bitstream: string }[];
   ports: { port: string; name: string }[];
   most_file_bytes: number;
 }
@@ -212,7 +214,9 @@ export interface SliceData {
 /** An object for drawing, millimetres. */
 export interface Drawn {
   n: number;
-  triangles: Float32Array<ArrayBuffer>;
+  vertices: Float32Array<ArrayBuffer>;
+  /** Numbers of vertices, three each. */
+  triangles: Uint32Array<ArrayBuffer>;
   segments: Float32Array<ArrayBuffer>;
   points: Float32Array<ArrayBuffer>;
   allTriangles: number;
@@ -263,14 +267,16 @@ export function readSlice(bytes: ArrayBuffer): SliceData {
 
 export function readObject(bytes: ArrayBuffer): Drawn {
   const view = new DataView(bytes);
-  const [triangles, segments, points] = [8, 12, 16].map((at) => view.getUint32(at, true)) as Point;
+  const [vertices, triangles, segments, points] = [8, 12, 16, 20].map((at) => view.getUint32(at, true)) as [number, number, number, number];
+  const corners = 64 + 12 * vertices, ends = corners + 12 * triangles;
   return {
     n: view.getUint32(4, true),
-    triangles: new Float32Array(bytes, 64, 9 * triangles),
-    segments: new Float32Array(bytes, 64 + 36 * triangles, 6 * segments),
-    points: new Float32Array(bytes, 64 + 36 * triangles + 24 * segments, 3 * points),
-    allTriangles: view.getUint32(20, true),
-    allPoints: view.getUint32(24, true),
+    vertices: new Float32Array(bytes, 64, 3 * vertices),
+    triangles: new Uint32Array(bytes, corners, 3 * triangles),
+    segments: new Float32Array(bytes, ends, 6 * segments),
+    points: new Float32Array(bytes, ends + 24 * segments, 3 * points),
+    allTriangles: view.getUint32(24, true),
+    allPoints: view.getUint32(28, true),
   };
 }
 
@@ -353,6 +359,11 @@ export class Link {
   async take(scene: string, as: FileOfScene | "methods"): Promise<Blob> {
     const address = as === "report" ? `/api/report?scene=${scene}` : `/api/take?scene=${scene}&as=${as}`;
     return await (await this.fetch(address)).blob();
+  }
+
+  /** The scene's image in its board's bitstream; with autostart it plays at power-up. */
+  async bitstream(scene: string, autostart: boolean): Promise<Blob> {
+    return await (await this.fetch(`/api/bitstream?scene=${scene}&autostart=${autostart ? 1 : 0}`)).blob();
   }
 
   /** The field on a plane as a file; the query's members are those of ../../README.md. */

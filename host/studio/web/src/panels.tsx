@@ -7,7 +7,7 @@ import { Choice, NumberField, Panel, Row } from "./controls";
 import { canRedo, canUndo, edit, having, project, redo, undo } from "./document";
 import type { Point, SliceData } from "./link";
 import { look, quantities, type Quantity, short, squareOf, valueOf, valueOnScale } from "./quantity";
-import { type Actions, type Handles, shownRecord, state } from "./state";
+import { type Actions, boardOf, type Handles, shownRecord, state } from "./state";
 import type { Orientation } from "./view";
 
 interface WithActions {
@@ -36,7 +36,8 @@ const fieldFiles = ["png", "csv", "npy", "vti"] as const;
 
 export function TakeAway({ actions }: WithActions) {
   const ready = state.scene.value !== undefined && state.current.value;
-  const told = commands(state.edges.value, look.value.quantity, state.stepMm.value, shownRecord.value);
+  const board = boardOf(project.value);
+  const told = commands(state.edges.value, look.value.quantity, state.stepMm.value, shownRecord.value, board);
   return (
     <Panel title="Take away">
       <div class="buttons">
@@ -46,6 +47,12 @@ export function TakeAway({ actions }: WithActions) {
         <button type="button" disabled={!ready} onClick={() => void actions.take("primary")} title="Primary memory for Verilog's $readmemh">Records (.mem)</button>
         <button type="button" disabled={!ready} onClick={() => void actions.take("sequence")} title="Sequence memory for Verilog's $readmemh">Sequence (.mem)</button>
       </div>
+      <h3>Bitstream</h3>
+      <div class="buttons">
+        <button type="button" disabled={!ready || !board || state.writing.value} onClick={() => void actions.takeBitstream(false)} title="For the FPGA: the core with this image in its memories">{board ? `${board.bitstream}` : "Bitstream"}</button>
+        <button type="button" disabled={!ready || !board || state.writing.value} onClick={() => void actions.takeBitstream(true)} title="The same, and the board plays it at power-up, with no host and no watchdog">with autostart</button>
+      </div>
+      {!board && <p class="hint">Choose a board under "Sample and play" first.</p>}
       <h3>For a paper</h3>
       <div class="buttons">
         <button type="button" disabled={!ready || state.writing.value} onClick={() => void actions.take("report")}>Report (.html)</button>
@@ -80,7 +87,7 @@ export function Numbers() {
   if (!scene) return <Panel title="Numbers"><p>{state.current.value ? "There is no image." : "Compiling…"}</p></Panel>;
   const { numbers } = scene;
   const { quantity: shown, top } = look.value;
-  const drawn = object ? object.triangles.length / 9 : 0;
+  const drawn = object ? object.triangles.length / 3 : 0;
   return (
     <Panel title="Numbers">
       <table class={state.current.value ? "" : "stale"}>

@@ -22,7 +22,7 @@ export class PinReader {
 
   cancel(): void {
     this.asked = undefined;
-    this.link.send({ t: "cancel" });
+    this.link.send({ t: "cancel", what: "simulate" });
     state.pins.value = { underWay: false };
   }
 

@@ -3,6 +3,7 @@
 import { Choice, NumberField, Panel } from "./controls";
 import { edit, having, project, type ProjectDocument, type ShapeEntry } from "./document";
 import { HandSettings } from "./hand";
+import { InstrumentFields } from "./instrument";
 import type { Point } from "./link";
 import { library } from "./library";
 import { moved, placed, placeOf, withAnother, without } from "./placing";
@@ -45,7 +46,7 @@ function ObjectPanel({ actions, now, primitives }: { actions: Actions; now: Proj
   };
   return (
     <Panel title="Object">
-      <Choice label="Library" value="" choices={[["", "choose…"], ...Object.keys(library).map((name): [string, string] => [name, name])]} onValue={(name) => { const found = library[name]; actions.choose(undefined); if (found) edit(having(found, { array: now.array, board: now["board"] })); }} />
+      <Choice label="Library" value="" choices={[["", "choose…"], ...Object.keys(library).map((name): [string, string] => [name, name])]} onValue={(name) => { const found = library[name]; actions.choose(undefined); if (found) edit(having(found, { array: now.array, board: now.board })); }} />
       {several && <Choice label="Of several" value={String(chosen ?? "")} choices={[["", "all together"], ...shapes.map((each, i): [string, string] => [String(i), nameOf(each, i)])]} onValue={(value) => actions.choose(value === "" ? undefined : Number(value))} />}
       {chosen !== undefined && shape.file === undefined && <Choice label="Shape" value={shape.kind ?? ""} choices={primitives.map((kind) => [kind, kind])} onValue={(kind) => become(chosen, kind)} />}
       {chosen !== undefined && shape.file !== undefined && (
@@ -113,7 +114,7 @@ export function Shape({ actions }: { actions: Actions }) {
         <NumberField label={led.label} unit={led.unit} value={(now[pace] as number | undefined) ?? led.usual} least={0} onValue={(value) => change({ [pace]: value })} />
         <label class="check"><input type="checkbox" checked={now.even ?? false} onChange={(e) => change({ even: e.currentTarget.checked || undefined })} /> All points feel alike</label>
         <Choice label="Modulation" value={now.am ?? ""} choices={[...new Set([...modulations.map(([key]) => key), now.am ?? ""])].map((key) => [key, modulations.find(([known]) => known === key)?.[1] ?? key])} onValue={(am) => change({ am: am || undefined })} />
-        <Choice label="Array" value={now.array ?? "tile-10x10"} choices={[...new Set([...hello.arrays, now.array ?? "tile-10x10"])].map((name) => [name, name])} onValue={(array) => change({ array })} />
+        <InstrumentFields hello={hello} now={now} set={change} />
       </Panel>
     </>
   );

@@ -111,6 +111,9 @@ export const state = {
   profiles: signal<{ now: Profile | undefined; kept: Profile | undefined }>({ now: undefined, kept: undefined }),
 };
 
+/** The shipped board that a document is for, if it names one. */
+export const boardOf = (document: ProjectDocument | undefined): Hello["boards"][number] | undefined => state.hello.value?.boards.find(({ name }) => name === document?.board);
+
 /** The record that the field is of; 0 is the mean over the sequence. */
 export const shownRecord = computed(() => {
   const entry = state.scene.value?.tour[state.at.value ?? -1];
@@ -122,6 +125,8 @@ export interface Actions {
   drop(files: File[]): Promise<void>;
   send(t: string, members?: Record<string, unknown>): void;
   take(as: FileOfScene): Promise<void>;
+  /** The image in its board's bitstream as a file; with autostart it plays at power-up. */
+  takeBitstream(autostart: boolean): Promise<void>;
   /** Copies the paragraph for a paper's section on methods. */
   copyMethods(): Promise<void>;
   /** Renders the hand's frame, or all of them, and saves the path; or only looks through them. */
