@@ -34,7 +34,7 @@ struct CompileOptions {
     std::vector<double> center_mm, rotate_deg;
     bool clip = false, even = false, foci = false, records = false;
     std::optional<std::string> am, am_law, quantise;
-    std::optional<double> magnitude;
+    std::optional<double> magnitude, amplitude;
     std::string output = "image.hex";
     std::string path, save_path;
     std::string manifest, readmemh;
@@ -96,6 +96,7 @@ Project project_of(const CompileOptions& options) {
     project.even = project.even || options.even;
     put_name(project.am, options.am);
     if (options.magnitude) project.magnitude = options.magnitude;
+    put(project.amplitude, options.amplitude);
     put(project.quantise, options.quantise);
     if (options.foci || options.records) project.image = options.foci ? ImageKind::foci : ImageKind::records;
     if (options.am_law) project.am_law = law_of(*options.am_law);
@@ -309,6 +310,9 @@ void add_compile(CLI::App& app, Action& action) {
                   "Choose dwells that make all points feel alike, with what the foci add to each other, instead of "
                   "equal ones");
     add_am(*sub, options->am, options->am_law);
+    sub->add_option("--amplitude", options->amplitude,
+                    "Of all foci, as a fraction of the pressure that the array can make there (default: 1)")
+        ->check(positive());
     sub->add_option("--magnitude", options->magnitude,
                     "How strong each focus feels to a palm under --am, from the array's force and the Multimodal "
                     "paper's tables (see haptogram magnitude)")

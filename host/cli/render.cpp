@@ -34,6 +34,7 @@ struct RenderCommand {
     bool off_skin = false, report = false, json = false;
     std::optional<std::string> am, am_law;
     std::optional<double> magnitude;
+    double amplitude = 1.0;
     double gap_mm = 10.0;
     TouchOptions touch;
     std::vector<std::string> outputs;
@@ -57,6 +58,7 @@ RenderOptions options_of(const RenderCommand& command) {
     options.am = command.am.value_or("");
     if (command.am_law) options.am_law = law_of(*command.am_law);
     options.magnitude = command.magnitude;
+    options.amplitude = command.amplitude;
     return options;
 }
 
@@ -289,6 +291,10 @@ void add_render(CLI::App& app, Action& action) {
     add_mm(*sub, "--blob-finger", touch.blob_finger_m, "Of G, J: the largest circle on a fingertip, radius in mm");
     add_mm(*sub, "--blob-palm", touch.blob_palm_m, "Of G, J: the same on the palm");
     add_am(*sub, options->am, options->am_law);
+    sub->add_option("--amplitude", options->amplitude,
+                    "Of all foci, as a fraction of the pressure that the array can make there")
+        ->check(positive())
+        ->capture_default_str();
     sub->add_option("--magnitude", options->magnitude,
                     "How strong each focus feels to a palm under --am or the algorithm's own modulation, from the "
                     "array's force and the Multimodal paper's tables (see haptogram magnitude)")

@@ -7,7 +7,7 @@ import shutil
 
 import numpy as np
 import pytest
-from support import BAD_INPUT, OK, ROOT, Image, foci_mm, read_json, refuse, run, snapshot, succeed, text
+from support import BAD_INPUT, OK, ROOT, USAGE, Image, foci_mm, read_json, refuse, run, snapshot, succeed, text
 
 KINDS = ["point", "line", "circle", "triangle", "square", "plus", "polygon", "sphere", "hemisphere", "cube", "cone", "cylinder", "helix"]
 
@@ -253,6 +253,26 @@ def test_a_warning_does_not_contradict_its_own_numbers(tmp_path):
 
 def test_a_long_dwell_is_not_warned_of(tmp_path):
     assert succeed(["compile", "--shape", "circle", "--points", "8", "--rate", "10", "-o", "image.hex"], cwd=tmp_path).stderr == b""
+
+
+def test_an_amplitude_makes_pulses_shorter_and_nothing_else(tmp_path):
+    """By D = (T/π)·asin(a): a half is a third of the full length, which is T/2."""
+    full = manifest_of(tmp_path, "--shape", "circle", "--points", "4")
+    before = Image(tmp_path / "image.hex").records()
+    half = manifest_of(tmp_path, "--shape", "circle", "--points", "4", "--amplitude", "0.5")
+    after = Image(tmp_path / "image.hex").records()
+    assert [r["amplitude"] for r in half["records"]] == [0.5] * 4 and "amplitude" not in full["records"][0]
+    ticks = half["timer"]["cycle_ticks"]
+    assert [r["pulse_length"] for r in after] == [round(ticks / np.pi * np.arcsin(0.5))] * 4
+    assert [r["timings"] for r in after] == [r["timings"] for r in before]
+    (tmp_path / "half.toml").write_text('format = "haptogram-project-1"\npoints = 4\namplitude = 0.5\n[[shape]]\nkind = "circle"\n')
+    succeed(["compile", "half.toml", "-o", "project.hex"], cwd=tmp_path)
+    assert (tmp_path / "project.hex").read_bytes() == (tmp_path / "image.hex").read_bytes()
+    assert (tmp_path / "project.json").read_bytes() == (tmp_path / "image.json").read_bytes()
+    refuse(tmp_path, ["compile", "--shape", "circle", "--amplitude", "0"], USAGE, "--amplitude", "positive")
+    refuse(tmp_path, ["compile", "--shape", "circle", "--amplitude", "1.5"], USAGE, "--amplitude", "at most 1")
+    refuse(tmp_path, ["compile", "--shape", "circle", "--amplitude", "0.001"], USAGE, "silent")
+    refuse(tmp_path, ["compile", "--shape", "circle", "--amplitude", "0.5", "--magnitude", "2", "--am", "sine:200"], USAGE, "leave one of them out")
 
 
 @pytest.mark.parametrize("rate", [7, 10, 30, 33.3, 123.4])

@@ -83,6 +83,8 @@ def test_files_on_the_command_line_are_not_beside_the_project(folder):
         (("diameter_mm = 40", "diameter_mm = -4"), [r"ring\.toml:11", "diameter_mm"]),
         (("haptogram-project-1", "haptogram-project-2"), [r"ring\.toml:1", "format"]),
         (("[place]", "[place"), [r"ring\.toml:6", "TOML"]),
+        (("rate_hz = 50", "amplitude = 0"), [r"ring\.toml:3", "amplitude"]),
+        (("rate_hz = 50", "amplitude = 1.01"), [r"ring\.toml:3", "amplitude"]),
     ],
     ids=lambda value: value[1] if isinstance(value, tuple) else None,
 )

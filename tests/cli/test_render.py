@@ -55,6 +55,15 @@ def test_the_path_of_one_frame_is_compiled_and_simulated(tmp_path):
     succeed(["simulate", "image.hex", "--report", "report.json"], cwd=tmp_path, timeout=300)
 
 
+def test_an_amplitude_is_of_every_focus_and_its_square_of_the_strength(tmp_path):
+    arguments = ["sphere", *PRESS, "--size", 60, "--frame", 30]
+    full, _, _ = rendered(tmp_path, *arguments)
+    half, _, path = rendered(tmp_path, *arguments, "--amplitude", "0.5")
+    assert {focus["amplitude"] for step in path["steps"] for focus in step["foci"]} == {0.5}
+    for name in ("focus_pa", "strength_pa"):
+        assert half["frames"][0][name] == pytest.approx(full["frames"][0][name] / 4)
+
+
 def test_a_slow_focus_has_the_speed_at_the_image(tmp_path):
     """Shapes' speed, and a tenth of it, from the image's own foci and dwells."""
     for speed in (7.0, 0.7):

@@ -143,7 +143,7 @@ def seeds(program):
         "board": [path.read_bytes() for path in sorted((ROOT / "constraints").glob("*.toml"))],
         "project": [b'format = "haptogram-project-1"\npoints = 12\nrate_hz = 50.5\nclip = true\n[place]\ncenter_mm = [0, 1.5, 120]\nsize_mm = 40\n'
                     b'[[shape]]\nkind = "circle"\ndiameter_mm = 40\n[[shape]]\nfile = "a b.ply"\nunit = "cm"\n',
-                    b'format = "haptogram-project-1"\nspeed_m_s = 7\njump = "blank"\neven = true\nam = "sine:200"\nam_law = "radiation"\n[[shape]]\nkind = "plus"\n',
+                    b'format = "haptogram-project-1"\nspeed_m_s = 7\njump = "blank"\neven = true\nam = "sine:200"\nam_law = "radiation"\namplitude = 0.5\n[[shape]]\nkind = "plus"\n',
                     b'format = "haptogram-project-1"\npath = "a.json"\n'],
         "path": [b'{"format": "haptogram-path-1", "carrier_hz": 40000, "steps": [{"periods": 6, "foci": [{"position_mm": [1, 2.5, 130], "amplitude": 0.5}]},'
                  b' {"periods": 4, "foci": []}], "modulation": {"periods_a_sample": 2, "samples": [0, 0.5, 1]}}'],

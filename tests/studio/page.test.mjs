@@ -212,6 +212,27 @@ test("large files: from the drop to the mean field of their foci", async (t) => 
   await picture(page, "dropped-dome");
 });
 
+test("the amplitude is the project's, and of every record", async (t) => {
+  const studio = await startStudio(t);
+  const page = await openPage(t, await startBrowser(t), studio);
+  await settled(page);
+  const amplitude = page.getByLabel("Amplitude", { exact: true });
+  await hasValue(amplitude, "100");
+  for (const wrong of ["0", "101", "x"]) {
+    await amplitude.fill(wrong);
+    await amplitude.press("Enter");
+    await hasValue(amplitude, "100");
+  }
+  await amplitude.fill("40");
+  await amplitude.press("Enter");
+  await page.locator("#view[aria-busy=true]").waitFor({ timeout: 2000 }).catch(() => {});
+  await settled(page);
+  assert.match(String(await takeAway(page, "Project")), /^amplitude = 0\.4$/m);
+  assert.ok(JSON.parse(await takeAway(page, "Manifest")).records.every((record) => record.amplitude === 0.4));
+  await page.keyboard.press("Control+z");
+  await hasValue(amplitude, "100");
+});
+
 test("what is taken away is what the command line makes", async (t) => {
   const studio = await startStudio(t);
   const page = await openPage(t, await startBrowser(t), studio);

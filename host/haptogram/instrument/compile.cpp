@@ -280,9 +280,11 @@ std::vector<double> modulate(Path& path, const Project& project, double carrier_
     return made.frequencies_hz;
 }
 
-/// Lets the foci feel as strong as the project says.
+/// Lets the foci be, or feel, as strong as the project says.
 std::optional<perception::PathMagnitude> feel(Path& path, const Project& project, const Array& array) {
+    weaken(path, project.amplitude);
     if (!project.magnitude) return {};
+    require_one_strength(project.magnitude, project.amplitude);
     const auto wanted =
         perception::wanted_of(*project.magnitude, project.am, project.am_law == AmplitudeLaw::radiation);
     return perception::give_magnitude(path, perception::find_tables(), wanted, array);
@@ -348,7 +350,9 @@ Image records_image(const Path& path, const Array& array, const Core& core, Meth
     std::optional<Segments> segments;
     if (!manifest.quantise.empty()) segments = segments_of(manifest.quantise);
     const Timeline timeline = TimelineMaker(path, manifest.timer, core, segments).make();
-    if (timeline.steps.empty()) throw bad_argument("path", "every step is silent; there is nothing to play");
+    if (timeline.steps.empty())
+        throw bad_argument(
+            "path", "every step is silent, or so weak that its pulse would have no length; there is nothing to play");
 
     Image image;
     image.channels = channels;

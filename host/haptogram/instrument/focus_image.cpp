@@ -128,7 +128,9 @@ FocusImage focus_image_of(const Path& path, const Array& array, const Core& core
             left -= dwell;
         }
     }
-    if (records.empty()) throw bad_argument("path", "every step is silent; there is nothing to play");
+    if (records.empty())
+        throw bad_argument(
+            "path", "every step is silent, or so weak that its pulse would have no length; there is nothing to play");
 
     double longest = 1.0;
     for (const RecordWords& record : records) {

@@ -52,6 +52,7 @@ RenderOptions render_options(const Project& project) {
     options.am_folder = project.folder;
     options.am_law = project.am_law;
     options.magnitude = project.magnitude;
+    options.amplitude = project.amplitude;
     return options;
 }
 

@@ -193,9 +193,9 @@ void check_subject(const Project& project, const Section& whole, const std::stri
 Project project_from_toml(std::string_view text, const std::string& where) {
     const toml::table root = section::parse_text(text, where);
     const Section whole(where, root);
-    whole.only({"format",    "array",        "board", "points", "seed",  "clip",   "rate_hz",
-                "speed_m_s", "frequency_hz", "jump",  "even",   "am",    "am_law", "magnitude",
-                "quantise",  "image",        "loops", "place",  "shape", "path",   "hand"});
+    whole.only({"format",       "array", "board", "points", "seed",   "clip",      "rate_hz",   "speed_m_s",
+                "frequency_hz", "jump",  "even",  "am",     "am_law", "magnitude", "amplitude", "quantise",
+                "image",        "loops", "place", "shape",  "path",   "hand"});
     const auto format = whole.required(whole.text("format"), "format", fmt::format("\"{}\"", format_name));
     if (format != format_name)
         throw whole.wrong(*whole.find("format"), "format", fmt::format("\"{}\" for this version", format_name));
@@ -224,6 +224,7 @@ Project project_from_toml(std::string_view text, const std::string& where) {
                                     [](const std::string& name) { return name == "pressure" || name == "radiation"; }))
         project.am_law = *law == "pressure" ? AmplitudeLaw::pressure : AmplitudeLaw::radiation;
     project.magnitude = whole.number("magnitude", 1e-6, 1e6);
+    assign(project.amplitude, whole.number("amplitude", 1e-6, 1.0));
     assign(project.quantise, whole.text("quantise", fmt::format("\"{}\"", hoshi_segments.name),
                                         [](const std::string& name) { return name == hoshi_segments.name; }));
     if (const auto image = whole.text("image", "\"records\" or \"foci\"",
@@ -266,6 +267,8 @@ std::string to_toml(const Project& project) {
     if (project.even) text += "even = true\n";
     if (!project.am.empty()) text += fmt::format("am = {}\n", quoted(project.am));
     if (project.am_law == AmplitudeLaw::radiation) text += "am_law = \"radiation\"\n";
+    if (project.amplitude != standard.amplitude)
+        text += fmt::format("amplitude = {}\n", number_text(project.amplitude));
     if (project.magnitude) text += fmt::format("magnitude = {}\n", number_text(*project.magnitude));
     if (!project.quantise.empty()) text += fmt::format("quantise = {}\n", quoted(project.quantise));
     if (project.image) text += fmt::format("image = \"{}\"\n", *project.image == ImageKind::foci ? "foci" : "records");

@@ -45,6 +45,7 @@ struct Project {
     bool even = false;                ///< dwells that make all points feel alike, instead of equal ones
     std::string am;                   ///< waveform of the amplitude, as modulation_of() reads it; empty: none
     AmplitudeLaw am_law = AmplitudeLaw::pressure;  ///< what the waveform's values are
+    double amplitude = 1.0;  ///< of all that is played, of the most that the array can make there: above 0, at most 1
     std::optional<double> magnitude;   ///< how strong each focus feels under that waveform (perception/magnitude.hpp)
     std::string quantise;              ///< device on whose segments pulses lie (segments_of()); empty: none
     std::optional<ImageKind> image;    ///< by default foci, where the board computes them and pulses need not lie on a

@@ -47,7 +47,7 @@ double tilt_of(Vec3 position, Vec3 normal) {
 
 /// The numbers of what is drawn, where a focus is in its middle.
 /// @param slow  what the focus does is felt where it is, not as a whole
-void describe(FrameReport& report, const Touch& touch, const Array& array, double least_force_n, bool slow) {
+void describe(FrameReport& report, const Touch& touch, const Array& array, const RenderOptions& options, bool slow) {
     report.lines = touch.lines.size();
     report.foci = touch.voices.size();
     report.length_m = length_of(touch.lines);
@@ -68,7 +68,8 @@ void describe(FrameReport& report, const Touch& touch, const Array& array, doubl
     report.tilt = tilt / weight;
     if (!array.unreachable(middle).empty()) return;  // what is said of a focus there would be wrong
     report.width_m = focal_width(array, middle);
-    report.focus_pa = radiation_pressure(pressure(array, ideal_drives(array, middle), middle), array.medium);
+    report.focus_pa =
+        radiation_pressure(options.amplitude * pressure(array, ideal_drives(array, middle), middle), array.medium);
     double drawn = 0.0;  // by the first focus
     for (const Leg& leg : touch.voices.front().legs)
         if (!leg.silent) drawn += distance(leg.from.position, leg.to.position);
@@ -77,7 +78,7 @@ void describe(FrameReport& report, const Touch& touch, const Array& array, doubl
     double weak = 0.0;
     for (const Voice& voice : touch.voices)
         for (const Leg& leg : voice.legs) {
-            if (!leg.silent && is_weak(leg, report, least_force_n)) weak += leg.seconds;
+            if (!leg.silent && is_weak(leg, report, options.least_force_n)) weak += leg.seconds;
         }
     report.weak = weak / weight;
 }
@@ -126,7 +127,9 @@ void modulate(Rendered& rendered, double am_hz, const Array& array, const Render
     const AmplitudeLaw law = am_hz > 0.0 ? AmplitudeLaw::pressure : options.am_law;
     if (!am.empty())
         rendered.path.modulation = modulation_of(am, law, rendered.carrier_hz, options.am_folder).modulation;
+    weaken(rendered.path, options.amplitude);
     if (!options.magnitude) return;
+    require_one_strength(options.magnitude, options.amplitude);
     const perception::Tables tables = perception::find_tables();
     perception::CommandLattice commands(
         tables, perception::wanted_of(*options.magnitude, am, law == AmplitudeLaw::radiation), array);
@@ -134,6 +137,12 @@ void modulate(Rendered& rendered, double am_hz, const Array& array, const Render
 }
 
 }  // namespace
+
+void require_one_strength(const std::optional<double>& magnitude, double amplitude) {
+    if (magnitude && amplitude != 1.0)
+        throw bad_argument("amplitude", "a magnitude says how strong foci are; leave one of them out",
+                           {"amplitude", "magnitude"});
+}
 
 std::vector<SkinRegion> skin_of(const HandRecording& hands, std::size_t frame, const SkinOptions& options) {
     if (frame == 0 || frame > hands.frames.size())
@@ -225,7 +234,7 @@ Rendered render(const TouchObject& object, const HandRecording& hands, const Arr
         report.frame = i + 1;
         report.time_s = frame.time_s;
         report.hands = frame.hands.size();
-        describe(report, made, array, settings.least_force_n,
+        describe(report, made, array, settings,
                  settings.algorithm == Algorithm::pointer || settings.algorithm == Algorithm::press);
         report.out_of_reach =
             played.foci > 0 ? static_cast<double>(played.out_of_reach) / static_cast<double>(played.foci) : 0.0;

@@ -38,10 +38,14 @@ struct RenderOptions {
     std::filesystem::path am_folder;  ///< that relative names of files in it start from
     AmplitudeLaw am_law = AmplitudeLaw::pressure;
     std::optional<double>
-        magnitude;  ///< how strong each focus feels under that waveform (perception/path_magnitude.hpp)
+        magnitude;           ///< how strong each focus feels under that waveform (perception/path_magnitude.hpp)
+    double amplitude = 1.0;  ///< of all foci, of the most that the array can make: above 0, at most 1
     double least_force_n = 0.63e-3;  ///< below which a place counts as not felt: what a palm needs (Multimodal, Table
                                      ///< III, for a hand that holds 1 N)
 };
+
+/// @throws Error{bad_argument} when both say how strong foci are
+void require_one_strength(const std::optional<double>& magnitude, double amplitude);
 
 /// What became of one frame.
 struct FrameReport {

@@ -37,4 +37,11 @@ void require_sound(const Path& path) {
         throw bad_argument("path", "modulation samples of 0 carrier periods; expected at least 1");
 }
 
+void weaken(Path& path, double amplitude) {
+    if (!(amplitude > 0.0 && amplitude <= 1.0))
+        throw bad_argument("amplitude", fmt::format("found {}, expected above 0 and at most 1", amplitude));
+    for (PathStep& step : path.steps)
+        for (Focus& focus : step.foci) focus.amplitude *= amplitude;
+}
+
 }  // namespace haptogram

@@ -43,4 +43,9 @@ struct Path {
 /// 0…1, steps of no period, a modulation outside 0…1, or a path without steps
 void require_sound(const Path& path);
 
+/// Makes all foci weaker.
+/// @param amplitude  factor on the pressure, above 0 and at most 1
+/// @throws Error{bad_argument} naming "amplitude" for any other
+void weaken(Path& path, double amplitude);
+
 }  // namespace haptogram

@@ -46,7 +46,7 @@ export function commands(edges: Edges, quantity: Quantity, stepMm: number, recor
 const word = (text: string): string => (/^[\w.,:=/+-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
 
 /** The command that renders a document's hand: its frame, or, when the document has none, all of them. */
-export function renderCommand({ hand, points, seed, speed_m_s, frequency_hz, jump, am, am_law, magnitude, array, board }: ProjectDocument): string {
+export function renderCommand({ hand, points, seed, speed_m_s, frequency_hz, jump, am, am_law, amplitude, magnitude, array, board }: ProjectDocument): string {
   if (!hand) return "";
   const options: [string, unknown][] = [
     ["hand", hand.recording],
@@ -65,6 +65,7 @@ export function renderCommand({ hand, points, seed, speed_m_s, frequency_hz, jum
     ["jump", jump],
     ["am", am],
     ["am-law", am_law],
+    ["amplitude", amplitude],
     ["magnitude", magnitude],
     ["seed", seed],
     ["array", array],

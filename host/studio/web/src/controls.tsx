@@ -4,7 +4,7 @@ import type { ComponentChildren, TargetedKeyboardEvent } from "preact";
 import { useId, useState } from "preact/hooks";
 
 /** A number with its unit. It is taken when the field is left or Enter is pressed; arrow keys take steps at once. */
-export function NumberField({ label, unit, value, step = 1, least, onValue }: { label: string; unit: string; value: number; step?: number; least?: number; onValue: (value: number) => void }) {
+export function NumberField({ label, unit, value, step = 1, least, most, onValue }: { label: string; unit: string; value: number; step?: number; least?: number; most?: number; onValue: (value: number) => void }) {
   const id = useId();
   const [text, setText] = useState(String(value));
   // At once, and not in an effect: one that came after the first key would undo it.
@@ -15,7 +15,7 @@ export function NumberField({ label, unit, value, step = 1, least, onValue }: { 
   }
   const take = (given: string): void => {
     const number = Number(given.replace(",", "."));
-    if (given.trim() === "" || !Number.isFinite(number) || (least !== undefined && number < least)) return setText(String(value));
+    if (given.trim() === "" || !Number.isFinite(number) || (least !== undefined && number < least) || (most !== undefined && number > most)) return setText(String(value));
     if (number !== value) onValue(number);
   };
   // What stands in the field, not what was rendered last: keys may come faster than the page is drawn.
