@@ -90,6 +90,22 @@ test("two clicks to a playing virtual board, and STOP", async (t) => {
   await boardSays(page, "Board: none");
 });
 
+test("some passes, and the board is silent by itself", async (t) => {
+  const { page, board, pulses } = await withBoard(t, await startStudio(t));
+  await page.getByLabel("Passes in all", { exact: true }).fill("2");
+  await page.getByLabel("Passes in all", { exact: true }).press("Enter");
+  await page.getByLabel("Passes a second", { exact: true }).fill("100");
+  await page.getByLabel("Passes a second", { exact: true }).press("Enter");
+  await settled(page);
+  await page.getByRole("button", { name: "Upload" }).click();
+  await page.getByText(/Uploaded: \d+ of \d+ pieces/).waitFor();
+  await page.getByRole("button", { name: "Play" }).click();
+  await page.getByText("Played to its end.").waitFor();
+  await boardSays(page, "outputs off");
+  await page.getByRole("button", { name: "Disconnect" }).click();
+  await endsSilent(board, pulses);
+});
+
 test("STOP is confirmed by the board while slices are computed", async (t) => {
   const studio = await startStudio(t);
   const page = await openPage(t, await startBrowser(t), studio);

@@ -47,6 +47,8 @@ export interface ProjectDocument {
   frequency_hz?: number;
   even?: boolean;
   am?: string;
+  /** passes, 0 for ever */
+  loops?: number;
   /** of the most, above 0 and at most 1 */
   amplitude?: number;
   place?: Place;
