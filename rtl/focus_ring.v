@@ -5,8 +5,8 @@
 // A record is free again when its index has been taken out of the live FIFO and the next one, too, because it may still be read until
 // then. So a ring of more records than the FIFO has places never overwrites one that waits, and the FIFO's free places are those of the
 // ring. A frame that is refused has written free places only, and what it wrote counts for nothing: the ring's end moves with i_keep.
-// o_usable and o_fits judge a frame: the ring is as the ring block in INTERFACE.md demands, and its words find room; they are valid two clocks
-// after i_tail_words and i_live_free. From i_settle on o_address is where the frame's first word goes; with each i_write the next
+// o_usable and o_fits judge a frame: the ring is as the ring block in INTERFACE.md demands, and its words find room. They are valid two clocks
+// after what they judge: settings of an earlier frame, i_tail_words and i_live_free. From i_settle on o_address is where the frame's first word goes; with each i_write the next
 // word goes to the next address, or to o_start after o_wraps. o_complete says that the word of i_write is the last one of its record, whose
 // index is o_index; o_split that words of an incomplete record were the last.
 // PRIMARY_WORDS and RECORDS are the core's, LIVE_DEPTH, too. WORD_BITS is as wide as the address of a 16-bit word in the largest region.
@@ -52,6 +52,7 @@ module focus_ring #(
     reg [15:0] index_q;
     reg [4:0]  word_q;               // of the present record
     reg [22:0] room_q;
+    reg [22:0] beyond_q;             // the word after the ring
     wire [3:0]  foci  = {1'b0, i_foci_last} + 4'd1;
     wire [19:0] all   = count_q * {16'd0, foci};     // foci in the ring
     wire [19:0] free  = i_live_free * {16'd0, foci};
@@ -74,7 +75,8 @@ module focus_ring #(
             default:        count_q <= i_set_word;
         endcase
         o_word   <= i_read_address == `HG_RING_BASE ? base_q : i_read_address == `HG_RING_FIRST ? first_q : count_q;
-        o_usable <= count_q > LEAST && first_q > TOP_RECORD && last <= {1'b0, i_top_index} && {5'd0, start} + {1'b0, all, 2'b00} <= WORDS;
+        beyond_q <= {5'd0, start} + {1'b0, all, 2'b00};
+        o_usable <= count_q > LEAST && first_q > TOP_RECORD && last <= {1'b0, i_top_index} && beyond_q <= WORDS;
         room_q   <= {1'b0, free, 2'b00};
 
         begins_q <= i_set;
