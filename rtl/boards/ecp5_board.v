@@ -89,10 +89,14 @@ module ecp5_board #(
 `ifdef HG_SYNC_OUT
     assign o_sync = sync_out;
 `endif
-    wire clk, locked, rst, enabled, alive, running, playing, fault, cycle_start, led;
+    wire clk, locked, starting, enabled, alive, running, playing, fault, cycle_start, led;
     wire [CHANNELS-1:0] pins;
     ecp5_50mhz pll (.i_clk(i_clk), .clk(clk), .o_locked(locked));
-    power_on start (.clk(clk), .i_locked(locked), .rst(rst));
+    power_on start (.clk(clk), .i_locked(locked), .rst(starting));
+    // A register of its own: the way to all that is reset is the longest there is.
+    reg rst;
+    initial rst = 1'b1;
+    always @(posedge clk) rst <= starting;
 
     haptogram_core #(
         .CHANNELS(CHANNELS), .RECORDS(RECORDS), .SEQUENCE_DEPTH(SEQUENCE_DEPTH), .LIVE_DEPTH(LIVE_DEPTH), .TIMING_BITS(TIMING_BITS),
