@@ -30,6 +30,13 @@ struct CycleStart {
     friend bool operator==(const CycleStart&, const CycleStart&) = default;
 };
 
+/// The board changed the level of the wire SYNC.
+struct SyncChange {
+    std::uint64_t clock;
+    bool level;
+    friend bool operator==(const SyncChange&, const SyncChange&) = default;
+};
+
 /// The host's end of the line has received a byte from the board.
 struct Arrival {
     std::uint64_t clock;
@@ -83,12 +90,15 @@ public:
     virtual void unplug() = 0;
     /// Presses the stop switch, or releases it.
     virtual void press_stop(bool pressed) = 0;
+    /// The level at the wire SYNC, of boards that have it.
+    virtual void drive_sync(bool level) = 0;
 
     /// Observers. Each kind is told in the order of clocks; edges of one clock come in the order of channels, after the
     /// cycle that begins with them.
     virtual void on_edge(std::function<void(const Edge&)> callback) = 0;
     virtual void on_cycle_start(std::function<void(const CycleStart&)> callback) = 0;
     virtual void on_arrival(std::function<void(const Arrival&)> callback) = 0;
+    virtual void on_sync(std::function<void(const SyncChange&)> callback) = 0;
 
     /// To be changed while no record is loaded, as after a reset: the boards differ in when they read a word. Empty
     /// where the memories can only be reached over the link.

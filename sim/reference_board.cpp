@@ -17,6 +17,7 @@
 #include "reference_pulses.hpp"
 #include "reference_schedule.hpp"
 #include "reference_source.hpp"
+#include "reference_sync.hpp"
 
 namespace haptogram::sim {
 namespace {
@@ -117,12 +118,16 @@ public:
           line_out_(p_),
           input_(p_),
           source_(p_, sequence),
+          sync_(carrier_period(p_)),
           train_(p_.channels, 2 * window_),
           player_(p_, primary, source_, train_),
           guard_(p_) {
         outputs_.pins.assign((p_.channels + 31) / 32, 0);
         train_.on_change([this](Clock clock, std::uint32_t channel, bool rises) {
             if (on_edge_) on_edge_({clock, channel, index_, rises});
+        });
+        sync_.on_change([this](Clock clock, bool level) {
+            if (on_sync) on_sync({clock, level});
         });
         reset_play(0);
         reset(reset_clocks);
@@ -148,6 +153,8 @@ public:
     std::vector<std::uint8_t> arrived;
     std::function<void(const CycleStart&)> on_cycle_start;
     std::function<void(const Arrival&)> on_arrival;
+    std::function<void(const SyncChange&)> on_sync;
+    void drive_sync(bool level) { sync_.wire(now, level); }
 
 private:
     [[nodiscard]] Clock next() const;
@@ -202,6 +209,7 @@ private:
     FrameInput input_;
     EntrySource source_;
     Schedule schedule_;
+    CarrierSync sync_;
     PulseTrain train_;
     Player player_;
     Guard guard_;
@@ -246,11 +254,12 @@ private:
 
     // Supervision.
     struct Counters {
-        std::uint16_t underruns, refused_records, good, damaged, repeated, refused, watchdog, guard, late;
+        std::uint16_t underruns, refused_records, good, damaged, repeated, refused, watchdog, guard, missed, lost, late;
     } count_{};
     Clock reset_at_ = never, reset_last_ = 0;  // of what plays and supervises: when it begins, and its last clock
     Clock began_ = 0;                          // the last clock of the reset before
-    Clock judge_at_ = never;                   // the guard looks at a window
+    interface::Role next_role_ = interface::Role::alone;  // from the next reset on
+    Clock judge_at_ = never;                              // the guard looks at a window
     Clock pulses_asked_to_ = 0;
 
     // The pins.
@@ -264,8 +273,8 @@ private:
 
 Clock ReferenceBoard::Core::next() const {
     return std::min({step_at_, reply_at_, line_in.next(), line_out_.next(), source_.next(), schedule_.next(),
-                     player_.next(guard_.allows()), guard_.next(), urgent_stop_at_, reset_at_, judge_at_,
-                     stop_changes_.empty() ? never : stop_changes_.front().clock});
+                     player_.next(guard_.allows() || sync_.together()), sync_.next(), guard_.next(), urgent_stop_at_,
+                     reset_at_, judge_at_, stop_changes_.empty() ? never : stop_changes_.front().clock});
 }
 
 void ReferenceBoard::Core::run(std::uint64_t clocks) {
@@ -322,12 +331,18 @@ void ReferenceBoard::Core::play(Clock clock) {
         enable_ = true;
     }
     const bool was_off = guard_.off();
-    const Guard::Verdict verdict = guard_.at(clock, enable_, disable_ || stopped_ || urgent_disable_.active(clock));
+    const bool out_of_step = sync_.out_of_step(), together = sync_.together();
+    const CarrierSync::Step step = sync_.step(clock, player_.last(clock), schedule_.period(clock));
+    if (sync_.out_of_step() != out_of_step) guard_.wake_at(clock + 1);
+    const Guard::Verdict verdict =
+        guard_.at(clock, enable_, disable_ || stopped_ || urgent_disable_.active(clock) || out_of_step, step.lost);
+    count_.missed = static_cast<std::uint16_t>(count_.missed + step.missed);
+    count_.lost = static_cast<std::uint16_t>(count_.lost + step.lost);
     count_.watchdog = static_cast<std::uint16_t>(count_.watchdog + verdict.expired);
     count_.guard = static_cast<std::uint16_t>(count_.guard + verdict.tripped);
 
     Player::Counted counted;
-    player_.at(clock, guard_.allows(), guard_.off(), counted);
+    player_.at(clock, guard_.allows() || together, guard_.off(), step.holds, together, counted);
     if (waits_for_memory_ && source_.drops(clock)) reply_at_ = clock + 1;
     if (source_.followed()) schedule_.drop_starts();
     source_.passed(clock);
@@ -347,9 +362,11 @@ void ReferenceBoard::Core::play(Clock clock) {
         if (train_.awake()) train_.advance(clock - 1);
         index_ = start->index;
         started_at_ = clock;
-        schedule_.period_begins(clock);
+        if (p_.sync == 0) schedule_.period_begins(clock);
         if (on_cycle_start) on_cycle_start({clock, index_, guard_.enabled()});
     }
+    if (step.load) schedule_.load(clock, *step.load);
+    if (step.ends && p_.sync != 0) schedule_.period_begins(clock);  // boards in step count the ends of cycles
     if (guard_.off() && !was_off) train_.stop(clock);
     if (!guard_.off() && was_off) train_.resume(clock);
 }
@@ -363,6 +380,7 @@ void ReferenceBoard::Core::reset_play(Clock last) {
     guard_.reset();
     source_.reset(last);
     schedule_.reset();
+    sync_.reset(reset_at_ == never ? last : reset_at_, last, std::exchange(next_role_, interface::Role::alone));
     player_.reset(last);
     reset_at_ = never;
     began_ = last;
@@ -399,6 +417,7 @@ void ReferenceBoard::Core::reset(unsigned clocks) {
     waits_for_memory_ = false;
     reset_at_ = now + 1;
     reset_last_ = last + 1;
+    next_role_ = interface::Role::alone;
     // The input is sampled twice, and says stopped during reset.
     stop_changes_ = {{now + 1, true}, {last + 3, stop_pressed_}};
     ++now;
@@ -418,6 +437,7 @@ const Model::Outputs& ReferenceBoard::Core::outputs() {
     outputs_.alive = last > began_ && (last - began_) / window_ % 2 == 1;
     outputs_.playing = guard_.enabled() && index_ != 0;
     outputs_.fault = guard_.fault();
+    outputs_.sync = sync_.driven();
     outputs_.cycle_start = started_at_ == last;
     outputs_.index = index_;
     outputs_.pins = train_.pins();
@@ -558,13 +578,16 @@ Status ReferenceBoard::Core::verdict() const {
                                                : argument(0) > 0 && argument(0) + argument(1) <= p_.sequence_depth;
             return good ? Status::ok : Status::bad_range;
         }
-        case Command::enable: return stopped_ ? Status::stopped : Status::ok;
+        case Command::enable:
+            return stopped_ ? Status::stopped : sync_.out_of_step() ? Status::out_of_step : Status::ok;
         case Command::gate:
             if (p_.schedule == 0) return Status::unknown_command;
             return schedule_.busy(argument_period()) ? Status::gate_busy : Status::ok;
+        case Command::sync:
+            if (p_.sync == 0) return Status::unknown_command;
+            return argument(0) > static_cast<unsigned>(interface::Role::slave) ? Status::bad_range : Status::ok;
         case Command::modulate:
-        case Command::push_foci:
-        case Command::sync: return Status::unknown_command;
+        case Command::push_foci: return Status::unknown_command;
         default: return Status::ok;
     }
 }
@@ -714,6 +737,7 @@ void ReferenceBoard::Core::apply(Clock clock) {
         case Command::start:
             if (may_play) start(clock, {word(0), word(1), word(2)});
             break;
+        case Command::sync: next_role_ = static_cast<interface::Role>(argument(0)); [[fallthrough]];
         case Command::reset: reset_at_ = reset_last_ = clock + 1; break;
         default: break;
     }
@@ -797,6 +821,7 @@ std::uint16_t ReferenceBoard::Core::memory_word() const {
                              1U << static_cast<unsigned>(interface::Feature::live) |
                              1U << static_cast<unsigned>(interface::Feature::watchdog) |
                              1U << static_cast<unsigned>(interface::Feature::guard);
+    if (p_.sync != 0) features |= 1U << static_cast<unsigned>(interface::Feature::sync);
     if (p_.schedule != 0) features |= 1U << static_cast<unsigned>(interface::Feature::schedule);
     const std::uint32_t record_bytes = 2 * (p_.channels + interface::record_header_words);
     constexpr std::uint32_t write_head_bytes = 6;
@@ -837,6 +862,11 @@ std::uint16_t ReferenceBoard::Core::status_word(std::uint32_t word) const {
     field::watchdog_ms.set(block, guard_.watchdog_ms());
     field::frames_refused.set(block, count_.refused);
     field::waiting.set(block, schedule_.waiting() ? 1 : 0);
+    field::role.set(block, static_cast<unsigned>(sync_.role()));
+    field::in_step.set(block, sync_.in_step() ? 1 : 0);
+    field::numbered.set(block, sync_.numbered(now) ? 1 : 0);
+    field::sync_misses.set(block, count_.missed);
+    field::sync_losses.set(block, count_.lost);
     field::late_changes.set(block, count_.late);
     field::period.set(block, told_period_ & field::period.most());
     field::period_high.set(block, told_period_ >> field::period.width);
@@ -854,8 +884,24 @@ ReferenceBoard::ReferenceBoard(const interface::CoreConfiguration& configuration
                            fmt::format("the reference board has no amplitudes of single channels, and {} has; take the "
                                        "Verilated core (--model rtl), or another configuration",
                                        configuration.name));
+    if (configuration.parameters.chain != 0)
+        throw bad_argument("configuration",
+                           fmt::format("the reference board passes no serial line on, and {} does; take the Verilated "
+                                       "core (--model rtl), or another configuration",
+                                       configuration.name));
 }
 ReferenceBoard::~ReferenceBoard() = default;
+
+const std::vector<interface::CoreConfiguration>& ReferenceBoard::configurations() {
+    static const std::vector<interface::CoreConfiguration> able = [] {
+        std::vector<interface::CoreConfiguration> found;
+        for (const interface::CoreConfiguration& configuration : interface::core_configurations)
+            if (configuration.parameters.width_bits == 0 && configuration.parameters.chain == 0)
+                found.push_back(configuration);
+        return found;
+    }();
+    return able;
+}
 
 void ReferenceBoard::run(std::uint64_t clocks) { core_->run(clocks); }
 void ReferenceBoard::reset(unsigned clocks) { core_->reset(clocks); }
@@ -868,6 +914,7 @@ std::size_t ReferenceBoard::received() const { return core_->arrived.size(); }
 bool ReferenceBoard::line_idle() const { return core_->line_in.idle(); }
 void ReferenceBoard::force_line(std::optional<bool> level) { core_->line_in.force(core_->now, level); }
 void ReferenceBoard::unplug() { core_->line_in.unplug(core_->now); }
+void ReferenceBoard::drive_sync(bool level) { core_->drive_sync(level); }
 void ReferenceBoard::press_stop(bool pressed) { core_->press_stop(pressed); }
 void ReferenceBoard::on_edge(std::function<void(const Edge&)> callback) { core_->on_edge(std::move(callback)); }
 void ReferenceBoard::on_cycle_start(std::function<void(const CycleStart&)> callback) {
@@ -876,6 +923,7 @@ void ReferenceBoard::on_cycle_start(std::function<void(const CycleStart&)> callb
 void ReferenceBoard::on_arrival(std::function<void(const Arrival&)> callback) {
     core_->on_arrival = std::move(callback);
 }
+void ReferenceBoard::on_sync(std::function<void(const SyncChange&)> callback) { core_->on_sync = std::move(callback); }
 std::span<std::uint16_t> ReferenceBoard::primary_memory() { return core_->primary; }
 std::span<std::uint32_t> ReferenceBoard::sequence_memory() { return core_->sequence; }
 

@@ -2,6 +2,7 @@
 #pragma once
 #include <memory>
 #include <string_view>
+#include <vector>
 
 #include "board.hpp"
 
@@ -17,11 +18,16 @@ namespace haptogram::sim {
 class ReferenceBoard final : public Board {
 public:
     /// @param configuration  a name in tools/interface.toml, such as "tile-100"
-    /// @throws Error{bad_argument} when there is none of that name
+    /// @throws Error{bad_argument} when there is none of that name, or not in configurations()
     explicit ReferenceBoard(std::string_view configuration, unsigned reset_clocks = 4);
     /// @param configuration  parameters in the ranges of interface::core_parameters
+    /// @throws Error{bad_argument} when they ask for amplitudes of single channels, or a chain
     explicit ReferenceBoard(const interface::CoreConfiguration& configuration, unsigned reset_clocks = 4);
     ~ReferenceBoard() override;
+
+    /// Those of tools/interface.toml that it can be: without amplitudes of single channels, what builds on them, and a
+    /// chain.
+    [[nodiscard]] static const std::vector<interface::CoreConfiguration>& configurations();
 
     void run(std::uint64_t clocks) override;
     void reset(unsigned clocks = 4) override;
@@ -35,9 +41,11 @@ public:
     void force_line(std::optional<bool> level) override;
     void unplug() override;
     void press_stop(bool pressed) override;
+    void drive_sync(bool level) override;
     void on_edge(std::function<void(const Edge&)> callback) override;
     void on_cycle_start(std::function<void(const CycleStart&)> callback) override;
     void on_arrival(std::function<void(const Arrival&)> callback) override;
+    void on_sync(std::function<void(const SyncChange&)> callback) override;
     [[nodiscard]] std::span<std::uint16_t> primary_memory() override;
     [[nodiscard]] std::span<std::uint32_t> sequence_memory() override;
 

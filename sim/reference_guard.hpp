@@ -33,8 +33,9 @@ public:
     struct Verdict {
         bool expired, tripped;  ///< to be counted
     };
-    /// @param enable, disable  what commands, the line and the stop input want in this clock
-    Verdict at(Clock clock, bool enable, bool disable) {
+    /// @param enable, disable  what commands, the line, the stop input and SYNC want in this clock
+    /// @param lost             the board falls out of step with others
+    Verdict at(Clock clock, bool enable, bool disable, bool lost) {
         if (clock == expiry_) {
             expires_at_ = clock + 1;
             expiry_ = never;
@@ -49,7 +50,7 @@ public:
         const bool off = !allow || !allowed_;  // a clock more, so that the first pulse is whole
         const bool enabled = !disable && !tripped && (enable || (enabled_ && !expired));
         if (allow != allow_ || off != off_ || enabled != enabled_) wakes_at_ = clock + 1;
-        if (tripped || (expired && !enable))
+        if (tripped || (expired && !enable) || (lost && enabled_))
             fault_ = true;
         else if (enable)
             fault_ = false;

@@ -6,12 +6,11 @@
 namespace haptogram::sim {
 namespace {
 
-constexpr std::uint32_t carrier_hz = 40'000;  // of the cycles before the first record
-constexpr Clock first_read = 2;               // from taking an entry to its first word's address
-constexpr Clock silence_clocks = 2;           // from taking silence until it can be committed
-constexpr Clock least_load_clocks = 33;       // the checks of a record's lengths take 24 clocks after its header
-constexpr Clock load_clocks = 3;              // beside one for each word
-constexpr Clock pin_clocks = 2;               // from the tick behind it to the pins
+constexpr Clock first_read = 2;          // from taking an entry to its first word's address
+constexpr Clock silence_clocks = 2;      // from taking silence until it can be committed
+constexpr Clock least_load_clocks = 33;  // the checks of a record's lengths take 24 clocks after its header
+constexpr Clock load_clocks = 3;         // beside one for each word
+constexpr Clock pin_clocks = 2;          // from the tick behind it to the pins
 
 bool tame(const Firing& firing, std::uint32_t cycle_length) {
     return 2 * firing.pulse <= cycle_length && cycle_length >= 5;
@@ -35,7 +34,7 @@ void Player::reset(Clock clock) {
     idle_ = settled_ = clock + 1;
     change_ = never;
     late_ = false;
-    cycle_length_ = p_.clock_hz / carrier_hz;
+    cycle_length_ = carrier_period(p_);
     prescaler_ = 1;
     pulse_ = 0;
     firing_.reset();
@@ -71,17 +70,17 @@ void Player::written(Clock clock, std::uint32_t word, std::uint16_t value) {
 
 Clock Player::take_at() const { return load_ ? never : std::max({idle_, settled_, source_.offered()}); }
 
-Clock Player::next(bool allowed) const {
-    Clock found = std::min(begin_ + Clock{cycle_length_} * prescaler_, take_at());
+Clock Player::next(bool waits) const {
+    Clock found = std::min(end_, take_at());
     if (load_ && !load_->done) found = std::min(found, load_->ready);
-    if (load_ && !allowed && change_ != never) found = std::min(found, std::max({change_, load_->ready, settled_}));
+    if (load_ && !waits && change_ != never) found = std::min(found, std::max({change_, load_->ready, settled_}));
     if (!first_ticks_.empty()) found = std::min(found, first_ticks_.front().next + pin_clocks);
     return found;
 }
 
-void Player::at(Clock clock, bool allowed, bool off, Counted& counted) {
-    if (load_ && !load_->done && load_->ready == clock) finish_load(counted);
-    const bool committed = boundary(clock, allowed, counted);
+void Player::at(Clock clock, bool waits, bool off, bool hold, bool common, Counted& counted) {
+    if (load_ && !load_->done && load_->ready == clock) finish_load(common, counted);
+    const bool committed = boundary(clock, waits, hold, counted);
     if (source_.drops(clock)) {
         load_.reset();
         idle_ = clock + 1;
@@ -105,7 +104,7 @@ void Player::take(Clock clock) {
     load.ready = clock + std::max(least_load_clocks, load_clocks + record_words_);
 }
 
-void Player::finish_load(Counted& counted) {
+void Player::finish_load(bool common, Counted& counted) {
     load_->done = true;
     const std::size_t index = load_->entry.index;
     if (!from_memory(*load_)) {
@@ -115,7 +114,7 @@ void Player::finish_load(Counted& counted) {
     load_->record = load(load_->seen ? std::span<const std::uint16_t>(*load_->seen)
                                      : std::span(primary_).subspan(load_->first, record_words_),
                          index);
-    counted.refused = !load_->record->playable;
+    counted.refused = !load_->record->playable || (common && !load_->record->common);
     if (counted.refused) load_->record.reset();
 }
 
@@ -134,6 +133,7 @@ std::shared_ptr<const Player::Loaded> Player::load(std::span<const std::uint16_t
                        std::uint64_t{pulse} * 256 <= std::uint64_t{loaded->cycle_length} * p_.max_duty_256 &&
                        cycle_clocks > 0 && cycle_clocks <= p_.clock_hz && pulse_clocks <= longest_pulse &&
                        (pulse == 0 || pulse_clocks >= p_.min_pulse_clocks);
+    loaded->common = cycle_clocks == carrier_period(p_);
     if (loaded->playable && pulse > 0) {
         auto firing = std::make_shared<Firing>();
         firing->pulse = pulse;
@@ -153,11 +153,15 @@ std::shared_ptr<const Player::Loaded> Player::load(std::span<const std::uint16_t
 }
 
 /// @return whether a record was committed
-bool Player::boundary(Clock clock, bool allowed, Counted& counted) {
+bool Player::boundary(Clock clock, bool waits, bool hold, Counted& counted) {
     const bool ready = is_ready(clock);
     const bool asked = change_ <= clock;
-    const bool at_once = !allowed && asked && ready;  // nothing has to complete while outputs are off
-    if (clock != begin_ + Clock{cycle_length_} * prescaler_ && !at_once) return false;
+    const bool at_once = !waits && asked && ready;  // nothing has to complete while outputs are off
+    if (!last(clock) && !at_once) return false;
+    if (hold && !at_once) {
+        this->hold(clock);
+        return false;
+    }
     const bool due = dwell_ == 1;
     if (ready && (due || dwell_ == 0 || asked)) {
         commit(clock);
@@ -170,6 +174,13 @@ bool Player::boundary(Clock clock, bool allowed, Counted& counted) {
     if (dwell_ > 1) --dwell_;
     begin_cycle(clock, false, 0);
     return false;
+}
+
+/// The cycle's last tick becomes a clock longer.
+void Player::hold(Clock clock) {
+    ++end_;
+    if (settled_ > clock) ++settled_;
+    if (cycle_length_ == 1) ++first_ticks_.back().next;
 }
 
 void Player::commit(Clock clock) {
@@ -193,7 +204,7 @@ void Player::commit(Clock clock) {
 }
 
 void Player::begin_cycle(Clock clock, bool committed, std::uint32_t old_pulse) {
-    begin_ = clock;
+    end_ = clock + Clock{cycle_length_} * prescaler_;
     train_.begin_cycle(clock, cycle_length_, prescaler_, firing_, committed, old_pulse);
     if (!first_ticks_.empty()) first_ticks_.back().next = std::min(first_ticks_.back().next, clock);
     first_ticks_.push_back({clock + prescaler_, index_});

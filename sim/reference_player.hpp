@@ -31,13 +31,17 @@ public:
     /// A word of primary memory is written in this clock; to be called before its value changes.
     void written(Clock clock, std::uint32_t word, std::uint16_t value);
 
-    /// @param allowed  whether pulses may reach the pins
-    [[nodiscard]] Clock next(bool allowed) const;
+    /// @param waits  whether changes wait for the end of a cycle, as while pulses may reach the pins
+    [[nodiscard]] Clock next(bool waits) const;
+    /// Whether this is the last clock of a cycle, unless it is repeated.
+    [[nodiscard]] bool last(Clock clock) const { return clock >= end_; }
     // What happens in a clock, in this order.
     struct Counted {
         bool refused = false, underrun = false;
     };
-    void at(Clock clock, bool allowed, bool off, Counted& counted);
+    /// @param hold    the cycle does not end in this clock; its last one is repeated
+    /// @param common  cycles have one length, a carrier period's; other records are refused
+    void at(Clock clock, bool waits, bool off, bool hold, bool common, Counted& counted);
 
     struct PinStart {
         Clock clock;
@@ -57,6 +61,7 @@ private:
         std::vector<std::uint16_t> words;
         std::uint32_t cycle_length = 0, prescaler = 0;
         bool playable = false;
+        bool common = false;                   // its cycle is a carrier period
         std::shared_ptr<const Firing> firing;  // none without pulses
     };
     struct Load {
@@ -72,11 +77,12 @@ private:
         return load.entry.index > 0 && load.entry.index <= records_;
     }
     void take(Clock clock);
-    void finish_load(Counted& counted);
+    void finish_load(bool common, Counted& counted);
     [[nodiscard]] std::shared_ptr<const Loaded> load(std::span<const std::uint16_t> words, std::size_t index);
     [[nodiscard]] bool is_ready(Clock clock) const { return load_ && load_->ready <= clock && settled_ <= clock; }
     [[nodiscard]] Clock take_at() const;
-    bool boundary(Clock clock, bool allowed, Counted& counted);
+    bool boundary(Clock clock, bool waits, bool hold, Counted& counted);
+    void hold(Clock clock);
     void commit(Clock clock);
     void begin_cycle(Clock clock, bool committed, std::uint32_t old_pulse);
 
@@ -94,7 +100,7 @@ private:
     Clock change_ = never;  // from which clock on a change is asked for, whatever is left of the dwell
     bool late_ = false;
     // The present record.
-    Clock begin_ = 0;
+    Clock end_ = 0;  // the last clock of its cycle
     std::uint32_t cycle_length_ = 0, prescaler_ = 1, pulse_ = 0;
     std::shared_ptr<const Firing> firing_;
     std::uint16_t index_ = 0, dwell_ = 0;

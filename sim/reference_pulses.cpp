@@ -18,7 +18,9 @@ void PulseTrain::begin_cycle(Clock begin, std::uint32_t ticks, std::uint32_t pre
     if (!cycles_.empty()) {
         Cycle& before = cycles_.back();
         const Clock lasted = begin - before.begin;
-        before.ticks = static_cast<std::uint32_t>((lasted + before.prescaler - 1) / before.prescaler);
+        before.stretched = lasted > Clock{before.ticks} * before.prescaler;
+        if (!before.stretched)
+            before.ticks = static_cast<std::uint32_t>((lasted + before.prescaler - 1) / before.prescaler);
         cycle.first = before.first + before.ticks;
         cycle.filled_to = alive_from_ == never ? 0 : before.filled_to;
     }
@@ -91,14 +93,18 @@ void PulseTrain::advance(Clock last) {
             leave_cycle();
             continue;
         }
-        const Clock clock = cycle.begin + (tick - cycle.first + 1) * cycle.prescaler + lateness;
+        // When the last tick ends, the next cycle tells.
+        const bool ends_cycle = tick + 1 == end;
+        if (ends_cycle && cycles_.size() == 1) return;
+        const Clock began = cycle.begin + (tick - cycle.first) * cycle.prescaler;
+        const Clock clock = (ends_cycle ? cycles_[1].begin : began + cycle.prescaler) + lateness;
         if (clock > last) return;
         if (falls != nullptr) {
             falls->pop();
             fall(clock, tick, channel);
         } else {
             ++next_rise_;
-            if (alive_from_ != never && clock - cycle.prescaler >= alive_from_) rise(clock, tick, channel);
+            if (alive_from_ != never && began + lateness >= alive_from_) rise(clock, tick, channel);
         }
     }
 }
@@ -130,7 +136,8 @@ bool PulseTrain::fills(std::uint64_t tick, std::uint32_t channel) const {
     }
     if (!cycle->firing || cycle->firing->tick[channel] != tick - cycle->first) return false;
     // With one clock a tick, the commit is known before the last tick's state has reached the pin.
-    const bool before_commit = next != nullptr && next->committed && cycle->prescaler == 1 && tick + 1 == next->first;
+    const bool before_commit =
+        next != nullptr && next->committed && cycle->prescaler == 1 && !cycle->stretched && tick + 1 == next->first;
     return tick <= cycle->filled_to || before_commit;
 }
 

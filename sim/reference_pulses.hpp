@@ -39,7 +39,8 @@ public:
         on_change_ = std::move(callback);
     }
 
-    /// A cycle begins; the one before it ends there, even if it had ticks left, which happens only while stopped.
+    /// A cycle begins; the one before it ends there, even if it had ticks left, which happens only while stopped, or if
+    /// its last tick became longer.
     /// @param firing     none when it is silent; kept until the cycle's pulses have ended
     /// @param committed  a record was committed with it, instead of one with pulses of `old_pulse` ticks
     void begin_cycle(Clock begin, std::uint32_t ticks, std::uint32_t prescaler, std::shared_ptr<const Firing> firing,
@@ -68,6 +69,7 @@ private:
         std::shared_ptr<const Firing> firing;
         bool committed;
         std::uint64_t filled_to;  // up to this tick, a gap of one tick between pulses is filled
+        bool stretched = false;   // its last tick is longer
     };
     struct Fall {
         std::uint64_t tick;

@@ -21,6 +21,11 @@ public:
         ++count_;
         begun_ = {clock, begun_[0], begun_[1]};
     }
+    /// The period that ends in this clock, and is followed by another one, has this number.
+    void load(Clock clock, std::uint64_t number) {
+        loaded_ = Loaded{clock, count_, begun_};
+        count_ = number;
+    }
     /// As a reply tells it that begins in this clock.
     [[nodiscard]] std::uint64_t period(Clock clock) const { return counted(clock, count_clocks); }
     [[nodiscard]] bool waiting() const { return start_ || follows_ || pushed_; }
@@ -76,10 +81,17 @@ private:
     static constexpr Clock count_clocks = 2;    // from a period's beginning until it is counted
     static constexpr Clock compare_clocks = 3;  // and until its number is compared
 
-    /// Without those that began fewer than `delay` clocks ago.
+    struct Loaded {
+        Clock clock;
+        std::uint64_t count;  // from before it
+        std::array<Clock, 3> begun;
+    };
+
+    /// Without those that began fewer than `delay` clocks ago. A number that is loaded is known a clock earlier.
     [[nodiscard]] std::uint64_t counted(Clock clock, Clock delay) const {
-        std::uint64_t known = count_;
-        for (const Clock begun : begun_)
+        const bool before = loaded_ && clock + 1 < loaded_->clock + delay;
+        std::uint64_t known = before ? loaded_->count : count_;
+        for (const Clock begun : before ? loaded_->begun : begun_)
             if (known > 0 && clock < begun + delay) --known;
         return known;
     }
@@ -87,6 +99,7 @@ private:
 
     std::uint64_t count_ = 0;
     std::array<Clock, 3> begun_{};  // the last periods, the latest one first
+    std::optional<Loaded> loaded_;
     std::uint64_t gate_ = 0;
     bool armed_ = false, at_end_ = false;
     std::optional<Arguments> start_;

@@ -135,7 +135,7 @@ RigSimulation simulate(const RigBundle& bundle, const RigSimulationOptions& opti
     RigSimulation simulation;
     const auto begun = std::chrono::steady_clock::now();
     simulation.oscillators = random_oscillators(bundle.tiles.size(), options.drift_ppm, options.seed);
-    Tiles tiles(model_for(bundle), simulation.oscillators, options.seed);
+    SimulatedTiles tiles(model_for(bundle), simulation.oscillators, options.seed);
     std::vector<std::unique_ptr<TileTransport>> lines;
     std::vector<std::unique_ptr<link::Client>> hosts;
     std::vector<link::Tile> rig;

@@ -13,7 +13,7 @@
 namespace haptogram::sim {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using WallClock = std::chrono::steady_clock;
 
 double seconds_of(Femtoseconds time) { return 1e-15 * static_cast<double>(time); }
 
@@ -47,9 +47,10 @@ TileFault parse_fault(const std::string& text, std::size_t tiles) {
     return fault;
 }
 
-std::string_view tile_model_with_channels(std::uint32_t channels) {
+std::string_view tile_model_with_channels(std::uint32_t channels,
+                                          std::span<const interface::CoreConfiguration> models) {
     std::vector<interface::CoreConfiguration> able;
-    for (const interface::CoreConfiguration& model : available_models())
+    for (const interface::CoreConfiguration& model : models)
         if (model.parameters.sync != 0 && model.parameters.schedule != 0) able.push_back(model);
     return model_with_channels(channels, able);
 }
@@ -58,8 +59,8 @@ ServedTiles serve(Tiles& tiles, std::span<const std::unique_ptr<PseudoTerminal>>
                   std::span<const TileFault> faults, const std::function<bool(const ServedTiles&)>& watch) {
     constexpr Femtoseconds slice = 40 * microsecond;  // less than one byte at 115,200 baud
     constexpr double most_behind_s = 0.1;
-    const auto begun = Clock::now();
-    const auto wall = [begun] { return std::chrono::duration<double>(Clock::now() - begun).count(); };
+    const auto begun = WallClock::now();
+    const auto wall = [begun] { return std::chrono::duration<double>(WallClock::now() - begun).count(); };
     ServedTiles served;
     served.enabled.resize(tiles.size());
     std::vector<LinkCounters> links(terminals.size(), LinkCounters(tiles.chained() ? 2 : 0));
@@ -68,7 +69,6 @@ ServedTiles serve(Tiles& tiles, std::span<const std::unique_ptr<PseudoTerminal>>
         served.simulated_s = seconds_of(tiles.now());
         served.wall_s = wall();
         served.frames = served.applied = 0;
-        for (std::size_t i = 0; i < tiles.size(); ++i) served.enabled[i] = tiles.board(i).outputs().enabled;
         for (const LinkCounters& link : links) {
             served.frames += link.frames;
             served.applied += link.applied;
@@ -99,6 +99,8 @@ ServedTiles serve(Tiles& tiles, std::span<const std::unique_ptr<PseudoTerminal>>
             links[i].out(answer);
         }
     }
+    // Only now: whoever looks at a reference board's outputs makes it compute pulses.
+    for (std::size_t i = 0; i < tiles.size(); ++i) served.enabled[i] = tiles.board(i).outputs().enabled;
     return served;
 }
 

@@ -34,12 +34,13 @@ struct ServedTiles {
     double simulated_s = 0.0;
     double wall_s = 0.0;  ///< time that passed meanwhile
     std::uint64_t frames = 0, applied = 0;
-    std::vector<bool> enabled;  ///< outputs, one a tile
+    std::vector<bool> enabled;  ///< outputs, one a tile, in the end
 };
 
-/// The first Verilated core with so many channels that can play together with others.
+/// The first of these configurations with so many channels that can play together with others.
 /// @throws Error{bad_argument} for "channels" when there is none
-[[nodiscard]] std::string_view tile_model_with_channels(std::uint32_t channels);
+[[nodiscard]] std::string_view tile_model_with_channels(std::uint32_t channels,
+                                                        std::span<const interface::CoreConfiguration> models);
 
 /// Runs several boards, each behind a pseudo-terminal of its own, or all behind one when they are chained, in the time
 /// that they share.

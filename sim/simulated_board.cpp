@@ -31,7 +31,7 @@ void SimulatedBoard::reset(unsigned clocks) {
 }
 
 void SimulatedBoard::clock() {
-    const bool line = sender_.level(now_);
+    const bool line = sender_.level(now_), was_sync = outputs_.sync;
     model_->clock({.reset = in_reset_, .rx = forced_line_.value_or(line), .stop = stop_, .sync = sync_, .next = next_},
                   outputs_);
     if (outputs_.cycle_start && on_cycle_start_) on_cycle_start_({now_, outputs_.index, outputs_.enabled});
@@ -46,6 +46,7 @@ void SimulatedBoard::clock() {
             on_edge_({now_, channel, outputs_.index, ((outputs_.pins[word] >> bit) & 1U) != 0});
         }
     }
+    if (outputs_.sync != was_sync && on_sync_) on_sync_({now_, outputs_.sync});
     if (const auto byte = receiver_.sample(now_, outputs_.tx)) {
         arrived_.push_back(*byte);
         if (on_arrival_) on_arrival_({now_, *byte});

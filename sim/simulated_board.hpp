@@ -39,8 +39,7 @@ public:
     void force_line(std::optional<bool> level) override { forced_line_ = level; }
     void unplug() override { sender_.drop(); }
     void press_stop(bool pressed) override { stop_ = pressed; }
-    /// The level at the wire SYNC, of boards that have it.
-    void drive_sync(bool level) { sync_ = level; }
+    void drive_sync(bool level) override { sync_ = level; }
     /// The level at the serial line from the next tile of a chain.
     void drive_next(bool level) { next_ = level; }
 
@@ -49,6 +48,7 @@ public:
         on_cycle_start_ = std::move(callback);
     }
     void on_arrival(std::function<void(const Arrival&)> callback) override { on_arrival_ = std::move(callback); }
+    void on_sync(std::function<void(const SyncChange&)> callback) override { on_sync_ = std::move(callback); }
 
     [[nodiscard]] std::span<std::uint16_t> primary_memory() override { return model_->primary_memory(); }
     [[nodiscard]] std::span<std::uint32_t> sequence_memory() override { return model_->sequence_memory(); }
@@ -69,6 +69,7 @@ private:
     std::function<void(const Edge&)> on_edge_;
     std::function<void(const CycleStart&)> on_cycle_start_;
     std::function<void(const Arrival&)> on_arrival_;
+    std::function<void(const SyncChange&)> on_sync_;
     std::uint64_t now_ = 0;
     bool in_reset_ = true;
     bool stop_ = false, sync_ = false, next_ = true;

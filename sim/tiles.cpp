@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "haptogram/base/error.hpp"
 
 namespace haptogram::sim {
 namespace {
@@ -14,18 +17,23 @@ constexpr Femtoseconds slice = microsecond;  // between two looks at a serial li
 
 }  // namespace
 
-Tiles::Tiles(std::string_view model, std::span<const Oscillator> boards, std::uint32_t seed) : random_(seed) {
-    for (const Oscillator& oscillator : boards) {
-        Tile tile;
-        // In reset for as long as somebody else's time runs: a board begins when its first clock comes.
-        tile.board = std::make_unique<SimulatedBoard>(
-            model, SimulatedBoardOptions{.power_up_seed = static_cast<std::uint32_t>(random_() >> 1)});
-        tile.oscillator = oscillator;
-        const double nominal = 1e15 / tile.board->parameters().clock_hz;
-        tile.period_fs = nominal / (1.0 + oscillator.offset_ppm * 1e-6);
-        tile.next_fs = oscillator.phase * nominal;
-        tiles_.push_back(std::move(tile));
+void Tiles::add(std::unique_ptr<Board> board, const Oscillator& oscillator) {
+    Tile tile;
+    // In reset for as long as somebody else's time runs: a board begins when its first clock comes.
+    tile.board = std::move(board);
+    tile.oscillator = oscillator;
+    const double nominal = 1e15 / tile.board->parameters().clock_hz;
+    tile.period_fs = nominal / (1.0 + oscillator.offset_ppm * 1e-6);
+    tile.next_fs = oscillator.phase * nominal;
+    tiles_.push_back(std::move(tile));
+}
+
+void Tiles::see_wire(Tile& tile, Femtoseconds now) {
+    while (!tile.arriving.empty() && tile.arriving.front().at <= now) {
+        tile.level = tile.arriving.front().level;
+        tile.arriving.pop_front();
     }
+    tile.board->drive_sync(tile.connected && tile.level);
 }
 
 void Tiles::wander(Tile& tile) {
@@ -37,46 +45,6 @@ void Tiles::wander(Tile& tile) {
     tile.clocks_to_wander = wander_clocks;
 }
 
-void Tiles::clock(Tile& tile) {
-    now_ = std::llround(tile.next_fs);
-    while (!tile.arriving.empty() && tile.arriving.front().at <= now_) {
-        tile.level = tile.arriving.front().level;
-        tile.arriving.pop_front();
-    }
-    tile.board->drive_sync(tile.connected && tile.level);
-    if (chained_) join(tile);
-    tile.board->run(1);
-    if (&tile == tiles_.data() && tile.board->outputs().sync != wire_) {
-        wire_ = !wire_;
-        drive_wire(now_, wire_);
-    }
-    tile.next_fs += tile.period_fs;
-    if (tile.oscillator.wander_ppm > 0.0 && tile.clocks_to_wander-- == 0) wander(tile);
-}
-
-/// What a board sees of its neighbours in a chain at its next clock.
-void Tiles::join(Tile& tile) {
-    Tile* const next = &tile + 1;
-    if (&tile != tiles_.data()) {
-        tile.board->force_line(tile.cut || (&tile - 1)->board->outputs().next);
-        // Nobody listens to this board's own end.
-        if (tile.board->received() > 4096) static_cast<void>(tile.board->receive());
-    }
-    tile.board->drive_next(next == tiles_.data() + tiles_.size() || next->cut || next->board->outputs().tx);
-}
-
-void Tiles::run(Femtoseconds duration) {
-    const auto end = static_cast<double>(now_ + duration);
-    for (;;) {
-        Tile* first = tiles_.data();
-        for (Tile& tile : tiles_)
-            if (tile.next_fs < first->next_fs) first = &tile;
-        if (first->next_fs > end) break;
-        clock(*first);
-    }
-    now_ = std::llround(end);
-}
-
 void Tiles::connect(std::size_t board, bool connected) { tiles_[board].connected = connected; }
 
 void Tiles::drive_wire(Femtoseconds at, bool level) {
@@ -85,6 +53,99 @@ void Tiles::drive_wire(Femtoseconds at, bool level) {
         tile.arriving.push_back(
             {at + delay + std::uniform_int_distribution<Femtoseconds>(-uncertain, uncertain)(random_), level});
     }
+}
+
+SimulatedTiles::SimulatedTiles(std::string_view model, std::span<const Oscillator> boards, std::uint32_t seed)
+    : Tiles(seed) {
+    for (const Oscillator& oscillator : boards) {
+        auto board = std::make_unique<SimulatedBoard>(
+            model, SimulatedBoardOptions{.power_up_seed = static_cast<std::uint32_t>(random_() >> 1)});
+        boards_.push_back(board.get());
+        add(std::move(board), oscillator);
+    }
+}
+
+void SimulatedTiles::clock(std::size_t i) {
+    Tile& tile = tiles_[i];
+    now_ = std::llround(tile.next_fs);
+    see_wire(tile, now_);
+    if (chained_) join(i);
+    tile.board->run(1);
+    if (i == 0 && tile.board->outputs().sync != wire_) {
+        wire_ = !wire_;
+        drive_wire(now_, wire_);
+    }
+    tile.next_fs += tile.period_fs;
+    if (tile.oscillator.wander_ppm > 0.0 && tile.clocks_to_wander-- == 0) wander(tile);
+}
+
+/// What a board sees of its neighbours in a chain at its next clock.
+void SimulatedTiles::join(std::size_t i) {
+    SimulatedBoard& board = *boards_[i];
+    if (i > 0) {
+        board.force_line(tiles_[i].cut || boards_[i - 1]->outputs().next);
+        // Nobody listens to this board's own end.
+        if (board.received() > 4096) static_cast<void>(board.receive());
+    }
+    board.drive_next(i + 1 == size() || tiles_[i + 1].cut || boards_[i + 1]->outputs().tx);
+}
+
+void SimulatedTiles::run(Femtoseconds duration) {
+    const auto end = static_cast<double>(now_ + duration);
+    for (;;) {
+        std::size_t first = 0;
+        for (std::size_t i = 1; i < size(); ++i)
+            if (tiles_[i].next_fs < tiles_[first].next_fs) first = i;
+        if (tiles_[first].next_fs > end) break;
+        clock(first);
+    }
+    now_ = std::llround(end);
+}
+
+ReferenceTiles::ReferenceTiles(std::string_view configuration, std::span<const Oscillator> boards, std::uint32_t seed)
+    : Tiles(seed) {
+    for (const Oscillator& oscillator : boards) add(std::make_unique<ReferenceBoard>(configuration), oscillator);
+    if (boards.empty()) return;
+    tiles_[0].board->on_sync([this](const SyncChange& change) {
+        drive_wire(std::llround(chunk_fs_ + static_cast<double>(change.clock - chunk_) * tiles_[0].period_fs),
+                   change.level);
+    });
+}
+
+void ReferenceTiles::run(Femtoseconds duration) {
+    const auto end = static_cast<double>(now_ + duration);
+    for (Tile& tile : tiles_) run_to(tile, end);
+    now_ = std::llround(end);
+}
+
+void ReferenceTiles::run_to(Tile& tile, double end_fs) {
+    while (tile.next_fs <= end_fs) {
+        see_wire(tile, std::llround(tile.next_fs));
+        double clocks = std::floor((end_fs - tile.next_fs) / tile.period_fs) + 1.0;
+        if (!tile.arriving.empty()) {
+            const double change = static_cast<double>(tile.arriving.front().at) - tile.next_fs;
+            clocks = std::min(clocks, std::max(1.0, std::ceil(change / tile.period_fs)));
+        }
+        if (tile.oscillator.wander_ppm > 0.0) clocks = std::min(clocks, tile.clocks_to_wander + 1.0);
+        if (&tile == tiles_.data()) {
+            chunk_fs_ = tile.next_fs;
+            chunk_ = tile.board->now();
+        }
+        tile.board->run(static_cast<std::uint64_t>(clocks));
+        tile.next_fs += clocks * tile.period_fs;
+        if (tile.oscillator.wander_ppm <= 0.0) continue;
+        const auto passed = static_cast<std::uint32_t>(clocks);
+        if (passed > tile.clocks_to_wander)
+            wander(tile);
+        else
+            tile.clocks_to_wander -= passed;
+    }
+}
+
+void ReferenceTiles::chain() {
+    throw bad_argument("chain",
+                       "reference boards do not pass the serial line on; give each a port of its own, or take the "
+                       "Verilated cores (--model rtl)");
 }
 
 std::vector<std::uint8_t> TileTransport::read(std::chrono::microseconds patience) {

@@ -9,7 +9,9 @@
 #include <string_view>
 #include <vector>
 
+#include "clock.hpp"
 #include "haptogram/link/transport.hpp"
+#include "reference_board.hpp"
 #include "simulated_board.hpp"
 
 namespace haptogram::sim {
@@ -26,26 +28,23 @@ struct Oscillator {
     double wire_delay_s = 0.0;  ///< from the master's pin to its own
 };
 
-/// Several Verilated boards, each with an oscillator of its own, and the wire SYNC from one of them to the others. They
-/// live in one time; each clock of a board is simulated when its time has come.
+/// Several boards, each with an oscillator of its own, and the wire SYNC from one of them to the others. They live in
+/// one time: SimulatedTiles are Verilated cores, ReferenceTiles reference boards.
 class Tiles {
 public:
-    /// @param model    of all boards, such as "small-16-sync"
-    /// @param boards   one for each board; board 0 drives the wire
-    /// @param seed     of wandering, of what the registers hold at power-up, and of how an edge of the wire is seen
-    /// that comes
-    ///                 together with a clock
-    Tiles(std::string_view model, std::span<const Oscillator> boards, std::uint32_t seed);
+    Tiles(const Tiles&) = delete;
+    Tiles& operator=(const Tiles&) = delete;
+    virtual ~Tiles() = default;
 
     [[nodiscard]] std::size_t size() const { return tiles_.size(); }
-    [[nodiscard]] SimulatedBoard& board(std::size_t i) { return *tiles_[i].board; }
-    /// Of the clock that is being simulated, or was the last one.
+    [[nodiscard]] Board& board(std::size_t i) { return *tiles_[i].board; }
     [[nodiscard]] Femtoseconds now() const { return now_; }
     /// Runs all boards for so long.
-    void run(Femtoseconds duration);
+    virtual void run(Femtoseconds duration) = 0;
 
     /// Wires each board's serial line behind the one before it, instead of to a host of its own.
-    void chain() { chained_ = true; }
+    /// @throws Error{bad_argument} when these boards cannot be chained
+    virtual void chain() = 0;
     [[nodiscard]] bool chained() const { return chained_; }
     /// Cuts the wires of a chain between this board and the one before it, or joins them again.
     void cut_chain(std::size_t board, bool cut) { tiles_[board].cut = cut; }
@@ -55,30 +54,73 @@ public:
     /// back.
     void drive_wire(Femtoseconds at, bool level);
 
-private:
+protected:
     struct Change {
         Femtoseconds at;
         bool level;
     };
     struct Tile {
-        std::unique_ptr<SimulatedBoard> board;
+        std::unique_ptr<Board> board;
         Oscillator oscillator;
-        double period_fs;
-        double next_fs;  // its next rising edge
+        double period_fs = 0.0;
+        double next_fs = 0.0;  // its next rising edge
         std::uint32_t clocks_to_wander = 0;
         double wander_ppm = 0.0;
         std::deque<Change> arriving;
         bool level = false, connected = true, cut = false;
     };
 
-    void clock(Tile& tile);
-    void join(Tile& tile);
+    explicit Tiles(std::uint32_t seed) : random_(seed) {}
+    void add(std::unique_ptr<Board> board, const Oscillator& oscillator);
+    /// Its level at the board's end, as it is at this time.
+    static void see_wire(Tile& tile, Femtoseconds now);
+    /// Its frequency becomes another one after so many clocks.
     void wander(Tile& tile);
 
     std::vector<Tile> tiles_;
     std::mt19937 random_;
     Femtoseconds now_ = 0;
-    bool wire_ = false, chained_ = false;
+    bool chained_ = false;
+};
+
+/// Verilated boards: each clock of a board is simulated when its time has come.
+class SimulatedTiles final : public Tiles {
+public:
+    /// @param model    of all boards, such as "small-16-sync"
+    /// @param boards   one for each board; board 0 drives the wire
+    /// @param seed     of wandering, of what the registers hold at power-up, and of how an edge of the wire is seen
+    ///                 that comes together with a clock
+    SimulatedTiles(std::string_view model, std::span<const Oscillator> boards, std::uint32_t seed);
+
+    /// While boards run, now() is the time of the clock that is being simulated.
+    void run(Femtoseconds duration) override;
+    void chain() override { chained_ = true; }
+
+private:
+    void clock(std::size_t i);
+    void join(std::size_t i);
+
+    std::vector<SimulatedBoard*> boards_;
+    bool wire_ = false;
+};
+
+/// Reference boards. Nothing but the wire leads from one to another, and only away from board 0, so this one is run
+/// ahead, and each of the others from one change of the wire to the next.
+class ReferenceTiles final : public Tiles {
+public:
+    /// @param configuration  of all boards, such as "tile-100-sync"
+    /// @param boards, seed   as those of SimulatedTiles; registers hold nothing at random
+    ReferenceTiles(std::string_view configuration, std::span<const Oscillator> boards, std::uint32_t seed);
+
+    /// While boards run, now() is the time from which they do.
+    void run(Femtoseconds duration) override;
+    void chain() override;
+
+private:
+    void run_to(Tile& tile, double end_fs);
+
+    double chunk_fs_ = 0.0;  // time of the clock from which on board 0 runs, and its number
+    Clock chunk_ = 0;
 };
 
 /// The serial line of one of several boards: waiting for bytes runs all of them.
@@ -92,7 +134,7 @@ public:
 
 private:
     Tiles& tiles_;
-    SimulatedBoard& board_;
+    Board& board_;
 };
 
 }  // namespace haptogram::sim

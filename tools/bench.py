@@ -199,6 +199,25 @@ def board_run_mclk_per_s(program, folder):
     return json.loads(board.communicate()[0])["playing_mclk_per_s"]
 
 
+def reference_times_real_time(program, folder, tiles):
+    """`board run --model reference --speed max` with a host that plays on it; of several boards, a rig."""
+    ports = [folder / f"reference-{i}" for i in range(1, tiles + 1)]
+    several = ["--tiles", tiles, "--pty", folder / "reference"] if tiles > 1 else ["--pty", ports[0]]
+    command = [program, "board", "run", "--model", "reference", "--json", "--speed", "max", *several]
+    board = subprocess.Popen([str(c) for c in command], stdout=subprocess.PIPE, text=True)
+    board.stdout.readline()
+    what = ["--rig", folder / "wall.json"] if tiles > 1 else [folder / "circle.hex"]
+    port_options = [word for port in ports for word in ("--port", port)]
+    run(program, "upload", *what, *port_options)
+    host = subprocess.Popen([str(c) for c in [program, "play", *what[:2 if tiles > 1 else 0], *port_options, "--loops", 0, "--watchdog", 0]], stdout=subprocess.PIPE)
+    time.sleep(8)
+    host.send_signal(signal.SIGINT)
+    host.communicate()
+    board.send_signal(signal.SIGINT)
+    said = json.loads(board.communicate()[0])
+    return said["times_real_time" if tiles > 1 else "playing_times_real_time"]
+
+
 def link_rows(build):
     """What a host gets through the link, in the simulated board's time."""
     found = json.loads(run(build / "tools/bench/haptogram_measure_link"))
@@ -319,6 +338,10 @@ def core_rows(build, program, folder):
            f"{speed:.2f} Mclk/s, {speed / 50.0:.3f} of real time (three runs: " + ", ".join(f"{r['playing_mclk_per_s']:.2f}" for r in slow) + ")")  # fmt: skip
     virtual = board_run_mclk_per_s(program, folder)
     yield ("board run --speed max, 100 channels playing", "≥ 5 Mclk/s", virtual >= 5.0, f"{virtual:.2f} Mclk/s")
+    run(program, "compile", "--shape", "circle", "--points", 8, "--rate", 500, "--records", "--rig", "2x2", "-o", folder / "wall.hex")
+    for tiles, most, what in ((1, 1.0, "board run --model reference, 100 channels playing"), (4, 0.5, "the same with four tiles in step")):
+        times = reference_times_real_time(program, folder, tiles)
+        yield (what, f"≥ {most} of real time", times >= most, f"{times:.2f} of real time")
 
 
 def compile_rows(program, folder):

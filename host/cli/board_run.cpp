@@ -85,10 +85,8 @@ void tell_line(const nlohmann::ordered_json& report, bool as_json, const std::st
 }
 
 int run_tiles(const RunOptions& options) {
-    if (options.model != "rtl")
-        throw bad_argument("model",
-                           "the reference board has no SYNC, and so cannot be one of several; give --model rtl");
     RunTilesOptions tiles = options.tiles;
+    tiles.reference = options.model == "reference";
     tiles.channels = options.channels;
     tiles.pty = options.pty;
     tiles.real_time = options.speed == "real";
@@ -109,9 +107,8 @@ int run_board(const RunOptions& options) {
         throw bad_argument("trace", "the reference board has no signals; give --model rtl, or leave out the trace");
     if (!is_rtl && image && (image->foci || image->modulation))
         throw bad_argument("model", "the reference board computes no foci and does not modulate; give --model rtl");
-    const std::span<const interface::CoreConfiguration> models =
-        is_rtl ? std::span<const interface::CoreConfiguration>(sim::available_models())
-               : interface::core_configurations;
+    const std::vector<interface::CoreConfiguration>& models =
+        is_rtl ? sim::available_models() : sim::ReferenceBoard::configurations();
     const std::string_view model =
         image ? sim::model_for(*image, options.image, models) : sim::model_with_channels(options.channels, models);
     std::unique_ptr<sim::SimulatedBoard> core;

@@ -21,6 +21,16 @@ void tell_line(const nlohmann::ordered_json& report, bool as_json, const std::st
     std::fflush(stdout);
 }
 
+std::unique_ptr<sim::Tiles> make_boards(const RunTilesOptions& options,
+                                        const std::vector<sim::Oscillator>& oscillators) {
+    if (!options.reference)
+        return std::make_unique<sim::SimulatedTiles>(
+            sim::tile_model_with_channels(options.channels, sim::available_models()), oscillators, options.seed);
+    return std::make_unique<sim::ReferenceTiles>(
+        sim::tile_model_with_channels(options.channels, sim::ReferenceBoard::configurations()), oscillators,
+        options.seed);
+}
+
 }  // namespace
 
 int run_boards(const RunTilesOptions& options) {
@@ -28,7 +38,8 @@ int run_boards(const RunTilesOptions& options) {
     for (const std::string& fault : options.faults) faults.push_back(sim::parse_fault(fault, options.count));
     const std::vector<sim::Oscillator> oscillators =
         sim::random_oscillators(options.count, options.drift_ppm, options.seed);
-    sim::Tiles tiles(sim::tile_model_with_channels(options.channels), oscillators, options.seed);
+    const std::unique_ptr<sim::Tiles> boards = make_boards(options, oscillators);
+    sim::Tiles& tiles = *boards;
     if (options.chain) tiles.chain();
     catch_interrupts();
     std::vector<std::unique_ptr<sim::PseudoTerminal>> terminals;
@@ -43,7 +54,7 @@ int run_boards(const RunTilesOptions& options) {
     }
     const interface::CoreParameters& p = tiles.board(0).parameters();
     tell_line({{"ports", ports},
-               {"model", "rtl"},
+               {"model", options.reference ? "reference" : "rtl"},
                {"configuration", tiles.board(0).name()},
                {"channels", p.channels},
                {"clock_hz", p.clock_hz},

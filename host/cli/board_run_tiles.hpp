@@ -12,6 +12,7 @@ struct RunTilesOptions {
     double drift_ppm = 50.0;
     std::uint32_t seed = 1;
     std::vector<std::string> faults;
+    bool reference = false;  ///< reference boards, instead of Verilated cores
     std::uint32_t channels = 100;
     bool chain = false;  ///< one serial line for all
     std::string pty;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rigs: the files that `compile --rig` writes, what the commands refuse, and two Verilated boards behind pseudo-terminals that play and are streamed to."""
+"""Rigs: the files that `compile --rig` writes, what the commands refuse, reference boards that play, and two Verilated ones that play and are streamed to."""
 import contextlib
 import json
 import os
@@ -81,7 +81,7 @@ def test_the_files_of_a_rig(pair):
         (["play", "--port", "a", "--port", "b"], USAGE, ["--port", "given 2 times"]),
         (["upload", "--port", "a"], USAGE, ["nothing to upload"]),
         (["simulate"], USAGE, ["nothing to simulate"]),
-        (["board", "run", "--tiles", 2, "--model", "reference"], USAGE, ["--model", "no SYNC"]),
+        (["board", "run", "--tiles", 2, "--model", "reference", "--chain"], USAGE, ["--chain", "a port of its own", "--model rtl"]),
         (["board", "run", "--tiles", 2, "--fault", "silent:3@1"], USAGE, ["--fault", "a tile from 1 to 2"]),
         (["board", "run", "--tiles", 2, "--channels", 16], USAGE, ["--channels", "there are 100"]),
     ],
@@ -155,6 +155,26 @@ class Cable:
         self.thread.join()
         for descriptor in (self.board, self.host, self.end):
             os.close(descriptor)
+
+
+def test_reference_boards_play_a_rig(pair, tmp_path):
+    (tmp_path / "pair.toml").write_text((pair / "pair.toml").read_text().replace('"port-', f'"{tmp_path}/port-'))
+    succeed(["compile", "--shape", "circle", "--points", 4, "--rate", 500, "--records", "--center", "0,0,180", "--rig", "pair.toml", "-o", "wall.hex"], cwd=tmp_path)
+    command = [str(PROGRAM), "board", "run", "--tiles", "2", "--model", "reference", "--pty", "port", "--json"]
+    process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    try:
+        started = json.loads(process.stdout.readline())
+        assert started["model"] == "reference" and started["configuration"] == "tile-100-sync"
+        succeed(["upload", "--rig", "wall.json"], cwd=tmp_path)
+        told = text(succeed(["play", "--rig", "wall.json", "--loops", 100], cwd=tmp_path).stdout)
+        assert told.startswith("0 underruns, 0 refused records, begun together in carrier period"), told
+        for tile, role in (("port-1", "master"), ("port-2", "slave")):
+            status = json.loads(succeed(["device", "status", "--port", tile, "--json"], cwd=tmp_path).stdout)
+            assert status["role"] == role and status["sync_misses"] == 0 and status["underruns"] == 0
+    finally:
+        process.send_signal(signal.SIGINT)
+        said, _ = process.communicate(timeout=60)
+    assert json.loads(said)["enabled"] == [False, False]
 
 
 @pytest.fixture(scope="module")

@@ -4,6 +4,7 @@
 #pragma once
 #include <fmt/format.h>
 
+#include <bit>
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -24,13 +25,90 @@ struct Seen {
     std::vector<sim::Edge> edges;
     std::vector<sim::CycleStart> cycles;
     std::vector<sim::Arrival> arrivals;
+    std::vector<sim::SyncChange> sync;
 
     void watch(sim::Board& board, bool pins = true) {
         if (pins) board.on_edge([this](const sim::Edge& e) { edges.push_back(e); });
         board.on_cycle_start([this](const sim::CycleStart& c) { cycles.push_back(c); });
         board.on_arrival([this](const sim::Arrival& a) { arrivals.push_back(a); });
+        board.on_sync([this](const sim::SyncChange& s) { sync.push_back(s); });
     }
-    void clear() { edges.clear(), cycles.clear(), arrivals.clear(); }
+    void clear() { edges.clear(), cycles.clear(), arrivals.clear(), sync.clear(); }
+};
+
+/// The wire SYNC as a master elsewhere drives it, whose crystal differs and wanders, and what can happen to the wire:
+/// edges that come too early, too late or not at all, glitches, another number, silence for some while. Between those
+/// it is quiet for long enough that a slave comes into step.
+class Wire {
+public:
+    Wire(std::uint32_t period_clocks, std::uint32_t seed) : period_(period_clocks), g_(seed) {
+        begin_master();
+        extend();
+    }
+
+    struct Change {
+        std::uint64_t clock;
+        bool level;
+    };
+    /// The next change; it takes place before this clock.
+    [[nodiscard]] const Change& next() const { return changes_.front(); }
+    void pop() {
+        changes_.pop_front();
+        if (changes_.empty()) extend();
+    }
+
+private:
+    std::uint32_t below(std::uint32_t count) { return static_cast<std::uint32_t>(g_()) % count; }
+
+    /// Of a master's message: the mark, 42 bits, their parity, zeros.
+    [[nodiscard]] std::uint32_t symbol() const {
+        const std::uint64_t place = number_ % 64, upper = number_ >> 6;
+        if (place == 0) return 2;
+        if (place <= 42) return static_cast<std::uint32_t>(upper >> (42 - place) & 1U);
+        return place == 43 ? static_cast<std::uint32_t>(std::popcount(upper) % 2) : 0;
+    }
+
+    void begin_master() {
+        number_ = static_cast<std::uint64_t>(g_()) << below(16);
+        offset_ = std::uniform_real_distribution<double>(-1e-4, 1e-4)(g_) * period_;
+    }
+
+    void extend() {
+        if (++periods_ % 2000 == 0 && below(4) == 0) begin_master();
+        const auto disturbs = [this](std::uint32_t one_in) { return periods_ % 2000 >= 1400 && below(one_in) == 0; };
+        ++number_;
+        at_ += period_ + 0.5 + offset_;  // every second cycle of a master is a clock longer
+        if (disturbs(1000)) {
+            const std::uint32_t silent = below(60);
+            number_ += silent;
+            at_ += silent * (period_ + 0.5 + offset_);
+        }
+        std::uint64_t rise = static_cast<std::uint64_t>(at_), high = 8 * (symbol() + 1ULL);
+        if (disturbs(30)) rise += below(9);
+        if (disturbs(30)) rise -= below(9);
+        if (disturbs(100)) high = 1 + below(60);
+        if (disturbs(3000)) at_ += below(40);
+        add(rise, true);
+        add(rise + high, false);
+        if (disturbs(50)) {
+            const std::uint64_t glitch = rise + high + 1 + below(period_);
+            add(glitch, true);
+            add(glitch + 1 + below(4), false);
+        }
+    }
+
+    /// In the order of time; what would come before the last change is left out.
+    void add(std::uint64_t clock, bool level) {
+        if (!changes_.empty() && clock <= changes_.back().clock) return;
+        changes_.push_back({clock, level});
+        at_ = std::max(at_, static_cast<double>(clock) - period_ + 100.0);
+    }
+
+    std::uint32_t period_;
+    std::mt19937 g_;
+    double at_ = 2000.0, offset_ = 0.0;
+    std::uint64_t number_ = 0, periods_ = 0;
+    std::deque<Change> changes_;
 };
 
 class LockStep {
@@ -52,7 +130,15 @@ public:
     /// Runs both for so many clocks and compares what they show.
     /// @return the first difference in words; empty when there is none
     [[nodiscard]] std::string run(std::uint64_t clocks) {
-        both([clocks](sim::Board& board) { board.run(clocks); });
+        const std::uint64_t end = core_.now() + clocks;
+        for (; wire != nullptr && wire->next().clock < end; wire->pop()) {
+            const Wire::Change change = wire->next();
+            both([change](sim::Board& board) {
+                if (change.clock > board.now()) board.run(change.clock - board.now());
+                board.drive_sync(change.level);
+            });
+        }
+        both([end](sim::Board& board) { board.run(end - board.now()); });
         std::string difference = first_difference("edge", of_core_.edges, of_reference_.edges, [](const sim::Edge& e) {
             return fmt::format("{} of channel {} at {}, record {}", e.rises ? "rise" : "fall", e.channel, e.clock,
                                e.index);
@@ -64,6 +150,10 @@ public:
         if (difference.empty())
             difference = first_difference("byte", of_core_.arrivals, of_reference_.arrivals, [](const sim::Arrival& a) {
                 return fmt::format("0x{:02x} at {}", a.byte, a.clock);
+            });
+        if (difference.empty())
+            difference = first_difference("SYNC", of_core_.sync, of_reference_.sync, [](const sim::SyncChange& s) {
+                return fmt::format("{} at {}", s.level ? "high" : "low", s.clock);
             });
         if (difference.empty() && pins_) difference = difference_of_outputs();
         edges += of_core_.edges.size();
@@ -81,6 +171,7 @@ public:
     [[nodiscard]] sim::Board& core() { return core_; }
 
     std::uint64_t edges = 0, cycles = 0, bytes = 0;
+    Wire* wire = nullptr;
 
 private:
     template <class T, class Describe>
@@ -100,8 +191,8 @@ private:
         const auto describe = [](const sim::Model::Outputs& o) {
             std::string pins;
             for (const std::uint32_t word : o.pins) pins += fmt::format(" {:08x}", word);
-            return fmt::format("tx {} enabled {} alive {} playing {} fault {} cycle start {} index {} pins{}", o.tx,
-                               o.enabled, o.alive, o.playing, o.fault, o.cycle_start, o.index, pins);
+            return fmt::format("tx {} enabled {} alive {} playing {} fault {} cycle start {} sync {} index {} pins{}",
+                               o.tx, o.enabled, o.alive, o.playing, o.fault, o.cycle_start, o.sync, o.index, pins);
         };
         const std::string core = describe(a);
         const std::string reference = describe(b);
@@ -121,10 +212,28 @@ class RandomHost {
 public:
     RandomHost(LockStep& boards, std::uint32_t seed) : boards_(boards), p_(boards.core().parameters()), g_(seed) {}
 
+    /// Beside the link and at reset, as a bitstream brings it.
+    void new_image() {
+        ++images;
+        reset();
+        sticky_ = p_.sync == 0 && one_in(8);  // which boards in step refuse
+        for (std::uint32_t index = 0; index < std::min(p_.records, 40U); ++index) {
+            const auto words = record();
+            boards_.both([&](sim::Board& board) {
+                std::ranges::copy(words,
+                                  board.primary_memory().begin() + static_cast<std::ptrdiff_t>(index * words.size()));
+            });
+        }
+        for (std::size_t i = 0; i < p_.sequence_depth; ++i) {
+            const std::uint32_t word = i == 0 ? header() : entry();
+            boards_.both([&](sim::Board& board) { board.sequence_memory()[i] = word; });
+        }
+    }
+
     /// One command, fault or pause. @return the first difference between the boards in words; empty when there is none
     [[nodiscard]] std::string step() {
-        if (images == 0 || one_in(100)) new_image();
-        if (one_in(300)) reset();
+        if (images == 0 || (!keeps_role && one_in(100))) new_image();
+        if (!keeps_role && one_in(300)) reset();
         if (one_in(60)) press_stop();
         if (one_in(150)) disturb_line();
         if (one_in(60)) send(noise());
@@ -133,6 +242,8 @@ public:
     }
 
     std::uint64_t commands = 0, images = 0, replies = 0, applied = 0, waits = 0;
+    std::uint64_t in_step = 0, numbered = 0, losses = 0;  // of replies to STATUS
+    bool keeps_role = false;                              // nothing is reset
 
 private:
     using Command = interface::Command;
@@ -164,6 +275,13 @@ private:
             case 6: cycle = 250, pulse = 125, prescaler = 5; break;
             default: break;
         }
+        // The cycle of boards that are in step.
+        if (p_.sync != 0 && !one_in(3)) {
+            const std::uint32_t of_period[] = {1, 1, 2, 5, 10, 25, 50, 125, 250, 625};
+            prescaler = of_period[below(10)];
+            cycle = p_.clock_hz / 40'000 / prescaler;
+            pulse = std::min(one_in(3) ? below(cycle) : cycle / 2, 255U);
+        }
         if (sticky_) cycle = 20, pulse = 19, prescaler = 90;
         std::vector<std::uint16_t> words(p_.channels + interface::record_header_words);
         interface::record_field::cycle_length.set(words, one_in(60) ? below(1U << 24) : cycle);
@@ -191,24 +309,6 @@ private:
     std::uint32_t header() {
         return (one_in(20) ? below(0x8000) : between(1, p_.sequence_depth - 1)) | (one_in(2) ? 0x8000U : 0U) |
                below(4) << 16;
-    }
-
-    /// Beside the link and at reset, as a bitstream brings it.
-    void new_image() {
-        ++images;
-        reset();
-        sticky_ = one_in(8);
-        for (std::uint32_t index = 0; index < std::min(p_.records, 40U); ++index) {
-            const auto words = record();
-            boards_.both([&](sim::Board& board) {
-                std::ranges::copy(words,
-                                  board.primary_memory().begin() + static_cast<std::ptrdiff_t>(index * words.size()));
-            });
-        }
-        for (std::size_t i = 0; i < p_.sequence_depth; ++i) {
-            const std::uint32_t word = i == 0 ? header() : entry();
-            boards_.both([&](sim::Board& board) { board.sequence_memory()[i] = word; });
-        }
     }
 
     // ---- Frames
@@ -263,7 +363,7 @@ private:
             case 3: return {Command::disable, {}};
             case 4: return {Command::stop, {}};
             case 5: return {Command::keep_alive, {}};
-            case 6: return {one_in(4) ? Command::reset : Command::status, {}};
+            case 6: return {!keeps_role && one_in(4) ? Command::reset : Command::status, {}};
             case 7:
             case 8: return {Command::status, {}};
             case 9: return {Command::watchdog, {w(one_in(3) ? 0 : one_in(10) ? any_word() : between(1, 3))}};
@@ -288,7 +388,9 @@ private:
             case 19: return memory_command(Command::digest);
             case 20: return {static_cast<Command>(one_in(2) ? below(256) : 0), {}};
             case 21: return {Command::identify, {}};
-            case 27: return {Command::sync, {w(below(4))}};                                 // neither
+            case 27:
+                if (keeps_role) return {Command::status, {}};
+                return {Command::sync, {w(below(4))}};
             case 22: return {Command::modulate, {w(below(3)), w(below(70)), w(below(3))}};  // no such command here
             case 23:
             case 24:
@@ -411,6 +513,11 @@ private:
             applied += reply.status == interface::Status::ok ? 1 : 0;
             if (reply.command == Command::status && reply.data.size() == 2 * interface::status_words)
                 period_ = interface::status_field::period.get(reply.data);
+            if (reply.command == Command::status && reply.data.size() >= 2 * interface::status_untimed_words) {
+                in_step += interface::status_field::in_step.get(reply.data);
+                numbered += interface::status_field::numbered.get(reply.data);
+                losses = std::max<std::uint64_t>(losses, interface::status_field::sync_losses.get(reply.data));
+            }
             waits += reply.command == Command::gate && reply.status == interface::Status::ok ? 1 : 0;
         }
         return difference;

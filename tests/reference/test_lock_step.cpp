@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdlib>
 
+#include "clock.hpp"
 #include "lock_step.hpp"
 #include "reference_board.hpp"
 #include "simulated_board.hpp"
@@ -15,14 +16,36 @@ using namespace haptogram::test;
 
 namespace {
 
+enum class Sync {
+    none,
+    any,   ///< the wire is driven, and the host says all roles
+    slave  ///< the board is in step before the first random command, and nothing resets it
+};
+
+void send(LockStep& boards, std::uint8_t number, interface::Command command, const std::vector<std::uint8_t>& payload) {
+    boards.both([&](sim::Board& board) { board.send(link::encode_request(number, command, payload)); });
+}
+
 /// Runs random commands on both boards until they differ, or until `commands` are sent and enough pulses were compared.
 /// In one run of six the tile's first 300 commands start few pulses or none (81 runs; the worst needed 1,064 commands).
 /// A run that needs ten times as many fails.
-void compare(std::string_view configuration, std::uint64_t commands, std::uint32_t seed, bool pins = true) {
+void compare(std::string_view configuration, std::uint64_t commands, std::uint32_t seed, bool pins = true,
+             Sync sync = Sync::none) {
     sim::SimulatedBoard core(configuration);
     sim::ReferenceBoard reference(configuration);
     LockStep boards(core, reference, pins);
     RandomHost host(boards, seed);
+    Wire wire(sim::carrier_period(core.parameters()), seed);
+    if (sync != Sync::none) boards.wire = &wire;
+    if (sync == Sync::slave) {
+        host.new_image();
+        send(boards, 77, interface::Command::identify, {});
+        send(boards, 78, interface::Command::sync, {static_cast<std::uint8_t>(interface::Role::slave), 0});
+        const std::string difference = boards.run(600ULL * sim::carrier_period(core.parameters()));
+        INFO(difference);
+        REQUIRE(difference.empty());
+        host.keeps_role = true;
+    }
     const auto compared = [&] { return !pins || boards.edges > 5 * commands; };
     while (host.commands < commands || (!compared() && host.commands < 10 * commands)) {
         const std::string difference = host.step();
@@ -30,9 +53,15 @@ void compare(std::string_view configuration, std::uint64_t commands, std::uint32
         INFO(fmt::format("{}, seed {}, command {}, clock {}", configuration, seed, host.commands, core.now()));
         REQUIRE(difference.empty());
     }
-    fmt::print("{}, seed {}: {} commands, {} replies, {} of them applied, {} images, {} edges, {} cycles, {} clocks\n",
-               configuration, seed, host.commands, host.replies, host.applied, host.images, boards.edges, boards.cycles,
-               core.now());
+    fmt::print(
+        "{}, seed {}: {} commands, {} replies, {} of them applied, {} images, {} edges, {} cycles, {} clocks; in step "
+        "{} times, with the master's number {} times, {} losses\n",
+        configuration, seed, host.commands, host.replies, host.applied, host.images, boards.edges, boards.cycles,
+        core.now(), host.in_step, host.numbered, host.losses);
+    if (sync == Sync::slave) {
+        REQUIRE(host.in_step > 0);
+        REQUIRE(host.numbered > 0);
+    }
     REQUIRE(host.applied > host.commands / 8);
     REQUIRE(compared());
 }
@@ -50,6 +79,18 @@ TEST_CASE("reference: no reply and no pulse differs from the small core's") {
 
 TEST_CASE("reference: no reply and no pulse differs from the tile's") {
     compare("tile-100", size(100'000, 300), Catch::rngSeed());
+}
+
+TEST_CASE("reference: no reply, no pulse and no edge of SYNC differs, whatever a board's role") {
+    compare("tile-100-sync", size(100'000, 600), Catch::rngSeed(), true, Sync::any);
+}
+
+TEST_CASE("reference: no reply and no pulse of a slave differs, in step or not") {
+    compare("tile-100-sync", size(100'000, 600), Catch::rngSeed(), true, Sync::slave);
+}
+
+TEST_CASE("reference: no reply of a slave differs when nobody looks at the pins") {
+    compare("tile-100-sync", size(100'000, 1'000), Catch::rngSeed(), false, Sync::slave);
 }
 
 TEST_CASE("reference: no reply differs when nobody looks at the pins") {

@@ -57,7 +57,7 @@ private:
 };
 
 struct TileBench {
-    sim::Tiles tiles;
+    sim::SimulatedTiles tiles;
     std::vector<std::unique_ptr<sim::TileTransport>> lines;
     std::vector<std::unique_ptr<link::Client>> hosts;
 

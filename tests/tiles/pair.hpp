@@ -58,7 +58,7 @@ private:
 /// Two tiles in one time, with their images in their memories.
 struct Pair {
     CompiledRig compiled;
-    sim::Tiles tiles;
+    sim::SimulatedTiles tiles;
     std::vector<std::unique_ptr<link::Transport>> wires;
     std::vector<std::unique_ptr<TroubledLine>> lines;
     std::vector<std::unique_ptr<link::Client>> hosts;

@@ -165,7 +165,7 @@ TEST_CASE("contract 11, together: SYNC is lost for good, the outputs go off, and
     bench.tiles.connect(1, false);
     // In step as long as it plays: the first edges after the outputs went off are falls that are cut off with
     // everything.
-    sim::SimulatedBoard& alone = bench.tiles.board(1);
+    sim::Board& alone = bench.tiles.board(1);
     const std::uint64_t from = alone.now();
     while (alone.outputs().enabled) {
         const std::uint64_t before = watch.pulses;
@@ -277,7 +277,7 @@ TEST_CASE("contract 11, together: what a board with a role refuses") {
     image.records[2].timings.assign(channels, 0);
     bench.load(image);
     link::Client& host = bench.host(0);
-    sim::SimulatedBoard& board = bench.tiles.board(0);
+    sim::Board& board = bench.tiles.board(0);
 
     CHECK_FALSE(host.status().role != Role::alone);
     REQUIRE_THROWS_WITH(host.set_role(static_cast<Role>(3)), Catch::Contains("bad_range"));

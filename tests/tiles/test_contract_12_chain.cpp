@@ -40,7 +40,7 @@ private:
 };
 
 struct ChainBench {
-    sim::Tiles tiles;
+    sim::SimulatedTiles tiles;
     Line* line;  // the chain owns it
     std::shared_ptr<link::Chain> chain;
     std::vector<std::unique_ptr<link::Transport>> ways;
@@ -199,7 +199,7 @@ TEST_CASE("contract 12: without a chain a board is alone, and passes nothing on"
 }
 
 TEST_CASE("contract 12: a board without chain takes the beginning of one for a damaged frame", "[contract12]") {
-    sim::Tiles tiles("small-16", std::vector<sim::Oscillator>(1), Catch::rngSeed());
+    sim::SimulatedTiles tiles("small-16", std::vector<sim::Oscillator>(1), Catch::rngSeed());
     sim::TileTransport wire(tiles, 0);
     wire.write(Bytes{0, 2, 253, 0});
     link::Client host(wire);
