@@ -43,7 +43,7 @@ test: build ## every test but those of `make deep`, `make browser` and `make mut
 browser: build ## the studio's page in Chromium; not part of `make test`
 	@ctest --preset $(PRESET) -R '^studio_browser$$' --output-on-failure
 
-# Each of some 440 faults runs co-simulation until a test notices it, which takes long, so it is not part of `make test`.
+# Each of some 440 faults runs co-simulation until a test notices it: two hours, so it is not part of `make test`.
 mutants: deep-build ## would the tests notice a fault in the RTL; not part of `make test`
 	@ctest --preset deep -R '^mutation$$' --output-on-failure
 

@@ -9,7 +9,7 @@
 // makes the cycle's number. Longer pulses, as of a function generator, say nothing. A slave
 //   seeks:   it waits 8 clocks in every cycle until the edge comes when it is due. After 512 such cycles in a row it is in step.
 //   follows: it looks for the edge only where it must come, within 8 clocks, and counts how many clocks it waits in 512 cycles.
-//   goes on: without an edge it waits as often as it did, so it drifts by a clock in 512 cycles at most. After 32 cycles in a row
+//   goes on: without an edge it waits as often as it did, so it drifts by a clock in 512 cycles at most. After 16 cycles in a row
 //            without an edge in time it is out of step (o_lost) and seeks.
 // i_last is the last clock of a cycle of cycle_controller, which repeats it while o_hold. Of i_symbol and o_symbol 0 and 1 are bits, 2 is
 // the mark, 3 is none. i_symbol is of the master's next cycle; o_symbol, with the strobe o_ends, is of a slave's.
@@ -90,25 +90,25 @@ module carrier_sync #(
 
     reg  [8:0] cycles_q;  // in time, of the 512 in which waits_q counts
     reg  [8:0] waits_q;
-    reg  [4:0] misses_q;
+    reg  [3:0] misses_q;
     wire       in_time = !early && since_q < DUE + 7'd2 && waited_q < 4'd3;
     wire [9:0] all     = {1'b0, waits_q} + {6'd0, waited_q};
     wire [8:0] most    = all[9] ? 9'h1ff : all[8:0];
     assign o_missed = slave && o_in_step && o_ends && !in_time;
-    assign o_lost   = o_missed && misses_q == 5'h1f;
+    assign o_lost   = o_missed && misses_q == 4'hf;
     always @(posedge clk) begin
         if (rst || o_ends) waited_q <= 4'd0;
         else if (i_last && waits) waited_q <= waited_q + 1'b1;
         if (rst) turn_q <= 1'b0;
         else if (o_ends) turn_q <= !turn_q;
-        if (rst) {o_in_step, cycles_q, waits_q, misses_q} <= 24'd0;
+        if (rst) {o_in_step, cycles_q, waits_q, misses_q} <= 23'd0;
         else if (o_ends && slave) begin
             {cycles_q, waits_q} <= in_time ? {cycles_q + 1'b1, most} : 18'd0;
             if (in_time && cycles_q == 9'h1ff) {o_in_step, rate_q, waits_q} <= {1'b1, most, 9'd0};
             if (o_lost) o_in_step <= 1'b0;
-            misses_q <= in_time || !o_in_step ? 5'd0 : misses_q + 1'b1;
-            // Right after a clock was waited, almost none is left to wait.
-            part_q   <= in_time && waited_q != 4'd0 ? 9'd0 : in_time && parts[9] ? 9'h1ff : parts[8:0];
+            misses_q <= in_time || !o_in_step ? 4'd0 : misses_q + 1'b1;
+            // Right after a clock was waited, between none and a cycle's share is left to wait: half of that is the best guess.
+            part_q   <= in_time && waited_q != 4'd0 ? {1'b0, rate_q[8:1]} : in_time && parts[9] ? 9'h1ff : parts[8:0];
         end
     end
 

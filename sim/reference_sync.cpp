@@ -12,7 +12,7 @@ namespace {
 constexpr Clock lead = 48, delay = 6, due = lead - delay;
 constexpr Clock unheard = 127;  // clocks since an edge
 constexpr Clock most_clock = 2047;
-constexpr unsigned most_waits = 8, cycles_to_step = 512, misses_to_loss = 32;
+constexpr unsigned most_waits = 8, cycles_to_step = 512, misses_to_loss = 16;
 constexpr unsigned parts_of_clock = 512;
 constexpr Clock synchronizer_clocks = 2;
 constexpr Clock symbol_clocks = 8;
@@ -99,7 +99,8 @@ bool CarrierSync::numbered(Clock clock) const {
 
 Clock CarrierSync::next() const {
     const Clock rise = master_rise();
-    return std::min({looks_.empty() ? never : looks_.front(), edge_ && rise <= *edge_ ? never : rise, rise_at_, fall_at_});
+    return std::min(
+        {looks_.empty() ? never : looks_.front(), edge_ && rise <= *edge_ ? never : rise, rise_at_, fall_at_});
 }
 
 CarrierSync::Step CarrierSync::step(Clock clock, bool last, std::uint64_t count) {
@@ -148,7 +149,9 @@ void CarrierSync::end_cycle(Clock clock, Step& step, std::uint64_t count) {
         if (!in_step_) within_ = agreed_ = false;
         take_symbol(step.load, count);
 
-        part_ = in_time && waited_ != 0 ? 0 : in_time && parts >= parts_of_clock ? parts_of_clock - 1 : parts % parts_of_clock;
+        part_ = in_time && waited_ != 0              ? rate_ / 2
+                : in_time && parts >= parts_of_clock ? parts_of_clock - 1
+                                                     : parts % parts_of_clock;
         misses_ = in_time || !in_step_ ? 0 : (misses_ + 1) % misses_to_loss;
         cycles_ = in_time ? cycles_ + 1 : 0;
         waits_ = in_time ? most : 0;

@@ -103,22 +103,25 @@ void SimulatedTiles::run(Femtoseconds duration) {
 }
 
 ReferenceTiles::ReferenceTiles(std::string_view configuration, std::span<const Oscillator> boards, std::uint32_t seed)
-    : Tiles(seed) {
+    : Tiles(seed), begins_(boards.size()) {
     for (const Oscillator& oscillator : boards) add(std::make_unique<ReferenceBoard>(configuration), oscillator);
     if (boards.empty()) return;
-    tiles_[0].board->on_sync([this](const SyncChange& change) {
-        drive_wire(std::llround(chunk_fs_ + static_cast<double>(change.clock - chunk_) * tiles_[0].period_fs),
-                   change.level);
-    });
+    tiles_[0].board->on_sync([this](const SyncChange& change) { drive_wire(time_of(0, change.clock), change.level); });
+}
+
+Femtoseconds ReferenceTiles::time_of(std::size_t board, Clock clock) const {
+    const Begin& begin = begins_[board];
+    return std::llround(begin.fs + static_cast<double>(clock - begin.clock) * tiles_[board].period_fs);
 }
 
 void ReferenceTiles::run(Femtoseconds duration) {
     const auto end = static_cast<double>(now_ + duration);
-    for (Tile& tile : tiles_) run_to(tile, end);
+    for (std::size_t i = 0; i < size(); ++i) run_to(i, end);
     now_ = std::llround(end);
 }
 
-void ReferenceTiles::run_to(Tile& tile, double end_fs) {
+void ReferenceTiles::run_to(std::size_t i, double end_fs) {
+    Tile& tile = tiles_[i];
     while (tile.next_fs <= end_fs) {
         see_wire(tile, std::llround(tile.next_fs));
         double clocks = std::floor((end_fs - tile.next_fs) / tile.period_fs) + 1.0;
@@ -127,10 +130,7 @@ void ReferenceTiles::run_to(Tile& tile, double end_fs) {
             clocks = std::min(clocks, std::max(1.0, std::ceil(change / tile.period_fs)));
         }
         if (tile.oscillator.wander_ppm > 0.0) clocks = std::min(clocks, tile.clocks_to_wander + 1.0);
-        if (&tile == tiles_.data()) {
-            chunk_fs_ = tile.next_fs;
-            chunk_ = tile.board->now();
-        }
+        begins_[i] = {tile.next_fs, tile.board->now()};
         tile.board->run(static_cast<std::uint64_t>(clocks));
         tile.next_fs += clocks * tile.period_fs;
         if (tile.oscillator.wander_ppm <= 0.0) continue;

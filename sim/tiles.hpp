@@ -39,6 +39,8 @@ public:
     [[nodiscard]] std::size_t size() const { return tiles_.size(); }
     [[nodiscard]] Board& board(std::size_t i) { return *tiles_[i].board; }
     [[nodiscard]] Femtoseconds now() const { return now_; }
+    /// When this clock of a board comes; for its observers, of what they are told.
+    [[nodiscard]] virtual Femtoseconds time_of(std::size_t board, Clock clock) const = 0;
     /// Runs all boards for so long.
     virtual void run(Femtoseconds duration) = 0;
 
@@ -94,6 +96,7 @@ public:
 
     /// While boards run, now() is the time of the clock that is being simulated.
     void run(Femtoseconds duration) override;
+    [[nodiscard]] Femtoseconds time_of(std::size_t, Clock) const override { return now_; }
     void chain() override { chained_ = true; }
 
 private:
@@ -112,15 +115,19 @@ public:
     /// @param boards, seed   as those of SimulatedTiles; registers hold nothing at random
     ReferenceTiles(std::string_view configuration, std::span<const Oscillator> boards, std::uint32_t seed);
 
-    /// While boards run, now() is the time from which they do.
+    /// While boards run, now() is the time from which they do; they run one after the other.
     void run(Femtoseconds duration) override;
+    [[nodiscard]] Femtoseconds time_of(std::size_t board, Clock clock) const override;
     void chain() override;
 
 private:
-    void run_to(Tile& tile, double end_fs);
+    void run_to(std::size_t i, double end_fs);
 
-    double chunk_fs_ = 0.0;  // time of the clock from which on board 0 runs, and its number
-    Clock chunk_ = 0;
+    struct Begin {
+        double fs = 0.0;
+        Clock clock = 0;
+    };
+    std::vector<Begin> begins_;  // of each board: the clock from which on it runs
 };
 
 /// The serial line of one of several boards: waiting for bytes runs all of them.

@@ -21,7 +21,7 @@ always @(posedge clk) begin
     assume (i_role != 2'd3);
     // Any state that the assertions allow may be the first one: a slave that is in step, for example.
     if (!f_past_q) assume (waited_q == f_held_q && f_held_q <= MOST && turn_q == f_turn_q && i_role != 2'd3
-                           && f_missed_q == {2'b00, misses_q} && (!o_in_step || slave));
+                           && f_missed_q == {3'b000, misses_q} && (!o_in_step || slave));
     if (!f_past_q && f_held_q != 4'd0) assume (slave || (master && longer));
     if (!f_past_q) assume (!(slave && o_in_step && unheard && f_held_q > 4'd1) && !(master && f_held_q > 4'd1));
     if (!f_past_q) assume (i_last || f_held_q == 4'd0);
@@ -36,9 +36,9 @@ always @(posedge clk) begin
         assert (!master || !o_ends || f_held_q == {3'd0, !f_turn_q});
         assert (!(slave && o_in_step && o_ends && unheard) || f_held_q <= 4'd1);
         assert (!o_in_step || slave);
-        // 32 cycles without an edge in time, and it is out of step.
-        assert (f_missed_q <= 7'd32 && (!o_in_step || f_missed_q == {2'b00, misses_q}));
-        assert (!(f_late_edge && f_missed_q == 7'd31) || o_lost);
+        // 16 cycles without an edge in time, and it is out of step.
+        assert (f_missed_q <= 7'd16 && (!o_in_step || f_missed_q == {3'b000, misses_q}));
+        assert (!(f_late_edge && f_missed_q == 7'd15) || o_lost);
         if ($past(o_lost)) assert (!o_in_step);
         if ($past(o_in_step) && !o_in_step) assert ($past(rst || o_lost));
         cover (slave && o_ends && !o_in_step && f_held_q == MOST);

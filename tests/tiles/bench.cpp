@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench.hpp"
 
-#include <cstdlib>
+#include <cmath>
+#include <utility>
 
 namespace haptogram::test {
 namespace {
@@ -40,12 +41,12 @@ void PinWatch::on_edge(std::size_t board, const sim::Edge& edge) {
         if (pin.known && apart < cycle_) ++doubled;
         pin.known = pin.high = true;
         pin.rise_clock = edge.clock;
-        pin.rise = tiles_.now();
+        pin.rise = tiles_.time_of(board, edge.clock);
         return compare(board, edge.channel, &Pin::rise);
     }
     if (!pin.high || !pin.known) return;
     pin.high = false;
-    pin.fall = tiles_.now();
+    pin.fall = tiles_.time_of(board, edge.clock);
     const auto clocks = static_cast<std::uint32_t>(edge.clock - pin.rise_clock);
     ++pulses;
     cut += clocks < length_ ? 1 : 0;
@@ -59,14 +60,13 @@ void PinWatch::compare(std::size_t board, std::uint32_t channel, Femtoseconds Pi
     const Femtoseconds now = boards[board].*edge;
     for (std::size_t other = 0; other < boards.size(); ++other) {
         if (left_out_[other] != 0 || !boards[other].known || boards[other].*edge < 0) continue;
-        const double apart = static_cast<double>(now - boards[other].*edge) / clock_fs;
+        const double apart = std::abs(static_cast<double>(now - boards[other].*edge)) / clock_fs;
         // The other's edge of this period may be still to come, and will then be compared with this one.
         if (apart < cycle_ / 2.0) worst_clocks = std::max(worst_clocks, apart);
     }
 }
 
-TileBench::TileBench(std::string_view model, const std::vector<sim::Oscillator>& oscillators, std::uint32_t seed)
-    : tiles(model, oscillators, seed) {
+TileBench::TileBench(std::unique_ptr<sim::Tiles> made) : boards(std::move(made)), tiles(*boards) {
     for (std::size_t i = 0; i < tiles.size(); ++i) {
         lines.push_back(std::make_unique<sim::TileTransport>(tiles, i));
         hosts.push_back(std::make_unique<link::Client>(*lines.back()));

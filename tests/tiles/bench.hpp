@@ -57,11 +57,14 @@ private:
 };
 
 struct TileBench {
-    sim::SimulatedTiles tiles;
+    std::unique_ptr<sim::Tiles> boards;
+    sim::Tiles& tiles;
     std::vector<std::unique_ptr<sim::TileTransport>> lines;
     std::vector<std::unique_ptr<link::Client>> hosts;
 
-    TileBench(std::string_view model, const std::vector<sim::Oscillator>& oscillators, std::uint32_t seed);
+    explicit TileBench(std::unique_ptr<sim::Tiles> made);
+    TileBench(std::string_view model, const std::vector<sim::Oscillator>& oscillators, std::uint32_t seed)
+        : TileBench(std::make_unique<sim::SimulatedTiles>(model, oscillators, seed)) {}
 
     [[nodiscard]] link::Client& host(std::size_t i) { return *hosts[i]; }
     /// Puts words into a board's primary memory, and begins a session with it.

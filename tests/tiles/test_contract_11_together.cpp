@@ -40,8 +40,6 @@ Image four_pulses() {
     return image;
 }
 
-constexpr double without_sync = 2.5;  // clocks, while a slave goes on by what it has learned
-
 void judge(const PinWatch& watch, double most_clocks) {
     CHECK(watch.worst_clocks <= most_clocks);
     CHECK(watch.cut == 0);
@@ -116,7 +114,7 @@ TEST_CASE("contract 11, together: boards with amplitudes") {
     for (std::size_t i = 0; i < 3; ++i) CHECK(bench.host(i).status().underruns == 0);
 }
 
-TEST_CASE("contract 11, together: SYNC is lost for less than 32 cycles, and nothing happens") {
+TEST_CASE("contract 11, together: SYNC is lost for less than 16 cycles, and nothing happens") {
     std::mt19937 g(Catch::rngSeed());
     TileBench bench("small-16-sync", crystals(4, 50.0, 5.0, g), Catch::rngSeed());
     PinWatch watch(bench.tiles, 4, cycle, length);
@@ -127,10 +125,16 @@ TEST_CASE("contract 11, together: SYNC is lost for less than 32 cycles, and noth
     const std::size_t losses = size(200, 12);
     std::size_t missed = 0;
     for (std::size_t i = 0; i < losses; ++i) {
-        const std::size_t cycles = 1 + g() % 30;
+        const std::size_t cycles = 1 + g() % 15;
         const std::size_t board = 1 + i % 3;
+        // A contact that opens or closes while the wire is high makes an edge of its own.
+        const auto wait_for_low = [&bench] {
+            while (bench.tiles.board(0).outputs().sync) bench.tiles.run(microsecond);
+        };
+        wait_for_low();
         bench.tiles.connect(board, false);
         bench.run_ms(static_cast<double>(cycles) * 0.025);
+        wait_for_low();
         bench.tiles.connect(board, true);
         bench.run_ms(8.0);
         missed += cycles;
@@ -145,10 +149,10 @@ TEST_CASE("contract 11, together: SYNC is lost for less than 32 cycles, and noth
         CHECK(status.sync_losses == 0);
     }
     figures(
-        "{} losses of 1 to 30 cycles: edges at most {:.3f} clocks apart; {} pulses, {} cut, {} lost, {} doubled; {} of "
+        "{} losses of 1 to 15 cycles: edges at most {:.3f} clocks apart; {} pulses, {} cut, {} lost, {} doubled; {} of "
         "{} missed edges counted",
         losses, watch.worst_clocks, watch.pulses, watch.cut, watch.lost, watch.doubled, counted, missed);
-    judge(watch, without_sync);
+    judge(watch, 2.0);
     CHECK(counted + losses >= missed);
     CHECK(counted <= missed + 2 * losses);
 }
@@ -174,7 +178,7 @@ TEST_CASE("contract 11, together: SYNC is lost for good, the outputs go off, and
         REQUIRE(alone.now() - from < 40 * cycle);
     }
     watch.leave_out(1, true);
-    CHECK(alone.now() - from > 30 * cycle);
+    CHECK(alone.now() - from > 14 * cycle);
     CHECK(alone.outputs().fault);
     bench.tiles.run(microsecond / 10);
     CHECK_FALSE(alone.any_pin());
@@ -182,7 +186,7 @@ TEST_CASE("contract 11, together: SYNC is lost for good, the outputs go off, and
     CHECK_FALSE(status.enabled);
     CHECK_FALSE(status.in_step);
     CHECK(status.sync_losses == 1);
-    CHECK(status.sync_misses == 32);
+    CHECK(status.sync_misses == 16);
     REQUIRE_THROWS_WITH(bench.host(1).enable(), Catch::Contains("out_of_step"));
 
     // It comes back, the boards play together again, and the others never noticed.
@@ -198,7 +202,7 @@ TEST_CASE("contract 11, together: SYNC is lost for good, the outputs go off, and
     // One pulse a channel may end with the outputs, as with every fault.
     CHECK(watch.cut <= 4);
     watch.cut = 0;
-    judge(watch, without_sync);
+    judge(watch, 2.0);
 }
 
 TEST_CASE("contract 11, together: a function generator in the master's place") {

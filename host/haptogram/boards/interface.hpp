@@ -560,7 +560,7 @@ struct CoreConfiguration {
     std::string_view about;
 };
 
-inline constexpr std::array<CoreConfiguration, 16> core_configurations = {{
+inline constexpr std::array<CoreConfiguration, 17> core_configurations = {{
     {"tile-100",
      {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0},
      "the paper's tile of 10 × 10; what images are compiled for unless a board is named"},
@@ -579,6 +579,9 @@ inline constexpr std::array<CoreConfiguration, 16> core_configurations = {{
     {"tile-100-sync",
      {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 1, .sync = 1, .chain = 0},
      "the tile with schedule and SYNC alone: the one of many that the reference board plays in real time"},
+    {"unit-36",
+     {.channels = 36, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 25600000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 1, .sync = 1, .chain = 0},
+     "one of the nine units of 36 channels of Hoshi et al. at their 25.6 MHz, with schedule and SYNC"},
     {"hoshi-324",
      {.channels = 324, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0},
      "the array of 18 × 18 of Hoshi et al."},
