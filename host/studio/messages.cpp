@@ -77,6 +77,11 @@ public:
                                                name, ending.empty() ? "" : " that ends in ", ending, longest_name));
         return found;
     }
+    /// From 0 to 1.
+    [[nodiscard]] double share(const char* name) const {
+        const double value = has(name) && message_[name].is_number() ? message_[name].get<double>() : -1.0;
+        return get(name, value >= 0.0 && value <= 1.0, "a number from 0 to 1").get<double>();
+    }
     [[nodiscard]] bool truth(const char* name) const {
         return get(name, has(name) && message_[name].is_boolean(), "true or false").get<bool>();
     }
@@ -298,6 +303,10 @@ Message read_message(std::string_view text) {
     if (type == "stream") {
         members.only({"n", "scene", "index"});
         return StreamMessage{members.whole("n"), members.text("scene"), members.whole("index")};
+    }
+    if (type == "intensity") {
+        members.only({"n", "value"});
+        return IntensityMessage{members.whole("n"), members.share("value")};
     }
     if (type == "studies") {
         members.only({"n"});

@@ -99,6 +99,11 @@ struct StreamMessage {
     std::string scene;
     std::uint32_t index = 0;  ///< of a record, from 1 on
 };
+/// Play everything so strong from now on, also what plays already.
+struct IntensityMessage {
+    std::uint32_t n = 0;
+    double value = 1.0;  ///< 0…1
+};
 /// Tell which studies there are.
 struct StudiesMessage {
     std::uint32_t n = 0;
@@ -134,8 +139,8 @@ struct BeatMessage {
 
 using Message = std::variant<SceneMessage, HandMessage, PathMessage, SliceMessage, ReachMessage, DrivesMessage,
                              AnalyzeMessage, SimulateMessage, CancelMessage, PulsesMessage, ConnectMessage,
-                             DisconnectMessage, UploadMessage, PlayMessage, StreamMessage, StudiesMessage, StudyMessage,
-                             AnswerMessage, LeaveMessage, StopMessage, BeatMessage>;
+                             DisconnectMessage, UploadMessage, PlayMessage, StreamMessage, IntensityMessage,
+                             StudiesMessage, StudyMessage, AnswerMessage, LeaveMessage, StopMessage, BeatMessage>;
 
 inline constexpr std::size_t most_depth = 16;      ///< of lists and objects within each other in a message
 inline constexpr std::size_t most_members = 4000;  ///< of a message and all objects in it; a shape has ten at most

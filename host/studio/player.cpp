@@ -25,7 +25,15 @@ public:
     void put(std::uint16_t index) {
         {
             const std::lock_guard lock(mutex_);
-            asked_ = index;
+            asked_ = last_ = index;
+        }
+        changed_.notify_all();
+    }
+    /// The same record once more, which has changed in the board's memory.
+    void again() {
+        {
+            const std::lock_guard lock(mutex_);
+            if (!asked_) asked_ = last_;
         }
         changed_.notify_all();
     }
@@ -44,6 +52,7 @@ private:
     std::mutex mutex_;
     std::condition_variable changed_;
     std::optional<std::uint16_t> asked_;
+    std::uint16_t last_ = 0;
 };
 
 Player::Player(Settings settings) : settings_(std::move(settings)), thread_([this] { run(); }) {}
@@ -163,6 +172,31 @@ void Player::bring(link::Commands& device, const char* name, std::uint64_t numbe
     report["frames_written"] = uploaded.written;
 }
 
+void Player::set_intensity(double factor) {
+    if (!(factor >= 0.0 && factor <= 1.0))
+        throw bad_argument("intensity", fmt::format("found {}, expected 0 to 1", factor));
+    intensity_ = factor;
+}
+
+/// Tells how long it has played, and makes what plays as strong as is wanted, from before its first pulse on.
+/// @param changed  told when it has become stronger or weaker
+link::Watch Player::watch(link::Commands& device, const char* name, std::uint64_t number, link::Intensity& intensity,
+                          std::function<void()> changed) {
+    const double first = intensity_;
+    if (first != 1.0) intensity.set(device, first);
+    return [this, name, number, &device, &intensity, changed = std::move(changed),
+            shown = first](const link::Playing& now) mutable {
+        const double wanted = intensity_;
+        if (wanted != std::exchange(shown, wanted)) {
+            intensity.set(device, wanted);
+            changed();
+        }
+        settings_.work(
+            {{"t", "progress"}, {"work", name}, {"number", number}, {"seconds", now.seconds}, {"stage", "play"}});
+        return true;
+    };
+}
+
 std::uint64_t Player::upload(std::shared_ptr<const Scene> scene) {
     const auto act = [this, scene = std::move(scene)](link::Commands& device, std::uint64_t number) {
         ordered_json report;
@@ -176,11 +210,8 @@ std::uint64_t Player::play(std::shared_ptr<const Scene> scene) {
     const auto act = [this, scene = std::move(scene)](link::Commands& device, std::uint64_t number) {
         ordered_json report;
         bring(device, "play", number, *scene, report);
-        const link::Played played = link::play(device, {}, [&](const link::Playing& now) {
-            settings_.work(
-                {{"t", "progress"}, {"work", "play"}, {"number", number}, {"seconds", now.seconds}, {"stage", "play"}});
-            return true;
-        });
+        link::Intensity intensity(scene->compiled.bundle.image);
+        const link::Played played = link::play(device, {}, watch(device, "play", number, intensity, [] {}));
         report.update(link::played_to_json(played));
         return report;
     };
@@ -204,14 +235,9 @@ std::uint64_t Player::stream(std::shared_ptr<const Scene> scene, std::uint32_t i
     const auto act = [this, scrub](link::Commands& device, std::uint64_t number) {
         ordered_json report;
         bring(device, "stream", number, *scrub->scene, report);
-        const link::Played played = link::stream(device, {}, *scrub, [&](const link::Playing& now) {
-            settings_.work({{"t", "progress"},
-                            {"work", "stream"},
-                            {"number", number},
-                            {"seconds", now.seconds},
-                            {"stage", "play"}});
-            return true;
-        });
+        link::Intensity intensity(scrub->scene->compiled.bundle.image);
+        const link::Played played =
+            link::stream(device, {}, *scrub, watch(device, "stream", number, intensity, [scrub] { scrub->again(); }));
         report.update(link::played_to_json(played));
         return report;
     };

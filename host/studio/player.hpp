@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <atomic>
 #include <condition_variable>
 #include <deque>
 #include <functional>
@@ -11,6 +12,8 @@
 #include <thread>
 
 #include "haptogram/link/device_thread.hpp"
+#include "haptogram/link/intensity.hpp"
+#include "haptogram/link/play.hpp"
 #include "scenes.hpp"
 #include "virtual_board.hpp"
 
@@ -59,6 +62,11 @@ public:
     /// @throws Error{bad_argument} for a record that the scene does not have, Error{device} while another scene streams
     std::uint64_t stream(std::shared_ptr<const Scene> scene, std::uint32_t index);
 
+    /// How strong everything plays from now on, also what plays already; of an image's amplitudes, 0…1.
+    /// @throws Error{bad_argument} for another "intensity"
+    void set_intensity(double factor);
+    [[nodiscard]] double intensity() const { return intensity_; }
+
     /// Outputs off: what waits is dropped, what is under way is cut off. May be called from any thread.
     /// @return a number; the outputs are off once the state's `confirmed` has reached it. None without a connection
     std::optional<std::uint64_t> stop();
@@ -77,6 +85,8 @@ private:
     std::uint64_t ask(Work work);
     void run();
     void tell_progress(const char* name, std::uint64_t number, double fraction, std::string_view stage) const;
+    link::Watch watch(link::Commands& device, const char* name, std::uint64_t number, link::Intensity& intensity,
+                      std::function<void()> changed);
     void bring(link::Commands& device, const char* name, std::uint64_t number, const Scene& scene,
                nlohmann::ordered_json& report) const;
 
@@ -85,6 +95,7 @@ private:
     std::condition_variable changed_;
     std::deque<Work> waiting_;
     bool over_ = false;
+    std::atomic<double> intensity_ = 1.0;
     std::uint64_t stops_ = 0, asked_ = 0;
     std::shared_ptr<Scrub> scrub_;  // what a stream under way plays
     Open open_;                     // of the present connection

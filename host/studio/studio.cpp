@@ -222,6 +222,14 @@ private:
         drive(visitor, message.n, [&] { return player_.stream(scenes_.find(message.scene), message.index); });
     }
 
+    void act(Visitor& visitor, const IntensityMessage& message) {
+        tell_failure(*visitor.page, message.n, [&] {
+            require_no_other_driver(visitor);
+            player_.set_intensity(message.value);
+            broadcast(device_json());
+        });
+    }
+
     /// Work that turns the outputs on, for the one page that then keeps them on. @param work  returns its number
     template <class Work>
     void drive(Visitor& visitor, std::uint32_t n, Work work) {
@@ -378,7 +386,10 @@ private:
     [[nodiscard]] ordered_json device_json() const {
         if (study_ && study_->borrowed) return {{"t", "device"}, {"connection", "lent"}, {"port", port_}};
         if (!player_.connected()) return {{"t", "device"}, {"connection", "none"}};
-        ordered_json json{{"t", "device"}, {"connection", to_string(state_.connection)}, {"port", port_}};
+        ordered_json json{{"t", "device"},
+                          {"connection", to_string(state_.connection)},
+                          {"port", port_},
+                          {"intensity", player_.intensity()}};
         if (state_.connection != link::Connection::connecting) {
             json["identity"] = link::to_json(state_.identity);
             json["status"] = link::to_json(state_.status);

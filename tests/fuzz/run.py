@@ -109,7 +109,7 @@ def sound_messages():
         "drives": {"record": 7}, "analyze": {}, "simulate": {}, "connect": {"port": "virtual"}, "upload": {}, "play": {}, "stream": {"index": 7},
     }  # fmt: skip
     others = {
-        "cancel": {"what": "analyze"}, "pulses": {"index": 7, "periods": 2}, "disconnect": {}, "studies": {},
+        "cancel": {"what": "analyze"}, "pulses": {"index": 7, "periods": 2}, "disconnect": {}, "studies": {}, "intensity": {"value": 0.5},
         "study": {"protocol": "haptogram_shapes", "participant": 3, "seed": 7, "results": "p3.jsonl", "port": "studio"},
         "answer": {"number": 5, "text": "soft\n\u00fc"}, "leave": {}, "stop": {},
     }  # fmt: skip

@@ -58,6 +58,33 @@ async function endsSilent(board, pulses, pause = 500) {
   assert.ok(rows.length > 100, "it had played");
 }
 
+test("the intensity, while it plays: shorter pulses at the pins", async (t) => {
+  const studio = await startStudio(t);
+  const { board, page, pulses } = await withBoard(t, studio);
+  await play(page);
+  await page.getByText(/Playing for [1-9]/).waitFor();
+  const intensity = page.getByLabel("Intensity", { exact: true });
+  assert.equal(await intensity.inputValue(), "100");
+  await intensity.fill("30");
+  await page.locator(".unit", { hasText: /^30 %$/ }).waitFor();
+  await sleep(4000);
+  await page.getByRole("button", { name: "STOP" }).click();
+  await boardSays(page, "outputs off");
+  await page.getByRole("button", { name: "Disconnect" }).click(); // so that another program can ask the board
+  await endsSilent(board, pulses);
+  const counts = new Map();
+  for (const row of readFileSync(pulses, "utf8").trim().split("\n").slice(1)) {
+    const [, rise, fall] = row.split(",").map(Number);
+    counts.set(fall - rise, (counts.get(fall - rise) ?? 0) + 1);
+  }
+  const most = [...counts].filter(([, count]) => count > 1000).map(([length]) => length).sort((a, b) => a - b);
+  t.diagnostic(`pulses by their length in clocks: ${[...counts].map((each) => each.join(": ")).join(", ")}`);
+  assert.equal(most.length, 2, "pulses of full strength, and of 30 %");
+  const drive = (length) => Math.sin((Math.PI * length) / 1250);
+  const ratio = drive(most[0]) / drive(most[1]);
+  assert.ok(Math.abs(ratio - 0.3) < 0.02, `the carrier of the short pulses is ${ratio} of the others'`);
+});
+
 test("two clicks to a playing virtual board, and STOP", async (t) => {
   const studio = await startStudio(t);
   const page = await openPage(t, await startBrowser(t), studio);

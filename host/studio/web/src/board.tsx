@@ -57,6 +57,11 @@ export function Board({ actions }: { actions: Actions }) {
             <button type="button" disabled={!ready || state.at.value === undefined} onClick={() => actions.stream()}>▶ Follow the slider</button>
             <button type="button" onClick={() => actions.send("disconnect")}>Disconnect</button>
           </div>
+          <div class="field">
+            <label for={`${id}-intensity`}>Intensity</label>
+            <input id={`${id}-intensity`} type="range" min={0} max={100} step={1} value={Math.round(100 * (device.intensity ?? 1))} onInput={(e) => actions.send("intensity", { value: Number(e.currentTarget.value) / 100 })} />
+            <span class="unit">{Math.round(100 * (device.intensity ?? 1))} %</span>
+          </div>
           <p class="hint">Playing turns the outputs on: ultrasound at these levels is loud though inaudible, so keep ears away. They go off when this page is closed, or hidden for 10 s.</p>
           <Work />
         </>

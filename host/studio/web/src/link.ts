@@ -143,6 +143,7 @@ export interface Device {
   t: "device";
   connection: "none" | "connecting" | "connected" | "lost" | "lent";
   port?: string;
+  intensity?: number;
   identity?: { name: string; channels: number; records: number };
   status?: { outputs: "on" | "off"; mode: string; index: number; watchdog_trips: number; underruns: number };
   trouble?: string;

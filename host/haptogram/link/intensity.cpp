@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/link/intensity.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "haptogram/base/error.hpp"
+#include "haptogram/link/transfer.hpp"
+#include "haptogram/solve/drives.hpp"
+
+namespace haptogram::link {
+namespace {
+
+constexpr std::uint32_t word_bytes = 2;
+constexpr std::uint32_t pulse_word = 1;  // of a record: the pulse's length, and the cycle's upper bits
+
+bool is_timings(const Record& record) { return record.kind == interface::Kind::timings; }
+
+Bytes bytes_of(std::uint32_t address, std::uint16_t word) {
+    return {static_cast<std::uint8_t>(address),       static_cast<std::uint8_t>(address >> 8),
+            static_cast<std::uint8_t>(address >> 16), static_cast<std::uint8_t>(address >> 24),
+            static_cast<std::uint8_t>(word),          static_cast<std::uint8_t>(word >> 8)};
+}
+
+}  // namespace
+
+Intensity::Intensity(Image image)
+    : image_(std::move(image)),
+      has_amplitudes_(image_.foci.has_value() || !std::ranges::all_of(image_.records, is_timings)) {
+    for (const Record& record : image_.records) pulses_.push_back(is_timings(record) ? record.pulse_length : 0);
+}
+
+void Intensity::set(Commands& device, double factor) {
+    if (!(factor >= 0.0 && factor <= 1.0))
+        throw bad_argument("intensity", fmt::format("found {}, expected 0 to 1", factor));
+    if (has_amplitudes_ && device.identity().modulation_words == 0)
+        throw bad_input("board",
+                        "it holds amplitudes, and has no modulation by which they could become weaker; compile "
+                        "with another amplitude");
+    set_pulses(device, factor);
+    if (has_amplitudes_) set_samples(device, factor);
+}
+
+void Intensity::set_pulses(Commands& device, double factor) {
+    const std::uint32_t least_clocks = std::max(device.identity().min_pulse_clocks, 1U);
+    std::vector<Request> requests;
+    for (std::size_t i = 0; i < image_.records.size(); ++i) {
+        const Record& record = image_.records[i];
+        if (!is_timings(record)) continue;
+        const Timer timer{static_cast<double>(image_.clock_hz), record.prescaler, record.cycle_length,
+                          record.pulse_length, (least_clocks + record.prescaler - 1) / record.prescaler};
+        const std::uint32_t pulse = pulse_ticks(timer, factor);
+        if (pulse == pulses_[i]) continue;
+        std::array<std::uint16_t, interface::record_header_words> header{};
+        interface::record_field::cycle_length.set(header, record.cycle_length);
+        interface::record_field::pulse_length.set(header, pulse);
+        const std::uint32_t word = static_cast<std::uint32_t>(i) * record_words(image_.channels) + pulse_word;
+        requests.push_back(
+            {interface::Command::write, bytes_of(interface::primary_base + word_bytes * word, header[pulse_word])});
+        pulses_[i] = pulse;
+    }
+    device.pipeline(std::move(requests));
+}
+
+void Intensity::set_samples(Commands& device, double factor) const {
+    Image weaker;
+    weaker.channels = image_.channels;
+    const bool modulates = image_.modulation.has_value();
+    weaker.modulation = modulates ? image_.modulation : SampledModulation{1, {255, 255}};
+    for (std::uint8_t& sample : weaker.modulation->samples)
+        sample = static_cast<std::uint8_t>(std::lround(factor * sample));
+    // Samples that a device plays may change while it does; it goes on where it is in its loop.
+    write_settings(device, weaker);
+    const bool on = device.status().modulated;
+    if (!on) start_modulation(device, weaker);
+}
+
+}  // namespace haptogram::link

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <vector>
+
+#include "haptogram/image/image.hpp"
+#include "haptogram/link/commands.hpp"
+
+namespace haptogram::link {
+
+/// Makes what a device's memories hold weaker, and stronger again, also while it plays.
+///
+/// Of a record of timings only the pulse's length is written, one word, so no record is ever torn; it becomes the one
+/// that `compile --amplitude` makes, and is heard when it is loaded next: at its next entry of the sequence. Records
+/// with amplitudes and foci are multiplied by the device's modulation. The next upload of the image brings full
+/// strength back.
+class Intensity {
+public:
+    /// @param image  that the device's memories hold, at full strength
+    explicit Intensity(Image image);
+
+    /// @param factor  of all amplitudes, 0…1
+    /// @throws Error{bad_argument} for another "intensity"; Error{bad_input} when the image has amplitudes and the
+    ///         device no modulation
+    void set(Commands& device, double factor);
+
+private:
+    void set_pulses(Commands& device, double factor);
+    void set_samples(Commands& device, double factor) const;
+
+    Image image_;
+    bool has_amplitudes_;                // of its records, some
+    std::vector<std::uint32_t> pulses_;  // that the device holds now, ticks, one a record of timings; of others 0
+};
+
+}  // namespace haptogram::link
