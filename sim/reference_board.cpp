@@ -10,11 +10,13 @@
 
 #include "clock.hpp"
 #include "haptogram/base/error.hpp"
+#include "reference_frame_player.hpp"
 #include "reference_frames.hpp"
 #include "reference_guard.hpp"
 #include "reference_line.hpp"
 #include "reference_player.hpp"
 #include "reference_pulses.hpp"
+#include "reference_ring.hpp"
 #include "reference_schedule.hpp"
 #include "reference_source.hpp"
 #include "reference_sync.hpp"
@@ -73,6 +75,10 @@ constexpr std::uint32_t primary_region = region_of(interface::primary_base);
 constexpr std::uint32_t sequence_region = region_of(interface::sequence_base);
 constexpr std::uint32_t identity_region = region_of(interface::identity_base);
 constexpr std::uint32_t status_region = region_of(interface::status_base);
+constexpr std::uint32_t parameters_region = region_of(interface::parameters_base);
+constexpr std::uint32_t geometry_region = region_of(interface::geometry_base);
+constexpr std::uint32_t modulation_region = region_of(interface::modulation_base);
+constexpr std::uint32_t ring_region = region_of(interface::ring_base);
 
 /// A DISABLE or STOP that has arrived and acts before its turn, until it has been carried out or refused.
 class Urgent {
@@ -119,9 +125,16 @@ public:
           input_(p_),
           source_(p_, sequence),
           sync_(carrier_period(p_)),
-          train_(p_.channels, 2 * window_),
-          player_(p_, primary, source_, train_),
+          ring_(p_),
+          train_(p_.channels, p_.width_bits != 0 ? PulseTrain::Gaps::all : PulseTrain::Gaps::at_changes, 2 * window_),
           guard_(p_) {
+        if (p_.width_bits != 0) {
+            auto player = std::make_unique<FramePlayer>(p_, primary, source_, train_);
+            frames_ = player.get();
+            player_ = std::move(player);
+        } else {
+            player_ = std::make_unique<RecordPlayer>(p_, primary, source_, train_);
+        }
         outputs_.pins.assign((p_.channels + 31) / 32, 0);
         train_.on_change([this](Clock clock, std::uint32_t channel, bool rises) {
             if (on_edge_) on_edge_({clock, channel, index_, rises});
@@ -188,13 +201,22 @@ private:
         return p_.schedule != 0 ? interface::status_words : interface::status_untimed_words;
     }
     [[nodiscard]] bool pushing(Clock clock) const {
+        if (command_ == Command::push_foci) return !foci_pushed_.empty();
         return step_ == Step::close && command_ == Command::push && second_run_ <= clock;
     }
+    /// Words of the command's region that a host may write, or read.
+    [[nodiscard]] std::size_t region_words(bool writes) const;
+    [[nodiscard]] bool held(Clock clock) const;
+    void put(Clock clock, std::uint16_t value);
+    [[nodiscard]] std::uint32_t top_index() const;
+    [[nodiscard]] std::uint32_t record_foci() const;
+    [[nodiscard]] bool off() const;
     void open_gate(Clock clock);
     void stop(Clock clock);
     void keep_pushed(Clock clock);
     void drop_starts();
     void start(Clock clock, const Schedule::Arguments& arguments);
+    void modulate(Clock clock);
 
     // Its reply.
     void begin_reply(Clock clock);
@@ -210,9 +232,12 @@ private:
     EntrySource source_;
     Schedule schedule_;
     CarrierSync sync_;
+    FocusRing ring_;
     PulseTrain train_;
-    Player player_;
+    std::unique_ptr<Player> player_;
+    FramePlayer* frames_ = nullptr;  // the same, of boards with amplitudes
     Guard guard_;
+    bool off_ = true;  // the pins are cleared
 
     // The stop input, as the board sees it two clocks later.
     bool stop_pressed_ = false, stopped_ = true;
@@ -231,6 +256,7 @@ private:
     std::vector<std::uint16_t> word_;  // of the frame: sequence number and command, arguments, data
     std::size_t data_ = 0;             // number of the first data word
     std::size_t written_ = 0;          // data words
+    std::vector<std::uint16_t> foci_pushed_;  // indices of the focus records that a PUSH_FOCI has written
     std::uint16_t low_half_ = 0;       // of a word of sequence memory
     std::uint32_t live_free_ = 0;
     Command command_{};
@@ -254,7 +280,8 @@ private:
 
     // Supervision.
     struct Counters {
-        std::uint16_t underruns, refused_records, good, damaged, repeated, refused, watchdog, guard, missed, lost, late;
+        std::uint16_t underruns, refused_records, good, damaged, repeated, refused, watchdog, guard, missed, lost, late,
+            bent, far;
     } count_{};
     Clock reset_at_ = never, reset_last_ = 0;  // of what plays and supervises: when it begins, and its last clock
     Clock began_ = 0;                          // the last clock of the reset before
@@ -273,7 +300,7 @@ private:
 
 Clock ReferenceBoard::Core::next() const {
     return std::min({step_at_, reply_at_, line_in.next(), line_out_.next(), source_.next(), schedule_.next(),
-                     player_.next(guard_.allows() || sync_.together()), sync_.next(), guard_.next(), urgent_stop_at_,
+                     player_->next(guard_.allows() || sync_.together()), sync_.next(), guard_.next(), urgent_stop_at_,
                      reset_at_, judge_at_, stop_changes_.empty() ? never : stop_changes_.front().clock});
 }
 
@@ -330,9 +357,8 @@ void ReferenceBoard::Core::play(Clock clock) {
         guard_.set_watchdog(clock, 0);
         enable_ = true;
     }
-    const bool was_off = guard_.off();
     const bool out_of_step = sync_.out_of_step(), together = sync_.together();
-    const CarrierSync::Step step = sync_.step(clock, player_.last(clock), schedule_.period(clock));
+    const CarrierSync::Step step = sync_.step(clock, player_->cycle().last(clock), schedule_.period(clock));
     if (sync_.out_of_step() != out_of_step) guard_.wake_at(clock + 1);
     const Guard::Verdict verdict =
         guard_.at(clock, enable_, disable_ || stopped_ || urgent_disable_.active(clock) || out_of_step, step.lost);
@@ -341,16 +367,19 @@ void ReferenceBoard::Core::play(Clock clock) {
     count_.watchdog = static_cast<std::uint16_t>(count_.watchdog + verdict.expired);
     count_.guard = static_cast<std::uint16_t>(count_.guard + verdict.tripped);
 
-    Player::Counted counted;
-    player_.at(clock, guard_.allows() || together, guard_.off(), step.holds, together, counted);
+    const bool was_off = std::exchange(off_, off());
+    const Player::Counted counted = player_->at(
+        clock, {.waits = guard_.allows() || together, .off = off_, .hold = step.holds, .common = together});
     if (waits_for_memory_ && source_.drops(clock)) reply_at_ = clock + 1;
     if (source_.followed()) schedule_.drop_starts();
     source_.passed(clock);
     count_.underruns = static_cast<std::uint16_t>(count_.underruns + counted.underrun);
     count_.refused_records = static_cast<std::uint16_t>(count_.refused_records + counted.refused);
-    if (guard_.off() && player_.unsettled(clock + 1)) guard_.wake_at(clock + 1);
+    count_.bent = static_cast<std::uint16_t>(count_.bent + counted.bent);
+    count_.far = static_cast<std::uint16_t>(count_.far + counted.far);
+    if (off_ && !player_->cycle().settled(clock + 1)) guard_.wake_at(clock + 1);
 
-    const bool wanted = on_edge_ || clock < pulses_asked_to_ || clock < player_.may_merge_to();
+    const bool wanted = on_edge_ || clock < pulses_asked_to_ || clock < player_->cycle().may_merge_to();
     if (wanted && !train_.awake()) {
         train_.wake(clock - 1);
         judge_at_ = next_judgement(clock + 1);
@@ -358,7 +387,7 @@ void ReferenceBoard::Core::play(Clock clock) {
         train_.sleep();
         judge_at_ = never;
     }
-    if (const auto start = player_.starts_at_pins(clock)) {
+    if (const auto start = player_->cycle().starts_at_pins(clock)) {
         if (train_.awake()) train_.advance(clock - 1);
         index_ = start->index;
         started_at_ = clock;
@@ -367,9 +396,12 @@ void ReferenceBoard::Core::play(Clock clock) {
     }
     if (step.load) schedule_.load(clock, *step.load);
     if (step.ends && p_.sync != 0) schedule_.period_begins(clock);  // boards in step count the ends of cycles
-    if (guard_.off() && !was_off) train_.stop(clock);
-    if (!guard_.off() && was_off) train_.resume(clock);
+    if (off_ && !was_off) train_.stop(clock);
+    if (!off_ && was_off) train_.resume(clock);
 }
+
+/// With amplitudes, the pins are let go a clock earlier.
+bool ReferenceBoard::Core::off() const { return frames_ != nullptr ? !guard_.allows() : guard_.off(); }
 
 /// @param last  clock of the reset; from the next one on they go on
 void ReferenceBoard::Core::reset_play(Clock last) {
@@ -378,10 +410,12 @@ void ReferenceBoard::Core::reset_play(Clock last) {
     started_at_ = never;
     count_ = {};
     guard_.reset();
+    off_ = true;
     source_.reset(last);
     schedule_.reset();
-    sync_.reset(reset_at_ == never ? last : reset_at_, last, std::exchange(next_role_, interface::Role::alone));
-    player_.reset(last);
+    const Clock first = reset_at_ == never ? last : reset_at_;
+    sync_.reset(first, last, std::exchange(next_role_, interface::Role::alone));
+    player_->reset(first, last);
     reset_at_ = never;
     began_ = last;
     if (judge_at_ != never) judge_at_ = next_judgement(last);
@@ -527,6 +561,11 @@ void ReferenceBoard::Core::begin(Clock clock) {
         region_ = argument(1) >> 12;
         address_ = ((argument(1) << 16 & 0xfffffffU) | argument(0)) >> 1;
     }
+    if (command_ == Command::push_foci) {
+        region_ = primary_region;
+        ring_.begin();
+        address_ = ring_.address();
+    }
     step_ = Step::settle;
     step_at_ = clock + 3 + shape_.arguments;
 }
@@ -551,17 +590,18 @@ void ReferenceBoard::Core::judge(Clock clock) {
         return refuse(clock, found != Status::ok ? found : repeated ? Status::repeated : Status::ok);
     status_ = Status::ok;
     second_run_ = clock + 1;
-    if (command_ == Command::write) {
+    cut_ = false;
+    foci_pushed_.clear();
+    if (command_ == Command::write || command_ == Command::push_foci) {
         step_ = Step::write;
         step_at_ = clock + 1;
         return;
     }
     second_words_ = word_.size() - data_;
-    cut_ = false;
     step_ = Step::close;
     step_at_ = clock + 3 + second_words_;
     for (std::size_t i = data_; i < word_.size(); ++i)
-        if (word_[i] > p_.records) status_ = Status::bad_index;
+        if (word_[i] > top_index()) status_ = Status::bad_index;
 }
 
 Status ReferenceBoard::Core::verdict() const {
@@ -569,7 +609,7 @@ Status ReferenceBoard::Core::verdict() const {
         case Command::write:
         case Command::read:
         case Command::digest: return verdict_on_memory();
-        case Command::select: return argument(0) > p_.records ? Status::bad_index : Status::ok;
+        case Command::select: return argument(0) > top_index() ? Status::bad_index : Status::ok;
         case Command::push:
             if (schedule_.for_the_end()) return Status::bad_range;
             return word_.size() - data_ > live_free_ ? Status::fifo_full : Status::ok;
@@ -586,57 +626,107 @@ Status ReferenceBoard::Core::verdict() const {
         case Command::sync:
             if (p_.sync == 0) return Status::unknown_command;
             return argument(0) > static_cast<unsigned>(interface::Role::slave) ? Status::bad_range : Status::ok;
-        case Command::modulate:
-        case Command::push_foci: return Status::unknown_command;
+        case Command::modulate: {
+            if (p_.modulation_depth == 0) return Status::unknown_command;
+            const std::uint32_t length = argument(1), form = argument(2);
+            const bool beyond = p_.schedule == 0 ? length > p_.modulation_depth || form > 1
+                                                 : (form & ~1U) + std::max(length, 1U) > p_.modulation_depth;
+            return argument(0) != 0 && beyond ? Status::bad_range : Status::ok;
+        }
+        case Command::push_foci:
+            if (p_.foci == 0) return Status::unknown_command;
+            if (!ring_.usable(record_foci(), top_index()) || schedule_.for_the_end()) return Status::bad_range;
+            return word_.size() - data_ > std::size_t{4} * live_free_ * record_foci() ? Status::fifo_full : Status::ok;
         default: return Status::ok;
     }
+}
+
+std::uint32_t ReferenceBoard::Core::record_foci() const {
+    return interface::parameters_field::foci_last.get(frames_->settings.at(now)) + 1;
+}
+
+std::uint32_t ReferenceBoard::Core::top_index() const {
+    if (p_.foci == 0) return p_.records;
+    const std::uint32_t count = interface::parameters_field::foci_count.get(frames_->settings.at(now));
+    return std::min(p_.records + count, 0xffffU);
+}
+
+std::size_t ReferenceBoard::Core::region_words(bool writes) const {
+    if (region_ == primary_region) return primary.size();
+    if (region_ == sequence_region) return 2 * sequence.size();
+    if (region_ == identity_region && !writes) return interface::identity_words;
+    if (region_ == status_region && !writes) return status_words();
+    if (region_ == parameters_region && p_.width_bits != 0) return interface::parameters_words;
+    if (region_ == geometry_region && writes && p_.foci != 0) return std::size_t{4} * p_.channels;
+    if (region_ == modulation_region) return p_.modulation_depth / 2;
+    if (region_ == ring_region && p_.foci != 0) return interface::ring_words;
+    return 0;
 }
 
 Status ReferenceBoard::Core::verdict_on_memory() const {
     const bool writes = command_ == Command::write;
     const std::size_t words = writes ? word_.size() - data_ : argument(2) / 2;
     const bool odd = argument(0) % 2 != 0 || (!writes && argument(2) % 2 != 0);
-    std::size_t region_words = 0;
-    if (region_ == primary_region) region_words = primary.size();
-    if (region_ == sequence_region) region_words = 2 * sequence.size();
-    if (region_ == identity_region && !writes) region_words = interface::identity_words;
-    if (region_ == status_region && !writes) region_words = status_words();
     if (words == 0 || (!writes && words > p_.channels + interface::record_header_words)) return Status::bad_length;
-    if (address_ + words > region_words) return Status::bad_address;
+    if (address_ + words > region_words(writes)) return Status::bad_address;
     if (odd || (region_ == sequence_region && (address_ % 2 != 0 || words % 2 != 0))) return Status::bad_alignment;
     return Status::ok;
 }
 
+/// Whether what plays reads the word that is to be written, or all of its region.
+bool ReferenceBoard::Core::held(Clock clock) const {
+    if (region_ == primary_region) return player_->reader().reads(clock, address_);
+    if (region_ == modulation_region) return frames_->modulation.fetching(clock);
+    return region_ == sequence_region && source_.fetching(clock);
+}
+
 /// One word a clock, but none in a clock in which the player reads it.
 void ReferenceBoard::Core::write(Clock clock) {
-    const bool held = region_ == primary_region ? player_.reads(clock, address_)
-                                                : region_ == sequence_region && source_.fetching(clock);
     step_at_ = clock + 1;
-    if (held) return;
-    const std::uint16_t value = word_[data_ + written_];
-    if (region_ == primary_region) {
-        player_.written(clock, address_, value);
-        primary[address_] = value;
-    } else {
-        if (address_ == 0) source_.header_written(clock, value);
-        if (address_ % 2 == 0)
-            low_half_ = value;
-        else
-            sequence[address_ / 2] = static_cast<std::uint32_t>(value) << 16 | low_half_;
-    }
+    if (held(clock)) return;
+    put(clock, word_[data_ + written_]);
     ++address_;
+    if (command_ == Command::push_foci) {
+        if (const std::uint16_t index = ring_.wrote(record_foci()); index != 0) foci_pushed_.push_back(index);
+        address_ = ring_.address();
+    }
     if (data_ + ++written_ < word_.size()) return;
+    if (command_ == Command::push_foci && ring_.split()) status_ = Status::bad_length;
     second_words_ = written_;
     second_run_ = clock + 1 - written_;
     step_ = Step::close;
     step_at_ = clock + 3;
 }
 
+void ReferenceBoard::Core::put(Clock clock, std::uint16_t value) {
+    switch (region_) {
+        case primary_region:
+            if (address_ >= primary.size()) return;
+            player_->reader().written(clock, address_, value);
+            primary[address_] = value;
+            return;
+        case sequence_region:
+            if (address_ == 0) source_.header_written(clock, value);
+            if (address_ % 2 == 0)
+                low_half_ = value;
+            else
+                sequence[address_ / 2] = static_cast<std::uint32_t>(value) << 16 | low_half_;
+            return;
+        case parameters_region: frames_->settings.write(clock, address_, value); return;
+        case geometry_region: frames_->geometry[address_ / 4][address_ % 4] = value; return;
+        case modulation_region: frames_->modulation.write(address_, value); return;
+        case ring_region: ring_.set(address_, value); return;
+        default: return;
+    }
+}
+
 void ReferenceBoard::Core::close(Clock clock) {
     if (status_ == Status::ok) {
         session_ = true;
         expected_ = static_cast<std::uint8_t>(number_ + 1);
-        if (command_ == Command::push && !urgent_stop_.active(clock)) keep_pushed(clock);
+        if (command_ == Command::push_foci) ring_.keep();
+        const bool pushes = command_ == Command::push || command_ == Command::push_foci;
+        if (pushes && !urgent_stop_.active(clock)) keep_pushed(clock);
     }
     taken_before_ += input_.frames.front().words();
     first_words_ = second_words_ = 0;
@@ -652,8 +742,10 @@ void ReferenceBoard::Core::keep_pushed(Clock clock) {
     const bool opens = behind && schedule_.opens(clock);
     if (use.turn == Schedule::Turn::waits) schedule_.push_waits();
     std::vector<EntrySource::Entry> entries;
-    for (std::size_t i = data_; i < word_.size(); ++i)
-        entries.push_back({word_[i], static_cast<std::uint16_t>(argument(0))});
+    const auto dwell = static_cast<std::uint16_t>(argument(0));
+    for (const std::uint16_t index :
+         command_ == Command::push_foci ? std::span<const std::uint16_t>(foci_pushed_) : std::span(word_).subspan(data_))
+        entries.push_back({index, dwell});
     const bool closed = behind || use.turn == Schedule::Turn::waits;
     if (!closed && source_.mode() != interface::Mode::live) drop_starts();
     source_.push(clock, entries, closed && !opens);
@@ -661,6 +753,7 @@ void ReferenceBoard::Core::keep_pushed(Clock clock) {
 
 /// What waits for a period goes on: a START empties the live FIFO, also of what a PUSH is writing there.
 void ReferenceBoard::Core::open_gate(Clock clock) {
+    if (schedule_.take_modulation()) frames_->modulation.begin(clock, false);
     if (const auto start = schedule_.take_start()) {
         cut_ = cut_ || pushing(clock);
         drop_starts();
@@ -681,8 +774,18 @@ void ReferenceBoard::Core::drop_starts() {
 void ReferenceBoard::Core::stop(Clock clock) {
     drop_starts();
     schedule_.drop_pushed();
+    schedule_.modulation_waits(false);
     schedule_.forget();
     source_.stop(clock);
+}
+
+void ReferenceBoard::Core::modulate(Clock clock) {
+    const auto word = [this](std::size_t i) { return static_cast<std::uint16_t>(argument(i)); };
+    frames_->modulation.ask(clock, word(0), word(1), word(2));
+    const Schedule::Use use = schedule_.use(clock);
+    count_.late = static_cast<std::uint16_t>(count_.late + use.late);
+    schedule_.modulation_waits(use.turn == Schedule::Turn::waits);
+    if (use.turn != Schedule::Turn::waits) frames_->modulation.begin(clock, use.turn == Schedule::Turn::follows);
 }
 
 void ReferenceBoard::Core::start(Clock clock, const Schedule::Arguments& arguments) {
@@ -728,6 +831,7 @@ void ReferenceBoard::Core::apply(Clock clock) {
         case Command::stop: stop(clock); break;
         case Command::identify: schedule_.forget(); break;
         case Command::gate: schedule_.gate(argument_period()); break;
+        case Command::modulate: modulate(clock); break;
         case Command::select:
             if (!may_play) break;
             drop_starts();
@@ -773,12 +877,13 @@ void ReferenceBoard::Core::reply(Clock clock) {
 }
 
 void ReferenceBoard::Core::read_word(Clock clock) {
-    waits_for_memory_ = region_ == primary_region && player_.reads(clock);
+    waits_for_memory_ = region_ == primary_region && player_->reader().reads(clock);
     if (waits_for_memory_) {
-        reply_at_ = player_.reads_to() + 1;
+        reply_at_ = player_->reader().reads_to() + 1;
         return;
     }
-    if (region_ == sequence_region && source_.fetching(clock)) {
+    if ((region_ == sequence_region && source_.fetching(clock)) ||
+        (region_ == modulation_region && frames_->modulation.fetching(clock))) {
         reply_at_ = clock + 1;
         return;
     }
@@ -812,19 +917,30 @@ std::uint16_t ReferenceBoard::Core::memory_word() const {
     if (region_ == primary_region) return primary[address_];
     if (region_ == sequence_region) return static_cast<std::uint16_t>(sequence[address_ / 2] >> address_ % 2 * 16);
     if (region_ == status_region) return status_word(address_);
+    if (region_ == parameters_region) return frames_->settings.at(now)[address_];
+    if (region_ == modulation_region) return frames_->modulation.word(address_);
+    if (region_ == ring_region) return ring_.words()[address_];
     std::array<std::uint16_t, interface::identity_words> identity{};
     for (std::size_t i = 0; i < interface::name.size(); ++i)
         identity[i / 2] =
             static_cast<std::uint16_t>(identity[i / 2] | static_cast<unsigned char>(interface::name[i]) << i % 2 * 8);
     namespace field = interface::identity_field;
-    std::uint32_t features = 1U << static_cast<unsigned>(interface::Feature::sequence) |
-                             1U << static_cast<unsigned>(interface::Feature::live) |
-                             1U << static_cast<unsigned>(interface::Feature::watchdog) |
-                             1U << static_cast<unsigned>(interface::Feature::guard);
-    if (p_.sync != 0) features |= 1U << static_cast<unsigned>(interface::Feature::sync);
-    if (p_.schedule != 0) features |= 1U << static_cast<unsigned>(interface::Feature::schedule);
-    const std::uint32_t record_bytes = 2 * (p_.channels + interface::record_header_words);
-    constexpr std::uint32_t write_head_bytes = 6;
+    using interface::Feature;
+    std::uint32_t features = 0;
+    const auto has = [&features](Feature feature, bool is_there = true) {
+        if (is_there) features |= 1U << static_cast<unsigned>(feature);
+    };
+    has(Feature::sequence);
+    has(Feature::live);
+    has(Feature::watchdog);
+    has(Feature::guard);
+    has(Feature::amplitude, p_.width_bits != 0);
+    has(Feature::slew, p_.slew != 0);
+    has(Feature::modulation, p_.modulation_depth != 0);
+    has(Feature::foci, p_.foci != 0);
+    has(Feature::live_foci, p_.foci != 0);
+    has(Feature::sync, p_.sync != 0);
+    has(Feature::schedule, p_.schedule != 0);
     field::version_minor.set(identity, interface::version_minor);
     field::version_major.set(identity, interface::version_major);
     field::channels.set(identity, p_.channels);
@@ -835,12 +951,15 @@ std::uint16_t ReferenceBoard::Core::memory_word() const {
     field::pulse_bits.set(identity, p_.pulse_bits);
     field::clock_hz.set(identity, p_.clock_hz);
     field::features.set(identity, features);
-    field::frame_bytes.set(identity, write_head_bytes + record_bytes);
+    field::frame_bytes.set(identity, longest_frame(p_));
     field::min_pulse_clocks.set(identity, p_.min_pulse_clocks);
     // More than the field holds is said as its largest value: what a host then keeps to, the board plays.
-    field::max_pulse_clocks.set(identity, std::min((p_.max_high_clocks / 2 - 2) / 5, field::max_pulse_clocks.most()));
+    field::max_pulse_clocks.set(identity, std::min(longest_pulse_clocks(p_), field::max_pulse_clocks.most()));
     field::max_duty_256.set(identity, p_.max_duty_256);
     field::max_cycle_clocks.set(identity, p_.clock_hz);
+    field::width_bits.set(identity, p_.width_bits);
+    field::foci.set(identity, p_.foci);
+    field::modulation_words.set(identity, p_.modulation_depth / 2);
     return identity[address_];
 }
 
@@ -850,6 +969,9 @@ std::uint16_t ReferenceBoard::Core::status_word(std::uint32_t word) const {
     field::enabled.set(block, guard_.enabled() ? 1 : 0);
     field::mode.set(block, static_cast<unsigned>(source_.mode()));
     field::stopped.set(block, stopped_ ? 1 : 0);
+    field::modulated.set(block, frames_ != nullptr && frames_->modulation.running(now) ? 1 : 0);
+    field::bent_periods.set(block, count_.bent);
+    field::far_foci.set(block, count_.far);
     field::present_index.set(block, index_);
     field::underruns.set(block, count_.underruns);
     field::refused_records.set(block, count_.refused_records);
@@ -879,11 +1001,6 @@ ReferenceBoard::ReferenceBoard(std::string_view configuration, unsigned reset_cl
     : ReferenceBoard(configuration_named(configuration), reset_clocks) {}
 ReferenceBoard::ReferenceBoard(const interface::CoreConfiguration& configuration, unsigned reset_clocks)
     : core_(std::make_unique<Core>(configuration, reset_clocks)) {
-    if (configuration.parameters.width_bits != 0)
-        throw bad_argument("configuration",
-                           fmt::format("the reference board has no amplitudes of single channels, and {} has; take the "
-                                       "Verilated core (--model rtl), or another configuration",
-                                       configuration.name));
     if (configuration.parameters.chain != 0)
         throw bad_argument("configuration",
                            fmt::format("the reference board passes no serial line on, and {} does; take the Verilated "
@@ -896,7 +1013,7 @@ const std::vector<interface::CoreConfiguration>& ReferenceBoard::configurations(
     static const std::vector<interface::CoreConfiguration> able = [] {
         std::vector<interface::CoreConfiguration> found;
         for (const interface::CoreConfiguration& configuration : interface::core_configurations)
-            if (configuration.parameters.width_bits == 0 && configuration.parameters.chain == 0)
+            if (configuration.parameters.chain == 0)
                 found.push_back(configuration);
         return found;
     }();

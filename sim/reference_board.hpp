@@ -21,12 +21,11 @@ public:
     /// @throws Error{bad_argument} when there is none of that name, or not in configurations()
     explicit ReferenceBoard(std::string_view configuration, unsigned reset_clocks = 4);
     /// @param configuration  parameters in the ranges of interface::core_parameters
-    /// @throws Error{bad_argument} when they ask for amplitudes of single channels, or a chain
+    /// @throws Error{bad_argument} when they ask for a chain
     explicit ReferenceBoard(const interface::CoreConfiguration& configuration, unsigned reset_clocks = 4);
     ~ReferenceBoard() override;
 
-    /// Those of tools/interface.toml that it can be: without amplitudes of single channels, what builds on them, and a
-    /// chain.
+    /// Those of tools/interface.toml that it can be: without a chain.
     [[nodiscard]] static const std::vector<interface::CoreConfiguration>& configurations();
 
     void run(std::uint64_t clocks) override;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reference_frames.hpp"
 
+#include <algorithm>
 #include <bit>
 
 #include "haptogram/link/frame.hpp"
@@ -14,9 +15,15 @@ constexpr std::size_t plain_command = 2 + crc_bytes;
 
 }  // namespace
 
-/// Room for two of the longest frames: length, sequence number and command, address, record.
+/// Sequence number and command, address, record; or a PUSH_FOCI with as many foci as bring the line to its rate.
+std::uint32_t longest_frame(const interface::CoreParameters& p) {
+    constexpr std::uint32_t write_head = 6, foci_frame = 4 + 8 * 60;
+    return std::max(write_head + 2 * (p.channels + interface::record_header_words), p.foci != 0 ? foci_frame : 0);
+}
+
+/// Room for two of the longest frames, each with a word for its length.
 FrameInput::FrameInput(const interface::CoreParameters& p)
-    : room_(std::bit_ceil(2 * (std::uint64_t{p.channels} + interface::record_header_words + 4))) {}
+    : room_(std::bit_ceil(2 * (std::uint64_t{longest_frame(p)} / 2 + 1))) {}
 
 void FrameInput::clear() {
     bytes_.clear();

@@ -18,6 +18,9 @@ struct Frame {
     [[nodiscard]] std::uint64_t words() const { return 1 + (bytes.size() + 1) / 2; }
 };
 
+/// Bytes of the longest frame that a board always takes, without its CRC.
+[[nodiscard]] std::uint32_t longest_frame(const interface::CoreParameters& p);
+
 /// Takes frames out of bytes, as far as the board's frame memory has room. Only whole ones leave (rtl/README.md,
 /// contract 5).
 class FrameInput {

@@ -1,116 +1,103 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "clock.hpp"
 #include "haptogram/boards/interface.hpp"
+#include "reference_cycle.hpp"
 #include "reference_pulses.hpp"
+#include "reference_reader.hpp"
 #include "reference_source.hpp"
 
 namespace haptogram::sim {
 
-/// Loads records and commits them at the ends of cycles (rtl/README.md, contracts 2, 3 and 7); hands each cycle to the
-/// pulse train. A stage between a record and its pulses belongs into load().
+/// From the next entry to the pulse train: loads records and puts them to use at the ends of cycles.
 class Player {
 public:
     Player(const interface::CoreParameters& p, const std::vector<std::uint16_t>& primary, EntrySource& source,
-           PulseTrain& train);
+           PulseTrain& train)
+        : p_(p), source_(source), reader_(p, primary), cycle_(p, train) {}
+    Player(const Player&) = delete;
+    Player& operator=(const Player&) = delete;
+    virtual ~Player() = default;
 
-    void reset(Clock clock);
-
-    /// Whether a word of primary memory, or any, is being read in this clock.
-    [[nodiscard]] bool reads(Clock clock, std::uint32_t word) const;
-    [[nodiscard]] bool reads(Clock clock) const;
-    /// The last clock in which the record that is being loaded is read, unless it is dropped before.
-    [[nodiscard]] Clock reads_to() const;
-    /// A word of primary memory is written in this clock; to be called before its value changes.
-    void written(Clock clock, std::uint32_t word, std::uint16_t value);
+    /// Resets in clock `first`, as until `last`.
+    virtual void reset(Clock first, Clock last) = 0;
 
     /// @param waits  whether changes wait for the end of a cycle, as while pulses may reach the pins
-    [[nodiscard]] Clock next(bool waits) const;
-    /// Whether this is the last clock of a cycle, unless it is repeated.
-    [[nodiscard]] bool last(Clock clock) const { return clock >= end_; }
-    // What happens in a clock, in this order.
+    [[nodiscard]] virtual Clock next(bool waits) const = 0;
+    /// What else is known in a clock.
+    struct Now {
+        bool waits;
+        bool off;     ///< the pins are cleared
+        bool hold;    ///< the cycle does not end in this clock; its last one is repeated
+        bool common;  ///< cycles have one length, a carrier period's; other records are refused
+    };
+    /// What is to be counted of a clock.
     struct Counted {
-        bool refused = false, underrun = false;
+        bool refused = false, underrun = false, bent = false, far = false;
     };
-    /// @param hold    the cycle does not end in this clock; its last one is repeated
-    /// @param common  cycles have one length, a carrier period's; other records are refused
-    void at(Clock clock, bool waits, bool off, bool hold, bool common, Counted& counted);
+    /// To be called in each clock that next() says, and in which something is changed from outside.
+    [[nodiscard]] virtual Counted at(Clock clock, const Now& now) = 0;
 
-    struct PinStart {
-        Clock clock;
-        std::uint16_t index;
-    };
-    /// A cycle begins at the pins in this clock; called before the pulses of this clock are made.
-    [[nodiscard]] std::optional<PinStart> starts_at_pins(Clock clock);
+    [[nodiscard]] RecordReader& reader() { return reader_; }
+    [[nodiscard]] const RecordReader& reader() const { return reader_; }
+    [[nodiscard]] CarrierCycle& cycle() { return cycle_; }
+    [[nodiscard]] const CarrierCycle& cycle() const { return cycle_; }
 
-    /// Whether a pulse from before the last commit may still run in this clock.
-    [[nodiscard]] bool unsettled(Clock clock) const { return settled_ > clock; }
-    /// Until this clock some pin may be high for as long as the guard's window, unless a record comes that is worse.
-    [[nodiscard]] Clock may_merge_to() const { return may_merge_to_; }
+protected:
+    const interface::CoreParameters p_;
+    EntrySource& source_;
+    RecordReader reader_;
+    CarrierCycle cycle_;
+};
+
+/// Records of timings alone (rtl/player.v; rtl/README.md, contracts 2, 3 and 7).
+class RecordPlayer final : public Player {
+public:
+    RecordPlayer(const interface::CoreParameters& p, const std::vector<std::uint16_t>& primary, EntrySource& source,
+                 PulseTrain& train)
+        : Player(p, primary, source, train), known_(p.records + 1) {}
+
+    void reset(Clock first, Clock last) override;
+    [[nodiscard]] Clock next(bool waits) const override;
+    [[nodiscard]] Counted at(Clock clock, const Now& now) override;
 
 private:
     /// A record as it was found in memory.
     struct Loaded {
         std::vector<std::uint16_t> words;
-        std::uint32_t cycle_length = 0, prescaler = 0;
+        CarrierCycle::Lengths lengths{};
         bool playable = false;
         bool common = false;                   // its cycle is a carrier period
         std::shared_ptr<const Firing> firing;  // none without pulses
     };
-    struct Load {
-        Clock taken = 0, ready = 0;
-        EntrySource::Entry entry;
-        std::uint32_t first = 0;                         // word of primary memory
-        std::optional<std::vector<std::uint16_t>> seen;  // when the record was written while it was read
-        std::shared_ptr<const Loaded> record;            // none for silence
-        bool done = false;
-    };
 
-    [[nodiscard]] bool from_memory(const Load& load) const {
-        return load.entry.index > 0 && load.entry.index <= records_;
-    }
-    void take(Clock clock);
-    void finish_load(bool common, Counted& counted);
+    [[nodiscard]] bool finish(bool common);
     [[nodiscard]] std::shared_ptr<const Loaded> load(std::span<const std::uint16_t> words, std::size_t index);
-    [[nodiscard]] bool is_ready(Clock clock) const { return load_ && load_->ready <= clock && settled_ <= clock; }
     [[nodiscard]] Clock take_at() const;
-    bool boundary(Clock clock, bool waits, bool hold, Counted& counted);
-    void hold(Clock clock);
     void commit(Clock clock);
-    void begin_cycle(Clock clock, bool committed, std::uint32_t old_pulse);
 
-    interface::CoreParameters p_;
-    std::uint32_t records_, record_words_;
-    Clock guard_window_;
-    const std::vector<std::uint16_t>& primary_;
-    EntrySource& source_;
-    PulseTrain& train_;
     std::vector<std::shared_ptr<const Loaded>> known_;  // by index; used again while memory holds the same words
-
-    std::optional<Load> load_;
-    Clock idle_ = 0;        // from which clock on an entry can be taken
-    Clock settled_ = 0;     // from which clock on every pulse from before the last commit has ended
-    Clock change_ = never;  // from which clock on a change is asked for, whatever is left of the dwell
-    bool late_ = false;
-    // The present record.
-    Clock end_ = 0;  // the last clock of its cycle
-    std::uint32_t cycle_length_ = 0, prescaler_ = 1, pulse_ = 0;
-    std::shared_ptr<const Firing> firing_;
-    std::uint16_t index_ = 0, dwell_ = 0;
-    Clock may_merge_to_ = 0;
-    std::uint32_t merge_cycle_ = 0, merge_prescaler_ = 0;  // of the last record with pulses
-    struct Tick {
-        Clock next;  // when the tick behind it begins
-        std::uint16_t index;
-    };
-    std::deque<Tick> first_ticks_;  // of cycles that have not begun at the pins
+    std::shared_ptr<const Loaded> record_;              // that waits; none for silence
+    Clock idle_ = 0;                                    // from which clock on an entry can be taken
+    bool finished_ = false;                             // it is known whether what is held can be played
 };
+
+/// What a record's header says of its lengths, and whether they can be played (rtl/record_header.v).
+struct Header {
+    std::uint32_t cycle_length, prescaler, pulse, kind;
+    [[nodiscard]] std::uint64_t cycle_clocks() const { return std::uint64_t{cycle_length} * prescaler; }
+    [[nodiscard]] static Header of(std::span<const std::uint16_t> words);
+    /// @return whether its cycle, its pulse and the part that this takes are in the board's bounds
+    [[nodiscard]] bool in_bounds(const interface::CoreParameters& p) const;
+};
+/// A pin that stays high for so long may trip the guard when pulses merge.
+[[nodiscard]] constexpr std::uint32_t longest_pulse_clocks(const interface::CoreParameters& p) {
+    return (p.max_high_clocks / 2 - 2) / 5;
+}
 
 }  // namespace haptogram::sim

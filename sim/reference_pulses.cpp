@@ -13,8 +13,8 @@ constexpr Clock lateness = 2;  // clocks from the beginning of the next tick unt
 }  // namespace
 
 void PulseTrain::begin_cycle(Clock begin, std::uint32_t ticks, std::uint32_t prescaler,
-                             std::shared_ptr<const Firing> firing, bool committed, std::uint32_t old_pulse) {
-    Cycle cycle{begin, 0, ticks, prescaler, std::move(firing), committed, 0};
+                             std::shared_ptr<const Firing> firing, bool changed, std::uint32_t old_pulse) {
+    Cycle cycle{begin, 0, ticks, prescaler, std::move(firing), changed, 0};
     if (!cycles_.empty()) {
         Cycle& before = cycles_.back();
         const Clock lasted = begin - before.begin;
@@ -24,7 +24,7 @@ void PulseTrain::begin_cycle(Clock begin, std::uint32_t ticks, std::uint32_t pre
         cycle.first = before.first + before.ticks;
         cycle.filled_to = alive_from_ == never ? 0 : before.filled_to;
     }
-    if (committed) cycle.filled_to = cycle.first + std::max(old_pulse, 1U);
+    if (changed) cycle.filled_to = cycle.first + std::max(old_pulse, 1U);
     cycles_.push_back(std::move(cycle));
     if (!awake_) forget_before(alive_from_ == never ? begin : begin - std::min(begin, history_));
 }
@@ -78,9 +78,10 @@ void PulseTrain::advance(Clock last) {
         std::uint64_t tick = end;
         std::uint32_t channel = 0;
         Falls* falls = nullptr;
-        if (cycle.firing && next_rise_ < cycle.firing->rises.size()) {
-            const Firing::Rise& rise = cycle.firing->rises[next_rise_];
-            if (cycle.first + rise.tick < end) tick = cycle.first + rise.tick, channel = rise.channel;
+        const Firing::Rise* next = nullptr;
+        if (cycle.firing && next_rise_ < cycle.firing->of(cycle.changed).size()) {
+            next = &cycle.firing->of(cycle.changed)[next_rise_];
+            if (cycle.first + next->tick < end) tick = cycle.first + next->tick, channel = next->channel;
         }
         for (Falls* queue : {&old_falls_, &new_falls_}) {
             if (queue->empty()) continue;
@@ -104,7 +105,7 @@ void PulseTrain::advance(Clock last) {
             fall(clock, tick, channel);
         } else {
             ++next_rise_;
-            if (alive_from_ != never && began + lateness >= alive_from_) rise(clock, tick, channel);
+            if (alive_from_ != never && began + lateness >= alive_from_) rise(clock, tick, *next);
         }
     }
 }
@@ -113,20 +114,20 @@ void PulseTrain::leave_cycle() {
     cycles_.pop_front();
     next_rise_ = 0;
     // A record is only committed when the pulses from before the last change have ended.
-    if (cycles_.front().committed) old_falls_.swap(new_falls_);
+    if (cycles_.front().changed) old_falls_.swap(new_falls_);
 }
 
-void PulseTrain::rise(Clock clock, std::uint64_t tick, std::uint32_t channel) {
-    new_falls_.push({tick + cycles_.front().firing->pulse, channel});
-    if (pulses_[channel]++ == 0 && !is_high(channel)) set(clock, channel, true);
+void PulseTrain::rise(Clock clock, std::uint64_t tick, const Firing::Rise& rise) {
+    new_falls_.push({tick + rise.ticks, rise.channel});
+    if (pulses_[rise.channel]++ == 0 && !is_high(rise.channel)) set(clock, rise.channel, true);
 }
 
 void PulseTrain::fall(Clock clock, std::uint64_t tick, std::uint32_t channel) {
     if (--pulses_[channel] == 0 && !fills(tick + 1, channel)) set(clock, channel, false);
 }
 
-/// Whether a pulse that begins in this tick fills the gap of one tick before it: at a change of record, as long as a
-/// pulse from before it can have ended just now.
+/// Whether a pulse that begins in this tick fills the gap of one tick before it: everywhere, or at a change of record,
+/// as long as a pulse from before it can have ended just now.
 bool PulseTrain::fills(std::uint64_t tick, std::uint32_t channel) const {
     const Cycle* cycle = &cycles_.front();
     const Cycle* next = cycles_.size() > 1 ? &cycles_[1] : nullptr;
@@ -134,10 +135,11 @@ bool PulseTrain::fills(std::uint64_t tick, std::uint32_t channel) const {
         cycle = std::exchange(next, nullptr);
         if (cycle == nullptr) return false;
     }
-    if (!cycle->firing || cycle->firing->tick[channel] != tick - cycle->first) return false;
+    if (!cycle->firing || !cycle->firing->begins(channel, tick - cycle->first, cycle->changed)) return false;
+    if (gaps_ == Gaps::all) return true;
     // With one clock a tick, the commit is known before the last tick's state has reached the pin.
     const bool before_commit =
-        next != nullptr && next->committed && cycle->prescaler == 1 && !cycle->stretched && tick + 1 == next->first;
+        next != nullptr && next->changed && cycle->prescaler == 1 && !cycle->stretched && tick + 1 == next->first;
     return tick <= cycle->filled_to || before_commit;
 }
 

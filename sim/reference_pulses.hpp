@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -10,16 +11,47 @@
 
 namespace haptogram::sim {
 
-/// When a record's channels rise within its cycle.
+/// The pulses of a cycle: when each channel rises, and for how long it is high.
 struct Firing {
     struct Rise {
-        std::uint32_t tick, channel;
+        std::uint32_t tick, channel, ticks;
     };
     static constexpr std::uint32_t silent = ~0U;
 
-    std::uint32_t pulse = 0;          ///< ticks
+    explicit Firing(std::uint32_t channels) : tick(channels, silent), early(channels) {}
+    /// A channel's pulse begins in this tick of the cycle, and lasts for so many, also into the next cycle.
+    void add(std::uint32_t channel, std::uint32_t at, std::uint32_t ticks) {
+        tick[channel] = at;
+        rises.push_back({at, channel, ticks});
+        pulse = std::max(pulse, ticks);
+    }
+    /// Its middle is in this cycle, its beginning in the one before. In the first cycle of a firing, the channel is high in
+    /// so many ticks from the first one on, if it was not before.
+    void add_early(std::uint32_t channel, std::uint32_t ticks) {
+        early[channel] = 1;
+        opening.push_back({0, channel, ticks});
+    }
+    /// To be called when all have been added.
+    void sort() {
+        const auto before = [](const Rise& a, const Rise& b) {
+            return a.tick != b.tick ? a.tick < b.tick : a.channel < b.channel;
+        };
+        std::ranges::sort(rises, before);
+        if (opening.empty()) return;
+        opening.insert(opening.end(), rises.begin(), rises.end());
+        std::ranges::sort(opening, before);
+    }
+    /// @param first  it is the first cycle of the firing
+    [[nodiscard]] const std::vector<Rise>& of(bool first) const { return first && !opening.empty() ? opening : rises; }
+    [[nodiscard]] bool begins(std::uint32_t channel, std::uint64_t at, bool first) const {
+        return tick[channel] == at || (first && at == 0 && early[channel] != 0);
+    }
+
+    std::uint32_t pulse = 0;          ///< ticks of the longest
+    std::vector<Rise> rises;          ///< by tick and then by channel
+    std::vector<Rise> opening;        ///< the same, with what is early; empty when nothing is
     std::vector<std::uint32_t> tick;  ///< of each channel; `silent` when it has no pulse
-    std::vector<Rise> rises;          ///< the same, by tick and then by channel
+    std::vector<std::uint8_t> early;  ///< of each channel, 1 or 0
 };
 
 /// The pulses at the pins, from the cycles that are played (rtl/README.md, contract 1).
@@ -30,9 +62,13 @@ struct Firing {
 /// it is asked for.
 class PulseTrain {
 public:
+    /// Where a gap of one tick between two pulses is filled: at changes of record (pulse_generators.v), or everywhere
+    /// (width_pulse_generators.v).
+    enum class Gaps { at_changes, all };
+
     /// @param history  clocks; cycles that ended longer ago are forgotten while nobody asks for pulses
-    PulseTrain(std::uint32_t channels, Clock history)
-        : history_(history), pulses_(channels), high_since_(channels), pins_((channels + 31) / 32) {}
+    PulseTrain(std::uint32_t channels, Gaps gaps, Clock history)
+        : history_(history), gaps_(gaps), pulses_(channels), high_since_(channels), pins_((channels + 31) / 32) {}
 
     /// Told of each change of a pin, in the order of clocks, and of channels within a clock.
     void on_change(std::function<void(Clock, std::uint32_t channel, bool rises)> callback) {
@@ -42,9 +78,9 @@ public:
     /// A cycle begins; the one before it ends there, even if it had ticks left, which happens only while stopped, or if
     /// its last tick became longer.
     /// @param firing     none when it is silent; kept until the cycle's pulses have ended
-    /// @param committed  a record was committed with it, instead of one with pulses of `old_pulse` ticks
+    /// @param changed    the firing is put to use with it, instead of one with pulses of `old_pulse` ticks
     void begin_cycle(Clock begin, std::uint32_t ticks, std::uint32_t prescaler, std::shared_ptr<const Firing> firing,
-                     bool committed, std::uint32_t old_pulse);
+                     bool changed, std::uint32_t old_pulse);
     /// All pins are low from this clock on, and no pulse begins until resume().
     void stop(Clock clock);
     /// Pulses whose tick began two clocks before this one, or later, reach the pins again.
@@ -67,7 +103,7 @@ private:
         std::uint64_t first;  // number of its tick 0
         std::uint32_t ticks, prescaler;
         std::shared_ptr<const Firing> firing;
-        bool committed;
+        bool changed;
         std::uint64_t filled_to;  // up to this tick, a gap of one tick between pulses is filled
         bool stretched = false;   // its last tick is longer
     };
@@ -75,12 +111,16 @@ private:
         std::uint64_t tick;
         std::uint32_t channel;
     };
-    /// A queue whose storage is used again.
+    /// A queue by ticks and channels, whose storage is used again.
     class Falls {
     public:
         [[nodiscard]] bool empty() const { return head_ == falls_.size(); }
         [[nodiscard]] const Fall& front() const { return falls_[head_]; }
-        void push(const Fall& fall) { falls_.push_back(fall); }
+        void push(const Fall& fall) {
+            auto at = falls_.end();
+            while (at != begin() && before(fall, *(at - 1))) --at;
+            falls_.insert(at, fall);
+        }
         void pop() {
             if (++head_ == falls_.size()) clear();
         }
@@ -88,19 +128,25 @@ private:
         void swap(Falls& other) { falls_.swap(other.falls_), std::swap(head_, other.head_); }
 
     private:
+        [[nodiscard]] std::vector<Fall>::iterator begin() { return falls_.begin() + static_cast<std::ptrdiff_t>(head_); }
+        [[nodiscard]] static bool before(const Fall& a, const Fall& b) {
+            return a.tick != b.tick ? a.tick < b.tick : a.channel < b.channel;
+        }
+
         std::vector<Fall> falls_;
         std::size_t head_ = 0;
     };
 
     void forget_before(Clock clock);
     void leave_cycle();
-    void rise(Clock clock, std::uint64_t tick, std::uint32_t channel);
+    void rise(Clock clock, std::uint64_t tick, const Firing::Rise& rise);
     void fall(Clock clock, std::uint64_t tick, std::uint32_t channel);
     [[nodiscard]] bool fills(std::uint64_t tick, std::uint32_t channel) const;
     void set(Clock clock, std::uint32_t channel, bool level);
     [[nodiscard]] bool is_high(std::uint32_t channel) const { return (pins_[channel / 32] >> channel % 32 & 1U) != 0; }
 
     Clock history_;
+    Gaps gaps_;
     std::deque<Cycle> cycles_;          // those whose changes have not all been made
     std::size_t next_rise_ = 0;         // in the first of them
     Falls old_falls_, new_falls_;       // of pulses from before the last change of record, and from after it

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 #include "clock.hpp"
 
@@ -28,7 +29,7 @@ public:
     }
     /// As a reply tells it that begins in this clock.
     [[nodiscard]] std::uint64_t period(Clock clock) const { return counted(clock, count_clocks); }
-    [[nodiscard]] bool waiting() const { return start_ || follows_ || pushed_; }
+    [[nodiscard]] bool waiting() const { return start_ || follows_ || pushed_ || modulates_; }
 
     // The gate.
     void gate(std::uint64_t period) {
@@ -37,7 +38,7 @@ public:
         at_end_ = period == at_end;
     }
     [[nodiscard]] bool busy(std::uint64_t period) const {
-        return (start_ || pushed_) && period != gate_ && period != 0 && period != at_end;
+        return waits_for_period() && period != gate_ && period != 0 && period != at_end;
     }
     [[nodiscard]] bool for_the_end() const { return armed_ && at_end_; }
     void forget() { armed_ = false; }
@@ -62,9 +63,11 @@ public:
     void drop_starts() { start_.reset(), follows_ = false; }
     void drop_pushed() { pushed_ = false; }
     [[nodiscard]] bool push_is_waiting() const { return pushed_; }
+    void modulation_waits(bool waits) { modulates_ = waits; }
+    [[nodiscard]] bool take_modulation() { return std::exchange(modulates_, false); }
 
     /// Whether what waits for the period goes on in this clock.
-    [[nodiscard]] bool opens(Clock clock) const { return (start_ || pushed_) && reached(clock); }
+    [[nodiscard]] bool opens(Clock clock) const { return waits_for_period() && reached(clock); }
     [[nodiscard]] std::optional<Arguments> take_start() {
         const std::optional<Arguments> start = start_;
         start_.reset();
@@ -72,7 +75,7 @@ public:
     }
     /// The clock in which it does, as far as is known.
     [[nodiscard]] Clock next() const {
-        if ((!start_ && !pushed_) || count_ + 1 < gate_) return never;
+        if (!waits_for_period() || count_ + 1 < gate_) return never;
         return begun_[std::min<std::uint64_t>(count_ + 1 - gate_, begun_.size() - 1)] + compare_clocks;
     }
 
@@ -87,6 +90,7 @@ private:
         std::array<Clock, 3> begun;
     };
 
+    [[nodiscard]] bool waits_for_period() const { return start_ || pushed_ || modulates_; }
     /// Without those that began fewer than `delay` clocks ago. A number that is loaded is known a clock earlier.
     [[nodiscard]] std::uint64_t counted(Clock clock, Clock delay) const {
         const bool before = loaded_ && clock + 1 < loaded_->clock + delay;
@@ -103,7 +107,7 @@ private:
     std::uint64_t gate_ = 0;
     bool armed_ = false, at_end_ = false;
     std::optional<Arguments> start_;
-    bool follows_ = false, pushed_ = false;
+    bool follows_ = false, pushed_ = false, modulates_ = false;
 };
 
 }  // namespace haptogram::sim

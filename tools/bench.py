@@ -206,10 +206,11 @@ def reference_times_real_time(program, folder, tiles):
     command = [program, "board", "run", "--model", "reference", "--json", "--speed", "max", *several]
     board = subprocess.Popen([str(c) for c in command], stdout=subprocess.PIPE, text=True)
     board.stdout.readline()
-    what = ["--rig", folder / "wall.json"] if tiles > 1 else [folder / "circle.hex"]
     port_options = [word for port in ports for word in ("--port", port)]
-    run(program, "upload", *what, *port_options)
-    host = subprocess.Popen([str(c) for c in [program, "play", *what[:2 if tiles > 1 else 0], *port_options, "--loops", 0, "--watchdog", 0]], stdout=subprocess.PIPE)
+    rig = ["--rig", folder / "wall.json"] if tiles > 1 else []
+    run(program, "upload", *(rig or [folder / "circle.hex"]), *port_options)
+    play = [program, "play", *rig, *port_options, "--loops", 0, "--watchdog", 0]
+    host = subprocess.Popen([str(c) for c in play], stdout=subprocess.PIPE)
     time.sleep(8)
     host.send_signal(signal.SIGINT)
     host.communicate()

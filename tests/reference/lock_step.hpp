@@ -4,6 +4,8 @@
 #pragma once
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <deque>
@@ -158,6 +160,8 @@ public:
         if (difference.empty() && pins_) difference = difference_of_outputs();
         edges += of_core_.edges.size();
         cycles += of_core_.cycles.size();
+        for (const sim::CycleStart& cycle : of_core_.cycles)
+            focus_cycles += cycle.index > core_.parameters().records && cycle.enabled ? 1 : 0;
         bytes += of_core_.arrivals.size();
         received_ = of_core_.arrivals;
         of_core_.clear();
@@ -170,7 +174,7 @@ public:
     [[nodiscard]] const std::vector<sim::Arrival>& received() const { return received_; }
     [[nodiscard]] sim::Board& core() { return core_; }
 
-    std::uint64_t edges = 0, cycles = 0, bytes = 0;
+    std::uint64_t edges = 0, cycles = 0, bytes = 0, focus_cycles = 0;
     Wire* wire = nullptr;
 
 private:
@@ -224,15 +228,58 @@ public:
                                   board.primary_memory().begin() + static_cast<std::ptrdiff_t>(index * words.size()));
             });
         }
+        foci_ = p_.foci == 0 ? 0 : between(1, one_in(3) ? p_.foci : 3);
         for (std::size_t i = 0; i < p_.sequence_depth; ++i) {
             const std::uint32_t word = i == 0 ? header() : entry();
             boards_.both([&](sim::Board& board) { board.sequence_memory()[i] = word; });
         }
+        for (std::uint32_t word = first_focus(); foci_ != 0 && word + 4 <= p_.records * record_words(); word += 4) {
+            const auto words = focus();
+            boards_.both([&](sim::Board& board) { std::ranges::copy(words, board.primary_memory().begin() + word); });
+        }
+    }
+
+    /// What must not change while focus records are loaded: where the channels are, and what the engine is set up with.
+    /// Over the link, when nothing plays. @return the first difference between the boards in words
+    [[nodiscard]] std::string new_foci() {
+        if (foci_ == 0) return {};
+        namespace field = interface::parameters_field;
+        say({Command::identify, {}});
+        say({Command::stop, {}});
+        std::vector<std::uint16_t> geometry;
+        for (std::uint32_t k = 0; k < p_.channels; ++k)
+            for (int word = 0; word < 4; ++word)
+                geometry.push_back(one_in(20) ? any_word() : static_cast<std::uint16_t>(any_word() / 8));
+        for (std::uint32_t k = 0; k < geometry.size(); k += record_words())
+            say(writes(interface::geometry_base + 2 * k,
+                       {geometry.begin() + k, geometry.begin() + std::min<std::size_t>(k + record_words(), geometry.size())}));
+        std::array<std::uint16_t, interface::parameters_words> parameters{};
+        field::foci_base.set(parameters, first_focus() / 4);
+        field::foci_count.set(parameters, focus_records());
+        field::foci_last.set(parameters, foci_ - 1);
+        field::foci_whole.set(parameters, below(2));
+        field::foci_cycle.set(parameters, amplitude_cycle());
+        field::wave_number.set(parameters, one_in(4) ? below(1U << 18) : 122'000);
+        field::gain.set(parameters, one_in(4) ? any_word() : 39953 / between(1, 8));
+        field::slew.set(parameters, below(4));
+        field::phase_rate.set(parameters, one_in(10) ? 0 : below(3000));
+        field::amplitude_rate.set(parameters, one_in(10) ? 0 : below(20000));
+        field::arrival.set(parameters, below(30));
+        say(writes(interface::parameters_base, {parameters.begin(), parameters.end()}));
+        const std::uint32_t before = below(10);  // focus records that are not of the ring
+        say(writes(interface::ring_base, {word(first_focus() / 4 + before * foci_), word(p_.records + 1 + before),
+                                          word(one_in(8) ? p_.live_depth : p_.live_depth + between(1, 20))}));
+        for (int i = 0; i < 500 && !boards_.core().line_idle(); ++i)
+            if (std::string difference = run(1000); !difference.empty()) return difference;
+        return run(2000);
     }
 
     /// One command, fault or pause. @return the first difference between the boards in words; empty when there is none
     [[nodiscard]] std::string step() {
-        if (images == 0 || (!keeps_role && one_in(100))) new_image();
+        if (images == 0 || (!keeps_role && one_in(100))) {
+            new_image();
+            if (std::string difference = new_foci(); !difference.empty()) return difference;
+        }
         if (!keeps_role && one_in(300)) reset();
         if (one_in(60)) press_stop();
         if (one_in(150)) disturb_line();
@@ -242,7 +289,8 @@ public:
     }
 
     std::uint64_t commands = 0, images = 0, replies = 0, applied = 0, waits = 0;
-    std::uint64_t in_step = 0, numbered = 0, losses = 0;  // of replies to STATUS
+    std::uint64_t in_step = 0, numbered = 0, losses = 0, modulated = 0, bent = 0, far = 0;  // of replies to STATUS
+    std::uint64_t pushed_foci = 0;                                                          // frames
     bool keeps_role = false;                              // nothing is reset
 
 private:
@@ -252,6 +300,21 @@ private:
     std::uint32_t between(std::uint32_t low, std::uint32_t high) { return low + below(high - low + 1); }
     bool one_in(std::uint32_t count) { return below(count) == 0; }
     std::uint16_t any_word() { return static_cast<std::uint16_t>(g_()); }
+    static std::uint16_t word(std::uint32_t value) { return static_cast<std::uint16_t>(value); }
+
+    // Where things lie in primary memory: records first, then foci.
+    [[nodiscard]] std::uint32_t record_words() const { return p_.channels + interface::record_header_words; }
+    [[nodiscard]] std::uint32_t used_records() const { return std::min(p_.records, 40U); }
+    [[nodiscard]] std::uint32_t first_focus() const { return 4 * (used_records() * record_words() / 4 + 1); }
+    /// Some of the last ones reach beyond the memory.
+    [[nodiscard]] std::uint32_t focus_records() const {
+        return (p_.records * record_words() - first_focus()) / (4 * foci_) + 2;
+    }
+    /// Of a record of any kind; one that is there, or will be.
+    std::uint32_t index() {
+        if (foci_ != 0 && one_in(2)) return p_.records + 1 + below(std::min(focus_records() + 1, 400U));
+        return 1 + below(used_records());
+    }
 
     void send(const Bytes& bytes) {
         boards_.both([&](sim::Board& board) { board.send(bytes); });
@@ -282,6 +345,7 @@ private:
             cycle = p_.clock_hz / 40'000 / prescaler;
             pulse = std::min(one_in(3) ? below(cycle) : cycle / 2, 255U);
         }
+        if (p_.width_bits != 0 && !sticky_ && !one_in(3)) return amplitudes();
         if (sticky_) cycle = 20, pulse = 19, prescaler = 90;
         std::vector<std::uint16_t> words(p_.channels + interface::record_header_words);
         interface::record_field::cycle_length.set(words, one_in(60) ? below(1U << 24) : cycle);
@@ -301,9 +365,41 @@ private:
         return words;
     }
 
+    /// Of a record of amplitudes, mostly of the same length, so that they follow each other in the same ticks.
+    std::uint32_t amplitude_cycle() {
+        const std::uint32_t period = p_.clock_hz / 40'000, least = 2 * (p_.channels + 44);
+        if (p_.sync != 0 && !one_in(4)) return period;
+        if (one_in(30)) return between(least - 2, least + 1);
+        if (one_in(30)) return between(2 * 999 - 1, 2 * 1023 + 1);
+        return one_in(3) ? between(least, period) : one_in(3) ? period : 2 * least;
+    }
+
+    std::vector<std::uint16_t> amplitudes() {
+        std::vector<std::uint16_t> words(record_words());
+        interface::record_field::cycle_length.set(words, amplitude_cycle());
+        interface::record_field::prescaler.set(words, one_in(60) ? 2 : 1);
+        interface::record_field::pulse_length.set(words, one_in(60) ? below(256) : 0);
+        interface::record_field::kind.set(words, static_cast<unsigned>(interface::Kind::amplitudes));
+        const std::uint32_t kind = below(5), common = below(256);
+        for (std::size_t k = interface::record_header_words; k < words.size(); ++k) {
+            std::uint32_t phase = kind == 0 ? common : kind == 1 ? common + below(3) : below(256);
+            if (kind == 2) phase = 250 + below(12);  // about the cycle's end
+            const std::uint32_t amplitude = one_in(4) ? 255 : one_in(6) ? below(3) : below(256);
+            words[k] = word(amplitude << 8 | (phase & 0xffU));
+        }
+        return words;
+    }
+
+    std::array<std::uint16_t, 4> focus() {
+        std::array<std::uint16_t, 4> words{};
+        for (int axis = 0; axis < 3; ++axis) words[static_cast<std::size_t>(axis)] = word(below(40'000));
+        words[3] = word((one_in(5) ? 0 : one_in(2) ? 255 : below(256)) << 8 | (one_in(40) ? below(64) : 0) |
+                        (one_in(100) ? between(1, 3) << 6 : 0));
+        return words;
+    }
+
     std::uint32_t entry() {
-        const std::uint32_t index = one_in(15) ? below(p_.records + 3) : 1 + below(std::min(p_.records, 40U));
-        return index | (one_in(30) ? 0 : one_in(3) ? between(2, 6) : 1) << 16;
+        return (one_in(15) ? below(p_.records + 3) : index()) | (one_in(30) ? 0 : one_in(3) ? between(2, 6) : 1) << 16;
     }
 
     std::uint32_t header() {
@@ -318,9 +414,49 @@ private:
         std::vector<std::uint16_t> words;
     };
 
+    static Request writes(std::uint32_t address, const std::vector<std::uint16_t>& data) {
+        Request request{Command::write, {word(address), word(address >> 16)}};
+        request.words.insert(request.words.end(), data.begin(), data.end());
+        return request;
+    }
+
+    /// What boards with amplitudes have beside records and sequence: samples, settings that may change while they are in
+    /// use, the ring; and foci in primary memory.
+    std::pair<std::uint32_t, std::vector<std::uint16_t>> setting() {
+        const auto of = [](const interface::BitField& field) { return field.offset / 16; };
+        namespace field = interface::parameters_field;
+        std::vector<std::uint16_t> data;
+        switch (below(foci_ != 0 ? 8 : 3)) {
+            case 0:
+            case 1:
+                for (std::uint32_t i = between(1, 12); i > 0; --i) data.push_back(any_word());
+                return {interface::modulation_base + 2 * below(p_.modulation_depth / 2 + 1), data};
+            case 2: {
+                const std::uint16_t values[] = {word(below(4)), word(one_in(10) ? 0 : below(3000)), word(below(20000)),
+                                                word(below(30))};
+                const std::uint32_t which = below(4);
+                return {interface::parameters_base + 2 * (of(field::slew) + which), {values[which]}};
+            }
+            case 3:
+                return {interface::parameters_base + 2 * of(field::foci_base),
+                        {word(first_focus() / 4 + (one_in(3) ? below(3) : 0)), word(one_in(3) ? below(40) : focus_records())}};
+            case 4: return {interface::parameters_base + 2 * of(field::foci_cycle), {word(amplitude_cycle())}};
+            case 5: return {interface::ring_base + 2 * below(4), {any_word()}};
+            default:
+                for (std::uint32_t i = between(1, 4); i > 0; --i)
+                    for (const std::uint16_t w : focus()) data.push_back(w);
+                return {interface::primary_base + 2 * (first_focus() + 4 * below(200)), data};
+        }
+    }
+
     Request memory_command(Command command) {
-        const std::uint32_t record_words = p_.channels + interface::record_header_words;
-        std::uint32_t address = interface::primary_base + 2 * record_words * below(std::min(p_.records, 40U));
+        if (p_.width_bits != 0 && one_in(2)) {
+            auto [address, data] = setting();
+            if (command == Command::write) return writes(address, data);
+            return {command, {word(address), word(address >> 16), word(2 * static_cast<std::uint32_t>(data.size()))}};
+        }
+        const std::uint32_t record_words = this->record_words();
+        std::uint32_t address = interface::primary_base + 2 * record_words * below(used_records());
         std::uint32_t words = record_words;
         std::vector<std::uint16_t> data = record();
         switch (below(8)) {
@@ -355,7 +491,7 @@ private:
     }
 
     Request request() {
-        const auto w = [](std::uint32_t value) { return static_cast<std::uint16_t>(value); };
+        const auto w = word;
         switch (below(32)) {
             case 0:
             case 1:
@@ -368,7 +504,7 @@ private:
             case 8: return {Command::status, {}};
             case 9: return {Command::watchdog, {w(one_in(3) ? 0 : one_in(10) ? any_word() : between(1, 3))}};
             case 10:
-            case 11: return {Command::select, {w(one_in(15) ? below(p_.records + 4) : 1 + below(40)), w(below(4))}};
+            case 11: return {Command::select, {w(one_in(15) ? below(p_.records + 4) : index()), w(below(4))}};
             case 12:
             case 13: {
                 const std::uint32_t first = 1 + below(p_.sequence_depth - 1);
@@ -380,7 +516,9 @@ private:
             case 16: {
                 Request push{Command::push, {w(one_in(10) ? 0 : between(1, 3))}};
                 for (std::uint32_t i = between(1, 6); i > 0; --i)
-                    push.words.push_back(w(one_in(40) ? p_.records + 1 + below(3) : below(p_.records + 1)));
+                    push.words.push_back(w(one_in(40)   ? p_.records + 1 + below(3)
+                                           : foci_ != 0 ? index()
+                                                        : below(p_.records + 1)));
                 return push;
             }
             case 17:
@@ -391,13 +529,28 @@ private:
             case 27:
                 if (keeps_role) return {Command::status, {}};
                 return {Command::sync, {w(below(4))}};
-            case 22: return {Command::modulate, {w(below(3)), w(below(70)), w(below(3))}};  // no such command here
+            case 22: return modulate();
             case 23:
             case 24:
             case 25: return gate();
-            case 26: return {Command::push_foci, {1, 2, 3, 4, 5}};  // nor this one
-            default: return memory_command(Command::write);
+            case 26: {  // nor this one
+                Request push{Command::push_foci, {w(one_in(10) ? 0 : between(1, 3))}};
+                for (std::uint32_t i = std::max(foci_, 1U) * between(1, 8); i > 0; --i)
+                    for (const std::uint16_t part : focus()) push.words.push_back(part);
+                if (one_in(20)) push.words.resize(push.words.size() - between(1, 4));
+                return push;
+            }
+            default: return p_.width_bits != 0 && one_in(4) ? modulate() : memory_command(Command::write);
         }
+    }
+
+    /// Some boards have no such command.
+    Request modulate() {
+        if (p_.modulation_depth == 0) return {Command::modulate, {word(below(3)), word(below(70)), word(below(3))}};
+        const std::uint32_t first = below(p_.modulation_depth), most = p_.modulation_depth - first;
+        return {Command::modulate, {word(one_in(5) ? 0 : between(1, one_in(4) ? 100 : 3)),
+                                    word(one_in(10) ? below(2 * p_.modulation_depth) : below(most)),
+                                    word(one_in(3) ? first : first | 1U)}};
     }
 
     /// For soon, the end, or nothing; on some boards there is no such command.
@@ -405,8 +558,20 @@ private:
         std::uint64_t period = period_ + below(200);
         if (one_in(3)) period = one_in(4) ? 0 : ~std::uint64_t{0};
         if (one_in(60)) period = g_();
-        const auto word = [period](unsigned shift) { return static_cast<std::uint16_t>(period >> shift); };
-        return {Command::gate, {word(0), word(16), word(32)}};
+        const auto part = [period](unsigned shift) { return static_cast<std::uint16_t>(period >> shift); };
+        return {Command::gate, {part(0), part(16), part(32)}};
+    }
+
+    /// As it is, and in its turn.
+    void say(const Request& request) { send(encoded(number_++, request)); }
+
+    static Bytes encoded(std::uint8_t number, const Request& request) {
+        Bytes payload;
+        for (const std::uint16_t word : request.words) {
+            payload.push_back(static_cast<std::uint8_t>(word));
+            payload.push_back(static_cast<std::uint8_t>(word >> 8));
+        }
+        return link::encode_request(number, request.command, payload);
     }
 
     void send_frame() {
@@ -517,7 +682,11 @@ private:
                 in_step += interface::status_field::in_step.get(reply.data);
                 numbered += interface::status_field::numbered.get(reply.data);
                 losses = std::max<std::uint64_t>(losses, interface::status_field::sync_losses.get(reply.data));
+                modulated += interface::status_field::modulated.get(reply.data);
+                bent += interface::status_field::bent_periods.get(reply.data) > 0 ? 1 : 0;
+                far += interface::status_field::far_foci.get(reply.data) > 0 ? 1 : 0;
             }
+            pushed_foci += reply.command == Command::push_foci && reply.status == interface::Status::ok ? 1 : 0;
             waits += reply.command == Command::gate && reply.status == interface::Status::ok ? 1 : 0;
         }
         return difference;
@@ -530,6 +699,7 @@ private:
     unsigned lost_ = 0;
     bool pressed_ = false;
     bool sticky_ = false;
+    std::uint32_t foci_ = 0;     // of a focus record of the present image
     std::uint64_t period_ = 0;  // as the board said last
     std::uint32_t forced_for_ = 0;
     link::ReplyDecoder decoder_;

@@ -58,6 +58,17 @@ void compare(std::string_view configuration, std::uint64_t commands, std::uint32
         "{} times, with the master's number {} times, {} losses\n",
         configuration, seed, host.commands, host.replies, host.applied, host.images, boards.edges, boards.cycles,
         core.now(), host.in_step, host.numbered, host.losses);
+    const bool wide = core.parameters().width_bits != 0;
+    if (wide)
+        fmt::print("    {} cycles of foci, {} times modulated, {} bent, {} with a far focus, {} PUSH_FOCI\n",
+                   boards.focus_cycles, host.modulated, host.bent, host.far, host.pushed_foci);
+    if (wide && commands >= 1000) {
+        REQUIRE(boards.focus_cycles > 0);
+        REQUIRE(host.modulated > 0);
+        REQUIRE(host.bent > 0);
+        REQUIRE(host.far > 0);
+        REQUIRE(host.pushed_foci > 0);
+    }
     if (sync == Sync::slave) {
         REQUIRE(host.in_step > 0);
         REQUIRE(host.numbered > 0);
@@ -189,4 +200,8 @@ TEST_CASE("reference: in one go or clock by clock, with or without an audience, 
     REQUIRE(once.cycles == alone.cycles);
     REQUIRE(once.arrivals == alone.arrivals);
     REQUIRE(once.edges.size() > 10'000);
+}
+
+TEST_CASE("reference: no reply and no pulse differs from the small core's with amplitudes, modulation, slew limit and foci") {
+    compare("small-16-wide", size(100'000, 3'000), Catch::rngSeed());
 }

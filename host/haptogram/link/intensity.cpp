@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/link/memory.hpp"
 #include "haptogram/link/transfer.hpp"
 #include "haptogram/solve/drives.hpp"
 
@@ -19,12 +20,6 @@ constexpr std::uint32_t word_bytes = 2;
 constexpr std::uint32_t pulse_word = 1;  // of a record: the pulse's length, and the cycle's upper bits
 
 bool is_timings(const Record& record) { return record.kind == interface::Kind::timings; }
-
-Bytes bytes_of(std::uint32_t address, std::uint16_t word) {
-    return {static_cast<std::uint8_t>(address),       static_cast<std::uint8_t>(address >> 8),
-            static_cast<std::uint8_t>(address >> 16), static_cast<std::uint8_t>(address >> 24),
-            static_cast<std::uint8_t>(word),          static_cast<std::uint8_t>(word >> 8)};
-}
 
 }  // namespace
 
@@ -47,7 +42,7 @@ void Intensity::set(Commands& device, double factor) {
 
 void Intensity::set_pulses(Commands& device, double factor) {
     const std::uint32_t least_clocks = std::max(device.identity().min_pulse_clocks, 1U);
-    std::vector<Request> requests;
+    std::vector<Piece> pieces;
     for (std::size_t i = 0; i < image_.records.size(); ++i) {
         const Record& record = image_.records[i];
         if (!is_timings(record)) continue;
@@ -59,24 +54,23 @@ void Intensity::set_pulses(Commands& device, double factor) {
         interface::record_field::cycle_length.set(header, record.cycle_length);
         interface::record_field::pulse_length.set(header, pulse);
         const std::uint32_t word = static_cast<std::uint32_t>(i) * record_words(image_.channels) + pulse_word;
-        requests.push_back(
-            {interface::Command::write, bytes_of(interface::primary_base + word_bytes * word, header[pulse_word])});
+        pieces.push_back({interface::primary_base + word_bytes * word,
+                          {static_cast<std::uint8_t>(header[pulse_word]),
+                           static_cast<std::uint8_t>(header[pulse_word] >> 8)}});
         pulses_[i] = pulse;
     }
-    device.pipeline(std::move(requests));
+    device.pipeline(writing(pieces));
 }
 
 void Intensity::set_samples(Commands& device, double factor) const {
     Image weaker;
     weaker.channels = image_.channels;
-    const bool modulates = image_.modulation.has_value();
-    weaker.modulation = modulates ? image_.modulation : SampledModulation{1, {255, 255}};
+    weaker.modulation = image_.modulation.value_or(SampledModulation{1, {255, 255}});
     for (std::uint8_t& sample : weaker.modulation->samples)
         sample = static_cast<std::uint8_t>(std::lround(factor * sample));
     // Samples that a device plays may change while it does; it goes on where it is in its loop.
     write_settings(device, weaker);
-    const bool on = device.status().modulated;
-    if (!on) start_modulation(device, weaker);
+    if (!device.status().modulated) start_modulation(device, weaker);
 }
 
 }  // namespace haptogram::link

@@ -94,6 +94,11 @@ void EmissionModel::check(std::span<const Emission> emissions, const EmissionPer
 
 std::vector<EmissionWord> EmissionModel::period(std::span<const Emission> emissions, const EmissionPeriod& settings) {
     check(emissions, settings);
+    return as_played(emissions, settings);
+}
+
+std::vector<EmissionWord> EmissionModel::as_played(std::span<const Emission> emissions,
+                                                   const EmissionPeriod& settings) {
     const SlewLimit& slew = settings.slew;
     if (settings.new_target)
         periods_left_ = slew.arrival_periods;

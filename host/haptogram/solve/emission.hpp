@@ -72,8 +72,15 @@ public:
     ///   of 0, an arrival in 0 or more than 4095 periods
     [[nodiscard]] std::vector<EmissionWord> period(std::span<const Emission> emissions, const EmissionPeriod& settings);
 
+    /// The same for settings that a board bears, though they make no sense: a rate of 0, or a raw pulse as long as its
+    /// cycle.
+    [[nodiscard]] std::vector<EmissionWord> as_played(std::span<const Emission> emissions,
+                                                      const EmissionPeriod& settings);
+
     /// What each channel emits in the last period, after the slew limiter.
     [[nodiscard]] const std::vector<Emission>& places() const { return places_; }
+    /// Puts a channel where it was before, because its word of the last period was never made.
+    void put_back(std::uint32_t channel, Emission place) { places_[channel] = place; }
 
 private:
     void check(std::span<const Emission> emissions, const EmissionPeriod& settings) const;

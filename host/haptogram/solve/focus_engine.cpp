@@ -70,16 +70,18 @@ struct Way {
 /// focus_phase.v
 Way phase_of(const GeometryWords& place, const FocusWords& focus, std::uint32_t wave_number) {
     std::uint64_t square = 0;
+    bool far = false;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::int64_t difference =
             signed_18(focus[axis], static_cast<std::uint32_t>(focus[3] >> (2 * axis) & 3)) - signed_16(place[axis]);
-        if (std::abs(difference) >= 0x20000) return {0, true};
-        square += static_cast<std::uint64_t>(difference * difference);
+        far = far || std::abs(difference) >= 0x20000;
+        const std::int64_t kept = ((difference + 0x20000) & 0x3ffff) - 0x20000;  // of a far one, which then means nothing
+        square += static_cast<std::uint64_t>(kept * kept) & 0x3ffffffffU;
     }
     // In sixteenths of a unit. A double holds the square exactly, so its root, rounded down, is exact.
     const auto root = static_cast<std::uint64_t>(std::sqrt(static_cast<double>(square << 8U)));
     const std::uint64_t turns = (2U * root + 1U) * wave_number;
-    return {static_cast<std::uint16_t>(place[3] - (turns >> 16U)), false};
+    return {static_cast<std::uint16_t>(place[3] - (turns >> 16U)), far};
 }
 
 /// 2^17 times the sine of a phase (phasor_sum.v)
@@ -137,7 +139,6 @@ ChannelDrive drive_of(const GeometryWords& place, std::span<const FocusWords> fo
                                                 : std::min<std::uint64_t>(length * gain >> 14U, 0xffff);
     drive.amplitude = static_cast<std::uint16_t>(amplitude);
     if (foci.size() > 1) drive.phase = sum.angle;
-    if (amplitude == 0) drive.phase = 0;
     return drive;
 }
 
@@ -219,10 +220,17 @@ std::vector<ChannelDrive> engine_drives(const FocusEngine& engine, std::span<con
             throw bad_input(
                 "focus engine",
                 fmt::format("focus {}: the last word is {:#06x}; expected 0 in bits 7 and 6", i + 1, foci[i][3]));
+    std::vector<ChannelDrive> drives = engine_outputs(engine.geometry, engine.wave_number, engine.gain, foci, whole);
+    for (ChannelDrive& drive : drives)
+        if (drive.amplitude == 0) drive.phase = 0;
+    return drives;
+}
+
+std::vector<ChannelDrive> engine_outputs(std::span<const GeometryWords> geometry, std::uint32_t wave_number,
+                                         std::uint16_t gain, std::span<const FocusWords> foci, bool whole) {
     std::vector<ChannelDrive> drives;
-    drives.reserve(engine.geometry.size());
-    for (const GeometryWords& place : engine.geometry)
-        drives.push_back(drive_of(place, foci, engine.wave_number, engine.gain, whole));
+    drives.reserve(geometry.size());
+    for (const GeometryWords& place : geometry) drives.push_back(drive_of(place, foci, wave_number, gain, whole));
     return drives;
 }
 
