@@ -70,8 +70,15 @@ public:
     /// Name of the configuration, as it was asked for.
     [[nodiscard]] std::string_view name() const { return configuration().name; }
     [[nodiscard]] const interface::CoreParameters& parameters() const { return configuration().parameters; }
-    /// What is at the ports after the last clock.
+    /// What is at the ports after the last clock. A reference board computes pulses for somebody who looks at them.
     [[nodiscard]] virtual const Model::Outputs& outputs() const = 0;
+    /// What of it can be had for nothing.
+    struct Present {
+        std::uint16_t index;
+        bool enabled;
+        [[nodiscard]] bool playing() const { return enabled && index != 0; }
+    };
+    [[nodiscard]] virtual Present present() const = 0;
     [[nodiscard]] bool pin(std::uint32_t channel) const {
         return ((outputs().pins[channel / 32] >> (channel % 32)) & 1U) != 0;
     }

@@ -149,6 +149,7 @@ public:
     void run(std::uint64_t clocks);
     void reset(unsigned clocks);
     const Model::Outputs& outputs();
+    [[nodiscard]] Present present() const { return {index_, guard_.enabled()}; }
     void press_stop(bool pressed);
     void on_edge(std::function<void(const Edge&)> callback);
 
@@ -331,6 +332,7 @@ void ReferenceBoard::Core::edge(Clock clock) {
         const LineIn::Event event = line_in.at(clock);
         if (event.byte) byte_arrives(clock, *event.byte);
         disable_ = event.broken;
+        if (event.chained) line_out_.chain(clock, *event.chained);
     }
     if (clock == urgent_stop_at_) {
         urgent_stop_at_ = never;
@@ -941,6 +943,7 @@ std::uint16_t ReferenceBoard::Core::memory_word() const {
     has(Feature::live_foci, p_.foci != 0);
     has(Feature::sync, p_.sync != 0);
     has(Feature::schedule, p_.schedule != 0);
+    has(Feature::chain, p_.chain != 0);
     field::version_minor.set(identity, interface::version_minor);
     field::version_major.set(identity, interface::version_major);
     field::channels.set(identity, p_.channels);
@@ -1000,31 +1003,15 @@ std::uint16_t ReferenceBoard::Core::status_word(std::uint32_t word) const {
 ReferenceBoard::ReferenceBoard(std::string_view configuration, unsigned reset_clocks)
     : ReferenceBoard(configuration_named(configuration), reset_clocks) {}
 ReferenceBoard::ReferenceBoard(const interface::CoreConfiguration& configuration, unsigned reset_clocks)
-    : core_(std::make_unique<Core>(configuration, reset_clocks)) {
-    if (configuration.parameters.chain != 0)
-        throw bad_argument("configuration",
-                           fmt::format("the reference board passes no serial line on, and {} does; take the Verilated "
-                                       "core (--model rtl), or another configuration",
-                                       configuration.name));
-}
+    : core_(std::make_unique<Core>(configuration, reset_clocks)) {}
 ReferenceBoard::~ReferenceBoard() = default;
-
-const std::vector<interface::CoreConfiguration>& ReferenceBoard::configurations() {
-    static const std::vector<interface::CoreConfiguration> able = [] {
-        std::vector<interface::CoreConfiguration> found;
-        for (const interface::CoreConfiguration& configuration : interface::core_configurations)
-            if (configuration.parameters.chain == 0)
-                found.push_back(configuration);
-        return found;
-    }();
-    return able;
-}
 
 void ReferenceBoard::run(std::uint64_t clocks) { core_->run(clocks); }
 void ReferenceBoard::reset(unsigned clocks) { core_->reset(clocks); }
 std::uint64_t ReferenceBoard::now() const { return core_->now; }
 const interface::CoreConfiguration& ReferenceBoard::configuration() const { return core_->configuration; }
 const Model::Outputs& ReferenceBoard::outputs() const { return core_->outputs(); }
+Board::Present ReferenceBoard::present() const { return core_->present(); }
 void ReferenceBoard::send(std::span<const std::uint8_t> bytes) { core_->line_in.send(bytes); }
 std::vector<std::uint8_t> ReferenceBoard::receive() { return std::exchange(core_->arrived, {}); }
 std::size_t ReferenceBoard::received() const { return core_->arrived.size(); }

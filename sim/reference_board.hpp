@@ -18,21 +18,18 @@ namespace haptogram::sim {
 class ReferenceBoard final : public Board {
 public:
     /// @param configuration  a name in tools/interface.toml, such as "tile-100"
-    /// @throws Error{bad_argument} when there is none of that name, or not in configurations()
+    /// @throws Error{bad_argument} when there is none of that name
     explicit ReferenceBoard(std::string_view configuration, unsigned reset_clocks = 4);
     /// @param configuration  parameters in the ranges of interface::core_parameters
-    /// @throws Error{bad_argument} when they ask for a chain
     explicit ReferenceBoard(const interface::CoreConfiguration& configuration, unsigned reset_clocks = 4);
     ~ReferenceBoard() override;
-
-    /// Those of tools/interface.toml that it can be: without a chain.
-    [[nodiscard]] static const std::vector<interface::CoreConfiguration>& configurations();
 
     void run(std::uint64_t clocks) override;
     void reset(unsigned clocks = 4) override;
     [[nodiscard]] std::uint64_t now() const override;
     [[nodiscard]] const interface::CoreConfiguration& configuration() const override;
     [[nodiscard]] const Model::Outputs& outputs() const override;
+    [[nodiscard]] Present present() const override;
     void send(std::span<const std::uint8_t> bytes) override;
     [[nodiscard]] std::vector<std::uint8_t> receive() override;
     [[nodiscard]] std::size_t received() const override;

@@ -47,6 +47,7 @@ void FramePlayer::reset(Clock first, Clock last) {
             if (sweep_->first + channel + place_written > first) model_.put_back(channel, before[channel]);
     }
     sweep_.reset();
+    firing_.reset();
     reader_.drop();
     loaded_ = prepared_ = bent_ = missed_ = changed_ = go_ = never;
     idle_ = last + 1;

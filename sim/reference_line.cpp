@@ -25,6 +25,52 @@ BitClock::BitClock(const interface::CoreParameters& p)
     }
 }
 
+void ByteInput::reset() {
+    level_ = true;
+    sample_at_ = never;
+}
+
+void ByteInput::level(Clock clock, bool level) {
+    if (level == level_) return;
+    level_ = level;
+    if (level || !idle()) return;
+    started_ = clock;
+    bit_ = 0;
+    sample_at_ = clock + bits_.middle[0];
+}
+
+ByteInput::Sample ByteInput::sample() {
+    const Sample sample{bit_++, level_};
+    const bool ends = sample.bit == 9 || (sample.bit == 0 && level_);  // which is too short for a start bit
+    sample_at_ = ends ? never : started_ + bits_.middle[bit_];
+    if (sample.bit > 0 && !ends) byte_ = static_cast<std::uint8_t>(byte_ >> 1 | (level_ ? 0x80U : 0U));
+    return sample;
+}
+
+bool ChainFilter::read(const ByteInput::Sample& sample, std::uint8_t byte) {
+    constexpr std::uint8_t near = 3, complement = 0xfd;  // of the nearest tile, and of all
+    if (sample.bit == 0) {
+        if (!sample.level) own_ = !mine_;
+        return false;
+    }
+    if (sample.bit < 9) {
+        own_ = sample.level || !mine_;
+        if (place_ == 0 && sample.bit == 1) counts_ = sample.level;
+        return false;
+    }
+    own_ = sample.level;
+    if (!sample.level) {
+        place_ = 0;
+        mine_ = false;
+        return false;
+    }
+    const bool begins = byte == 0 && place_ == 2 && mine_ && !counts_;
+    mine_ = byte != 0 && (place_ == 1 ? near_ && byte == complement : mine_);
+    near_ = byte == near || byte == interface::chain::all;
+    place_ = byte == 0 ? 0 : std::min(place_ + 1, 3U);
+    return begins;
+}
+
 void LineIn::force(Clock now, std::optional<bool> level) {
     forced_ = level;
     ask_at_ = now;
@@ -40,19 +86,44 @@ void LineIn::reset(Clock last) {
     ask_at_ = last + 1;
     level_ = true;
     connected_ = false;
-    sample_at_ = byte_at_ = break_at_ = never;
+    byte_at_ = break_at_ = look_at_ = never;
+    chains_at_ = unchains_at_ = tells_chain_at_ = tells_no_chain_at_ = never;
+    chained_ = false;
+    shared_.reset();
+    own_.reset();
+    filter_.reset();
 }
 
-Clock LineIn::next() const { return std::min({ask_at_, sender_.next_change(), sample_at_, byte_at_, break_at_}); }
+Clock LineIn::next() const {
+    return std::min({ask_at_, sender_.next_change(), shared_.next(), own_.next(), byte_at_, break_at_, look_at_,
+                     chains_at_, unchains_at_, tells_chain_at_, tells_no_chain_at_});
+}
 
 LineIn::Event LineIn::at(Clock clock) {
+    Event event;
+    if (clock == chains_at_ || clock == unchains_at_) {
+        chained_ = clock != unchains_at_;
+        chains_at_ = unchains_at_ = never;
+        look_at_ = clock;
+    }
     if (clock >= ask_at_ || clock >= sender_.next_change()) {
         const bool sent = sender_.level(clock);
         if (clock >= ask_at_) ask_at_ = never;
         if (clock > deaf_to_) level_is(clock, forced_.value_or(sent));
     }
-    if (clock == sample_at_) sample(clock);
-    Event event;
+    if (clock == look_at_) {
+        look_at_ = never;
+        if (chained_) own_.level(clock, filter_.own());
+    }
+    if (!chained_) own_.level(clock, level_);
+    if (clock == own_.next()) {
+        const ByteInput::Sample sample = own_.sample();
+        if (sample.bit == 9 && sample.level) {
+            byte_ = own_.byte();
+            byte_at_ = clock + synchronized + 1;
+        }
+    }
+    if (has_chain_) read_shared(clock);
     if (clock == byte_at_) {
         event.byte = byte_;
         byte_at_ = never;
@@ -61,37 +132,43 @@ LineIn::Event LineIn::at(Clock clock) {
         event.broken = true;
         break_at_ = never;
     }
+    if (clock == tells_chain_at_ || clock == tells_no_chain_at_) {
+        event.chained = clock == tells_chain_at_;
+        (*event.chained ? tells_chain_at_ : tells_no_chain_at_) = never;
+    }
     return event;
+}
+
+/// The filter's registers change a clock after the bit that it reads.
+void LineIn::read_shared(Clock clock) {
+    const bool own = filter_.own();
+    if (clock == shared_.next()) {
+        const ByteInput::Sample sample = shared_.sample();
+        if (filter_.read(sample, shared_.byte()) && unchains_at_ != clock + 1) {
+            chains_at_ = clock + 1;
+            tells_chain_at_ = clock + 1 + synchronized;
+        }
+    } else if (shared_.idle() && level_) {
+        filter_.rest();
+    }
+    if (filter_.own() != own) look_at_ = clock + 1;
 }
 
 void LineIn::level_is(Clock clock, bool level) {
     connected_ = connected_ || level;
     if (level == level_) return;
     level_ = level;
+    if (has_chain_) shared_.level(clock, level);
     if (level) {
-        if (clock < low_since_ + bits_.break_clocks) break_at_ = never;
+        if (clock < low_since_ + bits_.break_clocks) break_at_ = unchains_at_ = tells_no_chain_at_ = never;
         return;
     }
     low_since_ = clock;
-    if (connected_) break_at_ = clock + synchronized + bits_.break_clocks;
-    if (sample_at_ != never) return;  // within a byte
-    started_ = clock;
-    bit_ = 0;
-    sample_at_ = clock + bits_.middle[0];
-}
-
-void LineIn::sample(Clock clock) {
-    const std::size_t bit = bit_++;
-    sample_at_ = never;
-    if (bit == 0 && level_) return;  // too short for a start bit
-    if (bit == 9) {
-        if (!level_) return;  // no stop bit
-        byte_ = shift_;
-        byte_at_ = clock + synchronized + 1;
-        return;
-    }
-    if (bit > 0) shift_ = static_cast<std::uint8_t>(shift_ >> 1 | (level_ ? 0x80U : 0U));
-    sample_at_ = started_ + bits_.middle[bit_];
+    if (!connected_) return;
+    break_at_ = clock + synchronized + bits_.break_clocks;
+    if (!has_chain_) return;
+    unchains_at_ = break_at_ - synchronized + 1;
+    tells_no_chain_at_ = break_at_ + 1;
 }
 
 Clock LineOut::collect(Clock offered, std::uint8_t byte) {
@@ -109,18 +186,50 @@ void LineOut::close(Clock offered) {
     const Clock last = collect(first + 1, static_cast<std::uint8_t>(crc));
     std::vector<std::uint8_t> line = link::cobs_encode(frame_);
     line.push_back(0);
-    Clock begin = std::max(last + 4, sends_from_);  // three clocks end the code and fetch its first byte
-    for (const std::uint8_t byte : line) {
-        sent_.push_back({begin, static_cast<Clock>(static_cast<double>(begin) + 9.5 * bits_.host_clocks), byte});
-        collects_from_ = begin + 1;
-        sends_from_ = begin + bits_.begin[10] + 1;
-        begin = sends_from_;
-    }
+    ready_ = last + 3;  // three clocks end the code and fetch its first byte
+    plan(ready_, line);
     frame_.clear();
     run_ = 1;
 }
 
+/// @param ready  from this clock on they can be taken
+void LineOut::plan(Clock ready, std::span<const std::uint8_t> line) {
+    constexpr std::uint8_t head[] = {3, 0xfd};  // of the nearest tile
+    Clock begin = std::max(ready + 1, sends_from_);
+    if (chained_) {  // a clock to choose whose frame it is
+        begin = std::max(ready + 2, sends_from_);
+        for (const std::uint8_t byte : head) {
+            send(begin, byte, true);
+            begin = sends_from_;
+        }
+    }
+    for (const std::uint8_t byte : line) {
+        send(begin, byte, false);
+        collects_from_ = begin + 1;
+        begin = sends_from_;
+    }
+}
+
+void LineOut::send(Clock begin, std::uint8_t byte, bool heads) {
+    sent_.push_back({begin, static_cast<Clock>(static_cast<double>(begin) + 9.5 * bits_.host_clocks), byte, heads});
+    sends_from_ = begin + bits_.begin[10] + 1;
+}
+
+/// What has not begun yet goes as the new state has it.
+void LineOut::chain(Clock clock, bool chained) {
+    chained_ = chained;
+    std::vector<std::uint8_t> left;
+    while (!sent_.empty() && sent_.back().begin > clock) {
+        if (!sent_.back().heads) left.insert(left.begin(), sent_.back().byte);
+        sent_.pop_back();
+    }
+    const Sent* before = !sent_.empty() ? &sent_.back() : last_ ? &*last_ : nullptr;
+    sends_from_ = before != nullptr ? before->begin + bits_.begin[10] + 1 : 0;
+    if (!left.empty()) plan(std::max(clock, ready_), left);
+}
+
 void LineOut::reset(Clock clock) {
+    chained_ = false;
     frame_.clear();
     run_ = 1;
     collects_from_ = sends_from_ = 0;

@@ -23,10 +23,58 @@ struct BitClock {
     double host_clocks;              ///< of a bit at the host's end, which is exact
 };
 
+/// Receives bytes from a line whose changes it is told (rtl/uart_rx.v).
+class ByteInput {
+public:
+    explicit ByteInput(const BitClock& bits) : bits_(bits) {}
+
+    /// The line's level from this clock on.
+    void level(Clock clock, bool level);
+    [[nodiscard]] bool level() const { return level_; }
+    void reset();
+    /// The clock in which the next bit is read.
+    [[nodiscard]] Clock next() const { return sample_at_; }
+    [[nodiscard]] bool idle() const { return sample_at_ == never; }
+    struct Sample {
+        std::size_t bit = 0;  ///< 0 start, 9 stop
+        bool level = false;
+    };
+    /// Reads the bit of this clock.
+    [[nodiscard]] Sample sample();
+    /// After a stop bit.
+    [[nodiscard]] std::uint8_t byte() const { return byte_; }
+
+private:
+    const BitClock& bits_;
+    bool level_ = true;
+    std::size_t bit_ = 0;  // the one that is read next
+    Clock started_ = 0, sample_at_ = never;
+    std::uint8_t byte_ = 0;
+};
+
+/// What a tile of a chain lets its own receiver see of the line (rtl/chain_down.v). Nothing is behind it here.
+class ChainFilter {
+public:
+    void reset() { *this = {}; }
+    /// A bit was read of the line that all tiles share. @return whether it ended a frame that begins the chain
+    [[nodiscard]] bool read(const ByteInput::Sample& sample, std::uint8_t byte);
+    /// The line is high between bytes.
+    void rest() { own_ = true; }
+    /// As the tile's own receiver sees it from the next clock on, in a chain.
+    [[nodiscard]] bool own() const { return own_; }
+
+private:
+    unsigned place_ = 0;  // the byte of the frame that comes, up to 3
+    bool own_ = true, counts_ = false, near_ = false, mine_ = false;
+};
+
 /// The line towards the board: the host's sender, or what holds the line, and what the board makes of it.
 class LineIn {
 public:
-    explicit LineIn(const interface::CoreParameters& p) : bits_(p), sender_(bits_.host_clocks) {}
+    explicit LineIn(const interface::CoreParameters& p)
+        : bits_(p), has_chain_(p.chain != 0), sender_(bits_.host_clocks), shared_(bits_), own_(bits_) {}
+    LineIn(const LineIn&) = delete;
+    LineIn& operator=(const LineIn&) = delete;
 
     void send(std::span<const std::uint8_t> bytes) { sender_.send(bytes); }
     [[nodiscard]] bool idle() const { return sender_.idle(); }
@@ -41,26 +89,33 @@ public:
     struct Event {
         std::optional<std::uint8_t> byte;  ///< its good stop bit was seen three clocks ago
         bool broken = false;               ///< the line has been low for too long
+        std::optional<bool> chained;       ///< from this clock on the board is one of a chain, or is not
     };
     /// What the board learns in this clock; to be asked at every clock that next() says, in turn.
     Event at(Clock clock);
 
 private:
     void level_is(Clock clock, bool level);
-    void sample(Clock clock);
+    void read_shared(Clock clock);
 
     BitClock bits_;
+    bool has_chain_;
     SerialSender sender_;
     std::optional<bool> forced_;
     Clock ask_at_ = 0;  // the host has done something
-    // The board's side.
-    Clock deaf_to_ = 0;  // last clock of reset
+    // The board's side. Clocks are those at the pin, which the board sees two later.
+    Clock deaf_to_ = 0;       // last clock of reset
     bool level_ = true;
     bool connected_ = false;  // the line has been high since reset; otherwise nobody is there who could send a break
     Clock low_since_ = 0, break_at_ = never;
-    std::size_t bit_ = 0;  // the one that is sampled next
-    Clock started_ = 0, sample_at_ = never, byte_at_ = never;
-    std::uint8_t shift_ = 0, byte_ = 0;
+    ByteInput shared_, own_;  // of a chain; what the board takes its bytes from
+    Clock byte_at_ = never;
+    std::uint8_t byte_ = 0;
+    ChainFilter filter_;
+    bool chained_ = false;
+    Clock chains_at_ = never, unchains_at_ = never;         // as the filter sees it
+    Clock tells_chain_at_ = never, tells_no_chain_at_ = never;  // as all others do
+    Clock look_at_ = never;                                 // the own line may have changed
 };
 
 /// The line from the board: frames as bytes with their clocks at the host's end.
@@ -75,6 +130,9 @@ public:
     void close(Clock offered);
     /// The board's reset begins: what has not been sent is lost, and the byte under way is cut off.
     void reset(Clock clock);
+    /// From this clock on the board is one of a chain, or is not: two bytes that say whose it is go before each frame. A
+    /// frame that has been begun while another one was on the line keeps the clocks it was given.
+    void chain(Clock clock, bool chained);
 
     [[nodiscard]] Clock next() const { return sent_.empty() ? never : sent_.front().arrives; }
     /// The byte that arrives at the host in next().
@@ -86,9 +144,14 @@ private:
     struct Sent {
         Clock begin, arrives;
         std::uint8_t byte;
+        bool heads = false;  // before a frame, not of it
     };
+    void send(Clock begin, std::uint8_t byte, bool heads);
+    void plan(Clock ready, std::span<const std::uint8_t> line);
 
     BitClock bits_;
+    bool chained_ = false;
+    Clock ready_ = 0;  // from which on the encoder has the present frame for the line
     std::vector<std::uint8_t> frame_;
     unsigned run_ = 1;          // bytes since the last zero, and one; COBS needs a clock more after 254 of them
     Clock collects_from_ = 0;   // the encoder has room

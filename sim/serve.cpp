@@ -45,8 +45,8 @@ Served serve(Board& board, PseudoTerminal& terminal, const ServeOptions& options
     const auto go_on = [&] {
         served.simulated_s = static_cast<double>(board.now()) / clock_hz;
         served.wall_s = wall();
-        served.index = board.outputs().index;
-        served.enabled = board.outputs().enabled;
+        served.index = board.present().index;
+        served.enabled = board.present().enabled;
         return watch(served) && (options.seconds == 0.0 || served.simulated_s < options.seconds);
     };
     while (go_on()) {
@@ -57,7 +57,7 @@ Served serve(Board& board, PseudoTerminal& terminal, const ServeOptions& options
         board.send(arrived);
         const double before_s = wall();
         board.run(slice);
-        if (board.outputs().playing) {
+        if (board.present().playing()) {
             served.playing_clocks += slice;
             served.playing_s += wall() - before_s;
         }
@@ -76,6 +76,26 @@ std::string_view model_with_channels(std::uint32_t channels, std::span<const int
         known += fmt::format("{}{}", known.empty() ? "" : ", ", parameters.channels);
     }
     throw bad_argument("channels", fmt::format("no simulated board has {}; there are {}", channels, known));
+}
+
+std::string_view model_like(const Core& core, std::span<const interface::CoreConfiguration> models) {
+    const interface::CoreParameters& asked = core.parameters;
+    const auto stands_for_it = [&asked](const interface::CoreParameters& p) {
+        const bool same_indices = asked.foci == 0 || p.records == asked.records;  // focus records follow the others
+        return p.channels == asked.channels && p.clock_hz == asked.clock_hz && p.records >= asked.records &&
+               same_indices && p.sequence_depth >= asked.sequence_depth && p.live_depth >= asked.live_depth &&
+               p.timing_bits >= asked.timing_bits && p.pulse_bits >= asked.pulse_bits &&
+               p.width_bits >= asked.width_bits && p.modulation_depth >= asked.modulation_depth &&
+               p.slew >= asked.slew && p.foci >= asked.foci && p.schedule >= asked.schedule && p.sync >= asked.sync;
+    };
+    std::string known;
+    for (const auto& [name, parameters, about] : models) {
+        if (name == core.name || stands_for_it(parameters)) return name;
+        known += fmt::format("{}{}", known.empty() ? "" : ", ", name);
+    }
+    throw bad_argument("board", fmt::format("no Verilated core can stand for {}; there are {}; take the reference board "
+                                            "(--model reference), or add its name to sim/models.cmake",
+                                            core.name, known));
 }
 
 }  // namespace haptogram::sim

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "board.hpp"
+#include "haptogram/boards/core.hpp"
 #include "haptogram/link/frame.hpp"
 #include "pseudo_terminal.hpp"
 
@@ -54,5 +55,11 @@ Served serve(Board& board, PseudoTerminal& terminal, const ServeOptions& options
 /// @throws Error{bad_argument} for "channels" when there is none; the message lists those that there are
 [[nodiscard]] std::string_view model_with_channels(
     std::uint32_t channels, std::span<const interface::CoreConfiguration> models = available_models());
+
+/// The first of these configurations that can stand for a core: as many channels at the same clock, and all that it has
+/// of memory and features.
+/// @throws Error{bad_argument} for "board" when there is none; the message lists those that there are
+[[nodiscard]] std::string_view model_like(const Core& core,
+                                          std::span<const interface::CoreConfiguration> models = available_models());
 
 }  // namespace haptogram::sim

@@ -99,8 +99,7 @@ ServedTiles serve(Tiles& tiles, std::span<const std::unique_ptr<PseudoTerminal>>
             links[i].out(answer);
         }
     }
-    // Only now: whoever looks at a reference board's outputs makes it compute pulses.
-    for (std::size_t i = 0; i < tiles.size(); ++i) served.enabled[i] = tiles.board(i).outputs().enabled;
+    for (std::size_t i = 0; i < tiles.size(); ++i) served.enabled[i] = tiles.board(i).present().enabled;
     return served;
 }
 

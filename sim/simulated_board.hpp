@@ -31,6 +31,7 @@ public:
     [[nodiscard]] std::uint64_t now() const override { return now_; }
     [[nodiscard]] const interface::CoreConfiguration& configuration() const override { return model_->configuration(); }
     [[nodiscard]] const Model::Outputs& outputs() const override { return outputs_; }
+    [[nodiscard]] Present present() const override { return {outputs_.index, outputs_.enabled}; }
 
     void send(std::span<const std::uint8_t> bytes) override { sender_.send(bytes); }
     [[nodiscard]] std::vector<std::uint8_t> receive() override;

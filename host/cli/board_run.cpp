@@ -15,6 +15,7 @@
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/boards/core.hpp"
 #include "haptogram/image/image.hpp"
 #include "haptogram/image/intel_hex.hpp"
 #include "haptogram/instrument/source.hpp"
@@ -38,6 +39,7 @@ struct RunOptions {
     std::string model = "rtl";
     std::string trace;
     std::string pulses;
+    std::string board;
     std::uint32_t channels = 100;
     double seconds = 0.0;
     RunTilesOptions tiles;
@@ -105,18 +107,23 @@ int run_board(const RunOptions& options) {
     const bool is_rtl = options.model == "rtl";
     if (!is_rtl && !options.trace.empty())
         throw bad_argument("trace", "the reference board has no signals; give --model rtl, or leave out the trace");
-    if (!is_rtl && image && (image->foci || image->modulation))
-        throw bad_argument("model", "the reference board computes no foci and does not modulate; give --model rtl");
-    const std::vector<interface::CoreConfiguration>& models =
-        is_rtl ? sim::available_models() : sim::ReferenceBoard::configurations();
-    const std::string_view model =
-        image ? sim::model_for(*image, options.image, models) : sim::model_with_channels(options.channels, models);
+    const std::span<const interface::CoreConfiguration> models =
+        is_rtl ? std::span<const interface::CoreConfiguration>(sim::available_models()) : interface::core_configurations;
+    const std::optional<Core> asked = options.board.empty() ? std::nullopt : std::optional(find_core(options.board));
+    const auto model = [&] {
+        if (asked) return sim::model_like(*asked, models);
+        return image ? sim::model_for(*image, options.image, models)
+                     : sim::model_with_channels(options.channels, models);
+    };
     std::unique_ptr<sim::SimulatedBoard> core;
     std::unique_ptr<sim::ReferenceBoard> reference;
     if (is_rtl)
-        core = std::make_unique<sim::SimulatedBoard>(model);
+        core = std::make_unique<sim::SimulatedBoard>(model());
+    else if (asked)
+        reference = std::make_unique<sim::ReferenceBoard>(
+            interface::CoreConfiguration{asked->name, asked->parameters, ""});
     else
-        reference = std::make_unique<sim::ReferenceBoard>(model);
+        reference = std::make_unique<sim::ReferenceBoard>(model());
     sim::Board& board = is_rtl ? static_cast<sim::Board&>(*core) : *reference;
     std::optional<StagedFile> trace;
     std::optional<StagedFile> pulses;
@@ -137,6 +144,7 @@ int run_board(const RunOptions& options) {
     const interface::CoreParameters& p = board.parameters();
     tell_line({{"port", terminal.name()},
                {"model", options.model},
+               {"configuration", board.name()},
                {"channels", p.channels},
                {"records", p.records},
                {"clock_hz", p.clock_hz},
@@ -191,9 +199,14 @@ void add_board_run(CLI::App& board, Action& action) {
                                          "open as its serial port; prints the port");
     auto* image = sub->add_option("--image", options->image,
                                   "Intel HEX image, or a project (.toml), that is in its memories from the start");
-    sub->add_option("--channels", options->channels, "Channels of the board, without an image")
+    auto* channels = sub->add_option("--channels", options->channels, "Channels of the board, without an image")
         ->excludes(image)
         ->capture_default_str();
+    auto* like = sub->add_option("--board", options->board,
+                    "Board to be like: shipped board, board file (TOML) or configuration of the core such as "
+                    "tile-100-wide, without an image; rtl takes the first Verilated core that can stand for it")
+        ->excludes(image)
+        ->excludes(channels);
     sub->add_option("--model", options->model,
                     "The Verilated FPGA, or the reference board, which does the same in real time")
         ->check(CLI::IsMember({"rtl", "reference"}))
@@ -211,6 +224,7 @@ void add_board_run(CLI::App& board, Action& action) {
                                   "So many boards on one wire SYNC, each behind a pseudo-terminal of its own, for a "
                                   "rig; --pty NAME names them NAME-1, NAME-2 and so on")
                       ->excludes(image)
+                      ->excludes(like)
                       ->excludes(trace)
                       ->excludes(pulses)
                       ->check(whole(1, 64));

@@ -71,8 +71,8 @@ void Player::connect(const std::string& port) {
     connect([port] { return link::open_port(port, link::PortSettings{}.baud); }, port, nullptr);
 }
 
-void Player::connect_virtual(std::uint32_t channels, const std::string& model) {
-    auto board = std::make_shared<VirtualBoard>(channels, model);
+void Player::connect_virtual(const Core& core, const std::string& model) {
+    auto board = std::make_shared<VirtualBoard>(core, model);
     connect([board] { return board->open(); }, {}, board);
 }
 

@@ -39,8 +39,8 @@ public:
 
     /// Connects to a port, in place of the present one.
     void connect(const std::string& port);
-    /// Starts a virtual board of a model, as VirtualBoard has it, with so many channels, and connects to it.
-    void connect_virtual(std::uint32_t channels, const std::string& model);
+    /// Starts a virtual board, as VirtualBoard has it, and connects to it.
+    void connect_virtual(const Core& core, const std::string& model);
     void disconnect();
     [[nodiscard]] bool connected() const;
 

@@ -191,7 +191,7 @@ private:
         tell_failure(*visitor.page, message.n, [&] {
             require_own_port();
             if (message.port == "virtual" || message.port == "virtual-rtl")
-                player_.connect_virtual(scenes_.find(message.scene)->compiled.bundle.image.channels,
+                player_.connect_virtual(instrument_of(scenes_.find(message.scene)->settings).core,
                                         message.port == "virtual" ? "reference" : "rtl");
             else
                 player_.connect(message.port);

@@ -2,14 +2,37 @@
 #include "virtual_board.hpp"
 
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/link/port.hpp"
 
 namespace haptogram::studio {
 
-VirtualBoard::VirtualBoard(std::uint32_t channels, const std::string& model)
-    : child_("virtual board", {"board", "run", "--json", "--model", model, "--channels", std::to_string(channels)}) {}
+namespace {
+
+/// Whether its name alone says all of it.
+bool is_known(const Core& core) {
+    try {
+        return find_core(core.name) == core;
+    } catch (const Error&) {
+        return false;
+    }
+}
+
+std::vector<std::string> command(const Core& core, const std::string& model) {
+    std::vector<std::string> words = {"board", "run", "--json", "--model", model};
+    if (is_known(core))
+        words.insert(words.end(), {"--board", core.name});
+    else
+        words.insert(words.end(), {"--channels", std::to_string(core.parameters.channels)});
+    return words;
+}
+
+}  // namespace
+
+VirtualBoard::VirtualBoard(const Core& core, const std::string& model)
+    : child_("virtual board", command(core, model)) {}
 
 std::unique_ptr<link::Transport> VirtualBoard::open(std::chrono::milliseconds patience) {
     const std::lock_guard lock(mutex_);

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "child.hpp"
+#include "haptogram/boards/core.hpp"
 #include "haptogram/link/transport.hpp"
 
 namespace haptogram::studio {
@@ -16,9 +17,10 @@ namespace haptogram::studio {
 class VirtualBoard {
 public:
     /// Starts it and returns at once.
+    /// @param core   what it is to be like; of one whose name 'board run --board' does not know, the channels count
     /// @param model  as 'board run --model' takes it: "reference" keeps real time, "rtl" is the FPGA's own Verilog
     /// @throws Error{failed} when no process can be started
-    VirtualBoard(std::uint32_t channels, const std::string& model);
+    VirtualBoard(const Core& core, const std::string& model);
 
     /// Opens the board's port. Waits at most so long for the board to name it; it can be called again.
     /// @throws Error{device} when it has not yet, or with the board's own words when it has none

@@ -282,7 +282,16 @@ public:
         }
         if (!keeps_role && one_in(300)) reset();
         if (one_in(60)) press_stop();
-        if (one_in(150)) disturb_line();
+        // Who leaves a chain, or begins one, waits for the answers before; the reference board's may come late otherwise.
+        if (p_.chain != 0 && one_in(chained_ ? 100 : 40)) {
+            if (std::string difference = drain(); !difference.empty()) return difference;
+            chained_ = !chained_;
+            if (chained_)
+                send({interface::chain::all, all_but(interface::chain::all), 0});
+            else
+                if (std::string difference = send_break(); !difference.empty()) return difference;
+        }
+        if (!chained_ && one_in(150)) disturb_line();
         if (one_in(60)) send(noise());
         send_frame();
         return pause();
@@ -318,6 +327,40 @@ private:
 
     void send(const Bytes& bytes) {
         boards_.both([&](sim::Board& board) { board.send(bytes); });
+    }
+
+    // ---- A chain of one
+
+    /// What stands behind the first byte of a frame, and shows whether one of the two was damaged.
+    static std::uint8_t all_but(unsigned first) { return static_cast<std::uint8_t>(~(first & 0xfeU)); }
+
+    /// For this tile, for all, or for another one.
+    Bytes addressed(const Bytes& frame) {
+        if (!chained_) return frame;
+        const unsigned first = one_in(5) ? interface::chain::all : one_in(20) ? below(256) : 3;
+        Bytes whole = {static_cast<std::uint8_t>(first), one_in(40) ? static_cast<std::uint8_t>(g_()) : all_but(first)};
+        whole.insert(whole.end(), frame.begin(), frame.end());
+        return whole;
+    }
+
+    Bytes addressed_here(const Bytes& frame) const {
+        if (!chained_) return frame;
+        Bytes whole = {3, all_but(3)};
+        whole.insert(whole.end(), frame.begin(), frame.end());
+        return whole;
+    }
+
+    std::string drain() {
+        for (int i = 0; i < 1000 && !boards_.core().line_idle(); ++i)
+            if (std::string difference = run(1000); !difference.empty()) return difference;
+        return run(40 * (2 * record_words() + 20) * (p_.clock_hz / p_.baud));
+    }
+
+    std::string send_break() {
+        boards_.both([](sim::Board& board) { board.force_line(false); });
+        std::string difference = run(25 * p_.clock_hz / p_.baud);
+        boards_.both([](sim::Board& board) { board.force_line({}); });
+        return difference.empty() ? run(1000) : difference;
     }
 
     // ---- Records and images
@@ -393,7 +436,7 @@ private:
     std::array<std::uint16_t, 4> focus() {
         std::array<std::uint16_t, 4> words{};
         for (int axis = 0; axis < 3; ++axis) words[static_cast<std::size_t>(axis)] = word(below(40'000));
-        words[3] = word((one_in(5) ? 0 : one_in(2) ? 255 : below(256)) << 8 | (one_in(40) ? below(64) : 0) |
+        words[3] = word((one_in(5) ? 0 : one_in(2) ? 255 : below(256)) << 8 | (one_in(15) ? below(64) : 0) |
                         (one_in(100) ? between(1, 3) << 6 : 0));
         return words;
     }
@@ -563,7 +606,7 @@ private:
     }
 
     /// As it is, and in its turn.
-    void say(const Request& request) { send(encoded(number_++, request)); }
+    void say(const Request& request) { send(addressed_here(encoded(number_++, request))); }
 
     static Bytes encoded(std::uint8_t number, const Request& request) {
         Bytes payload;
@@ -595,7 +638,7 @@ private:
         Bytes frame = link::encode_request(number, request.command, payload);
         const bool damaged = one_in(25);
         if (damaged) damage(frame);
-        send(frame);
+        send(addressed(frame));
         if (!damaged && (number == number_ || request.command == Command::identify))
             number_ = static_cast<std::uint8_t>(number + 1);
     }
@@ -626,6 +669,7 @@ private:
     void reset() {
         const unsigned clocks = between(1, 6);
         boards_.both([clocks](sim::Board& board) { board.reset(clocks); });
+        chained_ = false;
         lost_ = 4;
     }
 
@@ -668,7 +712,10 @@ private:
     std::string run(std::uint64_t clocks) {
         std::string difference = boards_.run(clocks);
         Bytes bytes;
-        for (const sim::Arrival& arrival : boards_.received()) bytes.push_back(arrival.byte);
+        for (const sim::Arrival& arrival : boards_.received()) {
+            if (!chained_ || place_ >= 2) bytes.push_back(arrival.byte);
+            place_ = arrival.byte == 0 ? 0 : place_ + 1;
+        }
         std::vector<link::Reply> found;
         decoder_.feed(bytes, found);
         for (const link::Reply& reply : found) {
@@ -698,6 +745,8 @@ private:
     std::uint8_t number_ = 0;
     unsigned lost_ = 0;
     bool pressed_ = false;
+    bool chained_ = false;
+    unsigned place_ = 0;  // in the answer that arrives
     bool sticky_ = false;
     std::uint32_t foci_ = 0;     // of a focus record of the present image
     std::uint64_t period_ = 0;  // as the board said last

@@ -205,3 +205,11 @@ TEST_CASE("reference: in one go or clock by clock, with or without an audience, 
 TEST_CASE("reference: no reply and no pulse differs from the small core's with amplitudes, modulation, slew limit and foci") {
     compare("small-16-wide", size(100'000, 3'000), Catch::rngSeed());
 }
+
+TEST_CASE("reference: no reply and no pulse differs from the small core's in a chain") {
+    compare("small-16-sync", size(100'000, 3'000), Catch::rngSeed(), true, Sync::any);
+}
+
+TEST_CASE("reference: no reply, no pulse and no edge of SYNC differs from those of the tile with everything") {
+    compare("tile-100-wide", size(100'000, 600), Catch::rngSeed(), true, Sync::any);
+}

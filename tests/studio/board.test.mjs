@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Playing on the simulated board, and everything that must turn its outputs off.
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
+import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
 import { accessible, boardSays, folder, openPage, picture, quantile, run, settled, sleep, start, startBrowser, startStudio } from "./support.mjs";
@@ -115,6 +115,26 @@ test("two clicks to a playing virtual board, and STOP", async (t) => {
   await boardSays(page, "outputs off");
   await page.getByRole("button", { name: "Disconnect" }).click();
   await boardSays(page, "Board: none");
+});
+
+test("a modulated scene for a board that computes foci, on a virtual board that is one", async (t) => {
+  const project = join(await folder(t), "ring.toml");
+  writeFileSync(project, 'format = "haptogram-project-1"\narray = "tile-10x10"\nboard = "tile-100-wide"\nam = "sine:200"\npoints = 8\n[[shape]]\nkind = "circle"\n');
+  const studio = await startStudio(t, project);
+  const page = await openPage(t, await startBrowser(t), studio);
+  await settled(page);
+  await page.getByRole("button", { name: "Start a virtual board" }).click();
+  await boardSays(page, "virtual board, outputs off");
+  await page.getByRole("button", { name: "Upload" }).click();
+  await page.getByText(/Uploaded: \d+ of \d+ pieces/).waitFor();
+  await page.getByRole("button", { name: "Play" }).click();
+  await page.getByText(/Playing for [1-9]/).waitFor();
+  await page.getByLabel("Intensity", { exact: true }).fill("40");
+  await page.locator(".unit", { hasText: /^40 %$/ }).waitFor();
+  await sleep(1000);
+  assert.match(await page.locator("#board").innerText(), /outputs ON/);
+  await page.getByRole("button", { name: "STOP" }).click();
+  await boardSays(page, "outputs off");
 });
 
 test("some passes, and the board is silent by itself", async (t) => {
