@@ -5,7 +5,7 @@
 // i_entry/o_take is a valid/ready stream of (index, dwell), taken when i_settled says that the shadow registers are free. The
 // record's header goes into the fields below; its words (o_timing, or i_word as it is) go on with o_shift, one a clock. o_ready is first high
 // CHANNELS + 7 clocks after the clock that takes the entry, with the last timing, or after 33 if that is later; index 0 (silence)
-// is ready after 2. A focus record is ready after 5 + 4 clocks a focus, or after 29 if that is later.
+// is ready after 2. A focus record is ready after 7 + 4 clocks a focus, or after 29 if that is later.
 // A record that cannot be played is refused: an index above RECORDS; a cycle of no clock, or of more than MAX_CYCLE_CLOCKS; a
 // pulse shorter than MIN_PULSE_CLOCKS, longer than MAX_PULSE_CLOCKS, or more than MAX_DUTY_256 / 256 of its cycle; or reserved
 // bits. A pulse length of 0 is silence and may be played. When a record is refused, o_refused strobes, and silence takes its
@@ -101,6 +101,7 @@ module memory_controller #(
     reg [7:0]            pulse_field_q;
     reg                  malformed_q;  // reserved bits, too long for PULSE_BITS, or too large a part of the cycle
     reg                  here_q;       // the last timing has arrived, or does so in this clock
+    reg                  looked_q;     // at the last focus, too, for its reserved bits
     reg                  foci_q;
     assign o_foci = FOCI != 0 && foci_q;
     wire   seeking = FOCI != 0 && seeks_q != 2'd0;
@@ -179,7 +180,7 @@ module memory_controller #(
                 state_q   <= READY;
                 o_silent  <= 1'b1;
                 o_refused <= refuse_index;
-            end else if ((ends || here_q) && checked) begin
+            end else if ((o_foci ? looked_q : ends || here_q) && checked) begin
                 state_q   <= READY;
                 o_silent  <= unplayable;
                 o_refused <= unplayable;
@@ -194,7 +195,7 @@ module memory_controller #(
             o_index   <= i_index;
             o_dwell   <= i_dwell;
             foci_q    <= i_index > TOP_INDEX;
-            {here_q, header_q} <= 2'b00;
+            {here_q, looked_q, header_q} <= 3'b000;
         end else if (places_q) begin
             o_address <= o_foci ? first_foci[ADDRESS_BITS-1:0] : first_word[ADDRESS_BITS-1:0];
             asked_q   <= {WORD_BITS{1'b0}};
@@ -221,6 +222,7 @@ module memory_controller #(
             o_prescaler[PRESCALER_BITS-1:0] <= {o_prescaler[PRESCALER_BITS-2:0], o_prescaler[PRESCALER_BITS-1]};
         end
         if (ends) here_q <= 1'b1;
+        if (here_q && !o_take) looked_q <= 1'b1;
         if (o_foci && places_q) begin  // as if this had come in a header
             {o_amplitudes, header_q, malformed_q} <= {2'b11, !has_room};
             {pulse_field_q, o_cycle_length, o_prescaler} <= {16'd0, i_foci_cycle, 24'd1};

@@ -254,11 +254,11 @@ private:
     std::uint64_t taken_before_ = 0;  // words of earlier frames
     Clock first_run_ = 0, second_run_ = 0;
     std::uint64_t first_words_ = 0, second_words_ = 0;
-    std::vector<std::uint16_t> word_;  // of the frame: sequence number and command, arguments, data
-    std::size_t data_ = 0;             // number of the first data word
-    std::size_t written_ = 0;          // data words
+    std::vector<std::uint16_t> word_;         // of the frame: sequence number and command, arguments, data
+    std::size_t data_ = 0;                    // number of the first data word
+    std::size_t written_ = 0;                 // data words
     std::vector<std::uint16_t> foci_pushed_;  // indices of the focus records that a PUSH_FOCI has written
-    std::uint16_t low_half_ = 0;       // of a word of sequence memory
+    std::uint16_t low_half_ = 0;              // of a word of sequence memory
     std::uint32_t live_free_ = 0;
     Command command_{};
     Shape shape_;
@@ -370,8 +370,8 @@ void ReferenceBoard::Core::play(Clock clock) {
     count_.guard = static_cast<std::uint16_t>(count_.guard + verdict.tripped);
 
     const bool was_off = std::exchange(off_, off());
-    const Player::Counted counted = player_->at(
-        clock, {.waits = guard_.allows() || together, .off = off_, .hold = step.holds, .common = together});
+    const Player::Counted counted =
+        player_->at(clock, {.waits = guard_.allows() || together, .off = off_, .hold = step.holds, .common = together});
     if (waits_for_memory_ && source_.drops(clock)) reply_at_ = clock + 1;
     if (source_.followed()) schedule_.drop_starts();
     source_.passed(clock);
@@ -745,8 +745,8 @@ void ReferenceBoard::Core::keep_pushed(Clock clock) {
     if (use.turn == Schedule::Turn::waits) schedule_.push_waits();
     std::vector<EntrySource::Entry> entries;
     const auto dwell = static_cast<std::uint16_t>(argument(0));
-    for (const std::uint16_t index :
-         command_ == Command::push_foci ? std::span<const std::uint16_t>(foci_pushed_) : std::span(word_).subspan(data_))
+    for (const std::uint16_t index : command_ == Command::push_foci ? std::span<const std::uint16_t>(foci_pushed_)
+                                                                    : std::span(word_).subspan(data_))
         entries.push_back({index, dwell});
     const bool closed = behind || use.turn == Schedule::Turn::waits;
     if (!closed && source_.mode() != interface::Mode::live) drop_starts();

@@ -15,15 +15,14 @@ constexpr std::uint32_t lead_beside_channels = 44;
 constexpr Clock frame_clocks = 4;  // until its frame is whole, beside one for each word
 constexpr Clock base_clocks = 2;   // until a focus record's place is worked out, in two clocks
 constexpr Clock place_clocks = 3;
-constexpr Clock checked_to = 8;  // the record is ready so many clocks after the last word whose reserved bits are looked at was asked for
 // Of a focus record, from the clock in which its words are there.
 constexpr Clock engine_clocks = 35;  // until its frame is whole, beside one for each focus and channel
 
 // Of a period's words, from the clock in which they are begun.
-constexpr Clock sample_clocks = 4;   // until its sample is there
-constexpr Clock slew_clocks = 18;    // until the slew limiter has its share
-constexpr Clock word_clocks = 14;    // until a word is there
-constexpr Clock place_written = 8;   // until the slew limiter has noted it
+constexpr Clock sample_clocks = 4;  // until its sample is there
+constexpr Clock slew_clocks = 18;   // until the slew limiter has its share
+constexpr Clock word_clocks = 14;   // until a word is there
+constexpr Clock place_written = 8;  // until the slew limiter has noted it
 constexpr Clock between_periods = 4;
 
 }  // namespace
@@ -236,31 +235,28 @@ void FramePlayer::load_words(std::span<const std::uint16_t> words, bool common) 
     next_ = {false, amplitudes, {header.cycle_length, header.prescaler}, header.pulse, {}};
     next_.frame.reserve(p_.channels);
     for (const std::uint16_t word : words.subspan(interface::record_header_words))
-        next_.frame.push_back(amplitudes ? Emission{static_cast<std::uint16_t>((word >> 8) * 257),
-                                                    static_cast<std::uint16_t>(word << 8)}
-                                         : Emission{0xffff, word});
+        next_.frame.push_back(
+            amplitudes ? Emission{static_cast<std::uint16_t>((word >> 8) * 257), static_cast<std::uint16_t>(word << 8)}
+                       : Emission{0xffff, word});
     loaded_ = std::max(reader_.ready(), reader_.taken() + frame_clocks + words.size());
 }
 
 void FramePlayer::load_foci(std::span<const std::uint16_t> words, bool common) {
-    const Clock lasts = reader_.ready() - reader_.taken();
     bool reserved = false;
-    for (std::size_t word = 3; word < words.size() && word + checked_to <= lasts; word += 4)
-        reserved = reserved || (words[word] & 0xc0U) != 0;
+    for (std::size_t word = 3; word < words.size(); word += 4) reserved = reserved || (words[word] & 0xc0U) != 0;
     if (reserved || !has_room(foci_cycle_) || (common && foci_cycle_ != carrier_period(p_))) return;
     next_ = {false, true, {foci_cycle_, 1}, 0, {}};
     for (std::size_t word = 0; word < words.size(); word += 4)
-        foci_.push_back({words[word], words[word + 1], words[word + 2],
-                         static_cast<std::uint16_t>(words[word + 3] & ~0xc0U)});
+        foci_.push_back({words[word], words[word + 1], words[word + 2], words[word + 3]});
     loaded_ = reader_.ready() + engine_clocks + p_.channels * foci_.size();
 }
 
 /// @return whether a focus was too far from a channel
 bool FramePlayer::compute_foci(Clock clock) {
     const auto set = settings.at(clock);
-    const std::vector<ChannelDrive> drives = engine_outputs(
-        geometry, field::wave_number.get(set), static_cast<std::uint16_t>(field::gain.get(set)), foci_,
-        field::foci_whole.get(set) != 0);
+    const std::vector<ChannelDrive> drives =
+        engine_outputs(geometry, field::wave_number.get(set), static_cast<std::uint16_t>(field::gain.get(set)), foci_,
+                       field::foci_whole.get(set) != 0);
     bool far = false;
     next_.frame.reserve(p_.channels);
     for (const ChannelDrive& drive : drives) {
@@ -306,8 +302,7 @@ void FramePlayer::begin_sweep(Clock clock, bool new_target) {
                     .slew = {.mode = limits ? static_cast<Slew>(mode) : Slew::none,
                              .phase_rate = static_cast<std::uint16_t>(field::phase_rate.get(set)),
                              .amplitude_rate = static_cast<std::uint16_t>(field::amplitude_rate.get(set)),
-                             .arrival_periods =
-                                 static_cast<std::uint16_t>(std::max(field::arrival.get(set), 1U))}};
+                             .arrival_periods = static_cast<std::uint16_t>(std::max(field::arrival.get(set), 1U))}};
 }
 
 std::vector<EmissionWord> FramePlayer::words_of(const Sweep& sweep) {

@@ -13,9 +13,9 @@
 
 namespace haptogram::sim {
 
-/// Records of timings, amplitudes and foci, for channels that each have an amplitude (rtl/frame_player.v; rtl/README.md,
-/// contracts 8 to 10). Once a record its words become a frame, one emission a channel; once a carrier period the frame
-/// becomes pulses, by modulation and slew limit.
+/// Records of timings, amplitudes and foci, for channels that each have an amplitude (rtl/frame_player.v;
+/// rtl/README.md, contracts 8 to 10). Once a record its words become a frame, one emission a channel; once a carrier
+/// period the frame becomes pulses, by modulation and slew limit.
 ///
 /// Geometry, and the settings of foci but for their place and number, must not change while a focus record is loaded.
 class FramePlayer final : public Player {
@@ -52,12 +52,12 @@ private:
     [[nodiscard]] bool has_room(std::uint32_t cycle) const;
     void free_loader(Clock clock);
 
-    std::uint32_t lead_;             // clocks that a period's words take
+    std::uint32_t lead_;  // clocks that a period's words take
     Loaded next_;
-    Clock loaded_ = never;           // from which clock on it can be taken over
-    Clock idle_ = 0;                 // and an entry can be taken
+    Clock loaded_ = never;  // from which clock on it can be taken over
+    Clock idle_ = 0;        // and an entry can be taken
     std::uint32_t base_ = 0, foci_cycle_ = 0;
-    std::vector<FocusWords> foci_;   // of which next_ is to be computed
+    std::vector<FocusWords> foci_;  // of which next_ is to be computed
 
     // ---- Once a carrier period (rtl/period_controller.v)
 
@@ -71,26 +71,26 @@ private:
     void end_sweep(Clock clock);
     [[nodiscard]] std::vector<EmissionWord> words_of(const Sweep& sweep);
 
-    Clock go_ = never;                // the go point of the present cycle
-    Clock wait_ticks_ = 0;            // from the cycle's start to it
+    Clock go_ = never;      // the go point of the present cycle
+    Clock wait_ticks_ = 0;  // from the cycle's start to it
     bool given_ = false, owed_ = false;
-    Clock quiet_from_ = 0;            // the modulation can take another period from here on
+    Clock quiet_from_ = 0;  // the modulation can take another period from here on
     bool busy_ = false, taken_ = false, plays_ = false, again_ = false;
-    Clock changed_ = never;           // the last clock in which a firing was put to use
-    Clock missed_ = never;            // a miss is counted
+    Clock changed_ = never;  // the last clock in which a firing was put to use
+    Clock missed_ = never;   // a miss is counted
     bool raw_ = true, silent_ = true, mute_ = false;
-    EntrySource::Entry entry_;        // that was taken over, with what follows
+    EntrySource::Entry entry_;  // that was taken over, with what follows
     CarrierCycle::Lengths lengths_{0, 1};
     std::vector<Emission> frame_;
     std::uint32_t raw_pulse_ = 0;
     std::optional<Sweep> sweep_;
-    Clock prepared_ = never;          // from which clock on the words can be put to use
+    Clock prepared_ = never;  // from which clock on the words can be put to use
     std::shared_ptr<const Firing> firing_;
-    Clock bent_ = never;              // a bent period is counted
+    Clock bent_ = never;  // a bent period is counted
     EmissionModel model_;
 
-    Clock seen_ = 0;                  // the last clock that was worked out
-    bool moved_ = false;              // something changed in it, so the next one must be, too
+    Clock seen_ = 0;      // the last clock that was worked out
+    bool moved_ = false;  // something changed in it, so the next one must be, too
     bool moved_by_load_ = false;
 };
 

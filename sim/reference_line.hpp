@@ -104,7 +104,7 @@ private:
     std::optional<bool> forced_;
     Clock ask_at_ = 0;  // the host has done something
     // The board's side. Clocks are those at the pin, which the board sees two later.
-    Clock deaf_to_ = 0;       // last clock of reset
+    Clock deaf_to_ = 0;  // last clock of reset
     bool level_ = true;
     bool connected_ = false;  // the line has been high since reset; otherwise nobody is there who could send a break
     Clock low_since_ = 0, break_at_ = never;
@@ -113,9 +113,9 @@ private:
     std::uint8_t byte_ = 0;
     ChainFilter filter_;
     bool chained_ = false;
-    Clock chains_at_ = never, unchains_at_ = never;         // as the filter sees it
+    Clock chains_at_ = never, unchains_at_ = never;             // as the filter sees it
     Clock tells_chain_at_ = never, tells_no_chain_at_ = never;  // as all others do
-    Clock look_at_ = never;                                 // the own line may have changed
+    Clock look_at_ = never;                                     // the own line may have changed
 };
 
 /// The line from the board: frames as bytes with their clocks at the host's end.
@@ -130,8 +130,8 @@ public:
     void close(Clock offered);
     /// The board's reset begins: what has not been sent is lost, and the byte under way is cut off.
     void reset(Clock clock);
-    /// From this clock on the board is one of a chain, or is not: two bytes that say whose it is go before each frame. A
-    /// frame that has been begun while another one was on the line keeps the clocks it was given.
+    /// From this clock on the board is one of a chain, or is not: two bytes that say whose it is go before each frame.
+    /// A frame that has been begun while another one was on the line keeps the clocks it was given.
     void chain(Clock clock, bool chained);
 
     [[nodiscard]] Clock next() const { return sent_.empty() ? never : sent_.front().arrives; }

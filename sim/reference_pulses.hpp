@@ -25,8 +25,8 @@ struct Firing {
         rises.push_back({at, channel, ticks});
         pulse = std::max(pulse, ticks);
     }
-    /// Its middle is in this cycle, its beginning in the one before. In the first cycle of a firing, the channel is high in
-    /// so many ticks from the first one on, if it was not before.
+    /// Its middle is in this cycle, its beginning in the one before. In the first cycle of a firing, the channel is
+    /// high in so many ticks from the first one on, if it was not before.
     void add_early(std::uint32_t channel, std::uint32_t ticks) {
         early[channel] = 1;
         opening.push_back({0, channel, ticks});
@@ -128,7 +128,9 @@ private:
         void swap(Falls& other) { falls_.swap(other.falls_), std::swap(head_, other.head_); }
 
     private:
-        [[nodiscard]] std::vector<Fall>::iterator begin() { return falls_.begin() + static_cast<std::ptrdiff_t>(head_); }
+        [[nodiscard]] std::vector<Fall>::iterator begin() {
+            return falls_.begin() + static_cast<std::ptrdiff_t>(head_);
+        }
         [[nodiscard]] static bool before(const Fall& a, const Fall& b) {
             return a.tick != b.tick ? a.tick < b.tick : a.channel < b.channel;
         }

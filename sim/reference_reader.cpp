@@ -11,7 +11,7 @@ constexpr Clock first_read = 2;          // from taking an entry to its first wo
 constexpr Clock load_clocks = 3;         // until it is ready, beside one for each word
 constexpr Clock least_load_clocks = 33;  // the checks of a record's lengths take 24 clocks after its header
 constexpr Clock first_focus_read = 4;    // it has to be found before
-constexpr Clock focus_clocks = 5;
+constexpr Clock focus_clocks = 7;
 constexpr Clock least_focus_clocks = 29;
 
 }  // namespace

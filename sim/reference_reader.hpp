@@ -11,7 +11,8 @@
 
 namespace haptogram::sim {
 
-/// Reads one record at a time out of primary memory, a word a clock, while a host may write there (rtl/memory_controller.v).
+/// Reads one record at a time out of primary memory, a word a clock, while a host may write there
+/// (rtl/memory_controller.v).
 class RecordReader {
 public:
     RecordReader(const interface::CoreParameters& p, const std::vector<std::uint16_t>& primary);

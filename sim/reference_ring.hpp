@@ -59,7 +59,9 @@ public:
     }
 
 private:
-    [[nodiscard]] std::uint16_t base() const { return static_cast<std::uint16_t>(interface::ring_field::base.get(words_)); }
+    [[nodiscard]] std::uint16_t base() const {
+        return static_cast<std::uint16_t>(interface::ring_field::base.get(words_));
+    }
     [[nodiscard]] std::uint16_t first() const {
         return static_cast<std::uint16_t>(interface::ring_field::first.get(words_));
     }

@@ -93,9 +93,10 @@ std::string_view model_like(const Core& core, std::span<const interface::CoreCon
         if (name == core.name || stands_for_it(parameters)) return name;
         known += fmt::format("{}{}", known.empty() ? "" : ", ", name);
     }
-    throw bad_argument("board", fmt::format("no Verilated core can stand for {}; there are {}; take the reference board "
-                                            "(--model reference), or add its name to sim/models.cmake",
-                                            core.name, known));
+    throw bad_argument("board",
+                       fmt::format("no Verilated core can stand for {}; there are {}; take the reference board "
+                                   "(--model reference), or add its name to sim/models.cmake",
+                                   core.name, known));
 }
 
 }  // namespace haptogram::sim

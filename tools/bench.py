@@ -199,16 +199,16 @@ def board_run_mclk_per_s(program, folder):
     return json.loads(board.communicate()[0])["playing_mclk_per_s"]
 
 
-def reference_times_real_time(program, folder, tiles):
-    """`board run --model reference --speed max` with a host that plays on it; of several boards, a rig."""
+def reference_times_real_time(program, folder, image, tiles=1):
+    """`board run --model reference --speed max`, a tile with everything, with a host that plays an image on it; on several of them, a rig's."""
     ports = [folder / f"reference-{i}" for i in range(1, tiles + 1)]
-    several = ["--tiles", tiles, "--pty", folder / "reference"] if tiles > 1 else ["--pty", ports[0]]
-    command = [program, "board", "run", "--model", "reference", "--json", "--speed", "max", *several]
+    which = ["--tiles", tiles, "--pty", folder / "reference"] if tiles > 1 else ["--board", "tile-100-wide", "--pty", ports[0]]
+    command = [program, "board", "run", "--model", "reference", "--json", "--speed", "max", *which]
     board = subprocess.Popen([str(c) for c in command], stdout=subprocess.PIPE, text=True)
     board.stdout.readline()
     port_options = [word for port in ports for word in ("--port", port)]
-    rig = ["--rig", folder / "wall.json"] if tiles > 1 else []
-    run(program, "upload", *(rig or [folder / "circle.hex"]), *port_options)
+    rig = ["--rig", folder / image] if tiles > 1 else []
+    run(program, "upload", *(rig or [folder / image]), *port_options)
     play = [program, "play", *rig, *port_options, "--loops", 0, "--watchdog", 0]
     host = subprocess.Popen([str(c) for c in play], stdout=subprocess.PIPE)
     time.sleep(8)
@@ -339,9 +339,15 @@ def core_rows(build, program, folder):
            f"{speed:.2f} Mclk/s, {speed / 50.0:.3f} of real time (three runs: " + ", ".join(f"{r['playing_mclk_per_s']:.2f}" for r in slow) + ")")  # fmt: skip
     virtual = board_run_mclk_per_s(program, folder)
     yield ("board run --speed max, 100 channels playing", "≥ 5 Mclk/s", virtual >= 5.0, f"{virtual:.2f} Mclk/s")
-    run(program, "compile", "--shape", "circle", "--points", 8, "--rate", 500, "--records", "--rig", "2x2", "-o", folder / "wall.hex")
-    for tiles, most, what in ((1, 1.0, "board run --model reference, 100 channels playing"), (4, 0.5, "the same with four tiles in step")):
-        times = reference_times_real_time(program, folder, tiles)
+    wide = ("--shape", "circle", "--points", 200, "--rate", 100, "--am", "sine:200")
+    run(program, "compile", *wide, "--array", "tile-10x10", "--board", "tile-100-wide", "-o", folder / "foci.hex")
+    run(program, "compile", *wide, "--rig", "2x2", "-o", folder / "wall.hex")
+    for image, tiles, most, what in (
+        ("circle.hex", 1, 1.0, "board run --model reference, 100 channels playing"),
+        ("foci.hex", 1, 1.0, "the same with foci and modulation"),
+        ("wall.json", 4, 0.5, "the same with four tiles in step"),
+    ):
+        times = reference_times_real_time(program, folder, image, tiles)
         yield (what, f"≥ {most} of real time", times >= most, f"{times:.2f} of real time")
 
 

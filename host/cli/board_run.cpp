@@ -108,7 +108,8 @@ int run_board(const RunOptions& options) {
     if (!is_rtl && !options.trace.empty())
         throw bad_argument("trace", "the reference board has no signals; give --model rtl, or leave out the trace");
     const std::span<const interface::CoreConfiguration> models =
-        is_rtl ? std::span<const interface::CoreConfiguration>(sim::available_models()) : interface::core_configurations;
+        is_rtl ? std::span<const interface::CoreConfiguration>(sim::available_models())
+               : interface::core_configurations;
     const std::optional<Core> asked = options.board.empty() ? std::nullopt : std::optional(find_core(options.board));
     const auto model = [&] {
         if (asked) return sim::model_like(*asked, models);
@@ -120,8 +121,8 @@ int run_board(const RunOptions& options) {
     if (is_rtl)
         core = std::make_unique<sim::SimulatedBoard>(model());
     else if (asked)
-        reference = std::make_unique<sim::ReferenceBoard>(
-            interface::CoreConfiguration{asked->name, asked->parameters, ""});
+        reference =
+            std::make_unique<sim::ReferenceBoard>(interface::CoreConfiguration{asked->name, asked->parameters, ""});
     else
         reference = std::make_unique<sim::ReferenceBoard>(model());
     sim::Board& board = is_rtl ? static_cast<sim::Board&>(*core) : *reference;
@@ -200,13 +201,14 @@ void add_board_run(CLI::App& board, Action& action) {
     auto* image = sub->add_option("--image", options->image,
                                   "Intel HEX image, or a project (.toml), that is in its memories from the start");
     auto* channels = sub->add_option("--channels", options->channels, "Channels of the board, without an image")
-        ->excludes(image)
-        ->capture_default_str();
-    auto* like = sub->add_option("--board", options->board,
-                    "Board to be like: shipped board, board file (TOML) or configuration of the core such as "
-                    "tile-100-wide, without an image; rtl takes the first Verilated core that can stand for it")
-        ->excludes(image)
-        ->excludes(channels);
+                         ->excludes(image)
+                         ->capture_default_str();
+    auto* like =
+        sub->add_option("--board", options->board,
+                        "Board to be like: shipped board, board file (TOML) or configuration of the core such as "
+                        "tile-100-wide, without an image; rtl takes the first Verilated core that can stand for it")
+            ->excludes(image)
+            ->excludes(channels);
     sub->add_option("--model", options->model,
                     "The Verilated FPGA, or the reference board, which does the same in real time")
         ->check(CLI::IsMember({"rtl", "reference"}))

@@ -27,8 +27,7 @@ std::unique_ptr<sim::Tiles> make_boards(const RunTilesOptions& options,
         return std::make_unique<sim::SimulatedTiles>(
             sim::tile_model_with_channels(options.channels, sim::available_models()), oscillators, options.seed);
     return std::make_unique<sim::ReferenceTiles>(
-        sim::tile_model_with_channels(options.channels, interface::core_configurations), oscillators,
-        options.seed);
+        sim::tile_model_with_channels(options.channels, interface::core_configurations), oscillators, options.seed);
 }
 
 }  // namespace

@@ -63,6 +63,28 @@ def test_the_reference_board_is_a_board_in_real_time(tmp_path, image):
     assert {row[3] for row in rows if row[3] > 0} == {1, 2, 3, 4}
 
 
+def test_a_reference_board_like_one_that_computes_foci(tmp_path):
+    succeed(["compile", "--shape", "circle", "--points", 12, "--rate", 200, "--am", "sine:200", "--array", "tile-10x10", "--board", "tile-100-wide", "-o", "foci.hex"], cwd=tmp_path)  # fmt: skip
+    command = [str(PROGRAM), "board", "run", "--model", "reference", "--board", "tile-100-wide", "--json", "--pty", "port"]
+    board = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    try:
+        assert json.loads(board.stdout.readline())["configuration"] == "tile-100-wide"
+        assert json.loads(ask(tmp_path, "upload", "foci.hex", "--verify", "--json").stdout)["verified"]
+        played = json.loads(ask(tmp_path, "play", "--loops", 20, "--json").stdout)
+        assert played["underruns"] == played["refused_records"] == played["guard_trips"] == 0
+        status = json.loads(ask(tmp_path, "device", "status", "--json").stdout)
+        assert status["far_foci"] == status["bent_periods"] == 0
+    finally:
+        board.send_signal(signal.SIGINT)
+        board.communicate(timeout=30)
+
+
+def test_a_board_that_nothing_can_stand_for(tmp_path):
+    assert_one_message(run(["board", "run", "--board", "ice40-hx8k-breakout"], cwd=tmp_path), USAGE, "--board", "ice40-hx8k-breakout", "tile-100,", "--model reference")
+    assert_one_message(run(["board", "run", "--board", "nothing"], cwd=tmp_path), BAD_INPUT, "nothing", "tile-100")
+    assert_one_message(run(["board", "run", "--board", "tile-100", "--channels", 100], cwd=tmp_path), USAGE, "--channels", "--board")
+
+
 def test_the_reference_board_has_no_signals_to_trace(tmp_path):
     said = run(["board", "run", "--model", "reference", "--trace", "t.fst"], cwd=tmp_path)
     assert_one_message(said, USAGE, "--trace", "--model rtl")

@@ -159,12 +159,12 @@ class Cable:
 
 def test_reference_boards_play_a_rig(pair, tmp_path):
     (tmp_path / "pair.toml").write_text((pair / "pair.toml").read_text().replace('"port-', f'"{tmp_path}/port-'))
-    succeed(["compile", "--shape", "circle", "--points", 4, "--rate", 500, "--records", "--center", "0,0,180", "--rig", "pair.toml", "-o", "wall.hex"], cwd=tmp_path)
+    succeed(["compile", "--shape", "circle", "--points", 4, "--rate", 500, "--am", "sine:200", "--center", "0,0,180", "--rig", "pair.toml", "-o", "wall.hex"], cwd=tmp_path)
     command = [str(PROGRAM), "board", "run", "--tiles", "2", "--model", "reference", "--pty", "port", "--json"]
     process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     try:
         started = json.loads(process.stdout.readline())
-        assert started["model"] == "reference" and started["configuration"] == "tile-100-sync"
+        assert started["model"] == "reference" and started["configuration"] == "tile-100-wide"
         succeed(["upload", "--rig", "wall.json"], cwd=tmp_path)
         told = text(succeed(["play", "--rig", "wall.json", "--loops", 100], cwd=tmp_path).stdout)
         assert told.startswith("0 underruns, 0 refused records, begun together in carrier period"), told

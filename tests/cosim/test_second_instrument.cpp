@@ -422,6 +422,32 @@ TEST_CASE("second instrument: the slew limiter goes where the host's model goes,
     REQUIRE(status.underruns == 0);
 }
 
+TEST_CASE("contract 4: a focus record with a reserved bit in any of its foci is refused", "[contract4][second][wide]") {
+    Wide bench;
+    bench.open();
+    const Words geometry(64);
+    bench.write(interface::geometry_base, geometry);
+    constexpr std::uint16_t index = records + 1;
+    std::uint32_t refused = 0;
+    for (std::uint32_t foci = 1; foci <= most_record_foci; ++foci) {
+        using enum interface::ParametersWord;
+        bench.set(foci_count, 1);
+        bench.set(foci_form, foci - 1);
+        for (std::uint32_t odd = 0; odd <= foci; ++odd) {  // the last time none is
+            CAPTURE(foci, odd);
+            Words words;
+            for (std::uint32_t i = 0; i < foci; ++i)
+                words.insert(words.end(), {1000, 1000, 10000,
+                                           static_cast<std::uint16_t>(0xff00U | (i == odd ? 0x40U << odd % 2 : 0))});
+            bench.write(interface::primary_base, words);
+            bench.client.select(index, 0);
+            bench.board.run(5'000);
+            if (odd < foci) ++refused;
+            REQUIRE(bench.client.status().refused_records == refused);
+        }
+    }
+}
+
 TEST_CASE("second instrument: records of timings play as on a board without amplitudes", "[second][wide]") {
     Wide bench;
     auto g = generator();

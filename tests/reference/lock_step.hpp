@@ -251,8 +251,9 @@ public:
             for (int word = 0; word < 4; ++word)
                 geometry.push_back(one_in(20) ? any_word() : static_cast<std::uint16_t>(any_word() / 8));
         for (std::uint32_t k = 0; k < geometry.size(); k += record_words())
-            say(writes(interface::geometry_base + 2 * k,
-                       {geometry.begin() + k, geometry.begin() + std::min<std::size_t>(k + record_words(), geometry.size())}));
+            say(writes(
+                interface::geometry_base + 2 * k,
+                {geometry.begin() + k, geometry.begin() + std::min<std::size_t>(k + record_words(), geometry.size())}));
         std::array<std::uint16_t, interface::parameters_words> parameters{};
         field::foci_base.set(parameters, first_focus() / 4);
         field::foci_count.set(parameters, focus_records());
@@ -282,14 +283,15 @@ public:
         }
         if (!keeps_role && one_in(300)) reset();
         if (one_in(60)) press_stop();
-        // Who leaves a chain, or begins one, waits for the answers before; the reference board's may come late otherwise.
+        // Who leaves a chain, or begins one, waits for the answers before; the reference board's may come late
+        // otherwise.
         if (p_.chain != 0 && one_in(chained_ ? 100 : 40)) {
             if (std::string difference = drain(); !difference.empty()) return difference;
             chained_ = !chained_;
             if (chained_)
                 send({interface::chain::all, all_but(interface::chain::all), 0});
-            else
-                if (std::string difference = send_break(); !difference.empty()) return difference;
+            else if (std::string difference = send_break(); !difference.empty())
+                return difference;
         }
         if (!chained_ && one_in(150)) disturb_line();
         if (one_in(60)) send(noise());
@@ -300,7 +302,7 @@ public:
     std::uint64_t commands = 0, images = 0, replies = 0, applied = 0, waits = 0;
     std::uint64_t in_step = 0, numbered = 0, losses = 0, modulated = 0, bent = 0, far = 0;  // of replies to STATUS
     std::uint64_t pushed_foci = 0;                                                          // frames
-    bool keeps_role = false;                              // nothing is reset
+    bool keeps_role = false;                                                                // nothing is reset
 
 private:
     using Command = interface::Command;
@@ -436,8 +438,11 @@ private:
     std::array<std::uint16_t, 4> focus() {
         std::array<std::uint16_t, 4> words{};
         for (int axis = 0; axis < 3; ++axis) words[static_cast<std::size_t>(axis)] = word(below(40'000));
-        words[3] = word((one_in(5) ? 0 : one_in(2) ? 255 : below(256)) << 8 | (one_in(15) ? below(64) : 0) |
-                        (one_in(100) ? between(1, 3) << 6 : 0));
+        words[3] = word((one_in(5)   ? 0
+                         : one_in(2) ? 255
+                                     : below(256))
+                            << 8 |
+                        (one_in(15) ? below(64) : 0) | (one_in(100) ? between(1, 3) << 6 : 0));
         return words;
     }
 
@@ -463,8 +468,8 @@ private:
         return request;
     }
 
-    /// What boards with amplitudes have beside records and sequence: samples, settings that may change while they are in
-    /// use, the ring; and foci in primary memory.
+    /// What boards with amplitudes have beside records and sequence: samples, settings that may change while they are
+    /// in use, the ring; and foci in primary memory.
     std::pair<std::uint32_t, std::vector<std::uint16_t>> setting() {
         const auto of = [](const interface::BitField& field) { return field.offset / 16; };
         namespace field = interface::parameters_field;
@@ -482,7 +487,8 @@ private:
             }
             case 3:
                 return {interface::parameters_base + 2 * of(field::foci_base),
-                        {word(first_focus() / 4 + (one_in(3) ? below(3) : 0)), word(one_in(3) ? below(40) : focus_records())}};
+                        {word(first_focus() / 4 + (one_in(3) ? below(3) : 0)),
+                         word(one_in(3) ? below(40) : focus_records())}};
             case 4: return {interface::parameters_base + 2 * of(field::foci_cycle), {word(amplitude_cycle())}};
             case 5: return {interface::ring_base + 2 * below(4), {any_word()}};
             default:
@@ -591,9 +597,10 @@ private:
     Request modulate() {
         if (p_.modulation_depth == 0) return {Command::modulate, {word(below(3)), word(below(70)), word(below(3))}};
         const std::uint32_t first = below(p_.modulation_depth), most = p_.modulation_depth - first;
-        return {Command::modulate, {word(one_in(5) ? 0 : between(1, one_in(4) ? 100 : 3)),
-                                    word(one_in(10) ? below(2 * p_.modulation_depth) : below(most)),
-                                    word(one_in(3) ? first : first | 1U)}};
+        return {
+            Command::modulate,
+            {word(one_in(5) ? 0 : between(1, one_in(4) ? 100 : 3)),
+             word(one_in(10) ? below(2 * p_.modulation_depth) : below(most)), word(one_in(3) ? first : first | 1U)}};
     }
 
     /// For soon, the end, or nothing; on some boards there is no such command.
@@ -748,7 +755,7 @@ private:
     bool chained_ = false;
     unsigned place_ = 0;  // in the answer that arrives
     bool sticky_ = false;
-    std::uint32_t foci_ = 0;     // of a focus record of the present image
+    std::uint32_t foci_ = 0;    // of a focus record of the present image
     std::uint64_t period_ = 0;  // as the board said last
     std::uint32_t forced_for_ = 0;
     link::ReplyDecoder decoder_;

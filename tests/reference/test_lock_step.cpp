@@ -202,7 +202,8 @@ TEST_CASE("reference: in one go or clock by clock, with or without an audience, 
     REQUIRE(once.edges.size() > 10'000);
 }
 
-TEST_CASE("reference: no reply and no pulse differs from the small core's with amplitudes, modulation, slew limit and foci") {
+TEST_CASE(
+    "reference: no reply and no pulse differs from the small core's with amplitudes, modulation, slew limit and foci") {
     compare("small-16-wide", size(100'000, 3'000), Catch::rngSeed());
 }
 

@@ -578,7 +578,7 @@ inline constexpr std::array<CoreConfiguration, 17> core_configurations = {{
      "the tile with amplitudes, modulation, slew limit, foci, schedule, SYNC and a chain"},
     {"tile-100-sync",
      {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 1, .sync = 1, .chain = 0},
-     "the tile with schedule and SYNC alone: the one of many that the reference board plays in real time"},
+     "the tile with schedule and SYNC alone, for boards in step that play records of timings"},
     {"unit-36",
      {.channels = 36, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 25600000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 1, .sync = 1, .chain = 0},
      "one of the nine units of 36 channels of Hoshi et al. at their 25.6 MHz, with schedule and SYNC"},

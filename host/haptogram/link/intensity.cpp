@@ -54,9 +54,9 @@ void Intensity::set_pulses(Commands& device, double factor) {
         interface::record_field::cycle_length.set(header, record.cycle_length);
         interface::record_field::pulse_length.set(header, pulse);
         const std::uint32_t word = static_cast<std::uint32_t>(i) * record_words(image_.channels) + pulse_word;
-        pieces.push_back({interface::primary_base + word_bytes * word,
-                          {static_cast<std::uint8_t>(header[pulse_word]),
-                           static_cast<std::uint8_t>(header[pulse_word] >> 8)}});
+        pieces.push_back(
+            {interface::primary_base + word_bytes * word,
+             {static_cast<std::uint8_t>(header[pulse_word]), static_cast<std::uint8_t>(header[pulse_word] >> 8)}});
         pulses_[i] = pulse;
     }
     device.pipeline(writing(pieces));

@@ -75,7 +75,8 @@ Way phase_of(const GeometryWords& place, const FocusWords& focus, std::uint32_t 
         const std::int64_t difference =
             signed_18(focus[axis], static_cast<std::uint32_t>(focus[3] >> (2 * axis) & 3)) - signed_16(place[axis]);
         far = far || std::abs(difference) >= 0x20000;
-        const std::int64_t kept = ((difference + 0x20000) & 0x3ffff) - 0x20000;  // of a far one, which then means nothing
+        const std::int64_t kept =
+            ((difference + 0x20000) & 0x3ffff) - 0x20000;  // of a far one, which then means nothing
         square += static_cast<std::uint64_t>(kept * kept) & 0x3ffffffffU;
     }
     // In sixteenths of a unit. A double holds the square exactly, so its root, rounded down, is exact.

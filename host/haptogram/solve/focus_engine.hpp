@@ -76,7 +76,8 @@ struct ChannelDrive {
 /// @throws Error{bad_input} when there are no channels, no foci or more than 8, or when a word has bits where 0 must be
 [[nodiscard]] std::vector<ChannelDrive> engine_drives(const FocusEngine& engine, std::span<const FocusWords> foci,
                                                       bool whole = false);
-/// The same for words that have been looked at, with the phases that the FPGA's registers have where the amplitude is 0.
+/// The same for words that have been looked at, with the phases that the FPGA's registers have where the amplitude is
+/// 0.
 [[nodiscard]] std::vector<ChannelDrive> engine_outputs(std::span<const GeometryWords> geometry,
                                                        std::uint32_t wave_number, std::uint16_t gain,
                                                        std::span<const FocusWords> foci, bool whole);
