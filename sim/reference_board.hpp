@@ -8,6 +8,8 @@
 
 namespace haptogram::sim {
 
+class ReferenceCore;
+
 /// What the Verilog of rtl/ does, computed from events instead of clock by clock: a byte has arrived, a frame is
 /// carried out, a record is committed, a pulse begins. Its replies and its pins are those of the Verilated core, at the
 /// same clocks (tests/reference compares them). Time in which nothing happens costs nothing, and pulses only cost
@@ -46,8 +48,7 @@ public:
     [[nodiscard]] std::span<std::uint32_t> sequence_memory() override;
 
 private:
-    class Core;
-    std::unique_ptr<Core> core_;
+    std::unique_ptr<ReferenceCore> core_;
 };
 
 }  // namespace haptogram::sim

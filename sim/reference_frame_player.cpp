@@ -112,8 +112,7 @@ Player::Counted FramePlayer::at(Clock clock, const Now& now) {
     const bool takes_over = promptly || (idle && goes && wanted);
     const bool renews = idle && goes && plays_ && !wanted;
     const bool drops = preempt && taken_ && raw_ && !plays_ && !commits;
-    moved_ = end.held || end.ends || cycle_starts || goes || period || takes_over || drops || preempt || moved_by_load_;
-    moved_by_load_ = false;
+    moved_ = end.held || end.ends || cycle_starts || goes || period || takes_over || drops || preempt;
 
     // From here on registers change.
     if (end.held) cycle_.hold(clock);

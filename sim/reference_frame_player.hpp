@@ -91,7 +91,6 @@ private:
 
     Clock seen_ = 0;      // the last clock that was worked out
     bool moved_ = false;  // something changed in it, so the next one must be, too
-    bool moved_by_load_ = false;
 };
 
 }  // namespace haptogram::sim

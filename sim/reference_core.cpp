@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reference_core.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace haptogram::sim {
+
+ReferenceCore::ReferenceCore(const interface::CoreConfiguration& asked, unsigned reset_clocks)
+    : configuration(asked),
+      p_(configuration.parameters),
+      window_(p_.max_high_clocks / 2 - 1),
+      primary(std::size_t{p_.records} * (p_.channels + interface::record_header_words)),
+      sequence(p_.sequence_depth),
+      line_in(p_),
+      line_out_(p_),
+      input_(p_),
+      source_(p_, sequence),
+      sync_(carrier_period(p_)),
+      ring_(p_),
+      train_(p_.channels, p_.width_bits != 0 ? PulseTrain::Gaps::all : PulseTrain::Gaps::at_changes, 2 * window_),
+      guard_(p_) {
+    if (p_.width_bits != 0) {
+        auto player = std::make_unique<FramePlayer>(p_, primary, source_, train_);
+        frames_ = player.get();
+        player_ = std::move(player);
+    } else {
+        player_ = std::make_unique<RecordPlayer>(p_, primary, source_, train_);
+    }
+    outputs_.pins.assign((p_.channels + 31) / 32, 0);
+    train_.on_change([this](Clock clock, std::uint32_t channel, bool rises) {
+        if (on_edge_) on_edge_({clock, channel, index_, rises});
+    });
+    sync_.on_change([this](Clock clock, bool level) {
+        if (on_sync) on_sync({clock, level});
+    });
+    reset_play(0);
+    reset(reset_clocks);
+}
+
+Clock ReferenceCore::next() const {
+    return std::min({step_at_, reply_at_, line_in.next(), line_out_.next(), source_.next(), schedule_.next(),
+                     player_->next(guard_.allows() || sync_.together()), sync_.next(), guard_.next(), urgent_stop_at_,
+                     reset_at_, judge_at_, stop_changes_.empty() ? never : stop_changes_.front().clock});
+}
+
+void ReferenceCore::run(std::uint64_t clocks) {
+    const Clock end = now + clocks;
+    for (Clock clock = std::max(now, next()); clock < end; clock = std::max(now, next())) {
+        now = clock;
+        edge(clock);
+        now = clock + 1;
+    }
+    now = end;
+    if (train_.awake() && now > 0) train_.advance(now - 1);
+}
+
+void ReferenceCore::edge(Clock clock) {
+    while (!stop_changes_.empty() && stop_changes_.front().clock <= clock) {
+        stopped_ = stop_changes_.front().stopped;
+        stop_changes_.pop_front();
+    }
+    if (clock == reply_at_) reply(clock);
+    while (line_out_.next() <= clock) {
+        const Arrival arrival{line_out_.next(), line_out_.arrive()};
+        arrived.push_back(arrival.byte);
+        if (on_arrival) on_arrival(arrival);
+    }
+    enable_ = disable_ = false;
+    if (line_in.next() <= clock) {
+        const LineIn::Event event = line_in.at(clock);
+        if (event.byte) byte_arrives(clock, *event.byte);
+        disable_ = event.broken;
+        if (event.chained) line_out_.chain(clock, *event.chained);
+    }
+    if (clock == urgent_stop_at_) {
+        urgent_stop_at_ = never;
+        stop(clock);
+    }
+    if (clock == step_at_) go_on(clock);
+    if (clock == reset_at_)
+        reset_play(reset_last_);
+    else if (clock > began_)
+        play(clock);
+}
+
+/// What plays and supervises, after the commands of this clock.
+void ReferenceCore::play(Clock clock) {
+    if (clock == judge_at_) {
+        // A pin that was high through a whole window, as the guard sees it one clock after the pin, trips it.
+        train_.advance(clock - 1);
+        if (train_.any_high_since(clock - window_)) guard_.trip_at(clock + 2);
+        judge_at_ += window_;
+    }
+    if (schedule_.opens(clock)) open_gate(clock);
+    const bool starts = source_.at(clock);
+    if (starts) {
+        guard_.set_watchdog(clock, 0);
+        enable_ = true;
+    }
+    const bool out_of_step = sync_.out_of_step(), together = sync_.together();
+    const CarrierSync::Step step = sync_.step(clock, player_->cycle().last(clock), schedule_.period(clock));
+    if (sync_.out_of_step() != out_of_step) guard_.wake_at(clock + 1);
+    const Guard::Verdict verdict =
+        guard_.at(clock, enable_, disable_ || stopped_ || urgent_disable_.active(clock) || out_of_step, step.lost);
+    count_.missed = static_cast<std::uint16_t>(count_.missed + step.missed);
+    count_.lost = static_cast<std::uint16_t>(count_.lost + step.lost);
+    count_.watchdog = static_cast<std::uint16_t>(count_.watchdog + verdict.expired);
+    count_.guard = static_cast<std::uint16_t>(count_.guard + verdict.tripped);
+
+    const bool was_off = std::exchange(off_, off());
+    const Player::Counted counted =
+        player_->at(clock, {.waits = guard_.allows() || together, .off = off_, .hold = step.holds, .common = together});
+    if (waits_for_memory_ && source_.drops(clock)) reply_at_ = clock + 1;
+    if (source_.followed()) schedule_.drop_starts();
+    source_.passed(clock);
+    count_.underruns = static_cast<std::uint16_t>(count_.underruns + counted.underrun);
+    count_.refused_records = static_cast<std::uint16_t>(count_.refused_records + counted.refused);
+    count_.bent = static_cast<std::uint16_t>(count_.bent + counted.bent);
+    count_.far = static_cast<std::uint16_t>(count_.far + counted.far);
+    if (off_ && !player_->cycle().settled(clock + 1)) guard_.wake_at(clock + 1);
+
+    const bool wanted = on_edge_ || clock < pulses_asked_to_ || clock < player_->cycle().may_merge_to();
+    if (wanted && !train_.awake()) {
+        train_.wake(clock - 1);
+        judge_at_ = next_judgement(clock + 1);
+    } else if (!wanted && train_.awake()) {
+        train_.sleep();
+        judge_at_ = never;
+    }
+    if (const auto start = player_->cycle().starts_at_pins(clock)) {
+        if (train_.awake()) train_.advance(clock - 1);
+        index_ = start->index;
+        started_at_ = clock;
+        if (p_.sync == 0) schedule_.period_begins(clock);
+        if (on_cycle_start) on_cycle_start({clock, index_, guard_.enabled()});
+    }
+    if (step.load) schedule_.load(clock, *step.load);
+    if (step.ends && p_.sync != 0) schedule_.period_begins(clock);  // boards in step count the ends of cycles
+    if (off_ && !was_off) train_.stop(clock);
+    if (!off_ && was_off) train_.resume(clock);
+}
+
+/// With amplitudes, the pins are let go a clock earlier.
+bool ReferenceCore::off() const { return frames_ != nullptr ? !guard_.allows() : guard_.off(); }
+
+/// @param last  clock of the reset; from the next one on they go on
+void ReferenceCore::reset_play(Clock last) {
+    if (train_.awake()) train_.advance(now - 1);  // what came before still belongs to the record
+    index_ = 0;
+    started_at_ = never;
+    count_ = {};
+    guard_.reset();
+    off_ = true;
+    source_.reset(last);
+    schedule_.reset();
+    const Clock first = reset_at_ == never ? last : reset_at_;
+    sync_.reset(first, last, std::exchange(next_role_, interface::Role::alone));
+    player_->reset(first, last);
+    reset_at_ = never;
+    began_ = last;
+    if (judge_at_ != never) judge_at_ = next_judgement(last);
+    if (waits_for_memory_) reply_at_ = last + 1;
+}
+
+/// The last clock of each window, from this clock on.
+Clock ReferenceCore::next_judgement(Clock from) const {
+    from = std::max(from, began_);
+    return began_ + ((from - began_) / window_ + 1) * window_ - 1;
+}
+
+/// The reset input, high for so many clocks from now on. What plays is reset a clock later, and off at once.
+void ReferenceCore::reset(unsigned clocks) {
+    if (clocks == 0) return;
+    const Clock last = now + clocks - 1;
+    // What is under way in its first clock still takes place, as far as it is not reset.
+    enable_ = false;
+    if (now == step_at_) go_on(now);
+    disable_ = true;
+    if (now > began_) play(now);
+    step_ = Step::waiting;
+    reply_ = Reply::idle;
+    step_at_ = reply_at_ = urgent_stop_at_ = never;
+    free_from_ = last + 1;
+    taken_before_ = first_words_ = second_words_ = 0;
+    session_ = false;
+    urgent_disable_ = urgent_stop_ = {};
+    input_.reset();
+    line_in.reset(last);
+    if (line_in.next() <= now) static_cast<void>(line_in.at(now));  // the host goes on sending
+    line_out_.reset(now);
+    waits_for_memory_ = false;
+    reset_at_ = now + 1;
+    reset_last_ = last + 1;
+    next_role_ = interface::Role::alone;
+    // The input is sampled twice, and says stopped during reset.
+    stop_changes_ = {{now + 1, true}, {last + 3, stop_pressed_}};
+    ++now;
+    run(clocks - 1);
+}
+
+const Model::Outputs& ReferenceCore::outputs() {
+    const Clock last = now - 1;
+    if (!train_.awake()) {
+        train_.wake(last);
+        judge_at_ = next_judgement(now);
+    }
+    pulses_asked_to_ = now + 2 * window_;
+    train_.advance(last);
+    outputs_.tx = line_out_.level(last);
+    outputs_.enabled = guard_.enabled();
+    outputs_.alive = last > began_ && (last - began_) / window_ % 2 == 1;
+    outputs_.playing = guard_.enabled() && index_ != 0;
+    outputs_.fault = guard_.fault();
+    outputs_.sync = sync_.driven();
+    outputs_.cycle_start = started_at_ == last;
+    outputs_.index = index_;
+    outputs_.pins = train_.pins();
+    return outputs_;
+}
+
+void ReferenceCore::press_stop(bool pressed) {
+    stop_pressed_ = pressed;
+    while (!stop_changes_.empty() && stop_changes_.back().clock >= now + 2) stop_changes_.pop_back();
+    stop_changes_.push_back({now + 2, pressed});
+    guard_.wake_at(now + 2);
+}
+
+void ReferenceCore::on_edge(std::function<void(const Edge&)> callback) {
+    static_cast<void>(outputs());  // finds the state from which on changes are told
+    on_edge_ = std::move(callback);
+}
+
+}  // namespace haptogram::sim

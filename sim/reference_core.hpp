@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "board.hpp"
+#include "clock.hpp"
+#include "reference_frame_player.hpp"
+#include "reference_frames.hpp"
+#include "reference_guard.hpp"
+#include "reference_line.hpp"
+#include "reference_player.hpp"
+#include "reference_pulses.hpp"
+#include "reference_ring.hpp"
+#include "reference_schedule.hpp"
+#include "reference_source.hpp"
+#include "reference_sync.hpp"
+
+namespace haptogram::sim {
+
+/// The number of a region is the upper four bits of its addresses.
+[[nodiscard]] constexpr std::uint32_t region_of(std::uint32_t address) { return address >> 28; }
+
+/// What is behind ReferenceBoard: what joins the parts, and carries out commands. The clock is in reference_core.cpp,
+/// from bytes to commands in reference_commands.cpp, their replies in reference_replies.cpp.
+class ReferenceCore {
+public:
+    ReferenceCore(const interface::CoreConfiguration& asked, unsigned reset_clocks);
+    ReferenceCore(const ReferenceCore&) = delete;
+    ReferenceCore& operator=(const ReferenceCore&) = delete;
+
+    void run(std::uint64_t clocks);
+    void reset(unsigned clocks);
+    const Model::Outputs& outputs();
+    [[nodiscard]] Board::Present present() const { return {index_, guard_.enabled()}; }
+    void press_stop(bool pressed);
+    void on_edge(std::function<void(const Edge&)> callback);
+
+    const interface::CoreConfiguration configuration;
+    Clock now = 0;
+
+private:
+    const interface::CoreParameters& p_;
+    const Clock window_;  // of the guard
+
+public:
+    std::vector<std::uint16_t> primary;
+    std::vector<std::uint32_t> sequence;
+    LineIn line_in;
+    std::vector<std::uint8_t> arrived;
+    std::function<void(const CycleStart&)> on_cycle_start;
+    std::function<void(const Arrival&)> on_arrival;
+    std::function<void(const SyncChange&)> on_sync;
+    void drive_sync(bool level) { sync_.wire(now, level); }
+
+private:
+    using Command = interface::Command;
+    using Status = interface::Status;
+
+    enum class Carries { nothing, identity, status, memory };
+
+    /// What rtl/INTERFACE.md says of a command.
+    struct Shape {
+        std::uint32_t arguments = 0;
+        bool tail = false;  // data words follow the arguments
+        Carries carries = Carries::nothing;
+    };
+    [[nodiscard]] static std::optional<Shape> shape_of(Command command);
+
+    /// A DISABLE or STOP that has arrived and acts before its turn, until it has been carried out or refused.
+    class Urgent {
+    public:
+        [[nodiscard]] bool active(Clock clock) const { return from_ <= clock && clock <= to_; }
+        /// @return whether it was not active before
+        bool arrives(Clock clock, std::uint64_t frame) {
+            frame_ = frame;
+            if (from_ <= clock && to_ == never) return false;
+            from_ = clock + 1;
+            to_ = never;
+            return true;
+        }
+        void done(Clock clock, std::uint64_t frame) {
+            if (frame == frame_ && to_ == never) to_ = clock;
+        }
+
+    private:
+        Clock from_ = never, to_ = never;
+        std::uint64_t frame_ = 0;
+    };
+
+    static constexpr std::uint32_t primary_region = region_of(interface::primary_base);
+    static constexpr std::uint32_t sequence_region = region_of(interface::sequence_base);
+    static constexpr std::uint32_t identity_region = region_of(interface::identity_base);
+    static constexpr std::uint32_t status_region = region_of(interface::status_base);
+    static constexpr std::uint32_t parameters_region = region_of(interface::parameters_base);
+    static constexpr std::uint32_t geometry_region = region_of(interface::geometry_base);
+    static constexpr std::uint32_t modulation_region = region_of(interface::modulation_base);
+    static constexpr std::uint32_t ring_region = region_of(interface::ring_base);
+
+    [[nodiscard]] Clock next() const;
+    void edge(Clock clock);
+    void play(Clock clock);
+    void reset_play(Clock last);
+    [[nodiscard]] Clock next_judgement(Clock from) const;
+    void byte_arrives(Clock clock, std::uint8_t byte);
+    [[nodiscard]] std::uint64_t words_taken(Clock clock) const;
+
+    // A frame from its first word to its answer.
+    enum class Step { waiting, begin, settle, judge, write, close, execute, answered };
+    void await_frame(Clock from);
+    void go_on(Clock clock);
+    void begin(Clock clock);
+    void refuse(Clock clock, Status status);
+    void judge(Clock clock);
+    [[nodiscard]] Status verdict() const;
+    [[nodiscard]] Status verdict_on_memory() const;
+    void write(Clock clock);
+    void close(Clock clock);
+    void execute(Clock clock);
+    void apply(Clock clock);
+    [[nodiscard]] std::uint32_t argument(std::size_t word) const {
+        return word_[1 + word];  // after the sequence number and the command
+    }
+    [[nodiscard]] std::uint64_t argument_period() const {
+        return argument(0) | std::uint64_t{argument(1)} << 16 | std::uint64_t{argument(2)} << 32;
+    }
+    [[nodiscard]] std::uint32_t status_words() const {
+        return p_.schedule != 0 ? interface::status_words : interface::status_untimed_words;
+    }
+    [[nodiscard]] bool pushing(Clock clock) const {
+        if (command_ == Command::push_foci) return !foci_pushed_.empty();
+        return step_ == Step::close && command_ == Command::push && second_run_ <= clock;
+    }
+    /// Words of the command's region that a host may write, or read.
+    [[nodiscard]] std::size_t region_words(bool writes) const;
+    [[nodiscard]] bool held(Clock clock) const;
+    void put(Clock clock, std::uint16_t value);
+    [[nodiscard]] std::uint32_t top_index() const;
+    [[nodiscard]] std::uint32_t record_foci() const;
+    [[nodiscard]] bool off() const;
+    void open_gate(Clock clock);
+    void stop(Clock clock);
+    void keep_pushed(Clock clock);
+    void drop_starts();
+    void start(Clock clock, const Schedule::Arguments& arguments);
+    void modulate(Clock clock);
+
+    // Its reply.
+    void begin_reply(Clock clock);
+    void reply(Clock clock);
+    void read_word(Clock clock);
+    void end_reply(Clock clock);
+    Clock collect(Clock offered, std::uint32_t word);
+    [[nodiscard]] std::uint16_t memory_word() const;
+    [[nodiscard]] std::uint16_t status_word(std::uint32_t word) const;
+
+    LineOut line_out_;
+    FrameInput input_;
+    EntrySource source_;
+    Schedule schedule_;
+    CarrierSync sync_;
+    FocusRing ring_;
+    PulseTrain train_;
+    std::unique_ptr<Player> player_;
+    FramePlayer* frames_ = nullptr;  // the same, of boards with amplitudes
+    Guard guard_;
+    bool off_ = true;  // the pins are cleared
+
+    // The stop input, as the board sees it two clocks later.
+    bool stop_pressed_ = false, stopped_ = true;
+    struct StopChange {
+        Clock clock;
+        bool stopped;
+    };
+    std::deque<StopChange> stop_changes_;
+
+    // Commands.
+    Step step_ = Step::waiting;
+    Clock step_at_ = never, free_from_ = 0;
+    std::uint64_t taken_before_ = 0;  // words of earlier frames
+    Clock first_run_ = 0, second_run_ = 0;
+    std::uint64_t first_words_ = 0, second_words_ = 0;
+    std::vector<std::uint16_t> word_;         // of the frame: sequence number and command, arguments, data
+    std::size_t data_ = 0;                    // number of the first data word
+    std::size_t written_ = 0;                 // data words
+    std::vector<std::uint16_t> foci_pushed_;  // indices of the focus records that a PUSH_FOCI has written
+    std::uint16_t low_half_ = 0;              // of a word of sequence memory
+    std::uint32_t live_free_ = 0;
+    Command command_{};
+    Shape shape_;
+    Status status_{};
+    std::uint8_t number_ = 0, expected_ = 0;
+    bool session_ = false;
+    std::uint32_t region_ = 0, address_ = 0;  // of a 16-bit word
+    bool cut_ = false;                        // what the present PUSH has written so far is gone
+    std::uint64_t told_period_ = 0;           // by the present reply
+    Urgent urgent_disable_, urgent_stop_;
+    Clock urgent_stop_at_ = never;           // the clock in which it begins to act
+    bool enable_ = false, disable_ = false;  // what happens in the present clock
+
+    // Replies.
+    enum class Reply { idle, level, words };
+    Reply reply_ = Reply::idle;
+    Clock reply_at_ = never;
+    std::uint32_t words_left_ = 0, digest_ = 0;
+    bool waits_for_memory_ = false;  // until the player has read its record, or drops it
+
+    // Supervision.
+    struct Counters {
+        std::uint16_t underruns, refused_records, good, damaged, repeated, refused, watchdog, guard, missed, lost, late,
+            bent, far;
+    } count_{};
+    Clock reset_at_ = never, reset_last_ = 0;  // of what plays and supervises: when it begins, and its last clock
+    Clock began_ = 0;                          // the last clock of the reset before
+    interface::Role next_role_ = interface::Role::alone;  // from the next reset on
+    Clock judge_at_ = never;                              // the guard looks at a window
+    Clock pulses_asked_to_ = 0;
+
+    // The pins.
+    std::uint16_t index_ = 0;
+    Clock started_at_ = never;
+    std::function<void(const Edge&)> on_edge_;
+    Model::Outputs outputs_;
+};
+
+}  // namespace haptogram::sim
