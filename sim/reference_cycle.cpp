@@ -96,11 +96,13 @@ void CarrierCycle::begin(Clock clock, bool changed, std::uint32_t old_pulse) {
     train_.begin_cycle(clock, lengths_.cycle, lengths_.prescaler, firing_, changed, old_pulse);
     if (!first_ticks_.empty()) first_ticks_.back().next = std::min(first_ticks_.back().next, clock);
     first_ticks_.push_back({clock + lengths_.prescaler, index_});
-    if (!firing_) return;
+    if (!firing_ && old_pulse == 0) return;
     // Pulses of at most half of equal cycles merge to less than four pulses, which the guard's window is longer than.
+    // What is left of a pulse from before a change lasts as many ticks as it would have, and these may be longer now.
     const bool same = lengths_.cycle == merged_.cycle && lengths_.prescaler == merged_.prescaler;
-    if (!same || !tame(*firing_, lengths_.cycle)) may_merge_to_ = end_ + 3 * guard_window_;
-    merged_ = lengths_;
+    if (!same || (firing_ && !tame(*firing_, lengths_.cycle)))
+        may_merge_to_ = std::max({may_merge_to_, end_, settled_}) + 3 * guard_window_;
+    if (firing_) merged_ = lengths_;
 }
 
 std::optional<PinStart> CarrierCycle::starts_at_pins(Clock clock) {
