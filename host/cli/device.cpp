@@ -127,6 +127,7 @@ constexpr std::array roles = {link::Role::alone, link::Role::master, link::Role:
 
 std::vector<std::string> role_names() {
     std::vector<std::string> names;
+    names.reserve(roles.size());
     for (const link::Role role : roles) names.emplace_back(to_string(role));
     return names;
 }

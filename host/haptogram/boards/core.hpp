@@ -25,7 +25,7 @@ struct Core {
     [[nodiscard]] std::uint32_t most_focus_records(std::uint32_t foci = 1) const {
         const std::uint64_t words =
             std::uint64_t{parameters.records} * (parameters.channels + interface::record_header_words);
-        return static_cast<std::uint32_t>(std::min<std::uint64_t>(words / (4U * foci), 65535 - parameters.records));
+        return static_cast<std::uint32_t>(std::min<std::uint64_t>(words / (4ULL * foci), 65535 - parameters.records));
     }
     friend bool operator==(const Core&, const Core&) = default;
 };
