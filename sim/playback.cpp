@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/link/intensity.hpp"
 #include "haptogram/link/transfer.hpp"
 #include "simulated_board.hpp"
 #include "simulated_transport.hpp"
@@ -98,12 +99,6 @@ std::pair<std::uint64_t, std::uint64_t> comparable(const std::vector<CycleStart>
 }
 
 /// Whether any of the records has amplitudes.
-bool has_amplitudes(const Image& image) {
-    for (std::size_t place = 0; place < image.record_count(); ++place)
-        if (haptogram::has_amplitudes(image, place)) return true;
-    return false;
-}
-
 /// The same as check_pulses() with a modulation. Its first sample is played in the next cycle whose words are not begun
 /// yet when the command acts (contract 9), between its sending and its answer; so it is looked for there.
 /// @param from_cycle, to_cycle  how many cycles there were at these two times
@@ -124,7 +119,7 @@ PulseReport check_modulated(const Image& image, const std::vector<CycleStart>& c
 
 std::string_view model_for(const Image& image, const std::string& where,
                            std::span<const interface::CoreConfiguration> models) {
-    const bool amplitudes = has_amplitudes(image);
+    const bool amplitudes = link::can_be_modulated(image);
     std::vector<interface::CoreConfiguration> able;
     for (const interface::CoreConfiguration& model : models) {
         const interface::CoreParameters& p = model.parameters;
@@ -230,8 +225,8 @@ Playback play(const Image& image, const PlaybackOptions& options, const std::str
             check_modulated(image, recorder.cycles(), playback.pulses, from, to, modulates_from, modulates_to);
     else
         playback.pulse_report = check_pulses(image, recorder.cycles(), playback.pulses, from, to, image.channels);
-    const bool fires = has_amplitudes(image) || std::any_of(image.records.begin(), image.records.end(),
-                                                            [](const Record& r) { return r.pulse_length > 0; });
+    const bool fires = link::can_be_modulated(image) || std::any_of(image.records.begin(), image.records.end(),
+                                                                    [](const Record& r) { return r.pulse_length > 0; });
     if (fires && playback.pulse_report.checked == 0) {
         ++playback.violation_count;
         playback.violations.emplace_back(

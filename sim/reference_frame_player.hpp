@@ -71,18 +71,26 @@ private:
     void end_sweep(Clock clock);
     [[nodiscard]] std::vector<EmissionWord> words_of(const Sweep& sweep);
 
-    Clock go_ = never;      // the go point of the present cycle
-    Clock wait_ticks_ = 0;  // from the cycle's start to it
-    bool given_ = false, owed_ = false;
-    Clock quiet_from_ = 0;  // the modulation can take another period from here on
-    bool busy_ = false, taken_ = false, plays_ = false, again_ = false;
-    Clock changed_ = never;  // the last clock in which a firing was put to use
-    Clock missed_ = never;   // a miss is counted
-    bool raw_ = true, silent_ = true, mute_ = false;
-    EntrySource::Entry entry_;  // that was taken over, with what follows
+    Clock go_ = never;       // the go point of the present cycle
+    Clock wait_ticks_ = 0;   // from the cycle's start to it
+    bool given_ = false;     // the modulation has been told of the next period
+    bool owed_ = false;      // or must be, late, of the present one
+    Clock quiet_from_ = 0;   // it can take another period from here on
+    bool busy_ = false;      // words are being made, or wait to be put to use
+    bool taken_ = false;     // they are of a record that was taken over
+    bool plays_ = false;     // the record at the pins has amplitudes, or is the silence after one
+    bool again_ = false;     // a change that was asked for meanwhile is asked for once more
+    Clock changed_ = never;  // the last clock in which words were put to use
+    Clock missed_ = never;   // a period without words of its own is counted
+    // What was taken over last.
+    bool raw_ = true;     // a record of timings
+    bool silent_ = true;  // nothing, after one of timings
+    bool mute_ = false;   // silence
+    EntrySource::Entry entry_;
     CarrierCycle::Lengths lengths_{0, 1};
-    std::vector<Emission> frame_;
     std::uint32_t raw_pulse_ = 0;
+    std::vector<Emission> frame_;
+    // Its words.
     std::optional<Sweep> sweep_;
     Clock prepared_ = never;  // from which clock on the words can be put to use
     std::shared_ptr<const Firing> firing_;

@@ -308,6 +308,10 @@ Message read_message(std::string_view text) {
         members.only({"n", "value"});
         return IntensityMessage{members.whole("n"), members.share("value")};
     }
+    if (type == "modulate") {
+        members.only({"n", "scene"});
+        return ModulateMessage{members.whole("n"), members.text("scene")};
+    }
     if (type == "studies") {
         members.only({"n"});
         return StudiesMessage{members.whole("n")};

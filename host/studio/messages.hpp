@@ -104,6 +104,11 @@ struct IntensityMessage {
     std::uint32_t n = 0;
     double value = 1.0;  ///< 0…1
 };
+/// Modulate what plays as another scene is, of which all else is the same.
+struct ModulateMessage {
+    std::uint32_t n = 0;
+    std::string scene;
+};
 /// Tell which studies there are.
 struct StudiesMessage {
     std::uint32_t n = 0;
@@ -137,10 +142,11 @@ struct BeatMessage {
     bool hidden = false;  ///< nobody sees it
 };
 
-using Message = std::variant<SceneMessage, HandMessage, PathMessage, SliceMessage, ReachMessage, DrivesMessage,
-                             AnalyzeMessage, SimulateMessage, CancelMessage, PulsesMessage, ConnectMessage,
-                             DisconnectMessage, UploadMessage, PlayMessage, StreamMessage, IntensityMessage,
-                             StudiesMessage, StudyMessage, AnswerMessage, LeaveMessage, StopMessage, BeatMessage>;
+using Message =
+    std::variant<SceneMessage, HandMessage, PathMessage, SliceMessage, ReachMessage, DrivesMessage, AnalyzeMessage,
+                 SimulateMessage, CancelMessage, PulsesMessage, ConnectMessage, DisconnectMessage, UploadMessage,
+                 PlayMessage, StreamMessage, IntensityMessage, ModulateMessage, StudiesMessage, StudyMessage,
+                 AnswerMessage, LeaveMessage, StopMessage, BeatMessage>;
 
 inline constexpr std::size_t most_depth = 16;      ///< of lists and objects within each other in a message
 inline constexpr std::size_t most_members = 4000;  ///< of a message and all objects in it; a shape has ten at most

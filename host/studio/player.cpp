@@ -178,6 +178,19 @@ void Player::set_intensity(double factor) {
     intensity_ = factor;
 }
 
+void Player::modulate(std::shared_ptr<const Scene> scene) {
+    const std::lock_guard lock(mutex_);
+    if (!playing_) throw Error(ErrorCode::device, "board", "it plays no scene; press Play");
+    Image other = scene->compiled.bundle.image;
+    const Image& image = playing_->compiled.bundle.image;
+    other.modulation = image.modulation;
+    if (other != image)
+        throw bad_input("scene", "it differs from the one that plays in more than its modulation; press STOP and Play");
+    if (!link::can_be_modulated(image))
+        throw bad_input("scene", "the board that it is for has no modulation of its own; press STOP and Play");
+    modulation_ = std::move(scene);
+}
+
 /// Tells how long it has played, and makes what plays as strong as is wanted, from before its first pulse on.
 /// @param changed  told when it has become stronger or weaker
 link::Watch Player::watch(link::Commands& device, const char* name, std::uint64_t number, link::Intensity& intensity,
@@ -191,6 +204,12 @@ link::Watch Player::watch(link::Commands& device, const char* name, std::uint64_
             intensity.set(device, wanted);
             changed();
         }
+        std::shared_ptr<const Scene> other;
+        {
+            const std::lock_guard lock(mutex_);
+            other = std::exchange(modulation_, nullptr);
+        }
+        if (other) intensity.modulate(device, other->compiled.bundle.image.modulation);
         settings_.work(
             {{"t", "progress"}, {"work", name}, {"number", number}, {"seconds", now.seconds}, {"stage", "play"}});
         return true;
@@ -211,6 +230,10 @@ std::uint64_t Player::play(std::shared_ptr<const Scene> scene) {
         ordered_json report;
         bring(device, "play", number, *scene, report);
         link::Intensity intensity(scene->compiled.bundle.image);
+        {
+            const std::lock_guard lock(mutex_);
+            playing_ = scene;
+        }
         const link::Played played = link::play(device, {}, watch(device, "play", number, intensity, [] {}));
         report.update(link::played_to_json(played));
         return report;
@@ -277,6 +300,8 @@ void Player::run() {
         {
             const std::lock_guard lock(mutex_);
             if (work.scrub && scrub_ == work.scrub) scrub_.reset();
+            playing_.reset();
+            modulation_.reset();
         }
         settings_.work(std::move(report));
     }

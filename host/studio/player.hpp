@@ -67,6 +67,12 @@ public:
     void set_intensity(double factor);
     [[nodiscard]] double intensity() const { return intensity_; }
 
+    /// Modulates what plays as a scene is, from now on.
+    /// @throws Error{device} when no scene plays; Error{bad_input} when the two differ in more than their modulation,
+    /// or
+    ///         have no amplitudes that could be modulated
+    void modulate(std::shared_ptr<const Scene> scene);
+
     /// Outputs off: what waits is dropped, what is under way is cut off. May be called from any thread.
     /// @return a number; the outputs are off once the state's `confirmed` has reached it. None without a connection
     std::optional<std::uint64_t> stop();
@@ -97,9 +103,10 @@ private:
     bool over_ = false;
     std::atomic<double> intensity_ = 1.0;
     std::uint64_t stops_ = 0, asked_ = 0;
-    std::shared_ptr<Scrub> scrub_;  // what a stream under way plays
-    Open open_;                     // of the present connection
-    std::string port_;              // of a board that is not ours
+    std::shared_ptr<Scrub> scrub_;                       // what a stream under way plays
+    std::shared_ptr<const Scene> playing_, modulation_;  // what plays, and whose modulation it is to have
+    Open open_;                                          // of the present connection
+    std::string port_;                                   // of a board that is not ours
     std::shared_ptr<VirtualBoard> board_;
     std::shared_ptr<link::DeviceThread> device_;
     std::thread thread_;

@@ -230,6 +230,13 @@ private:
         });
     }
 
+    void act(Visitor& visitor, const ModulateMessage& message) {
+        tell_failure(*visitor.page, message.n, [&] {
+            require_no_other_driver(visitor);
+            player_.modulate(scenes_.find(message.scene));
+        });
+    }
+
     /// Work that turns the outputs on, for the one page that then keeps them on. @param work  returns its number
     template <class Work>
     void drive(Visitor& visitor, std::uint32_t n, Work work) {

@@ -98,3 +98,47 @@ TEST_CASE("intensity: amplitudes are multiplied by the board's modulation", "[wi
         REQUIRE(10 * right >= (modulated ? 7U : 10U) * (pulses.size() - before));
     }
 }
+
+TEST_CASE("intensity: another modulation, or none, while it plays, as strong as before", "[wide]") {
+    auto g = generator();
+    wide::Wide bench;
+    Record record{1250, 1, 0, {}, interface::Kind::amplitudes};
+    for (std::uint32_t k = 0; k < bench.channels(); ++k)
+        record.timings.push_back(static_cast<std::uint16_t>(0xff00U | random(g, 0, 255)));
+    const Image image = image_of(bench.channels(), {record});
+    bench.client.identify();
+    link::upload(bench.client, image);
+    link::Intensity intensity(image);
+    bench.client.set_watchdog(0);
+    bench.client.enable();
+    bench.client.select(1);
+    intensity.set(bench.client, 0.5);
+    using Samples = std::optional<SampledModulation>;
+    for (const Samples& modulation :
+         {Samples(SampledModulation{3, {255, 0}}), Samples(SampledModulation{2, {64, 64, 255, 0}}), Samples()}) {
+        intensity.modulate(bench.client, modulation);
+        bench.board.run(4 * 1250);
+        const std::size_t before = bench.recorder.pulses().size();
+        const std::size_t periods = 48;  // of all samples, whole rounds
+        bench.board.run(periods * 1250);
+        const auto& pulses = bench.recorder.pulses();
+        const std::uint32_t whole = emission_ticks(static_cast<std::uint16_t>(128 * 257), 1250, 1);
+        std::size_t strong = 0;
+        for (std::size_t i = before; i < pulses.size(); ++i)
+            strong += pulses[i].fall - pulses[i].rise + 2 >= whole ? 1 : 0;
+        const std::size_t parts = !modulation ? 1 : modulation->samples.size();
+        const std::size_t expected = periods * bench.channels() / parts;
+        INFO(parts << " samples: " << strong << " strong pulses, expected " << expected);
+        REQUIRE(strong + 2 * bench.channels() >= expected);
+        REQUIRE(strong <= expected + 2 * bench.channels());
+    }
+    const std::uint32_t most = bench.board.parameters().modulation_depth;
+    REQUIRE_THROWS_WITH(intensity.modulate(bench.client, SampledModulation{1, std::vector<std::uint8_t>(most + 1)}),
+                        Catch::Contains("the board holds 64"));
+    Bench plain;
+    plain.client.identify();
+    link::Intensity timings(image_of(plain.channels(), {random_record(g, plain.channels(), 250, 5, 100)}));
+    REQUIRE_THROWS_WITH(timings.modulate(plain.client, {}), Catch::Contains("timings and no amplitudes"));
+    link::Intensity no_modulation(image);
+    REQUIRE_THROWS_WITH(no_modulation.set(plain.client, 0.5), Catch::Contains("no modulation"));
+}

@@ -131,6 +131,16 @@ test("a modulated scene for a board that computes foci, on a virtual board that 
   await page.getByText(/Playing for [1-9]/).waitFor();
   await page.getByLabel("Intensity", { exact: true }).fill("40");
   await page.locator(".unit", { hasText: /^40 %$/ }).waitFor();
+  // Another waveform is played without a pause; another shape is not.
+  await page.getByLabel("Modulation", { exact: true }).selectOption("square:200");
+  await settled(page);
+  await page.getByRole("button", { name: "Modulate as shown" }).click();
+  await page.getByRole("button", { name: "Modulate as shown" }).waitFor({ state: "detached" });
+  await page.getByLabel("Focal points", { exact: true }).fill("9");
+  await page.getByLabel("Focal points", { exact: true }).press("Enter");
+  await settled(page);
+  await page.getByRole("button", { name: "Modulate as shown" }).click();
+  await page.getByText(/differs from the one that plays in more than its modulation/).first().waitFor();
   await sleep(1000);
   assert.match(await page.locator("#board").innerText(), /outputs ON/);
   await page.getByRole("button", { name: "STOP" }).click();

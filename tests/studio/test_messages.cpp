@@ -79,6 +79,7 @@ TEST_CASE("studio messages: every kind is read, lengths become metres") {
     CHECK(stream.index == 3);
     CHECK(std::get<IntensityMessage>(read_message(R"({"t":"intensity","n":6,"value":0.25})")).value == 0.25);
     CHECK(std::get<IntensityMessage>(read_message(R"({"t":"intensity","n":6,"value":1})")).value == 1.0);
+    CHECK(std::get<ModulateMessage>(read_message(R"({"t":"modulate","n":6,"scene":"ab"})")).scene == "ab");
     CHECK(std::get<StudiesMessage>(read_message(R"({"t":"studies","n":11})")).n == 11);
     const auto study = std::get<StudyMessage>(read_message(study_text));
     CHECK(study.protocol == "haptogram_shapes");
@@ -107,6 +108,7 @@ TEST_CASE("studio messages: bad ones are refused by name") {
         {R"({"t":"stop"})", "'n' is missing"},
         {R"({"t":"stream","n":1,"scene":"s"})", "'index' is missing"},
         {R"({"t":"stream","n":1,"scene":"s","index":-1})", "'index' is missing or not a whole number"},
+        {R"({"t":"modulate","n":1})", "'scene'"},
         {R"({"t":"intensity","n":1})", "'value' is missing or not a number from 0 to 1"},
         {R"({"t":"intensity","n":1,"value":1.001})", "'value' is missing or not a number from 0 to 1"},
         {R"({"t":"intensity","n":1,"value":-0.1})", "'value' is missing or not a number from 0 to 1"},

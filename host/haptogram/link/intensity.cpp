@@ -23,21 +23,39 @@ bool is_timings(const Record& record) { return record.kind == interface::Kind::t
 
 }  // namespace
 
-Intensity::Intensity(Image image)
-    : image_(std::move(image)),
-      has_amplitudes_(image_.foci.has_value() || !std::ranges::all_of(image_.records, is_timings)) {
+bool can_be_modulated(const Image& image) {
+    return image.foci.has_value() || !std::ranges::all_of(image.records, is_timings);
+}
+
+Intensity::Intensity(Image image) : image_(std::move(image)), has_amplitudes_(can_be_modulated(image_)) {
     for (const Record& record : image_.records) pulses_.push_back(is_timings(record) ? record.pulse_length : 0);
 }
 
 void Intensity::set(Commands& device, double factor) {
     if (!(factor >= 0.0 && factor <= 1.0))
         throw bad_argument("intensity", fmt::format("found {}, expected 0 to 1", factor));
-    if (has_amplitudes_ && device.identity().modulation_words == 0)
+    if (has_amplitudes_) require_modulation(device);
+    factor_ = factor;
+    set_pulses(device, factor);
+    if (has_amplitudes_) set_samples(device, false);
+}
+
+void Intensity::modulate(Commands& device, const std::optional<SampledModulation>& modulation) {
+    if (!has_amplitudes_)
+        throw bad_input("image", "it has timings and no amplitudes that the board could modulate; play it anew");
+    require_modulation(device);
+    if (modulation && modulation->samples.size() > 2U * device.identity().modulation_words)
+        throw bad_input("modulation", fmt::format("it has {} samples; the board holds {}", modulation->samples.size(),
+                                                  2U * device.identity().modulation_words));
+    image_.modulation = modulation;
+    set_samples(device, true);
+}
+
+void Intensity::require_modulation(Commands& device) const {
+    if (device.identity().modulation_words == 0)
         throw bad_input("board",
                         "it holds amplitudes, and has no modulation by which they could become weaker; compile "
                         "with another amplitude");
-    set_pulses(device, factor);
-    if (has_amplitudes_) set_samples(device, factor);
 }
 
 void Intensity::set_pulses(Commands& device, double factor) {
@@ -62,15 +80,16 @@ void Intensity::set_pulses(Commands& device, double factor) {
     device.pipeline(writing(pieces));
 }
 
-void Intensity::set_samples(Commands& device, double factor) const {
+/// @param anew  from the first sample on, and with another divider; otherwise samples that play go on
+void Intensity::set_samples(Commands& device, bool anew) const {
     Image weaker;
     weaker.channels = image_.channels;
     weaker.modulation = image_.modulation.value_or(SampledModulation{1, {255, 255}});
     for (std::uint8_t& sample : weaker.modulation->samples)
-        sample = static_cast<std::uint8_t>(std::lround(factor * sample));
+        sample = static_cast<std::uint8_t>(std::lround(factor_ * sample));
     // Samples that a device plays may change while it does; it goes on where it is in its loop.
     write_settings(device, weaker);
-    if (!device.status().modulated) start_modulation(device, weaker);
+    if (anew || !device.status().modulated) start_modulation(device, weaker);
 }
 
 }  // namespace haptogram::link

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <optional>
 #include <vector>
 
 #include "haptogram/image/image.hpp"
@@ -23,13 +24,22 @@ public:
     ///         device no modulation
     void set(Commands& device, double factor);
 
+    /// Another modulation for all amplitudes, from the next carrier period on, or none; of the same factor.
+    /// @throws Error{bad_input} when the image has no amplitudes, or the device no modulation or too few samples
+    void modulate(Commands& device, const std::optional<SampledModulation>& modulation);
+
 private:
+    void require_modulation(Commands& device) const;
     void set_pulses(Commands& device, double factor);
-    void set_samples(Commands& device, double factor) const;
+    void set_samples(Commands& device, bool anew) const;
 
     Image image_;
+    double factor_ = 1.0;
     bool has_amplitudes_;                // of its records, some
     std::vector<std::uint32_t> pulses_;  // that the device holds now, ticks, one a record of timings; of others 0
 };
+
+/// Whether an image has amplitudes, by records or foci, that a device's modulation multiplies.
+[[nodiscard]] bool can_be_modulated(const Image& image);
 
 }  // namespace haptogram::link

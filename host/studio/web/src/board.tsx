@@ -24,6 +24,13 @@ export function Board({ actions }: { actions: Actions }) {
   const busy = work?.t === "progress";
   const on = device.status?.outputs === "on";
   const ready = connected && scene !== undefined && state.current.value && !busy;
+  // The scene whose modulation is played, as far as this page said.
+  const [played, setPlayed] = useState("");
+  const another = busy && work?.work === "play" && work.stage === "play" && scene !== undefined && state.current.value && played !== "" && played !== scene.name;
+  const say = (what: "play" | "modulate") => {
+    actions.send(what, { scene: scene?.name ?? "" });
+    setPlayed(scene?.name ?? "");
+  };
   useEffect(() => {
     const words = document.getElementById("board");
     if (words) {
@@ -53,7 +60,8 @@ export function Board({ actions }: { actions: Actions }) {
           {device.trouble && <p class="warning">▲ {device.trouble}</p>}
           <div class="buttons">
             <button type="button" disabled={!ready} onClick={() => actions.send("upload", { scene: scene?.name ?? "" })}>Upload</button>
-            <button type="button" class="play" disabled={!ready} onClick={() => actions.send("play", { scene: scene?.name ?? "" })}>▶ Play</button>
+            <button type="button" class="play" disabled={!ready} onClick={() => say("play")}>▶ Play</button>
+            {another && <button type="button" onClick={() => say("modulate")}>Modulate as shown</button>}
             <button type="button" disabled={!ready || state.at.value === undefined} onClick={() => actions.stream()}>▶ Follow the slider</button>
             <button type="button" onClick={() => actions.send("disconnect")}>Disconnect</button>
           </div>
