@@ -106,7 +106,7 @@ def sound_messages():
     of_scene = {
         "slice": {"origin": [-80, -80, 130], "u": [160, 0, 0], "v": [0, 1.6e2, 0], "width": 200, "height": 100, "record": 0, "view": 1},
         "reach": {"origin": [-80, -80, 130], "u": [160, 0, 0], "v": [0, 0, 60], "width": 48, "height": 48, "view": 0},
-        "drives": {"record": 7}, "analyze": {}, "simulate": {}, "connect": {"port": "virtual"}, "upload": {}, "play": {}, "stream": {"index": 7},
+        "drives": {"record": 7}, "analyze": {}, "simulate": {}, "connect": {"port": "virtual"}, "upload": {}, "play": {}, "modulate": {}, "stream": {"index": 7},
     }  # fmt: skip
     others = {
         "cancel": {"what": "analyze"}, "pulses": {"index": 7, "periods": 2}, "disconnect": {}, "studies": {}, "intensity": {"value": 0.5},
