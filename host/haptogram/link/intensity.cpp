@@ -44,9 +44,10 @@ void Intensity::modulate(Commands& device, const std::optional<SampledModulation
     if (!has_amplitudes_)
         throw bad_input("image", "it has timings and no amplitudes that the board could modulate; play it anew");
     require_modulation(device);
-    if (modulation && modulation->samples.size() > 2U * device.identity().modulation_words)
-        throw bad_input("modulation", fmt::format("it has {} samples; the board holds {}", modulation->samples.size(),
-                                                  2U * device.identity().modulation_words));
+    const std::size_t most = std::size_t{2} * device.identity().modulation_words;
+    if (modulation && modulation->samples.size() > most)
+        throw bad_input("modulation",
+                        fmt::format("it has {} samples; the board holds {}", modulation->samples.size(), most));
     image_.modulation = modulation;
     set_samples(device, true);
 }
