@@ -55,7 +55,7 @@ void CarrierCycle::hold(Clock clock) {
 }
 
 void CarrierCycle::commit(Clock clock, std::uint16_t index, std::uint16_t dwell, std::optional<Lengths> lengths,
-                          std::shared_ptr<const Firing> firing) {
+                          std::shared_ptr<Firing> firing) {
     const std::uint32_t old_pulse = pulse();
     firing_ = std::move(firing);
     lengths_ = lengths.value_or(lengths_);
@@ -75,7 +75,7 @@ bool CarrierCycle::go_on(Clock clock, bool ready) {
     return misses;
 }
 
-bool CarrierCycle::go_on(Clock clock, bool ready, std::shared_ptr<const Firing> firing) {
+bool CarrierCycle::go_on(Clock clock, bool ready, std::shared_ptr<Firing> firing) {
     const bool misses = dwell_ == 1 && !ready && !asked(clock) && !late_;
     late_ = late_ || misses;
     if (dwell_ > 1) --dwell_;

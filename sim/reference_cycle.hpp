@@ -53,11 +53,11 @@ public:
     /// @param lengths  none for silence, which keeps those that are there
     /// @param firing   none when it has no pulses
     void commit(Clock clock, std::uint16_t index, std::uint16_t dwell, std::optional<Lengths> lengths,
-                std::shared_ptr<const Firing> firing);
+                std::shared_ptr<Firing> firing);
     /// The record goes on for a cycle, with the pulses it has, or with others.
     /// @return whether a change was due that did not come
     bool go_on(Clock clock, bool ready);
-    bool go_on(Clock clock, bool ready, std::shared_ptr<const Firing> firing);
+    bool go_on(Clock clock, bool ready, std::shared_ptr<Firing> firing);
     /// A change is asked for, whatever is left of the dwell.
     void ask(Clock clock) { change_ = clock + 1; }
     /// Outputs are off, so no pulse is under way.
@@ -84,7 +84,7 @@ private:
 
     Clock begun_ = 0, end_ = 0;  // the last clocks of the cycle before and of this one
     Lengths lengths_{0, 1};
-    std::shared_ptr<const Firing> firing_;
+    std::shared_ptr<Firing> firing_;
     std::uint16_t index_ = 0, dwell_ = 0;
     Clock change_ = never;  // from which clock on a change is asked for
     Clock settled_ = 0;

@@ -253,16 +253,26 @@ void FramePlayer::load_foci(std::span<const std::uint16_t> words, bool common) {
 /// @return whether a focus was too far from a channel
 bool FramePlayer::compute_foci(Clock clock) {
     const auto set = settings.at(clock);
-    const std::vector<ChannelDrive> drives =
-        engine_outputs(geometry, field::wave_number.get(set), static_cast<std::uint16_t>(field::gain.get(set)), foci_,
-                       field::foci_whole.get(set) != 0);
-    bool far = false;
-    next_.frame.reserve(p_.channels);
-    for (const ChannelDrive& drive : drives) {
-        next_.frame.push_back({drive.amplitude, drive.phase});
-        far = far || drive.far;
+    if (!std::ranges::equal(set, computed_by_) || geometry != computed_for_) {
+        std::ranges::copy(set, computed_by_.begin());
+        computed_for_ = geometry;
+        computed_.clear();
     }
-    return far;
+    const std::size_t number = reader_.entry().index - p_.records - 1U;
+    if (number >= computed_.size()) computed_.resize(number + 1);
+    Computed& known = computed_[number];
+    if (known.foci != foci_) {
+        known = {foci_, false, {}};
+        known.frame.reserve(p_.channels);
+        for (const ChannelDrive& drive :
+             engine_outputs(geometry, field::wave_number.get(set), static_cast<std::uint16_t>(field::gain.get(set)),
+                            foci_, field::foci_whole.get(set) != 0)) {
+            known.frame.push_back({drive.amplitude, drive.phase});
+            known.far = known.far || drive.far;
+        }
+    }
+    next_.frame = known.frame;
+    return known.far;
 }
 
 // ---- Once a carrier period
@@ -325,7 +335,6 @@ void FramePlayer::end_sweep(Clock clock) {
         firing->add(channel, word.rise, word.width);
         if (word.early) firing->add_early(channel, word.fall);
     }
-    firing->sort();
     if (firing->pulse > 0) firing_ = std::move(firing);
     prepared_ = sweep_->prepared;
     sweep_.reset();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -58,6 +59,15 @@ private:
     Clock idle_ = 0;        // and an entry can be taken
     std::uint32_t base_ = 0, foci_cycle_ = 0;
     std::vector<FocusWords> foci_;  // of which next_ is to be computed
+    /// What the engine made of a focus record; used again while memory holds the same words, and it is set up alike.
+    struct Computed {
+        std::vector<FocusWords> foci;
+        bool far = false;
+        std::vector<Emission> frame;
+    };
+    std::vector<Computed> computed_;  // by number
+    std::array<std::uint16_t, interface::parameters_words> computed_by_{};
+    std::vector<GeometryWords> computed_for_;
 
     // ---- Once a carrier period (rtl/period_controller.v)
 
@@ -93,7 +103,7 @@ private:
     // Its words.
     std::optional<Sweep> sweep_;
     Clock prepared_ = never;  // from which clock on the words can be put to use
-    std::shared_ptr<const Firing> firing_;
+    std::shared_ptr<Firing> firing_;
     Clock bent_ = never;  // a bent period is counted
     EmissionModel model_;
 

@@ -86,7 +86,6 @@ std::shared_ptr<const RecordPlayer::Loaded> RecordPlayer::load(std::span<const s
             if (timing < no_tick && timing < header.cycle_length) firing->add(channel, timing, header.pulse);
         }
         firing->pulse = header.pulse;  // also when no channel has one
-        firing->sort();
         loaded->firing = std::move(firing);
     }
     known = loaded;

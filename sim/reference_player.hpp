@@ -73,7 +73,7 @@ private:
         CarrierCycle::Lengths lengths{};
         bool playable = false;
         bool common = false;                   // its cycle is a carrier period
-        std::shared_ptr<const Firing> firing;  // none without pulses
+        std::shared_ptr<Firing> firing;  // none without pulses
     };
 
     [[nodiscard]] bool finish(bool common);

@@ -12,8 +12,8 @@ constexpr Clock lateness = 2;  // clocks from the beginning of the next tick unt
 
 }  // namespace
 
-void PulseTrain::begin_cycle(Clock begin, std::uint32_t ticks, std::uint32_t prescaler,
-                             std::shared_ptr<const Firing> firing, bool changed, std::uint32_t old_pulse) {
+void PulseTrain::begin_cycle(Clock begin, std::uint32_t ticks, std::uint32_t prescaler, std::shared_ptr<Firing> firing,
+                             bool changed, std::uint32_t old_pulse) {
     Cycle cycle{begin, 0, ticks, prescaler, std::move(firing), changed, 0};
     if (!cycles_.empty()) {
         Cycle& before = cycles_.back();
@@ -79,6 +79,7 @@ void PulseTrain::advance(Clock last) {
         std::uint32_t channel = 0;
         Falls* falls = nullptr;
         const Firing::Rise* next = nullptr;
+        if (cycle.firing) cycle.firing->sort();
         if (cycle.firing && next_rise_ < cycle.firing->of(cycle.changed).size()) {
             next = &cycle.firing->of(cycle.changed)[next_rise_];
             if (cycle.first + next->tick < end) tick = cycle.first + next->tick, channel = next->channel;

@@ -5,6 +5,7 @@
 #include <deque>
 #include <functional>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "clock.hpp"
@@ -18,7 +19,7 @@ struct Firing {
     };
     static constexpr std::uint32_t silent = ~0U;
 
-    explicit Firing(std::uint32_t channels) : tick(channels, silent), early(channels) {}
+    explicit Firing(std::uint32_t channels) : tick(channels, silent), early(channels) { rises.reserve(channels); }
     /// A channel's pulse begins in this tick of the cycle, and lasts for so many, also into the next cycle.
     void add(std::uint32_t channel, std::uint32_t at, std::uint32_t ticks) {
         tick[channel] = at;
@@ -31,8 +32,9 @@ struct Firing {
         early[channel] = 1;
         opening.push_back({0, channel, ticks});
     }
-    /// To be called when all have been added.
+    /// Brings them in order; needed only when somebody looks at the pulses, and done once.
     void sort() {
+        if (std::exchange(sorted_, true)) return;
         const auto before = [](const Rise& a, const Rise& b) {
             return a.tick != b.tick ? a.tick < b.tick : a.channel < b.channel;
         };
@@ -52,6 +54,9 @@ struct Firing {
     std::vector<Rise> opening;        ///< the same, with what is early; empty when nothing is
     std::vector<std::uint32_t> tick;  ///< of each channel; `silent` when it has no pulse
     std::vector<std::uint8_t> early;  ///< of each channel, 1 or 0
+
+private:
+    bool sorted_ = false;
 };
 
 /// The pulses at the pins, from the cycles that are played (rtl/README.md, contract 1).
@@ -79,7 +84,7 @@ public:
     /// its last tick became longer.
     /// @param firing     none when it is silent; kept until the cycle's pulses have ended
     /// @param changed    the firing is put to use with it, instead of one with pulses of `old_pulse` ticks
-    void begin_cycle(Clock begin, std::uint32_t ticks, std::uint32_t prescaler, std::shared_ptr<const Firing> firing,
+    void begin_cycle(Clock begin, std::uint32_t ticks, std::uint32_t prescaler, std::shared_ptr<Firing> firing,
                      bool changed, std::uint32_t old_pulse);
     /// All pins are low from this clock on, and no pulse begins until resume().
     void stop(Clock clock);
@@ -102,7 +107,7 @@ private:
         Clock begin;
         std::uint64_t first;  // number of its tick 0
         std::uint32_t ticks, prescaler;
-        std::shared_ptr<const Firing> firing;
+        std::shared_ptr<Firing> firing;
         bool changed;
         std::uint64_t filled_to;  // up to this tick, a gap of one tick between pulses is filled
         bool stretched = false;   // its last tick is longer
