@@ -174,7 +174,7 @@ TEST_CASE("frame loader: one to eight foci, in as many clocks as rtl/README.md s
             REQUIRE(load.first_address == 4 * place);
             REQUIRE(!load.refused);
             REQUIRE(loader.bench->o_cycle_length == 1250);
-            REQUIRE(load.clocks == std::max(4 * foci + 5, 29) + foci * static_cast<int>(channels) + 35);
+            REQUIRE(load.clocks == std::max(4 * foci + 7, 29) + foci * static_cast<int>(channels) + 35);
             loader.require_foci(loader.take_over(), written);
         }
     }
@@ -223,7 +223,7 @@ TEST_CASE("frame loader: a load that is dropped at any clock leaves nothing behi
         for (int i = 0; i < clocks; ++i) loader.clock();
         loader.drop();
         const Load load = loader.load(PARAMETER_RECORDS + 2);
-        REQUIRE(load.clocks == 37 + 8 * static_cast<int>(channels) + 35);
+        REQUIRE(load.clocks == 39 + 8 * static_cast<int>(channels) + 35);
         REQUIRE(!load.refused);
         loader.require_foci(loader.take_over(), written);
     }
