@@ -72,7 +72,7 @@ private:
         std::vector<std::uint16_t> words;
         CarrierCycle::Lengths lengths{};
         bool playable = false;
-        bool common = false;                   // its cycle is a carrier period
+        bool common = false;             // its cycle is a carrier period
         std::shared_ptr<Firing> firing;  // none without pulses
     };
 
