@@ -127,7 +127,7 @@ TEST_CASE("focal law: exact for foci near, far, behind, beside and in the array,
                            {600.0, -700.0, 1000.0},
                            {1e-300, 0.0, 0.15}};
     for (const Vec3& focus : random_foci(g, 300, 2.0, -2.0, 2.0)) foci.push_back(focus);
-    for (const std::uint32_t cycle : {1U, 2U, 3U, 7U, 255U, 4096U, 16383U, 32767U, 32768U, 65535U}) {
+    for (const std::uint32_t cycle : {1U, 2U, 3U, 7U, 255U, 511U, 512U, 513U, 4096U, 16383U, 32767U, 32768U, 65535U}) {
         CAPTURE(cycle);
         const auto expected = plain_law(array, timer_of(cycle), foci);
         on_every_target([&] { REQUIRE(differing(focal_law(array, timer_of(cycle), foci), expected) == 0); });
@@ -170,6 +170,11 @@ TEST_CASE("focal law: exact for arrays that are no grid, for rigs, and for any n
     for (const Element& e : tile.elements) twice.elements.push_back(e);
     for (const Element& e : tile.elements) twice.elements.push_back({e.position + Vec3{1e-9, -1e-9, 0.0}, e.normal});
     arrays.push_back(twice);
+    for (const double width_m : {0.26, 0.28, 1.2}) {  // beyond 32 cycles of 250 ticks single precision counts in ticks
+        Array wide = without_grid(300, g);
+        for (Element& e : wide.elements) e.position.x *= width_m / 0.12;
+        arrays.push_back(wide);
+    }
     for (const std::size_t count : {1U, 2U, 3U, 5U, 15U, 16U, 17U, 31U, 33U, 63U, 64U, 65U, 127U, 129U, 500U})
         arrays.push_back(without_grid(count, g));
     for (const Array& array : arrays)
