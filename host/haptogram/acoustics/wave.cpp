@@ -31,6 +31,7 @@ HWY_INLINE V rough_inverse_root(V x) {
     return inverse_root(x);
 #endif
 }
+HAPTOGRAM_IN_STEP(rough_inverse_root)
 
 /// a/b, with an error of a few units in the last place.
 HWY_INLINE V quotient(V a, V b) {
@@ -97,13 +98,14 @@ struct PolynomialPattern {
         return at(seen.along(), inverse_range);
     }
     /// @param along  distance along the element's normal
-    HWY_INLINE V at(V along, V inverse_range) const {
+    template <class Vs>
+    HWY_INLINE Vs at(const Vs& along, const Vs& inverse_range) const {
         const D d;
         // √2·cos θ, so that its square less 1 is the polynomial's variable, 2·cos²θ − 1.
-        const V cosine = hn::Mul(hn::Mul(along, hn::Set(d, 1.41421356F)), inverse_range);
-        const V t = hn::MulSub(cosine, cosine, hn::Set(d, 1.0F));
-        V sum = hn::MulAdd(hn::Set(d, c[degree]), t, hn::Set(d, c[degree - 1]));
-        for (std::size_t i = degree - 1; i-- > 0;) sum = hn::MulAdd(sum, t, hn::Set(d, c[i]));
+        const Vs cosine = mul(mul(along, hn::Set(d, 1.41421356F)), inverse_range);
+        const Vs t = mul_sub(cosine, cosine, hn::Set(d, 1.0F));
+        Vs sum = mul_add(t, hn::Set(d, c[degree]), hn::Set(d, c[degree - 1]));
+        for (std::size_t i = degree - 1; i-- > 0;) sum = mul_add(sum, t, hn::Set(d, c[i]));
         if constexpr (!behind) sum = hn::IfThenElseZero(hn::Ge(along, hn::Zero(d)), sum);
         return sum;
     }
@@ -238,25 +240,29 @@ struct Way {
 /// 1/r by one step of Newton's method each, which share their correction, and nothing is divided.
 template <std::size_t degree>
 struct FarWave {
+    static constexpr std::size_t in_step = HWY_TARGET <= HWY_AVX3 ? 8 : 4;  ///< vectors; found by trying
     PolynomialPattern<degree> pattern;
     float half_turns;
     explicit FarWave(const WaveModel& model) : pattern(model.pattern), half_turns(model.half_turns_per_m) {}
 
-    HWY_INLINE Polar operator()(const WaveElement& element, V x, V y, V z, V half_square) const {
+    template <class Vs>
+    HWY_INLINE Polar<Vs> operator()(const WaveElement& element, const Vs& x, const Vs& y, const Vs& z,
+                                    const Vs& half_square) const {
         const D d;
-        const V ex = hn::Set(d, element.x), ey = hn::Set(d, element.y), ez = hn::Set(d, element.z);
         const V r0 = hn::Set(d, element.range);
-        const V half_growth = hn::NegMulAdd(x, ex, hn::NegMulAdd(y, ey, hn::NegMulAdd(z, ez, half_square)));
-        const V square = hn::MulAdd(half_growth, hn::Set(d, 2.0F), hn::Set(d, element.range_square));
-        const V guess = rough_inverse_root(square);
-        const V rough = hn::MulSub(square, guess, r0);  // about r − r₀, which solves w² + 2r₀w = q
-        const V rest = hn::NegMulAdd(rough, hn::MulAdd(rough, hn::Set(d, 0.5F), r0), half_growth);
-        const V step = hn::Mul(rest, guess);
-        const V growth = hn::Add(rough, step);
-        const V inverse = hn::MulAdd(hn::Mul(guess, step), guess, guess);
-        const V phase = hn::MulAdd(growth, hn::Set(d, half_turns), hn::Set(d, element.phase));
-        const V directivity = pattern.at(hn::Sub(z, ez), inverse);
-        return turn(hn::Mul(hn::Mul(inverse, hn::Set(d, element.amplitude)), directivity), phase);
+        Vs half_growth = neg_mul_add(x, hn::Set(d, element.x), half_square);
+        half_growth = neg_mul_add(y, hn::Set(d, element.y), half_growth);
+        half_growth = neg_mul_add(z, hn::Set(d, element.z), half_growth);
+        const Vs square = mul_add(half_growth, hn::Set(d, 2.0F), hn::Set(d, element.range_square));
+        const Vs guess = rough_inverse_root(square);
+        const Vs rough = mul_sub(square, guess, r0);  // about r − r₀, which solves w² + 2r₀w = q
+        const Vs rest = neg_mul_add(rough, mul_add(rough, hn::Set(d, 0.5F), r0), half_growth);
+        const Vs step = mul(rest, guess);
+        const Vs growth = add(rough, step);
+        const Vs inverse = mul_add(mul(guess, step), guess, guess);
+        const Vs phase = mul_add(growth, hn::Set(d, half_turns), hn::Set(d, element.phase));
+        const Vs directivity = pattern.at(sub(z, hn::Set(d, element.z)), inverse);
+        return turn(mul(mul(inverse, hn::Set(d, element.amplitude)), directivity), phase);
     }
 };
 
@@ -268,13 +274,14 @@ struct Gradient {
 
 template <class PatternAt, class Seen, bool absorbs>
 struct Wave {
+    static constexpr std::size_t in_step = 1;
     PatternAt pattern;
     float half_turns, absorption;
     explicit Wave(const WaveModel& model)
         : pattern(model.pattern), half_turns(2.0F * model.half_turns_per_m), absorption(-model.absorption_np_m) {}
 
     /// p = amplitude·(cosine − j·sine), from `element` to the points (x, y, z).
-    HWY_INLINE Polar operator()(const WaveElement& element, V x, V y, V z, V half_square) const {
+    HWY_INLINE Polar<V> operator()(const WaveElement& element, V x, V y, V z, V half_square) const {
         const D d;
         const Way way(element, hn::Set(d, half_turns), x, y, z, half_square);
         const V directivity = pattern(Seen(element, way.dx, way.dy, way.dz), way.inverse);
@@ -290,7 +297,7 @@ struct Wave {
         const V directivity = pattern.with_slope(seen, way.inverse, slope);
         V amplitude = hn::Mul(way.inverse, hn::Set(d, element.amplitude));
         if constexpr (absorbs) amplitude = hn::Mul(amplitude, hn::Exp(d, hn::Mul(hn::Set(d, absorption), way.range)));
-        const Polar wave = turn(amplitude, way.phase);
+        const Polar<V> wave = turn(amplitude, way.phase);
         const V re = hn::Mul(wave.amplitude, wave.cosine), im = hn::Neg(hn::Mul(wave.amplitude, wave.sine));
         const V axial = hn::Mul(slope, way.inverse);
         const V cosine = hn::Mul(seen.along(), way.inverse);
@@ -378,19 +385,43 @@ void with_far_wave(const WaveModel& model, Call call) {
         with_wave(model, call);
 }
 
+/// The sum of the waves at one vector of points, or at several.
+template <class Vs, class Wave>
+HWY_INLINE void sum_at(const Wave& wave, const Vs& x, const Vs& y, const Vs& z, const Vs& half_square,
+                       const WaveElement* elements, std::size_t count, Vs& sum_re, Vs& sum_im) {
+    for (const WaveElement* e = elements; e != elements + count; ++e) {
+        const Polar<Vs> p = wave(*e, x, y, z, half_square);
+        sum_re = mul_add(p.amplitude, p.cosine, sum_re);
+        sum_im = neg_mul_add(p.amplitude, p.sine, sum_im);
+    }
+}
+
 void sum_waves_to(const WaveModel& model, const WaveBlock& block, const WaveElement* elements, std::size_t count,
                   float* re, float* im) {
     const D d;
+    const std::size_t lanes = hn::Lanes(d);
     const auto sum = [&](auto wave) HWY_ATTR {
-        for (std::size_t i = 0; i < block.count; i += hn::Lanes(d)) {
-            const V x = hn::Load(d, &block.x[i]), y = hn::Load(d, &block.y[i]), z = hn::Load(d, &block.z[i]);
-            const V half_square = hn::Load(d, &block.half_square[i]);
-            V sum_re = hn::Zero(d), sum_im = hn::Zero(d);
-            for (const WaveElement* e = elements; e != elements + count; ++e) {
-                const Polar p = wave(*e, x, y, z, half_square);
-                sum_re = hn::MulAdd(p.amplitude, p.cosine, sum_re);
-                sum_im = hn::NegMulAdd(p.amplitude, p.sine, sum_im);
+        std::size_t i = 0;
+        constexpr std::size_t n = decltype(wave)::in_step;
+        if constexpr (n > 1)
+            for (; i + (n - 1) * lanes < block.count; i += n * lanes) {
+                InStep<n> x, y, z, half_square, sum_re, sum_im;
+                for (std::size_t t = 0; t < n; ++t) {
+                    const std::size_t at = i + t * lanes;
+                    x.v[t] = hn::Load(d, &block.x[at]), y.v[t] = hn::Load(d, &block.y[at]);
+                    z.v[t] = hn::Load(d, &block.z[at]), half_square.v[t] = hn::Load(d, &block.half_square[at]);
+                    sum_re.v[t] = sum_im.v[t] = hn::Zero(d);
+                }
+                sum_at(wave, x, y, z, half_square, elements, count, sum_re, sum_im);
+                for (std::size_t t = 0; t < n; ++t) {
+                    hn::StoreU(sum_re.v[t], d, re + i + t * lanes);
+                    hn::StoreU(sum_im.v[t], d, im + i + t * lanes);
+                }
             }
+        for (; i < block.count; i += lanes) {
+            V sum_re = hn::Zero(d), sum_im = hn::Zero(d);
+            sum_at(wave, hn::Load(d, &block.x[i]), hn::Load(d, &block.y[i]), hn::Load(d, &block.z[i]),
+                   hn::Load(d, &block.half_square[i]), elements, count, sum_re, sum_im);
             hn::StoreU(sum_re, d, re + i);
             hn::StoreU(sum_im, d, im + i);
         }
@@ -473,7 +504,7 @@ void sum_squares_to(const WaveModel& model, const WaveBlock& block, const WaveEl
                 const V x = hn::Load(d, &block.x[at]), y = hn::Load(d, &block.y[at]), z = hn::Load(d, &block.z[at]);
                 const V half_square = hn::Load(d, &block.half_square[at]);
                 for (std::size_t m = 0; m < count; ++m) {
-                    const Polar p = wave(elements[m], x, y, z, half_square);
+                    const Polar<V> p = wave(elements[m], x, y, z, half_square);
                     float* field = scratch + (4 * m + half) * lanes;
                     hn::Store(hn::Mul(p.amplitude, p.cosine), d, field);
                     hn::Store(hn::Neg(hn::Mul(p.amplitude, p.sine)), d, field + 2 * lanes);

@@ -40,7 +40,7 @@ public:
         const V even = hn::NegMulAdd(hn::Mul(three, e), q, hn::MulAdd(along_source, u, hn::Mul(c, q)));
         const V rest = hn::MulSub(three, u, hn::Set(d, k_ * k_));
         const V odd = hn::MulAdd(e, rest, hn::NegMulAdd(c, u, hn::Mul(along_source, q)));
-        const Polar wave =
+        const Polar<V> wave =
             turn(hn::Mul(weight, inverse), hn::Mul(hn::Mul(square, inverse), hn::Set(d, half_turns_)));  // cos − j·sin
         const V amplitude = hn::IfThenElseZero(apart, wave.amplitude);
         re = hn::Mul(amplitude, hn::MulAdd(even, wave.cosine, hn::Mul(odd, wave.sine)));
