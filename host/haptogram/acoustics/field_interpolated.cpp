@@ -86,14 +86,17 @@ double deviation(const Array& array, const FittedPattern& pattern, Drives drives
     sources.play(drives);
     take_block(std::span<const Vec3>(points), 0, place->points);
     sum_block(array, drives, sources, *place);
-    float off = 0.0F, most = 0.0F;
-    for (std::size_t i = 0; i < checked; ++i)
-        off = std::max(off, std::abs(found[indices[i]] - std::complex<float>(place->re[i], place->im[i])));
+    double off = 0.0;
+    for (std::size_t i = 0; i < checked; ++i) {
+        const std::complex<double> found_here = found[indices[i]];
+        off = std::max(off, std::norm(found_here - std::complex<double>(place->re[i], place->im[i])));
+    }
     sources.align();
     place->prepared.set(sources, place->points);
     sum_waves(sources.model, place->prepared.block, place->prepared.elements, place->re.data(), place->im.data());
+    float most = 0.0F;
     for (std::size_t i = 0; i < checked; ++i) most = std::max(most, place->re[i]);
-    return most > 0.0F ? static_cast<double>(off / most) : 0.0;
+    return most > 0.0F ? std::sqrt(off) / static_cast<double>(most) : 0.0;
 }
 
 }  // namespace haptogram

@@ -43,9 +43,15 @@ HWY_INLINE V mul_add(V a, V b, V c) { return hn::MulAdd(a, b, c); }         ///<
 HWY_INLINE V mul_sub(V a, V b, V c) { return hn::MulSub(a, b, c); }         ///< a·b − c
 HWY_INLINE V neg_mul_add(V a, V b, V c) { return hn::NegMulAdd(a, b, c); }  ///< c − a·b
 
-HWY_INLINE V one_of(V v, std::size_t) { return v; }
+/// One of several vectors; of a single one, or of what is the same for all, that one.
+HWY_INLINE V& one_of(V& v, std::size_t) { return v; }
+HWY_INLINE const V& one_of(const V& v, std::size_t) { return v; }
 template <std::size_t n>
-HWY_INLINE V one_of(const InStep<n>& several, std::size_t i) {
+HWY_INLINE V& one_of(InStep<n>& several, std::size_t i) {
+    return several.v[i];
+}
+template <std::size_t n>
+HWY_INLINE const V& one_of(const InStep<n>& several, std::size_t i) {
     return several.v[i];
 }
 

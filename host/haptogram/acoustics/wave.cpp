@@ -385,47 +385,40 @@ void with_far_wave(const WaveModel& model, Call call) {
         with_wave(model, call);
 }
 
-/// The sum of the waves at one vector of points, or at several.
-template <class Vs, class Wave>
-HWY_INLINE void sum_at(const Wave& wave, const Vs& x, const Vs& y, const Vs& z, const Vs& half_square,
-                       const WaveElement* elements, std::size_t count, Vs& sum_re, Vs& sum_im) {
-    for (const WaveElement* e = elements; e != elements + count; ++e) {
-        const Polar<Vs> p = wave(*e, x, y, z, half_square);
-        sum_re = mul_add(p.amplitude, p.cosine, sum_re);
-        sum_im = neg_mul_add(p.amplitude, p.sine, sum_im);
+/// Adds up the waves from the point `i` on, `n` vectors of points in step, as long as there are so many; then half as
+/// many, down to one.
+template <std::size_t n, class Wave>
+HWY_INLINE void sum_in_step(const Wave& wave, const WaveBlock& block, const WaveElement* elements, std::size_t count,
+                            std::size_t i, float* re, float* im) {
+    const D d;
+    const std::size_t lanes = hn::Lanes(d);
+    for (; i + (n - 1) * lanes < block.count; i += n * lanes) {
+        std::conditional_t<n == 1, V, InStep<n>> x, y, z, half_square, sum_re, sum_im;
+        for (std::size_t t = 0; t < n; ++t) {
+            const std::size_t at = i + t * lanes;
+            one_of(x, t) = hn::Load(d, &block.x[at]);
+            one_of(y, t) = hn::Load(d, &block.y[at]);
+            one_of(z, t) = hn::Load(d, &block.z[at]);
+            one_of(half_square, t) = hn::Load(d, &block.half_square[at]);
+            one_of(sum_re, t) = one_of(sum_im, t) = hn::Zero(d);
+        }
+        for (const WaveElement* e = elements; e != elements + count; ++e) {
+            const auto p = wave(*e, x, y, z, half_square);
+            sum_re = mul_add(p.amplitude, p.cosine, sum_re);
+            sum_im = neg_mul_add(p.amplitude, p.sine, sum_im);
+        }
+        for (std::size_t t = 0; t < n; ++t) {
+            hn::StoreU(one_of(sum_re, t), d, re + i + t * lanes);
+            hn::StoreU(one_of(sum_im, t), d, im + i + t * lanes);
+        }
     }
+    if constexpr (n > 1) sum_in_step<n / 2>(wave, block, elements, count, i, re, im);
 }
 
 void sum_waves_to(const WaveModel& model, const WaveBlock& block, const WaveElement* elements, std::size_t count,
                   float* re, float* im) {
-    const D d;
-    const std::size_t lanes = hn::Lanes(d);
-    const auto sum = [&](auto wave) HWY_ATTR {
-        std::size_t i = 0;
-        constexpr std::size_t n = decltype(wave)::in_step;
-        if constexpr (n > 1)
-            for (; i + (n - 1) * lanes < block.count; i += n * lanes) {
-                InStep<n> x, y, z, half_square, sum_re, sum_im;
-                for (std::size_t t = 0; t < n; ++t) {
-                    const std::size_t at = i + t * lanes;
-                    x.v[t] = hn::Load(d, &block.x[at]), y.v[t] = hn::Load(d, &block.y[at]);
-                    z.v[t] = hn::Load(d, &block.z[at]), half_square.v[t] = hn::Load(d, &block.half_square[at]);
-                    sum_re.v[t] = sum_im.v[t] = hn::Zero(d);
-                }
-                sum_at(wave, x, y, z, half_square, elements, count, sum_re, sum_im);
-                for (std::size_t t = 0; t < n; ++t) {
-                    hn::StoreU(sum_re.v[t], d, re + i + t * lanes);
-                    hn::StoreU(sum_im.v[t], d, im + i + t * lanes);
-                }
-            }
-        for (; i < block.count; i += lanes) {
-            V sum_re = hn::Zero(d), sum_im = hn::Zero(d);
-            sum_at(wave, hn::Load(d, &block.x[i]), hn::Load(d, &block.y[i]), hn::Load(d, &block.z[i]),
-                   hn::Load(d, &block.half_square[i]), elements, count, sum_re, sum_im);
-            hn::StoreU(sum_re, d, re + i);
-            hn::StoreU(sum_im, d, im + i);
-        }
-    };
+    const auto sum = [&](auto wave)
+                         HWY_ATTR { sum_in_step<decltype(wave)::in_step>(wave, block, elements, count, 0, re, im); };
     if (block.far)
         with_far_wave(model, sum);
     else
