@@ -114,6 +114,11 @@ export const state = {
 /** The shipped board that a document is for, if it names one. */
 export const boardOf = (document: ProjectDocument | undefined): Hello["boards"][number] | undefined => state.hello.value?.boards.find(({ name }) => name === document?.board);
 
+/** Tells what went wrong, as the server's own failures are told. */
+export function tell(error: unknown): void {
+  state.failure.value = { where: "", message: error instanceof Error ? error.message : String(error) };
+}
+
 /** The record that the field is of; 0 is the mean over the sequence. */
 export const shownRecord = computed(() => {
   const entry = state.scene.value?.tour[state.at.value ?? -1];

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the page's buttons, fields and handles do.
+import type { Signal } from "@preact/signals";
+import { commands } from "./commands";
+import { edit, project } from "./document";
+import { withFiles } from "./dropping";
+import { ofAllFrames } from "./hand_reader";
+import { filesOfScene, type Link } from "./link";
+import { look, quantities } from "./quantity";
+import type { Session } from "./session";
+import { type Actions, boardOf, shownRecord, state, tell } from "./state";
+
+function save(blob: Blob, name: string): void {
+  const anchor = document.createElement("a");
+  anchor.href = URL.createObjectURL(blob);
+  anchor.download = name;
+  anchor.click();
+  setTimeout(() => URL.revokeObjectURL(anchor.href), 10_000); // when it has surely been read
+}
+
+/** Does the work with the signal set, and tells what went wrong. */
+async function during(busy: Signal<boolean>, work: () => Promise<void>): Promise<void> {
+  busy.value = true;
+  await work().catch(tell);
+  busy.value = false;
+}
+
+export function actionsOf(session: Session, link: Link): Actions {
+  const actions: Actions = {
+    place(orientation, middle) {
+      state.orientation.value = orientation;
+      state.middle.value = middle;
+      session.view?.place(orientation, middle);
+      session.planeMoved();
+    },
+    async drop(files) {
+      try {
+        state.failure.value = undefined;
+        for (const file of files) {
+          const most = state.hello.value?.most_file_bytes ?? 0;
+          if (file.size > most) throw new Error(`${file.name}: ${file.size} bytes are more than the ${most} that the studio takes; “haptogram compile” takes files of any size`);
+          await link.sendFile(file);
+          session.sent.set(file.name, file);
+        }
+        const before = project.value;
+        if (!before || files.length === 0) return;
+        state.chosen.value = undefined;
+        edit(withFiles(before, files.map((file) => file.name)));
+        // A file of the same name may have new contents.
+        session.ask();
+      } catch (error) {
+        tell(error);
+      }
+    },
+    send: (t, members = {}) => void link.send({ t, ...members }),
+    async take(as) {
+      const scene = state.scene.value;
+      if (scene) await during(state.writing, async () => save(await link.take(scene.name, as), filesOfScene[as]));
+    },
+    async takeBitstream(autostart) {
+      const [scene, board] = [state.scene.value, boardOf(project.value)];
+      if (scene && board) await during(state.writing, async () => save(await link.bitstream(scene.name, autostart), board.bitstream));
+    },
+    async copyMethods() {
+      const scene = state.scene.value;
+      if (scene) await link.take(scene.name, "methods").then(async (file) => navigator.clipboard.writeText(await file.text())).catch(tell);
+    },
+    async renderHand(what) {
+      const document = project.value;
+      if (!document?.hand || state.rendering.value) return;
+      const of = what === "frame" ? document : ofAllFrames(document);
+      await during(state.rendering, async () => {
+        const { text, frames } = await session.hands.render(of);
+        if (what !== "frame") state.frames.value = { of: JSON.stringify(of), reports: frames };
+        if (what !== "look") save(new Blob([text]), "path.json");
+      });
+    },
+    async takeField(as) {
+      const scene = state.scene.value;
+      const { field } = commands(state.edges.value, look.value.quantity, state.stepMm.value, shownRecord.value);
+      if (!scene || !field) return;
+      const { command: quantity } = quantities[look.value.quantity];
+      const of: Record<string, string> = shownRecord.value === 0 ? {} : { record: String(shownRecord.value) };
+      const asked = { scene: scene.name, ...of, plane: field.plane, ...field.ranges, step: String(state.stepMm.value), quantity, as };
+      await during(state.writing, async () => save(await link.field(asked), `field.${as}`));
+    },
+    copy: async (text) => await navigator.clipboard.writeText(text).catch(tell),
+    save: (text, name) => save(new Blob([text]), name),
+    mark(at) {
+      session.runner.stop();
+      session.mark(at);
+    },
+    run: (on) => (on ? session.runner.start() : session.runner.stop()),
+    showAlone(on) {
+      state.alone.value = on;
+      session.slicer.ask(false);
+    },
+    showReach(on) {
+      state.reach.value = on;
+      session.slicer.ask(false);
+    },
+    stream: () => session.stream(),
+    handle(handles) {
+      state.handles.value = handles;
+      const { view } = session;
+      if (!view) return;
+      view.handles = handles.startsWith("object") ? "object" : "plane";
+      view.turning = handles.endsWith("turn");
+    },
+    choose: (object) => (state.chosen.value = object),
+    simulate: (on) => (on ? session.pins.simulate() : session.pins.cancel()),
+    showPulses: (periods) => session.pins.show(periods),
+    keep(on) {
+      const [scene, document] = [state.scene.value, project.value];
+      if (!on) actions.showKept(false);
+      state.kept.value = on && scene && document ? { document, scene, drawn: state.object.value } : undefined;
+    },
+    showKept(on) {
+      state.showsKept.value = on;
+      const shown = on ? state.kept.value?.scene : state.scene.value;
+      const drawn = on ? state.kept.value?.drawn : state.object.value;
+      if (shown) session.showScene(shown, on ? state.kept.value?.document : project.value);
+      if (drawn) session.view?.showObject(drawn);
+      if (!on && state.drives.value) session.view?.showDrives(state.drives.value);
+      session.slicer.ask(false);
+    },
+    study(on) {
+      state.studying.value = on;
+      if (on) session.study.list();
+    },
+    beginStudy: (choice) => session.study.begin(choice),
+    answer: (text) => session.study.answer(text),
+    leaveStudy: () => session.study.leave(),
+    anotherStudy() {
+      state.session.value = undefined;
+      session.study.list();
+    },
+    paint: () => session.view?.paint(),
+  };
+  return actions;
+}

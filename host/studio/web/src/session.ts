@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the page has under way with the server: asks for the scene of the newest document and for what is shown of it, and
+// puts the answers into the state and into the view.
+import { Comparer } from "./comparer";
+import { edit, project, type ProjectDocument } from "./document";
+import { HandReader, type HandShown } from "./hand_reader";
+import { Latest } from "./latest";
+import type { Event, Link, Scene } from "./link";
+import { PinReader } from "./pin_reader";
+import { look } from "./quantity";
+import { Slicer } from "./slicer";
+import { shownRecord, state, tell } from "./state";
+import { StudyReader } from "./study_reader";
+import { Runner } from "./timeline";
+import type { View } from "./view";
+
+export class Session {
+  /** None before it is made, and where the browser has no WebGL. */
+  view: View | undefined;
+  /** Files that were dropped, so that a server that was started again gets them again. */
+  readonly sent = new Map<string, File>();
+  readonly slicer: Slicer;
+  readonly pins: PinReader;
+  readonly study: StudyReader;
+  readonly hands: HandReader;
+  readonly runner = new Runner((at) => this.mark(at));
+  private readonly drives: Latest<true>;
+  private readonly comparer: Comparer;
+  private asked: { n: number; document: string } | undefined; // scene under way
+  private analysed: { n: number; scene: string } | undefined; // that was asked for last
+  private told = 0; // when the numbers of a slice were shown last
+
+  constructor(
+    private readonly link: Link,
+    /** Told of each slice that is shown. */
+    private readonly sliced: (shown: number) => void,
+  ) {
+    this.slicer = new Slicer(
+      link,
+      () => state.edges.peek(),
+      () => {
+        const scene = state.showsKept.peek() ? state.kept.peek()?.scene : state.scene.peek();
+        if (!scene) return undefined;
+        return state.reach.peek() ? { t: "reach", scene: scene.name } : { t: "slice", scene: scene.name, record: shownRecord.peek() };
+      },
+      (busy) => (state.slicing.value = busy),
+    );
+    this.drives = new Latest<true>(link);
+    this.comparer = new Comparer(link, () => this.slicer.ask(false));
+    this.pins = new PinReader(link);
+    this.study = new StudyReader(link);
+    this.hands = new HandReader(link, (shown, newest) => this.handCame(shown, newest));
+    link.listen((event) => this.take(event));
+  }
+
+  /** The server has just been reached, perhaps again. */
+  begin(): void {
+    const greet = async (): Promise<void> => {
+      const hello = await this.link.hello();
+      state.hello.value = hello;
+      for (const file of this.sent.values()) await this.link.sendFile(file);
+      if (project.value === undefined) edit(hello.document);
+      this.ask();
+    };
+    void greet().catch(tell);
+  }
+
+  /** Asks for what the document gives. Of a hand the frame is asked for first: it comes sooner, and may have nothing to play. */
+  ask(): void {
+    const document = project.value;
+    if (!document) return;
+    if (document.hand) return this.hands.ask(document);
+    if (state.hand.value) this.view?.showHand((state.hand.value = undefined));
+    this.hands.forget();
+    this.askScene();
+  }
+
+  /** Marks an entry of the tour. */
+  mark(at: number): void {
+    const scene = state.scene.peek();
+    const entry = scene?.tour[at];
+    if (!scene || !entry) return;
+    state.at.value = at;
+    this.view?.showFocus(entry.at);
+    this.pins.show();
+    this.drives.ask({ t: "drives", scene: scene.name, record: entry.record }, true);
+    if (state.alone.peek()) this.slicer.ask(true);
+    const work = state.work.value;
+    if (work?.t === "progress" && work.work === "stream") this.stream();
+  }
+
+  /** Plays the marked entry on the board. */
+  stream(): void {
+    const scene = state.scene.value;
+    const entry = scene?.tour[state.at.value ?? -1];
+    if (scene && entry) this.link.send({ t: "stream", scene: scene.name, index: entry.index });
+  }
+
+  planeMoved(): void {
+    if (this.view) {
+      state.edges.value = this.view.edges();
+      state.middle.value = this.view.middle;
+    }
+    this.slicer.ask(true);
+  }
+
+  showScene(scene: Scene, of: ProjectDocument | undefined): void {
+    this.view?.showScene(scene, of?.hand === undefined); // the hand has its own drawing of the focal points
+  }
+
+  private unmark(): void {
+    this.runner.stop();
+    this.drives.lose();
+    state.at.value = undefined;
+    state.drives.value = undefined;
+    this.view?.showFocus(undefined);
+    this.view?.showDrives(undefined);
+  }
+
+  /** Nothing is played of the document. */
+  private dropScene(): void {
+    state.scene.value = state.slice.value = state.analysis.value = undefined;
+    state.failure.value = undefined;
+    this.unmark();
+    this.slicer.stop();
+    this.view?.clearScene();
+    state.current.value = true;
+  }
+
+  /** One scene is under way at a time; the newest document is asked for when it has come. */
+  private askScene(): void {
+    const document = project.value;
+    if (this.asked || !document || !this.link.open) return;
+    // What is found out about the scene before would hold this one up.
+    if (this.analysed && !state.analysis.peek()) {
+      this.link.send({ t: "cancel", what: "analyze" });
+      this.analysed = undefined;
+    }
+    const text = JSON.stringify(document);
+    this.asked = { n: this.link.send({ t: "scene", document }), document: text };
+  }
+
+  /** @return whether it was the scene, or the failure, that is waited for */
+  private sceneEnded(n: number | undefined): boolean {
+    if (!this.asked || this.asked.n !== n) return false;
+    const changed = this.asked.document !== JSON.stringify(project.value);
+    this.asked = undefined;
+    state.current.value = !changed;
+    if (changed) this.ask();
+    return true;
+  }
+
+  /** Each focus is looked at once the view has all that it asked for. */
+  private askAnalysis(): void {
+    const scene = state.scene.peek();
+    if (scene && state.current.peek() && this.analysed?.scene !== scene.name)
+      this.analysed = { n: this.link.send({ t: "analyze", scene: scene.name }), scene: scene.name };
+  }
+
+  private handCame({ hand, drawn, object }: HandShown, newest: boolean): void {
+    if (!project.peek()?.hand) return;
+    state.hand.value = hand;
+    if (!state.scene.peek()) this.view?.showArray(hand.array);
+    if (object) {
+      state.object.value = object;
+      this.view?.showObject(object);
+    }
+    this.view?.showHand(drawn);
+    if (!newest) return;
+    if (hand.nothing) this.dropScene();
+    else this.askScene();
+  }
+
+  private take(event: Event): void {
+    if (this.hands.take(event)) return;
+    if (event.t === "open") {
+      this.asked = undefined;
+      this.analysed = undefined;
+      for (const reader of [this.slicer, this.drives, this.comparer, this.pins, this.study, this.hands]) reader.lose();
+      this.begin();
+    } else if (event.t === "lost") {
+      state.device.value = { t: "device", connection: "none" };
+      state.work.value = undefined;
+    } else if (event.t === "scene") {
+      if (!this.comparer.sceneCame(event.n) && this.sceneEnded(event.n)) this.sceneCame(event.scene);
+    } else if (event.t === "object") {
+      if (this.comparer.isOfKept(event.object.n) || project.peek()?.hand) return;
+      state.object.value = event.object;
+      if (!state.showsKept.peek()) this.view?.showObject(event.object);
+    } else if (event.t === "drives") {
+      if (!this.drives.came(event.n) || state.scene.peek()?.tour[state.at.peek() ?? -1]?.record !== event.record) return;
+      state.drives.value = event;
+      if (!state.showsKept.peek()) this.view?.showDrives(event);
+    } else if (event.t === "pins" || event.t === "pulses") {
+      this.pins.take(event);
+    } else if (event.t === "analysis") {
+      if (event.n === this.analysed?.n) state.analysis.value = event;
+    } else if (event.t === "slice") {
+      if (!this.comparer.take(event.slice) && this.slicer.take(event.slice)) this.sliceCame(event.slice);
+    } else if (event.t === "device") {
+      state.device.value = event;
+    } else if (event.t === "studies") {
+      this.study.came(event.n, event);
+    } else if (event.t === "study") {
+      this.study.show(event.shown);
+    } else if (event.t === "failed") {
+      this.failed(event);
+    } else if (event.t === "error") {
+      state.failure.value = event.error;
+    } else if (event.t === "progress" || event.t === "done" || event.t === "stopped") {
+      state.work.value = event;
+    }
+  }
+
+  private sceneCame(scene: Scene): void {
+    state.failure.value = undefined;
+    if (state.scene.peek()?.name !== scene.name) {
+      state.analysis.value = undefined;
+      this.analysed = undefined;
+    }
+    state.scene.value = scene;
+    this.unmark();
+    if (!state.showsKept.peek()) this.showScene(scene, project.peek());
+    this.slicer.ask(false);
+  }
+
+  private sliceCame(slice: Extract<Event, { t: "slice" }>["slice"]): void {
+    const whole = slice.width === 200;
+    if (whole) this.askAnalysis();
+    this.view?.showSlice(slice, look.value);
+    // Numbers are for reading: ten times a second is enough.
+    const now = performance.now();
+    if (now - this.told > 100 || whole) {
+      this.told = now;
+      state.slice.value = slice;
+      state.latencyMs.value = this.slicer.latencyMs;
+    }
+    this.sliced(this.slicer.shown);
+  }
+
+  private failed(event: Extract<Event, { t: "failed" }>): void {
+    const { n, error } = event;
+    if (this.study.fail(n, error)) return;
+    const frame = this.hands.fail(n, error);
+    if (frame === "older" || frame === "path") return;
+    if (frame) {
+      this.dropScene();
+      this.view?.showHand((state.hand.value = undefined));
+    }
+    if (this.comparer.failed(n)) return;
+    this.pins.fail(n);
+    if (!this.sceneEnded(n) && !this.drives.came(n) && this.slicer.fail(n) && state.showsKept.peek()) return this.comparer.resend();
+    if (event.work) state.work.value = event;
+    state.failure.value = error;
+  }
+}
