@@ -11,6 +11,8 @@
 
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+
+#include <type_traits>
 // These headers must come after highway.h.
 #include <hwy/contrib/math/math-inl.h>
 

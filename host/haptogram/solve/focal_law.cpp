@@ -22,8 +22,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
+#include <type_traits>
 
 #ifndef HAPTOGRAM_SOLVE_FOCAL_LAW_ONCE
 #define HAPTOGRAM_SOLVE_FOCAL_LAW_ONCE
@@ -323,8 +323,8 @@ HWY_INLINE void fast_rows(const FocalLaw& law, const Block& block, std::size_t c
 #endif
 
 /// @param scratch  room for law.padded doubles
-/// @param unsure   room for block_of_foci·law.padded bytes, all 0
-/// @param unsure_words  room for as many
+/// @param unsure   room for block_of_foci·law.padded/8 words, all 0: bits, as UnsureBits says, of whole words a focus
+/// @param unsure_words  room for as many; which words have a bit
 template <bool fractions>
 HWY_INLINE void ticks_of_foci_in(const FocalLaw& law, const Vec3* foci, std::size_t count, double* scratch,
                                  [[maybe_unused]] std::uint16_t* last, std::uint64_t* unsure,
@@ -495,11 +495,10 @@ void focal_law(const Array& array, const Timer& timer, std::span<const Vec3> foc
     law.outermost = outermost;
 
     std::vector<std::uint16_t> last(law.padded);
-    const auto unsure = hwy::AllocateAligned<std::uint64_t>(2 * block_of_foci * law.padded);
-    std::fill_n(unsure.get(), block_of_foci * law.padded, 0);
+    const std::size_t words = block_of_foci * law.padded / 8;
+    std::vector<std::uint64_t> unsure(words), unsure_words(words);
     HWY_DYNAMIC_DISPATCH(ticks_of_foci)
-    (law, foci.data(), foci.size(), z + law.padded, last.data(), unsure.get(),
-     unsure.get() + block_of_foci * law.padded, ticks.data());
+    (law, foci.data(), foci.size(), z + law.padded, last.data(), unsure.data(), unsure_words.data(), ticks.data());
 }
 
 std::vector<std::uint16_t> focal_law(const Array& array, const Timer& timer, std::span<const Vec3> foci) {
