@@ -59,7 +59,7 @@ module carrier_sync #(
     wire        rises = master ? clock_q == RISE + {10'd0, longer} : slave && level && !level_q && (!o_in_step || expected);
     always @(posedge clk) begin
         level_q <= level;
-        o_sync  <= master && since_q < {2'd0, i_symbol + 2'd1, 3'd0};
+        o_sync  <= !rst && master && since_q < {2'd0, i_symbol + 2'd1, 3'd0};
         if (rst || i_role == `HG_ROLE_ALONE) since_q <= UNHEARD;
         else if (rises) since_q <= 7'd0;
         else if (since_q != UNHEARD) since_q <= since_q + 1'b1;

@@ -153,9 +153,9 @@ void ReferenceCore::reset_play(Clock last) {
     guard_.reset();
     off_ = true;
     source_.reset(last);
-    const Clock first = reset_at_ == never ? last : reset_at_;
-    sync_.reset(first, last, std::exchange(next_role_, interface::Role::alone), schedule_.period(first));
     schedule_.reset();
+    const Clock first = reset_at_ == never ? last : reset_at_;
+    sync_.reset(first, last, std::exchange(next_role_, interface::Role::alone));
     player_->reset(first, last);
     reset_at_ = never;
     began_ = last;

@@ -33,19 +33,9 @@ unsigned symbol_after(std::uint64_t count) {
 
 CarrierSync::CarrierSync(Clock period_clocks) : period_clocks_(period_clocks) {}
 
-void CarrierSync::reset(Clock clock, Clock last, Role role, std::uint64_t count) {
-    // A master that stays one goes on driving the wire for a clock. A slave that becomes one does, too, for the edge
-    // that it has heard.
-    if (role == Role::master && role_ == Role::slave) {
-        if (since(clock) < symbol_clocks * (symbol_after(count) + 1)) drive(clock, true);
-    } else if (role == Role::master) {
-        if (rise_at_ == clock) drive(clock, true);
-        if (fall_at_ == clock) drive(clock, false);
-    } else if (driven_) {
-        drive(clock, false);
-    }
-    rise_at_ = never;
-    fall_at_ = driven_ ? clock + 1 : never;
+void CarrierSync::reset(Clock clock, Clock last, Role role) {
+    if (driven_) drive(clock, false);
+    rise_at_ = fall_at_ = never;
     role_ = role;
     reset_ = ended_ = last;
     edge_.reset();

@@ -21,8 +21,7 @@ public:
     explicit CarrierSync(Clock period_clocks);
 
     /// Resets in this clock, as until `last`; the role holds from this clock on.
-    /// @param count  of carrier periods, before the reset
-    void reset(Clock clock, Clock last, Role role, std::uint64_t count);
+    void reset(Clock clock, Clock last, Role role);
     /// The wire has this level from this clock on.
     void wire(Clock clock, bool level);
     /// Told of each change of the wire by a master, with the clock after which it is seen.

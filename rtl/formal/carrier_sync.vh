@@ -28,6 +28,8 @@ always @(posedge clk) begin
     if (f_past_q && $past(i_last && o_hold) && !$past(rst)) assume (i_last);  // cycle_controller repeats it
     if (f_past_q && !rst) assume (i_role == $past(i_role));
 `endif
+    // The edge that a slave has heard is none that it drives when it becomes the master.
+    if (f_past_q && $past(rst)) assert (!o_sync);
     if (f_past_q && !rst) begin
         assert (waited_q == f_held_q && f_held_q <= MOST);
         assert (o_ends == (i_last && !o_hold));

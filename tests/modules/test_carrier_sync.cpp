@@ -47,6 +47,27 @@ TEST_CASE("carrier_sync, sync_number: slaves get the master's number, whatever i
     CHECK(numbers.unnumbered == 0);
 }
 
+TEST_CASE("carrier_sync: a slave that becomes the master does not drive SYNC for an edge that it has heard") {
+    Tile tile;
+    int driven = 0, first = 0;  // clocks before, and of the cycle when it first drives
+    for (int after = 0; after < 40; ++after) {
+        tile.reset(2, 0.0);
+        tile.bench->i_set = 1;
+        tile.bench->i_number = tile.bench.random() & 0xffff'ffff'ffffU;
+        for (int i = 0; i < 2 * period; ++i) tile.clock(false);
+        for (int i = 0; i < after; ++i) tile.clock(true);
+        tile.bench->i_role = 1;
+        tile.bench->rst = 1;
+        tile.clock(true);
+        tile.bench->rst = 0;
+        tile.place = 0;
+        for (first = 0; tile.bench->o_sync == 0 && first < period; ++first) tile.clock(true);
+        driven += first < period - 64 ? 1 : 0;
+        CHECK(first < period);
+    }
+    CHECK(driven == 0);
+}
+
 TEST_CASE("carrier_sync, sync_number: a message that was heard wrongly changes no number") {
     Numbers numbers;
     Boards& boards = numbers.boards;
