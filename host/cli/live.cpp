@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
@@ -32,6 +33,7 @@ struct LiveCommand {
     link::PortSettings port;
     double mass_g = 0.0, latency_ms = 35.0, distance_mm = 300.0;
     live::CameraOptions cameras;
+    std::vector<CLI::Option*> of_cameras;
     live::LoopOptions loop;
     std::optional<double> magnitude;
     double press_radius_mm = PressOptions{}.radius_m / millimetre;
@@ -86,7 +88,6 @@ live::LoopOptions options_of(const LiveCommand& command) {
     options.predict.kind = live::prediction_of(command.predict);
     options.predict.ahead_s = command.latency_ms * 1e-3;
     options.method = method_of(command.method, "method");
-    options.rate_hz = command.cameras.rate_hz;
     return options;
 }
 
@@ -116,25 +117,43 @@ void tell_run(Report& report, const live::LoopReport& done, const live::Latency&
         report.tell("latency           unknown: the board does not count carrier periods (its parameter SCHEDULE)");
 }
 
+/// Cameras of its own are what they are, whatever is asked of simulated ones.
+void require_simulated(const LiveCommand& command) {
+    if (!live::has_cameras(command.from)) return;
+    for (const CLI::Option* option : command.of_cameras)
+        if (option->count() > 0)
+            throw bad_argument(option->get_name().substr(2),
+                               fmt::format("{} has cameras of its own; this is for simulated ones", command.from));
+}
+
 int live_loop(const LiveCommand& command) {
-    catch_interrupts();
+    require_simulated(command);
     require_distinct({{"--from", command.from}}, {{"--scene", command.scene}});
-    const live::LoopOptions options = options_of(command);
+    live::LoopOptions options = options_of(command);
     live::CameraOptions cameras = command.cameras;
     cameras.target = options.scene.pose.origin;
     cameras.distance_m = command.distance_mm * millimetre;
     const auto source = live::open_depth(command.from, cameras, options.scene.pose.origin, 0.5 * options.scene.size_m);
+    if (source->live() && command.port.port.starts_with(reference_prefix))
+        throw bad_argument("port", fmt::format("{} keeps its own time, in which live shots come at odd times; start "
+                                               "'haptogram board run --model reference' and name its port",
+                                               command.port.port));
+    options.rate_hz = source->rate_hz();
     std::optional<DepthRecorder> recorder;
     if (!command.record.empty()) recorder.emplace(command.record, source->cameras(), options.rate_hz);
+    catch_interrupts();  // before this, while a pipe says nothing, nothing is on
     const auto board = open_board(command.port);
     live::Loop loop(board->client(), board->clock(), find_array(command.array), options);
     std::string scene;
-    const live::LoopReport done = loop.run(*source, [&](const live::ShotReport& shot, const DepthShot& pictures) {
-        if (recorder) recorder->write(pictures);
-        if (!command.scene.empty()) scene += live::to_json(shot).dump() + "\n";
-        for (const std::string& trouble : shot.troubles) complain(fmt::format("shot {}: {}", shot.number, trouble));
-        return !interrupted();
-    });
+    const live::LoopReport done = loop.run(
+        *source,
+        [&](const live::ShotReport& shot, const DepthShot& pictures) {
+            if (recorder) recorder->write(pictures);
+            if (!command.scene.empty()) scene += live::to_json(shot).dump() + "\n";
+            for (const std::string& trouble : shot.troubles) complain(fmt::format("shot {}: {}", shot.number, trouble));
+            return !interrupted();
+        },
+        [] { return !interrupted(); });
     if (!command.scene.empty()) write_file(command.scene, scene);
     const auto latency = live::latency_of(done.rings, board->starts());
     Report report(live::to_json(done, latency));
@@ -161,15 +180,33 @@ void add_press(CLI::App& sub, LiveCommand& options) {
     sub.add_option("--press-foci", press.foci, "Of press: on each finger")->check(whole(1, 16))->capture_default_str();
 }
 
+/// Options of simulated cameras.
+void add_cameras(CLI::App& sub, LiveCommand& options) {
+    live::CameraOptions& cameras = options.cameras;
+    options.of_cameras = {
+        sub.add_option("--cameras", cameras.count, "Simulated ones, around the object; 1: below it")
+            ->check(whole(1, 8)),
+        sub.add_option("--distance", options.distance_mm, "Of simulated cameras from the object, mm")
+            ->check(positive()),
+        sub.add_option("--rate", cameras.rate_hz, "Of simulated cameras, shots a second")->check(positive()),
+        sub.add_option("--seconds", cameras.seconds, "Of simulated cameras; 0: as long as recording or script is")
+            ->check(not_negative()),
+        sub.add_option("--seed", cameras.noise.seed, "Of the simulated cameras' noise")->check(whole(0, UINT64_MAX))};
+    for (CLI::Option* option : options.of_cameras) option->capture_default_str();
+}
+
 }  // namespace
 
 void add_live(CLI::App& app, Action& action) {
     auto options = std::make_shared<LiveCommand>();
     CLI::App* sub = app.add_subcommand(
         "live", "Bare fingers touch an object, as in Fingers: depth cameras to rings of foci on a board, as it comes");
-    sub->add_option("--from", options->from,
-                    "depth:FOLDER (a recording of cameras), leap:FILE, poses:FILE or synthetic:SCRIPT:HEIGHT (hands as "
-                    "render takes them, which simulated cameras see), fingers:press (scripted fingers)")
+    sub->add_option(
+           "--from", options->from,
+           "depth:FOLDER (a recording of cameras), depth-pipe:- (cameras of another program, such as "
+           "haptogram-realsense, on standard input or a named pipe), leap:FILE, poses:FILE or "
+           "synthetic:SCRIPT:HEIGHT (hands as render takes them, which simulated cameras see), leap-pipe:- (the "
+           "same from haptogram-leap), fingers:press (scripted fingers)")
         ->required();
     sub->add_option("--object", options->object,
                     "cube, sphere, cylinder, cone, pyramid or half-space, and its size: KIND:MM")
@@ -203,19 +240,7 @@ void add_live(CLI::App& app, Action& action) {
     sub->add_option("--latency", options->latency_ms, "Over which --predict does, ms")
         ->check(not_negative())
         ->capture_default_str();
-    sub->add_option("--cameras", options->cameras.count, "Simulated ones, around the object; 1: below it")
-        ->check(whole(1, 8))
-        ->capture_default_str();
-    sub->add_option("--distance", options->distance_mm, "Of simulated cameras from the object, mm")
-        ->check(positive())
-        ->capture_default_str();
-    sub->add_option("--rate", options->cameras.rate_hz, "Shots a second")->check(positive())->capture_default_str();
-    sub->add_option("--seconds", options->cameras.seconds, "Of simulated cameras; 0: as long as recording or script is")
-        ->check(not_negative())
-        ->capture_default_str();
-    sub->add_option("--seed", options->cameras.noise.seed, "Of the simulated cameras' noise")
-        ->check(whole(0, UINT64_MAX))
-        ->capture_default_str();
+    add_cameras(*sub, *options);
     add_watchdog_option(*sub, options->loop.watchdog_ms);
     sub->add_option("--record", options->record, "A new folder for the shots, which depth:FOLDER plays again");
     sub->add_option("--scene", options->scene, "Also write what happened in each shot, a line of JSON each");

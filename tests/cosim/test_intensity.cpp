@@ -135,10 +135,15 @@ TEST_CASE("intensity: another modulation, or none, while it plays, as strong as 
     const std::uint32_t most = bench.board.parameters().modulation_depth;
     REQUIRE_THROWS_WITH(intensity.modulate(bench.client, SampledModulation{1, std::vector<std::uint8_t>(most + 1)}),
                         Catch::Contains("the board holds 64"));
-    Bench plain;
-    plain.client.identify();
-    link::Intensity timings(image_of(plain.channels(), {random_record(g, plain.channels(), 250, 5, 100)}));
-    REQUIRE_THROWS_WITH(timings.modulate(plain.client, {}), Catch::Contains("timings and no amplitudes"));
-    link::Intensity no_modulation(image);
-    REQUIRE_THROWS_WITH(no_modulation.set(plain.client, 0.5), Catch::Contains("no modulation"));
+}
+
+TEST_CASE("intensity: neither timings nor a board without modulation can be modulated") {
+    auto g = generator();
+    Bench bench;
+    bench.client.identify();
+    link::Intensity timings(image_of(bench.channels(), {random_record(g, bench.channels(), 250, 5, 100)}));
+    REQUIRE_THROWS_WITH(timings.modulate(bench.client, {}), Catch::Contains("timings and no amplitudes"));
+    const Record record{1250, 1, 0, std::vector<std::uint16_t>(bench.channels(), 0xff80), interface::Kind::amplitudes};
+    link::Intensity amplitudes(image_of(bench.channels(), {record}));
+    REQUIRE_THROWS_WITH(amplitudes.set(bench.client, 0.5), Catch::Contains("no modulation"));
 }

@@ -43,6 +43,7 @@ public:
     using Change = std::function<bool(DepthShot&)>;  ///< false: the shot is lost
     Changed(DepthSource& source, Change change) : source_(source), change_(std::move(change)) {}
     [[nodiscard]] const std::vector<DepthCamera>& cameras() const override { return source_.cameras(); }
+    [[nodiscard]] double rate_hz() const override { return source_.rate_hz(); }
     [[nodiscard]] std::optional<DepthShot> next() override {
         for (;;) {
             auto shot = source_.next();
@@ -53,6 +54,42 @@ public:
 private:
     DepthSource& source_;
     Change change_;
+};
+
+/// A camera: its shots come by the board's clock, so long after they were taken, and it has a clock of its own.
+class Camera final : public DepthSource {
+public:
+    using Delay = std::function<double(std::uint64_t number)>;
+    Camera(DepthSource& source, live::Clock clock, double clock_rate, Delay delay)
+        : source_(source), clock_(std::move(clock)), clock_rate_(clock_rate), delay_(std::move(delay)) {}
+    [[nodiscard]] const std::vector<DepthCamera>& cameras() const override { return source_.cameras(); }
+    [[nodiscard]] double rate_hz() const override { return source_.rate_hz(); }
+    [[nodiscard]] bool live() const override { return true; }
+    [[nodiscard]] bool ready() override {
+        if (!coming_ && !ended_) {
+            coming_ = source_.next();
+            ended_ = !coming_;
+        }
+        if (ended_) return true;
+        const double taken_s = coming_->time_s;
+        if (!begin_s_) begin_s_ = clock_.now_s() - taken_s;
+        return clock_.now_s() >= *begin_s_ + taken_s + delay_(coming_->number);
+    }
+    [[nodiscard]] std::optional<DepthShot> next() override {
+        while (!ready()) clock_.wait_until(clock_.now_s() + 1e-3);
+        auto shot = std::exchange(coming_, std::nullopt);
+        if (shot) shot->time_s = 1000.0 + shot->time_s * clock_rate_;
+        return shot;
+    }
+
+private:
+    DepthSource& source_;
+    live::Clock clock_;
+    double clock_rate_;
+    Delay delay_;
+    std::optional<DepthShot> coming_;
+    std::optional<double> begin_s_;
+    bool ended_ = false;
 };
 
 }  // namespace
@@ -458,4 +495,53 @@ TEST_CASE("live: ten thousand rings are replaced, and no turn at the pins has st
     CHECK(replaced > 9'000);
     CHECK(turns >= replaced);
     CHECK(bench.client.status().underruns == 0);
+}
+
+TEST_CASE("live: shots of a camera are due as they come, whatever its clock says") {
+    // A clock that is 2 % fast would be three quarters of a period off after these shots, and late shots would add up.
+    const double fast = GENERATE(0.98, 1.0, 1.02);
+    LiveBench bench("tile-100");
+    SyntheticDepth simulated(four_cameras(), two_fingers, 30.0, 1.3, {});
+    Camera camera(simulated, bench.clock, fast, [](std::uint64_t number) { return number % 3 == 1 ? 8e-3 : 0.0; });
+    live::Loop loop(bench.client, bench.clock, find_array("tile-10x10"), on_a_cube());
+    std::vector<double> taken;
+    const live::LoopReport done = loop.run(camera, [&](const live::ShotReport&, const DepthShot&) {
+        taken.push_back(bench.clock.now_s());
+        return true;
+    });
+    CHECK(done.shots == 39);
+    CHECK(done.missed == 0);
+    CHECK(done.fades == 0);
+    CHECK(done.out_of_order == 0);
+    CHECK(done.underruns == 0);
+    for (std::size_t i = 3; i < taken.size(); ++i)
+        CHECK(taken[i] - taken[0] < static_cast<double>(i) / 30.0 + (i % 3 == 1 ? 8e-3 : 0.0) + 6e-3);
+}
+
+TEST_CASE("live: a camera that falls silent fades, and its next shot is felt again") {
+    LiveBench bench("tile-100");
+    SyntheticDepth simulated(four_cameras(), two_fingers, 30.0, 1.0, {});
+    // From the tenth shot on all come 0.3 s later.
+    Camera camera(simulated, bench.clock, 1.0, [](std::uint64_t number) { return number < 10 ? 0.0 : 0.3; });
+    live::Loop loop(bench.client, bench.clock, find_array("tile-10x10"), on_a_cube());
+    const live::LoopReport done = loop.run(camera);
+    CHECK(done.shots == 30);
+    CHECK(done.missed >= 8);
+    CHECK(done.missed <= 9);
+    CHECK(done.fades == 1);
+    CHECK(done.with_rings == 30);
+    CHECK(done.underruns == 0);
+}
+
+TEST_CASE("live: while a camera is silent its user may end") {
+    LiveBench bench("tile-100");
+    SyntheticDepth simulated(four_cameras(), two_fingers, 30.0, 1.0, {});
+    Camera camera(simulated, bench.clock, 1.0, [](std::uint64_t number) { return number < 5 ? 0.0 : 1e6; });
+    live::Loop loop(bench.client, bench.clock, find_array("tile-10x10"), on_a_cube());
+    const live::LoopReport done = loop.run(camera, {}, [&] { return bench.clock.now_s() < 2.0; });
+    CHECK(done.shots == 5);
+    CHECK(done.fades == 1);
+    CHECK_FALSE(bench.client.status().enabled);
+    // The watchdog was kept quiet while nothing played.
+    CHECK(bench.clock.now_s() >= 2.0);
 }

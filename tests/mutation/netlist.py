@@ -78,6 +78,7 @@ class Module:
     def __init__(self, name, netlist, whole=False):
         self.name, self.cells, self.whole = name, netlist["cells"], whole
         self.wires, self.loads, self.drives = {}, collections.defaultdict(list), {}
+        self.sources_of = {}  # the cell whose output Y a bit is, and its place there
         self.ports = {bit for port in netlist["ports"].values() for bit in port["bits"]}
         for wire, net in sorted(netlist["netnames"].items()):
             for index, bit in enumerate(net["bits"] if not net["hide_name"] else []):
@@ -85,6 +86,7 @@ class Module:
         for name, cell in self.cells.items():
             bits = lambda way: [b for p, connected in cell["connections"].items() if cell["port_directions"][p] == way for b in connected]
             self.drives[name] = bits("output")
+            self.sources_of |= {bit: (name, place) for place, bit in enumerate(cell["connections"].get("Y", []))}
             for bit in dict.fromkeys(bits("input")):
                 self.loads[bit].append(name)
 
@@ -102,12 +104,24 @@ class Module:
             seen = seen | front
         return "nothing"
 
+    @functools.cache
+    def value(self, bit):
+        """The constant that a bit always is, or None: one of the netlist, or what a multiplexer has at all of its inputs."""
+        if isinstance(bit, str):
+            return bit
+        cell, place = self.sources_of.get(bit, (None, 0))
+        if cell is None or self.cells[cell]["type"] not in ("$mux", "$pmux"):
+            return None
+        a, b = (self.cells[cell]["connections"][port] for port in "AB")
+        values = {self.value(one) for one in (a[place], *b[place::len(a)])}
+        return values.pop() if len(values) == 1 else None
+
     def matters(self, cell, port, bit, mode):
         """False for what Yosys made by itself, for outputs that nothing reads, for constants that stay what they are, and for
         a memory's constant ports, which Yosys wants to be so."""
         unread = cell["port_directions"][port] == "output" and not self.loads[bit] and bit not in self.ports
         fixed = cell["type"].startswith("$mem") and isinstance(bit, str)
-        return "src" in cell["attributes"] and not unread and not fixed and bit != "x" and mode != f"const{bit}"
+        return "src" in cell["attributes"] and not unread and not fixed and bit != "x" and mode != f"const{self.value(bit)}"
 
     def sources(self, cell):
         """Where it stands in the source; the innermost place first, of what was flattened."""

@@ -84,8 +84,8 @@ def judge(group, mutants, survivors, share):
     can_be = sum(1 for mutant in mutants if mutant["killer"] or mutant["name"] not in survivors)
     if killed < share * can_be:
         yield f"{group}: {killed} of {can_be} that can be noticed are killed, {share:.0%} are asked for"
-    if can_be < 0.9 * len(mutants):
-        yield f"{group}: {len(mutants) - can_be} of {len(mutants)} are said to change nothing, at most a tenth may"
+    if can_be < 0.8 * len(mutants):
+        yield f"{group}: {len(mutants) - can_be} of {len(mutants)} are said to change nothing, at most a fifth may"
 
 
 def run(options):
@@ -122,6 +122,9 @@ def run(options):
         if name not in names:
             problems.append(name)
             print(f"    survivors.toml lists a mutant that is not there any more: {name}")
+    if len(survivors) > 0.1 * len(mutants):
+        problems.append("survivors.toml")
+        print(f"    survivors.toml lists {len(survivors)} of {len(mutants)} mutants, at most a tenth may be there")
     (options.build / "report.json").write_text(json.dumps(chosen, indent=1) + "\n")
     killed = sum(1 for m in chosen if m["killer"])
     print(f"{killed} of {len(chosen)} mutants killed, {len(chosen) - killed} survive, {time.monotonic() - start:.0f} s")

@@ -47,9 +47,9 @@ def assert_refused(result, code, *needles):
 
 
 @contextlib.contextmanager
-def virtual_board(folder, *options):
+def virtual_board(folder, *options, speed="max"):
     """A running board; its port is `folder`/port."""
-    command = [str(PROGRAM), "board", "run", "--json", "--speed", "max", "--pty", "port", *map(str, options)]
+    command = [str(PROGRAM), "board", "run", "--json", "--speed", speed, "--pty", "port", *map(str, options)]
     process = subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     try:
         json.loads(process.stdout.readline())

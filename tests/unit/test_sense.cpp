@@ -1,16 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <sys/stat.h>
+
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <ctime>
 #include <filesystem>
+#include <fstream>
 #include <numbers>
 #include <random>
+#include <thread>
 
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/process.hpp"
 #include "haptogram/hand/synthetic.hpp"
 #include "haptogram/sense/cloud.hpp"
 #include "haptogram/sense/depth_folder.hpp"
+#include "haptogram/sense/depth_pipe.hpp"
 #include "haptogram/sense/depth_png.hpp"
 #include "haptogram/sense/depth_renderer.hpp"
 #include "message_of.hpp"
@@ -227,6 +233,93 @@ TEST_CASE("sense: a recording gives back its shots, and says what is lost and wh
                Contains("32 x 48") && Contains("expected the camera's 64 x 48"));
     write_file(folder.path() / "hand/camera1/hand.png", good);
     CHECK_THAT(message_of([&] { DepthFolder(folder.path() / "hand"); }), Contains("hand.png") && Contains("number"));
+}
+
+TEST_CASE("sense: what is written to a pipe is read back, also in pieces, and a file of it is a recording") {
+    const TemporaryFolder folder;
+    std::vector<DepthCamera> cameras(2);
+    for (DepthCamera& camera : cameras) camera.width = 64, camera.height = 48;
+    cameras[1].width = 32;
+    cameras[1].pose = looking_at({0.1, 0.2, 0.3}, {0, 0, 0.2});
+    std::string bytes = depth_pipe_head(cameras, 60.0);
+    std::vector<DepthShot> shots;
+    std::mt19937 random(Catch::rngSeed());
+    for (const std::uint64_t number : {0U, 1U, 2U, 5U}) {
+        DepthShot& shot = shots.emplace_back();
+        shot.number = number;
+        shot.time_s = 7.0 + static_cast<double>(number) / 60.0;
+        for (const DepthCamera& camera : cameras) {
+            DepthPicture picture(std::size_t{camera.width} * camera.height);
+            for (auto& count : picture) count = static_cast<std::uint16_t>(random());
+            shot.pictures.emplace_back(std::move(picture));
+        }
+        if (number == 1) shot.pictures[0].reset();
+        if (number == 5) shot.pictures = {{}, {}};
+        bytes += depth_pipe_shot(shot, cameras);
+    }
+    const auto file = folder.path() / "shots";
+    write_file(file, bytes);
+    const auto same = [&](DepthPipe& pipe) {
+        REQUIRE(pipe.cameras().size() == 2);
+        CHECK(pipe.rate_hz() == 60.0);
+        CHECK(pipe.cameras()[1].pose.z == cameras[1].pose.z);
+        for (const DepthShot& shot : shots) {
+            const auto again = pipe.next();
+            REQUIRE(again.has_value());
+            CHECK(again->number == shot.number);
+            CHECK(again->time_s == shot.time_s);
+            CHECK(again->pictures == shot.pictures);
+        }
+        CHECK(pipe.ready());
+        CHECK_FALSE(pipe.next().has_value());
+    };
+    DepthPipe recording(file.string());
+    CHECK_FALSE(recording.live());
+    same(recording);
+
+    const auto pipe_file = folder.path() / "pipe";
+    REQUIRE(::mkfifo(pipe_file.c_str(), 0600) == 0);
+    std::thread writer([&] {
+        std::ofstream to(pipe_file, std::ios::binary);
+        for (std::size_t at = 0; at < bytes.size(); at += 997)
+            to.write(bytes.data() + at, static_cast<std::streamsize>(std::min<std::size_t>(997, bytes.size() - at)))
+                .flush();
+    });
+    {
+        DepthPipe pipe(pipe_file.string());
+        CHECK(pipe.live());
+        same(pipe);
+    }
+    writer.join();
+
+    const auto says = [&](const std::string& content) {
+        write_file(file, content);
+        return message_of([&] {
+            DepthPipe pipe(file.string());
+            while (pipe.next()) {
+            }
+        });
+    };
+    const std::size_t head = bytes.find('\0') + 1;
+    CHECK_THAT(says(bytes.substr(0, head - 1)), Contains("shots") && Contains("ended before"));
+    CHECK_THAT(says(std::string(70'000, ' ')), Contains("none in 64 KiB"));
+    CHECK_THAT(says(bytes.substr(0, bytes.size() - 1)), Contains("shot 4") && Contains("ended within it"));
+    std::string odd = bytes;
+    odd[head] = 'X';
+    CHECK_THAT(says(odd), Contains("shot 1") && Contains("SHOT"));
+    odd = bytes;
+    odd[head + 4] = 7;
+    CHECK_THAT(says(odd), Contains("shot 1") && Contains("0x7") && Contains("2 cameras"));
+    odd = bytes;
+    odd.replace(head + 16, 8, std::string(8, '\xff'));
+    CHECK_THAT(says(odd), Contains("shot 1") && Contains("time"));
+    CHECK_THAT(message_of([&] { (void)depth_pipe_head({}, 30.0); }), Contains("found 0"));
+    CHECK_THAT(message_of([&] { (void)depth_pipe_head(std::vector<DepthCamera>(33), 30.0); }), Contains("found 33"));
+    std::string many = cameras_to_toml(std::vector<DepthCamera>(33), 30.0);
+    many += '\0';
+    CHECK_THAT(says(many), Contains("33 cameras"));
+    shots[0].pictures[0]->pop_back();
+    CHECK_THAT(message_of([&] { (void)depth_pipe_shot(shots[0], cameras); }), Contains("camera 1"));
 }
 
 TEST_CASE("sense: cameras.toml that cannot be used is refused with its line") {

@@ -259,6 +259,14 @@ HandRecording recording_from_leap(std::string_view text, const std::string& wher
     return recording;
 }
 
+std::optional<HandFrame> frame_from_leap_message(std::string_view json, const std::string& where) {
+    const nlohmann::ordered_json document = parse_json(json, where);
+    const JsonMember root(document, where);
+    if (!root.value().is_object()) throw root.wrong("an object");
+    if (!root.find("hands")) return {};
+    return frame_of(root, nullptr);
+}
+
 HandRecording load_leap(const std::filesystem::path& file) {
     return recording_from_leap(read_file(file), file.string());
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -15,6 +16,11 @@ namespace haptogram {
 /// @throws Error{bad_input} for damaged text, and naming the place of what is missing or mistyped
 [[nodiscard]] HandRecording recording_from_leap(std::string_view text, const std::string& where);
 [[nodiscard]] HandRecording load_leap(const std::filesystem::path& file);
+
+/// A message of the WebSocket of a Leap's tracking service, protocol 6: a frame, in the same frame and units, with the
+/// tracker's own time; or nothing when it is another message, such as the service's version.
+/// @throws Error{bad_input} as above
+[[nodiscard]] std::optional<HandFrame> frame_from_leap_message(std::string_view json, const std::string& where);
 
 /// The text that LZString compressed to base64 (Pieroxy's lz-string, compressToBase64).
 /// @throws Error{bad_input} when the text is cut short or damaged

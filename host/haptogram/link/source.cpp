@@ -1,17 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptogram/link/source.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <poll.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <system_error>
 #include <utility>
 
 #include "haptogram/base/error.hpp"
@@ -41,42 +35,6 @@ constexpr double most_dwell = 65535.0;
 bool is_whole(double number, double most) { return number >= 0.0 && number <= most && number == std::floor(number); }
 
 }  // namespace
-
-LiveText::LiveText(const std::string& path)
-    : name_(path == "-" ? "standard input" : path),
-      descriptor_(path == "-" ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
-    if (descriptor_ < 0)
-        throw bad_input(path,
-                        fmt::format("cannot be opened: {}; check the path", std::generic_category().message(errno)));
-}
-
-LiveText::~LiveText() {
-    if (descriptor_ != STDIN_FILENO) ::close(descriptor_);
-}
-
-std::optional<std::string> LiveText::next(std::chrono::milliseconds patience) {
-    std::size_t newline = text_.find('\n');
-    while (newline == std::string::npos && !ended_ && fill(patience)) newline = text_.find('\n');
-    if (newline == std::string::npos && !(ended_ && !text_.empty())) return {};
-    std::string line = text_.substr(0, newline);
-    text_.erase(0, newline == std::string::npos ? newline : newline + 1);
-    ++number_;
-    return line;
-}
-
-bool LiveText::fill(std::chrono::milliseconds patience) {
-    pollfd wait{descriptor_, POLLIN, 0};
-    if (::poll(&wait, 1, static_cast<int>(patience.count())) <= 0) return false;
-    std::array<char, 4096> buffer{};
-    const ssize_t count = ::read(descriptor_, buffer.data(), buffer.size());
-    if (count < 0 && errno == EINTR) return false;
-    if (count < 0) throw bad_input(name_, fmt::format("cannot be read: {}", std::generic_category().message(errno)));
-    ended_ = count == 0;
-    text_.append(buffer.data(), static_cast<std::size_t>(count));
-    return true;
-}
-
-std::string LiveText::where() const { return fmt::format("{}:{}", name_, number_); }
 
 std::optional<SequenceEntry> StreamLines::next(std::chrono::milliseconds patience) {
     const std::optional<std::string> line = text_.next(patience);

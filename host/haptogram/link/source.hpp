@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "haptogram/base/live_input.hpp"
 #include "haptogram/image/image.hpp"
 
 namespace haptogram::link {
@@ -31,32 +32,6 @@ struct FocusEntry {
     std::uint16_t dwell = 1;
 };
 using FocusSource = SourceOf<FocusEntry>;
-
-/// The lines of a file, a pipe or a terminal, as they come.
-class LiveText {
-public:
-    /// @param path  "-" is standard input
-    /// @throws Error{bad_input} when it cannot be opened
-    explicit LiveText(const std::string& path);
-    LiveText(const LiveText&) = delete;
-    LiveText& operator=(const LiveText&) = delete;
-    ~LiveText();
-
-    /// The next line without its end; empty when there is none yet.
-    std::optional<std::string> next(std::chrono::milliseconds patience);
-    [[nodiscard]] bool ended() const { return ended_ && text_.empty(); }
-    /// The last line, for messages.
-    [[nodiscard]] std::string where() const;
-
-private:
-    bool fill(std::chrono::milliseconds patience);
-
-    std::string name_;
-    int descriptor_;
-    std::string text_;
-    std::size_t number_ = 0;
-    bool ended_ = false;
-};
 
 /// Entries from lines: a line is 'index' or 'index dwell', with blanks, tabs or commas between.
 class StreamLines final : public StreamSource {

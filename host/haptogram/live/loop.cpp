@@ -13,6 +13,8 @@
 namespace haptogram::live {
 namespace {
 
+constexpr double nap_s = 0.5e-3;
+
 double processor_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 Latency spread_of(std::vector<double> latencies) {
@@ -40,7 +42,6 @@ void Loop::miss() {
 
 void Loop::serve_until(double time_s) {
     // The board's time goes on while it is served, so late shots are seen here.
-    constexpr double nap_s = 0.5e-3;
     for (double now = clock_.now_s(); now < time_s; now = clock_.now_s()) {
         while (last_time_s_ &&
                now - begin_s_ > *last_time_s_ + (static_cast<double>(absent_) + 1.5) / options_.rate_hz) {
@@ -86,15 +87,18 @@ ShotReport Loop::begin(const DepthShot& shot) {
     return now;
 }
 
-bool Loop::take(const DepthShot& shot, std::span<const DepthCamera> cameras, const Told& told) {
+bool Loop::take(const DepthShot& shot, const DepthSource& source, const Told& told) {
     if (last_time_s_ && (shot.time_s <= *last_time_s_ || shot.number <= last_number_)) {
         ++report_.out_of_order;
         return true;
     }
+    // A live shot is due as it comes. When the others are due follows from it anew: a camera's clock is not the
+    // machine's.
+    if (!last_time_s_ || source.live()) begin_s_ = clock_.now_s() - shot.time_s;
     serve_until(begin_s_ + shot.time_s);
     ShotReport now = begin(shot);
     const double began_s = processor_s();
-    const std::optional<Path> rings = fingers_.take(cameras, shot, now);
+    const std::optional<Path> rings = fingers_.take(source.cameras(), shot, now);
     // A shot without any picture is as good as lost: what plays goes on, and fades when the next one is, too.
     blind_ = std::none_of(shot.pictures.begin(), shot.pictures.end(), [](const auto& p) { return p.has_value(); });
     if (blind_) {
@@ -111,15 +115,23 @@ bool Loop::take(const DepthShot& shot, std::span<const DepthCamera> cameras, con
     return !told || told(now, shot);
 }
 
-LoopReport Loop::run(DepthSource& source, const Told& told) {
+/// Keeps the ring turning until a shot is there. @return whether one is, or the source's end
+bool Loop::await(DepthSource& source, const std::function<bool()>& waits) {
+    while (!source.ready()) {
+        if (waits && !waits()) return false;
+        serve_until(clock_.now_s() + nap_s);
+    }
+    return true;
+}
+
+LoopReport Loop::run(DepthSource& source, const Told& told, const std::function<bool()>& waits) {
     const link::Outputs on(device_, options_.watchdog_ms);
     const std::uint16_t underruns_before = device_.status().underruns;
-    bool first = true, going = true;
-    while (going) {
+    bool going = true;
+    while (going && await(source, waits)) {
         const std::optional<DepthShot> shot = source.next();
         if (!shot) break;
-        if (std::exchange(first, false)) begin_s_ = clock_.now_s() - shot->time_s;
-        going = take(*shot, source.cameras(), told);
+        going = take(*shot, source, told);
     }
     // The last ring is played until the shot after it would have been missed.
     if (last_time_s_) serve_until(begin_s_ + *last_time_s_ + 1.5 / options_.rate_hz);

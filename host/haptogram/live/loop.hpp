@@ -41,12 +41,14 @@ public:
     Loop(link::Commands& device, const Clock& clock, const Array& array, const LoopOptions& options);
 
     using Told = std::function<bool(const ShotReport&, const DepthShot&)>;
-    /// Turns the outputs on, plays until the source ends or `told` says false, and turns them off.
+    /// Turns the outputs on, plays until the source ends, `told` says false or, while a live source has no shot,
+    /// `waits` does, and turns them off.
     /// @throws Error{device} when the board turns its outputs off by itself, or the link is lost
-    LoopReport run(DepthSource& source, const Told& told = {});
+    LoopReport run(DepthSource& source, const Told& told = {}, const std::function<bool()>& waits = {});
 
 private:
-    bool take(const DepthShot& shot, std::span<const DepthCamera> cameras, const Told& told);
+    bool await(DepthSource& source, const std::function<bool()>& waits);
+    bool take(const DepthShot& shot, const DepthSource& source, const Told& told);
     [[nodiscard]] ShotReport begin(const DepthShot& shot);
     void play(const std::optional<Path>& rings, const ShotReport& shot);
     void serve_until(double time_s);
@@ -60,7 +62,7 @@ private:
     LoopReport report_;
     std::optional<double> last_time_s_;
     std::uint64_t last_number_ = 0;
-    double begin_s_ = 0.0;  ///< by the clock, of the shots' time 0
+    double begin_s_ = 0.0;  ///< by the clock, of the shots' time 0; of a live source that of its last shot
     unsigned misses_ = 0;   ///< in a row
     bool blind_ = false;    ///< the last shot had no picture
     unsigned absent_ = 0;   ///< of these, shots that were due since the last one and did not come

@@ -10,7 +10,9 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/instrument/render.hpp"
+#include "haptogram/live/leap_pipe.hpp"
 #include "haptogram/sense/depth_folder.hpp"
+#include "haptogram/sense/depth_pipe.hpp"
 
 namespace haptogram::live {
 namespace {
@@ -55,6 +57,9 @@ std::unique_ptr<DepthSource> open_depth(const std::string& name, const CameraOpt
     const std::size_t colon = std::min(name.find(':'), name.size());
     const std::string kind = name.substr(0, colon), rest = colon < name.size() ? name.substr(colon + 1) : "";
     if (kind == "depth") return std::make_unique<DepthFolder>(rest);
+    if (kind == "depth-pipe") return std::make_unique<DepthPipe>(rest);
+    if (kind == "leap-pipe")
+        return std::make_unique<LeapPipe>(rest, cameras_of(cameras), cameras.rate_hz, cameras.noise);
     const auto simulated = [&](SyntheticDepth::Scene scene, double seconds) {
         return std::make_unique<SyntheticDepth>(cameras_of(cameras), std::move(scene), cameras.rate_hz,
                                                 cameras.seconds > 0.0 ? cameras.seconds : seconds, cameras.noise);
@@ -68,9 +73,11 @@ std::unique_ptr<DepthSource> open_depth(const std::string& name, const CameraOpt
         if (hands->frames.empty()) throw bad_input(name, "there is no hand in it");
         return simulated([hands](double time_s) { return bodies_at(*hands, time_s); }, hands->frames.back().time_s);
     }
-    throw bad_argument("from", fmt::format("found \"{}\", expected depth:FOLDER, leap:FILE, poses:FILE, "
-                                           "synthetic:SCRIPT or fingers:press",
+    throw bad_argument("from", fmt::format("found \"{}\", expected depth:FOLDER, depth-pipe:FILE, leap:FILE, "
+                                           "leap-pipe:FILE, poses:FILE, synthetic:SCRIPT or fingers:press",
                                            name));
 }
+
+bool has_cameras(std::string_view name) { return name.starts_with("depth:") || name.starts_with("depth-pipe:"); }
 
 }  // namespace haptogram::live

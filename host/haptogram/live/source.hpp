@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "haptogram/hand/hand.hpp"
@@ -34,12 +35,17 @@ struct CameraOptions {
 
 /// Where depth comes from, as a user names it:
 /// - depth:FOLDER   a recording (sense/depth_folder.hpp)
+/// - depth-pipe:FILE   cameras of another program (sense/depth_pipe.hpp); - is standard input
+/// - leap-pipe:FILE   hands of another program (leap_pipe.hpp), which simulated cameras see
 /// - leap:FILE, poses:FILE   recorded hands, which simulated cameras see; also synthetic:SCRIPT[:HEIGHT] as render has
 /// it
 /// - fingers:press   scripted fingers at the object
+/// @param cameras  the simulated ones; of no meaning to a source that has its own
 /// @param object  its middle, @param half_m half of its edge, for scripted fingers
 /// @throws Error{bad_input} for files that cannot be used, Error{bad_argument} for other names
 [[nodiscard]] std::unique_ptr<DepthSource> open_depth(const std::string& name, const CameraOptions& cameras,
                                                       Vec3 object, double half_m);
+/// Whether a source of this name has cameras of its own.
+[[nodiscard]] bool has_cameras(std::string_view name);
 
 }  // namespace haptogram::live

@@ -53,9 +53,17 @@ public:
     virtual ~DepthSource() = default;
 
     [[nodiscard]] virtual const std::vector<DepthCamera>& cameras() const = 0;
-    /// The next shot; nothing when there is no further one.
+    /// Shots a second.
+    [[nodiscard]] virtual double rate_hz() const = 0;
+    /// The next shot, as soon as it is there; nothing when there is no further one.
     /// @throws Error{bad_input} naming a picture that cannot be read
     [[nodiscard]] virtual std::optional<DepthShot> next() = 0;
+
+    /// Whether shots come as they are taken, each due at once; otherwise all are there, and each is due at its time.
+    [[nodiscard]] virtual bool live() const { return false; }
+    /// Whether next() returns at once. Of a live source it takes in what has come, so it wants to be asked often.
+    /// @throws Error{bad_input} as next()
+    [[nodiscard]] virtual bool ready() { return true; }
 };
 
 }  // namespace haptogram

@@ -32,6 +32,7 @@ public:
     explicit DepthFolder(const std::filesystem::path& folder);
 
     [[nodiscard]] const std::vector<DepthCamera>& cameras() const override { return cameras_; }
+    [[nodiscard]] double rate_hz() const override { return rate_hz_; }
     [[nodiscard]] std::optional<DepthShot> next() override;
 
 private:

@@ -54,6 +54,7 @@ public:
                    const DepthNoise& noise);
 
     [[nodiscard]] const std::vector<DepthCamera>& cameras() const override { return cameras_; }
+    [[nodiscard]] double rate_hz() const override { return rate_hz_; }
     [[nodiscard]] std::optional<DepthShot> next() override;
 
 private:

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <chrono>
+#include <cstddef>
+#include <optional>
+#include <string>
+
+namespace haptogram {
+
+/// The bytes of a pipe, a terminal or a file, as they come.
+class LiveInput {
+public:
+    /// @param path  "-" is standard input
+    /// @throws Error{bad_input} when it cannot be opened
+    explicit LiveInput(const std::string& path);
+    LiveInput(const LiveInput&) = delete;
+    LiveInput& operator=(const LiveInput&) = delete;
+    ~LiveInput();
+
+    /// Appends what is there, of which there may be more, after waiting for it at most so long.
+    /// @return whether anything came, or the end
+    /// @throws Error{bad_input} naming the file and the system's reason
+    bool read(std::string& to, std::chrono::milliseconds patience);
+    [[nodiscard]] bool ended() const { return ended_; }
+    /// Whether it is a file, all of which is there already.
+    [[nodiscard]] bool is_file() const { return is_file_; }
+    /// For messages.
+    [[nodiscard]] const std::string& name() const { return name_; }
+
+private:
+    std::string name_;
+    int descriptor_;
+    bool ended_ = false, is_file_ = false;
+};
+
+/// The lines of such an input.
+class LiveText {
+public:
+    /// As LiveInput.
+    explicit LiveText(const std::string& path) : input_(path) {}
+
+    /// The next line without its end; empty when there is none yet.
+    std::optional<std::string> next(std::chrono::milliseconds patience);
+    [[nodiscard]] bool ended() const { return input_.ended() && text_.empty(); }
+    [[nodiscard]] bool is_file() const { return input_.is_file(); }
+    /// The last line, for messages.
+    [[nodiscard]] std::string where() const;
+
+private:
+    LiveInput input_;
+    std::string text_;
+    std::size_t number_ = 0;
+};
+
+}  // namespace haptogram
