@@ -2,6 +2,8 @@
 // Every reader of foreign bytes, for libFuzzer: one executable a target, named by HAPTOGRAM_TARGET. A reader may refuse
 // with an Error; any other exception, a crash, a leak or a hang is a finding. What is taken must come through its own
 // writer.
+#include <fmt/format.h>
+#include <sys/mman.h>
 #include <unistd.h>
 #include <zlib.h>
 
@@ -26,6 +28,7 @@
 #include "haptogram/render/path_file.hpp"
 #include "haptogram/render/waveform.hpp"
 #include "haptogram/sense/depth_folder.hpp"
+#include "haptogram/sense/depth_pipe.hpp"
 #include "haptogram/sense/depth_png.hpp"
 #include "haptogram/shape/formats.hpp"
 #include "messages.hpp"
@@ -95,6 +98,7 @@ void path_csv(const std::string& content) { require_sound(path_from_csv(content,
 void adaptics(const std::string& content) { require_sound(path_from_adaptics(content, "fuzz", carrier_hz, 20)); }
 void wav(const std::string& content) { static_cast<void>(wave_from_wav(content, "fuzz")); }
 void leap(const std::string& content) { static_cast<void>(recording_from_leap(content, "fuzz")); }
+void leap_message(const std::string& content) { static_cast<void>(frame_from_leap_message(content, "fuzz")); }
 
 /// What a writer wrote, read again: to refuse that is a finding.
 template <class Read>
@@ -141,6 +145,21 @@ void cameras(const std::string& content) {
     require(cameras_to_toml(same.cameras, same.rate_hz) == written);
 }
 
+/// All shots of a pipe, which are written as they were read.
+void depth_pipe(const std::string& content) {
+    static const int file = ::memfd_create("pipe", 0);
+    require(::ftruncate(file, 0) == 0 &&
+            ::pwrite(file, content.data(), content.size(), 0) == static_cast<ssize_t>(content.size()));
+    DepthPipe pipe(fmt::format("/proc/self/fd/{}", file));
+    std::size_t at = content.find('\0') + 1;
+    while (const auto shot = pipe.next()) {
+        const std::string written = again([&] { return depth_pipe_shot(*shot, pipe.cameras()); });
+        require(content.compare(at, written.size(), written) == 0);
+        at += written.size();
+    }
+    require(at == content.size());
+}
+
 /// A name of a file that can only be in the folder where it is looked for, and that no program takes for an option.
 bool is_plain_name(const std::string& name) {
     return !name.empty() && name.find_first_of("/\\") == std::string::npos && name[0] != '.' && name[0] != '-';
@@ -174,16 +193,28 @@ void message(const std::string& content) {
     require(toml_of(again([&] { return document_of(as_document, "fuzz"); })) == as_document);
 }
 
-const std::map<std::string, void (*)(const std::string&)> targets = {{"frame", frame},       {"intel_hex", intel_hex},
-                                                                     {"pulses", pulses},     {"manifest", manifest},
-                                                                     {"ply", ply},           {"obj", obj},
-                                                                     {"stl", stl},           {"xyz", xyz},
-                                                                     {"csv", csv},           {"array", array},
-                                                                     {"board", board},       {"project", project},
-                                                                     {"path", path},         {"path_csv", path_csv},
-                                                                     {"adaptics", adaptics}, {"wav", wav},
-                                                                     {"leap", leap},         {"depth_png", depth_png},
-                                                                     {"cameras", cameras},   {"message", message}};
+const std::map<std::string, void (*)(const std::string&)> targets = {{"frame", frame},
+                                                                     {"intel_hex", intel_hex},
+                                                                     {"pulses", pulses},
+                                                                     {"manifest", manifest},
+                                                                     {"ply", ply},
+                                                                     {"obj", obj},
+                                                                     {"stl", stl},
+                                                                     {"xyz", xyz},
+                                                                     {"csv", csv},
+                                                                     {"array", array},
+                                                                     {"board", board},
+                                                                     {"project", project},
+                                                                     {"path", path},
+                                                                     {"path_csv", path_csv},
+                                                                     {"adaptics", adaptics},
+                                                                     {"wav", wav},
+                                                                     {"leap", leap},
+                                                                     {"depth_png", depth_png},
+                                                                     {"cameras", cameras},
+                                                                     {"message", message},
+                                                                     {"leap_message", leap_message},
+                                                                     {"depth_pipe", depth_pipe}};
 void (*target)(const std::string&) = nullptr;
 
 }  // namespace haptogram::fuzz

@@ -20,7 +20,7 @@ from intelhex import IntelHex
 
 ROOT = Path(__file__).resolve().parents[2]
 TARGETS = ("frame", "intel_hex", "pulses", "manifest", "ply", "obj", "stl", "xyz", "csv", "array", "board", "project",
-           "path", "path_csv", "adaptics", "wav", "leap", "depth_png", "cameras", "message")  # fmt: skip
+           "path", "path_csv", "adaptics", "wav", "leap", "leap_message", "depth_png", "cameras", "depth_pipe", "message")  # fmt: skip
 CUBE = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
 SOUND_CAMERAS = b"""format = "haptogram-depth-1"
 rate_hz = 30
@@ -36,6 +36,12 @@ position_mm = [0, 1.5, -300]
 right = [1, 0, 0]
 forward = [0, 0.6, 0.8]
 """
+SMALL_CAMERAS = SOUND_CAMERAS.replace(b"640", b"4").replace(b"480", b"3")
+SOUND_HANDS = {
+    "timestamp": 5,
+    "hands": [{"id": 7, "type": "left", "palmPosition": [1, 200, 30], "palmNormal": [0, -1, 0], "direction": [0, 0, -1], "palmVelocity": [9, 0, 0]}],
+    "pointables": [{"id": 71, "handId": 7, "mcpPosition": [0, 200, 0], "pipPosition": [0, 200, -40], "dipPosition": [0, 200, -65], "tipPosition": [0, 200, -85]}],
+}
 
 
 def sound_hex():
@@ -155,6 +161,8 @@ def seeds(program):
         "leap": [b'{"frames": [["timestamp", {"hands": [["type", "id", "palmVelocity", "palmPosition", "palmNormal", "direction"]]}, {"pointables": [["handId", "id",'
                  b' "tipPosition", "dipPosition", "pipPosition", "mcpPosition"]]}], [5, [["left", 7, [10, 0, 0], [1, 200, 30], [0, -1, 0], [0, 0, -1]]],'
                  b' [[7, 71, [0, 200, -85], [0, 200, -65], [0, 200, -40], [0, 200, 0]]]]]}', b"BYUwNmD2A0AECWsCGBbZtDUzkAA="],
+        "leap_message": [json.dumps(SOUND_HANDS).encode(), b'{"serviceVersion": "5.0", "version": 6}'],
+        "depth_pipe": [SMALL_CAMERAS + b"\0" + struct.pack("<4sIQd12H", b"SHOT", 1, 3, 0.1, *range(12)) + struct.pack("<4sIQd", b"SHOT", 0, 4, 0.2)],
         "message": [json.dumps(each).encode() for each in sound_messages()],
     }  # fmt: skip
     subprocess.run([program, "compile", "--shape", "line", "--points", "2", "--array", "tile-7x8", "-o", "seed.hex"],

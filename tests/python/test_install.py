@@ -17,6 +17,8 @@ def test_pip_installs_it(tmp_path):
     said = subprocess.run([place / "bin/haptogram-py", "--help"], env=environment, cwd=tmp_path, capture_output=True, text=True, check=True)
     assert "upload" in said.stdout and "stream" in said.stdout
     assert (place / "haptogram/py.typed").exists()
+    for program in ("realsense", "leap"):
+        subprocess.run([place / f"bin/haptogram-{program}", "--help"], env=environment, cwd=tmp_path, capture_output=True, check=True)
     listed = subprocess.run([place / "bin/haptogram-study", "list"], env=environment, cwd=tmp_path, capture_output=True, text=True, check=True)
     assert "haptogram_shapes" in listed.stdout and (place / "haptogram/study/printed.toml").exists()
     where = subprocess.run([sys.executable, "-c", "import haptogram; print(haptogram.__file__)"], env=environment, cwd=tmp_path, capture_output=True, text=True, check=True)
