@@ -78,7 +78,7 @@ class Module:
     def __init__(self, name, netlist, whole=False):
         self.name, self.cells, self.whole = name, netlist["cells"], whole
         self.wires, self.loads, self.drives = {}, collections.defaultdict(list), {}
-        self.sources_of = {}  # the cell whose output Y a bit is, and its place there
+        self.driven_by = {}  # the cell whose output Y a bit is, and its place there
         self.ports = {bit for port in netlist["ports"].values() for bit in port["bits"]}
         for wire, net in sorted(netlist["netnames"].items()):
             for index, bit in enumerate(net["bits"] if not net["hide_name"] else []):
@@ -86,7 +86,7 @@ class Module:
         for name, cell in self.cells.items():
             bits = lambda way: [b for p, connected in cell["connections"].items() if cell["port_directions"][p] == way for b in connected]
             self.drives[name] = bits("output")
-            self.sources_of |= {bit: (name, place) for place, bit in enumerate(cell["connections"].get("Y", []))}
+            self.driven_by |= {bit: (name, place) for place, bit in enumerate(cell["connections"].get("Y", []))}
             for bit in dict.fromkeys(bits("input")):
                 self.loads[bit].append(name)
 
@@ -109,7 +109,7 @@ class Module:
         """The constant that a bit always is, or None: one of the netlist, or what a multiplexer has at all of its inputs."""
         if isinstance(bit, str):
             return bit
-        cell, place = self.sources_of.get(bit, (None, 0))
+        cell, place = self.driven_by.get(bit, (None, 0))
         if cell is None or self.cells[cell]["type"] not in ("$mux", "$pmux"):
             return None
         a, b = (self.cells[cell]["connections"][port] for port in "AB")
