@@ -65,11 +65,18 @@ def test_follow_point(folder):
     assert indices == [1 + i % 2 for i in range(len(indices))]
 
 
+def is_open(file, port):
+    try:
+        return file.samefile(port)
+    except FileNotFoundError:  # it was closed since it was listed, or the port is not there yet
+        return False
+
+
 def wait_until_open(process, port, limit_s=60):
     """Until the process has the port open, which it has from its first word to the board on."""
     end = time.monotonic() + limit_s
     while process.poll() is None and time.monotonic() < end:
-        if any(open_file.exists() and open_file.samefile(port) for open_file in pathlib.Path(f"/proc/{process.pid}/fd").iterdir()):
+        if any(is_open(file, port) for file in pathlib.Path(f"/proc/{process.pid}/fd").iterdir()):
             return
         time.sleep(0.02)
     pytest.fail(f"the example has not opened {port} after {limit_s} s, or has ended with {process.returncode}")
