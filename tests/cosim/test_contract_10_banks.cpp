@@ -247,7 +247,7 @@ TEST_CASE("contract 10: pushed indices wait for their period, behind those that 
     REQUIRE(bench.client.status().late_changes == 0);
 }
 
-TEST_CASE("contract 10: a push into which a start falls is kept whole or not at all", "[contract10][live][falls]") {
+TEST_CASE("contract 10: a push into which a start falls is kept whole or not at all", "[contract10][live]") {
     auto g = generator();
     Banks bench(g);
     int kept = 0;

@@ -729,13 +729,15 @@ TEST_CASE("second instrument: what cannot be played is refused, and silence take
     REQUIRE(status_of(Command::write, with(address(interface::modulation_base, 2 * 32), {1})) == Status::bad_address);
 }
 
-TEST_CASE("second instrument: a board without it refuses its command and has none of its regions", "[second]") {
+TEST_CASE("second instrument: a board without it refuses its commands and has none of its regions", "[second]") {
     using interface::Command;
     using interface::Status;
     Bench plain;
     const auto hello = plain.talk(link::encode_request(0, Command::identify, {}));
     std::uint8_t number = hello.at(0).expected;
     REQUIRE(plain.talk(link::encode_request(number, Command::modulate, words({1, 0, 1}))).at(0).status ==
+            Status::unknown_command);
+    REQUIRE(plain.talk(link::encode_request(number, Command::push_foci, words({1, 0, 0, 0, 0}))).at(0).status ==
             Status::unknown_command);
     REQUIRE(plain.talk(link::encode_request(number, Command::write, with(address(interface::parameters_base, 0), {1})))
                 .at(0)

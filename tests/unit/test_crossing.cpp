@@ -47,8 +47,8 @@ TEST_CASE("crossing: beside an edge of a box the normal is that of the face that
     std::mt19937_64 random(Catch::rngSeed());
     std::uniform_real_distribution<double> unit(0.0, 1.0);
     for (int round = 0; round < 40; ++round) {
-        // Into the top face, 6 to 12 mm from an edge, up to 8 mm deep: its middle is often nearer to the side face.
-        const double from_edge = 6e-3 + 6e-3 * unit(random), deep = 4e-3 + 4e-3 * unit(random);
+        // Into the top face, up to 9 mm deep: its middle is often nearer to the side face, and some of it is outside.
+        const double from_edge = 3e-3 + 9e-3 * unit(random), deep = 2e-3 + 7e-3 * unit(random);
         const double y = -6e-3 + 12e-3 * unit(random), turn = 2.0 * pi * unit(random), lean = 0.2 * unit(random);
         const Vec3 tip{20e-3 - from_edge, y, 0.22 - deep};
         const Vec3 back{std::sin(lean) * std::cos(turn), std::sin(lean) * std::sin(turn), std::cos(lean)};
@@ -60,6 +60,41 @@ TEST_CASE("crossing: beside an edge of a box the normal is that of the face that
         CHECK(fingers[0].surface.z == Approx(0.22).margin(1e-4));
         CHECK(fingers[0].deepest_m <= deep + 0.2e-3);  // a leaning finger has its lowest point beside its tip
     }
+}
+
+TEST_CASE("crossing: a finger that goes in keeps the normal of its face, however near to an edge it goes in") {
+    std::mt19937_64 random(Catch::rngSeed());
+    std::uniform_real_distribution<double> unit(0.0, 1.0);
+    for (int round = 0; round < 20; ++round) {
+        const double from_edge = 1e-3 + 11e-3 * unit(random), y = -6e-3 + 12e-3 * unit(random);
+        const double turn = 2.0 * pi * unit(random), lean = 0.2 * unit(random);
+        const Vec3 back{std::sin(lean) * std::cos(turn), std::sin(lean) * std::sin(turn), std::cos(lean)};
+        TouchScene scene(fixed_cube());
+        bool touched = false;
+        for (int shot = 0; shot <= 10; ++shot) {
+            const double deep = 1e-3 * shot;
+            INFO(1e3 * from_edge << " mm from the edge, " << 1e3 * deep << " mm deep");
+            const auto& fingers = scene.update(finger({20e-3 - from_edge, y, 0.22 - deep}, back), shot / 60.0);
+            REQUIRE(fingers.size() <= 1);
+            for (const SceneFinger& each : fingers) CHECK(distance(each.inward, {0, 0, -1}) < 0.01);
+            touched = touched || !fingers.empty();
+        }
+        CHECK(touched);
+    }
+}
+
+TEST_CASE("crossing: of two faces the one counts that more of the finger goes through, not the one with more points") {
+    const Solid box = solid_box({}, {0.04, 0.04, 0.04});
+    std::vector<Vec3> outside;
+    for (int i = 0; i < 12; ++i)  // a ring of 12 points above the top, and 40 in a line beside it
+        outside.push_back({5e-3 * std::cos(pi * i / 6), 5e-3 * std::sin(pi * i / 6), 21e-3});
+    for (int i = 0; i < 40; ++i) outside.push_back({21e-3, -5e-3 + 0.25e-3 * i, 10e-3 + 1e-5 * (i % 2)});
+    const Crossing crossing(box, outside);
+    REQUIRE(crossing.inward());
+    CHECK(distance(*crossing.inward(), {0, 0, -1}) < 1e-6);
+    CHECK(crossing.area({0, 0, -1}) == Approx(12 * 0.5 * 25e-6 * std::sin(pi / 6)).epsilon(1e-3));
+    CHECK(crossing.area({-1, 0, 0}) < 1e-7);
+    CHECK(crossing.area({0, 0, 1}) == 0.0);
 }
 
 TEST_CASE("crossing: a hand that is in the object altogether, and one that is exactly in its middle, get a normal") {

@@ -118,12 +118,12 @@ TouchScene::Held& TouchScene::hold(const TrackedFinger& finger, const Entry* ent
     if (!fresh && entry != nullptr) {
         constexpr double same = 0.985, bend = 0.5 * std::numbers::sqrt2;  // 10° and 45°
         const double alike = dot(held.contact.inward(pose), entry->inward);
-        const auto votes = [&](Vec3 way) {
-            return entry->crossing.votes_for({dot(way, pose.x), dot(way, pose.y), dot(way, pose.z)});
+        const auto area = [&](Vec3 way) {
+            return entry->crossing.area({dot(way, pose.x), dot(way, pose.y), dot(way, pose.z)});
         };
         // Round a bend the normal follows; over an edge only when most of the finger is on the other face.
-        const bool follows = alike > bend || votes(entry->inward) >= 2 * votes(held.contact.inward(pose));
-        if (alike < same && follows && votes(entry->inward) > 0) held.contact.turn(finger.place, entry->inward, pose);
+        const bool follows = alike > bend || area(entry->inward) >= 2.0 * area(held.contact.inward(pose));
+        if (alike < same && follows && area(entry->inward) > 0.0) held.contact.turn(finger.place, entry->inward, pose);
     }
     held.from = fresh ? finger.place : held.to;
     held.to = finger.place;
