@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <catch2/catch.hpp>
+#include <tuple>
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/image/image.hpp"
@@ -115,6 +116,13 @@ TEST_CASE("image: regions that are missing, short, long or unknown are errors", 
     header[1].bytes[0] = 2;
     REQUIRE_THROWS_WITH(from_intel_hex(intel_hex::write(header), "f"),
                         Contains("sequence header says 2 entries, the description 3"));
+    for (const auto& [at, value, found] : {std::tuple(10, 128, "TIMING_BITS = 128; expected 4 to 16"),
+                                           {10, 0, "TIMING_BITS = 0"},
+                                           {11, 24, "PULSE_BITS = 24; expected 1 to 8"}}) {
+        auto bits = whole;
+        bits[2].bytes.at(at) = static_cast<std::uint8_t>(value);
+        REQUIRE_THROWS_WITH(from_intel_hex(intel_hex::write(bits), "f"), Contains(found));
+    }
     auto reserved = whole;
     reserved[0].bytes[7] = 2;
     REQUIRE_THROWS_WITH(from_intel_hex(intel_hex::write(reserved), "f"), Contains("record 1: kind 2"));

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/boards/core.hpp"
@@ -320,6 +321,13 @@ Image from_intel_hex(std::string_view text, const std::string& where) {
     image.clock_hz = description_field::clock_hz.get(described);
     image.timing_bits = description_field::timing_bits.get(described);
     image.pulse_bits = description_field::pulse_bits.get(described);
+    for (const auto& [name, bits] : {std::pair("TIMING_BITS", image.timing_bits), {"PULSE_BITS", image.pulse_bits}}) {
+        const auto parameter =
+            std::ranges::find(interface::core_parameters, name, &interface::ParameterDescription::name);
+        if (bits < parameter->low || bits > parameter->high)
+            throw bad_input(where, fmt::format("the description says {} = {}; expected {} to {}; the image is garbled",
+                                               name, bits, parameter->low, parameter->high));
+    }
     if (is_long) image.min_pulse_clocks = description_field::min_pulse_clocks.get(described);
     if (image.min_pulse_clocks == 0)
         throw bad_input(where,

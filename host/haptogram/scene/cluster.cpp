@@ -135,37 +135,12 @@ double width_across(std::span<const Vec3> points, Vec3 normal) {
     return widest;
 }
 
-std::vector<Cluster> joined_parts(std::vector<Cluster> clusters, std::vector<Vec3> inward, double width_m) {
-    constexpr double same_way = 0.5 * std::numbers::sqrt2;
-    const auto both = [](const Cluster& a, const Cluster& b) {
-        Cluster all = a;
-        all.points.insert(all.points.end(), b.points.begin(), b.points.end());
-        const double share = static_cast<double>(b.points.size()) / static_cast<double>(all.points.size());
-        all.centroid = a.centroid + share * (b.centroid - a.centroid);
-        return all;
-    };
-    for (bool joined = width_m > 0.0; joined;) {
-        joined = false;
-        std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;
-        for (std::size_t a = 0; a < clusters.size(); ++a)
-            for (std::size_t b = a + 1; b < clusters.size(); ++b)
-                if (const double way = distance(clusters[a].centroid, clusters[b].centroid);
-                    dot(inward[a], inward[b]) > same_way)
-                    pairs.emplace_back(way, a, b);
-        std::sort(pairs.begin(), pairs.end());
-        for (const auto& [way, a, b] : pairs) {
-            Cluster all = both(clusters[a], clusters[b]);
-            if (width_across(all.points, inward[a]) > width_m) continue;
-            clusters[a] = std::move(all);
-            clusters.erase(clusters.begin() + static_cast<std::ptrdiff_t>(b));
-            inward.erase(inward.begin() + static_cast<std::ptrdiff_t>(b));
-            joined = true;
-            break;
-        }
-    }
-    std::stable_sort(clusters.begin(), clusters.end(),
-                     [](const Cluster& a, const Cluster& b) { return a.points.size() > b.points.size(); });
-    return clusters;
+Cluster together(const Cluster& a, const Cluster& b) {
+    Cluster all = a;
+    all.points.insert(all.points.end(), b.points.begin(), b.points.end());
+    const double share = static_cast<double>(b.points.size()) / static_cast<double>(all.points.size());
+    all.centroid = a.centroid + share * (b.centroid - a.centroid);
+    return all;
 }
 
 FingerTracker::FingerTracker(double gate_m) : gate_m_(gate_m) {

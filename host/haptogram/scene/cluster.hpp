@@ -27,15 +27,8 @@ struct Cluster {
 /// @param normal  of the plane, length 1
 [[nodiscard]] double width_across(std::span<const Vec3> points, Vec3 normal);
 
-/// Joins clusters that are parts of one finger. Cameras that look along a finger, or at its sides alone, see parts of
-/// its skin with gaps between them. Two clusters are one finger when they go through the surface in the same direction
-/// within 45° and are together no wider than a finger; nearest pairs go first. Ours: the paper has cameras on all
-/// sides.
-/// @param inward   of each cluster, into the object, length 1
-/// @param width_m  of a finger across; 0 joins none
-/// @return the largest first, as clusters_of()
-[[nodiscard]] std::vector<Cluster> joined_parts(std::vector<Cluster> clusters, std::vector<Vec3> inward,
-                                                double width_m);
+/// The points of both, and their mean.
+[[nodiscard]] Cluster together(const Cluster& a, const Cluster& b);
 
 /// A finger as it is followed from shot to shot.
 struct TrackedFinger {

@@ -68,6 +68,10 @@ Crossing::Crossing(const Solid& solid, std::span<const Vec3> outside) {
     }
 }
 
+Crossing::Crossing(const Crossing& a, const Crossing& b) : votes_(a.votes_) {
+    votes_.insert(votes_.end(), b.votes_.begin(), b.votes_.end());
+}
+
 double Crossing::area(Vec3 inward) const {
     const Vec3 level = std::abs(inward.z) < 0.9 ? Vec3{0, 0, 1} : Vec3{1, 0, 0};
     const Vec3 x = cross(inward, level) * (1.0 / norm(cross(inward, level))), y = cross(inward, x);

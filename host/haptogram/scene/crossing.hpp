@@ -16,6 +16,8 @@ class Crossing {
 public:
     /// @param outside  the finger's points close to the surface and not inside, in the solid's frame, metres
     Crossing(const Solid& solid, std::span<const Vec3> outside);
+    /// That of two parts of a finger together.
+    Crossing(const Crossing& a, const Crossing& b);
 
     /// Into the object, length 1: the mean of the votes within 45° of that about which the finger's section is largest;
     /// nothing when nobody votes.

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <tuple>
 #include <utility>
 
 #include "haptogram/base/error.hpp"
@@ -71,13 +72,45 @@ std::vector<TouchScene::Entry> TouchScene::entries_of(std::span<const Vec3> clou
     std::vector<Vec3> inside;
     for (const Vec3& p : cloud)
         if (solid_.contains(pose.inwards(p))) inside.push_back(p);
-    std::vector<Cluster> clusters = clusters_of(inside, options_.cluster_m, options_.least_points);
-    std::vector<Vec3> inward;
-    for (const Cluster& cluster : clusters) inward.push_back(entry_of(cloud, cluster).inward);
     std::vector<Entry> entries;
-    for (Cluster& cluster : joined_parts(std::move(clusters), std::move(inward), options_.finger_m))
+    for (Cluster& cluster : clusters_of(inside, options_.cluster_m, options_.least_points))
         entries.push_back(entry_of(cloud, std::move(cluster)));
+    join_parts(cloud, entries);
     return entries;
+}
+
+/// Whether two parts of skin go through the surface the same way, within 45°, and are together no wider than a finger.
+/// Beside an edge a finger goes through two faces, and each part of it may have more of the other one; so it is enough
+/// that both go through the face that they go through most together.
+bool TouchScene::one_finger(const Entry& a, const Entry& b) const {
+    constexpr double same_way = 0.5 * std::numbers::sqrt2;
+    const std::optional<Vec3> through = Crossing(a.crossing, b.crossing).inward();
+    const bool both = through && a.crossing.area(*through) > 0.0 && b.crossing.area(*through) > 0.0;
+    if (!both && dot(a.inward, b.inward) < same_way) return false;
+    const Vec3 inward = through ? object().turned(*through) : a.inward;
+    return width_across(together(a.cluster, b.cluster).points, inward) <= options_.finger_m;
+}
+
+/// Cameras that look along a finger, or at its sides alone, see parts of its skin with gaps between them. Those that
+/// are one finger are joined, the nearest pairs first. Ours: the paper has cameras on all sides.
+void TouchScene::join_parts(std::span<const Vec3> cloud, std::vector<Entry>& entries) const {
+    for (bool joined = options_.finger_m > 0.0; joined;) {
+        joined = false;
+        std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;
+        for (std::size_t a = 0; a < entries.size(); ++a)
+            for (std::size_t b = a + 1; b < entries.size(); ++b)
+                pairs.emplace_back(distance(entries[a].cluster.centroid, entries[b].cluster.centroid), a, b);
+        std::sort(pairs.begin(), pairs.end());
+        for (const auto& [way, a, b] : pairs) {
+            if (!one_finger(entries[a], entries[b])) continue;
+            entries[a] = entry_of(cloud, together(entries[a].cluster, entries[b].cluster));
+            entries.erase(entries.begin() + static_cast<std::ptrdiff_t>(b));
+            joined = true;
+            break;
+        }
+    }
+    std::stable_sort(entries.begin(), entries.end(),
+                     [](const Entry& a, const Entry& b) { return a.cluster.points.size() > b.cluster.points.size(); });
 }
 
 std::vector<Vec3> TouchScene::section_of(std::span<const Vec3> cloud, const Cluster& cluster, Vec3 surface,
@@ -123,7 +156,7 @@ TouchScene::Held& TouchScene::hold(const TrackedFinger& finger, const Entry* ent
         };
         // Round a bend the normal follows; over an edge only when most of the finger is on the other face.
         const bool follows = alike > bend || area(entry->inward) >= 2.0 * area(held.contact.inward(pose));
-        if (alike < same && follows && area(entry->inward) > 0.0) held.contact.turn(finger.place, entry->inward, pose);
+        if (alike < same && follows && area(entry->inward) > 0.0) held.contact.turn(held.to, entry->inward, pose);
     }
     held.from = fresh ? finger.place : held.to;
     held.to = finger.place;
@@ -179,11 +212,11 @@ void TouchScene::simulate(double seconds) {
         for (SceneFinger& finger : fingers_) {
             Held& held = held_.at(finger.id);
             const Vec3 velocity = (held.to - held.from) * (1.0 / seconds);
-            finger.force = {};
             const Vec3 moved = (held.to - held.from) * (1.0 / static_cast<double>(steps));
-            for (const Push& push :
-                 held.contact.pushes(held.from + part * (held.to - held.from), velocity, pose,
-                                     [&](Vec3 p) { return moves ? world_.velocity_at(0, p) : Vec3{}; })) {
+            const Vec3 place = held.from + part * (held.to - held.from);
+            finger.force = {};
+            for (const Push& push : held.contact.pushes(
+                     place, velocity, pose, [&](Vec3 p) { return moves ? world_.velocity_at(0, p) : Vec3{}; })) {
                 if (moves) world_.push(0, push.force, push.place);
                 finger.force = finger.force + push.force;
             }

@@ -23,7 +23,7 @@ struct SceneOptions {
     double cluster_m = 3e-3;        ///< points at most so far apart belong to one finger
     std::size_t least_points = 30;  ///< of a finger in the object
     double gate_m = 20e-3;          ///< a finger moves no farther between two shots
-    double finger_m = 20e-3;  ///< across a finger: parts within it are one finger (joined_parts()); 0: they stay parts
+    double finger_m = 20e-3;  ///< across a finger: parts within it are one finger (join_parts()); 0: they stay parts
     double slab_m = 2e-3;     ///< points so near to the contact's plane make the section
     ContactOptions contact;
     WorldOptions world;
@@ -82,6 +82,8 @@ private:
     void simulate(double seconds);
     [[nodiscard]] Entry entry_of(std::span<const Vec3> cloud, Cluster cluster) const;
     [[nodiscard]] std::vector<Entry> entries_of(std::span<const Vec3> cloud) const;
+    [[nodiscard]] bool one_finger(const Entry& a, const Entry& b) const;
+    void join_parts(std::span<const Vec3> cloud, std::vector<Entry>& entries) const;
     [[nodiscard]] std::vector<Vec3> section_of(std::span<const Vec3> cloud, const Cluster& cluster, Vec3 surface,
                                                Vec3 inward) const;
 

@@ -14,10 +14,6 @@ namespace haptogram {
 namespace {
 
 constexpr double scale = 20.0;  ///< Bullet's lengths over metres
-/// Bullet's steps in one of ours. What is in a wall is put out again, and gains height; in so short a step nothing that
-/// falls gets in by more than its margin.
-constexpr int inner_steps = 8;
-
 btVector3 to_bullet(Vec3 v, double factor) {
     return {static_cast<btScalar>(v.x * factor), static_cast<btScalar>(v.y * factor),
             static_cast<btScalar>(v.z * factor)};
@@ -96,11 +92,6 @@ struct World::State {
     btDiscreteDynamicsWorld dynamics;
     std::vector<std::unique_ptr<btCollisionShape>> shapes;
     std::vector<std::unique_ptr<btRigidBody>> rigid;
-    struct Force {
-        std::size_t body;
-        btVector3 force, torque;
-    };
-    std::vector<Force> forces;  ///< of the next step
 };
 
 World::World(const WorldOptions& options) : state_(std::make_unique<State>(options)) {}
@@ -153,21 +144,12 @@ double World::energy(std::size_t body) const {
 }
 
 void World::push(std::size_t body, Vec3 force, Vec3 place) {
+    btRigidBody& rigid = state_->body(body);
     const btVector3 scaled = to_bullet(force, scale);
-    const btVector3 arm = to_bullet(place, scale) - state_->body(body).getCenterOfMassPosition();
-    state_->forces.push_back({body, scaled, arm.cross(scaled)});
+    rigid.applyForce(scaled, to_bullet(place, scale) - rigid.getCenterOfMassPosition());
 }
 
-void World::step() {
-    for (int i = 0; i < inner_steps; ++i) {
-        for (const auto& [body, force, torque] : state_->forces) {
-            state_->body(body).applyCentralForce(force);
-            state_->body(body).applyTorque(torque);
-        }
-        state_->dynamics.stepSimulation(static_cast<btScalar>(state_->options.step_s / inner_steps), 0);
-    }
-    state_->forces.clear();
-}
+void World::step() { state_->dynamics.stepSimulation(static_cast<btScalar>(state_->options.step_s), 0); }
 
 const WorldOptions& World::options() const { return state_->options; }
 
