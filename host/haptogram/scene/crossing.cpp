@@ -82,7 +82,7 @@ double Crossing::area(Vec3 inward) const {
 }
 
 std::optional<Vec3> Crossing::inward() const {
-    constexpr double same_face = 1.0 - 1e-6;
+    constexpr double same_face = 0.985;  // within 10°: its section is about the same
     if (votes_.empty()) return {};
     std::vector<Vec3> faces;
     double most = -1.0;
