@@ -56,6 +56,21 @@ TEST_CASE("document: every key of a project survives the way to JSON and back") 
     CHECK(document_of(toml_of(ordered_json::parse(document.dump())), "again") == document);
 }
 
+TEST_CASE("document: a text with any characters comes back as it was") {
+    std::string every = "a file\r\n\t'\"\\\"\"\"\\n ä ●";
+    for (char c = 1; c < ' '; ++c) every += c, every += 'b';
+    every += "\x7f end \\";
+    Project project;
+    project.shapes.emplace_back().file = every;
+    const Project again = project_from_toml(to_toml(project), "again");
+    CHECK(again.shapes.at(0).file == every);
+    const ordered_json document = document_of(to_toml(project), "document");
+    CHECK(document["shape"][0]["file"] == every);
+    CHECK(project_from_toml(toml_of(document), "page").shapes.at(0).file == every);
+    project.shapes[0].file = "caf\xe9.ply";
+    CHECK_THROWS_WITH(to_toml(project), Contains("caf\\ufffd.ply") && Contains("not UTF-8"));
+}
+
 TEST_CASE("document: the project's reader has the last word") {
     const auto read = [](const char* json) { return project_from_toml(toml_of(ordered_json::parse(json)), "page"); };
     CHECK_THROWS_WITH(read(R"({"format": "haptogram-project-1", "pointz": 3})"), Contains("pointz"));

@@ -172,6 +172,7 @@ TEST_CASE("hand: small recordings in both formats, and their mistakes", "[hand]"
     refuses(recording(R"({"id": 7, "type": "left"})", ""), "palmPosition");
     refuses("N4Ig!", "damaged at byte 4");
     refuses("", "not valid JSON");
+    refuses(R"({"frames": [-1e999]})", "a number is too large: '-1e999'");
 }
 
 TEST_CASE("hand: LZString texts of other programs are read", "[hand]") {

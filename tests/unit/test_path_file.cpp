@@ -111,6 +111,7 @@ TEST_CASE("path file: mistakes are named with their place", "[path_file]") {
         return R"({"format": "haptogram-path-1", "carrier_hz": 40000, "steps": [)" + list + "]}";
     };
     refuses("{", "not valid JSON at byte 2");
+    refuses(R"({"carrier_hz": 1e999})", "a number is too large: '1e999'");
     refuses("[]", "it must be an object, found array");
     refuses("{}", "it has no format");
     refuses(R"({"format": "haptogram-path-2"})", "haptogram-path-1");

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -16,12 +17,17 @@
 /// What the readers of JSON files share. Not installed: no public header includes it.
 namespace haptogram {
 
-/// @throws Error{bad_input} naming the byte at which the text stops being JSON
+/// @throws Error{bad_input} naming the byte at which the text stops being JSON, or a number that no double can hold
 [[nodiscard]] inline nlohmann::ordered_json parse_json(std::string_view text, const std::string& file) {
     try {
         return nlohmann::ordered_json::parse(text);
     } catch (const nlohmann::json::parse_error& error) {
         throw bad_input(file, fmt::format("not valid JSON at byte {}; write the file again", error.byte));
+    } catch (const nlohmann::json::out_of_range& error) {
+        const std::string_view said = error.what();  // ends with the number between quotation marks
+        const std::size_t quote = std::min(said.find('\''), said.size());
+        throw bad_input(file, fmt::format("a number is too large: {}; the largest that can be held is {:.2g}",
+                                          said.substr(quote, 60), std::numeric_limits<double>::max()));
     }
 }
 

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/base/toml_value.hpp"
 #include "haptogram/instrument/project.hpp"
 
 namespace haptogram {
@@ -21,10 +22,10 @@ bool is_bare(char c) {
 
 std::string key_text(const std::string& key) {
     const bool bare = !key.empty() && std::all_of(key.begin(), key.end(), is_bare);
-    return bare ? key : ordered_json(key).dump();
+    return bare ? key : section::quoted_text(key);
 }
 
-/// Strings, numbers and booleans are written alike in JSON and in TOML, and so are lists of them.
+/// Numbers and booleans are written alike in JSON and in TOML, and so are lists of them.
 std::string value_text(const std::string& key, const ordered_json& value) {
     if (value.is_array()) {
         std::string text;
@@ -35,7 +36,7 @@ std::string value_text(const std::string& key, const ordered_json& value) {
         throw bad_input(key, fmt::format("found {}, which no project file can hold; give text, a number, true, false "
                                          "or a list of these, or leave the key out",
                                          value.is_object() ? "a table within a table" : value.type_name()));
-    return value.dump();
+    return value.is_string() ? section::quoted_text(value.get<std::string>()) : value.dump();
 }
 
 void write_table(std::string& text, const ordered_json& table) {

@@ -5,10 +5,9 @@
 
 #include <algorithm>
 #include <limits>
-#include <sstream>
 
-#include "haptogram/base/toml_number.hpp"
 #include "haptogram/base/toml_section.hpp"
+#include "haptogram/base/toml_value.hpp"
 #include "haptogram/model/millimetres.hpp"
 #include "haptogram/solve/segments.hpp"
 
@@ -17,6 +16,7 @@ namespace {
 
 using section::assign;
 using section::number_text;
+using section::quoted_text;
 using section::Section;
 
 constexpr std::string_view format_name = "haptogram-project-1";
@@ -104,13 +104,6 @@ void read_pace(Project& project, const Section& whole) {
         project.jump = *jump == "hop" ? Jump::hop : Jump::blank;
 }
 
-/// A text as TOML writes it.
-std::string quoted(const std::string& text) {
-    std::ostringstream out;
-    out << toml::value<std::string>(text);
-    return out.str();
-}
-
 std::string in_mm(double metres) { return number_text(exact_mm(metres)); }
 
 /// The keys of a placement that are not as they are without it.
@@ -132,12 +125,12 @@ std::string to_toml(const ShapeSource& source) {
         throw bad_argument("shapes", fmt::format("'{}' is only in memory; save it as a file first", source.file));
     std::string text = "\n[[shape]]\n";
     if (!source.file.empty()) {
-        text += fmt::format("file = {}\n", quoted(source.file));
-        if (source.unit != ShapeSource{}.unit) text += fmt::format("unit = {}\n", quoted(source.unit));
+        text += fmt::format("file = {}\n", quoted_text(source.file));
+        if (source.unit != ShapeSource{}.unit) text += fmt::format("unit = {}\n", quoted_text(source.unit));
         return text + to_toml(source.placement);
     }
     const PrimitiveSpec& p = source.primitive;
-    text += fmt::format("kind = {}\n", quoted(p.kind));
+    text += fmt::format("kind = {}\n", quoted_text(p.kind));
     if (p.diameter) text += fmt::format("diameter_mm = {}\n", in_mm(*p.diameter));
     if (p.length) text += fmt::format("length_mm = {}\n", in_mm(*p.length));
     if (p.height) text += fmt::format("height_mm = {}\n", in_mm(*p.height));
@@ -149,10 +142,10 @@ std::string to_toml(const ShapeSource& source) {
 std::string to_toml(const HandSource& hand) {
     const HandSource standard;
     const ObjectSource& object = hand.object;
-    std::string text = fmt::format("\n[hand]\nrecording = {}\n", quoted(hand.recording));
-    if (!hand.model.empty()) text += fmt::format("model = {}\n", quoted(hand.model));
+    std::string text = fmt::format("\n[hand]\nrecording = {}\n", quoted_text(hand.recording));
+    if (!hand.model.empty()) text += fmt::format("model = {}\n", quoted_text(hand.model));
     if (hand.rate_hz != standard.rate_hz) text += fmt::format("frames_hz = {}\n", number_text(hand.rate_hz));
-    text += fmt::format("object = {}\n", quoted(object.name));
+    text += fmt::format("object = {}\n", quoted_text(object.name));
     if (object.size_m) text += fmt::format("size_mm = {}\n", in_mm(*object.size_m));
     if (object.height_m) text += fmt::format("height_mm = {}\n", in_mm(*object.height_m));
     if (object.centre != standard.object.centre)
@@ -161,8 +154,8 @@ std::string to_toml(const HandSource& hand) {
     if (object.angles_deg != standard.object.angles_deg)
         text += fmt::format("rotate_deg = [{}, {}, {}]\n", number_text(object.angles_deg.x),
                             number_text(object.angles_deg.y), number_text(object.angles_deg.z));
-    if (object.unit != standard.object.unit) text += fmt::format("unit = {}\n", quoted(object.unit));
-    text += fmt::format("algorithm = {}\n", quoted(hand.algorithm));
+    if (object.unit != standard.object.unit) text += fmt::format("unit = {}\n", quoted_text(object.unit));
+    text += fmt::format("algorithm = {}\n", quoted_text(hand.algorithm));
     if (hand.frame) text += fmt::format("frame = {}\n", *hand.frame);
     return text;
 }
@@ -249,9 +242,9 @@ Project load_project(const std::filesystem::path& path) {
 std::string to_toml(const Project& project) {
     const Project standard;
     std::string text = fmt::format("format = \"{}\"\n", format_name);
-    if (project.array) text += fmt::format("array = {}\n", quoted(*project.array));
-    if (project.board) text += fmt::format("board = {}\n", quoted(*project.board));
-    if (!project.path.empty()) text += fmt::format("path = {}\n", quoted(project.path));
+    if (project.array) text += fmt::format("array = {}\n", quoted_text(*project.array));
+    if (project.board) text += fmt::format("board = {}\n", quoted_text(*project.board));
+    if (!project.path.empty()) text += fmt::format("path = {}\n", quoted_text(project.path));
     if (project.points != standard.points) text += fmt::format("points = {}\n", project.points);
     if (project.seed > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()))
         throw bad_argument("seed", fmt::format("{} is more than a project file can hold; take at most {}", project.seed,
@@ -265,12 +258,12 @@ std::string to_toml(const Project& project) {
     if (project.pace.frequency_hz) text += fmt::format("frequency_hz = {}\n", number_text(*project.pace.frequency_hz));
     if (project.jump == Jump::blank) text += "jump = \"blank\"\n";
     if (project.even) text += "even = true\n";
-    if (!project.am.empty()) text += fmt::format("am = {}\n", quoted(project.am));
+    if (!project.am.empty()) text += fmt::format("am = {}\n", quoted_text(project.am));
     if (project.am_law == AmplitudeLaw::radiation) text += "am_law = \"radiation\"\n";
     if (project.amplitude != standard.amplitude)
         text += fmt::format("amplitude = {}\n", number_text(project.amplitude));
     if (project.magnitude) text += fmt::format("magnitude = {}\n", number_text(*project.magnitude));
-    if (!project.quantise.empty()) text += fmt::format("quantise = {}\n", quoted(project.quantise));
+    if (!project.quantise.empty()) text += fmt::format("quantise = {}\n", quoted_text(project.quantise));
     if (project.image) text += fmt::format("image = \"{}\"\n", *project.image == ImageKind::foci ? "foci" : "records");
     if (project.loops != standard.loops) text += fmt::format("loops = {}\n", project.loops);
     if (project.hand) text += to_toml(*project.hand);

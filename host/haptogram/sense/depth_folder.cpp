@@ -12,8 +12,8 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/base/toml_number.hpp"
 #include "haptogram/base/toml_section.hpp"
+#include "haptogram/base/toml_value.hpp"
 #include "haptogram/model/millimetres.hpp"
 #include "haptogram/sense/depth_png.hpp"
 
