@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
 #include <sys/resource.h>
 
 #include <catch2/catch.hpp>
@@ -128,6 +129,8 @@ TEST_CASE("array files: explicit elements, and every mistake named with its line
         {"array = 3\n", "'array' must be a table"},
         {"[array]\nelements_mm = [[0, 0], [1]]\n", ":2: elements_mm must be a list, in channel order, of [x, y]"},
         {"[array]\nelements_mm = []\n", "elements_mm must be a list"},
+        {"[array]\nelements_mm = [[5, 5, 1], [0, 0],\n [1, 0], [5, 5],\n [1, 1], [0, 0, -0.0]]\n",
+         ":4: elements 1 and 5 are at the same place"},
     }));
     CAPTURE(text);
     write_file(file, text);
@@ -136,6 +139,18 @@ TEST_CASE("array files: explicit elements, and every mistake named with its line
         require_channels(read, core_of_array(file.string()));
     };
     REQUIRE_THROWS_WITH(load(), Contains("a.toml") && Contains(message));
+}
+
+TEST_CASE("array files: the largest grid is read at once", "[array]") {
+    Folder folder;
+    const fs::path file = folder.path / "large.toml";
+    write_file(file, "[array]\nrows = 1000\ncolumns = 1000\npitch_mm = 10\n");
+    REQUIRE(load_array(file).elements.size() == 1'000'000);
+    // A list is looked through for elements at the same place, which must not take a comparison of each with each.
+    std::string list = "[array]\nelements_mm = [";
+    for (int i = 0; i < 100'000; ++i) list += fmt::format("[{}, {}],\n", i % 317, i / 317);
+    write_file(file, list + "]\n");
+    REQUIRE(load_array(file).elements.size() == 100'000);
 }
 
 TEST_CASE("array: reach", "[array]") {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
+#include <tuple>
 
 #include "haptogram/base/shipped.hpp"
 #include "haptogram/model/transducer_keys.hpp"
@@ -24,6 +26,21 @@ std::vector<Element> grid(std::uint32_t rows, std::uint32_t columns, double pitc
         for (std::uint32_t q = 0; q < columns; ++q)
             elements.push_back({{(q - (columns - 1) / 2.0) * pitch_m, (r - (rows - 1) / 2.0) * pitch_m, 0.0}});
     return elements;
+}
+
+void refuse_coincident(const std::vector<Element>& elements, const std::string& file, const toml::array& list) {
+    const auto key = [&](std::size_t i) {
+        const Vec3 p = elements[i].position;
+        return std::tuple(p.x, p.y, p.z);
+    };
+    std::vector<std::size_t> order(elements.size());  // by place, so that elements at the same one are neighbours
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, {}, key);
+    const auto twice =
+        std::ranges::adjacent_find(order, [&](std::size_t one, std::size_t next) { return key(one) == key(next); });
+    if (twice == order.end()) return;
+    throw bad_input(place(file, list[twice[1]]),
+                    fmt::format("elements {} and {} are at the same place; each needs its own", twice[0], twice[1]));
 }
 
 /// [x, y], [x, y, z], or [x, y, z, nx, ny, nz], where (nx, ny, nz) is the way the element faces, of any length.
@@ -52,6 +69,7 @@ std::vector<Element> listed_elements(const std::string& file, const toml::node& 
         elements.push_back(
             {from_mm(values[0], values[1], values[2]), row->size() == 6 ? normal * (1.0 / norm(normal)) : normal});
     }
+    refuse_coincident(elements, file, *list);
     return elements;
 }
 
@@ -158,14 +176,6 @@ Array load_array(const std::filesystem::path& path) {
     read_medium(array.medium, array.carrier_hz, file, root);
     read_transducer(array.transducer, file, root);
     read_geometry(array, file, root);
-    for (std::size_t a = 0; a < array.elements.size(); ++a)
-        for (std::size_t b = 0; b < a; ++b)
-            if (array.elements[a].position == array.elements[b].position)
-                throw bad_input(file, fmt::format("elements_mm: elements {} and {} are at the same place, ({}, {}, {}) "
-                                                  "mm; each needs its own",
-                                                  b, a, array.elements[a].position.x / millimetre,
-                                                  array.elements[a].position.y / millimetre,
-                                                  array.elements[a].position.z / millimetre));
     return array;
 }
 
