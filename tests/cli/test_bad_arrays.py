@@ -37,7 +37,7 @@ BAD = {
     "no elements": ("[array]\nelements_mm = []\n", ["toml:2", "elements_mm"]),
     "element with four numbers": ("[array]\nelements_mm = [[0, 0],\n [1, 2, 3, 4]]\n", ["toml:3", "elements_mm", "x, y"]),
     "element not finite": ("[array]\nelements_mm = [[0, 0],\n [nan, 0]]\n", ["toml:3", "elements_mm"]),
-    "two elements in one place": ("[array]\nelements_mm = [[0, 0],\n [10, 0],\n [0, 0]]\n", ["elements_mm"]),
+    "two elements in one place": ("[array]\nelements_mm = [[0, 0],\n [10, 0],\n [0, 0]]\n", ["toml:4", "elements_mm"]),
     "two media": (GRID + "[medium]\nspeed_m_s = 340\ntemperature_c = 20\n", ["speed_m_s", "temperature_c", "not both"]),
     "more elements than channels": (GRID + "[board]\nchannels = 3\n", ["4 elements", "3 channels"]),
     "a clock that cannot make the carrier": (GRID + "carrier_hz = 41234.5\n", ["41234.5", "50000000", "clock"]),

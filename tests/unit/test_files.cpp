@@ -130,7 +130,7 @@ TEST_CASE("array files: explicit elements, and every mistake named with its line
         {"[array]\nelements_mm = [[0, 0], [1]]\n", ":2: elements_mm must be a list, in channel order, of [x, y]"},
         {"[array]\nelements_mm = []\n", "elements_mm must be a list"},
         {"[array]\nelements_mm = [[5, 5, 1], [0, 0],\n [1, 0], [5, 5],\n [1, 1], [0, 0, -0.0]]\n",
-         ":4: elements 1 and 5 are at the same place"},
+         ":4: elements_mm: elements 1 and 5 are at the same place"},
     }));
     CAPTURE(text);
     write_file(file, text);

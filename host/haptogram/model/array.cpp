@@ -39,8 +39,9 @@ void refuse_coincident(const std::vector<Element>& elements, const std::string& 
     const auto twice =
         std::ranges::adjacent_find(order, [&](std::size_t one, std::size_t next) { return key(one) == key(next); });
     if (twice == order.end()) return;
-    throw bad_input(place(file, list[twice[1]]),
-                    fmt::format("elements {} and {} are at the same place; each needs its own", twice[0], twice[1]));
+    throw bad_input(
+        place(file, list[twice[1]]),
+        fmt::format("elements_mm: elements {} and {} are at the same place; each needs its own", twice[0], twice[1]));
 }
 
 /// [x, y], [x, y, z], or [x, y, z, nx, ny, nz], where (nx, ny, nz) is the way the element faces, of any length.
