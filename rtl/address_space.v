@@ -42,6 +42,7 @@ module address_space #(
     wire in_primary  = i_region == `HG_REGION_PRIMARY;
     wire in_sequence = i_region == `HG_REGION_SEQUENCE;
     wire in_samples  = HAS_SAMPLES != 0 && i_region == `HG_REGION_MODULATION;
+    wire unused = &{1'b0, i_write_address, i_read_address};  // in the smallest cores not all bits name a word
     reg  [1:0]  high_half_q;
     reg  [15:0] register_q;
     always @(posedge clk) {high_half_q, register_q} <= {high_half_q[0], i_read_address[0], i_register_word};

@@ -16,6 +16,7 @@ module beside_pins (
     reg        starts_q;  // the last tick was the first of a cycle
     reg [15:0] index_q;   // the record of the last tick
     reg [16:0] beside_0_q, beside_1_q;
+    initial {starts_q, index_q, beside_0_q, beside_1_q} = 51'd0;
     always @(posedge clk) begin
         if (rst) {starts_q, index_q, beside_0_q, beside_1_q} <= 51'd0;
         else begin

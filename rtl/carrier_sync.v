@@ -57,6 +57,7 @@ module carrier_sync #(
     wire [10:0] place = clock_q - FIRST;
     wire        expected = place < 11'd16 && since_q == UNHEARD;
     wire        rises = master ? clock_q == RISE + {10'd0, longer} : slave && level && !level_q && (!o_in_step || expected);
+    initial o_sync = 1'b0;
     always @(posedge clk) begin
         level_q <= level;
         o_sync  <= !rst && master && since_q < {2'd0, i_symbol + 2'd1, 3'd0};

@@ -7,7 +7,8 @@
 // the complement of the upper seven bits above a 1. A tile counts n down as it passes them on, so a tile's number is its place in
 // the chain and nobody has to give it one; the complement is counted up, and shows when one of the two was damaged, which no
 // CRC covers. Both counts go from the lowest bit to the highest, as the bits of a byte come: each bit is passed on in its
-// middle, and with a new edge, so that nothing is stored and a line through many tiles is as good as one of a metre.
+// middle, and with a new edge, so that nothing is stored and a line through many tiles is as good as one of a metre. A byte whose lowest
+// bit is 0 is never counted, so a zero, which ends a frame whatever came before, is passed on as a zero.
 // Until the frame of nothing but "for all" has come (o_chained) the line is this tile's alone, as without a chain, and none of it
 // is passed on; so a host finds the tiles one by one. A break ends this again, and is passed on.
 // STEP is that of uart_rx. The line must have been synchronised.
@@ -51,7 +52,7 @@ module chain_down #(
 
     always @(posedge clk) begin
         if (sample && place_q == FIRST && bits_left == LOWEST) counts_q <= i_line;
-        if (sample) carry_q <= bits_left == LOWEST ? (place_q == FIRST ? i_line : counts_q)
+        if (sample) carry_q <= bits_left == LOWEST ? i_line && (place_q == FIRST || counts_q)
                              : carry_q && (place_q == FIRST ? !i_line : i_line);
         if (rst) begin
             {chained_q, own_q, next_q, mine_q} <= 4'b0110;
@@ -78,5 +79,9 @@ module chain_down #(
             if (i_break) chained_q <= 1'b0;
         end
     end
+
+`ifdef FORMAL
+    `include "formal/chain_down.vh"
+`endif
 endmodule
 `default_nettype wire

@@ -76,7 +76,7 @@ module chain_up #(
     wire      heads = owner_q == OWN && !place_q[1];
     wire      goes  = o_valid && i_ready;
     wire [7:0] counted = place_q == 2'd0 ? next_byte_q + {6'd0, next_byte_q[0], 1'b0}
-                       : place_q == 2'd1 ? next_byte_q - {6'd0, counts_q, 1'b0} : next_byte_q;
+                       : place_q == 2'd1 ? next_byte_q - {6'd0, counts_q && next_byte_q[0], 1'b0} : next_byte_q;
 
     assign o_valid = !i_chained ? i_valid : owner_q == OWN ? heads || i_valid : owner_q == NEXT ? has_next_q : owner_q == CUT;
     assign o_byte  = !i_chained ? i_byte
@@ -85,6 +85,7 @@ module chain_up #(
     assign o_ready = i_ready && (!i_chained || (owner_q == OWN && !heads));
     assign takes_next = goes && i_chained && owner_q == NEXT;
 
+    // A zero ends a frame wherever it stands, so it is not counted.
     always @(posedge clk) begin
         if (goes && place_q == 2'd0) counts_q <= next_byte_q[0];
         quiet_q <= owner_q != NEXT || has_next_q || !i_ready ? QUIET : quiet_q - 1'b1;

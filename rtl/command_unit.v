@@ -38,7 +38,6 @@ module command_unit #(
     output reg         o_execute,           // o_command is applied
     output reg         o_repeated,          // it was applied before
     output reg         o_refused,
-    output wire        o_session,           // since reset a host has said where its numbers begin
     // WRITE: each word for o_address in o_region
     output wire        o_write,
     input  wire        i_hold,              // this word is being read, write it later
@@ -108,7 +107,6 @@ module command_unit #(
     wire takes_rest     = (state_q == TAIL && !hold) || state_q == DRAIN;
 
     assign {o_command, o_argument_2, o_argument_1, o_argument_0} = {command_q, argument_q[2], argument_q[1], argument_q[0]};
-    assign o_session     = session_q;
     assign o_settle      = state_q == SETTLE;
     assign o_tail_words  = {{(16-LENGTH_BITS){1'b0}}, tail_words_q};
     assign o_take        = i_valid && (state_q == LENGTH || state_q == HEADER || (!done && (takes_rest || takes_argument)));

@@ -59,7 +59,6 @@ module frame_player #(
     input  wire                i_at_pass_end,    // with it: when the present pass has ended
     input  wire                i_enable,
     input  wire                i_disable,
-    input  wire                i_expired,
     input  wire                i_together,       // with other boards: cycles have IDLE_CLOCKS clocks, and changes wait for their end
     input  wire                i_hold,           // cycle_controller's
     output wire                o_last,
@@ -206,7 +205,7 @@ module frame_player #(
         .CHANNELS(CHANNELS), .MAX_HIGH_CLOCKS(MAX_HIGH_CLOCKS)
     ) guard (
         .clk(clk), .rst(rst),
-        .i_enable(i_enable), .i_disable(i_disable), .i_expired(i_expired), .i_pins(o_pins),
+        .i_enable(i_enable), .i_disable(i_disable), .i_pins(o_pins),
         .o_allow(allow), .o_enabled(o_enabled), .o_trip(o_guard_trip), .o_alive(o_alive));
 
     beside_pins beside (

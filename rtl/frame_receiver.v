@@ -21,6 +21,7 @@ module frame_receiver #(
     output reg         o_valid,
     output reg  [15:0] o_word,
     input  wire        i_take,
+    output wire        o_right,   // strobe: a frame of right CRC, also when there was no room for it
     output wire        o_good,    // strobe
     output wire        o_damaged  // strobe
 );
@@ -42,9 +43,11 @@ module frame_receiver #(
     wire          is_pair = i_valid && count_q[0] && !full_q;
     wire [BITS:0] used    = place_q - read_q;
     wire          fits    = !used[BITS];
-    wire          whole   = i_intact && !full_q && crc_q == 16'd0 && count_q >= SHORTEST;
+    wire          right   = i_intact && crc_q == 16'd0;
+    wire          whole   = right && !full_q && count_q >= SHORTEST;
     wire          empty   = i_intact && count_q == {(BITS+2){1'b0}};
     wire [BITS+1:0] length = count_q - TWO;
+    assign o_right   = i_end && right;
     assign o_good    = i_end && whole;
     assign o_damaged = i_end && !whole && !empty;
 
@@ -81,11 +84,13 @@ module frame_receiver #(
             count_q <= {(BITS+2){1'b0}};
             full_q  <= 1'b0;
             crc_q   <= 16'hffff;
-        end else if (i_valid && !full_q) begin
-            count_q <= count_q + 1'b1;
-            crc_q   <= crc16(crc_q, i_byte);
-            full_q  <= is_pair && !fits;
-            if (is_pair && fits) place_q <= place_q + ONE;
+        end else if (i_valid) begin
+            crc_q <= crc16(crc_q, i_byte);
+            if (!full_q) count_q <= count_q + 1'b1;
+            if (is_pair) begin
+                if (fits) place_q <= place_q + ONE;
+                else full_q <= 1'b1;
+            end
         end
     end
 

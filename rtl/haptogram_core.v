@@ -71,14 +71,11 @@ module haptogram_core #(
     // be high through one of the guard's windows of MAX_HIGH_CLOCKS / 2 - 1 clocks.
     localparam MAX_PULSE_CLOCKS = (MAX_HIGH_CLOCKS / 2 - 2) / 5;
 
-    generate
-        if (WIDTH_BITS == 0 && (MODULATION_DEPTH != 0 || SLEW != 0 || FOCI != 0)) width_bits_out_of_range error();
-        if (SCHEDULE < 0 || SCHEDULE > 1) schedule_out_of_range error();
-    endgenerate
+    `include "parameter_check.vh"
 
     // ---- The link: frames in, replies out
 
-    wire        frame_valid, frame_take, frame_good, frame_damaged, urgent_disable, urgent_stop, line_broken;
+    wire        frame_valid, frame_take, frame_good, frame_damaged, stale, unplayed, stops, heard, line_broken;
     wire        reply_valid, reply_ready, reply_last;
     wire [15:0] frame_word, reply_word;
 
@@ -89,14 +86,14 @@ module haptogram_core #(
         .i_rx(i_rx), .o_tx(o_tx), .i_next(i_next), .o_next(o_next),
         .o_valid(frame_valid), .o_word(frame_word), .i_take(frame_take),
         .o_good(frame_good), .o_damaged(frame_damaged),
-        .i_done(execute || repeated || refused), .i_session(session), .i_expected(expected),
-        .o_disable(urgent_disable), .o_stop(urgent_stop), .o_break(line_broken),
+        .i_done(execute || repeated || refused), .i_off(stopped || expired || guard_trip || sync_lost),
+        .o_disable(stale), .o_stop(unplayed), .o_stops(stops), .o_heard(heard), .o_break(line_broken),
         .i_reply_valid(reply_valid), .o_reply_ready(reply_ready), .i_reply_word(reply_word), .i_reply_last(reply_last));
 
     // ---- Commands
 
     wire [15:0] top_index;
-    wire        settle, execute, repeated, refused, session, write, hold, push, keep, take_back, answer, answered;
+    wire        settle, execute, repeated, refused, write, hold, push, keep, take_back, answer, answered;
     wire [7:0]  command, verdict, status, sequence_number, expected;
     wire [15:0] argument_0, argument_1, argument_2, tail_words, read_words, live_free, live_level;
     wire [WORD_BITS-1:0] command_address, ring_address, ring_start;
@@ -122,7 +119,7 @@ module haptogram_core #(
         .i_valid(frame_valid), .o_take(frame_take), .i_word(frame_word),
         .o_command(command), .o_argument_0(argument_0), .o_argument_1(argument_1), .o_argument_2(argument_2),
         .o_tail_words(tail_words), .o_settle(settle), .i_status(verdict), .i_top_index(top_index),
-        .o_execute(execute), .o_repeated(repeated), .o_refused(refused), .o_session(session),
+        .o_execute(execute), .o_repeated(repeated), .o_refused(refused),
         .o_write(write), .i_hold(hold), .o_address(command_address), .o_region(region),
         .i_ring_address(ring_address), .i_ring_start(ring_start), .i_ring_wraps(ring_wraps), .i_ring_complete(ring_complete),
         .i_ring_split(ring_split), .o_push(push), .o_keep(keep), .o_take_back(take_back),
@@ -131,21 +128,18 @@ module haptogram_core #(
 
     // An autostart enables the outputs and turns the watchdog off, as if a host had sent ENABLE and WATCHDOG with 0.
     wire autostart;
-    wire does_enable   = autostart || (execute && command == `HG_COMMAND_ENABLE);
-    wire does_disable  = execute && command == `HG_COMMAND_DISABLE;
+    // What was sent before a switch-off (stale) does not enable, and what was sent before a STOP (unplayed) does not play.
+    wire does_enable   = autostart || (execute && command == `HG_COMMAND_ENABLE && !stale);
     wire does_watchdog = autostart || (execute && command == `HG_COMMAND_WATCHDOG);
     wire does_sync     = SYNC != 0 && execute && command == `HG_COMMAND_SYNC;
     wire does_reset    = does_sync || (execute && command == `HG_COMMAND_RESET);
     wire asks          = read_words != 16'd0;  // of a command that is carried out: it only asks
-    // While a STOP waits for its turn, nothing that was sent before it starts to play.
-    reg  urgent_stop_q;
-    always @(posedge clk) urgent_stop_q <= urgent_stop && !rst;
-    wire does_select   = execute && command == `HG_COMMAND_SELECT && !urgent_stop;
-    wire does_start    = execute && command == `HG_COMMAND_START && !urgent_stop;
-    wire does_stop     = (execute && command == `HG_COMMAND_STOP) || (urgent_stop && !urgent_stop_q);
+    wire does_select   = execute && command == `HG_COMMAND_SELECT && !unplayed;
+    wire starts_now    = execute && command == `HG_COMMAND_START;
+    wire does_start    = starts_now && !unplayed;
     wire does_modulate = execute && command == `HG_COMMAND_MODULATE;
-    wire keeps         = keep && !urgent_stop;
-    wire takes_back    = take_back || (keep && urgent_stop);
+    wire keeps         = keep && !unplayed;
+    wire takes_back    = take_back || (keep && unplayed);
     // What RESET resets: all that plays and supervises. The link goes on, and memories are not reset by anything.
     reg  play_rst;
     initial play_rst = 1'b0;
@@ -198,8 +192,8 @@ module haptogram_core #(
 
     index_source #(.SEQUENCE_DEPTH(SEQUENCE_DEPTH)) source (
         .clk(clk), .rst(play_rst),
-        .i_select(does_select), .i_start(starts), .i_stop(does_stop), .i_live(plays_live),
-        .i_follow(follow), .o_followed(followed), .i_host(execute && !asks),
+        .i_select(does_select), .i_start(starts), .i_stop(stops), .i_live(plays_live),
+        .i_follow(follow), .o_followed(followed), .i_host((execute && !asks) || heard || line_broken),
         .i_header(write && region == `HG_REGION_SEQUENCE && command_address == {WORD_BITS{1'b0}}), .i_header_word(frame_word[14:0]),
         .o_header_valid(header_valid),
         .i_argument_0(start_0), .i_argument_1(start_1), .i_argument_2(start_2),
@@ -212,8 +206,8 @@ module haptogram_core #(
         if (SCHEDULE != 0) begin : keeps_time
             schedule times (
                 .clk(clk), .rst(play_rst), .i_count(period), .i_mode(mode),
-                .i_gate(execute && command == `HG_COMMAND_GATE), .i_select(does_select), .i_start(does_start), .i_stop(does_stop),
-                .i_modulate(does_modulate), .i_forget(execute && command == `HG_COMMAND_IDENTIFY),
+                .i_gate(execute && command == `HG_COMMAND_GATE), .i_select(does_select), .i_start(does_start), .i_stop(stops),
+                .i_modulate(does_modulate), .i_forget((execute && command == `HG_COMMAND_IDENTIFY) || ((starts_now || keep) && unplayed)),
                 .i_argument_0(argument_0), .i_argument_1(argument_1), .i_argument_2(argument_2), .o_busy(gate_busy), .o_at_end(at_end),
                 .o_start(starts), .o_follow(follow), .i_followed(followed),
                 .o_argument_0(start_0), .o_argument_1(start_1), .o_argument_2(start_2),
@@ -241,18 +235,18 @@ module haptogram_core #(
     synchronizer #(.RESET_VALUE(1'b1)) stop_switch (.clk(clk), .rst(rst), .i_foreign(i_stop), .o_synchronous(stopped));
 
     wire lingers, last, out_of_step, in_step, numbered, sync_missed, sync_lost;
-    wire disables = does_disable || urgent_disable || line_broken || stopped || out_of_step || rst;
+    wire disables = stale || line_broken || stopped || expired || out_of_step || rst;
     wire [1:0] role;
     wire together = role != `HG_ROLE_ALONE;
     generate
         if (SYNC != 0) begin : with_sync
-            if (SYNC != 1) sync_out_of_range error();
             wire [1:0]  symbol, sent;
             wire [47:0] master_period;
             wire        ends, load, agreed;
             reg         begins_q;
             always @(posedge clk) begins_q <= ends && !play_rst;
             reg  [1:0]  role_q;
+            initial role_q = `HG_ROLE_ALONE;
             assign role = role_q;
             always @(posedge clk) if (rst || does_reset) role_q <= does_sync && !rst ? argument_0[1:0] : `HG_ROLE_ALONE;
             carrier_sync #(.PERIOD_CLOCKS(IDLE_CLOCKS)) steps (
@@ -282,7 +276,7 @@ module haptogram_core #(
                 .clk(clk), .rst(play_rst),
                 .i_preempt(preempt), .i_drop(drop), .i_entry(entry), .o_take(take), .i_index(next_index), .i_dwell(next_dwell),
                 .o_reading(loading), .o_address(load_address), .i_word(primary_word),
-                .i_enable(does_enable), .i_disable(disables), .i_expired(expired),
+                .i_enable(does_enable), .i_disable(disables),
                 .i_together(together), .i_hold(lingers), .o_last(last),
                 .o_pins(o_pins), .o_enabled(o_enabled), .o_alive(o_alive), .o_index(o_index), .o_cycle_start(o_cycle_start),
                 .o_refused(record_refused), .o_underrun(underrun), .o_guard_trip(guard_trip));
@@ -311,7 +305,7 @@ module haptogram_core #(
                 .o_fetching(sampling), .o_foci_count(foci_count), .o_foci_last(foci_last),
                 .i_modulate(does_modulate), .i_divider(argument_0), .i_length(argument_1), .i_form(argument_2),
                 .i_modulates(modulates), .i_at_pass_end(at_pass_end),
-                .i_enable(does_enable), .i_disable(disables), .i_expired(expired),
+                .i_enable(does_enable), .i_disable(disables),
                 .i_together(together), .i_hold(lingers), .o_last(last),
                 .o_pins(o_pins), .o_enabled(o_enabled), .o_alive(o_alive), .o_index(o_index), .o_cycle_start(o_cycle_start),
                 .o_refused(record_refused), .o_underrun(underrun), .o_guard_trip(guard_trip),
@@ -369,9 +363,10 @@ module haptogram_core #(
         .i_late_change(late_change), .i_waiting(waiting), .i_answer(answer), .i_period(period));
 
     reg fault_q;
+    initial fault_q = 1'b0;
     always @(posedge clk) begin
         if (play_rst) fault_q <= 1'b0;
-        else if (guard_trip || (expired && !does_enable) || (sync_lost && o_enabled)) fault_q <= 1'b1;
+        else if (guard_trip || expired || (sync_lost && o_enabled)) fault_q <= 1'b1;
         else if (does_enable) fault_q <= 1'b0;
     end
     assign o_fault   = fault_q;

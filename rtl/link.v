@@ -30,10 +30,11 @@ module link #(
     output wire        o_good,
     output wire        o_damaged,
     input  wire        i_done,       // strobe: the frame has been carried out or refused
-    input  wire        i_session,
-    input  wire [7:0]  i_expected,   // the sequence number that would be applied next
-    output wire        o_disable,    // from the moment a DISABLE has arrived until it is done; o_stop alike
+    input  wire        i_off,        // outputs are switched off
+    output wire        o_disable,    // what waits came before a switch-off; this and the next three are urgent_commands'
     output wire        o_stop,
+    output wire        o_stops,
+    output wire        o_heard,
     output wire        o_break,      // strobe: the line has been low for 20 bits
     input  wire        i_reply_valid,
     output wire        o_reply_ready,
@@ -54,7 +55,7 @@ module link #(
         if (BAUD < CLOCK_HZ / 20000 || CLOCK_HZ / BAUD < 8) baud_out_of_range error();
     endgenerate
 
-    wire       line, own_line, rx_valid, data_valid, data_end, data_intact;
+    wire       line, own_line, rx_valid, data_valid, data_end, data_intact, data_right;
     wire [7:0] rx_byte, data_byte;
     synchronizer #(.RESET_VALUE(1'b1)) rx_synchronizer (.clk(clk), .rst(rst), .i_foreign(i_rx), .o_synchronous(line));
     uart_rx #(.STEP(STEP_64[19:0])) receiver (
@@ -67,11 +68,12 @@ module link #(
         .o_valid(data_valid), .o_byte(data_byte), .o_end(data_end), .o_intact(data_intact));
     frame_receiver #(.WORDS(1 << RING_BITS)) frames (
         .clk(clk), .rst(rst), .i_valid(data_valid), .i_byte(data_byte), .i_end(data_end), .i_intact(data_intact),
-        .o_valid(o_valid), .o_word(o_word), .i_take(i_take), .o_good(o_good), .o_damaged(o_damaged));
+        .o_valid(o_valid), .o_word(o_word), .i_take(i_take), .o_right(data_right), .o_good(o_good), .o_damaged(o_damaged));
     // A frame takes two words of the ring or more.
     urgent_commands #(.FRAMES(1 << (RING_BITS - 1))) urgency (
-        .clk(clk), .rst(rst), .i_valid(data_valid), .i_byte(data_byte), .i_end(data_end), .i_good(o_good),
-        .i_done(i_done), .i_session(i_session), .i_expected(i_expected), .o_disable(o_disable), .o_stop(o_stop));
+        .clk(clk), .rst(rst), .i_arrives(rx_valid), .i_valid(data_valid), .i_byte(data_byte), .i_end(data_end),
+        .i_right(data_right), .i_good(o_good), .i_done(i_done), .i_off(i_off || o_break),
+        .o_disable(o_disable), .o_stop(o_stop), .o_stops(o_stops), .o_heard(o_heard));
     line_break #(.BIT_CLOCKS(CLOCK_HZ / BAUD)) silence (.clk(clk), .rst(rst), .i_line(line), .o_break(o_break));
 
     wire       plain_valid, plain_ready, plain_last, own_valid, own_ready, tx_valid, tx_ready;
@@ -87,7 +89,6 @@ module link #(
 
     generate
         if (CHAIN != 0) begin : in_chain
-            if (CHAIN != 1) chain_out_of_range error();
             wire chained, next_line;
             chain_down #(.STEP(STEP_64[19:0])) down (
                 .clk(clk), .rst(rst), .i_line(line), .i_break(o_break), .o_line(own_line), .o_next(o_next), .o_chained(chained));

@@ -2,7 +2,7 @@
 //
 // Decides whether any pin may be high at all. It is the last word on safety, so it trusts nothing that can be loaded.
 //
-// The pins are low from power-up until the host enables them; low again from the clock after disable, watchdog expiry or reset;
+// The pins are low from power-up until the host enables them; low again from the clock after disable or reset;
 // and no pin is high for more than MAX_HIGH_CLOCKS at a time, whatever is in memory. o_allow, when low, clears the last
 // registers before the pins one clock later.
 // How the bound works: time is cut into windows of MAX_HIGH_CLOCKS / 2 − 1 clocks. A channel that was high through a whole
@@ -21,7 +21,6 @@ module output_guard #(
     input  wire                rst,
     input  wire                i_enable,   // strobe
     input  wire                i_disable,  // wins over i_enable
-    input  wire                i_expired,  // strobe from the watchdog; outputs go off, but an i_enable in this clock counts
     input  wire [CHANNELS-1:0] i_pins,
     output wire                o_allow,
     output reg                 o_enabled,
@@ -39,8 +38,9 @@ module output_guard #(
     reg [WINDOW_BITS-1:0] window_q;
     reg [CHANNELS-1:0]    stayed_high_q;  // channels that have been high since the window began
     wire                  window_ends = window_q == WINDOW_LAST;
-    wire                  off = rst || i_disable || i_expired || o_trip;
+    wire                  off = rst || i_disable || o_trip;
 
+    initial {o_alive, window_q} = {(WINDOW_BITS+1){1'b0}};
     always @(posedge clk) begin
         o_alive <= !rst && (o_alive ^ window_ends);
         if (rst || window_ends) window_q <= {WINDOW_BITS{1'b0}};
@@ -58,9 +58,8 @@ module output_guard #(
 
     initial o_enabled = 1'b0;
     always @(posedge clk) begin
-        if (rst || i_disable || o_trip) o_enabled <= 1'b0;
+        if (off) o_enabled <= 1'b0;
         else if (i_enable) o_enabled <= 1'b1;
-        else if (i_expired) o_enabled <= 1'b0;
     end
     assign o_allow = o_enabled && !off;
 

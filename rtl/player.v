@@ -40,7 +40,6 @@ module player #(
     input  wire [15:0]         i_word,
     input  wire                i_enable,
     input  wire                i_disable,
-    input  wire                i_expired,
     input  wire                i_together,       // with other boards: cycles have IDLE_CLOCKS clocks, and changes wait for their end
     input  wire                i_hold,           // cycle_controller's
     output wire                o_last,
@@ -102,7 +101,7 @@ module player #(
         .CHANNELS(CHANNELS), .MAX_HIGH_CLOCKS(MAX_HIGH_CLOCKS)
     ) guard (
         .clk(clk), .rst(rst),
-        .i_enable(i_enable), .i_disable(i_disable), .i_expired(i_expired), .i_pins(o_pins),
+        .i_enable(i_enable), .i_disable(i_disable), .i_pins(o_pins),
         .o_allow(allow), .o_enabled(o_enabled), .o_trip(o_guard_trip), .o_alive(o_alive));
 
     beside_pins beside (

@@ -7,6 +7,7 @@
 // period that was named, or, when its first record cannot be loaded in the time of one period, in a later one, never before. When
 // that moment had passed as the command came, it acts at once, and o_late strobes. There is one period at a time that things can wait
 // for: o_busy says that the arguments name another one.
+// Of a START and a PUSH that wait for the same period the later one stays, as without a gate.
 // Indices that are pushed behind a gate go into the live FIFO at once, and o_closed keeps the FIFO from giving them out. A START that
 // acts by itself empties the FIFO; if that happens while a PUSH is writing there, what is left of that PUSH is taken back, too.
 `default_nettype none
@@ -22,7 +23,7 @@ module schedule (
     input  wire        i_start,
     input  wire        i_stop,
     input  wire        i_modulate,
-    input  wire        i_forget,      // a new session: no gate for its first command
+    input  wire        i_forget,      // the gate's command is not carried out, or a new session has begun
     input  wire [15:0] i_argument_0,
     input  wire [15:0] i_argument_1,
     input  wire [15:0] i_argument_2,
@@ -63,6 +64,7 @@ module schedule (
     reg         start_q, follow_q, live_q, modulate_q;  // what waits; follow_q alone is not for the period
     wire [47:0] named      = {i_argument_2, i_argument_1, i_argument_0};
     wire        for_period = armed_q && !at_end_q;
+    wire        gated      = for_period && !reached_q;
     wire        uses_gate  = i_start || i_keep || i_modulate;
     assign o_busy    = differs_q && (start_q || live_q || modulate_q);
     assign o_at_end  = armed_q && at_end_q;
@@ -91,7 +93,7 @@ module schedule (
         if (rst || i_select || i_stop || (o_live && i_mode != `HG_MODE_LIVE)) {start_q, follow_q} <= 2'b00;
         else if (i_start) {start_q, follow_q} <= {for_period && !reached_q, armed_q && at_end_q};
         else begin
-            if (fires) start_q <= 1'b0;
+            if (fires || (o_keep && gated)) start_q <= 1'b0;  // indices that were sent later play in its place
             if (i_followed) follow_q <= 1'b0;
         end
     end
@@ -100,7 +102,6 @@ module schedule (
 
     reg  pushing_q;  // provisional indices are in the FIFO
     reg  cut_q;      // some of them are gone
-    wire gated = for_period && !reached_q;
     assign o_keep      = i_keep && !cut_q;
     assign o_take_back = i_take_back || (i_keep && cut_q);
     assign o_mark      = o_keep && gated && !live_q;

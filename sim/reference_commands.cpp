@@ -35,15 +35,27 @@ std::optional<ReferenceCore::Shape> ReferenceCore::shape_of(Command command) {
 }
 
 void ReferenceCore::byte_arrives(Clock clock, std::uint8_t byte) {
-    switch (input_.byte(clock, byte, words_taken(clock), session_, expected_)) {
-        case FrameInput::Outcome::nothing: return;
-        case FrameInput::Outcome::damaged: ++count_.damaged; return;
-        case FrameInput::Outcome::good: ++count_.good; break;
+    const FrameInput::Outcome outcome = input_.byte(clock, byte, words_taken(clock));
+    if (outcome == FrameInput::Outcome::damaged) ++count_.damaged;
+    if (outcome == FrameInput::Outcome::good) ++count_.good;
+    const bool disables = input_.urgent(Command::disable), stops = input_.urgent(Command::stop);
+    if (disables || stops) source_.host_takes_over();
+    if (disables || (old_ && outcome == FrameInput::Outcome::good)) {
+        stale_.begin(clock, input_.frames);
+        guard_.wake_at(clock + 1);
     }
-    const std::uint64_t frame = input_.frames.back().number;
-    if (input_.urgent(Command::disable) && urgent_disable_.arrives(clock, frame)) guard_.wake_at(clock + 1);
-    if (input_.urgent(Command::stop) && urgent_stop_.arrives(clock, frame)) urgent_stop_at_ = clock + 1;
-    if (step_ == Step::waiting) await_frame(free_from_);
+    old_ = old_ && input_.arriving();
+    if (stops) {
+        unplayed_.begin(clock, input_.frames);
+        stops_at_ = clock + 1;
+    }
+    if (outcome == FrameInput::Outcome::good && step_ == Step::waiting) await_frame(free_from_);
+}
+
+/// By anything but a DISABLE: what was sent before does not switch on again.
+void ReferenceCore::switched_off(Clock clock) {
+    stale_.begin(clock, input_.frames);
+    old_ = old_ || input_.arriving();
 }
 
 std::uint64_t ReferenceCore::words_taken(Clock clock) const {
@@ -268,7 +280,8 @@ void ReferenceCore::close(Clock clock) {
         expected_ = static_cast<std::uint8_t>(number_ + 1);
         if (command_ == Command::push_foci) ring_.keep();
         const bool pushes = command_ == Command::push || command_ == Command::push_foci;
-        if (pushes && !urgent_stop_.active(clock)) keep_pushed(clock);
+        if (pushes && unplayed_.active(clock)) schedule_.forget();
+        if (pushes && !unplayed_.active(clock)) keep_pushed(clock);
     }
     taken_before_ += input_.frames.front().words();
     first_words_ = second_words_ = 0;
@@ -282,7 +295,10 @@ void ReferenceCore::keep_pushed(Clock clock) {
     if (cut_) return;
     const bool behind = schedule_.push_is_waiting();
     const bool opens = behind && schedule_.opens(clock);
-    if (use.turn == Schedule::Turn::waits) schedule_.push_waits();
+    if (use.turn == Schedule::Turn::waits) {
+        schedule_.push_waits();
+        static_cast<void>(schedule_.take_start());  // the later one stays
+    }
     std::vector<EntrySource::Entry> entries;
     const auto dwell = static_cast<std::uint16_t>(argument(0));
     for (const std::uint16_t index : command_ == Command::push_foci ? std::span<const std::uint16_t>(foci_pushed_)
@@ -353,8 +369,8 @@ void ReferenceCore::execute(Clock clock) {
     else
         ++(status_ == Status::repeated ? count_.repeated : count_.refused);
     const std::uint64_t frame = input_.frames.front().number;
-    urgent_disable_.done(clock, frame);
-    urgent_stop_.done(clock, frame);
+    stale_.done(clock, frame);
+    if (unplayed_.done(clock, frame)) stops_at_ = clock + 1;
     input_.frames.pop_front();
     step_ = Step::answered;
     step_at_ = never;
@@ -364,13 +380,11 @@ void ReferenceCore::execute(Clock clock) {
 void ReferenceCore::apply(Clock clock) {
     if (command_ != Command::identify) guard_.kick(clock);
     if (shape_.carries == Carries::nothing) source_.host_takes_over();
-    const bool may_play = !urgent_stop_.active(clock);  // otherwise a STOP that was sent later has acted already
+    const bool may_play = !unplayed_.active(clock);  // otherwise a STOP that was sent later has acted already
     const auto word = [this](std::size_t i) { return static_cast<std::uint16_t>(argument(i)); };
     switch (command_) {
-        case Command::enable: enable_ = true; break;
-        case Command::disable: disable_ = true; break;
+        case Command::enable: enable_ = !stale_.active(clock); break;
         case Command::watchdog: guard_.set_watchdog(clock, word(0)); break;
-        case Command::stop: stop(clock); break;
         case Command::identify: schedule_.forget(); break;
         case Command::gate: schedule_.gate(argument_period()); break;
         case Command::modulate: modulate(clock); break;
@@ -381,7 +395,10 @@ void ReferenceCore::apply(Clock clock) {
             source_.select(clock, {word(0), word(1)});
             break;
         case Command::start:
-            if (may_play) start(clock, {word(0), word(1), word(2)});
+            if (may_play)
+                start(clock, {word(0), word(1), word(2)});
+            else
+                schedule_.forget();
             break;
         case Command::sync: next_role_ = static_cast<interface::Role>(argument(0)); [[fallthrough]];
         case Command::reset: reset_at_ = reset_last_ = clock + 1; break;

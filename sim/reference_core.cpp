@@ -40,7 +40,7 @@ ReferenceCore::ReferenceCore(const interface::CoreConfiguration& asked, unsigned
 
 Clock ReferenceCore::next() const {
     return std::min({step_at_, reply_at_, line_in.next(), line_out_.next(), source_.next(), schedule_.next(),
-                     player_->next(guard_.allows() || sync_.together()), sync_.next(), guard_.next(), urgent_stop_at_,
+                     player_->next(guard_.allows() || sync_.together()), sync_.next(), guard_.next(), stops_at_,
                      reset_at_, judge_at_, stop_changes_.empty() ? never : stop_changes_.front().clock});
 }
 
@@ -71,10 +71,11 @@ void ReferenceCore::edge(Clock clock) {
         const LineIn::Event event = line_in.at(clock);
         if (event.byte) byte_arrives(clock, *event.byte);
         disable_ = event.broken;
+        if (event.broken) source_.host_takes_over();
         if (event.chained) line_out_.chain(clock, *event.chained);
     }
-    if (clock == urgent_stop_at_) {
-        urgent_stop_at_ = never;
+    if (clock == stops_at_) {
+        stops_at_ = never;
         stop(clock);
     }
     if (clock == step_at_) go_on(clock);
@@ -102,7 +103,8 @@ void ReferenceCore::play(Clock clock) {
     const CarrierSync::Step step = sync_.step(clock, player_->cycle().last(clock), schedule_.period(clock));
     if (sync_.out_of_step() != out_of_step) guard_.wake_at(clock + 1);
     const Guard::Verdict verdict =
-        guard_.at(clock, enable_, disable_ || stopped_ || urgent_disable_.active(clock) || out_of_step, step.lost);
+        guard_.at(clock, enable_, disable_ || stopped_ || stale_.active(clock) || out_of_step, step.lost);
+    if (disable_ || stopped_ || verdict.expired || verdict.tripped || step.lost) switched_off(clock);
     count_.missed = static_cast<std::uint16_t>(count_.missed + step.missed);
     count_.lost = static_cast<std::uint16_t>(count_.lost + step.lost);
     count_.watchdog = static_cast<std::uint16_t>(count_.watchdog + verdict.expired);
@@ -180,11 +182,12 @@ void ReferenceCore::reset(unsigned clocks) {
     if (now > began_) play(now);
     step_ = Step::waiting;
     reply_ = Reply::idle;
-    step_at_ = reply_at_ = urgent_stop_at_ = never;
+    step_at_ = reply_at_ = stops_at_ = never;
     free_from_ = last + 1;
     taken_before_ = first_words_ = second_words_ = 0;
     session_ = false;
-    urgent_disable_ = urgent_stop_ = {};
+    stale_ = unplayed_ = {};
+    old_ = false;
     input_.reset();
     line_in.reset(last);
     if (line_in.next() <= now) static_cast<void>(line_in.at(now));  // the host goes on sending

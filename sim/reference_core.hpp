@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -71,25 +72,30 @@ private:
     };
     [[nodiscard]] static std::optional<Shape> shape_of(Command command);
 
-    /// A DISABLE or STOP that has arrived and acts before its turn, until it has been carried out or refused.
-    class Urgent {
+    /// The frames that were sent before outputs were switched off, or before a STOP. They count as answered, not as
+    /// done.
+    class Stale {
     public:
-        [[nodiscard]] bool active(Clock clock) const { return from_ <= clock && clock <= to_; }
-        /// @return whether it was not active before
-        bool arrives(Clock clock, std::uint64_t frame) {
-            frame_ = frame;
-            if (from_ <= clock && to_ == never) return false;
-            from_ = clock + 1;
-            to_ = never;
-            return true;
+        [[nodiscard]] bool active(Clock clock) const { return from_ <= clock && (waits_ || clock <= to_); }
+        /// @param frames  that wait; all of them are stale
+        void begin(Clock clock, const std::deque<Frame>& frames) {
+            if (!active(clock)) from_ = clock + 1;
+            to_ = clock + 1;
+            waits_ = !frames.empty();
+            if (waits_) last_ = frames.back().number;
         }
-        void done(Clock clock, std::uint64_t frame) {
-            if (frame == frame_ && to_ == never) to_ = clock;
+        /// @return whether it was the last of them
+        bool done(Clock clock, std::uint64_t frame) {
+            if (!waits_ || frame != last_) return false;
+            waits_ = false;
+            to_ = std::max(to_, clock);
+            return true;
         }
 
     private:
-        Clock from_ = never, to_ = never;
-        std::uint64_t frame_ = 0;
+        Clock from_ = never, to_ = 0;
+        bool waits_ = false;
+        std::uint64_t last_ = 0;
     };
 
     static constexpr std::uint32_t primary_region = region_of(interface::primary_base);
@@ -107,6 +113,7 @@ private:
     void reset_play(Clock last);
     [[nodiscard]] Clock next_judgement(Clock from) const;
     void byte_arrives(Clock clock, std::uint8_t byte);
+    void switched_off(Clock clock);
     [[nodiscard]] std::uint64_t words_taken(Clock clock) const;
 
     // A frame from its first word to its answer.
@@ -198,8 +205,9 @@ private:
     std::uint32_t region_ = 0, address_ = 0;  // of a 16-bit word
     bool cut_ = false;                        // what the present PUSH has written so far is gone
     std::uint64_t told_period_ = 0;           // by the present reply
-    Urgent urgent_disable_, urgent_stop_;
-    Clock urgent_stop_at_ = never;           // the clock in which it begins to act
+    Stale stale_, unplayed_;
+    bool old_ = false;                       // outputs were switched off since the frame began that is arriving
+    Clock stops_at_ = never;                 // the clock in which a STOP acts
     bool enable_ = false, disable_ = false;  // what happens in the present clock
 
     // Replies.

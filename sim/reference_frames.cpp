@@ -27,7 +27,7 @@ FrameInput::FrameInput(const interface::CoreParameters& p)
 
 void FrameInput::clear() {
     bytes_.clear();
-    full_ = false;
+    full_ = arriving_ = false;
     count_ = 0;
     left_ = 0;
     zero_ = false;
@@ -40,15 +40,15 @@ void FrameInput::reset() {
     number_ = 0;
 }
 
-FrameInput::Outcome FrameInput::byte(Clock clock, std::uint8_t byte, std::uint64_t taken, bool session,
-                                     std::uint8_t expected) {
+FrameInput::Outcome FrameInput::byte(Clock clock, std::uint8_t byte, std::uint64_t taken) {
+    last_command_.reset();
     if (byte != 0) {
+        arriving_ = true;
         const bool is_code = left_ == 0;
         const bool yields = !is_code || zero_;
         if (yields) {
             const std::uint8_t value = is_code ? 0 : byte;
-            if (count_ == 0) fresh_ = !session || static_cast<std::uint8_t>(value - expected) < 0x80;
-            if (count_ == 1) last_command_ = value;
+            if (count_ < first_.size()) first_[count_] = value;
             ++count_;
             data(value, taken);
         }
@@ -59,8 +59,7 @@ FrameInput::Outcome FrameInput::byte(Clock clock, std::uint8_t byte, std::uint64
     const bool intact = left_ == 0;
     const bool whole = intact && !full_ && bytes_.size() >= shortest && link::crc16(bytes_) == 0;
     const bool empty = intact && count_ == 0;
-    last_count_ = count_;
-    last_fresh_ = fresh_;
+    if (intact && count_ == plain_command && link::crc16(first_) == 0) last_command_ = first_[1];
     if (whole) {
         bytes_.resize(bytes_.size() - crc_bytes);
         frames.push_back({bytes_, clock + 2, ++number_});
@@ -78,7 +77,7 @@ void FrameInput::data(std::uint8_t byte, std::uint64_t taken) {
 }
 
 bool FrameInput::urgent(interface::Command command) const {
-    return last_count_ == plain_command && last_fresh_ && last_command_ == static_cast<std::uint8_t>(command);
+    return last_command_ == static_cast<std::uint8_t>(command);
 }
 
 }  // namespace haptogram::sim

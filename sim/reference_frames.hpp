@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <array>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <vector>
 
 #include "clock.hpp"
@@ -29,11 +31,12 @@ public:
 
     enum class Outcome { nothing, good, damaged };
     /// @param taken       words of frames that have been taken out of the memory before this clock, since reset
-    /// @param session, expected  as they are before this clock
-    Outcome byte(Clock clock, std::uint8_t byte, std::uint64_t taken, bool session, std::uint8_t expected);
-    /// Whether the last good frame is a DISABLE or a STOP that acts before its turn: it had not been applied when it
-    /// began.
+    Outcome byte(Clock clock, std::uint8_t byte, std::uint64_t taken);
+    /// Whether the frame that has just ended has a right CRC and is this command, which acts before its turn, also when
+    /// there was no room for it.
     [[nodiscard]] bool urgent(interface::Command command) const;
+    /// Whether bytes of a frame have come whose end has not.
+    [[nodiscard]] bool arriving() const { return arriving_; }
     void reset();
 
     std::deque<Frame> frames;
@@ -47,13 +50,12 @@ private:
     std::uint64_t number_ = 0;
     std::vector<std::uint8_t> bytes_;
     bool full_ = false;  // no room for what came
-    bool fresh_ = false;
+    bool arriving_ = false;
     std::size_t count_ = 0;  // bytes, those without room, too
-    std::uint8_t left_ = 0;  // of a COBS group
-    bool zero_ = false;      // follows the group
-    std::size_t last_count_ = 0;
-    std::uint8_t last_command_ = 0;
-    bool last_fresh_ = false;
+    std::array<std::uint8_t, 4> first_{};
+    std::uint8_t left_ = 0;                     // of a COBS group
+    bool zero_ = false;                         // follows the group
+    std::optional<std::uint8_t> last_command_;  // of the frame that ended last, if it has nothing but a command
 };
 
 }  // namespace haptogram::sim

@@ -48,9 +48,9 @@ public:
 
         const bool allow = enabled_ && !disable && !expired && !tripped;
         const bool off = !allow || !allowed_;  // a clock more, so that the first pulse is whole
-        const bool enabled = !disable && !tripped && (enable || (enabled_ && !expired));
+        const bool enabled = !disable && !tripped && !expired && (enable || enabled_);
         if (allow != allow_ || off != off_ || enabled != enabled_) wakes_at_ = clock + 1;
-        if (tripped || (expired && !enable) || (lost && enabled_))
+        if (tripped || expired || (lost && enabled_))
             fault_ = true;
         else if (enable)
             fault_ = false;

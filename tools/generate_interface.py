@@ -109,6 +109,24 @@ def verilog(table):
     return "\n".join(out) + "\n"
 
 
+def verilog_parameters(table):
+    """A value out of range does not elaborate, because a module of that name does not exist; the tool says its name."""
+    out = [f"// {NOTE}", "// SPDX-License-Identifier: Apache-2.0"]
+    for p in table["parameter"]:
+        name = p["name"]
+        wrong = [f"{name} < {p['low']}", f"{name} > {p['high']}"]
+        wrong += [f"{name} {sign} {p[key]}" for key, sign in (("at_least", "<"), ("at_most", ">")) if key in p]
+        wrong += [f"({name} & ({name} - 1)) != 0"] if p.get("power_of_two") else []
+        wrong += [f"{p['needs']} == 0"] if "needs" in p else []
+        wrong = " || ".join(wrong)
+        if p.get("optional"):
+            wrong = f"{name} != 0 && ({wrong})"
+        elif "needs" in p:
+            wrong = wrong.replace(f" || {p['needs']} == 0", f" || ({name} != 0 && {p['needs']} == 0)")
+        out.append(f"generate if ({wrong}) {name.lower()}_out_of_range error(); endgenerate")
+    return "\n".join(out) + "\n"
+
+
 def verilog_commands(table):
     """A module rather than a define, since Verilog-2005 has no table to look a command up in."""
     rows = []
@@ -391,6 +409,15 @@ def page(table):
             "memory; when bits 7…6 of one of its foci are not 0; or when `foci_cycle` is no cycle of amplitudes: it must have 2 · (CHANNELS + 44) to",
             "2 · min(2^WIDTH_BITS − 1, longest pulse) clocks, and on a master or a slave exactly those of 40 kHz. Positions are no reason: a channel",
             "whose x, y or z differs from a focus's by 1.024 m or more leaves that focus out, and the record counts in `far_foci`."]
+    out += ["", "What the board makes of foci. R is the distance of a channel from a focus in 1/128 mm. All phases are parts of a turn, that is, of the",
+            "carrier period, and say where in it the middle of a pulse lies: a larger one is later.", "",
+            "    phase of one focus = offset − R · wave_number / 2^27      (the channel's offset; a nearer channel plays later)",
+            "    sum                = Σ amplitude / 255 · e^(2πj · phase)    over the record's foci",
+            "    phase              = the sum's angle",
+            "    amplitude          = |sum| · gain / 39953, and 1 where that is more; 1 with foci_whole, but 0 where the sum is 0", "",
+            "So wave_number is 2^27 / (128 · the wavelength in mm), 122,212 for 8.58 mm; and gain is 39953 / n, rounded, for full amplitude where n whole",
+            "foci meet in phase. A lone focus's phase is right to 0.0001 of a turn, a sum's to 0.0006 where it is at least a quarter of full; amplitudes",
+            "are right to 0.1 % and 0.5 % of full. The pulse made of them is centred on its phase, with a width of cycle · asin(amplitude) / π."]
     out += ["", "## Sequence", "", "The header, word 0 of sequence memory:", ""] + parts["sequence_header"]
     out += ["", "An entry, words 1… of it:", ""] + parts["sequence_entry"] + [""]
     for block in table["block"]:
@@ -401,6 +428,15 @@ def page(table):
         if block["region"] == "identity":
             out += ["Bits of features:", "", "| bit | feature | what |", "|---|---|---|"]
             out += [f"| {row['bit']} | {row['name']} | {row['about']} |" for row in table["feature"]] + [""]
+        if block["region"] == "parameters":
+            out += ["All may be written while the board plays, and count from the next carrier period, or record of foci, whose words are begun. The slew",
+                    "limiter starts from what the pins do: after a reset, while outputs were off, and after records of timings, which it does not limit, that is",
+                    "amplitude 0, so the phase is at its target at once and the amplitude rises from 0. A phase goes the shorter way round; from exactly half a",
+                    "turn away, backwards.", ""]
+        if block["region"] == "ring":
+            out += ["The ring must lie on a whole record of `foci_last` + 1 foci: the one of index `first`, so `base` is `foci_base` + (`first` − RECORDS − 1) ·",
+                    "(`foci_last` + 1). `count` such records follow each other there and must end within primary memory and at index RECORDS + `foci_count` at the",
+                    "latest. A PUSH_FOCI carries whole records, `foci_last` + 1 foci each; their indices follow each other and begin again behind the last one.", ""]
         if block["region"] == "description":
             out += ["A bitstream holds records and a sequence. An image that also has parameters, geometry or modulation is therefore refused for one:",
                     "upload it after the board has started, or compile its foci to records.", ""]
@@ -418,7 +454,17 @@ def page(table):
         out.append(f"| {c['name']} | 0x{c['code']:02X} | {', '.join(c['args']) or '–'} | {'yes' if c.get('tail') else '–'} | {c.get('reply', '–')} | {c['about']} |")
     out += ["", "| status | code | what |", "|---|---|---|"]
     out += [f"| {s['name']} | 0x{s['code']:02X} | {s['about']} |" for s in table["status"]]
-    out += ["", "## A line that loses bytes", "", "The board answers each good frame and drops every damaged one without a word. The host sends again what is not",
+    out += ["", "## Switching off", "",
+            "DISABLE, a break (the line low for 20 bits or longer), the stop input, the watchdog, the guard, loss of SYNC, RESET and a reset of the FPGA switch",
+            "outputs off. **Whatever was sent before that switches nothing on afterwards**: frames that wait for their turn, and one that is arriving, are",
+            "answered as usual, and all but ENABLE is done, but an ENABLE among them is answered ok and does nothing. An ENABLE that is sent afterwards holds.",
+            "In the same way what was sent before a STOP plays nothing: a SELECT, START or PUSH among it is answered and not done.", "",
+            "DISABLE and STOP act within 20 clocks of the last bit of their frame, if its CRC is right: before the frames ahead of them are answered, whatever",
+            "their sequence number, before a session and in anybody's, and where there is no room for them. The number decides only what the answer says, so",
+            "any answer to one shows that it has acted. A copy of one that comes late acts again. That errs on the safe side, but it ends what was",
+            "begun since; so **a host sends nothing behind a DISABLE or STOP until that is answered**, and then no copy of it is under way.", "",
+            "So a host that wants silence, whatever came before, sends a zero byte, DISABLE and STOP with any numbers, and, if no answer comes, a break.", "",
+            "## A line that loses bytes", "", "The board answers each good frame and drops every damaged one without a word. The host sends again what is not",
             "answered, from the first missing frame on; the board applies each sequence number once. This project's hosts all do so:", ""]
     out += ["| number | value | what |", "|---|---|---|"]
     out += [f"| {row['name']} | {row['value']} | {row['about']} |" for row in table["link"]]
@@ -426,9 +472,11 @@ def page(table):
     out += ["", "## A chain of tiles", "",
             "Boards with chain pass the line on: from each board's second serial port a wire leads to the next one's first, and one back. Then two bytes",
             f"stand before each frame, outside of its COBS: 2 · n + 1 for the n-th tile, counted from 1 to {chain['most_tiles']}, or {chain['all']} for all; and behind it the",
-            "complement of that byte's upper seven bits, above a 1. A tile counts the number down as it passes the frame on, and takes for its own what comes",
-            "with a 1. An answer comes with the number of the tile that it is from, written alike; each tile on its way has counted it up. All answer what is for all.",
-            "Two bytes that do not fit each other are for nobody.", "",
+            "complement of that byte's upper seven bits, above a 1: 3, 253 for the first tile, 5, 251 for the second, 2, 253 for all. A tile counts the number",
+            "down as it passes the frame on, and takes for its own what comes with 3, 253. An answer comes with the number of the tile that it is from, written",
+            "alike; each tile on its way has counted it up. Two bytes that do not fit each other are for nobody. A zero is passed on as a zero, whatever came",
+            "before. Each tile has a session of its own, with numbers of its own. All tiles carry out and answer what is for all; each judges its number by its",
+            "own session, so a host that wants more of all than DISABLE, STOP and IDENTIFY begins their sessions anew by an IDENTIFY for all.", "",
             f"After power-up a board knows nothing of this: it takes and answers frames as above and passes none on. The three bytes {chain['all']}, 253, 0 make it one of a",
             "chain, and from then on go to the next tile. So a host sends them, asks the first tile, sends them again, asks the second, until none answers; to a board",
             "without chain they are a damaged frame. A break of the line, which must be half a bit longer for each tile, ends the chain and turns all outputs off.", ""]
@@ -437,6 +485,7 @@ def page(table):
         bounds = [f"{p['low']}…{p['high']}"] + [f"{sign} {p[key]}" for key, sign in (("at_least", "≥"), ("at_most", "≤")) if key in p]
         bounds += ["a power of two"] if p.get("power_of_two") else []
         bounds += ["or 0"] if p.get("optional") else []
+        bounds += [f"0 without {p['needs']}"] if "needs" in p else []
         out.append(f"| {p['name']} | {', '.join(bounds)} | {p['unit']} | {p['default']} | {p['about']} | {p['why']} |")
     names = [p["name"] for p in table["parameter"]]
     out += ["", "## Named configurations", "", f"| configuration | {' | '.join(names)} | what |", "|---" * (len(names) + 2) + "|"]
@@ -457,6 +506,7 @@ def cmake(table):
 
 FILES = {
     "rtl/interface.vh": verilog,
+    "rtl/parameter_check.vh": verilog_parameters,
     "rtl/command_table.v": verilog_commands,
     "host/haptogram/boards/interface.hpp": cpp,
     "tools/python/haptogram/interface.py": python,

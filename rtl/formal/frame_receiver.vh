@@ -29,7 +29,11 @@ always @(posedge clk) begin
     if (o_good) {f_kept_place_q, f_kept_q} <= {f_place, f_number == 0 ? f_bytes_q - 16'd2 : f_pair_q};
     if (f_reset_seen_q) begin
         assert (f_readable <= WORDS[BITS:0] && used <= WORDS[BITS:0] + ONE && place_q - start_q <= used);
-        assert (full_q || (f_crc_q == crc_q && f_bytes_q == f_count && place_q == start_q + ONE + f_pairs[BITS:0]));
+        assert (f_bytes_q == 16'hffff || f_crc_q == crc_q);
+        assert (full_q || (f_bytes_q == f_count && place_q == start_q + ONE + f_pairs[BITS:0]));
+        // A right CRC is seen also where there is no room.
+        if (f_bytes_q != 16'hffff) assert (o_right == (i_end && i_intact && f_crc_q == 16'd0));
+        cover (o_right && !o_good && f_bytes_q == 16'd4);
         assert (f_bytes_q >= f_count && (f_bytes_q == 16'd0 || f_pairs <= {{(15-BITS){1'b0}}, used} || full_q));
         assert ((used <= WORDS[BITS:0] || place_q == start_q + ONE) && (!full_q || f_count != 16'd0));
         // A frame is kept whole, or not at all.

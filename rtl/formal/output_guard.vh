@@ -6,12 +6,12 @@ reg f_past_valid_q, f_reset_seen_q, f_wanted_q, f_any_q, f_off_q;
 initial {f_past_valid_q, f_reset_seen_q, f_wanted_q} = 3'b000;
 always @(posedge clk) begin
     f_past_valid_q <= 1'b1;
-    f_off_q        <= rst || i_disable || i_expired || o_trip;
+    f_off_q        <= rst || i_disable || o_trip;
     f_any_q        <= i_pins != {CHANNELS{1'b0}};
     f_reset_seen_q <= f_reset_seen_q || rst;
     // Some strobe enabled the outputs and nothing has disabled them since.
     if (rst || i_disable || o_trip) f_wanted_q <= 1'b0;
-    else if (i_enable || i_expired) f_wanted_q <= i_enable;
+    else if (i_enable) f_wanted_q <= 1'b1;
     assert (o_enabled == f_wanted_q);
     assert (!o_allow || f_wanted_q);
     if (!f_past_valid_q || !$past(f_wanted_q)) assert (i_pins == {CHANNELS{1'b0}});
@@ -19,7 +19,6 @@ always @(posedge clk) begin
     if (f_reset_seen_q) assert (window_q < F_WINDOW && (!o_trip || window_q == {WINDOW_BITS{1'b0}}));
     if (f_reset_seen_q && f_past_valid_q && !$past(rst)) assert (o_alive == ($past(o_alive) ^ (window_q == {WINDOW_BITS{1'b0}})));
     cover (f_reset_seen_q && o_trip);
-    cover (f_past_valid_q && $past(i_expired && i_enable && o_enabled) && o_enabled);
     cover (f_past_valid_q && i_disable && f_any_q);
 end
 

@@ -17,7 +17,7 @@ always @(posedge clk) begin
     if (f_reset_seen_q && !rst) begin
 `ifdef FORMAL_SCHEDULE
         assume ({3'd0, i_gate} + {3'd0, i_select} + {3'd0, i_start} + {3'd0, i_modulate} + {3'd0, i_push} + {3'd0, i_keep} + {3'd0, i_take_back}
-                + {3'd0, i_forget} <= 4'd1);
+                + {3'd0, i_forget && !i_take_back} <= 4'd1);
         assume (!i_gate || !o_busy);
         assume (!i_gate || $past({i_argument_2, i_argument_1, i_argument_0}) == named);
         assume (i_clear == (i_select || o_start || i_stop || f_clears));
@@ -34,7 +34,9 @@ always @(posedge clk) begin
             // Not before the period before, and then at once.
             if (fires) assert ($past(i_count) + 48'd1 >= f_start_gate_q);
             if (live_q && o_live) assert ($past(i_count) + 48'd1 >= f_live_gate_q);
-            if ($past(start_q) && !start_q) assert ($past(o_start || i_select || i_stop || i_start || o_live));
+            if ($past(start_q) && !start_q) assert ($past(o_start || i_select || i_stop || i_start || o_live || o_keep));
+            // What a PUSH has kept behind the gate is not emptied by a START that was sent before it.
+            if ($past(o_keep && gated && !i_start)) assert (!start_q);
             if ($past(fires)) assert (!start_q);
             if (start_q) assert (!o_start || fires || i_start);
             if ($past(live_q && !reached_q && !i_clear)) assert (o_closed);

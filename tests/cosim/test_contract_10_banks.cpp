@@ -247,6 +247,31 @@ TEST_CASE("contract 10: pushed indices wait for their period, behind those that 
     REQUIRE(bench.client.status().late_changes == 0);
 }
 
+TEST_CASE("contract 10: of a START and a PUSH that wait for the same period the later one plays",
+          "[contract10][live]") {
+    auto g = generator();
+    Banks bench(g);
+    bench.client.select(16);
+    bench.wait_for_index(16);
+    const bool push_is_later = GENERATE(true, false);
+    const std::uint64_t period = bench.client.status().period.value() + 400;
+    const auto push = [&] { bench.client.push({9, 10, 11}, 2, When::at_period(period)); };
+    if (!push_is_later) push();
+    bench.start(bench.a, When::at_period(period));
+    if (push_is_later) push();
+    REQUIRE(bench.client.status().waiting);
+    bench.board.run(500 * Banks::cycle);
+    REQUIRE_FALSE(bench.client.status().waiting);
+    std::vector<std::uint16_t> played;
+    for (const sim::Dwell& dwell : bench.recorder.dwells())
+        if (dwell.index != 0 && dwell.index != 16) played.push_back(dwell.index);
+    REQUIRE(played.size() >= 3);
+    if (push_is_later)
+        REQUIRE(std::vector(played.begin(), played.begin() + 3) == std::vector<std::uint16_t>{9, 10, 11});
+    else
+        for (const std::uint16_t index : played) REQUIRE(index < 9);
+}
+
 TEST_CASE("contract 10: a push into which a start falls is kept whole or not at all", "[contract10][live]") {
     auto g = generator();
     Banks bench(g);

@@ -428,26 +428,6 @@ TEST_CASE("safety: a frame of any length that only contains DISABLE or STOP does
     REQUIRE(bench.board.outputs().index == 1);
 }
 
-TEST_CASE("safety: a DISABLE that comes again does nothing, whatever its number", "[safety]") {
-    Bench bench;
-    const auto hello = bench.talk(link::encode_request(0, interface::Command::identify, {}));
-    std::uint8_t number = hello.at(0).expected;
-    for (int i = 0; i < 130; ++i) {
-        const std::uint8_t disabling = number++;
-        bench.board.send(link::encode_request(disabling, interface::Command::disable, {}));
-        bench.board.send(link::encode_request(number++, interface::Command::enable, {}));
-        REQUIRE(bench.board.run_until([&] { return bench.board.line_idle(); }, 20'000));
-        bench.board.run(4000);  // both are carried out
-        bench.board.send(link::encode_request(disabling, interface::Command::disable, {}));
-        REQUIRE(bench.board.run_until([&] { return bench.board.line_idle(); }, 20'000));
-        CAPTURE(number);
-        for (int clock = 0; clock < 200; ++clock) {  // while it is answered, too
-            REQUIRE(bench.board.outputs().enabled);
-            bench.board.run(1);
-        }
-    }
-}
-
 TEST_CASE("safety: the watchdog does not count while outputs are off", "[safety][watchdog]") {
     Bench bench;
     bench.client.identify();

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What keeps a hand and an array safe when hosts, cables or images do what they should not.
+#include <string>
+
 #include "bench.hpp"
 
 using namespace haptogram;
@@ -78,16 +80,186 @@ TEST_CASE("safety: each DISABLE counts until its own turn, and an ENABLE behind 
     REQUIRE(bench.board.outputs().index == 0);
 }
 
-TEST_CASE("safety: a DISABLE that was applied before does nothing when it comes again", "[safety]") {
+TEST_CASE("safety: DISABLE and STOP act whatever their number", "[safety]") {
     Bench bench;
     play_one(bench, dense());
-    REQUIRE(bench.talk(request(4, Command::disable))[0].status == Status::ok);
-    REQUIRE(bench.talk(request(5, Command::enable))[0].status == Status::ok);
-    bench.board.send(request(4, Command::disable));
-    for (int i = 0; i < 50'000; ++i) {
-        bench.board.run(1);
+    SECTION("applied before") {
+        REQUIRE(bench.talk(request(4, Command::disable))[0].status == Status::ok);
+        REQUIRE(bench.talk(request(5, Command::enable))[0].status == Status::ok);
         REQUIRE(bench.board.outputs().enabled);
+        REQUIRE(bench.talk(request(4, Command::disable))[0].status == Status::repeated);
     }
+    SECTION("128 behind") {
+        REQUIRE(bench.talk(request(static_cast<std::uint8_t>(4 + 128), Command::disable))[0].status ==
+                Status::repeated);
+    }
+    SECTION("127 ahead") {
+        REQUIRE(bench.talk(request(static_cast<std::uint8_t>(4 + 127), Command::disable))[0].status ==
+                Status::out_of_order);
+    }
+    SECTION("a STOP that was applied before, which ends what was begun since") {
+        REQUIRE(bench.talk(request(4, Command::stop))[0].status == Status::ok);
+        REQUIRE(bench.talk(request(5, Command::select, {1, 0}))[0].status == Status::ok);
+        bench.wait_for_index(1);
+        REQUIRE(bench.talk(request(4, Command::stop))[0].status == Status::repeated);
+        REQUIRE(bench.board.outputs().index == 0);
+        return;
+    }
+    REQUIRE_FALSE(bench.board.outputs().enabled);
+    bench.board.run(100'000);
+    REQUIRE_FALSE(bench.board.outputs().enabled);
+}
+
+TEST_CASE("safety: DISABLE and STOP do not wait for the IDENTIFY of another session", "[safety]") {
+    Bench bench;
+    play_one(bench, dense());
+    ask(bench, 4, 8);
+    bench.board.send(request(150, Command::identify));
+    const bool stops = GENERATE(false, true);
+    bench.board.send(request(151, stops ? Command::stop : Command::disable));
+    while (!bench.board.line_idle()) bench.board.run(1);
+    bench.board.run(stops ? 20 + 250 + 1 + 3 : 20);
+    if (stops)
+        REQUIRE(bench.board.outputs().index == 0);
+    else
+        REQUIRE_FALSE(bench.board.outputs().enabled);
+    REQUIRE(bench.board.received() < 8 * 40);
+}
+
+TEST_CASE("safety: a DISABLE acts although there is no room for it", "[safety]") {
+    Bench bench;
+    play_one(bench, dense());
+    // So many requests that the board's memory for frames is full, and stays so for long.
+    ask(bench, 4, 100);
+    bench.board.send(request(120, Command::disable));
+    while (!bench.board.line_idle()) bench.board.run(1);
+    bench.board.run(20);
+    REQUIRE_FALSE(bench.board.outputs().enabled);
+    bench.board.run(1'000'000);
+    REQUIRE_FALSE(bench.board.outputs().enabled);
+    static_cast<void>(bench.board.receive());
+    link::Client host(bench.line);
+    host.identify();
+    REQUIRE(host.status().frames_damaged > 0);
+}
+
+// Whatever switches outputs off, an ENABLE that was sent before it does not switch them on when its turn comes.
+TEST_CASE("safety: what was sent before a switch-off is answered and not done", "[safety]") {
+    Bench bench;
+    play_one(bench, dense());
+    const double bit = static_cast<double>(bench.board.parameters().clock_hz) / bench.board.parameters().baud;
+    const std::string by = GENERATE("break", "break in a frame", "stop input", "watchdog", "DISABLE");
+    CAPTURE(by);
+    bench.board.send(request(4, Command::watchdog, {by == "watchdog" ? std::uint16_t{1} : std::uint16_t{0}}));
+    // What was applied before and only asks is answered again, but does not keep the watchdog quiet.
+    const std::uint8_t number = by == "watchdog" ? 5 : 17;
+    for (std::uint8_t i = 0; i < 12; ++i)
+        bench.board.send(
+            request(by == "watchdog" ? std::uint8_t{4} : static_cast<std::uint8_t>(5 + i), Command::read, {0, 0, 40}));
+    const Bytes enable = request(number, Command::enable);
+    const std::size_t last = by == "break in a frame" ? 1 : 0;
+    bench.board.send(Bytes(enable.begin(), enable.end() - static_cast<std::ptrdiff_t>(last)));
+    wait_sent(bench);
+    const auto hold = [&](bool level, double bits) {
+        bench.board.force_line(level);
+        bench.board.run(static_cast<std::uint64_t>(bits * bit));
+        bench.board.force_line({});
+    };
+    if (by.starts_with("break")) hold(false, 25.0);
+    if (by == "stop input") {
+        bench.board.press_stop(true);
+        bench.board.run(100);
+        bench.board.press_stop(false);
+    }
+    if (by == "watchdog") REQUIRE(bench.board.run_until([&] { return !bench.board.outputs().enabled; }, 200'000));
+    if (by == "DISABLE") bench.board.send(request(200, Command::disable));
+    if (last != 0) {
+        bench.board.run(100);
+        bench.board.send(Bytes{0});
+    }
+    REQUIRE(bench.board.run_until([&] { return !bench.board.outputs().enabled; }, 10'000));
+    REQUIRE(bench.board.received() < 12 * 40);
+    bench.board.run_until([&] { return bench.board.outputs().enabled; }, 800'000);
+    REQUIRE_FALSE(bench.board.outputs().enabled);
+    std::vector<link::Reply> replies;
+    link::ReplyDecoder decoder;
+    decoder.feed(bench.board.receive(), replies);
+    const auto answer = std::ranges::find(replies, Command::enable, &link::Reply::command);
+    REQUIRE(answer != replies.end());
+    REQUIRE(answer->status == Status::ok);
+    // One that is sent afterwards does.
+    REQUIRE(bench.talk(request(static_cast<std::uint8_t>(number + 1), Command::enable)).back().status == Status::ok);
+    REQUIRE(bench.board.outputs().enabled);
+}
+
+// Anything may wait, or be half sent, when outputs are switched off; after that the host says nothing more.
+TEST_CASE("safety: after a switch-off in a storm of commands nothing goes on by itself", "[safety][storm]") {
+    auto g = generator();
+    const auto model = GENERATE("small-16", "small-16-wide");
+    Bench bench(model);
+    play_one(bench, dense());
+    const auto byte = [&] { return static_cast<std::uint8_t>(random(g, 0, 255)); };
+    const double bit = static_cast<double>(bench.board.parameters().clock_hz) / bench.board.parameters().baud;
+    std::size_t waited = 0;
+    for (int round = 0; round < 60; ++round) {
+        CAPTURE(round);
+        std::uint8_t number = byte();
+        bench.talk(request(number++, Command::identify));
+        bench.talk(request(number++, Command::watchdog, {0}));
+        bench.talk(request(number++, Command::enable));
+        REQUIRE(bench.board.outputs().enabled);
+        const std::uint32_t by = random(g, 0, 4);
+        const bool expires = by == 3;
+        if (expires) bench.board.send(request(number++, Command::watchdog, {1}));
+        for (std::uint32_t left = random(g, 0, 14); left > 0; --left) {
+            switch (random(g, 0, 9)) {
+                case 0: bench.board.send(request(number++, Command::select, {1, 0})); break;
+                case 1: bench.board.send(request(number++, Command::start, {1, 2, 0})); break;
+                case 2: bench.board.send(request(number++, Command::push, {0, 1, 1})); break;
+                case 3: bench.board.send(request(number = byte(), Command::identify)), ++number; break;
+                case 4: bench.board.send(Bytes{random(g, 0, 1) == 0 ? std::uint8_t{0} : byte()}); break;
+                case 5: bench.board.send(request(number++, Command::gate, {50, 0, 0})); break;
+                default: bench.board.send(request(number++, Command::read, {0, 0, 40})); break;
+            }
+        }
+        for (std::uint32_t left = random(g, 1, 3); left > 0; --left)
+            bench.board.send(request(number++, Command::enable));
+        if (by < 3) {  // at any bit of all that
+            bench.board.run(random(g, 0, static_cast<std::uint32_t>(150 * bit * 10)));
+            if (random(g, 0, 1) == 0) wait_sent(bench);
+            bench.board.unplug();
+        }
+        if (by == 0) {
+            bench.board.force_line(false);
+            bench.board.run(static_cast<std::uint64_t>(25 * bit));
+            bench.board.force_line({});
+        }
+        if (by == 1) {
+            bench.board.press_stop(true);
+            bench.board.run(random(g, 5, 2000));
+            bench.board.press_stop(false);
+        }
+        if (by == 2 || by == 4) bench.board.send(Bytes{0});
+        if (by == 2) bench.board.send(request(byte(), Command::disable));
+        if (by == 4) {  // in a session that another host begins
+            bench.board.send(request(byte(), Command::identify));
+            bench.board.send(request(byte(), Command::disable));
+        }
+        if (expires) {
+            // What is newly applied keeps the watchdog quiet, so it may be long until it has expired.
+            REQUIRE(bench.board.run_until([&] { return !bench.board.outputs().enabled; }, 3'000'000));
+        } else {
+            wait_sent(bench);
+            bench.board.run(25);
+        }
+        REQUIRE_FALSE(bench.board.outputs().enabled);
+        const std::size_t answered = bench.board.received();
+        REQUIRE_FALSE(bench.board.run_until([&] { return bench.board.outputs().enabled; }, 700'000));
+        waited += bench.board.received() > answered ? 1 : 0;
+        static_cast<void>(bench.board.receive());
+        bench.board.send(Bytes{0});
+    }
+    REQUIRE(waited > 10);  // so that something was still to be answered
 }
 
 TEST_CASE("safety: a DISABLE ahead of a lost frame acts although it is refused, and so does one before a session",
@@ -291,7 +463,8 @@ TEST_CASE("safety: KEEP_ALIVE keeps the watchdog quiet and does nothing else", "
     }
 }
 
-TEST_CASE("safety: an ENABLE in the clock in which the watchdog expires is not lost", "[safety][watchdog][slow]") {
+TEST_CASE("safety: an ENABLE that comes as the watchdog expires holds, or does not switch on again",
+          "[safety][watchdog][slow]") {
     std::uint64_t expires = 0;
     {
         Bench bench;
@@ -315,7 +488,7 @@ TEST_CASE("safety: an ENABLE in the clock in which the watchdog expires is not l
             bench.board.run(1);
             fell = fell || !bench.board.outputs().enabled;
         }
-        REQUIRE(bench.board.outputs().enabled);
+        REQUIRE(bench.board.outputs().enabled == !fell);
         (fell ? after : before) = true;
     }
     REQUIRE(before);  // so that the clock in question lay between

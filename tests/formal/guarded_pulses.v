@@ -12,7 +12,6 @@ module guarded_pulses #(
     input wire                   rst,
     input wire                   i_enable,
     input wire                   i_disable,
-    input wire                   i_expired,
     input wire                   i_shift,
     input wire [TIMING_BITS-1:0] i_timing,
     input wire                   i_commit,
@@ -29,7 +28,7 @@ module guarded_pulses #(
         .i_cycle_start(i_cycle_start), .i_can_match(i_can_match), .i_count(i_count), .i_pulse_length(i_pulse_length),
         .o_settled(), .o_pins(pins));
     output_guard #(.CHANNELS(CHANNELS), .MAX_HIGH_CLOCKS(MAX_HIGH_CLOCKS)) guard (
-        .clk(clk), .rst(rst), .i_enable(i_enable), .i_disable(i_disable), .i_expired(i_expired), .i_pins(pins),
+        .clk(clk), .rst(rst), .i_enable(i_enable), .i_disable(i_disable), .i_pins(pins),
         .o_allow(allow), .o_enabled(enabled), .o_trip(trip), .o_alive());
 endmodule
 `default_nettype wire

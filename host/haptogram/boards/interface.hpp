@@ -424,10 +424,10 @@ constexpr std::string_view to_string(Command command) {
 constexpr std::string_view to_string(Status status) {
     switch (status) {
         case Status::ok: return "ok: applied";
-        case Status::repeated: return "repeated: this sequence number was applied before; nothing was done again";
+        case Status::repeated: return "repeated: this sequence number is one of the 128 before the expected one, so it counts as applied before; nothing was done again, but a command that only asks is answered anew, and disable and stop have acted";
         case Status::unknown_command: return "unknown_command: no such command";
         case Status::bad_length: return "bad_length: the frame is longer or shorter than its command says";
-        case Status::out_of_order: return "out_of_order: a frame before this one is missing, or no session was started since reset; send again from the expected sequence number, or identify";
+        case Status::out_of_order: return "out_of_order: this sequence number is one of the 127 behind the expected one, so a frame before it is missing; or no session was started since reset. Nothing was done, but disable and stop have acted. Send again from the expected sequence number, or identify";
         case Status::bad_address: return "bad_address: outside the memory, or not writable";
         case Status::bad_alignment: return "bad_alignment: address or length is no multiple of the region's word";
         case Status::bad_index: return "bad_index: index above RECORDS, or above RECORDS + foci_count on boards with foci";
@@ -497,12 +497,12 @@ inline constexpr std::array<ParameterDescription, 19> core_parameters = {{
     {"CHANNELS", &CoreParameters::channels, 2, 1000, {}, {}, false, false,
      "transducers", "how many transducers, and so pins",
      "Each channel costs its timing and a comparator in cells, and a word of every record. 1000 is what a record can load within a carrier period."},
-    {"RECORDS", &CoreParameters::records, 1, 65535, {}, {}, false, false,
+    {"RECORDS", &CoreParameters::records, 1, 65534, {}, {}, false, false,
      "records", "how many focal points primary memory holds",
-     "Block RAM is what runs out first. An index has 16 bits and 0 is silence, hence 65535."},
-    {"SEQUENCE_DEPTH", &CoreParameters::sequence_depth, 2, 32768, {}, {}, false, false,
+     "Block RAM is what runs out first. An index has 16 bits 0 is silence, and one is always beyond the last record."},
+    {"SEQUENCE_DEPTH", &CoreParameters::sequence_depth, 2, 32767, {}, {}, false, false,
      "words", "words of sequence memory, one of which is the header",
-     "The header's length has 15 bits."},
+     "The header's length has 15 bits, of which one value is always beyond the last entry."},
     {"LIVE_DEPTH", &CoreParameters::live_depth, 4, 32768, {}, {}, true, false,
      "entries", "how many live indices can wait",
      "A host that streams must bridge the time between two of its frames. The FIFO's pointers wrap by themselves, hence a power of two."},
@@ -524,14 +524,14 @@ inline constexpr std::array<ParameterDescription, 19> core_parameters = {{
     {"MAX_HIGH_CLOCKS", &CoreParameters::max_high_clocks, 64, 16777215, {}, {}, false, false,
      "clocks", "how long a pin can be high before the guard disables all outputs",
      "Whatever goes wrong must not hold a transducer's driver on: 10000 clocks are 200 µs at 50 MHz, 16 times the longest 40 kHz pulse. A record's pulse may be a tenth of it, (MAX_HIGH_CLOCKS / 2 − 2) / 5 clocks, so that pulses that merge at changes of focus do not trip the guard."},
-    {"MIN_PULSE_CLOCKS", &CoreParameters::min_pulse_clocks, 1, 65535, {}, {}, false, false,
+    {"MIN_PULSE_CLOCKS", &CoreParameters::min_pulse_clocks, 1, 65535, {}, {&CoreParameters::max_high_clocks, 10}, false, false,
      "clocks", "shortest pulse of a record that is played",
      "A driver needs some tens of nanoseconds to switch; a shorter pulse only heats it. 5 clocks are 100 ns at 50 MHz."},
     {"MAX_DUTY_256", &CoreParameters::max_duty_256, 1, 255, {}, {}, false, false,
      "1/256", "largest part of its cycle that a record's pulse may take",
      "A transducer gets nothing more from pulses above half a period (128), and its driver only warmer. It also keeps a pin low for as long as it was high."},
-    {"WIDTH_BITS", &CoreParameters::width_bits, 1, 16, {&CoreParameters::pulse_bits, 1}, {&CoreParameters::timing_bits, 1}, false, true,
-     "bits", "0: the pulses of a record have one length. n: each channel has a width of its own, up to 2^n − 1 ticks, so it has an amplitude",
+    {"WIDTH_BITS", &CoreParameters::width_bits, 6, 16, {&CoreParameters::pulse_bits, 1}, {&CoreParameters::timing_bits, 1}, false, true,
+     "bits", "0: the pulses of a record have one length. n: each channel has a width of its own, up to 2^n − 1 ticks, so it has an amplitude; 2^n − 1 must be CHANNELS + 44 or more",
      "Amplitude is the width of the pulse. Half of a cycle of 1250 ticks needs 10 bits. It takes a frame memory and a quarter more cells, and MAX_DUTY_256 of at least 128, since full amplitude is half of the cycle."},
     {"MODULATION_DEPTH", &CoreParameters::modulation_depth, 4, 65536, {}, {}, true, true,
      "samples", "how many samples the modulation memory holds; more than 0 needs WIDTH_BITS",
