@@ -367,6 +367,9 @@ def python(table):
     out += [f"CHAIN_{name.upper()} = {value}" for name, value in table["chain"].items()] + [""]
     for name, words in blocks(table).items():
         out.append(f"{name.upper()}_WORDS = {words!r}".replace("'", '"'))
+    out += ["", "# Lowest and highest value of the core's parameters; whether it is a power of two; whether it may also be 0.", "PARAMETER_RANGES = {"]
+    out += [f'    "{p["name"].lower()}": ({p["low"]}, {p["high"]}, {p.get("power_of_two", False)}, {p.get("optional", False)}),' for p in table["parameter"]]
+    out += ["}", ""]
     status = blocks(table)["status"]
     out.append(f"STATUS_UNTIMED_WORDS = {status.index(untimed_end(table))}  # of boards without schedule")
     out += ["", "", PYTHON_TYPES, ""]

@@ -40,6 +40,30 @@ STATUS_WORDS = ["flags", "present_index", "underruns", "refused_records", "frame
 PARAMETERS_WORDS = ["foci_base", "foci_count", "foci_form", "foci_cycle", "wave_number_low", "wave_number_high", "gain", "slew_mode", "phase_rate", "amplitude_rate", "arrival_periods"]
 RING_WORDS = ["base", "first", "count"]
 DESCRIPTION_WORDS = ["magic", "format", "channels", "records", "sequence_words", "bits", "clock_hz_low", "clock_hz_high", "board_records", "modulation_samples", "modulation_divider", "min_pulse_clocks"]
+
+# Lowest and highest value of the core's parameters; whether it is a power of two; whether it may also be 0.
+PARAMETER_RANGES = {
+    "channels": (2, 1000, False, False),
+    "records": (1, 65535, False, False),
+    "sequence_depth": (2, 32768, False, False),
+    "live_depth": (4, 32768, True, False),
+    "timing_bits": (4, 16, False, False),
+    "pulse_bits": (1, 8, False, False),
+    "clock_hz": (1000000, 1000000000, False, False),
+    "baud": (1, 125000000, False, False),
+    "watchdog_ms": (0, 65535, False, False),
+    "max_high_clocks": (64, 16777215, False, False),
+    "min_pulse_clocks": (1, 65535, False, False),
+    "max_duty_256": (1, 255, False, False),
+    "width_bits": (1, 16, False, True),
+    "modulation_depth": (4, 65536, True, True),
+    "slew": (0, 1, False, False),
+    "foci": (8, 8, False, True),
+    "schedule": (0, 1, False, False),
+    "sync": (0, 1, False, False),
+    "chain": (0, 1, False, False),
+}
+
 STATUS_UNTIMED_WORDS = 17  # of boards without schedule
 
 
