@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tiles of a chain behind one port: as bytes, and with two Verilated boards."""
 import random
+import time
 
 import pytest
 from boards import virtual_board
@@ -10,6 +11,8 @@ from haptogram.chain import ChainedLine, header, split
 
 class Wire:
     """Remembers what is written; what is read comes in pieces of any size."""
+
+    path = "port"
 
     def __init__(self, answers=b"", piece=1):
         self.written, self.answers, self.piece = b"", answers, piece
@@ -41,9 +44,37 @@ def test_only_answers_of_the_tile_are_read(seed=1):
         wire = Wire(b"".join(header(2 * tile + 1) + data + b"\0" for tile, data in answers) + damaged, g.randint(1, 30))
         line = ChainedLine(wire, 2)
         heard = b""
-        while data := line.read(0.1):
-            heard += data
+        while wire.answers:
+            heard += line.read(0.1)
         assert heard == b"".join(data + b"\0" for tile, data in answers if tile == 2)
+
+
+def test_a_break_ends_the_chain_which_is_made_anew():
+    wire = Wire()
+    line = ChainedLine(wire, 3)
+    wire.written, wire.send_break = b"", lambda bits: setattr(wire, "bits", bits)
+    line.send_break(25)
+    assert wire.bits >= 25 + 3 / 2 and wire.written == b"\0" + 3 * b"\x02\xfd\0"
+
+
+def test_what_is_urgent_begins_a_frame_whatever_was_cut_short():
+    wire = Wire()
+    line = ChainedLine(wire, 3)
+    line.write(b"half a fra")
+    wire.written, wire.urge = b"", wire.write
+    line.urge(b"\0abc\0")
+    assert wire.written == b"\0\x07\xf9abc\0"
+
+
+def test_frames_without_end_and_frames_of_others_cost_no_more_than_their_bytes():
+    wire = Wire(b"\x01" * (1 << 22) + b"\0" + header(5) + b"mine\0" + (header(3) + b"not mine\0") * (1 << 15), 1 << 12)
+    line = ChainedLine(wire, 2)
+    begun, heard = time.process_time(), b""
+    while wire.answers:
+        heard += line.read(0.1)
+        assert len(line._splitter._rest) <= 4096
+    assert heard == b"mine\0"
+    assert time.process_time() - begun < 10  # of it, the wire's own copying is the most
 
 
 @pytest.mark.parametrize("port, expected", [("/dev/ttyUSB0", ("/dev/ttyUSB0", 0)), ("/dev/ttyUSB0#12", ("/dev/ttyUSB0", 12)), ("a#b", ("a#b", 0)), ("#1", ("#1", 0)), ("a#", ("a#", 0))])

@@ -12,7 +12,7 @@ from haptogram.lines import batches
 def pipe():
     out, into = os.pipe()
     with FileIO(out) as source, FileIO(into, "w") as sink:
-        yield sink, batches(source, "lines", dwell=7, records=400, pause=0.01)
+        yield sink, batches(source, "lines", dwell=7, records=400, pause=lambda: 0.01)
 
 
 def test_entries_come_as_soon_as_their_line_is_whole(pipe):

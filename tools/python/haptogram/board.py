@@ -3,13 +3,35 @@
 from dataclasses import dataclass
 
 from .errors import device_error
-from .interface import IDENTITY_FIELDS, IDENTITY_WORDS, NAME, STATUS_FIELDS, STATUS_UNTIMED_WORDS, STATUS_WORDS, VERSION, BitField, Mode, Role, unpack
+from .interface import (
+    IDENTITY_FIELDS,
+    IDENTITY_WORDS,
+    NAME,
+    PARAMETER_RANGES,
+    RECORD_HEADER_WORDS,
+    STATUS_FIELDS,
+    STATUS_UNTIMED_WORDS,
+    STATUS_WORDS,
+    VERSION,
+    Feature,
+    Mode,
+    Role,
+    unpack,
+)
+
+NAME_BYTES = 16
 
 
-def _unpack(fields: dict[str, BitField], words: list[str], data: bytes) -> dict[str, int]:
-    if len(data) < 2 * len(words):
-        raise device_error("board", "its reply is too short; it speaks another version of the protocol")
-    return unpack(fields, data)
+def _require_parameters(values: dict[str, int], where: str) -> None:
+    """What the identity says of the core's parameters is checked against their ranges."""
+    said = values | {"modulation_depth": 2 * values["modulation_words"]}
+    for name in said.keys() & PARAMETER_RANGES.keys():
+        low, high, power_of_two, optional = PARAMETER_RANGES[name]
+        value = said[name]
+        if low <= value <= high and (not power_of_two or value & value - 1 == 0) or optional and value == 0:
+            continue
+        expected = f"{'a power of two from ' if power_of_two else ''}{low} to {high}{', or 0' if optional else ''}"
+        raise device_error(where, f"the board says that its {name} is {value}, expected {expected}; is it a Haptogram?")
 
 
 @dataclass(frozen=True)
@@ -36,13 +58,26 @@ class Identity:
     modulation_words: int  # of two samples
 
     @classmethod
-    def parse(cls, data: bytes) -> "Identity":
-        values = _unpack(IDENTITY_FIELDS, IDENTITY_WORDS, data)
-        name = data[:16].split(b"\0")[0].decode("ascii", "backslashreplace")
+    def parse(cls, data: bytes, where: str = "board") -> "Identity":
+        """Raises HaptogramError when a field is outside of its range. `where` names the port in messages."""
+        # Name and version come first in every version of the protocol; what follows them may be shorter in another one.
+        values = unpack(IDENTITY_FIELDS, data)
+        name = data[:NAME_BYTES].rstrip(b"\0").decode("ascii", "backslashreplace")
         major, minor = values.pop("version_major"), values.pop("version_minor")
         if name != NAME or major != VERSION[0]:
-            raise device_error("board", f"it says it is '{name}' {major}.{minor}, expected '{NAME}' {VERSION[0]}.x")
+            raise device_error(where, f"the board says it is {name!r} {major}.{minor}, expected '{NAME}' {VERSION[0]}.x")
+        if len(data) != 2 * len(IDENTITY_WORDS):
+            raise device_error(where, f"the board's identity has {len(data)} bytes, expected {2 * len(IDENTITY_WORDS)}")
+        _require_parameters(values, where)
+        least = 2 * (values["channels"] + RECORD_HEADER_WORDS) + 6  # a record, its address, number and command
+        if values["frame_bytes"] < least:
+            raise device_error(where, f"the board says that its frame_bytes is {values['frame_bytes']}, but a record takes {least}")
         return cls(name=name, version=(major, minor), **values)
+
+    @property
+    def status_bytes(self) -> int:
+        """Length of its status block."""
+        return 2 * (len(STATUS_WORDS) if self.features >> Feature.SCHEDULE & 1 else STATUS_UNTIMED_WORDS)
 
 
 @dataclass(frozen=True)
@@ -76,11 +111,14 @@ class Status:
     period: int | None  # number of the carrier period at the pins since reset; None on boards that keep no time
 
     @classmethod
-    def parse(cls, data: bytes) -> "Status":
-        values = _unpack(STATUS_FIELDS, STATUS_WORDS[:STATUS_UNTIMED_WORDS], data)
+    def parse(cls, data: bytes, where: str = "board") -> "Status":
+        """Raises HaptogramError when a field has no meaning. `data` has the length that the board's identity promises."""
+        values = unpack(STATUS_FIELDS, data)
         mode = Mode(values.pop("mode")).name.lower()
         period = values.pop("period") | values.pop("period_high") << STATUS_FIELDS["period"].width
         values["period"] = period if len(data) >= 2 * len(STATUS_WORDS) else None
+        if values["role"] not in list(Role):
+            raise device_error(where, f"the board says that its role is {values['role']}, expected 0 to {max(Role)}")
         role = Role(values.pop("role")).name.lower()
         flags = {name: bool(values.pop(name)) for name in ("enabled", "stopped", "modulated", "in_step", "numbered", "waiting")}
         return cls(mode=mode, role=role, **flags, **values)

@@ -3,14 +3,15 @@
 import contextlib
 import os
 import struct
+import time
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from types import TracebackType
 from typing import Self
 
 from .board import Identity, Status
 from .chain import ChainedLine, split
-from .errors import HaptogramError, bad_input, device_error
+from .errors import HaptogramError, Interrupted, bad_input, device_error
 from .foci import FOCUS_BYTES, Focus
 from .frame import Reply, Request
 from .image import Image, Piece
@@ -31,10 +32,22 @@ from .interface import (
     pack,
     unpack,
 )
-from .port import Port
-from .session import Line, Session
+from .port import Port, never
+from .session import Line, Session, keep_alive_pause, shut_off
 
 GATE_AT_END = (1 << 48) - 1  # a period that means the end of what plays
+DIGEST_BYTES = 4
+
+
+def open_line(port: str, baud: int = 1_000_000, stopped: Callable[[], bool] = never) -> Line:
+    """`port` is a serial port, with "#2" behind it the second tile of a chain there."""
+    path, tile = split(port)
+    line = Port(path, baud, stopped)
+    try:
+        return ChainedLine(line, tile) if tile else line
+    except BaseException:
+        line.close()
+        raise
 
 
 class Client:
@@ -43,18 +56,18 @@ class Client:
 
     identity: Identity
 
-    def __init__(self, line: Line) -> None:
+    def __init__(self, line: Line, stopped: Callable[[], bool] = never) -> None:
         self._line = line
-        self._session = Session(line)
+        self._session = Session(line, stopped=stopped)
+        self._watchdog_ms: int | None = None  # None: not known
         self.identify()
 
     @classmethod
-    def open(cls, port: str, baud: int = 1_000_000) -> Self:
-        """`port` is a serial port, with "#2" behind it the second tile of a chain there."""
-        path, tile = split(port)
-        line = Port(path, baud)
+    def open(cls, port: str, baud: int = 1_000_000, stopped: Callable[[], bool] = never) -> Self:
+        """`port` is as in open_line(). Once `stopped` says true, everything but turning the outputs off raises Interrupted."""
+        line = open_line(port, baud, stopped)
         try:
-            return cls(ChainedLine(line, tile) if tile else line)
+            return cls(line, stopped)
         except BaseException:
             line.close()
             raise
@@ -71,21 +84,41 @@ class Client:
 
     def identify(self) -> Identity:
         """Starts the session anew."""
-        self.identity = Identity.parse(self._session.begin())
-        self._session.make_room(self.identity.frame_bytes)
+        self.identity = Identity.parse(self._session.begin(), self._line.path)
+        self._session.make_room(self.identity.frame_bytes, self.identity.live_depth)
         return self.identity
 
     def status(self) -> Status:
-        return Status.parse(self._ask(Command.STATUS).data)
+        request = Request(Command.STATUS, answer=self.identity.status_bytes)
+        return Status.parse(self._session.exchange([request])[0].data, self._line.path)
 
     def enable(self) -> None:
-        self._ask(Command.ENABLE)
+        """Raises HaptogramError when the board does not confirm, and then tries to turn the outputs off again."""
+        try:
+            self._ask(Command.ENABLE)
+        except BaseException as error:
+            self._shut_off_after(error)
+            raise
 
     def disable(self) -> None:
-        self._ask(Command.DISABLE)
+        """Whatever came before, also when the board has answered nothing for a while."""
+        self._session.urge(Command.DISABLE)
 
     def stop(self) -> None:
-        self._ask(Command.STOP)
+        """As disable(), but the outputs stay on when the board confirms."""
+        self._session.urge(Command.STOP)
+
+    def shut_off(self) -> None:
+        """Outputs off and silence, whatever came before. Raises HaptogramError when the board does not confirm."""
+        shut_off(self._session, self._watchdog_ms)
+
+    def until_next(self) -> float:
+        """Seconds until the board must be asked something again inside of outputs(), which keeps its watchdog quiet."""
+        return self._session.rest()
+
+    def rest(self) -> None:
+        """Sleeps until then."""
+        time.sleep(self.until_next())
 
     def keep_alive(self) -> None:
         """Starts the watchdog's time anew and does nothing else."""
@@ -94,6 +127,7 @@ class Client:
     def reset(self) -> None:
         """As after power-up, but memories and session stay."""
         self._ask(Command.RESET)
+        self._watchdog_ms = None
 
     def select(self, index: int, dwell: int = 0) -> None:
         self._ask(Command.SELECT, index, dwell)
@@ -163,41 +197,54 @@ class Client:
     def set_role(self, role: Role) -> None:
         """Resets the board, and then keeps its carrier cycles in step with other boards."""
         self._ask(Command.SYNC, int(role))
+        self._watchdog_ms = None
 
     def set_watchdog(self, milliseconds: int) -> None:
         self._ask(Command.WATCHDOG, milliseconds)
+        self._watchdog_ms = milliseconds
 
     def write(self, address: int, data: bytes) -> None:
         self._session.exchange([_write(Piece(address, data))])
 
     def read(self, address: int, size: int) -> bytes:
         """At most one record."""
-        return self._session.exchange([_about(Command.READ, address, size)])[0].data
+        return self._session.exchange([_read(address, size)])[0].data
 
     def digest(self, address: int, size: int) -> int:
         """CRC-32 of memory, as zlib.crc32 has it; at most one record."""
-        return _digest(self._session.exchange([_about(Command.DIGEST, address, size)])[0])
+        return _digest_of(self._session.exchange([_digest(address, size)])[0])
 
     @contextlib.contextmanager
-    def outputs(self, watchdog_ms: int = 500) -> Iterator[None]:
+    def outputs(self, watchdog_ms: int = 500, unless: Callable[[], bool] = never) -> Iterator[None]:
         """The outputs are on inside the block and off after it, whatever ended it. If this program dies, the board's watchdog
-        turns them off."""
+        turns them off. When `unless` says true before they are on, raises Interrupted."""
         self.set_watchdog(watchdog_ms)
+        if unless():
+            raise Interrupted(self._line.path)
+        self._session.keep_alive = keep_alive_pause(watchdog_ms)
         try:
-            self.enable()
+            self._ask(Command.ENABLE)
             yield
         except BaseException as error:
-            try:
-                self._silence()
-            except HaptogramError as failure:
-                error.add_note(f"{failure}; " + ("the watchdog turns the outputs off" if watchdog_ms else "the outputs may still be on"))
+            self._shut_off_after(error)
             raise
-        self._silence()
+        finally:
+            self._session.keep_alive = None
+        self.shut_off()
+
+    def _shut_off_after(self, error: BaseException) -> None:
+        """Notes at an error if the outputs may still be on; of whatever else ended the program, that becomes the error."""
+        try:
+            self.shut_off()
+        except HaptogramError as failure:
+            if not isinstance(error, HaptogramError) or isinstance(error, Interrupted):
+                raise failure from error
+            error.add_note(failure.message)
 
     def different(self, pieces: Sequence[Piece]) -> list[Piece]:
         """The pieces that the board does not hold, told by their digests."""
-        replies = self._session.exchange([_about(Command.DIGEST, piece.address, len(piece.data)) for piece in pieces])
-        return [piece for piece, reply in zip(pieces, replies, strict=True) if _digest(reply) != zlib.crc32(piece.data)]
+        replies = self._session.exchange([_digest(piece.address, len(piece.data)) for piece in pieces])
+        return [piece for piece, reply in zip(pieces, replies, strict=True) if _digest_of(reply) != zlib.crc32(piece.data)]
 
     def upload(self, image: Image, where: str = "image") -> int:
         """Writes what differs and asks for its digests again; returns how many frames that took. The geometry of foci has no
@@ -239,7 +286,7 @@ class Client:
     def compare(self, image: Image, where: str = "image") -> None:
         """Reads the image's places back. Raises HaptogramError naming the first difference."""
         pieces = image.pieces()
-        replies = self._session.exchange([_about(Command.READ, piece.address, len(piece.data)) for piece in pieces])
+        replies = self._session.exchange([_read(piece.address, len(piece.data)) for piece in pieces])
         for piece, reply in zip(pieces, replies, strict=True):
             if reply.data != piece.data:
                 at = piece.address + len(os.path.commonprefix([piece.data, reply.data]))
@@ -270,15 +317,11 @@ class Client:
         return Image(identity.channels, identity.clock_hz, identity.timing_bits, identity.pulse_bits, primary, bytes(sequence))
 
     def _read_long(self, base: int, total: int, size: int) -> bytes:
-        requests = [_about(Command.READ, base + at, min(size, total - at)) for at in range(0, total, size)]
+        requests = [_read(base + at, min(size, total - at)) for at in range(0, total, size)]
         return b"".join(reply.data for reply in self._session.exchange(requests))
 
     def _ask(self, command: Command, *words: int) -> Reply:
         return self._session.exchange([Request(command, _pack(command, words))])[0]
-
-    def _silence(self) -> None:
-        self.stop()
-        self.disable()
 
 
 def _pack(command: Command, words: Sequence[int]) -> bytes:
@@ -288,13 +331,21 @@ def _pack(command: Command, words: Sequence[int]) -> bytes:
     return struct.pack(f"<{len(words)}H", *words)
 
 
-def _about(command: Command, address: int, size: int) -> Request:
-    return Request(command, _pack(command, (address & 0xFFFF, address >> 16, size)))
+def _about(command: Command, address: int, size: int, answer: int) -> Request:
+    return Request(command, _pack(command, (address & 0xFFFF, address >> 16, size)), answer)
+
+
+def _read(address: int, size: int) -> Request:
+    return _about(Command.READ, address, size, size)
+
+
+def _digest(address: int, size: int) -> Request:
+    return _about(Command.DIGEST, address, size, DIGEST_BYTES)
+
+
+def _digest_of(reply: Reply) -> int:
+    return int.from_bytes(reply.data, "little")
 
 
 def _write(piece: Piece) -> Request:
     return Request(Command.WRITE, struct.pack("<I", piece.address) + piece.data)
-
-
-def _digest(reply: Reply) -> int:
-    return int.from_bytes(reply.data, "little")

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What each command of haptogram-py does."""
 import argparse
+import contextlib
 import dataclasses
 import json
 import signal
@@ -10,27 +11,36 @@ from io import FileIO
 
 from serial.tools import list_ports
 
-from .client import Client
-from .driving import keep_alive_pause, play, stream
+from .client import Client, open_line
+from .driving import play, stream
 from .errors import ErrorCode, HaptogramError, bad_input, device_error
 from .image import Image
-from .interface import Feature, Role
+from .interface import Command, Feature, Role
 from .lines import batches
+from .session import Session, shut_off
+
+TOGETHER_S = 0.3  # signals within it are one: a terminal that closes sends several
 
 
 class Interrupt:
-    """Ctrl-C and SIGTERM end playing in good order."""
+    """Ctrl-C, SIGTERM and SIGQUIT, and the terminal that closes, end a command in good order: nothing is turned on any more, and
+    outputs that are on go off. A second signal, unless it comes along with the first, ends the program at once."""
 
     def __init__(self) -> None:
-        self._asked = False
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, self._ask)
+        self._asked_at: float | None = None
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGQUIT, signal.SIGHUP):
+            if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # of nohup
+                signal.signal(number, self._ask)
 
-    def _ask(self, *_: object) -> None:
-        self._asked = True
+    def _ask(self, number: int, _: object) -> None:
+        if self._asked_at is None:
+            self._asked_at = time.monotonic()
+        elif time.monotonic() - self._asked_at > TOGETHER_S:
+            signal.signal(number, signal.SIG_DFL)
+            signal.raise_signal(number)
 
     def __call__(self) -> bool:
-        return self._asked
+        return self._asked_at is not None
 
 
 def show(values: Mapping[str, object], as_json: bool, sentence: str = "") -> None:
@@ -44,8 +54,8 @@ def show(values: Mapping[str, object], as_json: bool, sentence: str = "") -> Non
             print(f"{name:16} {value}")
 
 
-def connect(options: argparse.Namespace) -> Client:
-    return Client.open(options.port, options.baud)
+def connect(options: argparse.Namespace, interrupt: Interrupt | None = None) -> Client:
+    return Client.open(options.port, options.baud, interrupt or Interrupt())
 
 
 def device_list(options: argparse.Namespace) -> None:
@@ -79,13 +89,16 @@ def device_enable(options: argparse.Namespace) -> None:
 
 
 def device_disable(options: argparse.Namespace) -> None:
-    with connect(options) as board:
-        board.disable()
+    """Asks for no session, which a bad line or another state of the board may not allow."""
+    Interrupt()
+    with contextlib.closing(open_line(options.port, options.baud)) as line:
+        shut_off(Session(line))
 
 
 def device_stop(options: argparse.Namespace) -> None:
-    with connect(options) as board:
-        board.stop()
+    Interrupt()
+    with contextlib.closing(open_line(options.port, options.baud)) as line:
+        Session(line).urge(Command.STOP)
 
 
 def device_modulate(options: argparse.Namespace) -> None:
@@ -133,7 +146,7 @@ def download(options: argparse.Namespace) -> None:
 
 def play_command(options: argparse.Namespace) -> None:
     interrupt = Interrupt()
-    with connect(options) as board:
+    with connect(options, interrupt) as board:
         outcome = play(board, index=options.index, loops=options.loops, seconds=options.seconds, watchdog_ms=options.watchdog, stopped=interrupt)
     show(outcome._asdict(), options.json, f"{outcome.underruns} underruns, {outcome.refused_records} refused records")
 
@@ -141,13 +154,13 @@ def play_command(options: argparse.Namespace) -> None:
 def stream_command(options: argparse.Namespace) -> None:
     interrupt = Interrupt()
     where = "standard input" if options.file == "-" else options.file
-    with connect(options) as board:
+    with connect(options, interrupt) as board:
         try:
             source = FileIO(0 if options.file == "-" else options.file, closefd=options.file != "-")
         except OSError as error:
             raise bad_input(where, f"cannot be opened: {error.strerror}; check the path") from error
         with source:
-            entries = batches(source, where, dwell=options.dwell, records=board.highest_index(), pause=keep_alive_pause(options.watchdog))
+            entries = batches(source, where, dwell=options.dwell, records=board.highest_index(), pause=board.until_next)
             sent, outcome = stream(board, entries, watchdog_ms=options.watchdog, stopped=interrupt)
     values = {"sent": sent, "underruns": outcome.underruns, "interrupted": outcome.interrupted}
     show(values, options.json, f"{sent} indices, {outcome.underruns} underruns")

@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Playing: outputs on, what is to be played, outputs off. Asking for the status also keeps the board's watchdog quiet."""
+import contextlib
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import groupby
 from operator import itemgetter
 from typing import NamedTuple
 
 from .board import Status
 from .client import Client
-from .errors import device_error
-from .interface import LINK_KEEP_ALIVE_MS, LINK_KEEP_ALIVE_SHARE
+from .errors import Interrupted, device_error
+from .port import never
 
 Entry = tuple[int, int]  # index; dwell in cycles, 0 until the next
 FULL_PAUSE_S = 0.001  # until a full live FIFO is looked at again
@@ -21,16 +22,6 @@ class Outcome(NamedTuple):
     watchdog_trips: int
     guard_trips: int
     interrupted: bool
-
-
-def never() -> bool:
-    return False
-
-
-def keep_alive_pause(watchdog_ms: int) -> float:
-    """Seconds within which a host must say something while outputs are on."""
-    within_watchdog = watchdog_ms // LINK_KEEP_ALIVE_SHARE + 1
-    return 0.001 * (min(LINK_KEEP_ALIVE_MS, within_watchdog) if watchdog_ms else LINK_KEEP_ALIVE_MS)
 
 
 def _is_over(status: Status) -> bool:
@@ -60,11 +51,10 @@ def _outcome(before: Status, now: Status, interrupted: bool) -> Outcome:
 def play(board: Client, *, index: int = 0, loops: int | None = None, seconds: float = 0.0, watchdog_ms: int = 500,
          stopped: Callable[[], bool] = never) -> Outcome:  # fmt: skip
     """Plays one record, or with index 0 the sequence, `loops` times (0 for ever; None as its header says), until its end,
-    for at most so many seconds (0: no limit), or until `stopped` says so."""
+    for at most so many seconds (0: no limit), or until `stopped` says so; if it does before the outputs are on, they stay off."""
     length = 0 if index else board.sequence_length()
-    pause = keep_alive_pause(watchdog_ms)
     before = now = board.status()
-    with board.outputs(watchdog_ms):
+    with contextlib.suppress(Interrupted), board.outputs(watchdog_ms, stopped):
         if index:
             board.select(index)
         elif loops is None:
@@ -73,7 +63,7 @@ def play(board: Client, *, index: int = 0, loops: int | None = None, seconds: fl
             board.start(1, length, loops)
         end = time.monotonic() + seconds
         while not stopped() and not (seconds and time.monotonic() >= end):
-            time.sleep(pause)
+            board.rest()
             now = _watch(board)
             if _is_over(now):
                 break
@@ -82,37 +72,45 @@ def play(board: Client, *, index: int = 0, loops: int | None = None, seconds: fl
 
 def stream(board: Client, batches: Iterable[Sequence[Entry]], *, watchdog_ms: int = 500,
            stopped: Callable[[], bool] = never) -> tuple[int, Outcome]:  # fmt: skip
-    """Plays entries as they come, no faster than the board takes them, to the last one or until `stopped` says so.
-    Returns how many were sent. A source that has nothing yet gives an empty batch, at least every keep_alive_pause()."""
-    depth = board.identity.live_depth
-    most = min(depth, board.identity.channels)  # a frame holds at most as many indices as a record has words
+    """Plays entries as they come, no faster than the board takes them, to the last one or until `stopped` says so; if it does
+    before the outputs are on, they stay off. Returns how many were sent. A source that has nothing yet gives an empty batch,
+    at least every keep_alive_pause()."""
     before = now = board.status()
-    sent = level = 0
-    with board.outputs(watchdog_ms):
-        for batch in batches:
-            if not batch:
-                level = _watch(board).live_level
-            at = 0
-            while at < len(batch) and not stopped():
-                room = min(most, depth - level)
-                if room < min(most, depth // 2):
-                    time.sleep(FULL_PAUSE_S)
-                    level = _watch(board).live_level
-                    continue
-                dwell, group = next(groupby(batch[at : at + room], key=itemgetter(1)))
-                run = [index for index, _ in group]
-                level = board.push(run, dwell)
-                at += len(run)
-                sent += len(run)
-            if stopped():
-                break
+    sent = 0
+    with contextlib.suppress(Interrupted), board.outputs(watchdog_ms, stopped):
+        for run in _runs(board, batches, stopped):
+            sent += run
         # Silence for good comes last: running out of indices would count as an underrun.
         silent = False
         now = _watch(board)
         while not stopped() and not (silent and _is_over(now)):
-            if not silent and now.live_level < depth:
+            if not silent and now.live_level < board.identity.live_depth:
                 board.push([0], 0)
                 silent = True
-            time.sleep(keep_alive_pause(watchdog_ms))
+            board.rest()
             now = _watch(board)
     return sent, _outcome(before, now, stopped())
+
+
+def _runs(board: Client, batches: Iterable[Sequence[Entry]], stopped: Callable[[], bool]) -> Iterator[int]:
+    """Pushes entries of one dwell together; says of each push how many they were."""
+    depth = board.identity.live_depth
+    most = min(depth, board.identity.channels)  # a frame holds at most as many indices as a record has words
+    level = 0
+    for batch in batches:
+        if not batch:
+            level = _watch(board).live_level
+        at = 0
+        while at < len(batch) and not stopped():
+            room = min(most, depth - level)
+            if room < min(most, depth // 2):
+                time.sleep(FULL_PAUSE_S)
+                level = _watch(board).live_level
+                continue
+            dwell, group = next(groupby(batch[at : at + room], key=itemgetter(1)))
+            run = [index for index, _ in group]
+            level = board.push(run, dwell)
+            at += len(run)
+            yield len(run)
+        if stopped():
+            return

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The one exception of the package."""
+"""The exception of the package."""
 import enum
 
 
@@ -9,6 +9,7 @@ class ErrorCode(enum.IntEnum):
     USAGE = 2  # the command line makes no sense
     BAD_INPUT = 3  # a file or a value in it cannot be used, or an output cannot be written
     DEVICE = 4  # the board or the link to it
+    INTERRUPTED = 130  # by a signal, as a shell says it of Ctrl-C
 
 
 class HaptogramError(Exception):
@@ -17,6 +18,13 @@ class HaptogramError(Exception):
     def __init__(self, code: ErrorCode, where: str, message: str) -> None:
         super().__init__(f"{where}: {message}")
         self.code, self.where, self.message = code, where, message
+
+
+class Interrupted(HaptogramError):
+    """The user wanted an end before all was done."""
+
+    def __init__(self, where: str) -> None:
+        super().__init__(ErrorCode.INTERRUPTED, where, "interrupted before it was done")
 
 
 def bad_input(where: str, message: str) -> HaptogramError:

@@ -10,15 +10,16 @@ from .interface import Command, Status
 
 REPLY = 0x80  # set in the command of a reply
 HEADER = struct.Struct("<BBBBH")  # of a reply: sequence number, command, status, expected number, live level
-LONGEST = 1 << 16  # a line that never sends a zero must not fill the memory
+LONGEST = 4096  # bytes of a frame on the line; a reply with the longest record has some 2,030
 
 
 @dataclass(frozen=True)
 class Request:
-    """A command and its payload: arguments, then data."""
+    """A command, its payload (arguments, then data), and how many bytes of data its reply carries; None: whoever asks judges them."""
 
     command: Command
     payload: bytes = b""
+    answer: int | None = 0
 
 
 @dataclass(frozen=True)
@@ -57,16 +58,44 @@ def decode_reply(code: bytes) -> Reply | None:
     return Reply(sequence, command & ~REPLY, status, expected, level, frame[HEADER.size : -2])
 
 
+class Splitter:
+    """Takes a byte stream apart at its zeros. What is longer than any frame is left out, so a line without zeros fills no memory."""
+
+    def __init__(self) -> None:
+        self._rest = bytearray()
+        self._too_long = False
+
+    def feed(self, data: bytes) -> list[bytes]:
+        """The frames that are whole now; an empty one where a longer one was."""
+        frames = []
+        *ends, rest = data.split(b"\0")
+        for end in ends:
+            self._extend(end)
+            frames.append(bytes(self._rest))
+            self.clear()
+        self._extend(rest)
+        return frames
+
+    def clear(self) -> None:
+        self._rest.clear()
+        self._too_long = False
+
+    def _extend(self, data: bytes) -> None:
+        self._too_long |= len(self._rest) + len(data) > LONGEST
+        if self._too_long:
+            self._rest.clear()
+        else:
+            self._rest += data
+
+
 class ReplyDecoder:
     """Takes a byte stream apart into replies; whatever is damaged is counted and dropped, as the board does."""
 
     def __init__(self) -> None:
         self.damaged = 0
-        self._rest = b""
+        self._splitter = Splitter()
 
     def feed(self, data: bytes) -> list[Reply]:
-        *frames, rest = (self._rest + data).split(b"\0")
-        self._rest = rest[:LONGEST]
-        replies = [decode_reply(frame) for frame in frames if frame]
+        replies = [decode_reply(frame) for frame in self._splitter.feed(data) if frame]
         self.damaged += replies.count(None)
         return [reply for reply in replies if reply]

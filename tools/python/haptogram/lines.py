@@ -2,7 +2,7 @@
 """Indices to be streamed, from the lines of a file, a pipe or a terminal. Each line is taken as soon as it is there."""
 import re
 import select
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from io import RawIOBase
 
 from .driving import Entry
@@ -13,11 +13,11 @@ LINE = re.compile(rb"%b*([0-9]+)(?:%b+([0-9]+))?%b*" % (SEPARATOR, SEPARATOR, SE
 BLOCK = 4096  # bytes
 
 
-def batches(source: RawIOBase, where: str, *, dwell: int, records: int, pause: float) -> Iterator[Sequence[Entry]]:
-    """The entries that are there, waiting at most `pause` seconds for the first one. `dwell` is that of a line without."""
+def batches(source: RawIOBase, where: str, *, dwell: int, records: int, pause: Callable[[], float]) -> Iterator[Sequence[Entry]]:
+    """The entries that are there, waiting at most pause() seconds for the first one. `dwell` is that of a line without."""
     rest, number = b"", 0
     while True:
-        if not select.select([source], [], [], pause)[0]:
+        if not select.select([source], [], [], pause())[0]:
             yield []
             continue
         block = source.read(BLOCK) or b""

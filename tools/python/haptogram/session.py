@@ -2,14 +2,21 @@
 """Requests in a window, each acknowledged. What is lost is sent again from the first missing one on; the board applies
 each exactly once and in order. How often and how soon, and when a link counts as lost, is one policy for all hosts of
 this project: see "A line that loses bytes" in rtl/INTERFACE.md."""
-from collections.abc import Sequence
+import random
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import islice
 from typing import Protocol
 
-from .errors import device_error
+from .errors import HaptogramError, Interrupted, device_error
 from .frame import Reply, ReplyDecoder, Request, encode_request
 from .interface import (
     LINK_ASKING_BYTES,
     LINK_FIRST_TRIES,
+    LINK_KEEP_ALIVE_MS,
+    LINK_KEEP_ALIVE_SHARE,
     LINK_MOST_PATIENCE_MS,
     LINK_MOST_STRANGE,
     LINK_PATIENCE_MS,
@@ -18,19 +25,37 @@ from .interface import (
     Command,
     Status,
 )
+from .port import SLICE_S, never
 
 PATIENCE_S = LINK_PATIENCE_MS / 1000
 MOST_PATIENCE_S = LINK_MOST_PATIENCE_MS / 1000
-ASKING = (Command.IDENTIFY, Command.READ, Command.STATUS, Command.DIGEST)  # their replies carry data
+APPLIED = (Status.OK, Status.REPEATED)
+URGENT_TRIES = 5  # of a command that is carried out whatever its number: with a silent board 1.5 s
+TRIES_BEFORE_BREAK = 2
+BREAK_BITS = 50  # the board takes 25 for a break
+HIGHEST_LEVEL = 65535
+
+
+def keep_alive_pause(watchdog_ms: int) -> float:
+    """Seconds within which a host must say something while outputs are on."""
+    within_watchdog = watchdog_ms // LINK_KEEP_ALIVE_SHARE + 1
+    return 0.001 * (min(LINK_KEEP_ALIVE_MS, within_watchdog) if watchdog_ms else LINK_KEEP_ALIVE_MS)
 
 
 class Line(Protocol):
     """A byte stream to a board."""
 
+    path: str  # what messages call it
+
     def write(self, data: bytes) -> None: ...
 
+    def urge(self, data: bytes) -> None:
+        """Sends this ahead of what has not left yet, which is dropped."""
+
+    def send_break(self, bits: int) -> None: ...
+
     def read(self, patience: float) -> bytes:
-        """What has arrived; waits at most `patience` seconds for the first byte. Empty when nothing came."""
+        """What has arrived; waits at most `patience` seconds for the first byte. Empty when nothing came that matters."""
 
     def drain(self) -> None:
         """Drops what has arrived."""
@@ -38,89 +63,238 @@ class Line(Protocol):
     def close(self) -> None: ...
 
 
+@dataclass
+class _Pending:
+    request: Request
+    reply: Reply | None = None
+
+
 class Session:
-    def __init__(self, line: Line, patience: float = PATIENCE_S) -> None:
+    """Once `stopped` says true, every exchange raises Interrupted and nothing more is sent; urge() does not ask it."""
+
+    def __init__(self, line: Line, patience: float = PATIENCE_S, stopped: Callable[[], bool] = never,
+                 clock: Callable[[], float] = time.monotonic) -> None:  # fmt: skip
         self.patience = self._least_patience = patience  # seconds to wait for an answer before sending again
         self.retransmissions = 0
-        self.most_asking = 1  # requests under way whose replies carry data: the board keeps room for so many
+        self.keep_alive: float | None = None  # seconds within which something new must be said, while outputs are on
+        self._most_asking = 1  # requests under way whose replies carry data: the board keeps room for so many
+        self._highest_level = HIGHEST_LEVEL  # of the live FIFO
         self._line = line
+        self._stopped = stopped
+        self._clock = clock
         self._decoder = ReplyDecoder()
-        self._next = 0
-        self._in_step = False  # the board expects the number that we send next
+        self._heard = 0  # bytes since the last progress
+        self._queue: deque[_Pending] = deque()
+        self._next = random.randrange(256)  # number of the queue's first; so late answers to a program that was killed match nothing
+        self._sent = self._farthest = 0  # of the queue, in this round and in any
+        self._tries = self._strange = 0  # since the last progress
+        self._since = self._said = clock()  # of the last progress or round; of the last new frame
+        self._last_gap: float | None = None  # since the last progress
+        self._in_doubt = True  # only a new session makes the numbers certain
         self._late = False  # something was sent again because no answer came, and what became of it is not known yet
 
     def begin(self) -> bytes:
         """Starts the numbers anew, far from those of frames that may still be under way. Returns the identity block."""
+        self._forget()
         self._next = (self._next + 128) % 256
         self._line.drain()
         self._line.write(b"\0")  # ends whatever half frame the line left
-        return self._exchange([Request(Command.IDENTIFY)])[0].data
+        return self._exchange([Request(Command.IDENTIFY, answer=None)])[0].data
 
-    def make_room(self, frame_bytes: int) -> None:
-        """Learns from the identity block how long a frame the board always has room for."""
-        self.most_asking = max(1, frame_bytes // LINK_ASKING_BYTES)
+    def make_room(self, frame_bytes: int, live_depth: int) -> None:
+        """Learns from the identity block how long a frame the board always has room for, and how many live entries."""
+        self._most_asking = max(1, frame_bytes // LINK_ASKING_BYTES)
+        self._highest_level = live_depth
 
     def exchange(self, requests: Sequence[Request]) -> list[Reply]:
         """Replies in order. Raises HaptogramError when the board refuses a request; those after it are not applied."""
-        if not self._in_step:  # an exchange was cut short, even by Ctrl-C: a number used twice would be ignored
+        if self._in_doubt:  # an exchange was cut short, even by Ctrl-C: a number used twice would be ignored
             self.begin()
         return self._exchange(requests)
 
+    def rest(self) -> float:
+        """Seconds until something new must be said, while outputs are on."""
+        return max(0.0, self._said + (self.keep_alive or 0.0) - self._clock())
+
+    def urge(self, *commands: Command) -> None:
+        """DISABLE or STOP, which a board carries out as soon as they arrive, whatever came before and whatever their number.
+        So this asks for no session, and an answer of any status confirms. If none comes, a break turns the outputs off.
+        Nothing is sent behind them until then: a copy that is sent again acts again."""
+        first, in_step = self._next + self._farthest, not self._in_doubt
+        self._forget()
+        left = {(first + place) % 256: command for place, command in enumerate(commands)}
+        for tries in range(URGENT_TRIES):
+            if tries == TRIES_BEFORE_BREAK:
+                self._line.send_break(BREAK_BITS)
+            self._line.urge(b"\0" + b"".join(encode_request(number, Request(command)) for number, command in left.items()))
+            end = self._clock() + self.patience
+            while left and self._clock() < end:
+                for reply in self._decoder.feed(self._line.read(end - self._clock())):
+                    if left.get(reply.sequence) == reply.command:
+                        del left[reply.sequence]
+                        in_step &= reply.status in APPLIED
+            if not left:
+                self._next, self._in_doubt = (first + len(commands)) % 256, not in_step
+                return
+        names = " and ".join(command.name.lower() for command in commands)
+        raise device_error(self._line.path, f"the board did not confirm {names}, and a break of the line was sent")
+
     def _exchange(self, requests: Sequence[Request]) -> list[Reply]:
-        replies: list[Reply] = []
-        first, sent, farthest = self._next, 0, 0
-        tries = strange = 0
-        gap = False  # all was sent again because of a gap, and more answers that tell of the same gap are on their way
-        self._in_step = False
-        while len(replies) < len(requests):
-            asking = sum(request.command in ASKING for request in requests[len(replies) : sent])
-            while sent < min(len(requests), len(replies) + LINK_WINDOW):
-                asking += requests[sent].command in ASKING
-                if asking > self.most_asking:
-                    break
-                self._line.write(encode_request((first + sent) % 256, requests[sent]))
-                self.retransmissions += sent < farthest
-                sent += 1
-                farthest = max(farthest, sent)
-            data = self._line.read(self.patience)
-            again = not data
-            if again:
-                gap, self._late = False, True
-                command = requests[len(replies)].command
-                tries += 1
-                most = LINK_FIRST_TRIES if command == Command.IDENTIFY else LINK_TRIES
-                if tries > most:
-                    raise device_error("board", f"no answer to {command.name.lower()} after {most} tries; "
-                                       "check the cable, the baud rate and that the board runs Haptogram")  # fmt: skip
-            for reply in self._decoder.feed(data):
-                if len(replies) == len(requests):
-                    break
-                request = requests[len(replies)]
-                ahead = (reply.sequence - first - len(replies)) % 256
-                mine = ahead == 0 and reply.command == request.command
-                if mine and reply.status in (Status.OK, Status.REPEATED):
-                    replies.append(reply)
-                    if not self._late:
-                        self.patience = max(self.patience * 15 / 16, self._least_patience)
-                    tries = strange = 0
-                    again = gap = False
-                elif mine and reply.status != Status.OUT_OF_ORDER:
-                    self._next, self._in_step = reply.sequence, True
-                    raise device_error(f"command {request.command.name.lower()}", f"the board refused it: {reply.why()}")
-                elif mine:
-                    # A frame before it is missing. But before the first that is not acknowledged there is none: one such
-                    # answer may be left over from an earlier round, several mean that the board has forgotten us.
-                    strange += 1
-                    if strange > LINK_MOST_STRANGE:
-                        raise device_error("board", "it has lost the session, as after a reset; identify it again")
-                    again = True
-                elif 0 < ahead < sent - len(replies) and not gap:  # the frame that we wait for was lost, or its answer
-                    again = gap = True
-                elif ahead >= 128 and reply.status == Status.REPEATED and self._late:  # answered twice: it only came late
-                    self.patience, self._late = min(2 * self.patience, MOST_PATIENCE_S), False
-            if again:
-                sent = len(replies)
-                self._line.drain()
-                self._line.write(b"\0")
-        self._next, self._in_step = (first + len(requests)) % 256, True
-        return replies
+        mine = [_Pending(request) for request in requests]
+        self._queue.extend(mine)
+        self._in_doubt = True
+        self._progress()
+        done = 0
+        while done < len(mine):
+            if self._stopped():
+                raise Interrupted(self._line.path)
+            self._transmit()
+            self._receive()
+            while done < len(mine) and mine[done].reply:
+                done += 1
+        self._in_doubt = False
+        return [one.reply for one in mine if one.reply]
+
+    def _transmit(self) -> None:
+        asking = 0
+        for place, one in enumerate(islice(self._queue, LINK_WINDOW)):
+            if one.reply:
+                continue
+            asking += one.request.answer != 0
+            if asking > self._most_asking:
+                break
+            if place >= self._sent:
+                self._send(place, one.request)
+
+    def _send(self, place: int, request: Request) -> None:
+        self._line.write(encode_request((self._next + place) % 256, request))
+        self._sent = place + 1
+        if self._sent <= self._farthest:
+            self.retransmissions += 1
+        else:
+            self._farthest, self._said = self._sent, self._clock()
+
+    def _receive(self) -> None:
+        until = self._since + self.patience
+        if self.keep_alive:
+            until = min(until, self._said + self.keep_alive)
+        data = self._line.read(min(until - self._clock(), SLICE_S))
+        self._heard += len(data)
+        for reply in self._decoder.feed(data):
+            self._take(reply)
+        if not self._queue:
+            return
+        if self._clock() - self._since >= self.patience:
+            self._late = True
+            self._send_again()
+        elif self.keep_alive and self.rest() == 0:
+            self._say_something()
+
+    def _say_something(self) -> None:
+        """A board that hears nothing new turns its outputs off. What it has not answered may be lost, so the first of that
+        goes out again, too."""
+        if self._sent and not self._queue[0].reply:
+            self._line.write(b"\0" + encode_request(self._next, self._queue[0].request))
+            self.retransmissions += 1
+        if self._farthest < LINK_WINDOW:
+            self._queue.insert(self._farthest, _Pending(Request(Command.KEEP_ALIVE)))
+        self._said = self._clock()
+
+    def _take(self, reply: Reply) -> None:
+        place = (reply.sequence - self._next) % 256
+        if place >= self._farthest:
+            if place >= 128 and reply.status == Status.REPEATED and self._late and not self._tries:  # answered twice: it only came late
+                self.patience, self._late = min(2 * self.patience, MOST_PATIENCE_S), False
+            return
+        one = self._queue[place]
+        if one.reply or reply.command != one.request.command:
+            return
+        if reply.status == Status.OUT_OF_ORDER:
+            self._count_strange(place)
+            self._mend_gap()
+            return
+        if reply.status in APPLIED:
+            self._check(one.request, reply)
+        one.reply = reply
+        # The board applies frames in order, so those before it were applied, too, and only their answers were lost.
+        for before in islice(self._queue, place):
+            if before.request.answer == 0 and not before.reply:
+                before.reply = Reply(reply.sequence, before.request.command, Status.OK, reply.expected, reply.live_level, b"")
+        self._finish()
+        if place and self._queue and not self._queue[0].reply and self._sent:
+            self._mend_gap()
+
+    def _check(self, request: Request, reply: Reply) -> None:
+        name = request.command.name.lower()
+        if request.answer is not None and len(reply.data) != request.answer:
+            raise device_error(self._line.path, f"the board's answer to {name} has {len(reply.data)} bytes of data, expected {request.answer}")
+        if reply.live_level > self._highest_level:
+            raise device_error(self._line.path, f"the board says that its live_level is {reply.live_level}, expected 0 to {self._highest_level}")
+
+    def _finish(self) -> None:
+        """Takes what is answered off the queue."""
+        while self._queue and (reply := self._queue[0].reply):
+            one = self._queue.popleft()
+            if reply.status not in APPLIED:
+                self._forget()  # it was not applied, so its number is still to be used, and those behind it were not either
+                self._in_doubt = False
+                raise device_error(f"{self._line.path}, command {one.request.command.name.lower()}", f"the board refused it: {reply.why()}")
+            self._next = (self._next + 1) % 256
+            self._sent, self._farthest = max(self._sent - 1, 0), self._farthest - 1
+            if not self._late:
+                self.patience = max(self.patience * 15 / 16, self._least_patience)
+            self._progress()
+
+    def _progress(self) -> None:
+        self._since = self._clock()
+        self._tries = self._strange = self._heard = 0
+        self._last_gap = None
+
+    def _count_strange(self, place: int) -> None:
+        """A frame before this one is missing. But before the first that is not acknowledged there is none: one such answer may
+        be left over from an earlier round, several mean that the board has forgotten us."""
+        self._strange += place == 0
+        if self._strange > LINK_MOST_STRANGE:
+            raise device_error(self._line.path, "the board has lost the session, as after a reset; identify it again")
+
+    def _mend_gap(self) -> None:
+        """An answer tells that a frame or another answer was lost. That may be a lie, so it has an effect once per patience."""
+        pause = min(self.patience, self.keep_alive or self.patience)
+        if self._last_gap is None or self._clock() - self._last_gap >= pause:
+            self._last_gap = self._clock()
+            self._send_again()
+
+    def _send_again(self) -> None:
+        name = self._queue[0].request.command.name.lower()
+        self._tries += 1
+        most = LINK_FIRST_TRIES if self._queue[0].request.command == Command.IDENTIFY else LINK_TRIES
+        if self._tries > most:
+            heard = f" that fits, but {self._heard} bytes of something else" if self._heard else ""
+            raise device_error(self._line.path, f"no answer to {name} after {most} tries{heard}; "
+                               "check the cable, the baud rate and that the board runs Haptogram")  # fmt: skip
+        self._since = self._clock()
+        self._sent = 0
+        self._line.write(b"\0")
+
+    def _forget(self) -> None:
+        self._queue.clear()
+        self._sent = self._farthest = 0
+        self._in_doubt = True
+
+
+def off_note(watchdog_ms: int | None) -> str:
+    """What becomes of outputs of which it is not known whether they are off; None: the watchdog's time is not known."""
+    if watchdog_ms is None:
+        return "the watchdog turns the outputs off, unless it was set to 0: then switch the board's power off"
+    if watchdog_ms == 0:
+        return "the outputs may still be on, and there is no watchdog: switch the board's power off"
+    return f"the watchdog turns the outputs off, {watchdog_ms} ms after the last that it heard"
+
+
+def shut_off(session: Session, watchdog_ms: int | None = None) -> None:
+    """Outputs off and silence, whatever came before: the one way for everything that ever turned them on. Raises
+    HaptogramError when the board does not confirm."""
+    try:
+        session.urge(Command.DISABLE, Command.STOP)
+    except HaptogramError as error:
+        raise device_error(error.where, f"{error.message}; {off_note(watchdog_ms)}") from error
