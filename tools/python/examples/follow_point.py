@@ -7,11 +7,12 @@ import time
 
 import numpy as np
 import numpy.typing as npt
-from haptogram import Client, HaptogramError, Record
+from haptogram import Client, HaptogramError, Record, end_like_ctrl_c
 
 SPEED_M_S = 343.2
 CLOCK_HZ, PRESCALER, CYCLE, PULSE = 50_000_000, 5, 250, 125  # a 40 kHz carrier in ticks of 100 ns
 PRIMARY = 0x00000000  # address of record 1
+WATCHDOG_MS = 500  # if this program dies, the outputs go off after so long
 
 
 def timings(focus: npt.NDArray[np.float64], elements: npt.NDArray[np.float64]) -> list[int]:
@@ -38,7 +39,7 @@ def main() -> None:
         if (board.identity.channels, board.identity.clock_hz) != (len(elements), CLOCK_HZ):
             sys.exit(f"follow_point.py: the board has {board.identity.channels} channels and {board.identity.clock_hz} Hz")
         updates, begun = 0, time.monotonic()
-        with board.outputs():
+        with board.outputs(watchdog_ms=WATCHDOG_MS):
             while (now := time.monotonic() - begun) < options.seconds:
                 angle = 2 * np.pi * now  # once a second
                 focus = np.array([0.02 * np.cos(angle), 0.02 * np.sin(angle), 0.15])
@@ -52,6 +53,7 @@ def main() -> None:
 
 
 if __name__ == "__main__":
+    end_like_ctrl_c()
     try:
         main()
     except HaptogramError as error:

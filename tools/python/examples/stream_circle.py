@@ -6,7 +6,9 @@ import itertools
 import sys
 import time
 
-from haptogram import Client, HaptogramError, Image, stream
+from haptogram import Client, HaptogramError, Image, end_like_ctrl_c, stream
+
+WATCHDOG_MS = 500  # if this program dies, the outputs go off after so long
 
 
 def main() -> None:
@@ -29,11 +31,13 @@ def main() -> None:
     with Client.open(options.port, options.baud) as board:
         board.upload(image, options.image)
         begun = time.monotonic()
-        sent, outcome = stream(board, itertools.repeat(turn), stopped=lambda: time.monotonic() - begun >= options.seconds)
+        sent, outcome = stream(board, itertools.repeat(turn), watchdog_ms=WATCHDOG_MS,
+                               stopped=lambda: time.monotonic() - begun >= options.seconds)  # fmt: skip
         print(f"{sent} indices, {sent / (time.monotonic() - begun):.1f} per second, {outcome.underruns} underruns")
 
 
 if __name__ == "__main__":
+    end_like_ctrl_c()
     try:
         main()
     except HaptogramError as error:

@@ -5,7 +5,9 @@ import argparse
 import sys
 import time
 
-from haptogram import Client, HaptogramError, Image, play
+from haptogram import Client, HaptogramError, Image, end_like_ctrl_c, play
+
+WATCHDOG_MS = 500  # if this program dies, the outputs go off after so long
 
 
 def main() -> None:
@@ -22,11 +24,12 @@ def main() -> None:
         begun = time.monotonic()
         written = board.upload(image, options.image)
         print(f"uploaded {written} of {len(image.pieces())} frames in {time.monotonic() - begun:.2f} s", flush=True)
-        outcome = play(board, loops=options.loops, seconds=options.seconds)
+        outcome = play(board, loops=options.loops, seconds=options.seconds, watchdog_ms=WATCHDOG_MS)
         print(f"played {len(image.entries)} entries: {outcome.underruns} underruns, {outcome.refused_records} refused records")
 
 
 if __name__ == "__main__":
+    end_like_ctrl_c()
     try:
         main()
     except HaptogramError as error:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Playing: outputs on, what is to be played, outputs off. Asking for the status also keeps the board's watchdog quiet."""
 import contextlib
+import signal
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import groupby
@@ -22,6 +23,14 @@ class Outcome(NamedTuple):
     watchdog_trips: int
     guard_trips: int
     interrupted: bool
+
+
+def end_like_ctrl_c() -> None:
+    """SIGTERM, SIGQUIT and the terminal that closes then end a program as Ctrl-C does, with a KeyboardInterrupt, so that outputs()
+    turns the outputs off; without this they end it at once, and the watchdog must."""
+    for number in (signal.SIGTERM, signal.SIGQUIT, signal.SIGHUP):
+        if signal.getsignal(number) != signal.SIG_IGN:  # nohup has SIGHUP ignored
+            signal.signal(number, signal.default_int_handler)
 
 
 def _is_over(status: Status) -> bool:
