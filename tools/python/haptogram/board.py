@@ -111,9 +111,11 @@ class Status:
     period: int | None  # number of the carrier period at the pins since reset; None on boards that keep no time
 
     @classmethod
-    def parse(cls, data: bytes, where: str = "board") -> "Status":
+    def parse(cls, data: bytes, board: Identity, where: str = "board") -> "Status":
         """Raises HaptogramError when a field has no meaning. `data` has the length that the board's identity promises."""
         values = unpack(STATUS_FIELDS, data)
+        if values["live_level"] > board.live_depth:
+            raise device_error(where, f"the board says that its live_level is {values['live_level']}, expected 0 to {board.live_depth}")
         mode = Mode(values.pop("mode")).name.lower()
         period = values.pop("period") | values.pop("period_high") << STATUS_FIELDS["period"].width
         values["period"] = period if len(data) >= 2 * len(STATUS_WORDS) else None

@@ -90,7 +90,7 @@ class Client:
 
     def status(self) -> Status:
         request = Request(Command.STATUS, answer=self.identity.status_bytes)
-        return Status.parse(self._session.exchange([request])[0].data, self._line.path)
+        return Status.parse(self._session.exchange([request])[0].data, self.identity, self._line.path)
 
     def enable(self) -> None:
         """Raises HaptogramError when the board does not confirm, and then tries to turn the outputs off again."""
