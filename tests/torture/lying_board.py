@@ -227,7 +227,6 @@ class LyingBoard:
         self.frames: list[Frame] = []
         self.damaged = 0
         self.instrument = Instrument(self.lie)
-        self.enabled_at_end = False
         self._on_frame = on_frame
         self._expected: int | None = None
         self._rest = b""
@@ -239,7 +238,7 @@ class LyingBoard:
         tty.setraw(theirs)
         os.set_blocking(self._ours, False)
         self.port = os.ttyname(theirs)
-        self._theirs: int | None = theirs  # held open, so that the line is there before and after a program's use of it
+        self._theirs = theirs  # held open, so that the line is there before and after a program's use of it
         self._thread = threading.Thread(target=self._run)
         self._thread.start()
         return self
@@ -247,26 +246,17 @@ class LyingBoard:
     def __exit__(self, *_: object) -> None:
         self._ended.set()
         self._thread.join()
-        self._close()
-
-    def _close(self) -> None:
-        for descriptor in (self._ours, self._theirs):
-            if descriptor is not None:
-                with contextlib.suppress(OSError):
-                    os.close(descriptor)
-        self._theirs = None
+        os.close(self._theirs)
 
     def _run(self) -> None:
         while not self._ended.is_set():
             now = time.monotonic()
             self.instrument.tick(now)
             wait = min([0.01, *(max(0.0, due - now) for due, _ in self._due[:1])])
-            try:
-                if select.select([self._ours], [], [], 0.002 if self.lie.babble else wait)[0] and not self._hear(os.read(self._ours, 4096)):
-                    return
-            except OSError:
+            if select.select([self._ours], [], [], 0.002 if self.lie.babble else wait)[0] and not self._hear(os.read(self._ours, 4096)):
                 return
             self._say()
+        os.close(self._ours)
 
     def _say(self) -> None:
         now = time.monotonic()
@@ -294,7 +284,7 @@ class LyingBoard:
             self.frames.append(frame)
             self._on_frame(frame)
             if self.lie.hang_up(frame):
-                self._close()
+                os.close(self._ours)  # the name stays taken, so that who opens it again finds nothing, and not another case's board
                 return False
             if not self.lie.deaf(frame):
                 self._take(frame)
