@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A board on a pseudo-terminal that lies, as a Lie says. It is written from rtl/INTERFACE.md and shares no code with the hosts that
-it is put before: framing, CRC and replies are its own. Without a lie it is a tile of 100 channels that plays records."""
+it is put before: framing, CRC and replies are its own. Without a lie it is a tile of 100 channels that plays records; a wide one also
+takes foci and a modulation, and counts carrier periods."""
 import binascii
 import contextlib
 import os
@@ -16,17 +17,18 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 IDENTIFY, WRITE, READ, ENABLE, DISABLE, SELECT, PUSH, START, STOP = range(1, 10)
-WATCHDOG, STATUS, DIGEST, KEEP_ALIVE, RESET, MODULATE, GATE = range(10, 17)
+WATCHDOG, STATUS, DIGEST, KEEP_ALIVE, RESET, MODULATE, GATE, PUSH_FOCI = range(10, 18)
 NAMES = ("", "identify", "write", "read", "enable", "disable", "select", "push", "start", "stop", "watchdog", "status", "digest",
-         "keep_alive", "reset", "modulate", "gate")  # fmt: skip
+         "keep_alive", "reset", "modulate", "gate", "push_foci")  # fmt: skip
 OK, REPEATED, UNKNOWN_COMMAND, BAD_LENGTH, OUT_OF_ORDER, BAD_ADDRESS, BAD_ALIGNMENT, BAD_INDEX, BAD_RANGE, FIFO_FULL = range(10)
 REFUSALS = (*range(2, 4), *range(5, 12), 16, 0x7F)  # all that tell of no missing frame, and one that no board has
 CYCLE_S = 25e-6
 CHANNELS, RECORDS, DEPTH, LIVE = 100, 400, 1024, 256
 RECORD_BYTES = 2 * (CHANNELS + 4)
-PRIMARY, SEQUENCE = 0x00000000, 0x10000000
-ARGUMENTS = {WRITE: 2, READ: 3, SELECT: 2, PUSH: 1, START: 3, WATCHDOG: 1, DIGEST: 3, MODULATE: 3, GATE: 3}
-CARRY_DATA = (WRITE, PUSH)
+PRIMARY, SEQUENCE, PARAMETERS, GEOMETRY, MODULATION, RING = 0x00000000, 0x10000000, 0x50000000, 0x60000000, 0x70000000, 0x80000000
+WIDE = {"timing_bits": 11, "features": 0b1111111111, "frame_bytes": 484, "width_bits": 10, "foci": 8, "modulation_words": 2048}
+ARGUMENTS = {WRITE: 2, READ: 3, SELECT: 2, PUSH: 1, START: 3, WATCHDOG: 1, DIGEST: 3, MODULATE: 3, GATE: 3, PUSH_FOCI: 1}
+CARRY_DATA = (WRITE, PUSH, PUSH_FOCI)
 NMEA = b"$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47\r\n"
 
 
@@ -93,7 +95,7 @@ class Lie:
     backwards: bool = False  # answers that are ready together go out the last one first
     hang_up: Callable[[Frame], bool] = lambda frame: False
     refuses: int | None = None  # every command but identify, with this status
-    applies: Callable[[Frame], bool] = lambda frame: True
+    sequence: bytes = b""  # what sequence memory begins with, whatever was written
 
 
 @dataclass
@@ -108,9 +110,11 @@ class Play:
 class Instrument:
     """What the frames that are applied do."""
 
-    def __init__(self, lie: Lie) -> None:
-        self.lie = lie
+    def __init__(self, lie: Lie, wide: bool) -> None:
+        self.lie, self.wide, self.begun = lie, wide, time.monotonic()
         self.memory = {PRIMARY: bytearray(RECORDS * RECORD_BYTES), SEQUENCE: bytearray(4 * DEPTH)}
+        if wide:
+            self.memory |= {PARAMETERS: bytearray(22), GEOMETRY: bytearray(8 * CHANNELS), MODULATION: bytearray(4096), RING: bytearray(6)}
         self.enabled = False
         self.watchdog_ms, self.heard, self.trips = 500, time.monotonic(), 0
         self.play = Play()
@@ -121,7 +125,7 @@ class Instrument:
         fields: dict[str, int | bytes] = {
             "name": b"Haptogram", "minor": 2, "major": 2, "channels": CHANNELS, "records": RECORDS, "sequence_depth": DEPTH, "live_depth": LIVE,
             "timing_bits": 16, "pulse_bits": 8, "clock_hz": 50_000_000, "features": 0b1111, "frame_bytes": RECORD_BYTES + 6, "min_pulse": 5,
-            "max_pulse": 999, "max_duty": 128, "max_cycle": 50_000_000, "width_bits": 0, "foci": 0, "modulation_words": 0} | self.lie.identity  # fmt: skip
+            "max_pulse": 999, "max_duty": 128, "max_cycle": 50_000_000, "width_bits": 0, "foci": 0, "modulation_words": 0} | (WIDE if self.wide else {}) | self.lie.identity  # fmt: skip
         return struct.pack("<16sBBHHHHBBIHHHHHIHHH", *fields.values())
 
     def tick(self, now: float) -> None:
@@ -140,7 +144,8 @@ class Instrument:
                   "good": self.good, "damaged": 0, "repeated": self.repeated, "watchdog_trips": self.trips, "guard_trips": 0,
                   "level": max(0, len(live) - 1), "watchdog_ms": self.watchdog_ms, "refused": self.refused, "bent": 0, "far": 0, "sync": 0,
                   "misses": 0, "losses": 0} | self.lie.status  # fmt: skip
-        return struct.pack("<17H", *(value & 0xFFFF for value in fields.values()))
+        block = struct.pack("<17H", *(value & 0xFFFF for value in fields.values()))
+        return block + struct.pack("<HQ", 0, int((time.monotonic() - self.begun) / CYCLE_S))[:8] if self.wide else block
 
     def _place(self, address: int, size: int) -> tuple[bytearray, int] | None:
         base = address & 0xF0000000
@@ -158,7 +163,7 @@ class Instrument:
     def apply(self, command: int, payload: bytes, again: bool, now: float) -> tuple[int, bytes]:
         """Status and data. What comes again does nothing, but what it asks for is told."""
         count = ARGUMENTS.get(command, 0)
-        if command not in range(1, STATUS + 4) or command in (MODULATE, GATE):
+        if command not in range(1, (PUSH_FOCI if self.wide else RESET) + 1):
             return UNKNOWN_COMMAND, b""
         if len(payload) < 2 * count or (len(payload) > 2 * count) != (command in CARRY_DATA):
             return BAD_LENGTH, b""
@@ -170,6 +175,8 @@ class Instrument:
             place = self._place(words[0] | words[1] << 16, words[2])
             if place is None:
                 return BAD_ADDRESS, b""
+            if place[0] is self.memory[SEQUENCE]:
+                place[0][: len(self.lie.sequence)] = self.lie.sequence
             found = bytes(place[0][place[1] : place[1] + words[2]])
             return OK, found if command == READ else struct.pack("<I", zlib.crc32(found))
         return (OK if again else self._change(command, words, data, now)), b""
@@ -185,11 +192,14 @@ class Instrument:
         elif command == WATCHDOG:
             self.watchdog_ms = words[0]
         elif command == SELECT:
-            if words[0] > RECORDS:
+            if words[0] > RECORDS and not self.wide:
                 return BAD_INDEX
             self.live, self.play = [], Play(1 if words[0] else 0, words[0], now + words[1] * CYCLE_S if words[1] else None)
         elif command == PUSH:
             return self._push([index for index, in struct.iter_unpack("<H", data)], words[0], now)
+        elif command == PUSH_FOCI:
+            each = 8 * ((self.memory[PARAMETERS][4] & 7) + 1)
+            return BAD_LENGTH if len(data) % each else self._push([RECORDS + 1] * (len(data) // each), words[0], now)
         elif command == START:
             return self._start(*words, now)
         elif command == RESET:
@@ -197,7 +207,7 @@ class Instrument:
         return OK
 
     def _push(self, indices: list[int], dwell: int, now: float) -> int:
-        if max(indices) > RECORDS:
+        if max(indices) > RECORDS + (struct.unpack_from("<H", self.memory[PARAMETERS], 2)[0] if self.wide else 0):
             return BAD_INDEX
         if len(self.live) + len(indices) > LIVE:
             return FIFO_FULL
@@ -222,11 +232,11 @@ class Instrument:
 class LyingBoard:
     """A context manager; `port` is its name. `frames` is what arrived, with the time; `on_frame` is told of each."""
 
-    def __init__(self, lie: Lie | None = None, on_frame: Callable[[Frame], None] = lambda frame: None) -> None:
+    def __init__(self, lie: Lie | None = None, wide: bool = False, on_frame: Callable[[Frame], None] = lambda frame: None) -> None:
         self.lie = lie or Lie()
         self.frames: list[Frame] = []
         self.damaged = 0
-        self.instrument = Instrument(self.lie)
+        self.instrument = Instrument(self.lie, wide)
         self._on_frame = on_frame
         self._expected: int | None = None
         self._rest = b""
@@ -377,6 +387,10 @@ LIES: dict[str, Callable[[], Lie]] = {
     "status-level-65535": lambda: Lie(status={"level": 65535}),
     "status-stands-still": lambda: Lie(status={"flags": 5, "index": 1, "good": 7, "level": 0}),
     "level-65535": lambda: Lie(answers=lambda frame, answer: [answer._replace(level=65535).packed()]),
+    "sequence-length-32767": lambda: Lie(sequence=b"\xff\x7f"),
+    "sequence-length-0": lambda: Lie(sequence=bytes(4)),
+    "sequence-of-record-65535": lambda: Lie(sequence=struct.pack("<HHHH", 1, 0, 65535, 1)),
+    "sequence-of-silence": lambda: Lie(sequence=struct.pack("<HHHH", 1, 0, 0, 1)),
     "hangs-up-at-identify": lambda: Lie(hang_up=lambda frame: frame.command == IDENTIFY),
     "hangs-up-at-write": lambda: Lie(hang_up=lambda frame: frame.command == WRITE),
     "hangs-up-at-start": lambda: Lie(hang_up=lambda frame: frame.command == START),

@@ -39,6 +39,7 @@ PROGRAMS = {"python": [sys.executable, "-m", "haptogram.cli"], "program": [str(P
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT / "tools/python"), "PYTHONDONTWRITEBYTECODE": "1"}
 AT_ONCE = 24
 MOST_S = 30 * SLOWER  # of a command: 32 rounds without an answer take ten, on a busy machine
+MOST_CPU_S = 5 * SLOWER
 MOST_MEMORY_KB = 400_000 * SLOWER
 MOST_FRAMES = 3000  # in any second
 MOST_LINES = 3  # of the program's messages: what is wrong, that a port is waited for, what became of the outputs
@@ -58,6 +59,10 @@ VERBS = {
     "stream": ["stream", "lines.txt"],
     "stream-on": ["stream", "endless.txt"],
     "enable": ["device", "enable", "--watchdog", "0"],
+    "tile-2": ["device", "status"],  # of a chain
+    "live": ["live", "--from", "fingers:press", "--seconds", "0.6", "--watchdog", "5000"],  # its cameras may take all of a busy machine
+    "live-on": ["live", "--from", "fingers:press", "--seconds", "30", "--watchdog", "5000"],
+    "stream-path": ["stream", "--path", "path.csv", "--array", "tile-10x10", "--loops", "0"],
 }
 ASKING = ("info", "status", "upload", "download", "play", "stream")  # for an identity
 DRIVING = ("play", "stream")
@@ -86,6 +91,7 @@ class Outcome(NamedTuple):
     stdout: str
     stderr: str
     seconds: float
+    cpu_s: float
     memory_kb: int
     port: str
     frames: list[Frame]
@@ -110,13 +116,14 @@ def perform(case: Case, image: str) -> Outcome:
         place = Path(folder)
         (place / "image.hex").write_text(image)
         (place / "lines.txt").write_text("".join(f"{1 + n % 8} 40\n" for n in range(200)))
+        (place / "path.csv").write_text("time_ms,x_mm,y_mm,z_mm,intensity\n" + "".join(f"{10 * n},{n % 40 - 20},0,150,1\n" for n in range(1000)))
         (place / "endless.txt").write_text("".join(f"{1 + n % 8} 60000\n" for n in range(2000)))
         sent: list[float] = []
         first: list[float] = []
-        board = LyingBoard(LIES[case.lie](), lambda frame: first.append(frame.at) if frame.command == case.after and not first else None)
+        board = LyingBoard(LIES[case.lie](), case.verb.startswith("live"), lambda frame: first.append(frame.at) if frame.command == case.after and not first else None)
         fill(board)
         with board, (place / "out").open("w+") as out, (place / "err").open("w+") as err:
-            command = [*PROGRAMS[case.program], *VERBS[case.verb], "--port", board.port]
+            command = [*PROGRAMS[case.program], *VERBS[case.verb], "--port", board.port + ("#2" if case.verb == "tile-2" else "")]
             if case.program == "program" and case.verb == "upload":
                 command += ["--wait", "1"]
             begun = time.monotonic()
@@ -141,7 +148,7 @@ def perform(case: Case, image: str) -> Outcome:
             time.sleep(0.05)
             out.seek(0)
             err.seek(0)
-            return Outcome(process.returncode, out.read(), err.read(), ended_at - begun, usage.ru_maxrss, board.port, board.frames, enabled,
+            return Outcome(process.returncode, out.read(), err.read(), ended_at - begun, usage.ru_utime + usage.ru_stime, usage.ru_maxrss, board.port, board.frames, enabled,
                            board.instrument.trips, sent, ended_at, killed)  # fmt: skip
 
 
@@ -192,6 +199,12 @@ def _cases(program: str) -> list[Case]:
     add("status-level-65535", ("status", *DRIVING), LINK)
     add("status-stands-still", ("play",), 0)
     add("level-65535", ("upload", *DRIVING), 0, LINK)
+    add("sequence-length-32767", ("play", "download"), LINK)
+    add("sequence-length-0", ("play", "download"), LINK)
+    add("sequence-of-record-65535", ("download",), LINK)
+    add("sequence-of-silence", ("download",), LINK)
+    for lie in ("silent", "babbles", "babbles-zeros", "babbles-answers", "honest"):
+        add(lie, ("tile-2",), LINK)
     add("hangs-up-at-identify", ("status", "play"), LINK)
     add("hangs-up-at-write", ("upload",), LINK)
     add("hangs-up-at-start", ("play",), LINK)
@@ -199,6 +212,11 @@ def _cases(program: str) -> list[Case]:
         add(f"refuses-{status:#04x}", ("play",), LINK)
     add("refuses-0x04", (*DRIVING, "upload", "download"), LINK)
     add("refuses-0x02", ("stream", "upload", "download", "status"), LINK)
+    if program == "program":
+        for lie in ("honest", "late", "twice", "backwards"):
+            add(lie, ("live",), 0)
+        for lie in ("silent-from-enable", "silent", "babbles", "loses-status", "loses-disable-and-stop", "identity-live-depth-3", "identity-channels-0", "refuses-0x05"):
+            add(lie, ("live",), LINK)
     add("refuses-0x0a", ("disable",), 0)  # whatever the board says of it, it acted
     add("refuses-0x04", ("disable",), 0)
     return cases
@@ -215,6 +233,10 @@ def _signalled(program: str) -> list[Case]:
     on += [Case(program, "loses-disable-and-stop", "play-on", (LINK,), signal.SIGINT, ENABLE, 0.7)]
     on += [Case(program, "status-stands-still", "stream", (0, INTERRUPTED), signal.SIGINT, ENABLE, 1.5)]
     on += [Case(program, "silent-from-enable", "play-on", (0, LINK, INTERRUPTED, -signal.SIGINT), signal.SIGINT, ENABLE, 0.7, 0.7)]
+    if program == "program":
+        before += [Case(program, "late-identity", verb, (0, LINK, INTERRUPTED), number, IDENTIFY, 0.3) for verb in ("live-on", "stream-path") for number in SIGNALS[:2]]
+        on += [Case(program, "honest", verb, (0, INTERRUPTED), number, ENABLE, 0.5) for verb in ("live-on", "stream-path") for number in SIGNALS]
+        on += [Case(program, "silent-from-enable", verb, (LINK,), signal.SIGINT, ENABLE, 0.7) for verb in ("live-on", "stream-path")]
     return before + on
 
 
@@ -246,6 +268,7 @@ def require_order(case: Case, found: Outcome) -> None:
         lines = found.stderr.splitlines()
         most = 1 if case.program == "python" else MOST_LINES
         assert 1 <= len(lines) <= most and all(line.startswith(("haptogram: ", "haptogram-py: ")) for line in lines), f"expected one message; {story}"
+    assert found.cpu_s < MOST_CPU_S, f"computed for {found.cpu_s:.1f} s; {story}"
     assert found.memory_kb < MOST_MEMORY_KB, f"{found.memory_kb} KiB; {story}"
     times = [frame.at for frame in found.frames]
     assert all(later - first > 1 for first, later in zip(times, times[MOST_FRAMES:], strict=False)), f"more than {MOST_FRAMES} frames in a second; {story}"
