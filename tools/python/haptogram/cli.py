@@ -37,7 +37,7 @@ def positive(text: str) -> float:
 
 def parser() -> Parser:
     top = Parser(prog="haptogram-py", description="Drives a Haptogram board over its serial line.",
-                 epilog="Exit codes: 0 ok, 1 run failed, 2 usage, 3 bad input, 4 device or link, 130 interrupted.")  # fmt: skip
+                 epilog="Exit codes: 0 ok, 1 run failed, 2 usage, 3 bad input, 4 device or link.")  # fmt: skip
     top.add_argument("--version", action="version", version=f"haptogram-py {__version__}")
     json = Parser(add_help=False)
     json.add_argument("--json", action="store_true", help="print the outcome as JSON")

@@ -4,12 +4,12 @@ import enum
 
 
 class ErrorCode(enum.IntEnum):
-    """What went wrong, as the exit code that a command ends with. 1 is left to Python's own exceptions: they are bugs."""
+    """What went wrong, as the exit code that a command ends with."""
 
+    RUN_FAILED = 1  # a signal ended it before it was done; also Python's own exceptions, which are bugs
     USAGE = 2  # the command line makes no sense
     BAD_INPUT = 3  # a file or a value in it cannot be used, or an output cannot be written
     DEVICE = 4  # the board or the link to it
-    INTERRUPTED = 130  # by a signal, as a shell says it of Ctrl-C
 
 
 class HaptogramError(Exception):
@@ -24,7 +24,7 @@ class Interrupted(HaptogramError):
     """The user wanted an end before all was done."""
 
     def __init__(self, where: str) -> None:
-        super().__init__(ErrorCode.INTERRUPTED, where, "interrupted before it was done")
+        super().__init__(ErrorCode.RUN_FAILED, where, "interrupted before it was done")
 
 
 def bad_input(where: str, message: str) -> HaptogramError:
