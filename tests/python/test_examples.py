@@ -82,14 +82,15 @@ def wait_until_open(process, port, limit_s=60):
     pytest.fail(f"the example has not opened {port} after {limit_s} s, or has ended with {process.returncode}")
 
 
-def test_follow_point_interrupted(folder):
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_follow_point_interrupted(number, folder):
     with boards.virtual_board(folder):
         # A shell that started the tests in the background has them ignore SIGINT, and what they start inherits it.
         host = subprocess.Popen([sys.executable, EXAMPLES / "follow_point.py", "--port", "port"], cwd=folder, env=boards.ENVIRONMENT,
-                                stderr=subprocess.PIPE, text=True, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))  # fmt: skip
+                                stderr=subprocess.PIPE, text=True, preexec_fn=lambda: [signal.signal(n, signal.SIG_DFL) for n in (signal.SIGINT, signal.SIGHUP)])  # fmt: skip
         wait_until_open(host, folder / "port")
         time.sleep(0.3)  # so that it is in the middle of playing, or still beginning; either way outputs must end off
-        host.send_signal(signal.SIGINT)
+        host.send_signal(number)
         assert host.communicate(timeout=20)[1] == "follow_point.py: interrupted; outputs are off\n"
         assert_silent(folder)
 

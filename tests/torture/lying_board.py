@@ -395,5 +395,6 @@ LIES: dict[str, Callable[[], Lie]] = {
     "hangs-up-at-write": lambda: Lie(hang_up=lambda frame: frame.command == WRITE),
     "hangs-up-at-start": lambda: Lie(hang_up=lambda frame: frame.command == START),
     "late": lambda: lossy(100, 0.2),
+    **{f"late-{seed}": lambda seed=seed: lossy(100, 0.2, seed) for seed in range(2, 6)},
     **{f"refuses-{status:#04x}": lambda status=status: Lie(refuses=status) for status in (*REFUSALS, OUT_OF_ORDER)},
 }  # fmt: skip

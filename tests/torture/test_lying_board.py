@@ -43,6 +43,7 @@ MOST_CPU_S = 5 * SLOWER
 MOST_MEMORY_KB = 400_000 * SLOWER
 MOST_FRAMES = 3000  # in any second
 MOST_LINES = 3  # of the program's messages: what is wrong, that a port is waited for, what became of the outputs
+MOST_QUIET_S = 0.3 * SLOWER  # 0.1, and what a busy machine adds
 INTERRUPTED = 1  # before the outputs were on
 LINK = 4
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
@@ -54,6 +55,7 @@ VERBS = {
     "upload": ["upload", "image.hex"],
     "download": ["download", "-o", "out.hex"],
     "play": ["play", "--seconds", "0.6"],
+    "play-long": ["play", "--seconds", "8"],
     "play-on": ["play", "--loops", "0"],
     "play-unwatched": ["play", "--seconds", "0.6", "--watchdog", "0"],
     "stream": ["stream", "lines.txt"],
@@ -175,6 +177,8 @@ def _cases(program: str) -> list[Case]:
     add("loses-enable", (*DRIVING, "enable"), 0, LINK)
     for lie in ("silent", "babbles", "babbles-zeros", "babbles-answers"):
         add(lie, (*ASKING, "disable"), LINK)
+    for seed in range(2, 6):
+        add(f"late-{seed}", ("play-long",), 0)
     add("late", (*ASKING, "disable"), 0)
     add("loses-identify", ASKING, LINK)
     add("loses-identify", ("disable",), 0)
@@ -288,7 +292,7 @@ NAMED = [Case(program, lie, verb, (LINK,)) for program in PROGRAMS
 def judge(case: Case, outcomes) -> None:
     found = outcomes[case].result(timeout=600)
     require_order(case, found)
-    if case.lie in ("late", "honest", "twice", "backwards", "babbles-beside"):
+    if case.lie.startswith(("late", "honest", "twice", "backwards", "babbles-beside")):
         assert found.trips == 0, f"{case}: the watchdog tripped"
 
 
@@ -302,6 +306,10 @@ def judge_signalled(case: Case, outcomes) -> None:
     if case.after == ENABLE:
         off = [frame.at - at for frame in found.frames if frame.command == DISABLE]
         assert off and off[0] < 0.5 * SLOWER, f"{case}: outputs were turned off {off[0]:.2f} s after the signal"
+    if case.lie == "honest":
+        on = [frame.at for frame in found.frames if frame.at <= at and frame.at >= next(f.at for f in found.frames if f.command == ENABLE)]
+        quiet = max(b - a for a, b in zip(on, [*on[1:], at], strict=True))
+        assert quiet < MOST_QUIET_S, f"{case}: nothing was said for {quiet:.2f} s while outputs were on"
     limit = 1.0 if case.twice_s else 3.5  # a silent board is given 2 s; what is more is for a busy machine
     assert found.ended_at - found.signals[-1] < limit * SLOWER, f"{case}: ended {found.ended_at - at:.1f} s after the signal"
 
