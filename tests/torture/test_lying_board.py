@@ -235,6 +235,7 @@ def _signalled(program: str) -> list[Case]:
     before += [Case(program, "silent-from-watchdog", verb, (0, LINK, INTERRUPTED), signal.SIGTERM, WATCHDOG, 0.5) for verb in ("play-on", "stream-on")]
     on = [Case(program, "honest", verb, (0, INTERRUPTED), number, ENABLE, 0.5) for verb in ("play-on", "stream-on") for number in SIGNALS]
     on += [Case(program, "silent-from-enable", verb, (LINK,), number, ENABLE, 0.7) for verb in ("play-on", "stream-on") for number in SIGNALS[:3]]
+    on += [Case(program, "silent-from-enable", "enable", (LINK,), signal.SIGINT, ENABLE, 0.7)]
     on += [Case(program, "loses-disable-and-stop", "play-on", (LINK,), signal.SIGINT, ENABLE, 0.7)]
     on += [Case(program, "status-stands-still", "stream", (0, INTERRUPTED), signal.SIGINT, ENABLE, 1.5)]
     on += [Case(program, "silent-from-enable", "play-on", (0, LINK, INTERRUPTED, -signal.SIGINT), signal.SIGINT, ENABLE, 0.7, 0.7)]

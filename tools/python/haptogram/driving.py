@@ -63,6 +63,7 @@ def play(board: Client, *, index: int = 0, loops: int | None = None, seconds: fl
     for at most so many seconds (0: no limit), or until `stopped` says so; if it does before the outputs are on, they stay off."""
     length = 0 if index else board.sequence_length()
     before = now = board.status()
+    interrupted = True
     with contextlib.suppress(Interrupted), board.outputs(watchdog_ms, stopped):
         if index:
             board.select(index)
@@ -76,7 +77,8 @@ def play(board: Client, *, index: int = 0, loops: int | None = None, seconds: fl
             now = _watch(board)
             if _is_over(now):
                 break
-    return _outcome(before, now, stopped())
+        interrupted = stopped()
+    return _outcome(before, now, interrupted)
 
 
 def stream(board: Client, batches: Iterable[Sequence[Entry]], *, watchdog_ms: int = 500,
@@ -85,7 +87,7 @@ def stream(board: Client, batches: Iterable[Sequence[Entry]], *, watchdog_ms: in
     before the outputs are on, they stay off. Returns how many were sent. A source that has nothing yet gives an empty batch,
     at least every keep_alive_pause()."""
     before = now = board.status()
-    sent = 0
+    sent, interrupted = 0, True
     with contextlib.suppress(Interrupted), board.outputs(watchdog_ms, stopped):
         for run in _runs(board, batches, stopped):
             sent += run
@@ -98,7 +100,8 @@ def stream(board: Client, batches: Iterable[Sequence[Entry]], *, watchdog_ms: in
                 silent = True
             board.rest()
             now = _watch(board)
-    return sent, _outcome(before, now, stopped())
+        interrupted = stopped()
+    return sent, _outcome(before, now, interrupted)
 
 
 def _runs(board: Client, batches: Iterable[Sequence[Entry]], stopped: Callable[[], bool]) -> Iterator[int]:
