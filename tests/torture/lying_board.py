@@ -95,6 +95,7 @@ class Lie:
     backwards: bool = False  # answers that are ready together go out the last one first
     hang_up: Callable[[Frame], bool] = lambda frame: False
     refuses: int | None = None  # every command but identify, with this status
+    forgets: bool = False  # what is written is confirmed and not kept
     sequence: bytes = b""  # what sequence memory begins with, whatever was written
 
 
@@ -186,7 +187,8 @@ class Instrument:
             place = self._place(words[0] | words[1] << 16, len(data))
             if place is None:
                 return BAD_ADDRESS
-            place[0][place[1] : place[1] + len(data)] = data
+            if not self.lie.forgets:
+                place[0][place[1] : place[1] + len(data)] = data
         elif command == ENABLE:
             self.enabled = True
         elif command == WATCHDOG:
@@ -377,6 +379,7 @@ LIES: dict[str, Callable[[], Lie]] = {
     "babbles-beside": lambda: Lie(answers=lambda frame, answer: [b"\0" + answer.packed()], babble=NMEA * 3 + b"\0"),
     "babbles-zeros": lambda: Lie(answers=lambda frame, answer: [], babble=bytes(2000)),
     "babbles-answers": lambda: Lie(answers=lambda frame, answer: [], babble=Answer(0, STATUS, REPEATED, 0, 0, b"").packed() * 50),
+    "forgets": lambda: Lie(forgets=True),
     "backwards": lambda: Lie(backwards=True, delay_s=lambda: 0.002),
     "twice": lambda: Lie(answers=lambda frame, answer: [answer.packed()] * 2),
     **{f"{NAMES[command]}-of-{length}": lambda command=command, length=length: of_length(command, length)

@@ -53,6 +53,9 @@ VERBS = {
     "status": ["device", "status"],
     "disable": ["device", "disable"],
     "upload": ["upload", "image.hex"],
+    "upload-verify": ["upload", "image.hex", "--verify", "--json"],
+    "list": ["device", "list"],
+    "self-test": ["device", "self-test", "--json"],
     "download": ["download", "-o", "out.hex"],
     "play": ["play", "--seconds", "0.6"],
     "play-long": ["play", "--seconds", "8"],
@@ -188,6 +191,11 @@ def _cases(program: str) -> list[Case]:
     for lie in ("honest", "twice", "babbles-beside"):
         add(lie, (*ASKING, "disable"), 0)
     add("backwards", (*ASKING, "disable"), 0, LINK)  # no line does that
+    add("forgets", ("upload", "upload-verify"), LINK)
+    for lie in ("honest", "twice", "late", "babbles-beside"):
+        add(lie, ("upload-verify",), 0)
+    for length in (0, 1, 7, 400):
+        add(f"read-of-{length}", ("upload-verify",), LINK)
     for length in (0, 1, 7, 400):
         add(f"read-of-{length}", ("download", "play"), LINK)
     for length in (0, 3, 8):
@@ -222,6 +230,10 @@ def _cases(program: str) -> list[Case]:
             add(lie, ("live",), 0)
         for lie in ("silent-from-enable", "silent", "babbles", "loses-status", "loses-disable-and-stop", "identity-live-depth-3", "identity-channels-0", "refuses-0x05"):
             add(lie, ("live",), LINK)
+        for lie in ("honest", "silent", "babbles", "babbles-zeros", "backwards", "identity-channels-0", "identity-name-escapes", "identify-of-17"):
+            add(lie, ("list",), 0, LINK)
+        for lie in ("honest", "silent", "babbles", "silent-from-enable", "loses-disable-and-stop", "loses-status", "read-of-7", "status-stands-still", "refuses-0x05"):
+            add(lie, ("self-test",), 0, 1, LINK)
     add("refuses-0x0a", ("disable",), 0)  # whatever the board says of it, it acted
     add("refuses-0x04", ("disable",), 0)
     return cases
