@@ -191,7 +191,7 @@ def test_a_line_that_talks_without_end_is_no_board():
     """Bytes that answer nothing do not renew the patience."""
     board = Board()
     board.read = lambda patience: (setattr(board, "now", board.now + 0.001), b"$GPGGA,123519,4807.038,N*47\r\n\0")[1]
-    with pytest.raises(HaptogramError, match="port: no answer to identify after 8 tries that fits, but [0-9]+ bytes of something else"):
+    with pytest.raises(HaptogramError, match="port: no answer to identify after 8 tries, but [0-9]+ bytes of something else"):
         session.Session(board, clock=lambda: board.now).begin()
     assert board.now == pytest.approx(0.3 * (session.LINK_FIRST_TRIES + 1), abs=0.1)
 

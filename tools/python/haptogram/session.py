@@ -269,7 +269,7 @@ class Session:
         self._tries += 1
         most = LINK_FIRST_TRIES if self._queue[0].request.command == Command.IDENTIFY else LINK_TRIES
         if self._tries > most:
-            heard = f" that fits, but {self._heard} bytes of something else" if self._heard else ""
+            heard = f", but {self._heard} bytes of something else" if self._heard else ""
             raise device_error(self._line.path, f"no answer to {name} after {most} tries{heard}; "
                                "check the cable, the baud rate and that the board runs Haptogram")  # fmt: skip
         self._since = self._clock()
