@@ -404,6 +404,9 @@ def page(table):
     out.append(f"| {table['record']['header_words']}… | 15…0 | word[CHANNELS] | of channel 0, 1, …: see the kinds; a timing of 0x{table['record']['silent_timing']:04X} never starts a pulse |")
     out += ["", "Values of kind:", "", "| value | kind | a channel's word |", "|---|---|---|"]
     out += [f"| {row['value']} | {row['name']} | {row['about']} |" for row in table["kind"]]
+    out += ["", "A record of amplitudes has pulse_length 0 and prescaler 1, and a cycle of 2 · (CHANNELS + 44) to 2 · min(2^WIDTH_BITS − 1, longest pulse) clocks. Of",
+            "timings, a pulse has at least min_pulse_clocks and at most max_pulse_clocks clocks, and at most max_duty_256 / 256 of its cycle (the identity block). Under",
+            "modulation an amplitude is multiplied by sample / 255 before its width is computed."]
     out += ["", "A focus record has no header and lies in primary memory, too: `foci_last` + 1 foci of four words each, at the word"]
     out += ["4 · `foci_base` + (n − 1) · 4 · (`foci_last` + 1) for the n-th, whose index is RECORDS + n. The words of a focus are the lower",
             "16 bits of x, y and z (signed, 18 bits, in 1/128 mm), and then the amplitude in bits 15…8, 0 in 7…6, and the upper bits of z, y and",
@@ -448,13 +451,17 @@ def page(table):
             out += [f"| {row['value']} | {row['name']} | {row['about']} |" for row in table["mode"]] + [""]
             out += ["Values of role:", "", "| value | role | what |", "|---|---|---|"]
             out += [f"| {row['value']} | {row['name']} | {row['about']} |" for row in table["role"]] + [""]
-    out += ["## Frames", "", "On the line a frame is COBS-encoded and ends with a zero byte. Decoded, a request is", ""]
+    out += ["## Frames", "", "The line has 8 data bits, the lowest first, no parity, one stop bit and no flow control; it is high between bytes. A *break* is the line low for",
+            "20 bits or longer, which no byte does; 25 are safe.", "", "On the line a frame is COBS-encoded and ends with a zero byte. Decoded, a request is", ""]
     out += ["`sequence number, command, arguments…, data…, CRC high, CRC low`", "", "and a reply is", ""]
     out += ["`sequence number, command | 0x80, status, next expected sequence number, live level low, high, data…, CRC high, CRC low`", ""]
     out += ["The CRC is CRC-16/IBM-3740 (polynomial 0x1021, start 0xFFFF, no reflection) over everything before it.", ""]
     out += ["| command | code | arguments (16 bits each) | data | reply data | what |", "|---|---|---|---|---|---|"]
     for c in table["command"]:
         out.append(f"| {c['name']} | 0x{c['code']:02X} | {', '.join(c['args']) or '–'} | {'yes' if c.get('tail') else '–'} | {c.get('reply', '–')} | {c['about']} |")
+    out += ["", "The longest frame that is always taken has frame_bytes bytes, decoded and without its CRC: a WRITE of a record (6 bytes before its data), a PUSH of",
+            "frame_bytes / 2 − 2 indices, if there is room for them, or a PUSH_FOCI of (frame_bytes − 4) / 8 foci. READ and DIGEST take at most one record. An answer",
+            "tells the state of the moment when it is sent, also a repeated one."]
     out += ["", "| status | code | what |", "|---|---|---|"]
     out += [f"| {s['name']} | 0x{s['code']:02X} | {s['about']} |" for s in table["status"]]
     out += ["", "## Switching off", "",
@@ -482,7 +489,12 @@ def page(table):
             "own session, so a host that wants more of all than DISABLE, STOP and IDENTIFY begins their sessions anew by an IDENTIFY for all.", "",
             f"After power-up a board knows nothing of this: it takes and answers frames as above and passes none on. The three bytes {chain['all']}, 253, 0 make it one of a",
             "chain, and from then on go to the next tile. So a host sends them, asks the first tile, sends them again, asks the second, until none answers; to a board",
-            "without chain they are a damaged frame. A break of the line, which must be half a bit longer for each tile, ends the chain and turns all outputs off.", ""]
+            "without chain they are a damaged frame. A zero goes before the first frame, to end what may be on the line, and a tile that has not answered in",
+            "0.3 s is not there. A break of the line, which must be half a bit longer for each tile, ends the chain and turns all outputs off.", "",
+            "## Boards in step", "",
+            "SYNC makes one board the master and the others slaves. It resets a board as RESET does, so outputs are off, the watchdog has its first time, and the",
+            "session goes on. A slave is in step 13 to 20 ms after the master has begun (512 carrier periods in a row), and numbered within 128 periods more; its status says",
+            "so, and until it is in step it refuses ENABLE. Only records whose cycle is a period of 40 kHz play then.", ""]
     out += ["## Parameters of the core", "", "| parameter | range | unit | default | what | why |", "|---|---|---|---|---|---|"]
     for p in table["parameter"]:
         bounds = [f"{p['low']}…{p['high']}"] + [f"{sign} {p[key]}" for key, sign in (("at_least", "≥"), ("at_most", "≤")) if key in p]

@@ -318,7 +318,7 @@ enum class Feature : unsigned {
 /// What the words of a record are.
 enum class Kind : unsigned {
     timings = 0,  // the tick at which the channel starts its pulse
-    amplitudes = 1,  // in bits 7…0 where in the cycle the middle of its pulse lies, in 1/256; in bits 15…8 its amplitude, 255 is full; of a pulse shorter than MIN_PULSE_CLOCKS, none or one of so many is left, whichever is nearer
+    amplitudes = 1,  // in bits 7…0 where in the cycle the middle of its pulse lies, in 1/256: 0 is tick 0; in bits 15…8 its amplitude a, 255 is full: the pulse takes asin(a / 255) / π of the cycle; of a pulse shorter than MIN_PULSE_CLOCKS, none or one of so many is left, whichever is nearer
 };
 
 /// Where the next record comes from.
