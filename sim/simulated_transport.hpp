@@ -20,6 +20,10 @@ public:
         return board_.receive();
     }
 
+    [[nodiscard]] std::chrono::nanoseconds now() const override {
+        return std::chrono::nanoseconds(
+            static_cast<std::int64_t>(1e9 * static_cast<double>(board_.now()) / board_.parameters().clock_hz));
+    }
     /// Nothing else takes time from a simulated clock, so less patience is enough than on a line to another machine.
     [[nodiscard]] std::chrono::microseconds patience() const override { return std::chrono::milliseconds(50); }
 

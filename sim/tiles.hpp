@@ -137,6 +137,10 @@ public:
 
     void write(std::span<const std::uint8_t> bytes) override { board_.send(bytes); }
     [[nodiscard]] std::vector<std::uint8_t> read(std::chrono::microseconds patience) override;
+    [[nodiscard]] std::chrono::nanoseconds now() const override {
+        return std::chrono::nanoseconds(
+            static_cast<std::int64_t>(1e9 * static_cast<double>(board_.now()) / board_.parameters().clock_hz));
+    }
     [[nodiscard]] std::chrono::microseconds patience() const override { return std::chrono::milliseconds(50); }
 
 private:

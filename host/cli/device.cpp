@@ -9,6 +9,7 @@
 
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
+#include "haptogram/link/outputs.hpp"
 #include "haptogram/link/rig_devices.hpp"
 #include "haptogram/link/to_json.hpp"
 #include "haptogram/link/transfer.hpp"
@@ -44,7 +45,7 @@ int info(const DeviceOptions& options) {
 /// What each tile of a rig is doing, and whether it holds its own image.
 int rig_status(const DeviceOptions& options) {
     const RigBundle bundle = load_rig_bundle(options.ports.rig);
-    const std::vector<link::PortSettings> ports = link::ports_of(bundle, options.ports.ports, options.ports.baud);
+    const std::vector<link::PortSettings> ports = options.ports.of(bundle);
     const link::RigDevices devices(bundle, ports);
     nlohmann::ordered_json states = nlohmann::ordered_json::array();
     for (std::size_t i = 0; i < ports.size(); ++i) {
@@ -70,7 +71,7 @@ int status(const DeviceOptions& options) {
 }
 
 /// A command that changes something prints nothing; with --json it prints the status after the change.
-int after_change(link::Device& device, const DeviceOptions& options) {
+int after_change(link::Client& device, const DeviceOptions& options) {
     if (options.json) tell(to_json(device.status()), true);
     return 0;
 }
@@ -82,9 +83,11 @@ int enable(const DeviceOptions& options) {
     return after_change(device, options);
 }
 
+/// Whatever state the board and the line are in: no session comes before it.
 int disable(const DeviceOptions& options) {
-    link::Device device(options.port);
-    device.disable();
+    link::Client device(link::open_port(options.port.port, options.port.baud));
+    if (!device.turn_off()) throw Error(ErrorCode::device, options.port.port, link::not_confirmed({}));
+    if (options.json) device.identify();
     return after_change(device, options);
 }
 
@@ -200,6 +203,7 @@ void add_device(CLI::App& app, Action& action) {
         ->add_option("--port", options->ports.ports,
                      "Ask behind this port: each tile of a chain, or the one board there; again for each port")
         ->expected(1)
+        ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     ports->add_option("--baud", options->ports.baud, "Its rate, which the board's build fixes")
         ->check(whole(300, 12'000'000));
@@ -217,7 +221,7 @@ void add_device(CLI::App& app, Action& action) {
                          "That time in ms; 0 leaves them on with no host (default: as it is, 500 after reset)")
             ->check(whole(0, 65535));
     watchdog->each([options](const std::string&) { options->has_watchdog = true; });
-    add("disable", "Turn the outputs off, at once", disable);
+    add("disable", "Turn the outputs off, at once, and end what plays; whatever the board does and the line has lost", disable);
     add("stop", "Silence after the present cycle; outputs stay as they are", stop);
     const auto add_when = [options](CLI::App& command) {
         auto* after = command.add_flag("--after", options->after,

@@ -11,10 +11,20 @@ volatile std::sig_atomic_t asked = 0;
 }  // namespace
 
 void catch_interrupts() {
-    const auto ask = [](int) { asked = 1; };
-    std::signal(SIGINT, ask);
-    std::signal(SIGTERM, ask);
+    struct sigaction act {};
+    act.sa_handler = [](int) {
+        if (asked < 2) asked = asked + 1;
+    };
+    // Without SA_RESTART, so that a question at the terminal ends, too.
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
+        struct sigaction before {};
+        sigaction(signal, nullptr, &before);
+        const bool kept = signal == SIGHUP && before.sa_handler == SIG_IGN;  // by nohup
+        if (!kept) sigaction(signal, &act, nullptr);
+    }
 }
+
+unsigned interrupts() { return static_cast<unsigned>(asked); }
 
 bool interrupted() { return asked != 0; }
 

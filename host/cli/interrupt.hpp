@@ -3,9 +3,10 @@
 
 namespace haptogram::cli {
 
-/// From now on Ctrl-C and SIGTERM ask to end instead of ending at once.
+/// From now on Ctrl-C, SIGTERM, SIGQUIT, and the terminal's closing ask to end instead of ending at once.
 void catch_interrupts();
-/// Whether they have asked.
+/// How often they have asked, up to twice.
+[[nodiscard]] unsigned interrupts();
 [[nodiscard]] bool interrupted();
 
 }  // namespace haptogram::cli

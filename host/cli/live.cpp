@@ -55,7 +55,8 @@ private:
     link::Device device_;
 };
 
-std::unique_ptr<LiveBoard> open_board(const link::PortSettings& port) {
+std::unique_ptr<LiveBoard> open_board(link::PortSettings port) {
+    port.interrupt = interrupts;
     if (port.port.starts_with(reference_prefix))
         return reference_board(port.port.substr(std::string(reference_prefix).size()));
     return std::make_unique<PortBoard>(port);

@@ -35,7 +35,7 @@ int play_rig(const PlayOptions& options) {
         throw bad_argument(options.am ? "am" : "rate",
                            "a rig plays as it was compiled; compile it with that setting, or play one board");
     const RigBundle bundle = load_rig_bundle(options.ports.rig);
-    const link::RigDevices devices(bundle, link::ports_of(bundle, options.ports.ports, options.ports.baud));
+    const link::RigDevices devices(bundle, options.ports.of(bundle));
     const link::RigSettings settings{.index = options.play.index,
                                      .loops = options.play.loops,
                                      .seconds = options.play.seconds,

@@ -5,6 +5,8 @@
 
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
+#include "haptogram/link/rig_devices.hpp"
+#include "interrupt.hpp"
 #include "report.hpp"
 
 namespace haptogram::cli {
@@ -18,6 +20,13 @@ link::PortSettings RigPorts::one() const {
     link::PortSettings settings;
     settings.port = ports.front();
     if (baud) settings.baud = *baud;
+    settings.interrupt = interrupts;
+    return settings;
+}
+
+std::vector<link::PortSettings> RigPorts::of(const RigBundle& bundle) const {
+    std::vector<link::PortSettings> settings = link::ports_of(bundle, ports, baud);
+    for (link::PortSettings& port : settings) port.interrupt = interrupts;
     return settings;
 }
 
@@ -27,6 +36,7 @@ CLI::Option* add_rig_port_options(CLI::App& sub, RigPorts& ports) {
                    "tile N of a chain; with --rig one for each tile, in their order, or one that leads to a chain of "
                    "them, unless the rig's file names them")
         ->expected(1)
+        ->allow_extra_args(false)  // what stands behind its value may be a file
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     sub.add_option("--baud", ports.baud, "Its rate, which the board's build fixes; of a rig, what its boards have")
         ->check(whole(300, 12'000'000))

@@ -23,6 +23,8 @@ struct RigPorts {
     /// Of one board.
     /// @throws Error{bad_argument} unless there is one port
     [[nodiscard]] link::PortSettings one() const;
+    /// Of a rig's tiles.
+    [[nodiscard]] std::vector<link::PortSettings> of(const RigBundle& bundle) const;
 };
 
 /// Adds the options that say where the board is, or the boards of a rig are. @return the option --rig

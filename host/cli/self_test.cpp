@@ -60,7 +60,9 @@ int self_test(const SelfTestOptions& options) {
     settings.point_s = options.point_s;
     settings.warn = complain;
     if (!options.no_questions && ::isatty(STDIN_FILENO) != 0) settings.ask = ask;
-    link::Device device(options.port);
+    link::PortSettings port = options.port;
+    port.interrupt = interrupts;
+    link::Device device(port);
     auto progress = std::make_unique<ProgressLine>("self-test");
     settings.progress = [&](double fraction, std::string_view stage) {
         progress->update(fraction, std::string(stage));

@@ -71,7 +71,8 @@ int stream_rig(const StreamOptions& options) {
     std::optional<CompiledRig> compiled;
     if (!options.path.empty()) compiled = compile_rig_for_stream(project_of(options), options.ports.rig, options.path);
     const RigBundle bundle = compiled ? compiled->bundle : load_rig_bundle(options.ports.rig);
-    const link::RigDevices devices(bundle, link::ports_of(bundle, options.ports.ports, options.ports.baud));
+    catch_interrupts();  // before this nothing is on, and compiling a path may take long
+    const link::RigDevices devices(bundle, options.ports.of(bundle));
     const link::RigSettings settings{
         .watchdog_ms = options.stream.watchdog_ms, .on_loss = on_loss_of(options.on_loss), .warn = complain};
     ProgressLine progress("stream");
@@ -96,11 +97,11 @@ int stream_rig(const StreamOptions& options) {
 }
 
 int stream(const StreamOptions& options) {
-    catch_interrupts();
     if (options.ports.is_rig()) return stream_rig(options);
     const link::PortSettings port = options.ports.one();
     std::optional<Compiled> compiled;
     if (!options.path.empty()) compiled = compile_for_stream(project_of(options), options.path);
+    catch_interrupts();  // before this nothing is on, and compiling a path may take long
     link::Device device(port);
     const std::string what = options.foci ? "foci" : "indices";
     ProgressLine progress("stream");

@@ -44,7 +44,7 @@ std::string words_of(const link::UploadReport& report) {
 /// Each tile's image to its board, one after the other.
 int upload_rig(const UploadOptions& options) {
     const RigBundle bundle = load_rig_bundle(options.ports.rig);
-    const std::vector<link::PortSettings> ports = link::ports_of(bundle, options.ports.ports, options.ports.baud);
+    const std::vector<link::PortSettings> ports = options.ports.of(bundle);
     nlohmann::ordered_json reports = nlohmann::ordered_json::array();
     for (std::size_t i = 0; i < ports.size(); ++i) {
         const std::string name = link::name_of_tile(i, ports[i].port);

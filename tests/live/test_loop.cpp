@@ -477,7 +477,8 @@ TEST_CASE("live: ten thousand rings are replaced, and no turn at the pins has st
         ++cycles_in;
         cycle_clock = c.clock;
     });
-    const link::Outputs on(bench.client, 500);
+    bench.client.set_watchdog(500);
+    bench.client.enable();
     constexpr std::uint64_t rings = 10'000;
     while (made < rings) {
         if (!player.sending() && player.sent().size() == made) {

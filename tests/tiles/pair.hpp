@@ -46,6 +46,7 @@ public:
         if (cut) bytes.clear();
         return bytes;
     }
+    [[nodiscard]] std::chrono::nanoseconds now() const override { return line_.now(); }
     [[nodiscard]] std::chrono::microseconds patience() const override { return line_.patience(); }
 
     bool cut = false;

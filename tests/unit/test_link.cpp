@@ -57,9 +57,13 @@ public:
         REQUIRE(frame);
         REQUIRE(crc16(*frame) == 0);
         Reply reply{(*frame)[0], static_cast<Command>((*frame)[1]), interface::Status::ok, 0, 0, {}};
+        if (reply.command == Command::identify) {
+            expected_ = reply.sequence;
+            reply.data = identity_block();
+        }
         const auto ahead = static_cast<std::uint8_t>(reply.sequence - expected_);
         if (ahead == 0) {
-            applied.push_back(Bytes(frame->begin() + 2, frame->end() - 2));
+            if (reply.command != Command::identify) applied.push_back(Bytes(frame->begin() + 2, frame->end() - 2));
             ++expected_;
         } else {
             reply.status = ahead >= 128 ? interface::Status::repeated : interface::Status::out_of_order;
@@ -77,6 +81,7 @@ public:
         return bytes;
     }
     std::vector<Bytes> applied;
+    void lose_one_in(unsigned frames) { lose_one_in_ = frames; }
 
 private:
     bool lost() { return lose_one_in_ != 0 && g_() % lose_one_in_ == 0; }

@@ -55,10 +55,12 @@ public:
                         : ahead != 0                                ? Status::repeated
                         : refuses(command, payload)                 ? Status::bad_index
                                                                     : Status::ok;
+        const bool acts_at_once = command == Command::disable || command == Command::stop;
         const bool applied = status == Status::ok;
-        if (applied) apply(command, payload), ++expected_;
-        if (applied || status == Status::repeated) alive_ = when;
-        log_.push_back({command, when, applied});
+        if (applied || acts_at_once) apply(command, payload);
+        if (applied) ++expected_;
+        if (applied && command != Command::identify) alive_ = when;
+        log_.push_back({command, when, applied || acts_at_once});
         Bytes reply = {sequence,
                        static_cast<std::uint8_t>(static_cast<unsigned>(command) | 0x80U),
                        static_cast<std::uint8_t>(status),
@@ -133,7 +135,7 @@ private:
             for (const unsigned value :
                  {enabled_ ? 1U : 0U, 0U, 0U, 0U, 0U, 0U, 0U, trips_, 0U, 0U, unsigned{watchdog_ms_}, 0U})
                 word(value);
-            data.resize(2 * interface::status_words, 0);
+            data.resize(2 * interface::status_untimed_words, 0);
         } else if (command == Command::digest || command == Command::read) {
             Bytes held(static_cast<std::size_t>(payload[4] | payload[5] << 8));
             for (std::size_t i = 0; i < held.size(); ++i)

@@ -16,12 +16,25 @@ namespace {
 using interface::chain::all;
 using interface::chain::most_tiles;
 constexpr std::size_t header_bytes = 2;
+// A line that never sends a zero, or a tile that nobody listens to any more, must not fill the memory.
+constexpr std::size_t longest_frame = 1 << 13, most_unread = 1 << 18;
 // Whoever waits for one tile must not keep those who write to another waiting for longer than this.
 constexpr std::chrono::microseconds longest_look{2000};
 
 /// What stands before a frame. @param first  its first byte: for a tile 2n + 1, or `all`
 constexpr std::array<std::uint8_t, header_bytes> header(unsigned first) {
     return {static_cast<std::uint8_t>(first), static_cast<std::uint8_t>((~first & 0xFEU) | 1U)};
+}
+
+/// A frame of nothing for all: a tile that has not heard it yet keeps it, so each further one needs one more.
+std::vector<std::uint8_t> greeting(unsigned number) {
+    std::vector<std::uint8_t> bytes{0};
+    for (unsigned i = 0; i < number; ++i) {
+        const auto empty = header(all);
+        bytes.insert(bytes.end(), empty.begin(), empty.end());
+        bytes.push_back(0);
+    }
+    return bytes;
 }
 
 }  // namespace
@@ -62,6 +75,20 @@ public:
         in_frame_ = false;
         chain_->with_port([](Transport& port) { port.discard_output(); });
     }
+    /// Turns the outputs of all tiles off and ends the chain, which is begun anew for what comes next.
+    void send_break() override {
+        in_frame_ = false;
+        chain_->with_port([&](Transport& port) {
+            port.send_break();
+            port.write(greeting(number_));
+        });
+    }
+    void set_interrupt(const Interrupt& interrupt) override {
+        chain_->with_port([&](Transport& port) { port.set_interrupt(interrupt); });
+    }
+    [[nodiscard]] std::chrono::nanoseconds now() const override {
+        return chain_->with_port([](Transport& port) { return port.now(); });
+    }
     [[nodiscard]] std::chrono::microseconds patience() const override { return patience_; }
 
 private:
@@ -83,17 +110,10 @@ bool Chain::lost() const {
 }
 
 std::unique_ptr<Transport> Chain::tile(unsigned number) {
-    // A frame of nothing for all: a tile that has not heard it yet keeps it, so each further one needs one more.
-    std::vector<std::uint8_t> greeting{0};
-    for (unsigned i = 0; i < number; ++i) {
-        const auto empty = header(all);
-        greeting.insert(greeting.end(), empty.begin(), empty.end());
-        greeting.push_back(0);
-    }
     const auto patience = with_port([&](Transport& port) {
         if (arrived_.contains(number))
             throw Error(ErrorCode::device, fmt::format("tile {} of the chain", number), "it is in use already");
-        port.write(greeting);
+        port.write(greeting(number));
         arrived_[number];
         return port.patience();
     });
@@ -129,12 +149,12 @@ std::vector<std::uint8_t> Chain::read(unsigned number, std::chrono::microseconds
 /// Gives each tile's answers to who waits for them. What has no header, or one that is damaged, is nobody's.
 void Chain::sort(std::span<const std::uint8_t> bytes) {
     for (const std::uint8_t byte : bytes) {
-        frame_.push_back(byte);
+        if (frame_.size() < longest_frame || byte == 0) frame_.push_back(byte);
         if (byte != 0) continue;
         const std::vector<std::uint8_t> frame = std::exchange(frame_, {});
         if (frame.size() <= header_bytes + 1 || frame[0] % 2 == 0 || frame[1] != header(frame[0])[1]) continue;
         const auto tile = arrived_.find(frame[0] / 2);
-        if (tile != arrived_.end()) tile->second.insert(tile->second.end(), frame.begin() + header_bytes, frame.end());
+        if (tile != arrived_.end() && tile->second.size() < most_unread) tile->second.insert(tile->second.end(), frame.begin() + header_bytes, frame.end());
     }
 }
 

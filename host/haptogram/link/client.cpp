@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include <utility>
+#include <vector>
 
 #include "haptogram/base/error.hpp"
 
@@ -13,63 +14,108 @@ namespace {
 using interface::Command;
 namespace policy = interface::link_policy;
 
+// A round of shutting off lasts a patience. The break comes when the first of them have brought no answer.
+constexpr unsigned rounds_before_break = 2;
+// After the user has asked to end: two seconds until the program has ended are promised.
+constexpr unsigned rounds_when_interrupted = 4;
+constexpr unsigned tries_when_interrupted = 2;
+constexpr std::chrono::milliseconds longest_look{20};  // until an interrupt or the keep-alive is looked at again
+
 bool applied(const Reply& reply) {
     return reply.status == interface::Status::ok || reply.status == interface::Status::repeated;
 }
 
+/// These act whenever a copy of them arrives. So nothing may be under way behind them that a later copy would end.
+bool acts_at_once(Command command) { return command == Command::disable || command == Command::stop; }
+
 }  // namespace
 
+void Client::set_interrupt(Interrupt interrupt) {
+    interrupt_ = std::move(interrupt);
+    heeded_ = given_up_ = false;
+    transport_.set_interrupt(interrupt_);
+}
+
+/// @throws Interrupted the first time that the user's wish is seen
+void Client::heed_interrupt() {
+    if (interrupts() == 0) return;
+    if (!std::exchange(heeded_, true)) throw Interrupted();
+    if (given_up_) throw LinkLost("board", "it does not answer any more");
+}
+
 void Client::submit(Request request, std::function<void(const Reply&)> done) {
-    queue_.push_back({std::move(request), std::move(done), {}});
+    submit(std::move(request), std::move(done), {});
 }
 
 void Client::submit(Request request, std::function<void(const Reply&)> done,
                     std::function<void(const Error&)> refused) {
+    if (request.command == Command::enable && interrupts() > 0) throw Interrupted();
     queue_.push_back({std::move(request), std::move(done), std::move(refused)});
 }
 
 void Client::wait(std::size_t most_unanswered) {
-    while (queue_.size() > most_unanswered) exchange(patience_);
+    while (unanswered() > most_unanswered) exchange(patience_);
+}
+
+/// Waits for bytes. @return how long it did, in the line's own time, which need not be the machine's
+std::chrono::microseconds Client::hear(std::chrono::microseconds at_most, std::vector<Reply>& arrived) {
+    const auto begun = transport_.now();
+    const Bytes bytes = transport_.read(at_most);
+    decoder_.feed(bytes, arrived);
+    heard_ += bytes.size();
+    if (bytes.empty()) return at_most;
+    return std::min(at_most, std::chrono::duration_cast<std::chrono::microseconds>(transport_.now() - begun));
 }
 
 void Client::exchange(std::chrono::microseconds at_most) {
-    transmit();
-    const std::chrono::microseconds slice = std::min(at_most, patience_ - waited_);
-    const Bytes bytes = transport_.read(slice);
-    std::vector<Reply> arrived;
-    decoder_.feed(bytes, arrived);
-    for (const Reply& reply : arrived) take(reply);
-    waited_ = bytes.empty() && !queue_.empty() ? waited_ + slice : std::chrono::microseconds(0);
-    if (waited_ < patience_) return;
-    waited_ = std::chrono::microseconds(0);
-    const Command command = queue_.front().request.command;
-    const unsigned most_tries = command == Command::identify ? policy::first_tries : policy::tries;
-    if (++tries_ > most_tries) {
-        forget();
-        in_doubt_ = true;
-        throw LinkLost(
-            "board",
-            fmt::format(
-                "no answer to {} after {} tries; check the cable, the baud rate and that the board runs Haptogram; a "
-                "tile of a chain is named by a # and its number behind the port",
-                to_string(command), most_tries));
+    if (shutting_off()) return listen_for_off(at_most);
+    const bool looks_up = interrupt_ || keep_alive_pause_.count() > 0;
+    for (std::vector<Reply> arrived;;) {
+        heed_interrupt();
+        transmit();
+        keep_alive();
+        std::chrono::microseconds slice = std::min(at_most, patience_ - waited_);
+        if (looks_up) slice = std::min<std::chrono::microseconds>(slice, longest_look);
+        const std::uint64_t heard = heard_;
+        const std::chrono::microseconds passed = hear(slice, arrived);
+        const bool quiet = heard_ == heard;
+        waited_ = queue_.empty() ? std::chrono::microseconds(0) : waited_ + passed;
+        for (const Reply& reply : arrived) take(reply);
+        if (waited_ >= patience_) begin_round();
+        at_most -= passed;
+        if (!quiet || at_most <= std::chrono::microseconds(0)) return;
     }
-    send_again();
 }
 
 void Client::transmit() {
     std::size_t asking = 0;
     for (std::size_t i = 0; i < sent_; ++i) asking += replies(queue_[i].request.command) ? 1 : 0;
+    if (shutting_off()) return;
     for (; sent_ < std::min<std::size_t>(queue_.size(), policy::window); ++sent_) {
-        if (hold_ && hold_()) return;
+        if (!heeded_ && interrupts() > 0) return;
         const Request& request = queue_[sent_].request;
+        if (sent_ > 0 && acts_at_once(queue_[sent_ - 1].request.command) && !acts_at_once(request.command)) return;
         if (replies(request.command) && ++asking > most_asking_) return;
         const auto number = static_cast<std::uint8_t>(next_ + sent_);
         transport_.write(encode_request(number, request.command, request.payload));
         on_line_.push_back({number, round_});
-        if (sent_ < farthest_) ++retransmissions_;
+        if (sent_ < farthest_)
+            ++retransmissions_;
+        else
+            said_ = transport_.now();
         farthest_ = std::max(farthest_, sent_ + 1);
     }
+}
+
+/// Only what is new keeps the watchdog quiet, so a keep-alive goes out while other answers are late. Twice as often as
+/// would do: what follows a frame that was lost shows the loss, and time is left to send again.
+void Client::keep_alive() {
+    if (keep_alive_pause_.count() == 0 || transport_.now() - said_ < keep_alive_pause_ / 2) return;
+    if (queue_.size() >= policy::window || farthest_ < queue_.size()) return;  // the next to be sent is new, too
+    if (!queue_.empty() && acts_at_once(queue_.back().request.command)) return;
+    queue_.push_back({{Command::keep_alive, {}}, {}, [](const Error&) {}, true});
+    ++kept_alive_;
+    transmit();
 }
 
 void Client::take(const Reply& reply) {
@@ -81,6 +127,7 @@ void Client::take(const Reply& reply) {
     if (place >= std::min<std::size_t>(queue_.size(), policy::window) || reply.command != queue_[place].request.command)
         return;
     if (applied(reply)) {
+        require_good(reply, queue_[place].request);
         if (!finish_before(reply, place)) return;
         // An answer to a frame that has been sent again since then shows that sending again was too early.
         patience_ =
@@ -89,14 +136,22 @@ void Client::take(const Reply& reply) {
     } else if (reply.status == interface::Status::out_of_order) {
         if (!of_this_round) return;  // it has been sent again since
         // A frame before it was lost. But nothing comes before the first of the queue: the device has forgotten us.
-        if (place == 0 && ++strange_ > policy::most_strange) {
-            forget();
-            in_doubt_ = true;
-            throw LinkLost("board", "it has lost the session, as after a reset; identify it again");
-        }
-        send_again();
+        if (place == 0 && ++strange_ > policy::most_strange)
+            lose("it has lost the session, as after a reset; identify it again");
+        send_again_soon();
     } else if (finish_before(reply, place)) {
         refuse(reply);
+    }
+}
+
+/// Every reply is looked at here and nowhere else.
+void Client::require_good(const Reply& reply, const Request& request) {
+    try {
+        require_sound(reply, request, identity_);
+    } catch (const Error&) {
+        forget();
+        in_doubt_ = true;
+        throw;
     }
 }
 
@@ -106,7 +161,7 @@ bool Client::finish_before(const Reply& reply, std::size_t place) {
     for (std::size_t i = 0; i < place; ++i) {
         const Command command = queue_.front().request.command;
         if (replies(command)) {
-            send_again();
+            send_again_soon();
             return false;
         }
         finish({next_, command, interface::Status::ok, reply.expected, reply.live_level, {}});
@@ -124,33 +179,75 @@ void Client::refuse(const Reply& reply) {
         forget();
         throw error;
     }
-    queue_.pop_front();
+    pop();
     sent_ = farthest_ = 0;
     ++round_;
-    tries_ = strange_ = 0;
     refused(error);
 }
 
-void Client::finish(const Reply& reply) {
-    const Pending pending = std::move(queue_.front());
+/// The first of the queue is finished, and only that restarts the patience: a port that talks of other things, or an
+/// answer that is lost again and again, does not.
+void Client::pop() {
+    if (queue_.front().keeps_alive) --kept_alive_;
     queue_.pop_front();
+    tries_ = strange_ = 0;
+    sent_again_ = false;
+    waited_ = std::chrono::microseconds(0);
+    heard_ = 0;
+}
+
+void Client::finish(const Reply& reply) {
+    const std::function<void(const Reply&)> done = std::move(queue_.front().done);
+    pop();
     ++next_;
     sent_ -= sent_ > 0 ? 1 : 0;
     farthest_ -= farthest_ > 0 ? 1 : 0;
-    tries_ = strange_ = 0;
-    if (pending.done) pending.done(reply);
+    if (done) done(reply);
 }
 
-void Client::send_again() {
+/// Sends again what is not answered, until that has been done too often.
+void Client::begin_round() {
+    waited_ = std::chrono::microseconds(0);
+    sent_again_ = false;
+    const Command command = queue_.front().request.command;
+    const unsigned most_tries = heeded_                        ? tries_when_interrupted
+                                : command == Command::identify ? policy::first_tries
+                                                               : policy::tries;
+    if (++tries_ > most_tries) {
+        given_up_ = heeded_;
+        lose(fmt::format(
+            "no answer to {} after {} tries{}; check the cable, the baud rate and that the board runs Haptogram; a "
+            "tile of a chain is named by a # and its number behind the port",
+            to_string(command), most_tries,
+            heard_ == 0 ? "" : fmt::format(", only {} bytes of something else", heard_)));
+    }
     sent_ = 0;
     ++round_;
     transport_.write(Bytes{0});  // ends whatever half frame the line left
 }
 
+/// An answer has shown that something was lost. At most once within a patience, or a line that always loses the same
+/// would be flooded.
+void Client::send_again_soon() {
+    if (sent_again_) return;
+    const std::chrono::microseconds waited = waited_;
+    begin_round();
+    waited_ = waited;
+    sent_again_ = true;
+}
+
+void Client::lose(const std::string& why) {
+    forget();
+    in_doubt_ = true;
+    throw LinkLost("board", why);
+}
+
 void Client::drop() {
     // The device may have applied what was sent, so those requests keep their numbers until they are answered.
     queue_.erase(queue_.begin() + static_cast<std::ptrdiff_t>(farthest_), queue_.end());
+    kept_alive_ = 0;
     for (Pending& pending : queue_) {
+        kept_alive_ += pending.keeps_alive ? 1 : 0;
         pending.done = {};
         pending.refused = [](const Error&) {};
     }
@@ -159,8 +256,11 @@ void Client::drop() {
 void Client::forget() {
     queue_.clear();
     on_line_.clear();
-    sent_ = farthest_ = 0;
+    off_.reset();
+    kept_alive_ = sent_ = farthest_ = 0;
     tries_ = strange_ = 0;
+    sent_again_ = false;
+    heard_ = 0;
     waited_ = std::chrono::microseconds(0);
 }
 
@@ -170,8 +270,9 @@ void Client::make_ready() {
 
 Identity Client::identify() {
     forget();
-    if (in_doubt_) next_ = static_cast<std::uint8_t>(next_ + 128);  // far from what may still be under way
+    next_ = static_cast<std::uint8_t>(next_ + 128);  // far from what may still be under way
     in_doubt_ = true;
+    heed_interrupt();
     transport_.write(Bytes{0});
     Bytes block;
     submit({Command::identify, {}}, [&block](const Reply& reply) { block = reply.data; });
@@ -181,22 +282,98 @@ Identity Client::identify() {
         forget();
         throw;
     }
-    in_doubt_ = false;
     identity_ = to_identity(block);
+    in_doubt_ = false;
     most_asking_ = std::max<std::size_t>(1, identity_.frame_bytes / policy::asking_bytes);
     return identity_;
 }
 
 void Client::shut_off() {
+    // The number is none that the device has had, as far as is known; it acts whatever it is.
+    const auto number = static_cast<std::uint8_t>(next_ + farthest_);
     forget();
-    transport_.discard_output();
-    next_ = static_cast<std::uint8_t>(next_ + 128);
     in_doubt_ = true;
-    transport_.write(Bytes{0});
-    submit({Command::identify, {}});
-    submit({Command::disable, {}});
-    submit({Command::stop, {}}, [this](const Reply&) { in_doubt_ = false; });
-    transmit();
+    off_ = Off{number};
+    next_ = static_cast<std::uint8_t>(number + 2);
+    heeded_ = heeded_ || interrupts() > 0;
+    transport_.discard_output();
+    say_off();
+}
+
+void Client::say_off() {
+    transport_.write(Bytes{0});  // ends whatever half frame the line left
+    transport_.write(encode_request(off_->number, Command::disable, {}));
+    transport_.write(encode_request(static_cast<std::uint8_t>(off_->number + 1), Command::stop, {}));
+}
+
+void Client::send_break() {
+    if (std::exchange(off_->broken, true)) return;
+    transport_.discard_output();
+    transport_.send_break();
+}
+
+std::optional<bool> Client::is_off() const {
+    if (!off_) return false;
+    if (off_->disabled && off_->stopped) return true;
+    const unsigned wishes = interrupts();
+    const unsigned most = wishes == 0 ? policy::first_tries : wishes == 1 ? rounds_when_interrupted : 0;
+    return off_->rounds < most ? std::nullopt : std::optional(false);
+}
+
+/// Any answer to a disable says that it has acted, whatever else it says.
+void Client::listen_for_off(std::chrono::microseconds at_most) {
+    std::vector<Reply> arrived;
+    const std::chrono::microseconds patience = heeded_ ? least_patience_ : patience_;
+    waited_ += hear(std::min({at_most, patience, std::chrono::microseconds(longest_look)}), arrived);
+    for (const Reply& reply : arrived) {
+        off_->disabled |= reply.command == Command::disable && reply.sequence == off_->number;
+        off_->stopped |=
+            reply.command == Command::stop && reply.sequence == static_cast<std::uint8_t>(off_->number + 1);
+    }
+    if (waited_ < patience || !shutting_off()) return;
+    waited_ = std::chrono::microseconds(0);
+    if (++off_->rounds >= rounds_before_break) send_break();
+    say_off();
+}
+
+bool Client::turn_off() {
+    Client* const self = this;
+    return link::shut_off({&self, 1}).front();
+}
+
+std::vector<bool> shut_off(std::span<Client* const> devices) {
+    std::vector<bool> gone(devices.size());
+    const auto each = [&](const auto& work) {
+        for (std::size_t i = 0; i < devices.size(); ++i) {
+            try {
+                if (!gone[i]) work(*devices[i]);
+            } catch (const Error&) {  // its port is gone: what can be done was done
+                gone[i] = true;
+            }
+        }
+    };
+    each([](Client& device) { device.shut_off(); });
+    for (bool waiting = true; std::exchange(waiting, false);)
+        each([&](Client& device) {
+            if (device.is_off()) return;
+            waiting = true;
+            device.exchange(std::chrono::milliseconds(devices.size() > 1 ? 1 : 20));
+        });
+    std::vector<bool> off(devices.size());
+    for (std::size_t i = 0; i < devices.size(); ++i) off[i] = devices[i]->end_shut_off();
+    return off;
+}
+
+/// A break is what is left when nothing was confirmed.
+bool Client::end_shut_off() {
+    const bool off = is_off().value_or(false);
+    try {
+        if (off_ && !off) send_break();
+    } catch (const Error&) {  // the port is gone
+    }
+    given_up_ = heeded_ && !off;
+    forget();
+    return off;
 }
 
 }  // namespace haptogram::link

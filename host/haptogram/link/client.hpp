@@ -6,6 +6,11 @@
 #include <deque>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <random>
+#include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "haptogram/link/commands.hpp"
@@ -20,16 +25,21 @@ namespace haptogram::link {
 class Client : public Commands {
 public:
     explicit Client(Transport& transport) : transport_(transport) {}
+    explicit Client(std::unique_ptr<Transport> transport) : owned_(std::move(transport)), transport_(*owned_) {}
 
     /// Starts a session; nothing else is answered before it.
     /// @throws Error{device} also when what answers is no Haptogram
     Identity identify();
     [[nodiscard]] const Identity& identity() const override { return identity_; }
 
-    /// Turns the outputs off ahead of everything: drops what is queued, takes back what has not left the port, and
-    /// sends disable and stop in a new session, because only the beginning of a session is taken whatever the line lost
-    /// before it. Returns at once; wait(), or exchange() until nothing is unanswered, brings the confirmation.
+    /// Turns the outputs off ahead of everything, and needs no session for it: drops what is queued, takes back what has
+    /// not left the port, and sends disable and stop, which act whatever their numbers. Returns at once; exchange() then
+    /// repeats them, and with a break of the line, until is_off() is known.
     void shut_off();
+    /// Whether the device has confirmed a shut_off(). Unknown while it may still do so, false when there was none.
+    [[nodiscard]] std::optional<bool> is_off() const;
+    /// shut_off(), and the waiting for it. @return whether it was confirmed
+    bool turn_off() override;
 
     void submit(Request request, std::function<void(const Reply&)> done = {}) override;
     /// The same, but a refusal is told to `refused` instead of thrown, and what is queued behind is still carried out.
@@ -38,20 +48,21 @@ public:
     void wait(std::size_t most_unanswered = 0) override;
     /// One step of wait(): sends what the window allows, and takes what arrives within `at_most`.
     void exchange(std::chrono::microseconds at_most);
-    [[nodiscard]] std::size_t unanswered() const override { return queue_.size(); }
+    [[nodiscard]] std::size_t unanswered() const override { return queue_.size() - kept_alive_; }
     void drop() override;
 
     [[nodiscard]] std::uint64_t retransmissions() const override { return retransmissions_; }
+    void keep_alive_every(std::chrono::milliseconds pause) override { keep_alive_pause_ = pause; }
     /// In place of the transport's patience and the policy's limit.
     void set_patience(std::chrono::microseconds patience, std::chrono::microseconds most = {}) {
         patience_ = least_patience_ = patience;
         most_patience_ = std::max(patience, most);
     }
-    /// Asked before each frame is sent; while it says true, none is.
-    void set_hold(std::function<bool()> hold) { hold_ = std::move(hold); }
+    /// Looked at wherever something is waited for. When the user asks to end, Interrupted is thrown, once. What is done
+    /// after it is to clean up: it may ask and write, but not enable, and a device that is silent then is soon lost.
+    void set_interrupt(Interrupt interrupt);
 
 protected:
-    explicit Client(std::unique_ptr<Transport> transport) : owned_(std::move(transport)), transport_(*owned_) {}
     void make_ready() override;
 
 private:
@@ -59,40 +70,75 @@ private:
         Request request;
         std::function<void(const Reply&)> done;
         std::function<void(const Error&)> refused;
+        bool keeps_alive = false;  ///< nobody asked for it
     };
     /// A frame that was sent and whose reply, if it gets one, is still to come. Replies come in the order of frames.
     struct Sent {
         std::uint8_t number;
         unsigned round;
     };
+    /// A shut_off() that is not confirmed yet.
+    struct Off {
+        std::uint8_t number = 0;  ///< of disable; that of stop is the next one
+        bool disabled = false, stopped = false;
+        unsigned rounds = 0;
+        bool broken = false;  ///< a break was sent
+    };
 
+    [[nodiscard]] unsigned interrupts() const { return interrupt_ ? interrupt_() : 0; }
+    void heed_interrupt();
+    std::chrono::microseconds hear(std::chrono::microseconds at_most, std::vector<Reply>& arrived);
     void transmit();
+    void keep_alive();
     void take(const Reply& reply);
+    void require_good(const Reply& reply, const Request& request);
+    void pop();
     void refuse(const Reply& reply);
     bool finish_before(const Reply& reply, std::size_t place);
     void finish(const Reply& reply);
-    void send_again();
+    void begin_round();
+    void send_again_soon();
+    [[noreturn]] void lose(const std::string& why);
     void forget();
+    [[nodiscard]] bool shutting_off() const { return off_ && !is_off(); }
+    void say_off();
+    void send_break();
+    void listen_for_off(std::chrono::microseconds at_most);
+    bool end_shut_off();
+    friend std::vector<bool> shut_off(std::span<Client* const> devices);
 
     std::unique_ptr<Transport> owned_;
     Transport& transport_;
     Identity identity_;
     ReplyDecoder decoder_;
     std::deque<Pending> queue_;
-    std::uint8_t next_ = 0;     // sequence number of the queue's first
-    std::size_t sent_ = 0;      // of the queue, in this round
-    std::size_t farthest_ = 0;  // of the queue, in any
+    std::size_t kept_alive_ = 0;  // of the queue: what keeps_alive
+    // Sessions begin anywhere, so that late replies to a program that was killed match nothing.
+    std::uint8_t next_ = static_cast<std::uint8_t>(std::random_device()());  // sequence number of the queue's first
+    std::size_t sent_ = 0;        // of the queue, in this round
+    std::size_t farthest_ = 0;    // of the queue, in any
     std::deque<Sent> on_line_;
     unsigned round_ = 0;  // a new one begins when frames are sent again
     unsigned tries_ = 0, strange_ = 0;
-    bool in_doubt_ = false;  // whether what was sent last was applied: only a new session makes the numbers certain
+    bool sent_again_ = false;      // for an answer that showed a loss, within this patience
+    bool in_doubt_ = true;         // whether what was sent last was applied: only a new session makes the numbers certain
     std::size_t most_asking_ = 1;  // frames under way whose replies carry data, for which the device keeps room
     std::chrono::microseconds least_patience_ = transport_.patience(), patience_ = least_patience_;
     std::chrono::microseconds most_patience_ = std::max<std::chrono::microseconds>(
         patience_, std::chrono::milliseconds(interface::link_policy::most_patience_ms));
-    std::chrono::microseconds waited_{0};  // since something arrived or was sent again
+    std::chrono::microseconds waited_{0};  // since a request was finished or sent again
+    std::uint64_t heard_ = 0;              // bytes since a request was finished
     std::uint64_t retransmissions_ = 0;
-    std::function<bool()> hold_;
+    std::optional<Off> off_;
+    Interrupt interrupt_;
+    bool heeded_ = false;  // Interrupted was thrown
+    bool given_up_ = false;  // while cleaning up
+    std::chrono::milliseconds keep_alive_pause_{0};
+    std::chrono::nanoseconds said_{0};  // when something new was sent last
 };
+
+/// Shuts several devices off: all of them blind at first, and then waits for each.
+/// @return of each, whether it was confirmed
+std::vector<bool> shut_off(std::span<Client* const> devices);
 
 }  // namespace haptogram::link

@@ -30,7 +30,53 @@ Bytes payload_of(Words... words) {
 /// @throws Error{device} when a block is too short to be taken apart
 void require_words(const Bytes& block, unsigned words) {
     if (block.size() < std::size_t{2} * words)
-        throw device_error("its reply is too short; it speaks another version of the protocol");
+        throw device_error(fmt::format("its reply is too short, {} bytes instead of {}; it speaks another version of "
+                                       "the protocol",
+                                       block.size(), 2 * words));
+}
+
+/// What a device says of itself may go to a terminal.
+std::string printable(const std::string& text) {
+    std::string shown;
+    for (const char letter : text) shown += letter >= ' ' && letter <= '~' ? letter : '?';
+    return shown;
+}
+
+/// A board that lied here would have buffers of no length and divisions by 0 made for it.
+void require_possible(const Identity& identity) {
+    const interface::CoreParameters core = identity.core();
+    for (const interface::ParameterDescription& one : interface::core_parameters) {
+        using Core = interface::CoreParameters;
+        if (one.member == &Core::baud || one.member == &Core::watchdog_ms || one.member == &Core::max_high_clocks)
+            continue;  // it does not tell them
+        if (!one.allows(core))
+            throw device_error(fmt::format("it says that its {} is {}, expected {} to {}{}{}; is it a Haptogram?",
+                                           one.name, core.*one.member, one.lowest(core), one.highest(core),
+                                           one.power_of_two ? ", a power of two" : "", one.optional ? ", or 0" : ""));
+    }
+    const std::uint32_t least_frame = 2 * (identity.channels + interface::record_header_words) + 6;
+    const auto require = [](const char* name, std::uint32_t value, std::uint32_t least, std::uint32_t most) {
+        if (value < least || value > most)
+            throw device_error(fmt::format("it says that its {} is {}, expected {} to {}; is it a Haptogram?", name,
+                                           value, least, most));
+    };
+    require("frame_bytes", identity.frame_bytes, least_frame, 0xffff);
+    require("max_pulse_clocks", identity.max_pulse_clocks, 1, 0xffff);
+    require("max_cycle_clocks", identity.max_cycle_clocks, 1, identity.clock_hz);
+}
+
+/// The bytes of data that the reply to a request has, or either of two.
+std::size_t expected_bytes(const Request& request, const Identity& identity) {
+    switch (request.command) {
+        case Command::identify: return std::size_t{2} * interface::identity_words;
+        case Command::status:
+            return std::size_t{2} * (interface::has(identity.features, interface::Feature::schedule)
+                                         ? interface::status_words
+                                         : interface::status_untimed_words);
+        case Command::digest: return 4;
+        case Command::read: return request.payload.size() < 6 ? 0 : request.payload[4] | request.payload[5] << 8U;
+        default: return 0;
+    }
 }
 
 }  // namespace
@@ -44,7 +90,7 @@ Identity to_identity(const Bytes& block) {
     identity.version_major = field::version_major.get(block);
     identity.version_minor = field::version_minor.get(block);
     if (identity.name != interface::name || identity.version_major != interface::version_major)
-        throw device_error(fmt::format("it says it is '{}' {}.{}, expected '{}' {}.x", identity.name,
+        throw device_error(fmt::format("it says it is '{}' {}.{}, expected '{}' {}.x", printable(identity.name),
                                        identity.version_major, identity.version_minor, interface::name,
                                        interface::version_major));
     require_words(block, interface::identity_words);
@@ -64,13 +110,31 @@ Identity to_identity(const Bytes& block) {
     identity.width_bits = field::width_bits.get(block);
     identity.foci = field::foci.get(block);
     identity.modulation_words = field::modulation_words.get(block);
+    require_possible(identity);
     return identity;
+}
+
+void require_sound(const Reply& reply, const Request& request, const Identity& identity) {
+    const std::size_t expected = expected_bytes(request, identity);
+    // Another version may describe itself at another length; to_identity() says so, or takes what it knows.
+    if (request.command != Command::identify && reply.data.size() != expected)
+        throw device_error(fmt::format("its reply to {} has {} bytes of data, expected {}; is it a Haptogram?",
+                                       to_string(request.command), reply.data.size(), expected));
+    if (request.command == Command::identify) return;
+    const std::uint32_t level =
+        std::max<std::uint32_t>(reply.live_level,
+                                request.command == Command::status ? to_status(reply.data).live_level : 0);
+    if (level > identity.live_depth)
+        throw device_error(fmt::format("it says that {} indices wait in its live FIFO, expected 0 to {}", level,
+                                       identity.live_depth));
 }
 
 Status to_status(const Bytes& block) {
     namespace field = interface::status_field;
     require_words(block, interface::status_untimed_words);
     const bool timed = block.size() >= std::size_t{2} * interface::status_words;
+    if (const auto role = field::role.get(block); role > static_cast<unsigned>(Role::slave))
+        throw device_error(fmt::format("it says that its role is {}, expected 0 to 2; is it a Haptogram?", role));
     const auto word = [&block](const interface::BitField& f) { return static_cast<std::uint16_t>(f.get(block)); };
     return {.enabled = field::enabled.get(block) != 0,
             .stopped = field::stopped.get(block) != 0,

@@ -83,8 +83,8 @@ struct Status {
     friend bool operator==(const Status&, const Status&) = default;
 };
 
-/// From the blocks that identify and status answer with. @throws Error{device} when they are of another instrument or
-/// too short
+/// From the blocks that identify and status answer with. @throws Error{device} naming the field when they are of another
+/// instrument, or say what no instrument can (rtl/INTERFACE.md)
 [[nodiscard]] Identity to_identity(const Bytes& block);
 [[nodiscard]] Status to_status(const Bytes& block);
 
@@ -125,6 +125,7 @@ public:
 
     Status status();
     void enable() { request({interface::Command::enable, {}}); }
+    /// As one of many requests, in their order; turn_off() is for all that must end.
     void disable() { request({interface::Command::disable, {}}); }
     void stop() { request({interface::Command::stop, {}}); }
     /// Plays a record from the next cycle on, for `dwell` cycles or, with 0, until something else comes.
@@ -171,6 +172,12 @@ public:
     virtual void drop() = 0;
     /// Frames that were sent again because the line had lost them or their answers.
     [[nodiscard]] virtual std::uint64_t retransmissions() const = 0;
+    /// Turns the outputs off ahead of everything that is queued, whatever came before and whatever the line has lost.
+    /// @return whether the device has confirmed it
+    virtual bool turn_off() = 0;
+    /// From now on something new is said at least so often while answers are waited for, and so twice while one is
+    /// late; 0: no more.
+    virtual void keep_alive_every(std::chrono::milliseconds /*pause*/) {}
 
 protected:
     /// Called before requests of their own by request() and pipeline().
@@ -179,6 +186,11 @@ protected:
 private:
     void set_gate(When when);
 };
+
+/// That a reply to a request is one: its data as long as was asked for, its values within what the device has.
+/// @param identity  of the device; of no meaning for identify
+/// @throws Error{device} naming the field, what was found and what was expected
+void require_sound(const Reply& reply, const Request& request, const Identity& identity);
 
 /// How often a host must say something while outputs are on, for a device with such a watchdog.
 [[nodiscard]] std::chrono::milliseconds keep_alive_pause(std::uint16_t watchdog_ms);

@@ -13,7 +13,10 @@ namespace haptogram::link {
 class Device final : public Client {
 public:
     /// @throws Error{device} when the port cannot be opened or no Haptogram answers
-    explicit Device(const PortSettings& settings) : Client(open_port(settings.port, settings.baud)) { identify(); }
+    explicit Device(const PortSettings& settings) : Client(open_port(settings.port, settings.baud)) {
+        set_interrupt(settings.interrupt);
+        identify();
+    }
 };
 
 /// A device that has answered.

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/link/outputs.hpp"
 
 namespace haptogram::link {
 namespace {
@@ -23,7 +24,7 @@ using Clock = std::chrono::steady_clock;
 using Lock = std::unique_lock<std::mutex>;
 
 constexpr std::chrono::milliseconds longest_read{5};  // until new requests and shut_off() are looked at again
-constexpr std::chrono::milliseconds patience_of_shut_off{2000};
+constexpr std::chrono::milliseconds polite_patience{500};  // for what a channel ends by itself
 
 /// A request on its way, in one place at a time: queued by its channel, or handed to the client.
 struct Item {
@@ -74,6 +75,7 @@ public:
         thread_ = std::thread([this] { run(); });
     }
 
+    /// May be called again; whoever does waits, too.
     void end() {
         {
             const Lock lock(mutex_);
@@ -83,7 +85,8 @@ public:
         urgent_ = true;
         work_.notify_all();
         news_.notify_all();
-        thread_.join();
+        const std::lock_guard joining(joining_);
+        if (thread_.joinable()) thread_.join();
     }
 
     std::uint64_t shut_off() {
@@ -166,27 +169,39 @@ private:
             try {
                 const std::unique_ptr<Transport> port = settings_.open();
                 Client client(*port);
-                client.set_hold([this] { return urgent_ && !shutting_off_; });
-                shutting_off_ = true;  // whatever is urgent, a session comes first
-                const Identity identity = client.identify();
-                if (had_session) turn_off(client);  // what ended the last one may have left the outputs on
-                shutting_off_ = asking_ = false;
-                had_session = true;
-                tell([&](DeviceState& state) {
-                    state.connection = Connection::connected;
-                    state.identity = identity;
-                    state.trouble.clear();
-                });
-                serve(client);
+                urgent_ = urgent_ || had_session;  // what ended the last session may have left the outputs on
+                while (!serve(client, had_session)) {
+                }
                 return;
             } catch (const std::exception& error) {
-                shutting_off_ = false;
                 lose(error.what());
             }
             Lock lock(mutex_);
             work_.wait_for(lock, settings_.reconnect_pause, [&] { return ending_; });
             if (ending_) return;
         }
+    }
+
+    /// Begins a session and serves the channels, until shut_off() or the end interrupts whatever is waited for.
+    /// @return whether it is the end  @throws Error when the link is lost
+    bool serve(Client& client, bool& had_session) {
+        try {
+            if (urgent_) turn_off(client);
+            if (ending()) return true;
+            client.set_interrupt([this] { return urgent_ ? 1U : 0U; });
+            const Identity identity = client.identify();
+            had_session = true;
+            asking_ = false;
+            tell([&](DeviceState& state) {
+                state.connection = Connection::connected;
+                state.identity = identity;
+                state.trouble.clear();
+            });
+            client.keep_alive_every(keep_alive_pause(watchdog_ms_));
+            serve(client);
+        } catch (const Interrupted&) {
+        }
+        return false;
     }
 
     void lose(const std::string& trouble) {
@@ -205,14 +220,10 @@ private:
         return ending_;
     }
 
-    /// Speaks to the device until this object ends. @throws Error when the link is lost
+    /// Speaks to the device until something is urgent. @throws Error when the link is lost
     void serve(Client& client) {
         Clock::time_point next_status = Clock::now();
-        for (;;) {
-            const bool ends = ending();
-            if (ends || urgent_) turn_off(client);
-            if (ends) return;
-            if (urgent_) continue;
+        while (!urgent_) {
             take_requests(client);
             if (!asking_ && Clock::now() >= next_status) {
                 ask_for_status(client);
@@ -270,18 +281,16 @@ private:
 
     void ask_for_status(Client& client) {
         asking_ = true;
-        client.submit({interface::Command::status, {}}, [this](const Reply& reply) {
+        client.submit({interface::Command::status, {}}, [this, &client](const Reply& reply) {
             asking_ = false;
-            learn(to_status(reply.data));
+            const Status status = to_status(reply.data);
+            watchdog_ms_ = status.watchdog_ms;
+            client.keep_alive_every(keep_alive_pause(watchdog_ms_));
+            tell([&](DeviceState& state) { state.status = status; });
         });
     }
 
-    void learn(const Status& status) {
-        watchdog_ms_ = status.watchdog_ms;
-        tell([&](DeviceState& state) { state.status = status; });
-    }
-
-    /// Turns the outputs off ahead of everything, and asks whether they are.
+    /// Turns the outputs off ahead of everything. Nothing is waited for as long as the policy would.
     void turn_off(Client& client) {
         std::uint64_t asked = 0;
         {
@@ -289,25 +298,11 @@ private:
             urgent_ = false;
             asked = state_.shut_offs;
         }
-        shutting_off_ = true;
-        asking_ = false;
-        client.shut_off();
-        std::optional<Status> status;
-        client.submit({interface::Command::status, {}},
-                      [&status](const Reply& reply) { status = to_status(reply.data); });
-        const auto begun = Clock::now();
-        while (client.unanswered() > 0) {
-            if (Clock::now() - begun > patience_of_shut_off)
-                throw LinkLost("board",
-                               "it does not confirm that its outputs are off; its watchdog should have turned them "
-                               "off, switch the power off to be sure");
-            client.exchange(longest_read);
-        }
-        shutting_off_ = false;
-        watchdog_ms_ = status->watchdog_ms;
+        client.set_interrupt([] { return 1U; });
+        if (!client.turn_off()) throw LinkLost("board", not_confirmed(watchdog_ms_));
         tell([&](DeviceState& state) {
-            state.status = *status;
-            if (!status->enabled) state.confirmed = std::max(state.confirmed, asked);
+            state.status.enabled = false;
+            state.confirmed = std::max(state.confirmed, asked);
         });
     }
 
@@ -320,9 +315,9 @@ private:
     bool ending_ = false;
     std::atomic<bool> urgent_ = false;
     std::atomic<std::uint64_t> retransmissions_ = 0;
+    std::mutex joining_;
     std::thread thread_;
     // Of the thread alone:
-    bool shutting_off_ = false;
     bool asking_ = false;
     std::uint16_t watchdog_ms_ = 500;
 };
@@ -376,6 +371,25 @@ public:
 
     [[nodiscard]] std::uint64_t retransmissions() const override { return core_->retransmissions() - before_; }
 
+    /// In order with the work of other channels, which goes on; when that brings no answer, ahead of it all.
+    bool turn_off() override {
+        {
+            Lock lock(core_->mutex());
+            if (box_->closed) return true;  // the thread turns them off, and tells of it
+            box_->empty();
+            box_->refusal = {};
+            for (const auto command : {interface::Command::disable, interface::Command::stop})
+                box_->queued.push_back({{command, {}}, {}});
+            core_->wake();
+            box_->news.wait_for(lock, polite_patience,
+                                [&] { return box_->closed || box_->refusal || box_->answers.size() == 2; });
+            const bool off = box_->answers.size() == 2;
+            box_->empty();
+            if (off) return true;
+        }
+        return core_->wait_off(core_->shut_off(), std::chrono::seconds(2));
+    }
+
 private:
     std::shared_ptr<Core> core_;
     Identity identity_;
@@ -386,6 +400,8 @@ private:
 DeviceThread::DeviceThread(Settings settings) : core_(std::make_shared<Core>(std::move(settings))) { core_->start(); }
 
 DeviceThread::~DeviceThread() { core_->end(); }
+
+void DeviceThread::end() { core_->end(); }
 
 std::unique_ptr<Commands> DeviceThread::channel(std::chrono::milliseconds patience) {
     return std::make_unique<Channel>(core_, patience);

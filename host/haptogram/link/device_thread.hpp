@@ -23,7 +23,7 @@ struct DeviceState {
     Status status;                ///< as the device said last; old when the connection is lost
     std::string trouble;          ///< why there is no connection, or what went wrong last; empty when all is well
     std::uint64_t shut_offs = 0;  ///< how often shut_off() was called
-    std::uint64_t confirmed = 0;  ///< how many of these the device has confirmed, by a status with its outputs off
+    std::uint64_t confirmed = 0;  ///< how many of these the device has confirmed, by an answer to disable
 };
 
 /// Owns a port in a thread of its own, so that a program can do other things while a device works: a server, a window,
@@ -34,8 +34,7 @@ struct DeviceState {
 /// keep the watchdog quiet, tells the caller of each, and connects again after the link was lost.
 ///
 /// shut_off() overtakes everything: what any channel has queued is dropped, bytes that have not left the port are taken
-/// back, and disable goes out as the next frame but one (the first begins a new session, so that no frame lost before
-/// can be in the way). Channels that were opened before it fail from then on with Error{cancelled}, so no work of
+/// back, and disable goes out as the next frame. Channels that were opened before it fail from then on with Error{cancelled}, so no work of
 /// before can turn the outputs on again. After a loss their error is LinkLost, and the thread turns the outputs off as
 /// soon as it has the device back.
 class DeviceThread {
@@ -53,8 +52,11 @@ public:
     explicit DeviceThread(Settings settings);
     DeviceThread(const DeviceThread&) = delete;
     DeviceThread& operator=(const DeviceThread&) = delete;
-    /// Shuts the outputs off, waiting some two seconds at most for the device to confirm it, and closes the port.
+    /// end(), if it was not called.
     ~DeviceThread();
+    /// Shuts the outputs off, waiting some two seconds at most for the device to confirm it, and closes the port. Whatever
+    /// the port does meanwhile, silent or babbling, is not waited for. Channels fail from now on.
+    void end();
 
     /// Opens a channel. Waits for the connection at most so long; work may then be done through it in any one thread,
     /// and it may outlive this object, after which it fails with Error{cancelled}.

@@ -17,11 +17,11 @@ int main(int argc, char** argv) try {
     const Image image = from_intel_hex(read_file(argv[2]), argv[2]);
     link::require_fits(image, board.identity(), argv[2]);
     link::upload(board, image);
-    // From here on the watchdog turns the outputs off 500 ms after the last request, whatever ends this program.
-    board.enable();
-    board.start(1, static_cast<std::uint16_t>(image.sequence.size()), 1);
-    while (!link::is_over(link::sure_status(board))) std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    board.disable();
+    // The board's watchdog turns the outputs off 500 ms after the last request, should this program die meanwhile.
+    link::while_on(board, 500, [&] {
+        board.start(1, static_cast<std::uint16_t>(image.sequence.size()), 1);
+        while (!link::is_over(link::sure_status(board))) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    });
     return 0;
 } catch (const haptogram::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());

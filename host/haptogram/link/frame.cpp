@@ -6,7 +6,7 @@ namespace {
 
 constexpr std::size_t longest_run = 254;
 constexpr std::size_t reply_header = 6;
-constexpr std::size_t longest_frame = 1 << 16;  // a line that never sends a zero must not fill the memory
+constexpr std::size_t longest_frame = 1 << 13;  // a line that never sends a zero must not fill the memory
 
 std::optional<Reply> decode_reply(std::span<const std::uint8_t> code) {
     const auto bytes = cobs_decode(code);

@@ -9,6 +9,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <thread>
 #include <utility>
 
 #include "haptogram/base/error.hpp"
@@ -43,7 +44,9 @@ struct Found : FtdiDevice {
 std::string text(libusb_device_handle* handle, std::uint8_t index) {
     std::array<unsigned char, 256> ascii{};
     const int length = index == 0 ? 0 : libusb_get_string_descriptor_ascii(handle, index, ascii.data(), ascii.size());
-    return {ascii.begin(), ascii.begin() + std::max(length, 0)};
+    std::string found(ascii.begin(), ascii.begin() + std::max(length, 0));
+    std::ranges::replace_if(found, [](char letter) { return letter < ' ' || letter > '~'; }, '?');  // for terminals
+    return found;
 }
 
 /// The plugged-in devices with FTDI's own numbers, and those with the vendor and product numbers that `wanted` begins
@@ -95,6 +98,7 @@ std::uint32_t rate_of(const ftdi_context& ftdi, std::uint32_t baud) {
 
 struct FtdiPort::Port {
     std::string name;
+    std::uint32_t baud = 0;
     Context ftdi{ftdi_new()};
     // Several are always under way. The chip's buffer is small and nothing can stop the board from sending, so the chip
     // must never wait for a transfer to fill.
@@ -128,7 +132,7 @@ struct FtdiPort::Port {
     }
 
     void open(const Found& found);
-    void set_up(std::uint32_t baud);
+    void set_up(std::uint32_t its_baud);
     void listen();
     void submit(libusb_transfer& read) {
         if (libusb_submit_transfer(&read) == 0)
@@ -156,7 +160,8 @@ void FtdiPort::Port::open(const Found& found) {
     require(result);
 }
 
-void FtdiPort::Port::set_up(std::uint32_t baud) {
+void FtdiPort::Port::set_up(std::uint32_t its_baud) {
+    baud = its_baud;
     require(ftdi_set_bitmode(ftdi.get(), 0, BITMODE_RESET));  // its last user may have left it in another mode
     require(ftdi_set_line_property(ftdi.get(), BITS_8, STOP_BIT_1, NONE));
     require(ftdi_setflowctrl(ftdi.get(), SIO_DISABLE_FLOW_CTRL));
@@ -215,6 +220,13 @@ FtdiPort::~FtdiPort() = default;
 void FtdiPort::write(std::span<const std::uint8_t> bytes) {
     const int written = ftdi_write_data(port_->ftdi.get(), bytes.data(), static_cast<int>(bytes.size()));
     if (written < 0) throw port_->gone(written);
+}
+
+void FtdiPort::send_break() {
+    ftdi_context* const ftdi = port_->ftdi.get();
+    if (ftdi_set_line_property2(ftdi, BITS_8, STOP_BIT_1, NONE, BREAK_ON) < 0) return;
+    std::this_thread::sleep_for(break_time(port_->baud));
+    ftdi_set_line_property2(ftdi, BITS_8, STOP_BIT_1, NONE, BREAK_OFF);
 }
 
 void FtdiPort::discard_output() { ftdi_tcoflush(port_->ftdi.get()); }

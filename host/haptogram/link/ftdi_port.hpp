@@ -24,6 +24,7 @@ public:
     void write(std::span<const std::uint8_t> bytes) override;
     [[nodiscard]] std::vector<std::uint8_t> read(std::chrono::microseconds patience) override;
     void discard_output() override;
+    void send_break() override;
 
 private:
     struct Port;

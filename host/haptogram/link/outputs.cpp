@@ -4,37 +4,50 @@
 #include <fmt/core.h>
 
 #include <exception>
-#include <utility>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/link/transport.hpp"
 
 namespace haptogram::link {
 
-Outputs::Outputs(Commands& device, std::uint16_t watchdog_ms, Warning warn)
-    : device_(device), watchdog_ms_(watchdog_ms), warn_(std::move(warn)) {
-    device_.set_watchdog(watchdog_ms);
-    try {
-        device_.enable();
-    } catch (const Error&) {
-        end();  // the outputs may be on: perhaps only the answer was lost
-        throw;
-    }
+std::string not_confirmed(std::optional<std::uint16_t> watchdog_ms) {
+    const std::string found = "it does not confirm that its outputs are off";
+    if (!watchdog_ms) return found + "; its watchdog turns them off if it is on: switch its power off to be sure";
+    if (*watchdog_ms == 0) return found + ", and its watchdog is off: switch its power off";
+    return fmt::format("{}; its watchdog turns them off {} ms after the last command that reached it", found,
+                       *watchdog_ms);
 }
 
-void Outputs::end() noexcept {
+bool then_off(const std::function<void()>& work, const std::function<std::string()>& off) {
+    bool interrupted = false;
     try {
-        device_.disable();
-        device_.stop();
-    } catch (const Error& error) {
-        if (error.code() == ErrorCode::cancelled || !warn_) return;  // DeviceThread has turned them off already
-        try {
-            warn_(fmt::format("{}; {}", error.what(),
-                              watchdog_ms_ != 0 ? "the watchdog turns the outputs off"
-                                                : "the outputs may still be on: switch the power off"));
-        } catch (const std::exception&) {
-            // A warning that cannot be given must not end the program while it cleans up.
-        }
+        work();
+    } catch (const Interrupted&) {
+        interrupted = true;
+    } catch (const std::exception& error) {
+        if (const std::string trouble = off(); !trouble.empty())
+            throw Error(ErrorCode::device, "", fmt::format("{}; {}", error.what(), trouble));
+        throw;
+    } catch (...) {
+        static_cast<void>(off());
+        throw;
     }
+    if (const std::string trouble = off(); !trouble.empty()) throw Error(ErrorCode::device, "board", trouble);
+    return interrupted;
+}
+
+bool while_on(Commands& device, std::uint16_t watchdog_ms, const std::function<void()>& work) {
+    device.set_watchdog(watchdog_ms);
+    const auto on = [&] {
+        device.keep_alive_every(keep_alive_pause(watchdog_ms));
+        device.enable();
+        work();
+    };
+    const auto off = [&] {
+        device.keep_alive_every({});
+        return device.turn_off() ? std::string() : not_confirmed(watchdog_ms);
+    };
+    return then_off(on, off);
 }
 
 void require_on(const Status& status) {

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "haptogram/link/commands.hpp"
@@ -11,24 +12,21 @@ namespace haptogram::link {
 /// Told, in words for the user, of trouble that does not end the work.
 using Warning = std::function<void(const std::string& message)>;
 
-/// The outputs are on while this lives, and off when it goes, whatever ended the playing. If the whole program dies,
+/// Turns the outputs on, does some work, and turns them off again, whatever became of it. If the whole program dies,
 /// the device's watchdog does that.
-class Outputs {
-public:
-    /// @param watchdog_ms  after how long without a frame the outputs go off; 0: never
-    /// @param warn         told when the outputs could not be turned off
-    Outputs(Commands& device, std::uint16_t watchdog_ms, Warning warn = {});
-    Outputs(const Outputs&) = delete;
-    Outputs& operator=(const Outputs&) = delete;
-    ~Outputs() { end(); }
+/// @param watchdog_ms  after how long without a frame the outputs go off; 0: never
+/// @return whether the work, or the turning on, was Interrupted
+/// @throws what the work does, Error{device} when the device does not confirm that its outputs are off
+bool while_on(Commands& device, std::uint16_t watchdog_ms, const std::function<void()>& work);
 
-private:
-    void end() noexcept;
+/// Does some work, and then shuts off what it has turned on, whatever became of it. Everything that enables outputs
+/// goes through here.
+/// @param off  shuts off; says in words who has not confirmed it, and nothing when all have
+bool then_off(const std::function<void()>& work, const std::function<std::string()>& off);
 
-    Commands& device_;
-    std::uint16_t watchdog_ms_;
-    Warning warn_;
-};
+/// In words, that a device does not confirm that its outputs are off, and what will turn them off.
+/// @param watchdog_ms  its watchdog's time, if it is known
+[[nodiscard]] std::string not_confirmed(std::optional<std::uint16_t> watchdog_ms);
 
 /// @throws Error{device} when the device has turned its outputs off by itself
 void require_on(const Status& status);

@@ -95,8 +95,7 @@ Played play(Commands& device, const PlaySettings& settings, const Watch& watch) 
     Playing now{.status = before};
     bool interrupted = false;
     const std::optional<ModulationOn> modulation = modulated(device, settings);
-    {
-        const Outputs on(device, settings.watchdog_ms, settings.warn);
+    interrupted |= while_on(device, settings.watchdog_ms, [&] {
         if (settings.index != 0)
             device.select(settings.index);
         else
@@ -112,7 +111,7 @@ Played play(Commands& device, const PlaySettings& settings, const Watch& watch) 
             interrupted = watch && !watch(now);
             require_on(now.status);
         } while (!interrupted && !is_over(now.status) && (settings.seconds == 0.0 || now.seconds < settings.seconds));
-    }
+    });
     return {.underruns = now.underruns,
             .refused_records = since(now.status, &Status::refused_records),
             .watchdog_trips = since(now.status, &Status::watchdog_trips),

@@ -14,6 +14,7 @@ struct PortSettings {
     std::string port;  ///< a serial port such as /dev/ttyUSB0, or ftdi:[VID:PID[:SERIAL]]; #N behind it: tile N of the
                        ///< chain there
     std::uint32_t baud = 1'000'000;  ///< the rate, which the build of the FPGA fixes
+    Interrupt interrupt{};           ///< as Client::set_interrupt() has it
 };
 
 /// Opens the port of that name: an FTDI chip when the name begins with "ftdi:", else a serial port. With "#2" at its

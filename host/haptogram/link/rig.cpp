@@ -38,9 +38,12 @@ std::uint64_t period_of(const Tile& tile) {
 void wait_for_step(std::span<const Tile> tiles) {
     constexpr std::uint64_t most_periods = 4000;  // 100 ms, four times what it takes
     const std::uint64_t begin = period_of(tiles[0]);
+    PeriodCount count;
     for (const Tile& tile : tiles.subspan(1))
         while (!with(tile, [](Client& device) { return follows(device.status()); })) {
-            if (period_of(tiles[0]) - begin > most_periods)
+            const std::uint64_t period = period_of(tiles[0]);
+            if (!count.goes_on(period)) throw tile_error(tiles[0], stands_still(period));
+            if (period - begin > most_periods)
                 throw tile_error(tile, fmt::format("it is a slave and does not come into step with {}; check the wire "
                                                    "from there to its sync_in, and the ground",
                                                    tiles[0].name));
@@ -102,16 +105,20 @@ RigPlayed play(std::span<const Tile> tiles, const RigSettings& settings, const R
             tile.device.start(1, settings.loops ? static_cast<std::uint16_t>(tile.image.sequence.size()) : 0,
                               settings.loops.value_or(0), when);
     };
-    const std::uint64_t begins = playing.begin_together(arm, 0, false);
     RigTeller tell(watch);
-    const std::chrono::milliseconds pause = keep_alive_pause(settings.watchdog_ms);
-    // Asking for the status also keeps the watchdogs quiet.
-    do {
-        playing.wait(pause);
-        playing.ask();
-        if (playing.all(is_over)) playing.ask();  // as sure_status() does
-    } while (tell(playing) && (playing.period() < begins || !playing.all(is_over)) &&
-             (settings.seconds == 0.0 || tell.seconds() < settings.seconds));
+    const auto play_on = [&] {
+        const std::uint64_t begins = playing.begin_together(arm, 0, false);
+        tell.begin();
+        const std::chrono::milliseconds pause = keep_alive_pause(settings.watchdog_ms);
+        // Asking for the status also keeps the watchdogs quiet.
+        do {
+            playing.wait(pause);
+            playing.ask();
+            if (playing.all(is_over)) playing.ask();  // as sure_status() does
+        } while (tell(playing) && (playing.period() < begins || !playing.all(is_over)) &&
+                 (settings.seconds == 0.0 || tell.seconds() < settings.seconds));
+    };
+    if (then_off(play_on, [&] { return playing.off(); })) tell.interrupt();
     return tell.outcome(playing);
 }
 

@@ -192,40 +192,43 @@ RigPlayed stream(std::span<const Tile> tiles, const RigSettings& settings, Strea
     RigFeed feed(tiles, playing);
     Frames frames(source, tiles[0].image, feed.frame());
     RigTeller tell(watch);
-    const std::chrono::milliseconds pause = keep_alive_pause(settings.watchdog_ms);
-    bool going = true;
-    const auto go_on = [&] {
-        going = tell(playing) && (settings.seconds == 0.0 || tell.seconds() < settings.seconds);
-        return going;
-    };
-    const auto has_gone = [&](const Entries& entries) {
-        if (!entries.silence) tell.sent += entries.indices.size();
-    };
-    std::optional<Entries> next;
-    while (go_on()) {
-        if (!next) next = frames.next(pause);
-        if (!next && frames.ended()) break;
-        feed.ask();
-        if (!next) continue;
-        if (!feed.goes_on() && feed.holds()) {
-            const std::vector<Entries> first = first_frames(*std::exchange(next, {}), frames, feed.frame());
-            feed.begin(first);
-            for (const Entries& entries : first) has_gone(entries);
-        } else if (!feed.goes_on() || !feed.has_room()) {
-            playing.wait(1ms);
+    const auto stream_on = [&] {
+        const std::chrono::milliseconds pause = keep_alive_pause(settings.watchdog_ms);
+        bool going = true;
+        const auto go_on = [&] {
+            going = tell(playing) && (settings.seconds == 0.0 || tell.seconds() < settings.seconds);
+            return going;
+        };
+        const auto has_gone = [&](const Entries& entries) {
+            if (!entries.silence) tell.sent += entries.indices.size();
+        };
+        std::optional<Entries> next;
+        while (go_on()) {
+            if (!next) next = frames.next(pause);
+            if (!next && frames.ended()) break;
+            feed.ask();
+            if (!next) continue;
+            if (!feed.goes_on() && feed.holds()) {
+                const std::vector<Entries> first = first_frames(*std::exchange(next, {}), frames, feed.frame());
+                feed.begin(first);
+                for (const Entries& entries : first) has_gone(entries);
+            } else if (!feed.goes_on() || !feed.has_room()) {
+                playing.wait(1ms);
+            }
+            while (next && feed.goes_on() && feed.has_room()) {
+                feed.push(*next);
+                has_gone(*next);
+                next = frames.next(0ms);
+            }
         }
-        while (next && feed.goes_on() && feed.has_room()) {
-            feed.push(*next);
-            has_gone(*next);
-            next = frames.next(0ms);
+        while (going && !playing.all(is_over)) {
+            playing.wait(pause);
+            feed.ask();
+            if (playing.all(is_over)) feed.ask();  // as sure_status() does
+            static_cast<void>(go_on());
         }
-    }
-    while (going && !playing.all(is_over)) {
-        playing.wait(pause);
-        feed.ask();
-        if (playing.all(is_over)) feed.ask();  // as sure_status() does
-        static_cast<void>(go_on());
-    }
+    };
+    if (then_off(stream_on, [&] { return playing.off(); })) tell.interrupt();
     return tell.outcome(playing);
 }
 

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <exception>
 
 #include "haptogram/base/error.hpp"
 
@@ -35,56 +34,43 @@ std::string unfit(const Status& status, const Status& before, bool on) {
     return "it has turned its outputs off: its watchdog or guard tripped";
 }
 
-/// Without waiting for the answer.
-void keep_alive(const Tile& tile) {
-    try {
-        tile.device.exchange(0us);
-        if (tile.device.unanswered() == 0) tile.device.submit({interface::Command::keep_alive, {}});
-        tile.device.flush();
-    } catch (const Error&) {
-        // It will not answer either when it is asked next, and is lost then.
-    }
-}
-
 }  // namespace
 
 PlayingTiles::PlayingTiles(std::span<const Tile> tiles, const RigSettings& settings)
-    : tiles_(tiles), settings_(settings), statuses_(tiles.size()) {
+    : tiles_(tiles), settings_(settings), statuses_(tiles.size()), counts_(tiles.size()) {
     for (std::size_t i = 0; i < tiles.size(); ++i)
         with(tiles[i], [&](Client& device) {
             device.set_watchdog(settings.watchdog_ms);
+            device.keep_alive_every(keep_alive_pause(settings.watchdog_ms));
             before_.push_back(device.status());
             statuses_[i] = before_.back();
         });
 }
 
-PlayingTiles::~PlayingTiles() {
-    std::vector<std::string> trouble(tiles_.size());
-    const auto attempt = [&trouble](std::size_t i, const auto& work) {
-        try {
-            work();
-        } catch (const std::exception& error) {
-            trouble[i] = error.what();
-        }
-    };
-    for (std::size_t i = 0; i < tiles_.size(); ++i) attempt(i, [&] { tiles_[i].device.shut_off(); });
-    for (unsigned look = 0; look < most_looks(settings_.watchdog_ms); ++look) {
-        bool waiting = false;
-        for (std::size_t i = 0; i < tiles_.size(); ++i) {
-            if (!trouble[i].empty() || is_lost(i) || tiles_[i].device.unanswered() == 0) continue;
-            waiting = true;
-            attempt(i, [&] { tiles_[i].device.exchange(1ms); });
-        }
-        if (!waiting) break;
+std::string PlayingTiles::off() {
+    std::vector<Client*> devices;
+    for (const Tile& tile : tiles_) {
+        tile.device.keep_alive_every({});
+        devices.push_back(&tile.device);
     }
-    if (!settings_.warn) return;
+    const std::vector<bool> off = shut_off(devices);
+    std::vector<std::string> trouble;
     for (std::size_t i = 0; i < tiles_.size(); ++i)
-        attempt(i, [&] {
-            if (trouble[i].empty() && tiles_[i].device.unanswered() == 0) return;
-            settings_.warn(fmt::format("{}: it does not confirm that its outputs are off; {}", tiles_[i].name,
-                                       settings_.watchdog_ms != 0 ? "its watchdog turns them off"
-                                                                  : "they may still be on: switch the power off"));
-        });
+        if (!off[i])
+            trouble.push_back(fmt::format("{}: {}", tiles_[i].name, not_confirmed(settings_.watchdog_ms)));
+    return fmt::format("{}", fmt::join(trouble, "; "));
+}
+
+bool PeriodCount::goes_on(std::optional<std::uint64_t> period) {
+    constexpr std::chrono::seconds most{3};
+    const auto now = std::chrono::steady_clock::now();
+    if (!period || period != last_) since_ = now;
+    last_ = period;
+    return now - since_ < most;
+}
+
+std::string stands_still(std::uint64_t period) {
+    return fmt::format("its count of carrier periods stands still at {}; switch it off and on", period);
 }
 
 void PlayingTiles::lose(std::size_t tile, const std::string& why) {
@@ -108,8 +94,24 @@ void PlayingTiles::each(const std::function<void(const Tile&)>& work) {
         if (is_lost(i)) continue;
         try {
             work(tiles_[i]);
+        } catch (const Interrupted&) {
+            throw;
         } catch (const Error& error) {
             lose(i, error.message());
+        }
+    }
+}
+
+/// Lets those that have answered say what they must.
+void PlayingTiles::keep_alive(std::span<const std::optional<Status>> answered) {
+    for (std::size_t i = 0; i < tiles_.size(); ++i) {
+        if (is_lost(i) || !answered[i]) continue;
+        try {
+            tiles_[i].device.exchange(0us);
+        } catch (const Interrupted&) {
+            throw;
+        } catch (const Error&) {
+            // It will not answer either when it is asked next, and is lost then.
         }
     }
 }
@@ -124,6 +126,8 @@ void PlayingTiles::exchange(std::span<std::optional<Status>> answers) {
             any = true;
             try {
                 work(tiles_[i].device, i);
+            } catch (const Interrupted&) {
+                throw;
             } catch (const Error& error) {
                 trouble[i] = error.message();
             }
@@ -135,9 +139,6 @@ void PlayingTiles::exchange(std::span<std::optional<Status>> answers) {
                       [answers, i](const Reply& reply) { answers[i] = to_status(reply.data); });
         device.flush();
     });
-    // While some are waited for, the others' watchdogs must be kept quiet.
-    const auto pause = std::max<std::size_t>(
-        1, static_cast<std::size_t>(keep_alive_pause(settings_.watchdog_ms).count()) / tiles_.size());
     for (unsigned look = 1; look <= most_looks(settings_.watchdog_ms); ++look) {
         bool answered = false;  // something that was asked before, such as entries of a stream
         const auto listen = [&answered](Client& device, std::size_t) {
@@ -147,8 +148,7 @@ void PlayingTiles::exchange(std::span<std::optional<Status>> answers) {
         };
         if (!with_the_silent(listen)) break;
         if (answered) look = 0;
-        for (std::size_t i = 0; look % pause == 0 && i < tiles_.size(); ++i)
-            if (!is_lost(i) && answers[i] && trouble[i].empty()) keep_alive(tiles_[i]);
+        keep_alive(answers);  // while some are waited for, the others' watchdogs must be kept quiet
     }
     for (std::size_t i = 0; i < tiles_.size(); ++i) {
         if (is_lost(i) || answers[i]) continue;
@@ -167,7 +167,8 @@ void PlayingTiles::ask() {
     }
     for (std::size_t i = 0; i < tiles_.size(); ++i) {
         if (is_lost(i) || !answers[i]) continue;
-        const std::string why = unfit(*answers[i], before_[i], on_);
+        std::string why = unfit(*answers[i], before_[i], on_);
+        if (why.empty() && !counts_[i].goes_on(answers[i]->period)) why = stands_still(*answers[i]->period);
         if (why.empty())
             statuses_[i] = answers[i];
         else
@@ -180,6 +181,8 @@ void PlayingTiles::wait(std::chrono::milliseconds pause) {
         if (is_lost(i)) continue;
         try {
             return tiles_[i].device.exchange(pause);
+        } catch (const Interrupted&) {
+            throw;
         } catch (const Error& error) {
             lose(i, error.message());
         }

@@ -19,19 +19,33 @@ auto with(const Tile& tile, const Work& work) {
         return work(tile.device);
     } catch (const LinkLost& lost) {
         throw LinkLost(tile.name, lost.message());
+    } catch (const Interrupted&) {
+        throw;
     } catch (const Error& error) {
         throw Error(error.code() == ErrorCode::bad_input ? ErrorCode::bad_input : ErrorCode::device, tile.name,
                     error.message());
     }
 }
 
-/// The tiles of a rig that plays. Their outputs go off when this goes, whatever ended the playing.
+/// A device's count of carrier periods, which must go on: a rig waits for numbers of it.
+class PeriodCount {
+public:
+    /// @return whether it has gone on lately
+    bool goes_on(std::optional<std::uint64_t> period);
+
+private:
+    std::optional<std::uint64_t> last_;
+    std::chrono::steady_clock::time_point since_{};
+};
+[[nodiscard]] std::string stands_still(std::uint64_t period);
+
+/// The tiles of a rig that plays. Who has them turned on calls off() in the end, by then_off().
 class PlayingTiles {
 public:
     PlayingTiles(std::span<const Tile> tiles, const RigSettings& settings);
-    PlayingTiles(const PlayingTiles&) = delete;
-    PlayingTiles& operator=(const PlayingTiles&) = delete;
-    ~PlayingTiles();
+
+    /// Shuts all tiles off, also those that are lost. @return which have not confirmed it, in words
+    std::string off();
 
     /// Something with each tile that is not lost, one after the other. A tile at which it fails is lost.
     void each(const std::function<void(const Tile&)>& work);
@@ -62,11 +76,13 @@ public:
 private:
     void lose(std::size_t tile, const std::string& why);
     void exchange(std::span<std::optional<Status>> answers);
+    void keep_alive(std::span<const std::optional<Status>> answered);
 
     std::span<const Tile> tiles_;
     const RigSettings& settings_;
     std::vector<std::optional<Status>> statuses_;
     std::vector<Status> before_;
+    std::vector<PeriodCount> counts_;
     std::vector<std::string> lost_;
     bool on_ = false;
     std::uint64_t lead_ = 0, begun_ = 0;
@@ -84,6 +100,9 @@ class RigTeller {
 public:
     explicit RigTeller(const RigWatch& watch) : watch_(watch) {}
 
+    /// The seconds are counted from here on.
+    void begin() { begun_ = Clock::now(); }
+    void interrupt() { interrupted_ = true; }
     [[nodiscard]] double seconds() const { return std::chrono::duration<double>(Clock::now() - begun_).count(); }
     /// @return whether to go on
     bool operator()(const PlayingTiles& tiles) {

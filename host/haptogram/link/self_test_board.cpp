@@ -144,12 +144,11 @@ Finding check_clock(Commands& device, const SelfTestSettings& settings) {
     device.pipeline(writing(record));
     const double nominal_s = static_cast<double>(cycle_clocks(image, 0)) * cycles / identity.clock_hz;
     Duration lasted;
-    {
-        constexpr std::uint16_t watchdog_ms = 500;
-        const Outputs on(device, watchdog_ms, settings.warn);
+    constexpr std::uint16_t watchdog_ms = 500;
+    heed(while_on(device, watchdog_ms, [&] {
         lasted =
             play_silence(device, cycles, patience * nominal_s, settings.progress.in_stage(to_string(Check::clock)));
-    }
+    }));
     const double least_hz = identity.clock_hz * nominal_s / lasted.most_s;
     const double most_hz =
         lasted.least_s > 0.0 ? identity.clock_hz * nominal_s / lasted.least_s : std::numeric_limits<double>::infinity();
@@ -180,13 +179,10 @@ Finding check_sync(Commands& device, const SelfTestSettings&) {
             "ground; a function generator in its place gives no numbers"};
 }
 
-Finding check_outputs(Commands& device, const SelfTestSettings& settings) {
+Finding check_outputs(Commands& device, const SelfTestSettings&) {
     constexpr std::uint16_t watchdog_ms = 0;  // silence plays
     bool came_on = false;
-    {
-        const Outputs on(device, watchdog_ms, settings.warn);
-        came_on = device.status().enabled;
-    }
+    heed(while_on(device, watchdog_ms, [&] { came_on = device.status().enabled; }));
     if (came_on && !device.status().enabled)
         return {Check::outputs, Outcome::passed, "on when they were enabled, off when they were disabled"};
     return {Check::outputs, Outcome::failed,
@@ -194,18 +190,21 @@ Finding check_outputs(Commands& device, const SelfTestSettings& settings) {
             "switch the board's power off and on; if it stays so, load the bitstream anew"};
 }
 
-Finding check_watchdog(Commands& device, const SelfTestSettings& settings) {
+Finding check_watchdog(Commands& device, const SelfTestSettings&) {
     constexpr std::uint16_t watchdog_ms = 50;
     const Status before = device.status();
-    const Outputs on(device, watchdog_ms, settings.warn);
-    for (const int silence_ms : {200, 1000, 5000}) {  // a simulated board is slower than real time
-        std::this_thread::sleep_for(std::chrono::milliseconds(silence_ms));
-        const Status status = device.status();
-        const auto trips = static_cast<std::uint16_t>(status.watchdog_trips - before.watchdog_trips);
-        if (trips == 1 && !status.enabled)
-            return {Check::watchdog, Outcome::passed,
-                    fmt::format("off by itself after a silence of {} ms", watchdog_ms)};
-    }
+    bool went_off = false;
+    heed(while_on(device, watchdog_ms, [&] {
+        device.keep_alive_every({});
+        for (const int silence_ms : {200, 1000, 5000}) {  // a simulated board is slower than real time
+            std::this_thread::sleep_for(std::chrono::milliseconds(silence_ms));
+            const Status status = device.status();
+            went_off = static_cast<std::uint16_t>(status.watchdog_trips - before.watchdog_trips) == 1 && !status.enabled;
+            if (went_off) break;
+        }
+    }));
+    if (went_off)
+        return {Check::watchdog, Outcome::passed, fmt::format("off by itself after a silence of {} ms", watchdog_ms)};
     return {Check::watchdog, Outcome::failed, fmt::format("the outputs stay on, {} ms of silence or not", watchdog_ms),
             "do not put a hand above this board: it would go on when its host dies. Does another program speak to it? "
             "If not, load the bitstream anew"};

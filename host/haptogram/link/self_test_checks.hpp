@@ -5,6 +5,7 @@
 
 #include "haptogram/image/image.hpp"
 #include "haptogram/link/self_test.hpp"
+#include "haptogram/link/transport.hpp"
 
 namespace haptogram::link {
 
@@ -20,6 +21,11 @@ namespace haptogram::link {
 [[nodiscard]] Finding check_stop_switch(Commands& device, const SelfTestSettings& settings);
 [[nodiscard]] Finding check_channels(Commands& device, const SelfTestSettings& settings);
 [[nodiscard]] Finding check_point(Commands& device, const SelfTestSettings& settings);
+
+/// A check that was interrupted ends the whole test.
+inline void heed(bool interrupted) {
+    if (interrupted) throw Interrupted();
+}
 
 /// An image of one record, which plays 200 times a second for half of the time: what skin feels best, and an ear hears.
 /// @param timings  of its channels; interface::silent_timing for those that are silent

@@ -69,6 +69,7 @@ std::string play_pulsing(Commands& device, const SelfTestSettings& settings, std
             progress(std::min(1.0, now.seconds / for_s));
             return true;
         });
+        heed(played.interrupted);
         if (played.guard_trips != 0) return "the guard switched the outputs off";
         if (played.refused_records != 0) return "the board refused to play the record";
     } catch (const LinkLost&) {
@@ -84,12 +85,8 @@ std::string numbers(const std::set<std::uint32_t>& channels) { return fmt::forma
 
 constexpr std::string_view refused_advice = "run the checks of memories and clock; see `haptogram device status`";
 
-}  // namespace
-
-Finding check_stop_switch(Commands& device, const SelfTestSettings& settings) {
-    if (!settings.ask) return {Check::stop_switch, Outcome::unjudged, "released; nobody was there to press it"};
-    constexpr std::uint16_t watchdog_ms = 0;  // a person takes their time, and silence plays
-    const Outputs on(device, watchdog_ms, settings.warn);
+/// What pressing and releasing it does, while the outputs are on.
+Finding press_stop_switch(Commands& device, const SelfTestSettings& settings) {
     if (settings.ask("Press the stop switch and hold it, then Enter (n: there is none): ") == "n")
         return {Check::stop_switch, Outcome::unjudged, "there is none",
                 "a board that plays to hands wants one: see constraints/README.md"};
@@ -106,6 +103,16 @@ Finding check_stop_switch(Commands& device, const SelfTestSettings& settings) {
                                  : "when it was released, the outputs came on by themselves",
                 "see its wires and its pull-up"};
     return {Check::stop_switch, Outcome::passed, "the outputs went off and stayed off"};
+}
+
+}  // namespace
+
+Finding check_stop_switch(Commands& device, const SelfTestSettings& settings) {
+    if (!settings.ask) return {Check::stop_switch, Outcome::unjudged, "released; nobody was there to press it"};
+    constexpr std::uint16_t watchdog_ms = 0;  // a person takes their time, and silence plays
+    Finding found;
+    heed(while_on(device, watchdog_ms, [&] { found = press_stop_switch(device, settings); }));
+    return found;
 }
 
 Finding check_channels(Commands& device, const SelfTestSettings& settings) {

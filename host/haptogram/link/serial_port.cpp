@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 #include <poll.h>
 #include <sys/file.h>
+#include <sys/ioctl.h>
 #include <termios.h>
 
 #include <array>
@@ -12,6 +13,7 @@
 #include <boost/asio/serial_port.hpp>
 #include <cerrno>
 #include <system_error>
+#include <thread>
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/link/baud_rate.hpp"
@@ -26,6 +28,8 @@ constexpr std::chrono::seconds most_wait{10};  // for the port to take bytes
 
 struct SerialPort::Port {
     std::string path;
+    std::uint32_t baud;
+    Interrupt interrupt{};
     asio::io_context context;
     asio::serial_port serial{context};
 
@@ -38,6 +42,7 @@ struct SerialPort::Port {
 
 SerialPort::SerialPort(const std::string& path, std::uint32_t baud) : port_(std::make_unique<Port>()) {
     port_->path = path;
+    port_->baud = baud;
     asio::serial_port& serial = port_->serial;
     boost::system::error_code error;
     static_cast<void>(serial.open(path, error));
@@ -77,13 +82,23 @@ void SerialPort::write(std::span<const std::uint8_t> bytes) {
         if (error && error != asio::error::would_block) throw port_->gone(error);
         bytes = bytes.subspan(count);
         if (bytes.empty()) return;
-        if (std::chrono::steady_clock::now() > deadline)
+        if (std::chrono::steady_clock::now() > deadline || (port_->interrupt && port_->interrupt() > 0))
             throw LinkLost(port_->path,
-                           fmt::format("it took no bytes for {} s; is a board behind it?", most_wait.count()));
+                           fmt::format("it takes no bytes, not within {} s; is a board behind it?", most_wait.count()));
         pollfd wait{port_->serial.native_handle(), POLLOUT, 0};
         ::poll(&wait, 1, 100);
     }
 }
+
+/// A pseudo-terminal has no line, so nothing comes of it there.
+void SerialPort::send_break() {
+    const int port = port_->serial.native_handle();
+    if (::ioctl(port, TIOCSBRK) != 0) return;
+    std::this_thread::sleep_for(break_time(port_->baud));
+    ::ioctl(port, TIOCCBRK);
+}
+
+void SerialPort::set_interrupt(const Interrupt& interrupt) { port_->interrupt = interrupt; }
 
 void SerialPort::discard_output() { ::tcflush(port_->serial.native_handle(), TCOFLUSH); }
 

@@ -21,6 +21,8 @@ public:
     void write(std::span<const std::uint8_t> bytes) override;
     [[nodiscard]] std::vector<std::uint8_t> read(std::chrono::microseconds patience) override;
     void discard_output() override;
+    void send_break() override;
+    void set_interrupt(const Interrupt& interrupt) override;
 
 private:
     struct Port;

@@ -36,8 +36,7 @@ Played feed(Commands& device, const StreamSettings& settings, SourceOf<Entry>& s
         if (!played.interrupted && watch && !watch(now)) played.interrupted = true;
         return !played.interrupted;
     };
-    {
-        const Outputs on(device, settings.watchdog_ms, settings.warn);
+    played.interrupted |= while_on(device, settings.watchdog_ms, [&] {
         LiveFeed fifo(device, device.identity(), foci_each);
         std::optional<Entry> entry;
         auto asked = Clock::now();
@@ -69,7 +68,7 @@ Played feed(Commands& device, const StreamSettings& settings, SourceOf<Entry>& s
             require_on(now.status);
             std::this_thread::sleep_for(pause);
         }
-    }
+    });
     const auto since = [&](std::uint16_t Status::*counter) {
         return static_cast<std::uint16_t>(now.status.*counter - before.*counter);
     };

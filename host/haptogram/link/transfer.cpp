@@ -36,21 +36,19 @@ std::vector<Piece> unread_pieces_of(const Image& image) {
     return pieces;
 }
 
-/// Connects again after a loss, for as long as is left of `wait_s`. @return empty when the device did not come back
-std::unique_ptr<Commands> connect_again(const Connect& connect, double& wait_s, const Progress& progress) {
+using Clock = std::chrono::steady_clock;
+
+/// Connects again after a loss, until then. @return empty when the device did not come back
+std::unique_ptr<Commands> connect_again(const Connect& connect, Clock::time_point until, const Progress& progress) {
     constexpr std::chrono::milliseconds pause{200};
-    while (wait_s > 0.0) {
-        const auto begun = std::chrono::steady_clock::now();
-        std::unique_ptr<Commands> device;
+    while (Clock::now() < until) {
         progress(0.0, "waiting");
         std::this_thread::sleep_for(pause);
         try {
-            device = connect();
+            return connect();
         } catch (const Error& error) {
             if (error.code() != ErrorCode::device) throw;
         }
-        wait_s -= std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-        if (device) return device;
     }
     return {};
 }
@@ -161,12 +159,18 @@ void require_fits(const Image& image, const Identity& identity, const std::strin
 UploadReport upload(const Connect& connect, const Image& image, const UploadSettings& settings) {
     std::unique_ptr<Commands> device = connect();
     require_fits(image, device->identity(), settings.image);
-    const auto begun = std::chrono::steady_clock::now();
+    const auto begun = Clock::now();
     UploadReport report{.records = image.record_count(), .sequence_entries = image.sequence.size()};
-    double wait_s = settings.wait_s;
+    // A device that comes back, and then answers nothing, has not come back.
+    auto answered = Clock::now();
+    const Progress progress([&](double fraction, std::string_view stage) {
+        answered = Clock::now();
+        settings.progress(fraction, stage);
+        return true;
+    });
     for (bool done = false; !done;) {
         try {
-            const Uploaded uploaded = upload(*device, image, settings.progress);
+            const Uploaded uploaded = upload(*device, image, progress);
             report.frames = uploaded.pieces;
             report.frames_written = uploaded.written;
             done = true;
@@ -174,8 +178,11 @@ UploadReport upload(const Connect& connect, const Image& image, const UploadSett
             report.retransmissions += device->retransmissions();
             device.reset();
             ++report.link_losses;
-            if (settings.lost) settings.lost(lost, wait_s);
-            device = connect_again(connect, wait_s, settings.progress);
+            const auto until = answered + std::chrono::duration_cast<Clock::duration>(
+                                              std::chrono::duration<double>(std::min(settings.wait_s, 1e8)));
+            const double left_s = std::chrono::duration<double>(until - Clock::now()).count();
+            if (settings.lost && left_s > 0.0) settings.lost(lost, left_s);
+            device = connect_again(connect, until, settings.progress);
             if (!device)
                 throw Error(ErrorCode::device, settings.port,
                             "it did not come back; the same command goes on where this one stopped");
@@ -183,7 +190,7 @@ UploadReport upload(const Connect& connect, const Image& image, const UploadSett
         }
     }
     report.retransmissions += device->retransmissions();
-    report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+    report.seconds = std::chrono::duration<double>(Clock::now() - begun).count();
     if (settings.verify) {
         const std::string difference = compare(*device, image, settings.progress.in_stage("verify"));
         if (!difference.empty())

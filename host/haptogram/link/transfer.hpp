@@ -70,7 +70,7 @@ struct UploadSettings {
     std::string image;     ///< its name in messages
     std::string port;      ///< the device's name in messages
     bool verify = false;   ///< read all of it back and compare, beyond the digests
-    double wait_s = 30.0;  ///< for how long, in all, a lost device may stay away
+    double wait_s = 30.0;  ///< for how long, since its last answer, a lost device may stay away
     /// Told that the link was lost, and for how long the upload will wait for it.
     std::function<void(const LinkLost& lost, double wait_s)> lost{};
     Progress progress{};  ///< stages: none, "waiting" after a loss, "verify"

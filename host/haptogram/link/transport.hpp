@@ -2,6 +2,7 @@
 #pragma once
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,6 +19,15 @@ public:
     LinkLost(const std::string& where, const std::string& message) : Error(ErrorCode::device, where, message) {}
 };
 
+/// The user has asked to end while a board was waited for. What was on is shut off by whoever turned it on.
+class Interrupted : public Error {
+public:
+    Interrupted() : Error(ErrorCode::cancelled, "board", "ended before it had answered, because a signal asked to") {}
+};
+
+/// How often the user has asked to end: the second time means at once.
+using Interrupt = std::function<unsigned()>;
+
 /// A stream of bytes to a board and back: a serial port, or the simulated line of a Verilated board.
 class Transport {
 public:
@@ -33,10 +43,26 @@ public:
     /// Takes back as much as possible of what was written and has not gone out yet, so that what is written next goes
     /// out soon. A frame may be cut in its middle.
     virtual void discard_output() {}
+    /// Holds the line low for longer than any frame does, by which a board turns its outputs off and drops what it has
+    /// half received. A line that knows no such thing does nothing.
+    virtual void send_break() {}
+    /// While this says so, a port that takes no bytes is not waited for.
+    virtual void set_interrupt(const Interrupt&) {}
+    /// The line's own time, which is not the machine's when the board is simulated.
+    [[nodiscard]] virtual std::chrono::nanoseconds now() const {
+        return std::chrono::steady_clock::now().time_since_epoch();
+    }
     /// How long an answer may take on this line before the request is sent again.
     [[nodiscard]] virtual std::chrono::microseconds patience() const {
         return std::chrono::milliseconds(interface::link_policy::patience_ms);
     }
 };
+
+/// How long a break is held: longer than any frame, and than what a chain of tiles needs to pass it on, and so long that
+/// no USB bridge swallows it.
+[[nodiscard]] constexpr std::chrono::microseconds break_time(std::uint32_t baud) {
+    constexpr std::uint64_t bits = 25 + interface::chain::most_tiles / 2 + 2;
+    return std::chrono::microseconds(bits * 1'000'000 / baud + 1) + std::chrono::milliseconds(2);
+}
 
 }  // namespace haptogram::link

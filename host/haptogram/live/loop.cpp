@@ -124,8 +124,7 @@ bool Loop::await(DepthSource& source, const std::function<bool()>& waits) {
     return true;
 }
 
-LoopReport Loop::run(DepthSource& source, const Told& told, const std::function<bool()>& waits) {
-    const link::Outputs on(device_, options_.watchdog_ms);
+void Loop::play_all(DepthSource& source, const Told& told, const std::function<bool()>& waits) {
     const std::uint16_t underruns_before = device_.status().underruns;
     bool going = true;
     while (going && await(source, waits)) {
@@ -140,6 +139,10 @@ LoopReport Loop::run(DepthSource& source, const Told& told, const std::function<
     const link::Status status = device_.status();
     link::require_on(status);
     report_.underruns = static_cast<std::uint16_t>(status.underruns - underruns_before);
+}
+
+LoopReport Loop::run(DepthSource& source, const Told& told, const std::function<bool()>& waits) {
+    link::while_on(device_, options_.watchdog_ms, [&] { play_all(source, told, waits); });
     report_.rings = player_.sent();
     static_cast<ShotCounts&>(report_) = fingers_.counts();
     return report_;

@@ -43,10 +43,12 @@ public:
     using Told = std::function<bool(const ShotReport&, const DepthShot&)>;
     /// Turns the outputs on, plays until the source ends, `told` says false or, while a live source has no shot,
     /// `waits` does, and turns them off.
-    /// @throws Error{device} when the board turns its outputs off by itself, or the link is lost
+    /// @throws Error{device} when the board turns its outputs off by itself, does not confirm that they are off, or the
+    /// link is lost
     LoopReport run(DepthSource& source, const Told& told = {}, const std::function<bool()>& waits = {});
 
 private:
+    void play_all(DepthSource& source, const Told& told, const std::function<bool()>& waits);
     bool await(DepthSource& source, const std::function<bool()>& waits);
     bool take(const DepthShot& shot, const DepthSource& source, const Told& told);
     [[nodiscard]] ShotReport begin(const DepthShot& shot);
