@@ -221,7 +221,8 @@ void add_device(CLI::App& app, Action& action) {
                          "That time in ms; 0 leaves them on with no host (default: as it is, 500 after reset)")
             ->check(whole(0, 65535));
     watchdog->each([options](const std::string&) { options->has_watchdog = true; });
-    add("disable", "Turn the outputs off, at once, and end what plays; whatever the board does and the line has lost", disable);
+    add("disable", "Turn the outputs off, at once, and end what plays; whatever the board does and the line has lost",
+        disable);
     add("stop", "Silence after the present cycle; outputs stay as they are", stop);
     const auto add_when = [options](CLI::App& command) {
         auto* after = command.add_flag("--after", options->after,

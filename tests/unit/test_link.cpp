@@ -10,11 +10,14 @@
 #include "haptogram/link/client.hpp"
 #include "haptogram/link/frame.hpp"
 #include "haptogram/link/transfer.hpp"
+#include "lying_board.hpp"
 
 using namespace haptogram;
 using namespace haptogram::link;
 using Catch::Contains;
 using interface::Command;
+using test::identity_block;
+using test::reply_frame;
 
 namespace {
 
@@ -29,22 +32,6 @@ Bytes from_hex(const std::string& text) {
     for (std::size_t i = 0; i + 1 < text.size(); i += 2)
         bytes.push_back(static_cast<std::uint8_t>(std::stoul(text.substr(i, 2), nullptr, 16)));
     return bytes;
-}
-
-Bytes reply_frame(const Reply& r) {
-    Bytes frame = {r.sequence,
-                   static_cast<std::uint8_t>(static_cast<unsigned>(r.command) | 0x80U),
-                   static_cast<std::uint8_t>(r.status),
-                   r.expected,
-                   static_cast<std::uint8_t>(r.live_level),
-                   static_cast<std::uint8_t>(r.live_level >> 8)};
-    frame.insert(frame.end(), r.data.begin(), r.data.end());
-    const std::uint16_t crc = crc16(frame);
-    frame.push_back(static_cast<std::uint8_t>(crc >> 8));
-    frame.push_back(static_cast<std::uint8_t>(crc));
-    Bytes code = cobs_encode(frame);
-    code.push_back(0);
-    return code;
 }
 
 /// A board in ten lines that keeps what it was sent, over a line that loses frames.
@@ -173,8 +160,12 @@ TEST_CASE("client: a line on which nothing answers is a device error that says w
 TEST_CASE("client: the number of tries is the policy's, fewer before a board has answered at all", "[link]") {
     LossyBoard deaf(1);
     REQUIRE_THROWS_WITH(Client(deaf).identify(), Contains("after 8 tries"));
-    REQUIRE_THROWS_WITH(Client(deaf).enable(), Contains("after 32 tries"));
-    REQUIRE_THROWS_AS(Client(deaf).enable(), LinkLost);
+    LossyBoard board(0);
+    Client client(board);
+    client.identify();
+    board.lose_one_in(1);
+    REQUIRE_THROWS_WITH(client.enable(), Contains("after 32 tries"));
+    REQUIRE_THROWS_AS(client.enable(), LinkLost);
 }
 
 TEST_CASE("client: work that is cancelled leaves a session that goes on", "[link]") {

@@ -154,7 +154,8 @@ void Chain::sort(std::span<const std::uint8_t> bytes) {
         const std::vector<std::uint8_t> frame = std::exchange(frame_, {});
         if (frame.size() <= header_bytes + 1 || frame[0] % 2 == 0 || frame[1] != header(frame[0])[1]) continue;
         const auto tile = arrived_.find(frame[0] / 2);
-        if (tile != arrived_.end() && tile->second.size() < most_unread) tile->second.insert(tile->second.end(), frame.begin() + header_bytes, frame.end());
+        if (tile != arrived_.end() && tile->second.size() < most_unread)
+            tile->second.insert(tile->second.end(), frame.begin() + header_bytes, frame.end());
     }
 }
 

@@ -73,7 +73,7 @@ void Client::exchange(std::chrono::microseconds at_most) {
     for (std::vector<Reply> arrived;;) {
         heed_interrupt();
         transmit();
-        keep_alive();
+        say_alive();
         std::chrono::microseconds slice = std::min(at_most, patience_ - waited_);
         if (looks_up) slice = std::min<std::chrono::microseconds>(slice, longest_look);
         const std::uint64_t heard = heard_;
@@ -109,7 +109,7 @@ void Client::transmit() {
 
 /// Only what is new keeps the watchdog quiet, so a keep-alive goes out while other answers are late. Twice as often as
 /// would do: what follows a frame that was lost shows the loss, and time is left to send again.
-void Client::keep_alive() {
+void Client::say_alive() {
     if (keep_alive_pause_.count() == 0 || transport_.now() - said_ < keep_alive_pause_ / 2) return;
     if (queue_.size() >= policy::window || farthest_ < queue_.size()) return;  // the next to be sent is new, too
     if (!queue_.empty() && acts_at_once(queue_.back().request.command)) return;

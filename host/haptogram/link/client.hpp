@@ -32,9 +32,9 @@ public:
     Identity identify();
     [[nodiscard]] const Identity& identity() const override { return identity_; }
 
-    /// Turns the outputs off ahead of everything, and needs no session for it: drops what is queued, takes back what has
-    /// not left the port, and sends disable and stop, which act whatever their numbers. Returns at once; exchange() then
-    /// repeats them, and with a break of the line, until is_off() is known.
+    /// Turns the outputs off ahead of everything, and needs no session for it: drops what is queued, takes back what
+    /// has not left the port, and sends disable and stop, which act whatever their numbers. Returns at once; exchange()
+    /// then repeats them, and with a break of the line, until is_off() is known.
     void shut_off();
     /// Whether the device has confirmed a shut_off(). Unknown while it may still do so, false when there was none.
     [[nodiscard]] std::optional<bool> is_off() const;
@@ -89,7 +89,7 @@ private:
     void heed_interrupt();
     std::chrono::microseconds hear(std::chrono::microseconds at_most, std::vector<Reply>& arrived);
     void transmit();
-    void keep_alive();
+    void say_alive();
     void take(const Reply& reply);
     void require_good(const Reply& reply, const Request& request);
     void pop();
@@ -115,13 +115,13 @@ private:
     std::size_t kept_alive_ = 0;  // of the queue: what keeps_alive
     // Sessions begin anywhere, so that late replies to a program that was killed match nothing.
     std::uint8_t next_ = static_cast<std::uint8_t>(std::random_device()());  // sequence number of the queue's first
-    std::size_t sent_ = 0;        // of the queue, in this round
-    std::size_t farthest_ = 0;    // of the queue, in any
+    std::size_t sent_ = 0;                                                   // of the queue, in this round
+    std::size_t farthest_ = 0;                                               // of the queue, in any
     std::deque<Sent> on_line_;
     unsigned round_ = 0;  // a new one begins when frames are sent again
     unsigned tries_ = 0, strange_ = 0;
-    bool sent_again_ = false;      // for an answer that showed a loss, within this patience
-    bool in_doubt_ = true;         // whether what was sent last was applied: only a new session makes the numbers certain
+    bool sent_again_ = false;  // for an answer that showed a loss, within this patience
+    bool in_doubt_ = true;     // whether what was sent last was applied: only a new session makes the numbers certain
     std::size_t most_asking_ = 1;  // frames under way whose replies carry data, for which the device keeps room
     std::chrono::microseconds least_patience_ = transport_.patience(), patience_ = least_patience_;
     std::chrono::microseconds most_patience_ = std::max<std::chrono::microseconds>(
@@ -131,7 +131,7 @@ private:
     std::uint64_t retransmissions_ = 0;
     std::optional<Off> off_;
     Interrupt interrupt_;
-    bool heeded_ = false;  // Interrupted was thrown
+    bool heeded_ = false;    // Interrupted was thrown
     bool given_up_ = false;  // while cleaning up
     std::chrono::milliseconds keep_alive_pause_{0};
     std::chrono::nanoseconds said_{0};  // when something new was sent last

@@ -30,9 +30,10 @@ Bytes payload_of(Words... words) {
 /// @throws Error{device} when a block is too short to be taken apart
 void require_words(const Bytes& block, unsigned words) {
     if (block.size() < std::size_t{2} * words)
-        throw device_error(fmt::format("its reply is too short, {} bytes instead of {}; it speaks another version of "
-                                       "the protocol",
-                                       block.size(), 2 * words));
+        throw device_error(
+            fmt::format("its reply is too short, {} bytes instead of {}; it speaks another version of "
+                        "the protocol",
+                        block.size(), 2 * words));
 }
 
 /// What a device says of itself may go to a terminal.
@@ -121,12 +122,11 @@ void require_sound(const Reply& reply, const Request& request, const Identity& i
         throw device_error(fmt::format("its reply to {} has {} bytes of data, expected {}; is it a Haptogram?",
                                        to_string(request.command), reply.data.size(), expected));
     if (request.command == Command::identify) return;
-    const std::uint32_t level =
-        std::max<std::uint32_t>(reply.live_level,
-                                request.command == Command::status ? to_status(reply.data).live_level : 0);
+    const std::uint32_t level = std::max<std::uint32_t>(
+        reply.live_level, request.command == Command::status ? to_status(reply.data).live_level : 0);
     if (level > identity.live_depth)
-        throw device_error(fmt::format("it says that {} indices wait in its live FIFO, expected 0 to {}", level,
-                                       identity.live_depth));
+        throw device_error(
+            fmt::format("it says that {} indices wait in its live FIFO, expected 0 to {}", level, identity.live_depth));
 }
 
 Status to_status(const Bytes& block) {

@@ -83,8 +83,8 @@ struct Status {
     friend bool operator==(const Status&, const Status&) = default;
 };
 
-/// From the blocks that identify and status answer with. @throws Error{device} naming the field when they are of another
-/// instrument, or say what no instrument can (rtl/INTERFACE.md)
+/// From the blocks that identify and status answer with. @throws Error{device} naming the field when they are of
+/// another instrument, or say what no instrument can (rtl/INTERFACE.md)
 [[nodiscard]] Identity to_identity(const Bytes& block);
 [[nodiscard]] Status to_status(const Bytes& block);
 

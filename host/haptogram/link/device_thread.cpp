@@ -23,7 +23,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Lock = std::unique_lock<std::mutex>;
 
-constexpr std::chrono::milliseconds longest_read{5};  // until new requests and shut_off() are looked at again
+constexpr std::chrono::milliseconds longest_read{5};       // until new requests and shut_off() are looked at again
 constexpr std::chrono::milliseconds polite_patience{500};  // for what a channel ends by itself
 
 /// A request on its way, in one place at a time: queued by its channel, or handed to the client.

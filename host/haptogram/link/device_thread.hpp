@@ -34,9 +34,9 @@ struct DeviceState {
 /// keep the watchdog quiet, tells the caller of each, and connects again after the link was lost.
 ///
 /// shut_off() overtakes everything: what any channel has queued is dropped, bytes that have not left the port are taken
-/// back, and disable goes out as the next frame. Channels that were opened before it fail from then on with Error{cancelled}, so no work of
-/// before can turn the outputs on again. After a loss their error is LinkLost, and the thread turns the outputs off as
-/// soon as it has the device back.
+/// back, and disable goes out as the next frame. Channels that were opened before it fail from then on with
+/// Error{cancelled}, so no work of before can turn the outputs on again. After a loss their error is LinkLost, and the
+/// thread turns the outputs off as soon as it has the device back.
 class DeviceThread {
 public:
     struct Settings {
@@ -54,8 +54,8 @@ public:
     DeviceThread& operator=(const DeviceThread&) = delete;
     /// end(), if it was not called.
     ~DeviceThread();
-    /// Shuts the outputs off, waiting some two seconds at most for the device to confirm it, and closes the port. Whatever
-    /// the port does meanwhile, silent or babbling, is not waited for. Channels fail from now on.
+    /// Shuts the outputs off, waiting some two seconds at most for the device to confirm it, and closes the port.
+    /// Whatever the port does meanwhile, silent or babbling, is not waited for. Channels fail from now on.
     void end();
 
     /// Opens a channel. Waits for the connection at most so long; work may then be done through it in any one thread,

@@ -45,7 +45,8 @@ std::string text(libusb_device_handle* handle, std::uint8_t index) {
     std::array<unsigned char, 256> ascii{};
     const int length = index == 0 ? 0 : libusb_get_string_descriptor_ascii(handle, index, ascii.data(), ascii.size());
     std::string found(ascii.begin(), ascii.begin() + std::max(length, 0));
-    std::ranges::replace_if(found, [](char letter) { return letter < ' ' || letter > '~'; }, '?');  // for terminals
+    std::ranges::replace_if(
+        found, [](char letter) { return letter < ' ' || letter > '~'; }, '?');  // for terminals
     return found;
 }
 

@@ -42,9 +42,8 @@ struct Played {
 /// its own, and under a waveform that the device itself cannot play, the sequence goes through the live FIFO with other
 /// dwells, and the memory stays as it is.
 /// @throws what modulate.hpp says, for a waveform,
-///         Error{device} when there is nothing to play, or the device turns its outputs off or does not confirm that they
-///         are off in the end,
-///         Error{bad_argument} for a "rate" that no whole number of carrier cycles makes
+///         Error{device} when there is nothing to play, or the device turns its outputs off or does not confirm that
+///         they are off in the end, Error{bad_argument} for a "rate" that no whole number of carrier cycles makes
 Played play(Commands& device, const PlaySettings& settings, const Watch& watch = {});
 
 }  // namespace haptogram::link

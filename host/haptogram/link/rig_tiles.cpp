@@ -56,8 +56,7 @@ std::string PlayingTiles::off() {
     const std::vector<bool> off = shut_off(devices);
     std::vector<std::string> trouble;
     for (std::size_t i = 0; i < tiles_.size(); ++i)
-        if (!off[i])
-            trouble.push_back(fmt::format("{}: {}", tiles_[i].name, not_confirmed(settings_.watchdog_ms)));
+        if (!off[i]) trouble.push_back(fmt::format("{}: {}", tiles_[i].name, not_confirmed(settings_.watchdog_ms)));
     return fmt::format("{}", fmt::join(trouble, "; "));
 }
 

@@ -199,7 +199,8 @@ Finding check_watchdog(Commands& device, const SelfTestSettings&) {
         for (const int silence_ms : {200, 1000, 5000}) {  // a simulated board is slower than real time
             std::this_thread::sleep_for(std::chrono::milliseconds(silence_ms));
             const Status status = device.status();
-            went_off = static_cast<std::uint16_t>(status.watchdog_trips - before.watchdog_trips) == 1 && !status.enabled;
+            went_off =
+                static_cast<std::uint16_t>(status.watchdog_trips - before.watchdog_trips) == 1 && !status.enabled;
             if (went_off) break;
         }
     }));

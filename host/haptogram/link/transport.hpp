@@ -58,8 +58,8 @@ public:
     }
 };
 
-/// How long a break is held: longer than any frame, and than what a chain of tiles needs to pass it on, and so long that
-/// no USB bridge swallows it.
+/// How long a break is held: longer than any frame, and than what a chain of tiles needs to pass it on, and so long
+/// that no USB bridge swallows it.
 [[nodiscard]] constexpr std::chrono::microseconds break_time(std::uint32_t baud) {
     constexpr std::uint64_t bits = 25 + interface::chain::most_tiles / 2 + 2;
     return std::chrono::microseconds(bits * 1'000'000 / baud + 1) + std::chrono::milliseconds(2);
