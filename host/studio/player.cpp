@@ -64,6 +64,7 @@ Player::~Player() {
         over_ = true;
     }
     changed_.notify_all();
+    let_go_.clear();
     thread_.join();
 }
 
@@ -88,38 +89,46 @@ void Player::connect(Open open, std::string port, std::shared_ptr<VirtualBoard> 
 }
 
 void Player::take_back() {
-    auto device =
-        std::make_shared<link::DeviceThread>(link::DeviceThread::Settings{.open = open_, .told = settings_.told});
+    const auto listened_to = std::make_shared<std::atomic<bool>>(true);
+    const auto told = [this, listened_to](const link::DeviceState& state) {
+        if (*listened_to) settings_.told(state);
+    };
+    auto device = std::make_shared<link::DeviceThread>(link::DeviceThread::Settings{.open = open_, .told = told});
     const std::lock_guard lock(mutex_);
     device_ = std::move(device);
+    listened_to_ = listened_to;
 }
 
-VirtualBoard::Port Player::lend() {
+/// A board that is silent, or talks of other things, takes some seconds to be let go of. The mutex is held.
+void Player::let_go(std::shared_ptr<link::DeviceThread> device, std::shared_ptr<VirtualBoard> board,
+                    std::function<void()> free) {
+    if (!device) return;
+    *listened_to_ = false;
+    std::erase_if(let_go_,
+                  [](const auto& one) { return one.wait_for(std::chrono::seconds(0)) == std::future_status::ready; });
+    let_go_.push_back(std::async(
+        std::launch::async, [device = std::move(device), board = std::move(board), free = std::move(free)]() mutable {
+            device->end();  // who works with it is told so; only then its board goes
+            device.reset();
+            board.reset();
+            if (free) free();
+        }));
+}
+
+VirtualBoard::Port Player::lend(std::function<void()> free) {
     stop();
-    std::shared_ptr<link::DeviceThread> device;
-    VirtualBoard::Port port;
-    {
-        const std::lock_guard lock(mutex_);
-        if (!device_) throw Error(ErrorCode::device, "board", "there is no connection; connect to a board first");
-        const auto found = board_ ? board_->port() : VirtualBoard::Port{port_, link::PortSettings{}.baud};
-        if (!found) throw Error(ErrorCode::device, "board", "the virtual board is still starting; wait for it");
-        port = *found;
-        device = std::move(device_);
-    }
-    device.reset();  // waits until the outputs are off
-    return port;
+    const std::lock_guard lock(mutex_);
+    if (!device_) throw Error(ErrorCode::device, "board", "there is no connection; connect to a board first");
+    const auto found = board_ ? board_->port() : VirtualBoard::Port{port_, link::PortSettings{}.baud};
+    if (!found) throw Error(ErrorCode::device, "board", "the virtual board is still starting; wait for it");
+    let_go(std::move(device_), nullptr, std::move(free));
+    return *found;
 }
 
 void Player::disconnect() {
     stop();
-    std::shared_ptr<link::DeviceThread> device;
-    std::shared_ptr<VirtualBoard> board;
-    {
-        const std::lock_guard lock(mutex_);
-        device = std::move(device_);
-        board = std::move(board_);
-    }
-    device.reset();  // waits until the outputs are off, and only then the board goes
+    const std::lock_guard lock(mutex_);
+    let_go(std::move(device_), std::move(board_), {});
 }
 
 bool Player::connected() const {

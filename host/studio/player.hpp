@@ -4,12 +4,14 @@
 #include <condition_variable>
 #include <deque>
 #include <functional>
+#include <future>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "haptogram/link/device_thread.hpp"
 #include "haptogram/link/intensity.hpp"
@@ -34,19 +36,21 @@ public:
     explicit Player(Settings settings);
     Player(const Player&) = delete;
     Player& operator=(const Player&) = delete;
-    /// Outputs off, and the end of the connection.
+    /// Outputs off, and the end of the connection; waits some two seconds for it at most.
     ~Player();
 
     /// Connects to a port, in place of the present one.
     void connect(const std::string& port);
     /// Starts a virtual board, as VirtualBoard has it, and connects to it.
     void connect_virtual(const Core& core, const std::string& model);
+    /// Outputs off, and lets go of the board; nothing of that is waited for.
     void disconnect();
     [[nodiscard]] bool connected() const;
 
     /// Turns the outputs off and lets go of the port, so that another program can have it until take_back().
+    /// @param free  told in some thread once it can
     /// @throws Error{device} without a connection, or while a virtual board is still starting
-    VirtualBoard::Port lend();
+    VirtualBoard::Port lend(std::function<void()> free);
     /// Connects again to the port that was lent.
     void take_back();
 
@@ -88,6 +92,8 @@ private:
     };
     using Open = std::function<std::unique_ptr<link::Transport>()>;
     void connect(Open open, std::string port, std::shared_ptr<VirtualBoard> board);
+    void let_go(std::shared_ptr<link::DeviceThread> device, std::shared_ptr<VirtualBoard> board,
+                std::function<void()> free);
     std::uint64_t ask(Work work);
     void run();
     void tell_progress(const char* name, std::uint64_t number, double fraction, std::string_view stage) const;
@@ -109,6 +115,8 @@ private:
     std::string port_;                                   // of a board that is not ours
     std::shared_ptr<VirtualBoard> board_;
     std::shared_ptr<link::DeviceThread> device_;
+    std::shared_ptr<std::atomic<bool>> listened_to_;  // whether the present device is told of
+    std::vector<std::future<void>> let_go_;           // boards that end, each in a thread of its own
     std::thread thread_;
 };
 

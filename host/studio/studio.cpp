@@ -270,7 +270,9 @@ private:
     [[nodiscard]] bool studying() const { return study_ && study_->plays; }
 
     void end_study() {
-        if (study_) study_->session->end();
+        if (!study_) return;
+        study_->ends = true;
+        if (study_->session) study_->session->end();
     }
 
     void require_own_port() const {
@@ -305,11 +307,13 @@ private:
             // Before the port is lent, as it may fail.
             Child::Command command = study_command(message, folder_, port);
             if (next.borrowed) {
-                const VirtualBoard::Port lent = player_.lend();
+                const VirtualBoard::Port lent = player_.lend(
+                    [this, number = next.number] { server_.post([this, number] { begin_study(number); }); });
                 command = study_command(message, folder_, StudyPort{lent.name, lent.baud});
             }
-            next.session = std::make_unique<Study>(std::move(command), study_settings(next.number));
+            next.command = std::move(command);
             study_ = std::move(next);
+            if (!study_->borrowed) begin_study(study_->number);
             if (study_->plays) {
                 driver_ = {};
                 player_.stop();  // one thing plays at a time, so that one page is watched
@@ -317,6 +321,16 @@ private:
             if (study_->borrowed) broadcast(device_json());
             tell_study({{"show", "begun"}, {"n", message.n}});
         });
+    }
+
+    /// Once its port is free.
+    void begin_study(std::uint64_t number) {
+        if (!study_ || study_->number != number) return;
+        if (study_->ends) {
+            study_ended({});
+            return;
+        }
+        study_->session = std::make_unique<Study>(std::move(study_->command), study_settings(number));
     }
 
     /// While a trial's questions are asked its stimulus plays: then the page must be alive and in sight, as one that
@@ -349,11 +363,12 @@ private:
     }
 
     void act(Visitor& visitor, const AnswerMessage& message) {
-        if (study_ && study_->page == visitor.page->number()) study_->session->answer(message.number, message.text);
+        if (study_ && study_->session && study_->page == visitor.page->number())
+            study_->session->answer(message.number, message.text);
     }
 
     void act(Visitor& visitor, const LeaveMessage&) {
-        if (study_ && study_->page == visitor.page->number()) study_->session->leave();
+        if (study_ && study_->session && study_->page == visitor.page->number()) study_->session->leave();
     }
 
     void tell_study(ordered_json shown) {
@@ -461,7 +476,9 @@ private:
         std::uint64_t page = 0, number = 0;
         bool plays = false;     ///< on a board
         bool borrowed = false;  ///< that is the studio's
-        std::unique_ptr<Study> session{};
+        bool ends = false;      ///< it was asked to
+        Child::Command command{};
+        std::unique_ptr<Study> session{};  ///< none until its port is free
     };
 
     Assets assets_;
