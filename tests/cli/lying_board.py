@@ -17,7 +17,7 @@ def identity(**change):
     says = {**NEW, **change}
     words = [says["channels"], says["records"], says["sequence_depth"], says["live_depth"], 8 << 8 | 16,
              50_000_000 & 0xFFFF, 50_000_000 >> 16, 15, 214, 5, 999, 128, 50_000_000 & 0xFFFF, 50_000_000 >> 16, 0, 0, 0]  # fmt: skip
-    return says.get("name", b"Haptogram").ljust(16, b"\0") + struct.pack("<H17H", 1 << 8, *words)
+    return says.get("name", b"Haptogram").ljust(16, b"\0") + struct.pack("<H17H", 2 << 8, *words)
 
 
 def decode(code):
