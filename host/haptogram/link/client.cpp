@@ -19,6 +19,7 @@ constexpr unsigned rounds_before_break = 2;
 // After the user has asked to end: two seconds until the program has ended are promised.
 constexpr unsigned rounds_when_interrupted = 4;
 constexpr unsigned tries_when_interrupted = 2;
+constexpr int most_alive = 4;                          // keep-alives on the line
 constexpr std::chrono::milliseconds longest_look{20};  // until an interrupt or the keep-alive is looked at again
 
 bool applied(const Reply& reply) {
@@ -113,6 +114,9 @@ void Client::say_alive() {
     if (keep_alive_pause_.count() == 0 || transport_.now() - said_ < keep_alive_pause_ / 2) return;
     if (queue_.size() >= policy::window || farthest_ < queue_.size()) return;  // the next to be sent is new, too
     if (!queue_.empty() && acts_at_once(queue_.back().request.command)) return;
+    // A slow board must not have to answer to this alone.
+    if (std::ranges::count_if(queue_, [](const Pending& p) { return p.keeps_alive && !p.heard_of; }) >= most_alive)
+        return;
     queue_.push_back({{Command::keep_alive, {}}, {}, [](const Error&) {}, true});
     ++kept_alive_;
     transmit();
@@ -128,6 +132,7 @@ void Client::take(const Reply& reply) {
         return;
     if (applied(reply)) {
         require_good(reply, queue_[place].request);
+        queue_[place].heard_of = true;
         if (!finish_before(reply, place)) return;
         // An answer to a frame that has been sent again since then shows that sending again was too early.
         patience_ =

@@ -71,6 +71,7 @@ private:
         std::function<void(const Reply&)> done;
         std::function<void(const Error&)> refused;
         bool keeps_alive = false;  ///< nobody asked for it
+        bool heard_of = false;     ///< an answer came, and waits for one before it
     };
     /// A frame that was sent and whose reply, if it gets one, is still to come. Replies come in the order of frames.
     struct Sent {
