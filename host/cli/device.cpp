@@ -5,6 +5,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "command.hpp"
@@ -13,6 +14,7 @@
 #include "haptogram/link/rig_devices.hpp"
 #include "haptogram/link/to_json.hpp"
 #include "haptogram/link/transfer.hpp"
+#include "interrupt.hpp"
 #include "port.hpp"
 #include "report.hpp"
 #include "rig_ports.hpp"
@@ -76,10 +78,23 @@ int after_change(link::Client& device, const DeviceOptions& options) {
     return 0;
 }
 
+/// Outputs are on behind it only if it succeeds.
 int enable(const DeviceOptions& options) {
-    link::Device device(options.port);
+    catch_interrupts();
+    link::PortSettings port = options.port;
+    port.interrupt = interrupts;
+    link::Device device(port);
     if (options.has_watchdog) device.set_watchdog(options.watchdog_ms);
-    device.enable();
+    bool enabled = false;
+    const auto on = [&] {
+        device.enable();
+        enabled = true;
+    };
+    const auto off = [&] {
+        if (enabled || device.turn_off()) return std::string();
+        return link::not_confirmed(options.has_watchdog ? std::optional(options.watchdog_ms) : std::nullopt);
+    };
+    if (link::then_off(on, off)) throw link::Interrupted();
     return after_change(device, options);
 }
 

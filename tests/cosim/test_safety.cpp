@@ -160,6 +160,7 @@ TEST_CASE("safety: what was sent before a switch-off is answered and not done", 
     const std::size_t last = by == "break in a frame" ? 1 : 0;
     bench.board.send(Bytes(enable.begin(), enable.end() - static_cast<std::ptrdiff_t>(last)));
     wait_sent(bench);
+    bench.board.run(static_cast<std::uint64_t>(2 * bit));  // the last stop bit, too
     const auto hold = [&](bool level, double bits) {
         bench.board.force_line(level);
         bench.board.run(static_cast<std::uint64_t>(bits * bit));
@@ -228,6 +229,7 @@ TEST_CASE("safety: after a switch-off in a storm of commands nothing goes on by 
             bench.board.run(random(g, 0, static_cast<std::uint32_t>(150 * bit * 10)));
             if (random(g, 0, 1) == 0) wait_sent(bench);
             bench.board.unplug();
+            bench.board.run(static_cast<std::uint64_t>(12 * bit));  // so that a byte that was cut has ended
         }
         if (by == 0) {
             bench.board.force_line(false);

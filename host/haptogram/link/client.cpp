@@ -75,6 +75,7 @@ void Client::exchange(std::chrono::microseconds at_most) {
         heed_interrupt();
         transmit();
         say_alive();
+        say_first_again();
         std::chrono::microseconds slice = std::min(at_most, patience_ - waited_);
         if (looks_up) slice = std::min<std::chrono::microseconds>(slice, longest_look);
         const std::uint64_t heard = heard_;
@@ -120,6 +121,17 @@ void Client::say_alive() {
     queue_.push_back({{Command::keep_alive, {}}, {}, [](const Error&) {}, true});
     ++kept_alive_;
     transmit();
+}
+
+/// While outputs are on, a frame that is lost twice must not hold up what keeps the watchdog quiet for two patiences. So
+/// the first that is not answered goes again by itself, which is no round.
+void Client::say_first_again() {
+    if (keep_alive_pause_.count() == 0 || sent_ == 0 || waited_ < keep_alive_pause_) return;
+    if (transport_.now() - first_again_ < keep_alive_pause_ || acts_at_once(queue_.front().request.command)) return;
+    first_again_ = transport_.now();
+    transport_.write(encode_request(next_, queue_.front().request.command, queue_.front().request.payload));
+    on_line_.push_back({next_, round_});
+    ++retransmissions_;
 }
 
 void Client::take(const Reply& reply) {

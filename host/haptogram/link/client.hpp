@@ -91,6 +91,7 @@ private:
     std::chrono::microseconds hear(std::chrono::microseconds at_most, std::vector<Reply>& arrived);
     void transmit();
     void say_alive();
+    void say_first_again();
     void take(const Reply& reply);
     void require_good(const Reply& reply, const Request& request);
     void pop();
@@ -136,6 +137,7 @@ private:
     bool given_up_ = false;  // while cleaning up
     std::chrono::milliseconds keep_alive_pause_{0};
     std::chrono::nanoseconds said_{0};  // when something new was sent last
+    std::chrono::nanoseconds first_again_{0};
 };
 
 /// Shuts several devices off: all of them blind at first, and then waits for each.

@@ -94,7 +94,10 @@ Identity to_identity(const Bytes& block) {
         throw device_error(fmt::format("it says it is '{}' {}.{}, expected '{}' {}.x", printable(identity.name),
                                        identity.version_major, identity.version_minor, interface::name,
                                        interface::version_major));
-    require_words(block, interface::identity_words);
+    if (block.size() != std::size_t{2} * interface::identity_words)
+        throw device_error(fmt::format("its identity has {} bytes, expected {}; is it a Haptogram of version {}.{}?",
+                                       block.size(), 2 * interface::identity_words, interface::version_major,
+                                       interface::version_minor));
     identity.channels = field::channels.get(block);
     identity.records = field::records.get(block);
     identity.sequence_depth = field::sequence_depth.get(block);
