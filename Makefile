@@ -11,7 +11,7 @@ HOME := $(or $(HOME),$(shell { getent passwd $$(id -u) | cut -d: -f6; } 2>/dev/n
 export PATH HOME
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build deep deep-build demo test browser mutants bitstream bitstreams flash soak formal bench figures lint format install fresh clean
+.PHONY: help setup build deep deep-build demo test browser mutants sanitize bitstream bitstreams flash soak formal bench figures lint format install fresh clean
 
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -74,6 +74,13 @@ bitstreams: build ## the same for every board, and the core with 256 channels, w
 flash: ## load BOARD=… through openFPGALoader, with IMAGE=… in it if given; DRY_RUN=1 only says how
 	@$(PYTHON) tools/flash.py $(BOARD) --program $(BUILD)/host/cli/haptogram $(if $(IMAGE),--image $(IMAGE)) $(if $(AUTOSTART),--autostart) \
 	  $(if $(filter write,$(FLASH)),--write) $(if $(DRY_RUN),--dry-run)
+
+# Every command before a board that lies, and random command lines over every source and verb, RUNS=300.
+sanitize: ## the program under address and undefined-behaviour sanitizers, half an hour; not part of `make test`
+	@$(call configure,dev)
+	@cmake --build --preset dev --target haptogram
+	@HAPTOGRAM_PROGRAM=$(CURDIR)/build/dev/host/cli/haptogram HAPTOGRAM_SLOWER=4 $(PYTHON) -m pytest -q -p no:cacheprovider tests/torture -k program
+	@$(PYTHON) tests/fuzz/command_lines.py --program build/dev/host/cli/haptogram --runs $(or $(RUNS),300) --seed $(or $(SEED),1)
 
 soak: build ## torture of the link, boards on one wire, reference board and fuzzers at full size: hours; FUZZ_RUNS=10000000 of each target
 	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/test_torture --durations yes
