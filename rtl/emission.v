@@ -25,6 +25,7 @@ module emission #(
     input  wire                   rst,
     input  wire                   i_begin,
     input  wire [7:0]             i_modulation,       // 255: full
+    input  wire                   i_off,              // outputs are off; may change at any time
     input  wire [TIMING_BITS:0]   i_cycle,            // ticks, up to 2^(WIDTH_BITS + 1) − 2, raw up to 2^TIMING_BITS; all ones: 2^TIMING_BITS + 2^WIDTH_BITS or more
     input  wire                   i_raw,
     input  wire [WIDTH_BITS-1:0]  i_raw_width,
@@ -82,7 +83,7 @@ module emission #(
         if (SLEW != 0) begin : limited
             slew_limiter #(.CHANNELS(CHANNELS)) limiter (
                 .clk(clk), .rst(rst),
-                .i_begin(i_begin), .i_new_target(i_new_target), .i_hold(i_raw), .i_mode(i_slew), .i_phase_rate(i_phase_rate),
+                .i_begin(i_begin), .i_new_target(i_new_target), .i_hold(i_raw), .i_off(i_off), .i_mode(i_slew), .i_phase_rate(i_phase_rate),
                 .i_amplitude_rate(i_amplitude_rate), .i_arrival_periods(i_arrival_periods), .o_ready(o_ready),
                 .i_valid(valid_q[1]), .i_amplitude(amplitude_1), .i_phase(phase_1),
                 .o_amplitude(amplitude_6), .o_phase(phase_6), .o_bent(bent_7));
@@ -90,7 +91,7 @@ module emission #(
             reg [159:0] delayed_q;
             always @(posedge clk) delayed_q <= {delayed_q[127:0], amplitude_1, phase_1};
             assign {amplitude_6, phase_6, bent_7, o_ready} = {delayed_q[159:128], 2'b01};
-            wire unused = &{1'b0, i_begin, i_new_target, i_slew, i_phase_rate, i_amplitude_rate, i_arrival_periods};
+            wire unused = &{1'b0, i_begin, i_off, i_new_target, i_slew, i_phase_rate, i_amplitude_rate, i_arrival_periods};
         end
     endgenerate
 

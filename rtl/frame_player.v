@@ -131,7 +131,7 @@ module frame_player #(
 
     // ---- Once a carrier period
 
-    wire allow, settled, tick, cycle_start, can_match, follows, asked, commit, refresh, asks, ready, refreshes, still, missed, late;
+    wire allow, bent_words, settled, tick, cycle_start, can_match, follows, asked, commit, refresh, asks, ready, refreshes, still, missed, late;
     wire period, mute, begins, new_target, raw, drop, emission_ready, valid, last, busy, word_valid, word_last, bent;
     wire [TIMING_BITS-1:0]  count;
     wire [15:0]             index, dwell, present;
@@ -154,7 +154,7 @@ module frame_player #(
         .o_bank(bank), .o_channel(channel), .o_mute(mute), .o_begin(begins), .o_new_target(new_target), .o_raw(raw),
         .o_raw_width(raw_width), .o_cycle(cycle_ticks), .o_drop(drop), .i_ready(emission_ready), .o_valid(valid), .o_last(last),
         .i_word(word_valid), .i_word_last(word_last), .i_width(width), .i_bent(bent),
-        .o_period(period), .o_busy(busy), .o_bent(o_bent), .o_missed(missed));
+        .o_period(period), .o_busy(busy), .o_bent(bent_words), .o_missed(missed));
 
     modulator #(.DEPTH(MODULATION_DEPTH)) samples (
         .clk(clk), .rst(rst),
@@ -173,7 +173,7 @@ module frame_player #(
     emission #(
         .CHANNELS(CHANNELS), .TIMING_BITS(TIMING_BITS), .WIDTH_BITS(WIDTH_BITS), .LEAST_WIDTH(MIN_PULSE_CLOCKS), .SLEW(SLEW)
     ) emit (
-        .clk(clk), .rst(rst || drop), .i_begin(begins), .i_modulation(sample), .i_cycle(cycle_ticks), .i_raw(raw),
+        .clk(clk), .rst(rst || drop), .i_begin(begins), .i_modulation(sample), .i_off(!allow), .i_cycle(cycle_ticks), .i_raw(raw),
         .i_raw_width(raw_width), .i_slew(slew_q), .i_phase_rate(phase_rate_q), .i_amplitude_rate(amplitude_rate_q),
         .i_arrival_periods(arrival_periods_q), .i_new_target(new_target), .o_ready(emission_ready),
         .i_valid(valid), .i_last(last), .i_amplitude(mute ? 16'd0 : frame_word[31:16]), .i_phase(frame_word[15:0]),
@@ -192,6 +192,7 @@ module frame_player #(
         .o_commit(commit), .o_tick(tick), .o_count(count), .o_can_match(can_match), .o_pulse_length(playing_longest),
         .o_index(present), .o_cycle_start(cycle_start), .o_underrun(late));
     assign o_underrun = late || missed;
+    assign o_bent = bent_words && allow;
 
     width_pulse_generators #(
         .CHANNELS(CHANNELS), .TIMING_BITS(TIMING_BITS), .WIDTH_BITS(WIDTH_BITS)

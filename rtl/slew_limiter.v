@@ -9,8 +9,10 @@
 //   2  arrive: in the period with i_new_target a count starts at i_arrival_periods, and falls by 1 each period. With r of it left a
 //      word goes 1/r of the way that is left, so in the count's last period it is at its target; then it follows it as in mode 0.
 //      Rounding bends the straight way of n periods by less than n / 2^17 of its length and n / e + 2 units.
-// In each mode a word keeps its place for the next period, so a limiter that is switched on starts from where the channels are.
-// i_hold lets words through untouched, and keeps the places. o_bent comes one clock after a word that is not at its target.
+// In each mode a word keeps its place for the next period, so a limiter that is switched on starts from where the channels are. i_hold
+// lets words through untouched, which have no place; while i_off, and in a reset, the pins are silent. The first period after either
+// starts from amplitude 0, where a phase is not heard, so it is at its target at once. That is known at i_begin; i_off may change at any time.
+// o_bent comes one clock after a word that is not at its target.
 `default_nettype none
 module slew_limiter #(
     parameter CHANNELS = 100
@@ -20,6 +22,7 @@ module slew_limiter #(
     input  wire        i_begin,
     input  wire        i_new_target,       // with i_begin
     input  wire        i_hold,
+    input  wire        i_off,
     input  wire [1:0]  i_mode,
     input  wire [15:0] i_phase_rate,
     input  wire [15:0] i_amplitude_rate,
@@ -62,6 +65,14 @@ module slew_limiter #(
         if (bits_q != 5'd0) share_q <= {share_q[15:0], goes};
     end
 
+    // What the pins have done since the last period was begun is not in the places, so they count as silent.
+    reg silent_q, starts_q;
+    always @(posedge clk) begin
+        if (rst || i_off || (i_valid && i_hold)) silent_q <= 1'b1;
+        else if (i_begin) silent_q <= 1'b0;
+        if (i_begin) starts_q <= silent_q;
+    end
+
     // The places of all channels. A number at a register's end says how many clocks after the input it is.
     reg  [BITS-1:0] channel_q, channel_1, channel_2, channel_3, channel_4, channel_5;
     reg  [5:1]      writes_q;
@@ -71,13 +82,15 @@ module slew_limiter #(
         writes_q = 5'd0;  // nothing is written before the first reset, either
         for (i = 0; i < (1 << BITS); i = i + 1) places[i] = 32'd0;
     end
-    reg  [31:0] place_1, place_2, place_3, place_4, target_1, target_2, target_3, target_4, target_5;
+    reg  [31:0] place_q;
+    wire [31:0] place_1 = {place_q[31:16] & {16{!starts_q}}, place_q[15:0]};
+    reg  [31:0] place_2, place_3, place_4, target_1, target_2, target_3, target_4, target_5;
     always @(posedge clk) begin
         if (rst || i_begin) channel_q <= {BITS{1'b0}};
         else if (i_valid) channel_q <= channel_q + 1'b1;
         {channel_5, channel_4, channel_3, channel_2, channel_1} <= {channel_4, channel_3, channel_2, channel_1, channel_q};
         writes_q <= rst ? 5'd0 : {writes_q[4:1], i_valid && !i_hold};
-        place_1 <= places[channel_q];
+        place_q <= places[channel_q];
         {place_4, place_3, place_2} <= {place_3, place_2, place_1};
         {target_5, target_4, target_3, target_2, target_1} <= {target_4, target_3, target_2, target_1, i_amplitude, i_phase};
         if (writes_q[5]) places[channel_5] <= {o_amplitude, o_phase};
@@ -103,7 +116,7 @@ module slew_limiter #(
 
         phase_factor_3      <= {phase_way_2[16], phase_way_2[16] || by_rate, phase_way_2[15:0] & {16{!by_rate}}};
         amplitude_factor_3  <= {amplitude_way_2[16], amplitude_way_2[16] || by_rate, amplitude_way_2[15:0] & {16{!by_rate}}};
-        phase_follows_3     <= follows || (by_rate && phase_over[16] != phase_way_2[16]);
+        phase_follows_3     <= follows || starts_q || (by_rate && phase_over[16] != phase_way_2[16]);
         amplitude_follows_3 <= follows || (by_rate && amplitude_over[16] != amplitude_way_2[16]);
         phase_share_q       <= by_rate ? {1'b0, i_phase_rate, 1'b0} : {1'b0, share_q};
         amplitude_share_q   <= by_rate ? {1'b0, i_amplitude_rate, 1'b0} : {1'b0, share_q};

@@ -19,10 +19,9 @@ constexpr Clock place_clocks = 3;
 constexpr Clock engine_clocks = 35;  // until its frame is whole, beside one for each focus and channel
 
 // Of a period's words, from the clock in which they are begun.
-constexpr Clock sample_clocks = 4;  // until its sample is there
+constexpr Clock sample_clocks = 4;  // until its sample is there, and the slew limiter knows whether the pins were silent
 constexpr Clock slew_clocks = 18;   // until the slew limiter has its share
 constexpr Clock word_clocks = 14;   // until a word is there
-constexpr Clock place_written = 8;  // until the slew limiter has noted it
 constexpr Clock between_periods = 4;
 
 }  // namespace
@@ -37,15 +36,9 @@ FramePlayer::FramePlayer(const interface::CoreParameters& p, const std::vector<s
       frame_(p.channels),
       model_(p.channels, p.timing_bits, p.width_bits, p.min_pulse_clocks) {}
 
-void FramePlayer::reset(Clock first, Clock last) {
-    // What the slew limiter noted of a period before the reset stays.
-    if (sweep_ && !sweep_->period.raw) {
-        const std::vector<Emission> before = model_.places();
-        static_cast<void>(words_of(*sweep_));
-        for (std::uint32_t channel = 0; channel < p_.channels; ++channel)
-            if (sweep_->first + channel + place_written > first) model_.put_back(channel, before[channel]);
-    }
+void FramePlayer::reset(Clock, Clock last) {
     sweep_.reset();
+    quiet_pins_ = true;
     firing_.reset();
     reader_.drop();
     loaded_ = prepared_ = bent_ = missed_ = changed_ = go_ = never;
@@ -80,7 +73,10 @@ Clock FramePlayer::next(bool waits) const {
     } else {
         consider(std::max({seen_ + 1, idle_, source_.offered()}));
     }
-    if (sweep_) consider(sweep_->prepared);
+    if (sweep_) {
+        consider(sweep_->begins);
+        consider(sweep_->prepared);
+    }
     for (const Clock clock : {go_, quiet_from_, prepared_, bent_, missed_, cycle_.settled_from()}) consider(clock);
     return found;
 }
@@ -88,8 +84,10 @@ Clock FramePlayer::next(bool waits) const {
 Player::Counted FramePlayer::at(Clock clock, const Now& now) {
     Counted counted;
     go_on_loading(clock, now.common, counted);
+    if (sweep_ && sweep_->begins == clock && std::exchange(quiet_pins_, false)) model_.start_from_silence();
+    if (now.off) quiet_pins_ = true;
     if (sweep_ && sweep_->prepared == clock) end_sweep(clock);
-    counted.bent = bent_ == clock;
+    counted.bent = bent_ == clock && !now.off;
 
     // The cycle.
     const bool preempt = source_.drops(clock);
@@ -150,6 +148,7 @@ Player::Counted FramePlayer::at(Clock clock, const Now& now) {
         again_ = true;
     if (commits) plays_ = !raw_;
     if (commits || renewed) changed_ = clock;
+    if (drops) quiet_pins_ = true;
     if (drops || commits || renewed) {
         busy_ = taken_ = false;
         prepared_ = never;
@@ -299,6 +298,7 @@ void FramePlayer::begin_sweep(Clock clock, bool new_target) {
     const auto set = settings.at(clock);
     Sweep& sweep = sweep_.emplace();
     sweep.first = clock + 1;
+    sweep.begins = raw_ ? never : clock + sample_clocks;
     if (!raw_) sweep.first += sample_clocks + (p_.slew != 0 ? slew_clocks : 0);
     sweep.prepared = sweep.first + p_.channels + word_clocks;
     const std::uint32_t mode = field::slew.get(set);

@@ -72,6 +72,7 @@ private:
     // ---- Once a carrier period (rtl/period_controller.v)
 
     struct Sweep {
+        Clock begins = 0;    // in which the slew limiter begins it
         Clock first = 0;     // in which channel 0's word is begun
         Clock prepared = 0;  // from which on all words are there
         EmissionPeriod period;
@@ -105,6 +106,7 @@ private:
     Clock prepared_ = never;  // from which clock on the words can be put to use
     std::shared_ptr<Firing> firing_;
     Clock bent_ = never;  // a bent period is counted
+    bool quiet_pins_ = true;  // outputs have been off since the slew limiter began its last period
     EmissionModel model_;
 
     Clock seen_ = 0;      // the last clock that was worked out

@@ -61,7 +61,7 @@ TEST_CASE("the words of emission.v are those of the host's model") {
     EmissionPeriod period;
     period.cycle_ticks = std::min(1250U, 2 * longest);
     set(bench, period);
-    bench->i_begin = bench->i_valid = bench->i_last = 0;
+    bench->i_begin = bench->i_valid = bench->i_last = bench->i_off = 0;
     bench->i_amplitude = bench->i_phase = 0;
     bench.reset();
     std::vector<Emission> emissions(channels);
@@ -80,6 +80,12 @@ TEST_CASE("the words of emission.v are those of the host's model") {
         if (period.raw)
             for (Emission& e : given)
                 e.phase = static_cast<std::uint16_t>(e.phase % (bench.chance(0.9) ? ticks + 9 : 65536));
+        if (bench.chance(0.02)) {
+            bench->i_off = 1;
+            bench.clock();
+            bench->i_off = 0;
+            model.start_from_silence();
+        }
         const std::vector<EmissionWord> expected = model.period(given, period);
 
         set(bench, period);
@@ -134,7 +140,7 @@ TEST_CASE("the words of emission.v are those of the host's model") {
 TEST_CASE("a reset in the middle of a period leaves no words behind") {
     Bench<Vemission> bench;
     set(bench, {});
-    bench->i_begin = bench->i_valid = bench->i_last = 0;
+    bench->i_begin = bench->i_valid = bench->i_last = bench->i_off = 0;
     bench->i_amplitude = 65535;
     bench->i_phase = 32768;
     bench.reset();

@@ -25,7 +25,7 @@ public:
     std::array<bool, channels> bent{};
 
     Limiter() {
-        bench->i_begin = bench->i_new_target = bench->i_hold = bench->i_valid = 0;
+        bench->i_begin = bench->i_new_target = bench->i_hold = bench->i_off = bench->i_valid = 0;
         bench->i_mode = 0;
         bench->i_phase_rate = bench->i_amplitude_rate = 65535;
         bench->i_arrival_periods = 1;
@@ -74,6 +74,7 @@ TEST_CASE(
         Places to = limiter.random_places();
         to[0].phase = (from[0].phase + 32767) & 65535;
         to[1].phase = (from[1].phase + 32769) & 65535;
+        to[2].phase = (from[2].phase + 32768) & 65535;  // exactly opposite: backwards
         limiter.bench->i_mode = 1;
         const int phase_rate = limiter.bench.number(100, 8000), amplitude_rate = limiter.bench.number(100, 8000);
         limiter.bench->i_phase_rate = static_cast<std::uint16_t>(phase_rate);
@@ -139,15 +140,10 @@ TEST_CASE("arrive: exactly there in the last of n periods, on a straight way, th
     CHECK(worst > 0.01);
 }
 
-TEST_CASE("a limiter that is switched on starts from where the channels are, and raw words leave their places alone") {
+TEST_CASE("a limiter that is switched on starts from where the channels are") {
     Limiter limiter;
     const Places from = limiter.random_places();
     limiter.period(from);
-    limiter.bench->i_hold = 1;
-    const Places raw = limiter.random_places();
-    CHECK(limiter.period(raw) == raw);
-    CHECK(std::none_of(limiter.bent.begin(), limiter.bent.end(), [](bool b) { return b; }));
-    limiter.bench->i_hold = 0;
     limiter.bench->i_mode = 1;
     limiter.bench->i_phase_rate = limiter.bench->i_amplitude_rate = 5;
     const Places now = limiter.period(limiter.random_places());
@@ -155,6 +151,53 @@ TEST_CASE("a limiter that is switched on starts from where the channels are, and
         CHECK(std::abs(turn(from[k].phase, now[k].phase)) <= 5);
         CHECK(std::abs(now[k].amplitude - from[k].amplitude) <= 5);
     }
+}
+
+TEST_CASE("behind a reset, raw words and outputs that were off, a limit starts from silence, each phase where it is to be") {
+    Limiter limiter;
+    enum class Before { reset, raw, off, off_in_begin };
+    const auto before = GENERATE(Before::reset, Before::raw, Before::off, Before::off_in_begin);
+    const int mode = GENERATE(1, 2);
+    limiter.period(limiter.random_places());
+    switch (before) {
+        case Before::reset: limiter.bench.reset(); break;
+        case Before::raw: {
+            limiter.bench->i_hold = 1;
+            const Places raw = limiter.random_places();
+            CHECK(limiter.period(raw) == raw);
+            CHECK(std::none_of(limiter.bent.begin(), limiter.bent.end(), [](bool b) { return b; }));
+            limiter.bench->i_hold = 0;
+            break;
+        }
+        case Before::off:
+            limiter.bench->i_off = 1;
+            limiter.bench.clock();
+            limiter.bench->i_off = 0;
+            break;
+        case Before::off_in_begin:  // this period is silent for its first clocks, so the next one starts anew
+            limiter.bench->i_off = 1;
+            limiter.bench->i_begin = 1;
+            limiter.bench.clock();
+            limiter.bench->i_off = limiter.bench->i_begin = 0;
+            break;
+    }
+    limiter.bench->i_mode = static_cast<std::uint8_t>(mode);
+    limiter.bench->i_phase_rate = 5;
+    limiter.bench->i_amplitude_rate = 900;
+    limiter.bench->i_arrival_periods = 10;
+    const Places to = limiter.random_places();
+    for (int n = 1; n <= 3; ++n) {
+        const Places now = limiter.period(to, n == 1);
+        for (std::size_t k = 0; k < channels; ++k) {
+            CHECK(now[k].phase == to[k].phase);
+            const int way = mode == 1 ? std::min(900 * n, to[k].amplitude) : to[k].amplitude * n / 10;
+            CHECK(std::abs(now[k].amplitude - way) <= (mode == 1 ? 0 : 5));
+        }
+    }
+    const Places other = limiter.random_places();  // and from then on from where they are
+    const Places now = limiter.period(other, true);
+    for (std::size_t k = 0; k < channels; ++k)
+        if (std::abs(turn(to[k].phase, other[k].phase)) > 100) CHECK(now[k].phase != other[k].phase);
 }
 
 TEST_CASE("a new target on the way counts from there") {

@@ -142,6 +142,20 @@ TEST_CASE("emission: the slew limit by rate and by arrival", "[emission]") {
         CHECK(word.bent == (n < 10));
     }
     CHECK(model.places()[0] == from);
+    // What the pins did meanwhile was silence, or is not known: from amplitude 0, with the phase at its target.
+    settings.slew = {Slew::rate, 500, 3000, 1};
+    EmissionPeriod raw;
+    raw.raw = true;
+    for (const bool silence : {true, false}) {
+        if (silence)
+            model.start_from_silence();
+        else
+            (void)model.period(std::span(&from, 1), raw);
+        for (int n = 1; n <= 3; ++n) {
+            (void)model.period(std::span(&to, 1), settings);
+            CHECK(model.places()[0] == Emission{static_cast<std::uint16_t>(3000 * n), to.phase});
+        }
+    }
 }
 
 TEST_CASE("emission: what cannot be played is refused, with what to do", "[emission]") {

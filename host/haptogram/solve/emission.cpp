@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include "haptogram/base/error.hpp"
 
@@ -108,6 +109,7 @@ std::vector<EmissionWord> EmissionModel::as_played(std::span<const Emission> emi
 
     const auto cycle = static_cast<std::int64_t>(settings.cycle_ticks);
     const std::uint32_t never = (1U << timing_bits_) - 1;
+    const bool starts = std::exchange(starts_, settings.raw);
     std::vector<EmissionWord> words(emissions.size());
     for (std::size_t k = 0; k < words.size(); ++k) {
         std::int64_t width = 0;
@@ -118,6 +120,7 @@ std::vector<EmissionWord> EmissionModel::as_played(std::span<const Emission> emi
             width = start < cycle ? settings.raw_ticks : 0;
         } else {
             Emission& place = places_[k];
+            if (starts) place = {0, emissions[k].phase};
             const Emission target{
                 static_cast<std::uint16_t>(emissions[k].amplitude * (257ULL * settings.modulation + 1) >> 16),
                 emissions[k].phase};

@@ -47,7 +47,8 @@ struct EmissionPeriod {
 };
 
 /// The words that rtl/emission.v gives to the pulse generators, equal to the bit. It keeps each channel's place for the
-/// slew limiter, so the periods must be computed in their order.
+/// slew limiter, so the periods must be computed in their order. At first, and behind a raw period, a limit starts from
+/// silence: from amplitude 0, with every phase where it is to be.
 class EmissionModel {
 public:
     /// @param channels     at least 1
@@ -79,8 +80,8 @@ public:
 
     /// What each channel emits in the last period, after the slew limiter.
     [[nodiscard]] const std::vector<Emission>& places() const { return places_; }
-    /// Puts a channel where it was before, because its word of the last period was never made.
-    void put_back(std::uint32_t channel, Emission place) { places_[channel] = place; }
+    /// The pins have been silent, because outputs were off: the next period starts from that.
+    void start_from_silence() { starts_ = true; }
 
 private:
     void check(std::span<const Emission> emissions, const EmissionPeriod& settings) const;
@@ -88,6 +89,7 @@ private:
     std::uint32_t timing_bits_, width_bits_, least_width_;
     std::vector<Emission> places_;
     std::uint32_t periods_left_ = 0;
+    bool starts_ = true;  // the next period starts from silence
 };
 
 /// The width in ticks of the pulse that the FPGA makes of an amplitude, 65,535 being full, in a cycle of so many ticks.
