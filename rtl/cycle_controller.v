@@ -41,14 +41,18 @@ module cycle_controller #(
     output reg                    o_tick,
     output wire [TIMING_BITS-1:0] o_count,
     output wire                   o_can_match,
+    output wire                   o_near,       // at a tick: this is the cycle's last quarter, clock by clock, and no longer than PULSE_BITS count
+    output wire [PULSE_BITS-1:0]  o_ahead_count,  // low bits of this tick's number, were it one of the next record's cycle
     output reg  [PULSE_BITS-1:0]  o_pulse_length,
     output reg  [15:0]            o_index,
     output reg                    o_cycle_start,
     output wire                   o_underrun  // strobe
 );
     localparam [23:0] IDLE_CYCLE = IDLE_CLOCKS[23:0];
+    localparam [PULSE_BITS-1:0] ONE = 1;
 
     reg [23:0] last_count_q;  // the cycle length less one
+    reg [23:0] quarter_q;     // of the cycle length
     reg [23:0] last_phase_q;  // the prescaler less one
     reg [23:0] count_q;
     reg [23:0] phase_q;      // clocks into the present tick
@@ -74,6 +78,11 @@ module cycle_controller #(
     // A count of all ones matches no channel, whatever the cycle length, so a timing of all ones silences its channel.
     assign o_can_match   = o_pulse_length != {PULSE_BITS{1'b0}} && count_q < {{(24-TIMING_BITS){1'b0}}, {TIMING_BITS{1'b1}}};
 
+    // How many ticks are behind this one.
+    wire [23:0] left = last_count_q - count_q;
+    assign o_near        = left < quarter_q && left >> (PULSE_BITS - 1) == 24'd0 && last_phase_q == 24'd0;
+    assign o_ahead_count = i_cycle_length[PULSE_BITS-1:0] - ONE - left[PULSE_BITS-1:0];
+
     always @(posedge clk) begin
         if (rst) begin
             count_q <= 24'd0;
@@ -88,6 +97,7 @@ module cycle_controller #(
     always @(posedge clk) begin
         if (rst) begin
             last_count_q   <= IDLE_CYCLE - 1'b1;
+            quarter_q      <= IDLE_CYCLE >> 2;
             last_phase_q   <= 24'd0;
             o_pulse_length <= {PULSE_BITS{1'b0}};
             o_index        <= 16'd0;
@@ -95,6 +105,7 @@ module cycle_controller #(
         end else if (o_commit) begin
             if (!i_silent) begin
                 last_count_q <= i_cycle_length - 1'b1;
+                quarter_q    <= i_cycle_length >> 2;
                 last_phase_q <= i_prescaler - 1'b1;
             end
             o_pulse_length <= i_silent ? {PULSE_BITS{1'b0}} : i_pulse_length;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Makes the pulse generators' words of what the channels are to emit, once a carrier period, a channel a clock:
-// amplitude · modulation → slew limit → width = cycle · asin(amplitude) / π (Hoshi et al. 2010, eq. 7) → {early, rise, fall}.
+// amplitude · modulation → slew limit → width = cycle · asin(amplitude) / π (Hoshi et al. 2010, eq. 7) → {early, fall, rise}.
 //
 // i_begin opens a period; the settings must hold from then until o_last. Words come while o_ready, from channel 0 on, with i_last at
 // the last one; each leaves 12 clocks later. The next i_begin comes after o_last. i_phase is where the pulse's middle
@@ -134,7 +134,7 @@ module emission #(
         rise_11  <= borrows ? twice[T+1:1] + i_cycle : twice[T+1:1];
         width_11 <= width_10;
         {bent_11, bent_q} <= {bent_q, bent_7};
-        o_word   <= silent ? {1'b0, NEVER, NEVER} : {early_11, rise_11[T-1:0], over[T+1] ? stop[T-1:0] : over[T-1:0]};
+        o_word   <= silent ? {1'b0, NEVER, NEVER} : {early_11, over[T+1] ? stop[T-1:0] : over[T-1:0], rise_11[T-1:0]};
         o_width  <= silent ? {WIDTH_BITS{1'b0}} : width_11[WIDTH_BITS-1:0];
         o_bent   <= valid_q[11] && bent_11;
     end

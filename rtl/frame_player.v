@@ -136,7 +136,8 @@ module frame_player #(
     wire [TIMING_BITS-1:0]  count;
     wire [15:0]             index, dwell, present;
     wire [23:0]             cycle_length, prescaler;
-    wire [WIDTH_BITS-1:0]   longest, playing_longest, raw_width, width;
+    wire [WIDTH_BITS-1:0]   longest, playing_longest, raw_width, width, ahead_count;
+    wire                    words, centred, near_end;
     wire [TIMING_BITS:0]    cycle_ticks;
     wire [2*TIMING_BITS:0]  word;
     wire [7:0]              sample;
@@ -146,7 +147,7 @@ module frame_player #(
     ) periods (
         .clk(clk), .rst(rst), .i_allow(allow || i_together), .i_preempt(i_preempt),
         .i_tick(tick), .i_cycle_start(cycle_start), .i_settled(settled), .i_follows(follows), .i_asked(asked),
-        .i_commit(commit), .i_refresh(refresh), .o_preempt(asks), .o_ready(ready), .o_refresh(refreshes),
+        .i_commit(commit), .i_refresh(refresh), .o_preempt(asks), .o_ready(ready), .o_refresh(refreshes), .o_words(words), .o_centred(centred),
         .o_index(index), .o_dwell(dwell), .o_silent(still), .o_cycle_length(cycle_length), .o_prescaler(prescaler), .o_longest(longest),
         .i_next(loaded), .i_next_silent(silent), .i_next_amplitudes(amplitudes),
         .i_next_index(next_index), .i_next_dwell(next_dwell), .i_next_cycle_length(next_cycle_length),
@@ -189,6 +190,7 @@ module frame_player #(
         .i_ready(ready), .i_index(index), .i_dwell(dwell), .i_silent(still),
         .i_cycle_length(cycle_length), .i_prescaler(prescaler), .i_pulse_length(longest),
         .i_refresh(refreshes), .o_refresh(refresh), .o_follows(follows), .o_asked(asked),
+        .o_near(near_end), .o_ahead_count(ahead_count),
         .o_commit(commit), .o_tick(tick), .o_count(count), .o_can_match(can_match), .o_pulse_length(playing_longest),
         .o_index(present), .o_cycle_start(cycle_start), .o_underrun(late));
     assign o_underrun = late || missed;
@@ -199,7 +201,8 @@ module frame_player #(
     ) generators (
         .clk(clk), .rst(rst), .i_allow(allow),
         .i_shift(word_valid), .i_word(word), .i_commit(commit || refresh),
-        .i_tick(tick), .i_can_match(can_match), .i_count(count), .i_longest(playing_longest),
+        .i_tick(tick), .i_can_match(can_match), .i_count(count), .i_near(near_end), .i_words(words), .i_ahead_count(ahead_count),
+        .i_centred(centred), .i_longest(playing_longest),
         .o_settled(settled), .o_pins(o_pins));
 
     output_guard #(

@@ -3,7 +3,8 @@
 // Decides, once a carrier period, what the next one plays, and has the pulse generators' words for it made out of the frame memory.
 //
 // A record of amplitudes gets new words in each period, since modulation and slew limit may change them. They are begun at the go
-// point, LEAD clocks before the period ends, which is enough for them to be there in time. There it is decided, too, whether the
+// point, a quarter of a period and LEAD clocks before the period ends, so that they are there when the first pulse starts whose
+// middle is in the next period. There it is decided, too, whether the
 // next period belongs to the next record, which is then taken over, or to the present one. A record of timings, or silence, that
 // follows one of those is taken over as soon as it is wanted, and made once; a preempt drops it again. What a preempt cannot drop
 // plays for a cycle, and the preempt comes to cycle_controller once more when it begins. Silence after a record of
@@ -37,6 +38,8 @@ module period_controller #(
     output wire                    o_preempt,
     output wire                    o_ready,
     output wire                    o_refresh,
+    output wire                    o_words,        // those that wait for it are there, and may begin early pulses
+    output wire                    o_centred,      // the present record has amplitudes, so its pulses are centred on their phases
     output reg  [15:0]             o_index,
     output reg  [15:0]             o_dwell,
     output reg                     o_silent,       // no pulses, and cycle and prescaler stay
@@ -76,7 +79,8 @@ module period_controller #(
     output reg                     o_missed        // strobe
 );
     localparam [23:0] LEAD_TICKS = LEAD[23:0], LONG_TICKS = LEAD[23:0] / 24'd2 + 24'd1;  // with ticks of one clock, and of more
-    localparam integer IDLE_TICKS = IDLE_CLOCKS > LEAD ? IDLE_CLOCKS - LEAD : 0;
+    localparam integer IDLE_ROOM  = IDLE_CLOCKS - IDLE_CLOCKS / 4;
+    localparam integer IDLE_TICKS = IDLE_ROOM > LEAD ? IDLE_ROOM - LEAD : 0;
     localparam [23:0] IDLE_WAIT = IDLE_TICKS[23:0];
     localparam [23:0] NO_WRAP = (1 << TIMING_BITS) + (1 << WIDTH_BITS);
     localparam [CHANNEL_BITS-1:0] LAST = CHANNELS[CHANNEL_BITS-1:0] - 1'b1;
@@ -101,7 +105,10 @@ module period_controller #(
     wire       go     = quiet && (near || forced);
     assign o_period = (go && !given_q) || (owed_q && given_before_q == 3'd0);
 
-    wire [23:0] lead = o_prescaler == 24'd1 ? LEAD_TICKS : LONG_TICKS;
+    // With ticks of one clock a quarter of the cycle earlier, because there early pulses begin.
+    wire        short_ticks = o_prescaler == 24'd1;
+    wire [23:0] lead        = short_ticks ? LEAD_TICKS : LONG_TICKS;
+    wire [23:0] room        = short_ticks ? o_cycle_length - (o_cycle_length >> 2) : o_cycle_length;
     always @(posedge clk) begin
         given_before_q <= rst ? 3'd0 : {given_before_q[1:0], o_period};
         if (rst) {given_q, owed_q} <= 2'b00;
@@ -112,7 +119,7 @@ module period_controller #(
             else if (o_period) owed_q <= 1'b0;
         end
         if (rst) wait_q <= IDLE_WAIT;
-        else if (i_commit && !o_silent) wait_q <= o_cycle_length > lead ? o_cycle_length - lead : 24'd0;
+        else if (i_commit && !o_silent) wait_q <= room > lead ? room - lead : 24'd0;
         if (i_cycle_start) left_q <= wait_q;
         else if (i_tick && left_q != 24'd0) left_q <= left_q - 1'b1;
     end
@@ -165,6 +172,8 @@ module period_controller #(
     assign {o_valid, o_last} = {valid_2_q, last_2_q};
     assign o_ready      = prepared_q && taken_q;
     assign o_refresh    = prepared_q && !taken_q;
+    assign o_words      = prepared_q && !o_silent;
+    assign o_centred    = plays_q;
     always @(posedge clk) begin
         // Silence after timings needs no words; timings need neither a sample nor the slew limiter.
         steps_q <= rst ? 4'd0 : {steps_q[3:1], renews || (o_take_over && !without_sample)};

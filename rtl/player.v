@@ -62,8 +62,9 @@ module player #(
     wire [15:0]            index, dwell, present;
     wire [23:0]            cycle_length, prescaler;
     wire [PULSE_BITS-1:0]  next_pulse_length, pulse_length;
-    wire                   amplitudes, foci, refresh, follows, asked;  // of frame_player alone
-    wire                   unused = &{1'b0, amplitudes, foci, refresh, follows, asked};
+    wire                   amplitudes, foci, refresh, follows, asked, near;  // of frame_player alone
+    wire [PULSE_BITS-1:0]  ahead_count;
+    wire                   unused = &{1'b0, amplitudes, foci, refresh, follows, asked, near, ahead_count};
 
     memory_controller #(
         .CHANNELS(CHANNELS), .RECORDS(RECORDS), .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS),
@@ -86,6 +87,7 @@ module player #(
         .i_ready(ready), .i_index(index), .i_dwell(dwell), .i_silent(silent),
         .i_cycle_length(cycle_length), .i_prescaler(prescaler), .i_pulse_length(next_pulse_length),
         .i_refresh(1'b0), .o_refresh(refresh), .o_follows(follows), .o_asked(asked),
+        .o_near(near), .o_ahead_count(ahead_count),
         .o_commit(commit), .o_tick(tick), .o_count(count), .o_can_match(can_match), .o_pulse_length(pulse_length),
         .o_index(present), .o_cycle_start(cycle_start), .o_underrun(o_underrun));
 

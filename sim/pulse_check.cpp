@@ -68,13 +68,13 @@ std::uint8_t sample_in(const Image& image, std::size_t i, std::optional<std::ptr
 /// those with one tick between them, of two successive cycles with different records and of any with amplitudes.
 std::vector<std::vector<Interval>> expected_intervals(const Image& image, const Ticks& ticks, std::uint32_t channels,
                                                       std::optional<std::ptrdiff_t> modulation_start) {
-    std::vector<std::vector<Interval>> marked(channels);  // in ticks
+    struct Mark {
+        Interval pulse;  // in ticks
+        bool fills;      // a gap of one tick before it
+    };
+    std::vector<std::vector<Mark>> marks(channels);
     const auto mark = [&](std::uint32_t channel, const Interval& pulse, bool fills) {
-        std::vector<Interval>& all = marked[channel];
-        if (!all.empty() && all.back().fall + (fills ? 1 : 0) >= pulse.rise)
-            all.back().fall = std::max(all.back().fall, pulse.fall);
-        else
-            all.push_back(pulse);
+        marks[channel].push_back({pulse, fills});
     };
     std::map<std::size_t, std::vector<Emission>> emissions;  // by place
     const std::vector<Played>& cycles = ticks.cycles();
@@ -86,16 +86,21 @@ std::vector<std::vector<Interval>> expected_intervals(const Image& image, const 
             auto found = emissions.find(*cycle.place);
             if (found == emissions.end())
                 found = emissions.emplace(*cycle.place, emissions_of(image, *cycle.place)).first;
+            const auto length = static_cast<std::uint32_t>(cycle_clocks(image, *cycle.place));
             const std::vector<EmissionWord> words =
-                emission_words(image, found->second, static_cast<std::uint32_t>(cycle_clocks(image, *cycle.place)),
-                               sample_in(image, i, modulation_start));
+                emission_words(image, found->second, length, sample_in(image, i, modulation_start));
+            // The last quarter of the cycle before begins early pulses, if its ticks are clocks.
+            const std::uint64_t quarter =
+                i > 0 && cycles[i - 1].prescaler == 1 ? (cycle.first - cycles[i - 1].first) / 4 : 0;
             for (std::uint32_t channel = 0; channel < channels && channel < words.size(); ++channel) {
                 const EmissionWord& word = words[channel];
                 if (word.width == 0) continue;
-                // A pulse around the cycle's start is begun by it, too, because the cycle before it may not have had
-                // it.
-                if (word.early) mark(channel, {cycle.first, cycle.first + word.fall}, true);
-                mark(channel, {cycle.first + word.rise, cycle.first + word.rise + word.width}, true);
+                if (!word.early) {
+                    mark(channel, {cycle.first + word.rise, cycle.first + word.rise + word.width}, true);
+                    continue;
+                }
+                const std::uint64_t ahead = length - word.rise;
+                mark(channel, {cycle.first - (ahead <= quarter ? ahead : 0), cycle.first + word.fall}, true);
             }
             continue;
         }
@@ -106,9 +111,18 @@ std::vector<std::vector<Interval>> expected_intervals(const Image& image, const 
             mark(channel, {rise, rise + record.pulse_length}, changes);
         }
     }
-    for (std::vector<Interval>& all : marked)
+    std::vector<std::vector<Interval>> merged(channels);
+    for (std::uint32_t channel = 0; channel < channels; ++channel) {
+        std::vector<Interval>& all = merged[channel];
+        std::ranges::stable_sort(marks[channel], {}, [](const Mark& one) { return one.pulse.rise; });
+        for (const auto& [pulse, fills] : marks[channel])
+            if (!all.empty() && all.back().fall + (fills ? 1 : 0) >= pulse.rise)
+                all.back().fall = std::max(all.back().fall, pulse.fall);
+            else
+                all.push_back(pulse);
         for (Interval& pulse : all) pulse = {ticks.clock_of(pulse.rise), ticks.clock_of(pulse.fall)};
-    return marked;
+    }
+    return merged;
 }
 
 }  // namespace

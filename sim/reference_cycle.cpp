@@ -56,14 +56,14 @@ void CarrierCycle::hold(Clock clock) {
 
 void CarrierCycle::commit(Clock clock, std::uint16_t index, std::uint16_t dwell, std::optional<Lengths> lengths,
                           std::shared_ptr<Firing> firing) {
-    const std::uint32_t old_pulse = pulse();
+    const std::uint32_t old_pulse = pulse(), rest = this->rest();
     firing_ = std::move(firing);
     lengths_ = lengths.value_or(lengths_);
     index_ = index;
     dwell_ = dwell;
     change_ = never;
     late_ = false;
-    settle_later(clock, old_pulse);
+    settle_later(clock, rest);
     begin(clock, true, old_pulse);
 }
 
@@ -72,6 +72,7 @@ bool CarrierCycle::go_on(Clock clock, bool ready) {
     late_ = late_ || misses;
     if (dwell_ > 1) --dwell_;
     begin(clock, false, 0);
+    repeats_ = true;
     return misses;
 }
 
@@ -79,19 +80,29 @@ bool CarrierCycle::go_on(Clock clock, bool ready, std::shared_ptr<Firing> firing
     const bool misses = dwell_ == 1 && !ready && !asked(clock) && !late_;
     late_ = late_ || misses;
     if (dwell_ > 1) --dwell_;
-    const std::uint32_t old_pulse = pulse();
+    const std::uint32_t old_pulse = pulse(), rest = this->rest();
     firing_ = std::move(firing);
-    settle_later(clock, old_pulse);
+    settle_later(clock, rest);
     begin(clock, true, old_pulse);
     return misses;
 }
 
-void CarrierCycle::settle_later(Clock clock, std::uint32_t old_pulse) {
-    settled_ = clock + 1 + (old_pulse == 0 ? 0 : Clock{old_pulse - 1} * lengths_.prescaler);
+void CarrierCycle::settle_later(Clock clock, std::uint32_t rest) {
+    settled_ = clock + 1 + (rest == 0 ? 0 : Clock{rest - 1} * lengths_.prescaler);
+}
+
+/// How long a pulse of this cycle can last behind it. An early one, which belongs to the next cycle, only begins in this
+/// one's last quarter while it is not known what comes behind.
+std::uint32_t CarrierCycle::rest() const {
+    if (!firing_) return 0;
+    const bool known = !repeats_ && prepared_ <= begun_ + 1 + lengths_.cycle - lengths_.cycle / 4;
+    return known ? firing_->rest() : firing_->pulse;
 }
 
 void CarrierCycle::begin(Clock clock, bool changed, std::uint32_t old_pulse) {
     begun_ = clock;
+    prepared_ = never;
+    repeats_ = false;
     end_ = clock + Clock{lengths_.cycle} * lengths_.prescaler;
     train_.begin_cycle(clock, lengths_.cycle, lengths_.prescaler, firing_, changed, old_pulse);
     if (!first_ticks_.empty()) first_ticks_.back().next = std::min(first_ticks_.back().next, clock);

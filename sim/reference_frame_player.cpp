@@ -51,7 +51,8 @@ void FramePlayer::reset(Clock, Clock last) {
     lengths_ = {0, 1};
     quiet_from_ = 0;
     const std::uint32_t period = carrier_period(p_);
-    wait_ticks_ = period > lead_ ? period - lead_ : 0;
+    const std::uint32_t room = period - period / 4;
+    wait_ticks_ = room > lead_ ? room - lead_ : 0;
     modulation.reset();
     cycle_.reset(last);
     seen_ = last;
@@ -126,8 +127,10 @@ Player::Counted FramePlayer::at(Clock clock, const Now& now) {
     if (cycle_starts && plays_ && changed_ != clock - 1) missed_ = clock + 1;
     if (cycle_starts) go_ = clock + 1 + wait_ticks_ * ticks;
     if (commits && !silent_) {
-        const std::uint32_t lead = lengths_.prescaler == 1 ? lead_ : lead_ / 2 + 1;
-        wait_ticks_ = lengths_.cycle > lead ? lengths_.cycle - lead : 0;
+        const bool short_ticks = lengths_.prescaler == 1;
+        const std::uint32_t lead = short_ticks ? lead_ : lead_ / 2 + 1;
+        const std::uint32_t room = short_ticks ? lengths_.cycle - lengths_.cycle / 4 : lengths_.cycle;
+        wait_ticks_ = room > lead ? room - lead : 0;
     }
     if (cycle_starts && !given_)
         owed_ = true;
@@ -148,7 +151,10 @@ Player::Counted FramePlayer::at(Clock clock, const Now& now) {
         again_ = true;
     if (commits) plays_ = !raw_;
     if (commits || renewed) changed_ = clock;
-    if (drops) quiet_pins_ = true;
+    if (drops) {
+        quiet_pins_ = true;
+        cycle_.drop();
+    }
     if (drops || commits || renewed) {
         busy_ = taken_ = false;
         prepared_ = never;
@@ -332,10 +338,14 @@ void FramePlayer::end_sweep(Clock clock) {
         const EmissionWord& word = words[channel];
         if (word.bent) bent_ = clock;
         if (word.width == 0) continue;
-        firing->add(channel, word.rise, word.width);
-        if (word.early) firing->add_early(channel, word.fall);
+        if (word.early)
+            firing->add_early(channel, word.rise, word.width, word.fall);
+        else
+            firing->add(channel, word.rise, word.width);
     }
+    firing->centred = !raw_;
     if (firing->pulse > 0) firing_ = std::move(firing);
+    cycle_.prepare(clock, lengths_.cycle, firing_);
     prepared_ = sweep_->prepared;
     sweep_.reset();
 }

@@ -14,7 +14,7 @@ constexpr Clock lateness = 2;  // clocks from the beginning of the next tick unt
 
 void PulseTrain::begin_cycle(Clock begin, std::uint32_t ticks, std::uint32_t prescaler, std::shared_ptr<Firing> firing,
                              bool changed, std::uint32_t old_pulse) {
-    Cycle cycle{begin, 0, ticks, prescaler, std::move(firing), changed, 0};
+    Cycle cycle{begin, 0, ticks, prescaler, std::move(firing), changed, 0, ticks};
     if (!cycles_.empty()) {
         Cycle& before = cycles_.back();
         const Clock lasted = begin - before.begin;
@@ -27,6 +27,32 @@ void PulseTrain::begin_cycle(Clock begin, std::uint32_t ticks, std::uint32_t pre
     if (changed) cycle.filled_to = cycle.first + std::max(old_pulse, 1U);
     cycles_.push_back(std::move(cycle));
     if (!awake_) forget_before(alive_from_ == never ? begin : begin - std::min(begin, history_));
+}
+
+void PulseTrain::prepare(Clock from, std::uint32_t ticks, std::shared_ptr<Firing> firing) {
+    if (firing) firing->sort();
+    cycles_.back().next = {from, ticks, std::move(firing)};
+}
+
+/// Whether what waits says which early pulses begin in this tick: in the last quarter, if it is there in time.
+bool PulseTrain::Cycle::knows_next(std::uint64_t tick) const {
+    return next && prescaler == 1 && tick + length / 4 >= length && begin + tick + 1 >= next->from;
+}
+
+/// The tick of this cycle in which an early pulse of what waits begins; none is 0.
+std::uint64_t PulseTrain::Cycle::ahead(const Firing::Rise& rise) const {
+    const std::uint64_t tick = std::uint64_t{length} + rise.tick;
+    return tick > next->ticks && knows_next(tick - next->ticks) ? tick - next->ticks : 0;
+}
+
+bool PulseTrain::Cycle::begins(std::uint32_t channel, std::uint64_t tick) const {
+    const bool knows = knows_next(tick);
+    if (knows && next->firing && next->firing->early[channel] != 0 &&
+        ahead({next->firing->tick[channel], channel, 0}) == tick)
+        return true;
+    if (!firing) return false;
+    const bool early = firing->early[channel] != 0;
+    return (firing->tick[channel] == tick && !(early && knows)) || (early && changed && tick == 0);
 }
 
 /// Two cycles are kept whatever their age: the last ticks of one may be under way when the next begins.
@@ -60,7 +86,7 @@ void PulseTrain::resume(Clock clock) {
 void PulseTrain::wake(Clock last) {
     if (awake_) return;
     awake_ = true;
-    next_rise_ = 0;
+    next_rise_ = next_ahead_ = 0;
     old_falls_.clear();
     new_falls_.clear();
     std::ranges::fill(pulses_, std::uint8_t{0});
@@ -84,6 +110,17 @@ void PulseTrain::advance(Clock last) {
             next = &cycle.firing->of(cycle.changed)[next_rise_];
             if (cycle.first + next->tick < end) tick = cycle.first + next->tick, channel = next->channel;
         }
+        const Firing::Rise* ahead = nullptr;
+        if (cycle.next && cycle.next->firing && next_ahead_ < cycle.next->firing->ahead.size()) {
+            const Firing::Rise& rise = cycle.next->firing->ahead[next_ahead_];
+            const std::uint64_t at = cycle.first + cycle.ahead(rise);
+            if (at == cycle.first) {
+                ++next_ahead_;
+                continue;
+            }
+            if (at < tick || (at == tick && tick < end && rise.channel < channel))
+                tick = at, channel = rise.channel, ahead = &rise;
+        }
         for (Falls* queue : {&old_falls_, &new_falls_}) {
             if (queue->empty()) continue;
             const Fall& fall = queue->front();
@@ -104,8 +141,14 @@ void PulseTrain::advance(Clock last) {
         if (falls != nullptr) {
             falls->pop();
             fall(clock, tick, channel);
+        } else if (ahead != nullptr) {
+            ++next_ahead_;
+            if (alive_from_ != never && began + lateness >= alive_from_) rise(clock, tick, *ahead);
         } else {
             ++next_rise_;
+            if (cycle.knows_next(tick - cycle.first) && next->tick == cycle.firing->tick[next->channel] &&
+                cycle.firing->early[next->channel] != 0)
+                continue;
             if (alive_from_ != never && began + lateness >= alive_from_) rise(clock, tick, *next);
         }
     }
@@ -113,7 +156,7 @@ void PulseTrain::advance(Clock last) {
 
 void PulseTrain::leave_cycle() {
     cycles_.pop_front();
-    next_rise_ = 0;
+    next_rise_ = next_ahead_ = 0;
     // A record is only committed when the pulses from before the last change have ended.
     if (cycles_.front().changed) old_falls_.swap(new_falls_);
 }
@@ -136,7 +179,7 @@ bool PulseTrain::fills(std::uint64_t tick, std::uint32_t channel) const {
         cycle = std::exchange(next, nullptr);
         if (cycle == nullptr) return false;
     }
-    if (!cycle->firing || !cycle->firing->begins(channel, tick - cycle->first, cycle->changed)) return false;
+    if (!cycle->begins(channel, tick - cycle->first)) return false;
     if (gaps_ == Gaps::all) return true;
     // With one clock a tick, the commit is known before the last tick's state has reached the pin.
     const bool before_commit =

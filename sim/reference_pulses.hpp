@@ -5,6 +5,7 @@
 #include <deque>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -26,11 +27,14 @@ struct Firing {
         rises.push_back({at, channel, ticks});
         pulse = std::max(pulse, ticks);
     }
-    /// Its middle is in this cycle, its beginning in the one before. In the first cycle of a firing, the channel is
-    /// high in so many ticks from the first one on, if it was not before.
-    void add_early(std::uint32_t channel, std::uint32_t ticks) {
+    /// The same of a pulse that ends in the next cycle, to which its middle belongs. So it begins in the cycle before the
+    /// firing's first one, if that knows of it in time; otherwise the channel is high in so many ticks from the first
+    /// one on. In the firing's last cycle it does not begin, because the next firing says what belongs to the one behind.
+    void add_early(std::uint32_t channel, std::uint32_t at, std::uint32_t ticks, std::uint32_t end) {
+        add(channel, at, ticks);
         early[channel] = 1;
-        opening.push_back({0, channel, ticks});
+        ahead.push_back(rises.back());
+        opening.push_back({0, channel, end});
     }
     /// Brings them in order; needed only when somebody looks at the pulses, and done once.
     void sort() {
@@ -39,19 +43,21 @@ struct Firing {
             return a.tick != b.tick ? a.tick < b.tick : a.channel < b.channel;
         };
         std::ranges::sort(rises, before);
+        std::ranges::sort(ahead, before);
         if (opening.empty()) return;
         opening.insert(opening.end(), rises.begin(), rises.end());
         std::ranges::sort(opening, before);
     }
     /// @param first  it is the first cycle of the firing
     [[nodiscard]] const std::vector<Rise>& of(bool first) const { return first && !opening.empty() ? opening : rises; }
-    [[nodiscard]] bool begins(std::uint32_t channel, std::uint64_t at, bool first) const {
-        return tick[channel] == at || (first && at == 0 && early[channel] != 0);
-    }
+    /// Behind a cycle's end, the tick with which the last of its pulses has ended, counted from 1; but for early ones.
+    [[nodiscard]] std::uint32_t rest() const { return centred ? pulse / 2 + 1 : pulse; }
 
     std::uint32_t pulse = 0;          ///< ticks of the longest
+    bool centred = false;             ///< each pulse is centred on a phase of its cycle
     std::vector<Rise> rises;          ///< by tick and then by channel
-    std::vector<Rise> opening;        ///< the same, with what is early; empty when nothing is
+    std::vector<Rise> ahead;          ///< the early ones of them
+    std::vector<Rise> opening;        ///< all, with what is left of those in the first cycle; empty when none is early
     std::vector<std::uint32_t> tick;  ///< of each channel; `silent` when it has no pulse
     std::vector<std::uint8_t> early;  ///< of each channel, 1 or 0
 
@@ -86,6 +92,11 @@ public:
     /// @param changed    the firing is put to use with it, instead of one with pulses of `old_pulse` ticks
     void begin_cycle(Clock begin, std::uint32_t ticks, std::uint32_t prescaler, std::shared_ptr<Firing> firing,
                      bool changed, std::uint32_t old_pulse);
+    /// The end of the present cycle will put a firing to use, whose cycle has so many ticks. In ticks that begin a pulse
+    /// in clock `from` or later its early ones may begin.
+    void prepare(Clock from, std::uint32_t ticks, std::shared_ptr<Firing> firing);
+    /// It will not.
+    void drop() { cycles_.back().next.reset(); }
     /// All pins are low from this clock on, and no pulse begins until resume().
     void stop(Clock clock);
     /// Pulses whose tick began two clocks before this one, or later, reach the pins again.
@@ -110,7 +121,17 @@ private:
         std::shared_ptr<Firing> firing;
         bool changed;
         std::uint64_t filled_to;  // up to this tick, a gap of one tick between pulses is filled
+        std::uint32_t length;     // ticks, were it not cut
         bool stretched = false;   // its last tick is longer
+        struct Next {
+            Clock from;
+            std::uint32_t ticks;
+            std::shared_ptr<Firing> firing;
+        };
+        std::optional<Next> next = {};  // what waits for its end
+        [[nodiscard]] bool knows_next(std::uint64_t tick) const;
+        [[nodiscard]] std::uint64_t ahead(const Firing::Rise& rise) const;
+        [[nodiscard]] bool begins(std::uint32_t channel, std::uint64_t tick) const;
     };
     struct Fall {
         std::uint64_t tick;
@@ -156,6 +177,7 @@ private:
     Gaps gaps_;
     std::deque<Cycle> cycles_;          // those whose changes have not all been made
     std::size_t next_rise_ = 0;         // in the first of them
+    std::size_t next_ahead_ = 0;        // of those of the firing that waits for its end
     Falls old_falls_, new_falls_;       // of pulses from before the last change of record, and from after it
     std::vector<std::uint8_t> pulses_;  // how many each channel is in
     std::vector<Clock> high_since_;

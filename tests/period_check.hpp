@@ -105,8 +105,11 @@ inline Comparison compare_periods(const std::vector<MeasuredCycle>& cycles, cons
         for (std::size_t k = 0; k < channels; ++k) {
             bent = bent || words[k].bent;
             if (words[k].width == 0) continue;
-            high[k].emplace_back(clock + words[k].rise, clock + words[k].rise + words[k].width);
-            if (words[k].early) high[k].emplace_back(clock, clock + words[k].fall);
+            // One that is early begins in the cycle before, in whose last quarter its word is there.
+            const std::uint64_t ahead = words[k].early ? period.cycle_ticks - words[k].rise : 0;
+            const bool whole = i > 0 && ahead <= (clock - cycles[i - 1].clock) / 4;
+            const std::uint64_t rise = !words[k].early ? clock + words[k].rise : whole ? clock - ahead : clock;
+            high[k].emplace_back(rise, words[k].early ? clock + words[k].fall : rise + words[k].width);
         }
         result.bent += bent;
     }

@@ -35,6 +35,9 @@ always @(posedge clk) begin
         assert (count_q < cycle_length_q && phase_q < prescaler_q && f_left_q == f_ticks * prescaler_q[7:0] - phase_q[7:0]);
         assert (preempt_q == f_asked_q && dwell_q == (f_dwell_q == 0 ? 16'd0 : f_due ? 16'd1 : f_dwell_q - f_played_q));
         assert (f_asked_q || late_q == (f_dwell_q != 0 && f_played_q >= f_dwell_q));
+        assert (quarter_q == cycle_length_q >> 2);
+        assert (o_near == (prescaler_q == 24'd1 && {16'd0, f_left_q} <= quarter_q && {24'd0, f_left_q} <= 1 << (PULSE_BITS - 1)) || cycle_length_q > 24'd255);
+        cover (o_near && f_left_q == 8'd1 && !o_commit);
         // A cycle starts right after the last one, and ends where its length says.
         assert (o_cycle_start == ($past(boundary) || $past(rst)));
         assert (!boundary || (f_left_q == 8'd1 && !i_hold) || f_at_once);

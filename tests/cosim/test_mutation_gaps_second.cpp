@@ -368,20 +368,21 @@ TEST_CASE(
     auto g = generator();
     Wide bench;
     bench.open();
-    constexpr std::uint32_t cycle = 2 * lead;
+    constexpr std::uint32_t cycle = 4 * lead;
     bench.random_record(g, 2, cycle);
     bench.write_sequence({{1, 3}, {2, 6}});
     std::uint16_t underruns = 0;
-    // An old pulse may run for so many clocks of the new record's first cycle, whose successor is begun in its middle.
+    // An old pulse may run for so many clocks of the new record's first cycle, until its successor's words are begun.
+    constexpr std::uint32_t go = cycle - cycle / 4 - lead;
     for (std::uint32_t pulse = 4; pulse < cycle - 5; pulse += 4) {
-        if (pulse + 5 > lead && pulse < lead + 2) continue;
+        if (pulse + 3 > go && pulse < go + 4) continue;
         CAPTURE(pulse);
         bench.raw_record(g, 1, 800, static_cast<std::uint8_t>(pulse));
         bench.client.start(1, 2, 1);
         bench.wait_for_index(2);
         bench.wait_for_index(0);
         bench.board.run(2000);
-        underruns = static_cast<std::uint16_t>(underruns + (pulse > lead ? 1 : 0));
+        underruns = static_cast<std::uint16_t>(underruns + (pulse > go ? 1 : 0));
         REQUIRE(bench.client.status().underruns == underruns);
     }
 }

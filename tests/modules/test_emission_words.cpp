@@ -110,7 +110,7 @@ TEST_CASE("the words of emission.v are those of the host's model") {
             }
             if (bench->o_valid) {
                 const EmissionWord& e = expected[got++];
-                const std::uint32_t word = static_cast<std::uint32_t>(e.early) << 2 * bits | e.rise << bits | e.fall;
+                const std::uint32_t word = static_cast<std::uint32_t>(e.early) << 2 * bits | e.fall << bits | e.rise;
                 if (bench->o_word != word || bench->o_width != e.width || bench->o_bent != e.bent ||
                     bench->o_last != (got == channels))
                     ++wrong;

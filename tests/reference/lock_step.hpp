@@ -282,6 +282,8 @@ public:
             if (std::string difference = new_foci(); !difference.empty()) return difference;
         }
         if (!keeps_role && one_in(300)) reset();
+        if (p_.width_bits != 0 && !chained_ && one_in(80))
+            if (std::string difference = still_plays(); !difference.empty()) return difference;
         if (one_in(60)) press_stop();
         // Who leaves a chain, or begins one, waits for the answers before; the reference board's may come late
         // otherwise.
@@ -302,6 +304,7 @@ public:
     std::uint64_t commands = 0, images = 0, replies = 0, applied = 0, waits = 0;
     std::uint64_t in_step = 0, numbered = 0, losses = 0, modulated = 0, bent = 0, far = 0;  // of replies to STATUS
     std::uint64_t pushed_foci = 0;                                                          // frames
+    std::uint64_t quick_records = 0;  // behind which another one was asked for
     bool keeps_role = false;                                                                // nothing is reset
 
 private:
@@ -365,6 +368,41 @@ private:
         return difference.empty() ? run(1000) : difference;
     }
 
+    /// Equal boards can both be stuck. Whatever came before, a record of amplitudes that is selected begins soon; behind
+    /// records with cycles of a few clocks, too, whether these are refused or played.
+    std::string still_plays() {
+        const auto settle = [this](std::uint32_t clocks) {
+            for (int i = 0; i < 1000 && !boards_.core().line_idle(); ++i)
+                if (std::string difference = run(1000); !difference.empty()) return difference;
+            return run(clocks);
+        };
+        const std::uint32_t period = p_.clock_hz / 40'000;
+        std::vector<std::uint16_t> quick(record_words()), good(record_words());
+        interface::record_field::cycle_length.set(quick, between(1, 5));
+        interface::record_field::pulse_length.set(quick, below(3));
+        interface::record_field::prescaler.set(quick, one_in(3) ? between(1, 3) : 1);
+        interface::record_field::kind.set(quick, static_cast<unsigned>(interface::Kind::timings));
+        interface::record_field::cycle_length.set(good, period);
+        interface::record_field::pulse_length.set(good, 0);
+        interface::record_field::prescaler.set(good, 1);
+        interface::record_field::kind.set(good, static_cast<unsigned>(interface::Kind::amplitudes));
+        for (std::size_t k = interface::record_header_words; k < good.size(); ++k) good[k] = any_word();
+        // The zero ends what noise began. A long cycle ends at once while outputs are off.
+        send({0});
+        say({Command::identify, {}});
+        say({Command::disable, {}});
+        say(writes(interface::primary_base, quick));
+        say(writes(interface::primary_base + 2 * record_words(), good));
+        say({Command::select, {1, word(below(3))}});
+        if (std::string difference = settle(between(1, 3 * period)); !difference.empty()) return difference;
+        say({Command::select, {2, 0}});
+        if (std::string difference = settle(4 * period); !difference.empty()) return difference;
+        if (!selected_) return {};  // what was on the way before took its number
+        ++quick_records;
+        if (boards_.core().outputs().index != 2) return "a record that was selected does not begin";
+        return {};
+    }
+
     // ---- Records and images
 
     /// Lengths of cycle and pulse: usual ones, and those at the limits. In some images all pulses leave gaps of one
@@ -374,7 +412,7 @@ private:
         std::uint32_t prescaler = one_in(3) ? between(1, 6) : 1;
         std::uint32_t pulse = between(1, std::min(cycle / 2, 255U));
         switch (below(12)) {
-            case 0: cycle = between(2, 40), pulse = between(0, cycle - 1); break;
+            case 0: cycle = between(1, one_in(3) ? 5 : 40), pulse = between(0, cycle - 1); break;
             case 1: cycle = between(100, 256), pulse = cycle - 1; break;
             case 2: cycle = between(200, 260), pulse = between(cycle / 2, 255); break;
             case 3: cycle = between(4000, 6000), pulse = 255; break;
@@ -428,7 +466,7 @@ private:
         const std::uint32_t kind = below(5), common = below(256);
         for (std::size_t k = interface::record_header_words; k < words.size(); ++k) {
             std::uint32_t phase = kind == 0 ? common : kind == 1 ? common + below(3) : below(256);
-            if (kind == 2) phase = 250 + below(12);  // about the cycle's end
+            if (kind == 2) phase = one_in(2) ? 250 + below(12) : below(64);  // whose pulses lie about the cycle's end
             const std::uint32_t amplitude = one_in(4) ? 255 : one_in(6) ? below(3) : below(256);
             words[k] = word(amplitude << 8 | (phase & 0xffU));
         }
@@ -727,6 +765,7 @@ private:
         decoder_.feed(bytes, found);
         for (const link::Reply& reply : found) {
             ++replies;
+            selected_ = reply.command == Command::select && reply.status == interface::Status::ok;
             const bool strange = reply.status == interface::Status::out_of_order;
             lost_ = strange ? lost_ + 1 : 0;
             applied += reply.status == interface::Status::ok ? 1 : 0;
@@ -751,6 +790,7 @@ private:
     std::mt19937 g_;
     std::uint8_t number_ = 0;
     unsigned lost_ = 0;
+    bool selected_ = false;  // the last reply says so
     bool pressed_ = false;
     bool chained_ = false;
     unsigned place_ = 0;  // in the answer that arrives

@@ -68,6 +68,7 @@ void compare(std::string_view configuration, std::uint64_t commands, std::uint32
         REQUIRE(host.bent > 0);
         REQUIRE(host.far > 0);
         REQUIRE(host.pushed_foci > 0);
+        REQUIRE(host.quick_records > 0);
     }
     if (sync == Sync::slave) {
         REQUIRE(host.in_step > 0);

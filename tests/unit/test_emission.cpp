@@ -121,6 +121,28 @@ TEST_CASE("emission: modulation multiplies, 255 changes nothing, and raw pulses 
     CHECK(model.period(std::vector<Emission>{{0, 2046}, {0, 2047}, {0, 5000}}, raw)[0].fall == (2046 + 125) % 2048);
 }
 
+TEST_CASE("contract 8: how far amplitudes and widths are off by the table's steps and whole ticks", "[emission]") {
+    struct Bound {
+        std::uint32_t cycle;
+        double amplitude, width, modulated_width;
+    };
+    for (const Bound& bound : {Bound{1250, 0.0025, 1.8, 18}, Bound{2046, 0.0025, 3.4, 29}}) {
+        double amplitude_off = 0, width_off = 0, modulated_off = 0;
+        for (std::uint32_t amplitude = 0; amplitude < 65536; ++amplitude) {
+            const std::uint32_t ticks = emission_ticks(static_cast<std::uint16_t>(amplitude), bound.cycle, 1);
+            const double exact = std::asin(amplitude / 65535.0) / std::numbers::pi * bound.cycle;
+            const double off = std::abs(ticks - exact);
+            amplitude_off = std::max(amplitude_off, std::abs(std::sin(std::numbers::pi * ticks / bound.cycle) - amplitude / 65535.0));
+            modulated_off = std::max(modulated_off, off);
+            if (amplitude % 257 == 0) width_off = std::max(width_off, off);  // of a record, 8 bits
+        }
+        CHECK(amplitude_off <= bound.amplitude);
+        CHECK(width_off <= bound.width);
+        CHECK(width_off > bound.width - 0.15);
+        CHECK(modulated_off <= bound.modulated_width);
+    }
+}
+
 TEST_CASE("emission: the slew limit by rate and by arrival", "[emission]") {
     EmissionModel model(1);
     EmissionPeriod settings;
