@@ -201,7 +201,7 @@ module frame_player #(
     ) generators (
         .clk(clk), .rst(rst), .i_allow(allow),
         .i_shift(word_valid), .i_word(word), .i_commit(commit || refresh),
-        .i_tick(tick), .i_can_match(can_match), .i_count(count), .i_near(near_end), .i_words(words), .i_ahead_count(ahead_count),
+        .i_tick(tick), .i_cycle_start(cycle_start), .i_can_match(can_match), .i_count(count), .i_near(near_end), .i_words(words), .i_ahead_count(ahead_count),
         .i_centred(centred), .i_longest(playing_longest),
         .o_settled(settled), .o_pins(o_pins));
 

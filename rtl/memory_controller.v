@@ -6,7 +6,7 @@
 // record's header goes into the fields below; its words (o_timing, or i_word as it is) go on with o_shift, one a clock. o_ready is first high
 // CHANNELS + 7 clocks after the clock that takes the entry, with the last timing, or after 33 if that is later; index 0 (silence)
 // is ready after 2. A focus record is ready after 7 + 4 clocks a focus, or after 29 if that is later.
-// A record that cannot be played is refused: an index above RECORDS; a cycle of no clock (with WIDTH_BITS, of fewer than the 4 that
+// A record that cannot be played is refused: an index above RECORDS; a cycle of no clock (with WIDTH_BITS, of fewer than the 8 that
 // period_controller takes for each), or of more than MAX_CYCLE_CLOCKS; a pulse shorter than MIN_PULSE_CLOCKS, longer than
 // MAX_PULSE_CLOCKS, or more than MAX_DUTY_256 / 256 of its cycle; or reserved bits. A pulse length of 0 is silence and may be played.
 // When a record is refused, o_refused strobes, and silence takes its place and dwell. i_preempt drops whatever is loading or loaded.
@@ -82,7 +82,7 @@ module memory_controller #(
     localparam integer PULSE_WIDTH = $clog2(MAX_PULSE_CLOCKS + 1) > 8 ? $clog2(MAX_PULSE_CLOCKS + 1) : 8;
     localparam integer CYCLE_WIDTH = $clog2(MAX_CYCLE_CLOCKS + 1) > 24 ? $clog2(MAX_CYCLE_CLOCKS + 1) : 24;
     localparam [PULSE_WIDTH-1:0] SHORTEST_PULSE = MIN_PULSE_CLOCKS[PULSE_WIDTH-1:0], LONGEST_PULSE = MAX_PULSE_CLOCKS[PULSE_WIDTH-1:0];
-    localparam [CYCLE_WIDTH-1:0] SHORTEST_CYCLE = WIDTH_BITS != 0 ? 4 : 1, LONGEST_CYCLE = MAX_CYCLE_CLOCKS[CYCLE_WIDTH-1:0], COMMON = COMMON_CYCLE[CYCLE_WIDTH-1:0];
+    localparam [CYCLE_WIDTH-1:0] SHORTEST_CYCLE = WIDTH_BITS != 0 ? 8 : 1, LONGEST_CYCLE = MAX_CYCLE_CLOCKS[CYCLE_WIDTH-1:0], COMMON = COMMON_CYCLE[CYCLE_WIDTH-1:0];
 
     generate
         if (MIN_PULSE_CLOCKS < 1 || MIN_PULSE_CLOCKS > MAX_PULSE_CLOCKS) min_pulse_clocks_out_of_range error();

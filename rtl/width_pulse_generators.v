@@ -8,8 +8,8 @@
 // pulse under way then finds its end in the shadow register, where the old fall is; so it completes, and overlapping ones merge.
 // Words must not be shifted before o_settled.
 // An early pulse starts while its word waits for its commit: in a tick with i_near and i_words, whose number in the coming cycle is
-// i_ahead_count. So both halves of a pulse are of one word. The present word's early pulse, which would be the next cycle's, does
-// not start again in such a tick. What has not started by the commit does so in the record's first tick.
+// i_ahead_count. So both halves of a pulse are of one word. What has not started by the end of a cycle does so in the next one's
+// first tick; that is all that is left of an early pulse in a cycle without a commit.
 // A pin is also high in a single tick between two pulses. To see that gap, pins wait for a tick: a pin follows its tick by one tick
 // and two clocks. While i_allow is low, pins are low from the next clock on, and nothing waits to be settled; the first pulse
 // afterwards is whole, unless it is early.
@@ -30,6 +30,7 @@ module width_pulse_generators #(
     input  wire [2*TIMING_BITS:0] i_word,
     input  wire                   i_commit,     // in a cycle's last clock, while o_settled; a tick follows in the next clock
     input  wire                   i_tick,       // strobe at the start of each tick
+    input  wire                   i_cycle_start,  // with a cycle's first tick
     input  wire                   i_can_match,  // the record has pulses, and i_count is one at which a pulse can start
     input  wire [TIMING_BITS-1:0] i_count,      // low bits of the tick's number
     input  wire                   i_near,       // at a tick: one of the cycle's last ones, in which all early pulses start
@@ -50,7 +51,7 @@ module width_pulse_generators #(
     endgenerate
 
     // What all channels compare with, one clock after the tick.
-    reg                   tick_q, start_q, commit_q, first_q, ahead_q, again_q;
+    reg                   tick_q, start_q, commit_q, first_q, ahead_q;
     wire ahead = i_near && i_words;
     reg [TIMING_BITS-1:0] count_q;
     reg [WIDTH_BITS-1:0]  old_count_q;  // ticks since the last commit, by which the pulses from before it end; ahead: i_ahead_count
@@ -62,13 +63,11 @@ module width_pulse_generators #(
         commit_q <= i_commit && !rst;
         tick_q   <= i_tick && !rst;
         start_q  <= i_tick && i_can_match && !rst;
-        first_q  <= commit_q && i_longest != NONE && !rst;  // in a record's first tick
+        first_q  <= i_cycle_start && i_can_match && !rst;  // in a cycle's first tick
         if (rst) ahead_q <= 1'b0;
         else if (i_tick) ahead_q <= ahead;
-        if (rst || i_commit) again_q <= 1'b0;  // the present word's early pulse may have started for a next cycle
-        else if (i_tick && i_near && !i_words) again_q <= 1'b1;
         if (rst) old_left_q <= NONE;
-        else if (i_commit) old_left_q <= i_centred && !again_q ? (i_longest >> 1) + ONE : i_longest;
+        else if (i_commit) old_left_q <= i_centred ? (i_longest >> 1) + ONE : i_longest;
         else if (!i_allow) old_left_q <= NONE;
         else if (i_tick && old_left_q != NONE) old_left_q <= old_left_q - ONE;
         if (i_tick) begin
@@ -139,7 +138,7 @@ module width_pulse_generators #(
             differ_old[p] = a[2*p] != b[2*p] || (2*p + 1 < WIDTH_BITS && a[(2*p + 1) % WIDTH_BITS] != b[(2*p + 1) % WIDTH_BITS]);
     endfunction
 
-    wire [CHANNELS-1:0] starts = (begins & {CHANNELS{start_q}} & ~(early_q & {CHANNELS{ahead_q}})) | (early_q & {CHANNELS{first_q}});
+    wire [CHANNELS-1:0] starts = (begins & {CHANNELS{start_q}} & ~early_q) | (early_q & {CHANNELS{first_q}});
     wire [CHANNELS-1:0] new_d  = (new_q & ~ends) | (~new_q & starts);
     wire [CHANNELS-1:0] old_d  = ahead_q ? old_q | (old_hits & coming & {CHANNELS{tick_q}}) : old_q & ~old_hits;
     wire [CHANNELS-1:0] now    = new_q | old_q;

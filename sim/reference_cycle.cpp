@@ -72,7 +72,6 @@ bool CarrierCycle::go_on(Clock clock, bool ready) {
     late_ = late_ || misses;
     if (dwell_ > 1) --dwell_;
     begin(clock, false, 0);
-    repeats_ = true;
     return misses;
 }
 
@@ -91,18 +90,8 @@ void CarrierCycle::settle_later(Clock clock, std::uint32_t rest) {
     settled_ = clock + 1 + (rest == 0 ? 0 : Clock{rest - 1} * lengths_.prescaler);
 }
 
-/// How long a pulse of this cycle can last behind it. An early one, which belongs to the next cycle, only begins in this
-/// one's last quarter while it is not known what comes behind.
-std::uint32_t CarrierCycle::rest() const {
-    if (!firing_) return 0;
-    const bool known = !repeats_ && prepared_ <= begun_ + 1 + lengths_.cycle - lengths_.cycle / 4;
-    return known ? firing_->rest() : firing_->pulse;
-}
-
 void CarrierCycle::begin(Clock clock, bool changed, std::uint32_t old_pulse) {
     begun_ = clock;
-    prepared_ = never;
-    repeats_ = false;
     end_ = clock + Clock{lengths_.cycle} * lengths_.prescaler;
     train_.begin_cycle(clock, lengths_.cycle, lengths_.prescaler, firing_, changed, old_pulse);
     if (!first_ticks_.empty()) first_ticks_.back().next = std::min(first_ticks_.back().next, clock);

@@ -62,7 +62,6 @@ public:
     void ask(Clock clock) { change_ = clock + 1; }
     /// What this cycle's end puts to use is there from this clock on; or is not wanted any more.
     void prepare(Clock clock, std::uint32_t cycle, std::shared_ptr<Firing> firing) {
-        prepared_ = clock;
         train_.prepare(clock, cycle, std::move(firing));
     }
     void drop() { train_.drop(); }
@@ -83,7 +82,7 @@ private:
     void begin(Clock clock, bool changed, std::uint32_t old_pulse);
     [[nodiscard]] std::uint32_t pulse() const { return firing_ ? firing_->pulse : 0; }
     void settle_later(Clock clock, std::uint32_t rest);
-    [[nodiscard]] std::uint32_t rest() const;
+    [[nodiscard]] std::uint32_t rest() const { return firing_ ? firing_->rest() : 0; }
 
     std::uint32_t idle_clocks_;
     Clock guard_window_;
@@ -95,9 +94,7 @@ private:
     std::uint16_t index_ = 0, dwell_ = 0;
     Clock change_ = never;  // from which clock on a change is asked for
     Clock settled_ = 0;
-    Clock prepared_ = never;  // from which clock on this cycle knows what comes behind it
-    bool repeats_ = false;    // it is not the first one of its firing
-    bool late_ = false;       // the change that is due has been missed
+    bool late_ = false;  // the change that is due has been missed
     Clock may_merge_to_ = 0;
     Lengths merged_{0, 0};  // of the last cycle with pulses
     struct Tick {

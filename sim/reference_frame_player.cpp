@@ -19,9 +19,10 @@ constexpr Clock place_clocks = 3;
 constexpr Clock engine_clocks = 35;  // until its frame is whole, beside one for each focus and channel
 
 // Of a period's words, from the clock in which they are begun.
-constexpr Clock sample_clocks = 4;  // until its sample is there, and the slew limiter knows whether the pins were silent
-constexpr Clock slew_clocks = 18;   // until the slew limiter has its share
-constexpr Clock word_clocks = 14;   // until a word is there
+constexpr Clock sample_clocks =
+    4;                             // until its sample is there, and the slew limiter knows whether the pins were silent
+constexpr Clock slew_clocks = 18;  // until the slew limiter has its share
+constexpr Clock word_clocks = 14;  // until a word is there
 constexpr Clock between_periods = 4;
 
 }  // namespace

@@ -105,7 +105,7 @@ private:
     std::optional<Sweep> sweep_;
     Clock prepared_ = never;  // from which clock on the words can be put to use
     std::shared_ptr<Firing> firing_;
-    Clock bent_ = never;  // a bent period is counted
+    Clock bent_ = never;      // a bent period is counted
     bool quiet_pins_ = true;  // outputs have been off since the slew limiter began its last period
     EmissionModel model_;
 

@@ -15,8 +15,8 @@ Header Header::of(std::span<const std::uint16_t> words) {
 bool Header::in_bounds(const interface::CoreParameters& p) const {
     const std::uint64_t pulse_clocks = std::uint64_t{pulse} * prescaler;
     return pulse < 1U << p.pulse_bits && std::uint64_t{pulse} * 256 <= std::uint64_t{cycle_length} * p.max_duty_256 &&
-           cycle_clocks() >= least_cycle_clocks(p) && cycle_clocks() <= p.clock_hz && pulse_clocks <= longest_pulse_clocks(p) &&
-           (pulse == 0 || pulse_clocks >= p.min_pulse_clocks);
+           cycle_clocks() >= least_cycle_clocks(p) && cycle_clocks() <= p.clock_hz &&
+           pulse_clocks <= longest_pulse_clocks(p) && (pulse == 0 || pulse_clocks >= p.min_pulse_clocks);
 }
 
 void RecordPlayer::reset(Clock, Clock last) {

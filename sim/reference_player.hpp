@@ -95,9 +95,9 @@ struct Header {
     /// @return whether its cycle, its pulse and the part that this takes are in the board's bounds
     [[nodiscard]] bool in_bounds(const interface::CoreParameters& p) const;
 };
-/// A board with amplitudes takes four clocks for each cycle (rtl/period_controller.v).
+/// A board with amplitudes takes up to eight clocks for each cycle (rtl/period_controller.v).
 [[nodiscard]] constexpr std::uint32_t least_cycle_clocks(const interface::CoreParameters& p) {
-    return p.width_bits != 0 ? 4 : 1;
+    return p.width_bits != 0 ? 8 : 1;
 }
 /// A pin that stays high for so long may trip the guard when pulses merge.
 [[nodiscard]] constexpr std::uint32_t longest_pulse_clocks(const interface::CoreParameters& p) {

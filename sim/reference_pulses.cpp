@@ -46,13 +46,9 @@ std::uint64_t PulseTrain::Cycle::ahead(const Firing::Rise& rise) const {
 }
 
 bool PulseTrain::Cycle::begins(std::uint32_t channel, std::uint64_t tick) const {
-    const bool knows = knows_next(tick);
-    if (knows && next->firing && next->firing->early[channel] != 0 &&
-        ahead({next->firing->tick[channel], channel, 0}) == tick)
-        return true;
-    if (!firing) return false;
-    const bool early = firing->early[channel] != 0;
-    return (firing->tick[channel] == tick && !(early && knows)) || (early && changed && tick == 0);
+    if (firing && firing->tick[channel] == tick) return true;
+    return next && next->firing && next->firing->ahead_tick[channel] != Firing::silent && tick != 0 &&
+           ahead({next->firing->ahead_tick[channel], channel, 0}) == tick;
 }
 
 /// Two cycles are kept whatever their age: the last ticks of one may be under way when the next begins.
@@ -106,8 +102,8 @@ void PulseTrain::advance(Clock last) {
         Falls* falls = nullptr;
         const Firing::Rise* next = nullptr;
         if (cycle.firing) cycle.firing->sort();
-        if (cycle.firing && next_rise_ < cycle.firing->of(cycle.changed).size()) {
-            next = &cycle.firing->of(cycle.changed)[next_rise_];
+        if (cycle.firing && next_rise_ < cycle.firing->rises.size()) {
+            next = &cycle.firing->rises[next_rise_];
             if (cycle.first + next->tick < end) tick = cycle.first + next->tick, channel = next->channel;
         }
         const Firing::Rise* ahead = nullptr;
@@ -146,9 +142,6 @@ void PulseTrain::advance(Clock last) {
             if (alive_from_ != never && began + lateness >= alive_from_) rise(clock, tick, *ahead);
         } else {
             ++next_rise_;
-            if (cycle.knows_next(tick - cycle.first) && next->tick == cycle.firing->tick[next->channel] &&
-                cycle.firing->early[next->channel] != 0)
-                continue;
             if (alive_from_ != never && began + lateness >= alive_from_) rise(clock, tick, *next);
         }
     }

@@ -20,21 +20,23 @@ struct Firing {
     };
     static constexpr std::uint32_t silent = ~0U;
 
-    explicit Firing(std::uint32_t channels) : tick(channels, silent), early(channels) { rises.reserve(channels); }
+    explicit Firing(std::uint32_t channels) : tick(channels, silent), ahead_tick(channels, silent) {
+        rises.reserve(channels);
+    }
     /// A channel's pulse begins in this tick of the cycle, and lasts for so many, also into the next cycle.
     void add(std::uint32_t channel, std::uint32_t at, std::uint32_t ticks) {
         tick[channel] = at;
         rises.push_back({at, channel, ticks});
         pulse = std::max(pulse, ticks);
     }
-    /// The same of a pulse that ends in the next cycle, to which its middle belongs. So it begins in the cycle before the
-    /// firing's first one, if that knows of it in time; otherwise the channel is high in so many ticks from the first
-    /// one on. In the firing's last cycle it does not begin, because the next firing says what belongs to the one behind.
+    /// The same of a pulse that ends in the next cycle, to which its middle belongs. So it begins in the cycle before
+    /// the firing's first one, if that knows of it in time. In each of the firing's cycles the channel is high up to
+    /// `end`.
     void add_early(std::uint32_t channel, std::uint32_t at, std::uint32_t ticks, std::uint32_t end) {
-        add(channel, at, ticks);
-        early[channel] = 1;
-        ahead.push_back(rises.back());
-        opening.push_back({0, channel, end});
+        add(channel, 0, end);
+        ahead_tick[channel] = at;
+        ahead.push_back({at, channel, ticks});
+        pulse = std::max(pulse, ticks);
     }
     /// Brings them in order; needed only when somebody looks at the pulses, and done once.
     void sort() {
@@ -44,22 +46,16 @@ struct Firing {
         };
         std::ranges::sort(rises, before);
         std::ranges::sort(ahead, before);
-        if (opening.empty()) return;
-        opening.insert(opening.end(), rises.begin(), rises.end());
-        std::ranges::sort(opening, before);
     }
-    /// @param first  it is the first cycle of the firing
-    [[nodiscard]] const std::vector<Rise>& of(bool first) const { return first && !opening.empty() ? opening : rises; }
-    /// Behind a cycle's end, the tick with which the last of its pulses has ended, counted from 1; but for early ones.
+    /// Behind a cycle's end, the tick with which the last of its pulses has ended, counted from 1.
     [[nodiscard]] std::uint32_t rest() const { return centred ? pulse / 2 + 1 : pulse; }
 
-    std::uint32_t pulse = 0;          ///< ticks of the longest
-    bool centred = false;             ///< each pulse is centred on a phase of its cycle
-    std::vector<Rise> rises;          ///< by tick and then by channel
-    std::vector<Rise> ahead;          ///< the early ones of them
-    std::vector<Rise> opening;        ///< all, with what is left of those in the first cycle; empty when none is early
-    std::vector<std::uint32_t> tick;  ///< of each channel; `silent` when it has no pulse
-    std::vector<std::uint8_t> early;  ///< of each channel, 1 or 0
+    std::uint32_t pulse = 0;                ///< ticks of the longest
+    bool centred = false;                   ///< each pulse is centred on a phase of its cycle
+    std::vector<Rise> rises;                ///< by tick and then by channel
+    std::vector<Rise> ahead;                ///< those that begin in the cycle before
+    std::vector<std::uint32_t> tick;        ///< of each channel; `silent` when it has no pulse
+    std::vector<std::uint32_t> ahead_tick;  ///< in the cycle before; `silent` when it does not begin there
 
 private:
     bool sorted_ = false;
@@ -92,8 +88,8 @@ public:
     /// @param changed    the firing is put to use with it, instead of one with pulses of `old_pulse` ticks
     void begin_cycle(Clock begin, std::uint32_t ticks, std::uint32_t prescaler, std::shared_ptr<Firing> firing,
                      bool changed, std::uint32_t old_pulse);
-    /// The end of the present cycle will put a firing to use, whose cycle has so many ticks. In ticks that begin a pulse
-    /// in clock `from` or later its early ones may begin.
+    /// The end of the present cycle will put a firing to use, whose cycle has so many ticks. In ticks that begin a
+    /// pulse in clock `from` or later its early ones may begin.
     void prepare(Clock from, std::uint32_t ticks, std::shared_ptr<Firing> firing);
     /// It will not.
     void drop() { cycles_.back().next.reset(); }

@@ -2,7 +2,7 @@
 // What width_pulse_generators promises, said another way than the module does it: a tick that starts a pulse marks the next ticks in
 // which the channel must be high, as many as the pulse is wide. Overlapping pulses then merge by themselves, as an OR of marks. A pin
 // is high in a marked tick, and in one between two marked ones. An early pulse is marked whole, by the word that waits, in the last
-// cycle before that one's commit, and so is of one word; what is left of it is marked again at the commit, where it may be new.
+// cycle before that one's commit, and so is of one word; what is left of it is marked in each cycle's first tick, where it may be new.
 reg f_reset_seen_q;
 initial f_reset_seen_q = 1'b0;
 always @(posedge clk) f_reset_seen_q <= f_reset_seen_q || rst;
@@ -20,7 +20,7 @@ always @(posedge clk) if (f_reset_seen_q) begin
         `F_EXPECT (!i_commit || o_settled);
         `F_EXPECT (!i_shift || (old_left_q == NONE && !commit_q && !i_words));
         `F_EXPECT (!i_words || old_left_q == NONE);
-        `F_EXPECT (!i_commit || !i_centred || i_words);
+        `F_EXPECT (!i_cycle_start || i_tick);
         // When a pulse has started ahead, its word waits until it is committed at the cycle's end.
         `F_EXPECT (!ahead_q || old_q == {CHANNELS{1'b0}} || commit_q || (i_words && (!i_tick || i_near)));
     end
@@ -41,7 +41,7 @@ localparam [F_BITS-1:0] F_NEAR = 1 << (WIDTH_BITS - 1);  // so many ticks of a c
 (* anyseq *) wire f_record_centred;
 reg [F_BITS-1:0]     f_next_q, f_count_q, f_length_q, f_coming_q;
 reg [WIDTH_BITS-1:0] f_longest_q;
-reg                  f_fresh_q, f_known_q, f_off_q, f_waits_q, f_centred_q, f_centred_before_q, f_again_q;
+reg                  f_fresh_q, f_known_q, f_off_q, f_waits_q, f_centred_q, f_centred_before_q;
 initial f_known_q = 1'b0;
 wire f_centred = commit_q ? f_centred_before_q : f_centred_q;  // the record whose words are played
 wire f_last_tick = f_next_q + F_ONE == f_length;
@@ -53,7 +53,6 @@ always @(posedge clk) begin
     f_off_q   <= off;
     f_fresh_q <= commit_q && !rst;
     f_coming_q <= f_coming;
-    f_again_q  <= again_q;
     // From a tick on in which pulses may start ahead, until the commit.
     f_waits_q <= !rst && !commit_q && (f_waits_q || (i_tick && ahead));
     f_centred_before_q <= f_centred_q;
@@ -76,7 +75,7 @@ always @(posedge clk) begin
             assume (i_count == f_next_q[TIMING_BITS-1:0]);
             assume (i_can_match == (i_longest != NONE && f_next_q < F_NEVER));
             assume (!i_near || f_left < F_NEAR);
-            assume (!f_centred_q || i_near == (f_left < F_NEAR));
+            assume (i_cycle_start == (f_next_q == F_ZERO));
             assume (!ahead || i_ahead_count == f_number[WIDTH_BITS-1:0]);
         end
         if (f_waits_q) begin
@@ -92,11 +91,11 @@ always @(posedge clk) begin
         assert ({{(F_BITS-WIDTH_BITS){1'b0}}, f_longest_q} < f_length_q);
         assert (commit_q || (f_length_q == f_length && f_longest_q == i_longest) || rst);
         assert (start_q == (tick_q && f_longest_q != NONE && f_count_q < F_NEVER));
-        assert (first_q == (f_fresh_q && f_longest_q != NONE));
+        assert (first_q == (tick_q && f_count_q == F_ZERO && f_longest_q != NONE));
         assert (!f_fresh_q || (tick_q && f_count_q == F_ZERO));
         assert (!commit_q || f_next_q == F_ZERO);
         assert (!f_waits_q || (ahead_q && f_behind < F_NEAR));
-        assert (!commit_q || old_left_q == (f_centred && !f_again_q ? (f_longest_q >> 1) + ONE : f_longest_q));
+        assert (!commit_q || old_left_q == (f_centred ? (f_longest_q >> 1) + ONE : f_longest_q));
         assert (!ahead_q || f_waits_q);
     end else if (f_reset_seen_q) assert (!start_q && !first_q && !tick_q && !ahead_q && f_next_q == F_ZERO && (commit_q || i_longest == NONE));
     if (f_reset_seen_q) begin
@@ -143,10 +142,10 @@ generate
         // Bit j: the channel is high in the j-th tick from now. Then the marks of the ticks before.
         reg [F_TICKS-1:0]     f_future_q;
         reg                   f_mark_1_q, f_mark_2_q, f_pin_past_q;
-        // In a tick with ahead, the word that waits says which early pulse starts.
-        wire                  f_starts = tick_q && f_longest_q != NONE && !f_silent && f_count_q == f_rise_q && !(f_early_q && f_waits_q);
+        // The word that waits says which early pulse starts.
+        wire                  f_starts = tick_q && f_longest_q != NONE && !f_silent && f_count_q == f_rise_q && !f_early_q;
         wire                  f_ahead  = tick_q && f_waits_q && f_next_early && f_next_rise + f_behind + F_ONE == f_coming_q;
-        wire                  f_early  = f_fresh_q && f_longest_q != NONE && f_early_q;
+        wire                  f_early  = tick_q && f_count_q == F_ZERO && f_longest_q != NONE && f_early_q;
         wire [F_TICKS-1:0]    f_marks  = (f_starts ? ~({F_TICKS{1'b1}} << f_width_q) : {F_TICKS{1'b0}})
                                        | (f_ahead ? ~({F_TICKS{1'b1}} << f_next_width) : {F_TICKS{1'b0}})
                                        | (f_early ? ~({F_TICKS{1'b1}} << f_fall_q) : {F_TICKS{1'b0}});
@@ -195,9 +194,9 @@ generate
                     assert (f_silent || f_fall_q == (f_rise_q + f_width >= f_length_q ? f_rise_q + f_width - f_length_q : f_rise_q + f_width));
                     assert (f_silent || f_length_q <= F_WRAPS || f_rise_q + f_width < f_length_q);
                     assert (!f_early_q || (f_rise_q + f_width > f_length_q && f_rise_q + F_NEAR >= f_length_q));
-                    // Beyond its cycle a centred pulse lasts for half of the longest, but for an early one that started for a next cycle.
+                    // Beyond its cycle a centred pulse lasts for half of the longest, and an early one ends in it.
                     assert (!f_centred || f_silent || f_early_q || f_rise_q + f_width < f_length_q || f_fall_q <= {2'b00, {(TIMING_BITS-WIDTH_BITS){1'b0}}, f_longest_q >> 1});
-                    assert (!f_centred || !new_q[f_k] || !f_early_q || f_to_fall <= f_fall_q || (commit_q ? f_again_q : again_q));
+                    assert (!new_q[f_k] || !f_early_q || f_to_fall <= f_fall_q);
                 end
                 if (f_age_q == F_CHANNELS - f_k) assert (f_next_word == f_word_q);
                 // Without early, a pulse is high for its width; nothing is high for longer than the marks say.

@@ -47,6 +47,7 @@ public:
         for (const EmissionWord& word : next) longest = std::max(longest, word.width);
         for (int count = 0; count < cycle_ticks; ++count) {
             bench_->i_tick = 1;
+            bench_->i_cycle_start = count == 0;
             bench_->i_count = static_cast<std::uint16_t>(count);
             bench_->i_longest = static_cast<std::uint16_t>(longest_);
             bench_->i_can_match = longest_ > 0;
@@ -168,7 +169,9 @@ TEST_CASE("amplitude modulation of full depth at 200 Hz on all channels loses no
         WARN(wanted << " pulses wanted, " << lost << " lost, " << edges << " edges, " << early << " early");
 }
 
-TEST_CASE("contract 8: each pulse is of one sample, its middle within half a tick of its phase, whatever comes before and after it") {
+TEST_CASE(
+    "contract 8: each pulse is of one sample, its middle within half a tick of its phase, whatever comes before and "
+    "after it") {
     enum class Samples { alternating, random, sine };
     const auto kind = GENERATE(Samples::alternating, Samples::random, Samples::sine);
     Instrument instrument;

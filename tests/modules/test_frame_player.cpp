@@ -217,8 +217,8 @@ TEST_CASE(
         const std::uint64_t took = board.wait_for(index);
         worst = std::max(worst, took);
     }
-    // A load, a sweep (at most `lead` clocks) before the last quarter of the longest cycle, and that cycle; the pins are
-    // three clocks late.
+    // A load, a sweep (at most `lead` clocks) before the last quarter of the longest cycle, and that cycle; the pins
+    // are three clocks late.
     INFO("worst " << worst << " clocks");
     REQUIRE(worst <= 1400 + 1400 / 4 + channels + 40 + lead + 5);
     board.run(10'000);

@@ -153,7 +153,8 @@ TEST_CASE("a limiter that is switched on starts from where the channels are") {
     }
 }
 
-TEST_CASE("behind a reset, raw words and outputs that were off, a limit starts from silence, each phase where it is to be") {
+TEST_CASE(
+    "behind a reset, raw words and outputs that were off, a limit starts from silence, each phase where it is to be") {
     Limiter limiter;
     enum class Before { reset, raw, off, off_in_begin };
     const auto before = GENERATE(Before::reset, Before::raw, Before::off, Before::off_in_begin);

@@ -305,7 +305,7 @@ public:
     std::uint64_t in_step = 0, numbered = 0, losses = 0, modulated = 0, bent = 0, far = 0;  // of replies to STATUS
     std::uint64_t pushed_foci = 0;                                                          // frames
     std::uint64_t quick_records = 0;  // behind which another one was asked for
-    bool keeps_role = false;                                                                // nothing is reset
+    bool keeps_role = false;          // nothing is reset
 
 private:
     using Command = interface::Command;
@@ -368,8 +368,8 @@ private:
         return difference.empty() ? run(1000) : difference;
     }
 
-    /// Equal boards can both be stuck. Whatever came before, a record of amplitudes that is selected begins soon; behind
-    /// records with cycles of a few clocks, too, whether these are refused or played.
+    /// Equal boards can both be stuck. Whatever came before, a record of amplitudes that is selected begins soon;
+    /// behind records with cycles of a few clocks, too, whether these are refused or played.
     std::string still_plays() {
         const auto settle = [this](std::uint32_t clocks) {
             for (int i = 0; i < 1000 && !boards_.core().line_idle(); ++i)
@@ -378,7 +378,7 @@ private:
         };
         const std::uint32_t period = p_.clock_hz / 40'000;
         std::vector<std::uint16_t> quick(record_words()), good(record_words());
-        interface::record_field::cycle_length.set(quick, between(1, 5));
+        interface::record_field::cycle_length.set(quick, between(1, 9));
         interface::record_field::pulse_length.set(quick, below(3));
         interface::record_field::prescaler.set(quick, one_in(3) ? between(1, 3) : 1);
         interface::record_field::kind.set(quick, static_cast<unsigned>(interface::Kind::timings));
@@ -387,19 +387,22 @@ private:
         interface::record_field::prescaler.set(good, 1);
         interface::record_field::kind.set(good, static_cast<unsigned>(interface::Kind::amplitudes));
         for (std::size_t k = interface::record_header_words; k < good.size(); ++k) good[k] = any_word();
-        // The zero ends what noise began. A long cycle ends at once while outputs are off.
+        // The zero ends what noise began, STOP what waits to play. A long cycle ends at once while outputs are off.
         send({0});
         say({Command::identify, {}});
         say({Command::disable, {}});
+        say({Command::stop, {}});
         say(writes(interface::primary_base, quick));
         say(writes(interface::primary_base + 2 * record_words(), good));
         say({Command::select, {1, word(below(3))}});
         if (std::string difference = settle(between(1, 3 * period)); !difference.empty()) return difference;
+        selected_ = false;
         say({Command::select, {2, 0}});
         if (std::string difference = settle(4 * period); !difference.empty()) return difference;
-        if (!selected_) return {};  // what was on the way before took its number
+        if (!selected_) return {};  // what was on the way before took its number, or its time
         ++quick_records;
-        if (boards_.core().outputs().index != 2) return "a record that was selected does not begin";
+        if (const auto index = boards_.core().outputs().index; index != 2)
+            return fmt::format("record 2 was selected, and {} plays", index);
         return {};
     }
 

@@ -132,7 +132,8 @@ TEST_CASE("contract 8: how far amplitudes and widths are off by the table's step
             const std::uint32_t ticks = emission_ticks(static_cast<std::uint16_t>(amplitude), bound.cycle, 1);
             const double exact = std::asin(amplitude / 65535.0) / std::numbers::pi * bound.cycle;
             const double off = std::abs(ticks - exact);
-            amplitude_off = std::max(amplitude_off, std::abs(std::sin(std::numbers::pi * ticks / bound.cycle) - amplitude / 65535.0));
+            amplitude_off = std::max(amplitude_off,
+                                     std::abs(std::sin(std::numbers::pi * ticks / bound.cycle) - amplitude / 65535.0));
             modulated_off = std::max(modulated_off, off);
             if (amplitude % 257 == 0) width_off = std::max(width_off, off);  // of a record, 8 bits
         }
