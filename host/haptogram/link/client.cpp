@@ -207,6 +207,7 @@ void Client::refuse(const Reply& reply) {
 void Client::pop() {
     if (queue_.front().keeps_alive) --kept_alive_;
     queue_.pop_front();
+    ++finished_;
     tries_ = strange_ = 0;
     sent_again_ = false;
     waited_ = std::chrono::microseconds(0);

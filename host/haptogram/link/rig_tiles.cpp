@@ -55,8 +55,14 @@ std::string PlayingTiles::off() {
     }
     const std::vector<bool> off = shut_off(devices);
     std::vector<std::string> trouble;
-    for (std::size_t i = 0; i < tiles_.size(); ++i)
-        if (!off[i]) trouble.push_back(fmt::format("{}: {}", tiles_[i].name, not_confirmed(settings_.watchdog_ms)));
+    for (std::size_t i = 0; i < tiles_.size(); ++i) {
+        if (off[i]) continue;
+        std::string found = fmt::format("{}: {}", tiles_[i].name, not_confirmed(settings_.watchdog_ms));
+        if (is_lost(i) && settings_.on_loss == OnLoss::rest && settings_.watchdog_ms != 0 && settings_.warn)
+            settings_.warn(found);
+        else
+            trouble.push_back(std::move(found));
+    }
     return fmt::format("{}", fmt::join(trouble, "; "));
 }
 
@@ -141,9 +147,9 @@ void PlayingTiles::exchange(std::span<std::optional<Status>> answers) {
     for (unsigned look = 1; look <= most_looks(settings_.watchdog_ms); ++look) {
         bool answered = false;  // something that was asked before, such as entries of a stream
         const auto listen = [&answered](Client& device, std::size_t) {
-            const std::size_t open = device.unanswered();
+            const std::uint64_t finished = device.finished();
             device.exchange(1ms);
-            answered |= device.unanswered() < open;
+            answered |= device.finished() != finished;
         };
         if (!with_the_silent(listen)) break;
         if (answered) look = 0;

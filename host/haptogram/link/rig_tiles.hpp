@@ -44,7 +44,8 @@ class PlayingTiles {
 public:
     PlayingTiles(std::span<const Tile> tiles, const RigSettings& settings);
 
-    /// Shuts all tiles off, also those that are lost. @return which have not confirmed it, in words
+    /// Shuts all tiles off, also those that are lost. Of these only a warning says that they have not confirmed it, if
+    /// their watchdogs do it and the others were to go on. @return which have not confirmed it, in words
     std::string off();
 
     /// Something with each tile that is not lost, one after the other. A tile at which it fails is lost.
