@@ -35,7 +35,7 @@ public:
     std::size_t underruns = 0, refused = 0;
 
     Instrument() {
-        bench->i_preempt = bench->i_entry = bench->i_enable = bench->i_disable = bench->i_expired = 0;
+        bench->i_preempt = bench->i_entry = bench->i_enable = bench->i_disable = 0;
         bench->i_together = bench->i_hold = 0;
         bench->i_set_parameter = bench->i_set_geometry = bench->i_set_sample = bench->i_modulate = 0;
         bench->i_drop = bench->i_modulates = bench->i_at_pass_end = 0;
