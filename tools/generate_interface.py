@@ -405,7 +405,7 @@ def page(table):
     out += ["", "Values of kind:", "", "| value | kind | a channel's word |", "|---|---|---|"]
     out += [f"| {row['value']} | {row['name']} | {row['about']} |" for row in table["kind"]]
     out += ["", "A record of amplitudes has pulse_length 0 and prescaler 1, and a cycle of 2 · (CHANNELS + 44) to 2 · min(2^WIDTH_BITS − 1, longest pulse) clocks. Of",
-            "timings, a pulse has at least min_pulse_clocks and at most max_pulse_clocks clocks, and at most max_duty_256 / 256 of its cycle (the identity block). Under",
+            "timings, a pulse has at least min_pulse_clocks and at most max_pulse_clocks clocks, and at most max_duty_256 / 256 of its cycle (the identity block); on boards with amplitudes a cycle has at least 8 clocks. Under",
             "modulation an amplitude is multiplied by sample / 255 before its width is computed."]
     out += ["", "A focus record has no header and lies in primary memory, too: `foci_last` + 1 foci of four words each, at the word"]
     out += ["4 · `foci_base` + (n − 1) · 4 · (`foci_last` + 1) for the n-th, whose index is RECORDS + n. The words of a focus are the lower",

@@ -41,6 +41,9 @@ struct Core {
     return 2 * (5 * max_pulse_clocks + 2);
 }
 
+/// Clocks of the shortest cycle of timings that a board with amplitudes plays.
+inline constexpr std::uint32_t least_timed_cycle = 8;
+
 /// The shortest and the longest cycle of a record with amplitudes that a core plays, in clocks (rtl/README.md, "The
 /// second instrument"). The core must have amplitudes.
 [[nodiscard]] constexpr std::uint32_t least_amplitude_cycle(const interface::CoreParameters& core) {

@@ -526,6 +526,10 @@ void require_fits(const Image& image, const interface::CoreParameters& core, con
         const Record& record = image.records[r];
         if (record.kind == interface::Kind::amplitudes)
             require_cycle(record.cycle_length, fmt::format("record {}", r + 1));
+        const std::uint64_t clocks = std::uint64_t{record.cycle_length} * record.prescaler;
+        require(core.width_bits == 0 || clocks >= least_timed_cycle,
+                fmt::format("record {} has a cycle of {} clocks, a board with amplitudes plays {} or more", r + 1,
+                            clocks, least_timed_cycle));
         if (record.pulse_length == 0) continue;
         const std::uint64_t pulse = std::uint64_t{record.pulse_length} * record.prescaler;
         require(pulse >= core.min_pulse_clocks && pulse <= max_pulse_clocks(core),

@@ -118,6 +118,8 @@ class Image:
              f"the image has {len(self.entries)} sequence entries, the board holds {board.sequence_depth - 1}"),
             (board.width_bits > 0 or all(record.kind == Kind.TIMINGS for record in self.records),
              "the image has records of amplitudes, the board has no amplitudes"),
+            (board.width_bits == 0 or all(record.cycle_length * record.prescaler >= 8 for record in self.records),
+             "the image has a record with a cycle of fewer than 8 clocks, which a board with amplitudes refuses"),
             (not self._has_amplitudes or self.min_pulse_clocks == board.min_pulse_clocks,
              f"the image is for shortest pulses of {self.min_pulse_clocks} clocks, the board's have {board.min_pulse_clocks}"),
             *(self.foci.fits(board) if self.foci else ()),
