@@ -398,7 +398,7 @@ private:
         if (std::string difference = settle(between(1, 3 * period)); !difference.empty()) return difference;
         selected_ = false;
         say({Command::select, {2, 0}});
-        if (std::string difference = settle(4 * period); !difference.empty()) return difference;
+        if (std::string difference = settle(80 * period); !difference.empty()) return difference;
         if (!selected_) return {};  // what was on the way before took its number, or its time
         ++quick_records;
         if (const auto index = boards_.core().outputs().index; index != 2)
