@@ -397,9 +397,13 @@ private:
         say({Command::select, {1, word(below(3))}});
         if (std::string difference = settle(between(1, 3 * period)); !difference.empty()) return difference;
         selected_ = false;
+        selecting_ = number_;
         say({Command::select, {2, 0}});
-        if (std::string difference = settle(80 * period); !difference.empty()) return difference;
-        if (!selected_) return {};  // what was on the way before took its number, or its time
+        // Requests that wait before it may take long to answer.
+        for (int i = 0; i < 1000 && !selected_; ++i)
+            if (std::string difference = run(1000); !difference.empty()) return difference;
+        if (!selected_) return {};  // what was on the way before took its number
+        if (std::string difference = run(8 * period); !difference.empty()) return difference;
         ++quick_records;
         if (const auto index = boards_.core().outputs().index; index != 2)
             return fmt::format("record 2 was selected, and {} plays", index);
@@ -768,7 +772,8 @@ private:
         decoder_.feed(bytes, found);
         for (const link::Reply& reply : found) {
             ++replies;
-            selected_ = reply.command == Command::select && reply.status == interface::Status::ok;
+            selected_ = selected_ || (reply.command == Command::select && reply.sequence == selecting_ &&
+                                      reply.status == interface::Status::ok);
             const bool strange = reply.status == interface::Status::out_of_order;
             lost_ = strange ? lost_ + 1 : 0;
             applied += reply.status == interface::Status::ok ? 1 : 0;
@@ -793,7 +798,8 @@ private:
     std::mt19937 g_;
     std::uint8_t number_ = 0;
     unsigned lost_ = 0;
-    bool selected_ = false;  // the last reply says so
+    std::uint8_t selecting_ = 0;  // number of the SELECT whose record is waited for
+    bool selected_ = false;       // a reply to it says so
     bool pressed_ = false;
     bool chained_ = false;
     unsigned place_ = 0;  // in the answer that arrives
