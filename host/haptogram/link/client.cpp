@@ -123,8 +123,8 @@ void Client::say_alive() {
     transmit();
 }
 
-/// While outputs are on, a frame that is lost twice must not hold up what keeps the watchdog quiet for two patiences. So
-/// the first that is not answered goes again by itself, which is no round.
+/// While outputs are on, a frame that is lost twice must not hold up what keeps the watchdog quiet for two patiences.
+/// So the first that is not answered goes again by itself, which is no round.
 void Client::say_first_again() {
     if (keep_alive_pause_.count() == 0 || sent_ == 0 || waited_ < keep_alive_pause_) return;
     if (transport_.now() - first_again_ < keep_alive_pause_ || acts_at_once(queue_.front().request.command)) return;
