@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the program does when a board or its line lies: it ends, says why, and leaves no outputs on."""
+"""What the command line does when a board or its line lies, beyond what tests/torture asks of every command: what it says, and how soon
+it ends. The board that lies is the one from there."""
 import base64
 import fcntl
 import json
@@ -8,13 +9,16 @@ import re
 import signal
 import socket
 import subprocess
+import sys
 import termios
 import time
+from pathlib import Path
 
-import lying_board
 import pytest
-from lying_board import DISABLE, ENABLE, IDENTIFY, READ, STATUS, STOP, LyingBoard
 from support import DEVICE, PROGRAM, assert_one_message, run, text
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "torture"))
+from lying_board import DISABLE, ENABLE, IDENTIFY, LIES, STOP, Lie, LyingBoard, loses  # noqa: E402
 
 PLAY = ["play", "--index", "1"]
 STREAM = ["stream"]
@@ -23,6 +27,18 @@ STREAM = ["stream"]
 def start(board, *args, **more):
     more.setdefault("stdin", subprocess.DEVNULL)
     return subprocess.Popen([str(PROGRAM), *args, "--port", board.port], stdout=subprocess.PIPE, stderr=subprocess.PIPE, **more)
+
+
+def heard(board):
+    return [frame.command for frame in board.frames]
+
+
+def fall_silent(board):
+    board.lie.answers = lambda frame, answer: []
+
+
+def is_on(board):
+    return board.instrument.enabled
 
 
 def wait_for(condition, seconds=20):
@@ -47,35 +63,25 @@ def end_of(host, seconds):
 def test_play_that_gets_no_answers_sends_disable_and_says_that_nobody_confirmed_it(watchdog):
     with LyingBoard() as board:
         host = start(board, *PLAY, "--watchdog", str(watchdog))
-        wait_for(lambda: board.enabled)
-        board.answers = lambda command, count: False
+        wait_for(lambda: is_on(board))
+        fall_silent(board)
         message = end_of(host, 25)
         assert host.returncode == DEVICE
         assert "does not confirm" in message
         assert ("400 ms" if watchdog else "switch its power off") in message
-        assert not board.enabled and DISABLE in board.heard and STOP in board.heard
+        assert not is_on(board) and DISABLE in heard(board) and STOP in heard(board)
 
 
 def test_disable_acts_without_a_session_and_fails_when_it_is_not_confirmed():
-    with LyingBoard(answers=lambda command, count: command != IDENTIFY) as board:
-        board.enabled = True
-        assert run(["device", "disable", "--port", board.port]).returncode == 0
-        assert not board.enabled and IDENTIFY not in board.heard
-    with LyingBoard(answers=lambda command, count: False) as board:
-        board.enabled = True
-        assert_one_message(run(["device", "disable", "--port", board.port]), DEVICE, "does not confirm", "power")
-        assert not board.enabled
-
-
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT])
-def test_a_signal_before_the_outputs_are_on_leaves_them_off(number):
-    with LyingBoard(late=0.4) as board:
-        host = start(board, *PLAY)
-        wait_for(lambda: IDENTIFY in board.heard)
-        host.send_signal(number)
-        end_of(host, 2.5)
-        assert ENABLE not in board.heard and not board.enabled
-        assert host.returncode > 0
+    for lie, confirmed in ((loses(IDENTIFY), True), (LIES["silent"](), False)):
+        with LyingBoard(lie) as board:
+            board.instrument.enabled, board.instrument.watchdog_ms = True, 0
+            result = run(["device", "disable", "--port", board.port])
+            assert not is_on(board)
+            if confirmed:
+                assert result.returncode == 0 and IDENTIFY not in heard(board)
+            else:
+                assert_one_message(result, DEVICE, "does not confirm", "power")
 
 
 @pytest.mark.parametrize("command", [PLAY, STREAM])
@@ -83,78 +89,28 @@ def test_a_signal_before_the_outputs_are_on_leaves_them_off(number):
 def test_a_signal_to_a_silent_board_ends_it_in_two_seconds(command, signals):
     with LyingBoard() as board:
         host = start(board, *command, stdin=subprocess.PIPE)
-        wait_for(lambda: board.enabled)
-        board.answers = lambda command, count: False
+        wait_for(lambda: is_on(board))
+        fall_silent(board)
         time.sleep(0.2)
         host.send_signal(signal.SIGINT)
         if signals == 2:
             time.sleep(0.1)
             host.send_signal(signal.SIGINT)
-        message = end_of(host, 2.0 if signals == 1 else 0.6)
+        message = end_of(host, 3.0 if signals == 1 else 1.0)  # 2 s and half a second, and what a busy machine adds
         assert host.returncode == DEVICE and "does not confirm" in message
-        assert not board.enabled
+        assert not is_on(board)
         host.stdin.close()
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGHUP, signal.SIGQUIT])
-def test_a_signal_while_it_plays_ends_it_in_good_order(number):
-    with LyingBoard() as board:
-        host = start(board, *PLAY)
-        wait_for(lambda: board.enabled)
-        host.send_signal(number)
-        assert end_of(host, 2) == ""
-        assert host.returncode == 0 and not board.enabled
-
-
-@pytest.mark.parametrize("command", [["device", "info"], ["device", "disable"], PLAY, ["upload", "image.hex"], ["download", "-o", "x.hex"]])
-def test_a_port_that_talks_is_no_board(command, image, tmp_path):
-    (tmp_path / "image.hex").write_bytes((tmp_path / image).read_bytes())
-    with LyingBoard(answers=lambda command, count: False, babble=b"$GPGGA,123519,4807.038,N\r\n") as board:
-        result = run([*command, "--port", board.port], cwd=tmp_path, timeout=20)
-        assert_one_message(result, DEVICE)
-    with LyingBoard(answers=lambda command, count: False, babble=b"$GPGGA,123519,4807.038,N\r\n") as board:
-        host = start(board, *PLAY)
-        wait_for(lambda: IDENTIFY in board.heard)
-        host.send_signal(signal.SIGINT)
-        end_of(host, 2)
-
-
-def test_an_answer_that_is_always_lost_ends_an_upload_without_a_flood(image, tmp_path):
-    with LyingBoard(answers=lambda command, count: command != lying_board.DIGEST or count % 16 != 1) as board:
-        result = run(["upload", image, "--wait", "1", "--port", board.port], cwd=tmp_path, timeout=40)
-        assert result.returncode == DEVICE
-        assert len(board.heard) < 2000
-
-
 def test_an_upload_waits_no_longer_than_it_is_told(image, tmp_path):
-    with LyingBoard(answers=lambda command, count: command == IDENTIFY) as board:
+    with LyingBoard(Lie(answers=lambda frame, answer: [answer.packed()] if frame.command == IDENTIFY else [])) as board:
         begun = time.monotonic()
         assert_one_message(run(["upload", image, "--wait", "1", "--port", board.port], cwd=tmp_path, timeout=60), DEVICE, "did not come back")
         assert time.monotonic() - begun < 15
 
 
-@pytest.mark.parametrize("depth", [0, 1, 2, 3, 65535])
-def test_an_identity_out_of_range_names_its_field(depth):
-    for key, field in (("live_depth", "LIVE_DEPTH"), ("channels", "CHANNELS"), ("sequence_depth", "SEQUENCE_DEPTH")):
-        if key == "sequence_depth" and depth in (2, 3) or key == "channels" and depth in (2, 3):
-            continue
-        with LyingBoard(**{key: depth}) as board:
-            for command in (PLAY, STREAM, ["device", "info"]):
-                assert_one_message(run([*command, "--port", board.port]), DEVICE, field, "expected")
-
-
-@pytest.mark.parametrize("cut", [lambda data: data[:1], lambda data: data + bytes(700)], ids=["short", "long"])
-@pytest.mark.parametrize(("command", "of"), [(PLAY, STATUS), (["play"], READ), (["play"], STATUS), (STREAM, STATUS), (["download", "-o", "x.hex"], READ),
-                                             (["upload", "image.hex"], lying_board.DIGEST)])  # fmt: skip
-def test_an_answer_of_another_length_is_an_error(command, of, cut, image, tmp_path):
-    (tmp_path / "image.hex").write_bytes((tmp_path / image).read_bytes())
-    with LyingBoard(lie=lambda asked, data: cut(data) if asked == of else data) as board:
-        assert_one_message(run([*command, "--port", board.port], cwd=tmp_path, timeout=20), DEVICE, "bytes of data, expected")
-        assert not board.enabled
-
-
 def test_a_name_reaches_the_terminal_in_letters():
-    with LyingBoard(name=b"\x1b[2J\x07evil") as board:
+    with LyingBoard(Lie(identity={"name": b"\x1b[2J\x07evil"})) as board:
         assert_one_message(run(["device", "info", "--port", board.port]), DEVICE, "evil")
 
 
@@ -202,13 +158,13 @@ class Page:
 
 @pytest.mark.parametrize("babble", [b"", b"$GPGGA,123519\r\n"])
 def test_the_studio_lets_go_of_a_port_that_talks_or_is_silent(babble):
-    with LyingBoard(answers=lambda command, count: False, babble=babble) as board:
+    with LyingBoard(Lie(answers=lambda frame, answer: [], babble=babble)) as board:
         host = subprocess.Popen([str(PROGRAM), "studio", "--no-browser", "--json"], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         page = Page(json.loads(host.stdout.readline())["address"])
         for n in (1, 3):
             page.send({"t": "connect", "n": n, "port": board.port, "scene": ""})
             page.wait_for(b'"connecting"')
-            wait_for(lambda: IDENTIFY in board.heard)
+            wait_for(lambda: IDENTIFY in heard(board))
             page.send({"t": "disconnect", "n": n + 1})
             assert page.wait_for(b'"none"') < 0.5  # the server waits for no board
         page.send({"t": "connect", "n": 5, "port": board.port, "scene": ""})
@@ -224,7 +180,7 @@ def test_a_closed_terminal_leaves_nothing_on():
         host = subprocess.Popen([str(PROGRAM), *PLAY, "--port", board.port], stdin=theirs, stdout=theirs, stderr=theirs, start_new_session=True,
                                 preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0))  # fmt: skip
         os.close(theirs)
-        wait_for(lambda: board.enabled)
+        wait_for(lambda: is_on(board))
         os.close(ours)
         host.wait(5)
-        assert not board.enabled and DISABLE in board.heard
+        assert not is_on(board) and heard(board).index(ENABLE) < len(heard(board)) - 1 - heard(board)[::-1].index(DISABLE)
