@@ -202,7 +202,7 @@ TEST_CASE("lies: an identity is believed within the ranges of the interface only
                                            {13, 0, "TIMING_BITS"},      {13, 0x0910, "PULSE_BITS"},
                                            {15, 0, "CLOCK_HZ"},         {15, 0xffff, "CLOCK_HZ"},
                                            {17, 4, "frame_bytes"},      {18, 0, "MIN_PULSE_CLOCKS"},
-                                           {19, 0, "max_pulse_clocks"}, {20, 0, "MAX_DUTY_256"},
+                                           {19, 0, "MIN_PULSE_CLOCKS"}, {20, 0, "MAX_DUTY_256"},
                                            {20, 256, "MAX_DUTY_256"},   {22, 0xffff, "max_cycle_clocks"},
                                            {23, 3, "WIDTH_BITS"},       {24, 9, "FOCI"},
                                            {25, 3, "MODULATION_DEPTH"}}) {
