@@ -129,13 +129,18 @@ std::vector<std::vector<Interval>> expected_intervals(const Image& image, const 
 
 PulseRecorder::PulseRecorder(Board& board)
     : rise_(board.parameters().channels), rise_index_(board.parameters().channels) {
-    board.on_edge([this](const Edge& edge) {
+    const bool amplitudes = board.parameters().width_bits != 0;
+    board.on_edge([this, amplitudes](const Edge& edge) {
+        const std::uint64_t rise = rise_[edge.channel];
         if (edge.rises) {
             rise_[edge.channel] = edge.clock;
             rise_index_[edge.channel] = edge.index;
-        } else {
-            pulses_.push_back({rise_[edge.channel], edge.clock, edge.channel, rise_index_[edge.channel]});
+            return;
         }
+        std::uint16_t index = rise_index_[edge.channel];
+        if (amplitudes && !cycles_.empty())
+            index = record_of_pulse(rise, edge.clock, index, cycles_.back().clock, cycles_.back().index);
+        pulses_.push_back({rise, edge.clock, edge.channel, index});
     });
     board.on_cycle_start([this](const CycleStart& start) { cycles_.push_back(start); });
 }

@@ -19,6 +19,16 @@ struct Dwell {
     std::uint32_t cycles;
 };
 
+/// The record that a pulse of a board with amplitudes belongs to: the one in which its middle lies, although it may
+/// rise before that one begins. Times are of any one kind.
+/// @param at_rise        the record at the pins when it rises
+/// @param begun, record  the last one that began before it fell, and when
+template <class Time>
+[[nodiscard]] std::uint16_t record_of_pulse(Time rise, Time fall, std::uint16_t at_rise, Time begun,
+                                            std::uint16_t record) {
+    return record != 0 && begun > rise && begun - rise <= fall - begun ? record : at_rise;
+}
+
 /// Gathers pulses and dwells from a board's callbacks.
 class PulseRecorder {
 public:

@@ -24,12 +24,13 @@ constexpr std::uint16_t watchdog_ms = 50;         // so that the host looks afte
 /// Gathers the pulses of all boards in the time that they share.
 class RigRecorder {
 public:
-    RigRecorder(Tiles& tiles, const RigBundle& bundle) : tiles_(tiles), first_(tiles.size(), -1) {
+    RigRecorder(Tiles& tiles, const RigBundle& bundle) : tiles_(tiles), first_(tiles.size(), -1), begun_(tiles.size()) {
         std::uint32_t element = 0;
         for (std::size_t i = 0; i < tiles.size(); ++i) {
             const auto elements = static_cast<std::uint32_t>(bundle.parts[i].elements);
-            tiles.board(i).on_edge([this, element](const Edge& edge) { on_edge(element + edge.channel, edge); });
+            tiles.board(i).on_edge([this, i, element](const Edge& edge) { on_edge(i, element + edge.channel, edge); });
             tiles.board(i).on_cycle_start([this, i](const CycleStart& start) {
+                begun_[i] = {tiles_.now(), start.index};
                 if (i == 0) cycles_.push_back(tiles_.now());
                 if (start.index != 0 && first_[i] < 0) first_[i] = tiles_.now();
             });
@@ -59,16 +60,21 @@ private:
         std::uint32_t channel;
         std::uint16_t index;
     };
-    struct Rise {
+    struct Begun {  // a pulse, or a cycle
         Femtoseconds at = -1;
         std::uint16_t index = 0;
     };
 
-    void on_edge(std::uint32_t channel, const Edge& edge) {
-        if (edge.rises)
+    void on_edge(std::size_t tile, std::uint32_t channel, const Edge& edge) {
+        if (edge.rises) {
             rise_[channel] = {tiles_.now(), edge.index};
-        else
-            pulses_.push_back({rise_[channel].at, tiles_.now(), channel, rise_[channel].index});
+            return;
+        }
+        const auto [rise, at_rise] = rise_[channel];
+        const bool amplitudes = tiles_.board(tile).parameters().width_bits != 0;
+        pulses_.push_back(
+            {rise, tiles_.now(), channel,
+             amplitudes ? record_of_pulse(rise, tiles_.now(), at_rise, begun_[tile].at, begun_[tile].index) : at_rise});
     }
 
     [[nodiscard]] std::uint64_t clock(Femtoseconds at, std::uint32_t cycle) const {
@@ -82,7 +88,8 @@ private:
     Tiles& tiles_;
     std::vector<Femtoseconds> cycles_;  // of the master
     std::vector<Femtoseconds> first_;
-    std::vector<Rise> rise_;
+    std::vector<Begun> begun_;  // of each tile, the cycle
+    std::vector<Begun> rise_;
     std::vector<Timed> pulses_;
 };
 

@@ -18,7 +18,7 @@ always @(posedge clk) begin
         if (bits_left != IDLE && bits_left < LOWEST) begin
             assert (f_ones_q == f_passed_q && f_ones_q == (value >> (bits_left - 4'd1) != 8'd0));
             assert (!header || ((!carry_q || (f_ones_q && counts_q)) && (counts_q || f_same_q)));
-            if (place_q == FIRST) assert (counts_q == value[bits_left - 4'd1]);
+            if (place_q == FIRST) assert (counts_q == value[bits_left[2:0] - 3'd1]);
             if (!header) assert (f_same_q);
         end
         if (bits_left == LOWEST) assert (!f_ones_q && !f_passed_q && f_same_q);

@@ -338,7 +338,7 @@ BAD = {
     "list for a parameter": ("RECORDS = 5", "RECORDS = [5]", [r"parameters\.RECORDS", "whole number", "a list of 1"]),
     "too many channels": ("CHANNELS = 3", "CHANNELS = 1001", [r"parameters\.CHANNELS", "from 2 to 1000", "1001"]),
     "negative records": ("RECORDS = 5", "RECORDS = -5", [r"parameters\.RECORDS", "from 1 to 65534", "-5"]),
-    "no sequence": ("SEQUENCE_DEPTH = 8", "SEQUENCE_DEPTH = 1", [r"parameters\.SEQUENCE_DEPTH", "from 2 to 32768"]),
+    "no sequence": ("SEQUENCE_DEPTH = 8", "SEQUENCE_DEPTH = 1", [r"parameters\.SEQUENCE_DEPTH", "from 2 to 32767"]),
     "live depth no power of two": ("LIVE_DEPTH = 16", "LIVE_DEPTH = 24", [r"parameters\.LIVE_DEPTH", "power of two", "24"]),
     "timing bits": ("TIMING_BITS = 9", "TIMING_BITS = 17", [r"parameters\.TIMING_BITS", "from 4 to 16", "17"]),
     "pulse bits": ("PULSE_BITS = 8", "PULSE_BITS = 9", [r"parameters\.PULSE_BITS", "from 1 to 8", "9"]),

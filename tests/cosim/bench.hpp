@@ -35,7 +35,9 @@ struct Bench {
     link::Client client;
 
     explicit Bench(std::string_view model = "small-16", const sim::SimulatedBoardOptions& options = {})
-        : board(model_or_netlist(model), options), recorder(board), line(board), client(line) {}
+        : board(model_or_netlist(model), options), recorder(board), line(board), client(line) {
+        client.begin_at(0);  // tests speak beside it
+    }
 
     [[nodiscard]] std::uint32_t channels() const { return board.parameters().channels; }
 

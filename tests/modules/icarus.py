@@ -28,7 +28,7 @@ WIDE = {"WIDTH_BITS": 10, "TIMING_BITS": 11, "PULSE_BITS": 8}
 def elaborates(parameters):
     """Whether it does, and what was said."""
     options = [f"-Phaptogram_core.{name}={value}" for name, value in parameters.items()]
-    command = ["iverilog", "-g2005", "-Irtl", "-s", "haptogram_core", "-t", "null", *options, *map(str, sorted(Path("rtl").glob("*.v")))]
+    command = ["iverilog", "-g2005", "-Irtl", "-s", "haptogram_core", "-t", "null", *options, *map(str, sorted((ROOT / "rtl").glob("*.v")))]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     return done.returncode == 0, done.stderr
 

@@ -122,6 +122,7 @@ TEST_CASE("torture: random bytes break no contract, and the next good frame is u
         bench.board.run(50'000);
         static_cast<void>(bench.board.receive());
         link::Client fresh(bench.line);
+        fresh.begin_at(0);  // so that a seed gives the same bytes
         fresh.identify();
         const link::Status status = fresh.status();
         damaged += status.frames_damaged;
@@ -150,6 +151,7 @@ TEST_CASE("torture: images over a line that damages, loses, doubles and delays b
     Watcher watcher(bench.board);
     BadLine line(bench.line, g, {.bit_errors = 1e-4, .lost = 1e-4, .doubled = 1e-4, .delayed = 1e-3});
     link::Client client(line);
+    client.begin_at(0);  // so that a seed gives the same bytes
     // Of simulated time; the policy's ten seconds would take the simulation minutes.
     client.set_patience(line.patience(), std::chrono::milliseconds(100));
     Image image = inner_image(g, points);
@@ -225,6 +227,7 @@ TEST_CASE("torture: a host killed at any moment leaves the outputs low in time, 
         CuttableLine line(bench.line, random(g, 20, 4000));
         try {
             link::Client host(line);
+            host.begin_at(0);  // so that a seed gives the same bytes
             const link::Identity identity = host.identify();
             link::upload(host, image);
             host.enable();
@@ -275,6 +278,7 @@ TEST_CASE("torture: an upload that is unplugged again and again ends, verified")
             const bool last = done >= unplugs;
             CuttableLine line(bench.line, last ? ~0ULL : random(g, 30, 2500));
             link::Client client(line);
+            client.begin_at(0);  // so that a seed gives the same bytes
             try {
                 client.identify();
                 const auto uploaded = link::upload(client, image);
@@ -289,6 +293,7 @@ TEST_CASE("torture: an upload that is unplugged again and again ends, verified")
             written += client.retransmissions();
         }
         link::Client fresh(bench.line);
+        fresh.begin_at(0);  // so that a seed gives the same bytes
         fresh.identify();
         REQUIRE(link::upload(fresh, image).written == 0);
         REQUIRE(link::compare(fresh, image).empty());

@@ -124,11 +124,11 @@ void Client::say_alive() {
 }
 
 /// While outputs are on, a frame that is lost twice must not hold up what keeps the watchdog quiet for two patiences.
-/// So the first that is not answered goes again by itself, which is no round.
+/// So the first that is not answered goes again once by itself, which is no round. A slow board is spared it.
 void Client::say_first_again() {
     if (keep_alive_pause_.count() == 0 || sent_ == 0 || waited_ < keep_alive_pause_) return;
-    if (transport_.now() - first_again_ < keep_alive_pause_ || acts_at_once(queue_.front().request.command)) return;
-    first_again_ = transport_.now();
+    if (first_again_ || patience_ != least_patience_ || acts_at_once(queue_.front().request.command)) return;
+    first_again_ = true;
     transport_.write(encode_request(next_, queue_.front().request.command, queue_.front().request.payload));
     on_line_.push_back({next_, round_});
     ++retransmissions_;
@@ -208,6 +208,7 @@ void Client::pop() {
     if (queue_.front().keeps_alive) --kept_alive_;
     queue_.pop_front();
     ++finished_;
+    first_again_ = false;
     tries_ = strange_ = 0;
     sent_again_ = false;
     waited_ = std::chrono::microseconds(0);

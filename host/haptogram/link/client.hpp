@@ -60,6 +60,8 @@ public:
         patience_ = least_patience_ = patience;
         most_patience_ = std::max(patience, most);
     }
+    /// The next session begins with this number instead of a random one, for who speaks with raw frames beside it.
+    void begin_at(std::uint8_t number) { next_ = static_cast<std::uint8_t>(number + 128); }
     /// Looked at wherever something is waited for. When the user asks to end, Interrupted is thrown, once. What is done
     /// after it is to clean up: it may ask and write, but not enable, and a device that is silent then is soon lost.
     void set_interrupt(Interrupt interrupt);
@@ -139,7 +141,7 @@ private:
     bool given_up_ = false;  // while cleaning up
     std::chrono::milliseconds keep_alive_pause_{0};
     std::chrono::nanoseconds said_{0};  // when something new was sent last
-    std::chrono::nanoseconds first_again_{0};
+    bool first_again_ = false;          // the first of the queue was sent once more
 };
 
 /// Shuts several devices off: all of them blind at first, and then waits for each.
