@@ -119,7 +119,7 @@ def main():
                 wrong.append(f"haptogram {' '.join(words)}\n  {'took too long' if code is None else f'code {code}'}\n{said[-3000:]}")
     print(f"{given.runs} command lines, seed {given.seed}, {time.monotonic() - begun:.0f} s; exit codes {dict(sorted(codes.items(), key=str))}")
     print(f"{given.runs - len(wrong)} passed, {len(wrong)} failed")
-    sys.exit("\n".join(wrong))
+    sys.exit("\n".join(wrong) or 0)
 
 
 if __name__ == "__main__":

@@ -77,7 +77,7 @@ def main():
         resets = [(0, 0), (1, 0), (0, 1), (1, 1)]
         wrong += [f"{settings}: {said}" for settings, said in zip(resets, workers.map(lambda s: unknown_after_reset(*s), resets)) if said]
     print(f"{len(all_cases) + len(resets) - len(wrong)} passed, {len(wrong)} failed")
-    sys.exit("\n".join(wrong))
+    sys.exit("\n".join(wrong) or 0)
 
 
 if __name__ == "__main__":
