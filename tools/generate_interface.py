@@ -475,7 +475,8 @@ def page(table):
             "begun since; so **a host sends nothing behind a DISABLE or STOP until that is answered**, and then no copy of it is under way.", "",
             "So a host that wants silence, whatever came before, sends a zero byte, DISABLE and STOP with any numbers, and, if no answer comes, a break.", "",
             "## A line that loses bytes", "", "The board answers each good frame and drops every damaged one without a word. The host sends again what is not",
-            "answered, from the first missing frame on; the board applies each sequence number once. This project's hosts all do so:", ""]
+            "answered, from the first missing frame on; the board applies each sequence number once. One damaged bit in the zero behind a frame can add a zero to",
+            "it and leave its CRC right; the board then refuses it for its length, so a host that knows better sends it again. This project's hosts all do so:", ""]
     out += ["| number | value | what |", "|---|---|---|"]
     out += [f"| {row['name']} | {row['value']} | {row['about']} |" for row in table["link"]]
     chain = table["chain"]

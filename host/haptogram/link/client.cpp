@@ -156,6 +156,10 @@ void Client::take(const Reply& reply) {
         if (place == 0 && ++strange_ > policy::most_strange)
             lose("it has lost the session, as after a reset; identify it again");
         send_again_soon();
+    } else if (reply.status == interface::Status::bad_length &&
+               (!of_this_round || ++strange_ <= policy::most_strange)) {
+        // A bit of its end was damaged, which can add a zero to a frame and leave its CRC right.
+        if (of_this_round) send_again_soon();
     } else if (finish_before(reply, place)) {
         refuse(reply);
     }
