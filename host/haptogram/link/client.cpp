@@ -62,7 +62,9 @@ void Client::wait(std::size_t most_unanswered) {
 std::chrono::microseconds Client::hear(std::chrono::microseconds at_most, std::vector<Reply>& arrived) {
     const auto begun = transport_.now();
     const Bytes bytes = transport_.read(at_most);
+    const std::size_t before = arrived.size();
     decoder_.feed(bytes, arrived);
+    answers_ += arrived.size() - before;
     heard_ += bytes.size();
     if (bytes.empty()) return at_most;
     return std::min(at_most, std::chrono::duration_cast<std::chrono::microseconds>(transport_.now() - begun));
@@ -211,7 +213,6 @@ void Client::refuse(const Reply& reply) {
 void Client::pop() {
     if (queue_.front().keeps_alive) --kept_alive_;
     queue_.pop_front();
-    ++finished_;
     first_again_ = false;
     tries_ = strange_ = 0;
     sent_again_ = false;

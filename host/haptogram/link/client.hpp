@@ -49,8 +49,8 @@ public:
     /// One step of wait(): sends what the window allows, and takes what arrives within `at_most`.
     void exchange(std::chrono::microseconds at_most);
     [[nodiscard]] std::size_t unanswered() const override { return queue_.size() - kept_alive_; }
-    /// Requests that were finished, keep-alives among them: by this a slow device differs from a silent one.
-    [[nodiscard]] std::uint64_t finished() const { return finished_; }
+    /// Answers that came, also to what was sent twice: by this a slow device differs from a silent one.
+    [[nodiscard]] std::uint64_t answers() const { return answers_; }
     void drop() override;
 
     [[nodiscard]] std::uint64_t retransmissions() const override { return retransmissions_; }
@@ -134,7 +134,7 @@ private:
         patience_, std::chrono::milliseconds(interface::link_policy::most_patience_ms));
     std::chrono::microseconds waited_{0};  // since a request was finished or sent again
     std::uint64_t heard_ = 0;              // bytes since a request was finished
-    std::uint64_t retransmissions_ = 0, finished_ = 0;
+    std::uint64_t retransmissions_ = 0, answers_ = 0;
     std::optional<Off> off_;
     Interrupt interrupt_;
     bool heeded_ = false;    // Interrupted was thrown

@@ -41,7 +41,6 @@ PlayingTiles::PlayingTiles(std::span<const Tile> tiles, const RigSettings& setti
     for (std::size_t i = 0; i < tiles.size(); ++i)
         with(tiles[i], [&](Client& device) {
             device.set_watchdog(settings.watchdog_ms);
-            device.keep_alive_every(keep_alive_pause(settings.watchdog_ms));
             before_.push_back(device.status());
             statuses_[i] = before_.back();
         });
@@ -49,10 +48,7 @@ PlayingTiles::PlayingTiles(std::span<const Tile> tiles, const RigSettings& setti
 
 std::string PlayingTiles::off() {
     std::vector<Client*> devices;
-    for (const Tile& tile : tiles_) {
-        tile.device.keep_alive_every({});
-        devices.push_back(&tile.device);
-    }
+    for (const Tile& tile : tiles_) devices.push_back(&tile.device);
     const std::vector<bool> off = shut_off(devices);
     std::vector<std::string> trouble;
     for (std::size_t i = 0; i < tiles_.size(); ++i) {
@@ -145,11 +141,11 @@ void PlayingTiles::exchange(std::span<std::optional<Status>> answers) {
         device.flush();
     });
     for (unsigned look = 1; look <= most_looks(settings_.watchdog_ms); ++look) {
-        bool answered = false;  // something that was asked before, such as entries of a stream
+        bool answered = false;  // anything, such as entries of a stream that were sent before
         const auto listen = [&answered](Client& device, std::size_t) {
-            const std::uint64_t finished = device.finished();
+            const std::uint64_t before = device.answers();
             device.exchange(1ms);
-            answered |= device.finished() != finished;
+            answered |= device.answers() != before;
         };
         if (!with_the_silent(listen)) break;
         if (answered) look = 0;
