@@ -51,6 +51,8 @@ public:
     [[nodiscard]] std::size_t unanswered() const override { return queue_.size() - kept_alive_; }
     /// Answers that came, also to what was sent twice: by this a slow device differs from a silent one.
     [[nodiscard]] std::uint64_t answers() const { return answers_; }
+    /// How many times longer than usual the device may take, as its answers have shown: 1 for a real one.
+    [[nodiscard]] unsigned slowness() const { return static_cast<unsigned>(patience_ / least_patience_); }
     void drop() override;
 
     [[nodiscard]] std::uint64_t retransmissions() const override { return retransmissions_; }

@@ -103,12 +103,15 @@ void PlayingTiles::each(const std::function<void(const Tile&)>& work) {
     }
 }
 
-/// Lets those that have answered say what they must.
+/// One that nobody asks for anything is told that the host is alive. In looks, not in time: a slow simulated board
+/// would have more to answer than it can.
 void PlayingTiles::keep_alive(std::span<const std::optional<Status>> answered) {
     for (std::size_t i = 0; i < tiles_.size(); ++i) {
         if (is_lost(i) || !answered[i]) continue;
         try {
             tiles_[i].device.exchange(0us);
+            if (tiles_[i].device.unanswered() == 0) tiles_[i].device.submit({interface::Command::keep_alive, {}});
+            tiles_[i].device.flush();
         } catch (const Interrupted&) {
             throw;
         } catch (const Error&) {
@@ -140,7 +143,11 @@ void PlayingTiles::exchange(std::span<std::optional<Status>> answers) {
                       [answers, i](const Reply& reply) { answers[i] = to_status(reply.data); });
         device.flush();
     });
-    for (unsigned look = 1; look <= most_looks(settings_.watchdog_ms); ++look) {
+    const auto pause = static_cast<unsigned>(std::max<std::size_t>(
+        1, static_cast<std::size_t>(keep_alive_pause(settings_.watchdog_ms).count()) / tiles_.size()));
+    unsigned slowness = 1;
+    for (const Tile& tile : tiles_) slowness = std::max(slowness, tile.device.slowness());
+    for (unsigned look = 1; look <= 2 * slowness * most_looks(settings_.watchdog_ms); ++look) {
         bool answered = false;  // anything, such as entries of a stream that were sent before
         const auto listen = [&answered](Client& device, std::size_t) {
             const std::uint64_t before = device.answers();
@@ -149,7 +156,8 @@ void PlayingTiles::exchange(std::span<std::optional<Status>> answers) {
         };
         if (!with_the_silent(listen)) break;
         if (answered) look = 0;
-        keep_alive(answers);  // while some are waited for, the others' watchdogs must be kept quiet
+        if (look % pause == 0)
+            keep_alive(answers);  // while some are waited for, the others' watchdogs must be kept quiet
     }
     for (std::size_t i = 0; i < tiles_.size(); ++i) {
         if (is_lost(i) || answers[i]) continue;
