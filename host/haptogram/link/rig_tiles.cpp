@@ -12,9 +12,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A tile has fallen silent that has not answered for as long as its watchdog waits for the host; then its outputs are
-/// off. Counted in looks, in its line's own time: each lasts a millisecond, or until something arrives. A slow line
-/// brings the bytes of its answers one by one, so there are as many looks more.
+/// For so long a tile's watchdog waits for the host; then its outputs are off. Counted in looks, in its line's own
+/// time: each lasts a millisecond, or until something arrives. A slow line brings the bytes of its answers one by one,
+/// so there are as many looks more.
 unsigned most_looks(std::uint16_t watchdog_ms) {
     constexpr unsigned bytes_of_answers = 128, without_watchdog = 1000;
     return bytes_of_answers + (watchdog_ms == 0 ? without_watchdog : watchdog_ms);
@@ -145,6 +145,8 @@ void PlayingTiles::exchange(std::span<std::optional<Status>> answers) {
     });
     const auto pause = static_cast<unsigned>(std::max<std::size_t>(
         1, static_cast<std::size_t>(keep_alive_pause(settings_.watchdog_ms).count()) / tiles_.size()));
+    // A tile has fallen silent that has said nothing for twice as long as its watchdog waits, or longer if its line is
+    // known to be slow, as that of a simulated board is.
     unsigned slowness = 1;
     for (const Tile& tile : tiles_) slowness = std::max(slowness, tile.device.slowness());
     for (unsigned look = 1; look <= 2 * slowness * most_looks(settings_.watchdog_ms); ++look) {
