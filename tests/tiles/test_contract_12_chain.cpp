@@ -177,8 +177,9 @@ TEST_CASE("contract 12: what a bad line damages reaches nobody else", "[contract
                 bytes.erase(bytes.begin() + static_cast<std::ptrdiff_t>(i));
         }
     };
+    // At first less than a round takes, and at most more than all have under way.
     const std::chrono::microseconds patience(1500);
-    for (auto& host : bench.hosts) host->set_patience(patience, 8 * patience);
+    for (auto& host : bench.hosts) host->set_patience(patience, 128 * patience);
     write_and_read(bench, 60, random);
     CHECK(faults > 0);
 }

@@ -85,7 +85,7 @@ void Client::exchange(std::chrono::microseconds at_most) {
         const bool quiet = heard_ == heard;
         waited_ = queue_.empty() ? std::chrono::microseconds(0) : waited_ + passed;
         for (const Reply& reply : arrived) take(reply);
-        if (waited_ >= patience_) begin_round();
+        if (waited_ >= patience_) begin_round(true);
         at_most -= passed;
         if (!quiet || at_most <= std::chrono::microseconds(0)) return;
     }
@@ -93,13 +93,14 @@ void Client::exchange(std::chrono::microseconds at_most) {
 
 void Client::transmit() {
     std::size_t asking = 0;
-    for (std::size_t i = 0; i < sent_; ++i) asking += replies(queue_[i].request.command) ? 1 : 0;
+    for (std::size_t i = 0; i < sent_; ++i) asking += asks(queue_[i]) ? 1 : 0;
     if (shutting_off()) return;
     for (; sent_ < std::min<std::size_t>(queue_.size(), policy::window); ++sent_) {
         if (!heeded_ && interrupts() > 0) return;
+        if (queue_[sent_].reply) continue;
         const Request& request = queue_[sent_].request;
         if (sent_ > 0 && acts_at_once(queue_[sent_ - 1].request.command) && !acts_at_once(request.command)) return;
-        if (replies(request.command) && ++asking > most_asking_) return;
+        if (asks(queue_[sent_]) && ++asking > most_asking_) return;
         const auto number = static_cast<std::uint8_t>(next_ + sent_);
         transport_.write(encode_request(number, request.command, request.payload));
         on_line_.push_back({number, round_});
@@ -118,8 +119,7 @@ void Client::say_alive() {
     if (queue_.size() >= policy::window || farthest_ < queue_.size()) return;  // the next to be sent is new, too
     if (!queue_.empty() && acts_at_once(queue_.back().request.command)) return;
     // A slow board must not have to answer to this alone.
-    if (std::ranges::count_if(queue_, [](const Pending& p) { return p.keeps_alive && !p.heard_of; }) >= most_alive)
-        return;
+    if (std::ranges::count_if(queue_, [](const Pending& p) { return p.keeps_alive && !p.reply; }) >= most_alive) return;
     queue_.push_back({{Command::keep_alive, {}}, {}, [](const Error&) {}, true});
     ++kept_alive_;
     transmit();
@@ -141,30 +141,39 @@ void Client::take(const Reply& reply) {
     if (sent == on_line_.end()) return;  // an answer to an earlier user of the port
     const bool of_this_round = sent->round == round_;
     on_line_.erase(on_line_.begin(), sent + 1);
+    // An answer to a frame that has been sent again because none came shows that this was too early.
+    if (applied(reply) && !of_this_round && round_is_late_) patience_ = std::min(2 * patience_, most_patience_);
     const auto place = static_cast<std::uint8_t>(reply.sequence - next_);
-    if (place >= std::min<std::size_t>(queue_.size(), policy::window) || reply.command != queue_[place].request.command)
+    if (place >= std::min<std::size_t>(queue_.size(), policy::window) || queue_[place].reply ||
+        reply.command != queue_[place].request.command)
         return;
-    if (applied(reply)) {
-        require_good(reply, queue_[place].request);
-        queue_[place].heard_of = true;
-        if (!finish_before(reply, place)) return;
-        // An answer to a frame that has been sent again since then shows that sending again was too early.
-        patience_ =
-            of_this_round ? std::max(patience_ * 15 / 16, least_patience_) : std::min(2 * patience_, most_patience_);
-        finish(reply);
-    } else if (reply.status == interface::Status::out_of_order) {
+    if (reply.status == interface::Status::out_of_order) {
         if (!of_this_round) return;  // it has been sent again since
         // A frame before it was lost. But nothing comes before the first of the queue: the device has forgotten us.
         if (place == 0 && ++strange_ > policy::most_strange)
             lose("it has lost the session, as after a reset; identify it again");
-        send_again_soon();
-    } else if (reply.status == interface::Status::bad_length &&
-               (!of_this_round || ++strange_ <= policy::most_strange)) {
+        return send_again_soon();
+    }
+    if (reply.status == interface::Status::bad_length && (!of_this_round || ++strange_ <= policy::most_strange)) {
         // A bit of its end was damaged, which can add a zero to a frame and leave its CRC right.
         if (of_this_round) send_again_soon();
-    } else if (finish_before(reply, place)) {
-        refuse(reply);
+        return;
     }
+    if (applied(reply)) {
+        require_good(reply, queue_[place].request);
+        if (of_this_round) patience_ = std::max(patience_ * 15 / 16, least_patience_);
+    }
+    queue_[place].reply = reply;
+    // A device applies requests in order, so those before it were applied, too, and only their answers were lost.
+    for (std::uint8_t i = 0; i < place; ++i) {
+        Pending& before = queue_[i];
+        if (before.reply || replies(before.request.command)) continue;
+        const auto number = static_cast<std::uint8_t>(next_ + i);
+        before.reply =
+            Reply{number, before.request.command, interface::Status::ok, reply.expected, reply.live_level, {}};
+    }
+    finish_answered();
+    if (of_this_round && place > 0 && sent_ > 0 && !queue_.front().reply) send_again_soon();
 }
 
 /// Every reply is looked at here and nowhere else.
@@ -176,20 +185,6 @@ void Client::require_good(const Reply& reply, const Request& request) {
         in_doubt_ = true;
         throw;
     }
-}
-
-/// A device applies requests in order, so those before one that it answered were applied, too, and only their replies
-/// were lost. @return false when such a reply carried data and must be asked for again
-bool Client::finish_before(const Reply& reply, std::size_t place) {
-    for (std::size_t i = 0; i < place; ++i) {
-        const Command command = queue_.front().request.command;
-        if (replies(command)) {
-            send_again_soon();
-            return false;
-        }
-        finish({next_, command, interface::Status::ok, reply.expected, reply.live_level, {}});
-    }
-    return true;
 }
 
 /// The first of the queue was refused. It was not applied, so its number is still to be used, and what was sent behind
@@ -220,6 +215,14 @@ void Client::pop() {
     heard_ = 0;
 }
 
+void Client::finish_answered() {
+    while (!queue_.empty() && queue_.front().reply) {
+        const Reply reply = std::move(*queue_.front().reply);
+        if (!applied(reply)) return refuse(reply);
+        finish(reply);
+    }
+}
+
 void Client::finish(const Reply& reply) {
     const std::function<void(const Reply&)> done = std::move(queue_.front().done);
     pop();
@@ -229,8 +232,9 @@ void Client::finish(const Reply& reply) {
     if (done) done(reply);
 }
 
-/// Sends again what is not answered, until that has been done too often.
-void Client::begin_round() {
+/// Sends again what is not answered, until that has been done too often. It is late when no answer asked for that.
+void Client::begin_round(bool late) {
+    round_is_late_ = late;
     waited_ = std::chrono::microseconds(0);
     sent_again_ = false;
     const Command command = queue_.front().request.command;
@@ -253,9 +257,9 @@ void Client::begin_round() {
 /// An answer has shown that something was lost. At most once within a patience, or a line that always loses the same
 /// would be flooded.
 void Client::send_again_soon() {
-    if (sent_again_) return;
+    if (sent_again_ || waited_ >= patience_) return;
     const std::chrono::microseconds waited = waited_;
-    begin_round();
+    begin_round(false);
     waited_ = waited;
     sent_again_ = true;
 }

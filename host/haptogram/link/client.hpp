@@ -76,8 +76,8 @@ private:
         Request request;
         std::function<void(const Reply&)> done;
         std::function<void(const Error&)> refused;
-        bool keeps_alive = false;  ///< nobody asked for it
-        bool heard_of = false;     ///< an answer came, and waits for one before it
+        bool keeps_alive = false;      ///< nobody asked for it
+        std::optional<Reply> reply{};  ///< waits for those before it
     };
     /// A frame that was sent and whose reply, if it gets one, is still to come. Replies come in the order of frames.
     struct Sent {
@@ -92,6 +92,10 @@ private:
         bool broken = false;  ///< a break was sent
     };
 
+    /// Whether an answer with data is still to come.
+    [[nodiscard]] static bool asks(const Pending& pending) {
+        return !pending.reply && replies(pending.request.command);
+    }
     [[nodiscard]] unsigned interrupts() const { return interrupt_ ? interrupt_() : 0; }
     void heed_interrupt();
     std::chrono::microseconds hear(std::chrono::microseconds at_most, std::vector<Reply>& arrived);
@@ -102,9 +106,9 @@ private:
     void require_good(const Reply& reply, const Request& request);
     void pop();
     void refuse(const Reply& reply);
-    bool finish_before(const Reply& reply, std::size_t place);
+    void finish_answered();
     void finish(const Reply& reply);
-    void begin_round();
+    void begin_round(bool late);
     void send_again_soon();
     [[noreturn]] void lose(const std::string& why);
     void forget();
@@ -126,7 +130,8 @@ private:
     std::size_t sent_ = 0;                                                   // of the queue, in this round
     std::size_t farthest_ = 0;                                               // of the queue, in any
     std::deque<Sent> on_line_;
-    unsigned round_ = 0;  // a new one begins when frames are sent again
+    unsigned round_ = 0;          // a new one begins when frames are sent again
+    bool round_is_late_ = false;  // it began because nothing was answered
     unsigned tries_ = 0, strange_ = 0;
     bool sent_again_ = false;  // for an answer that showed a loss, within this patience
     bool in_doubt_ = true;     // whether what was sent last was applied: only a new session makes the numbers certain
