@@ -405,8 +405,7 @@ def text(lines: list[Line], differing: bool = False) -> str:
 
 
 def page(lines: list[Line]) -> str:
-    """docs/printed-numbers.md."""
-    bad = [line for line in lines if line.verdict in BAD]
+    """docs/printed-numbers.md. Each number stands there once, those that do not agree first. A note that several numbers have stands below the table."""
     counts = ", ".join(f"{verdict}: {count}" for verdict in (AGREES, POSSIBLE, DIFFERS, IMPOSSIBLE, NOT_PRINTED, NO_DATA)
                        if (count := len([1 for line in lines if line.verdict == verdict])))  # fmt: skip
     parts = [
@@ -415,24 +414,24 @@ def page(lines: list[Line]) -> str:
         "",
         "Each number stands beside what follows from the same paper's data and formulas. `python3 -m haptogram.study printed --markdown` writes",
         "this page from `tools/python/haptogram/study/printed.toml`; a test fails when it is stale. [references.md](references.md) has the papers.",
-        "Fields and forces that need a simulation are compared by `make figures`.",
+        "`make figures` compares the fields and forces that need a simulation.",
         "",
         "*Agrees* and *differs*: ours rounds to the printed digits, or does not. *Possible* and *impossible*: whether whole numbers of answers, or any",
         "answers on the scale, can give the printed number. *Not printed*: it follows from what is printed. *No data*: nothing to compute it from.",
         "",
-        f"{len(lines)} numbers. {counts}.",
-        "",
-        "## What does not agree",
-        "",
-        "| paper | where | what | printed | ours | verdict | note |",
-        "|---|---|---|---|---|---|---|",
-        *(_row(line, line.paper) for line in bad),
+        f"{len(lines)} numbers. {counts}. What does not agree stands first in each table, in bold.",
     ]
     for paper in dict.fromkeys(line.paper for line in lines):
-        parts += ["", f"## {paper}", "", "| where | what | printed | ours | verdict | note |", "|---|---|---|---|---|---|"]
-        parts += [_row(line) for line in lines if line.paper == paper]
+        rows = [line for line in lines if line.paper == paper]
+        notes = [line.note for line in rows]
+        shared = [note for note in dict.fromkeys(notes) if note and notes.count(note) > 1]
+        parts += ["", f"## {paper}", "", "| where | what | printed | ours | verdict |", "|---|---|---|---|---|"]
+        parts += [_row(line, shared) for line in sorted(rows, key=lambda line: line.verdict not in BAD)]
+        parts += ["", *(f"- ({number}) {note[0].upper()}{note[1:]}." for number, note in enumerate(shared, 1))] if shared else []
     return "\n".join(parts) + "\n"
 
 
-def _row(line: Line, *first: str) -> str:
-    return "| " + " | ".join(cell.replace("|", "\\|") for cell in (*first, line.where, line.what, *with_units(line), line.verdict, line.note)) + " |"
+def _row(line: Line, shared: list[str]) -> str:
+    note = f" ({shared.index(line.note) + 1})" if line.note in shared else f" – {line.note}" if line.note else ""
+    verdict = f"**{line.verdict}**" if line.verdict in BAD else line.verdict
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in (line.where, line.what + note, *with_units(line), verdict)) + " |"
