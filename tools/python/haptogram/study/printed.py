@@ -419,19 +419,32 @@ def page(lines: list[Line]) -> str:
         "*Agrees* and *differs*: ours rounds to the printed digits, or does not. *Possible* and *impossible*: whether whole numbers of answers, or any",
         "answers on the scale, can give the printed number. *Not printed*: it follows from what is printed. *No data*: nothing to compute it from.",
         "",
-        f"{len(lines)} numbers. {counts}. What does not agree stands first in each table, in bold.",
+        f"{len(lines)} numbers. {counts}. Of each paper, what does not agree stands first.",
     ]
     for paper in dict.fromkeys(line.paper for line in lines):
         rows = [line for line in lines if line.paper == paper]
         notes = [line.note for line in rows]
         shared = [note for note in dict.fromkeys(notes) if note and notes.count(note) > 1]
-        parts += ["", f"## {paper}", "", "| where | what | printed | ours | verdict |", "|---|---|---|---|---|"]
-        parts += [_row(line, shared) for line in sorted(rows, key=lambda line: line.verdict not in BAD)]
+        parts += ["", f"## {paper}"]
+        if any(line.verdict in BAD for line in rows):
+            parts += ["", "| where | what | printed | ours | verdict |", "|---|---|---|---|---|"]
+            parts += ["| " + " | ".join(cell.replace("|", "\\|") for cell in _cells(line, shared)) + " |" for line in rows if line.verdict in BAD]
+        for verdict in (AGREES, POSSIBLE, NOT_PRINTED, NO_DATA):
+            if found := [line for line in rows if line.verdict == verdict]:
+                parts += ["", f"*{verdict[0].upper()}{verdict[1:]}:*", "", *(_item(line, shared) for line in found)]
         parts += ["", *(f"- ({number}) {note[0].upper()}{note[1:]}." for number, note in enumerate(shared, 1))] if shared else []
     return "\n".join(parts) + "\n"
 
 
-def _row(line: Line, shared: list[str]) -> str:
-    note = f" ({shared.index(line.note) + 1})" if line.note in shared else f" – {line.note}" if line.note else ""
-    verdict = f"**{line.verdict}**" if line.verdict in BAD else line.verdict
-    return "| " + " | ".join(cell.replace("|", "\\|") for cell in (line.where, line.what + note, *with_units(line), verdict)) + " |"
+def _note(line: Line, shared: list[str]) -> str:
+    return f" ({shared.index(line.note) + 1})" if line.note in shared else f" – {line.note}" if line.note else ""
+
+
+def _cells(line: Line, shared: list[str]) -> tuple[str, ...]:
+    return (line.where, line.what + _note(line, shared), *with_units(line), f"**{line.verdict}**")
+
+
+def _item(line: Line, shared: list[str]) -> str:
+    """Two values that are the same are told once; what is not there is not told."""
+    values = [value for value in dict.fromkeys(with_units(line)) if value != "–"]
+    return f"- {line.where}: {line.what}{': ' if values else ''}{', ours '.join(values)}{_note(line, shared)}"
