@@ -386,22 +386,25 @@ def python(table):
 
 def page(table):
     out = [f"<!-- {NOTE} -->", "<!-- SPDX-License-Identifier: Apache-2.0 -->", "# Address map, records, commands, status codes and parameters", ""]
-    out += ["## Address map", "", "One byte-addressed space; 16- and 32-bit words are little-endian.", ""]
+    out += ["## Address map", "", "One byte-addressed space; 16- and 32-bit words are little-endian. A field without bits takes whole words; of several, the first has the lowest bits.", ""]
     out += ["| region | base | word | access | what |", "|---|---|---|---|---|"]
     for r in table["region"]:
         out.append(f"| {r['name']} | `0x{r['base']:08X}` | {r['word_bits']} bits | {r['access']} | {r['about']} |")
     def bit_table(rows, word_bits):
-        lines = ["| word | bits | field | what |", "|---|---|---|---|"]
+        lines = ["| word | field | what |", "|---|---|---|"]
         for field, first, width, about in rows:
             word, low = divmod(first, word_bits)
             last, high = divmod(first + width - 1, word_bits)
-            where = (f"{high}…{low}" if high != low else f"{low}") if last == word else f"bit {high} of word {last} … bit {low} of word {word}"
-            lines.append(f"| {word if last == word else f'{word}…{last}'} | {where} | {field} | {about} |")
+            place = f"{word}" if last == word else f"{word}…{last}"
+            if (low, high) != (0, word_bits - 1):
+                bits = f"bits {high}…{low}" if high != low else f"bit {low}"
+                place = f"{word}, {bits}" if last == word else f"{place}, bit {low} of word {word} to bit {high} of word {last}"
+            lines.append(f"| {place} | {field} | {about} |")
         return lines
 
     parts = {name: bit_table(rows, word_bits) for name, rows, word_bits in layouts(table)}
     out += ["", "## Record", "", "A header, and then a word for each channel.", ""] + parts["record"]
-    out.append(f"| {table['record']['header_words']}… | 15…0 | word[CHANNELS] | of channel 0, 1, …: see the kinds; a timing of 0x{table['record']['silent_timing']:04X} never starts a pulse |")
+    out.append(f"| {table['record']['header_words']}… | word[CHANNELS] | of channel 0, 1, …: see the kinds; a timing of 0x{table['record']['silent_timing']:04X} never starts a pulse |")
     out += ["", "Values of kind:", "", "| value | kind | a channel's word |", "|---|---|---|"]
     out += [f"| {row['value']} | {row['name']} | {row['about']} |" for row in table["kind"]]
     out += ["", "A record of amplitudes has pulse_length 0 and prescaler 1. Its cycle has 2 · (CHANNELS + 44) to 2 · min(2^WIDTH_BITS − 1, longest pulse) clocks.",
