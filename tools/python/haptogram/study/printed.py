@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The numbers that the papers print, each beside what follows from the papers' own data and formulas. printed.toml lists them."""
+import itertools
 import math
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
@@ -431,7 +432,7 @@ def page(lines: list[Line]) -> str:
             parts += ["| " + " | ".join(cell.replace("|", "\\|") for cell in _cells(line, shared)) + " |" for line in rows if line.verdict in BAD]
         for verdict in (AGREES, POSSIBLE, NOT_PRINTED, NO_DATA):
             if found := [line for line in rows if line.verdict == verdict]:
-                parts += ["", f"*{verdict[0].upper()}{verdict[1:]}:*", "", *(_item(line, shared) for line in found)]
+                parts += ["", f"*{verdict[0].upper()}{verdict[1:]}:*", "", *_items(found, shared)]
         parts += ["", *(f"- ({number}) {note[0].upper()}{note[1:]}." for number, note in enumerate(shared, 1))] if shared else []
     return "\n".join(parts) + "\n"
 
@@ -444,7 +445,22 @@ def _cells(line: Line, shared: list[str]) -> tuple[str, ...]:
     return (line.where, line.what + _note(line, shared), *with_units(line), f"**{line.verdict}**")
 
 
-def _item(line: Line, shared: list[str]) -> str:
+def _items(lines: list[Line], shared: list[str]) -> list[str]:
+    """A list; what several numbers in a row have in common, the place and a note, stands above them."""
+    items = []
+    for where, group in itertools.groupby(lines, key=lambda line: line.where):
+        found = list(group)
+        if len(found) == 1:
+            items.append(f"- {where}: {_item(found[0], shared)}")
+            continue
+        notes = {line.note for line in found}
+        common = _note(found[0], shared) if len(notes) == 1 else ""
+        items.append(f"- {where}{common}:")
+        items += [f"  - {_item(line, shared, common)}" for line in found]
+    return items
+
+
+def _item(line: Line, shared: list[str], common: str = "") -> str:
     """Two values that are the same are told once; what is not there is not told."""
     values = [value for value in dict.fromkeys(with_units(line)) if value != "–"]
-    return f"- {line.where}: {line.what}{': ' if values else ''}{', ours '.join(values)}{_note(line, shared)}"
+    return f"{line.what}{': ' if values else ''}{', ours '.join(values)}{'' if common else _note(line, shared)}"
