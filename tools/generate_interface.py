@@ -499,13 +499,14 @@ def page(table):
             "## Boards in step", "",
             "SYNC makes one board the master and the others slaves. A slave is in step 13 to 20 ms after the master has begun (512 carrier periods in a row),",
             "and numbered within 128 periods more; its status says so. Until it is in step it refuses ENABLE.", ""]
-    out += ["## Parameters of the core", "", "| parameter | range | unit | default | what | why |", "|---|---|---|---|---|---|"]
+    out += ["## Parameters of the core", "", "| parameter | range | default | what | why |", "|---|---|---|---|---|"]
     for p in table["parameter"]:
-        bounds = [f"{p['low']}…{p['high']}"] + [f"{sign} {p[key]}" for key, sign in (("at_least", "≥"), ("at_most", "≤")) if key in p]
+        unit = "" if p["unit"] == "0 or 1" else f" {p['unit']}"
+        bounds = [f"{p['low']}…{p['high']}{unit}"] + [f"{sign} {p[key]}" for key, sign in (("at_least", "≥"), ("at_most", "≤")) if key in p]
         bounds += ["a power of two"] if p.get("power_of_two") else []
         bounds += ["or 0"] if p.get("optional") else []
         bounds += [f"0 without {p['needs']}"] if "needs" in p else []
-        out.append(f"| {p['name']} | {', '.join(bounds)} | {p['unit']} | {p['default']} | {p['about']} | {p['why']} |")
+        out.append(f"| {p['name']} | {', '.join(bounds)} | {p['default']} | {p['about']} | {p['why']} |")
     rows = configurations(table)
     default = {p["name"]: p["default"] for p in table["parameter"]}
     out += ["", "## Named configurations", "", "A parameter that is not named has its default.", "", "| configuration | parameters | what |", "|---|---|---|"]
