@@ -73,6 +73,9 @@ module haptogram_core #(
 
     `include "parameter_check.vh"
 
+    // What a block takes from one that stands below it.
+    wire execute, repeated, refused, header_valid, stopped, expired, guard_trip, out_of_step, sync_lost;
+
     // ---- The link: frames in, replies out
 
     wire        frame_valid, frame_take, frame_good, frame_damaged, stale, unplayed, stops, heard, line_broken;
@@ -93,7 +96,7 @@ module haptogram_core #(
     // ---- Commands
 
     wire [15:0] top_index;
-    wire        settle, execute, repeated, refused, write, hold, push, keep, take_back, answer, answered;
+    wire        settle, write, hold, push, keep, take_back, answer, answered;
     wire [7:0]  command, verdict, status, sequence_number, expected;
     wire [15:0] argument_0, argument_1, argument_2, tail_words, read_words, live_free, live_level;
     wire [WORD_BITS-1:0] command_address, ring_address, ring_start;
@@ -175,7 +178,7 @@ module haptogram_core #(
 
     // ---- What to play next
 
-    wire        live_valid, live_take, live_clear, preempt, drop, entry, take, header_valid, follow, followed;
+    wire        live_valid, live_take, live_clear, preempt, drop, entry, take, follow, followed;
     wire        starts, kept, taken_back, mark, closed, plays_live, modulates, at_pass_end, waiting, late_change;
     wire [15:0] start_0, start_1, start_2, ring_index;
     wire [47:0] period;
@@ -230,11 +233,11 @@ module haptogram_core #(
 
     // ---- Playing it
 
-    wire expired, record_refused, underrun, guard_trip, stopped;
+    wire record_refused, underrun;
 
     synchronizer #(.RESET_VALUE(1'b1)) stop_switch (.clk(clk), .rst(rst), .i_foreign(i_stop), .o_synchronous(stopped));
 
-    wire lingers, last, out_of_step, in_step, numbered, sync_missed, sync_lost;
+    wire lingers, last, in_step, numbered, sync_missed;
     wire disables = stale || line_broken || stopped || expired || out_of_step || rst;
     wire [1:0] role;
     wire together = role != `HG_ROLE_ALONE;
