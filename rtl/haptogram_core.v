@@ -6,33 +6,15 @@
 // A pin rises one tick and two clocks after the tick that its timing names. o_index and o_cycle_start are delayed alike: a pulse
 // that rises in the clock in which o_index changes is the new record's.
 // What switches outputs off: DISABLE, a watchdog or guard trip, a break on the serial line, i_stop, loss of SYNC, and reset.
-// The parameters without a comment are described in INTERFACE.md, with their ranges and the reason for each; it also lists the
-// named configurations of them. Values out of range do not elaborate.
+// INTERFACE.md describes the parameters of parameters.vh, with their ranges and the reason for each; it also lists the named
+// configurations of them. Values out of range do not elaborate.
 `default_nettype none
 `include "interface.vh"
 module haptogram_core #(
-    parameter CHANNELS        = `HG_DEFAULT_CHANNELS,
-    parameter RECORDS         = `HG_DEFAULT_RECORDS,
-    parameter SEQUENCE_DEPTH  = `HG_DEFAULT_SEQUENCE_DEPTH,
-    parameter LIVE_DEPTH      = `HG_DEFAULT_LIVE_DEPTH,
-    parameter TIMING_BITS     = `HG_DEFAULT_TIMING_BITS,
-    parameter PULSE_BITS      = `HG_DEFAULT_PULSE_BITS,
-    parameter CLOCK_HZ        = `HG_DEFAULT_CLOCK_HZ,
-    parameter BAUD            = `HG_DEFAULT_BAUD,
-    parameter WATCHDOG_MS     = `HG_DEFAULT_WATCHDOG_MS,
-    parameter MAX_HIGH_CLOCKS = `HG_DEFAULT_MAX_HIGH_CLOCKS,
-    parameter MIN_PULSE_CLOCKS = `HG_DEFAULT_MIN_PULSE_CLOCKS,
-    parameter MAX_DUTY_256    = `HG_DEFAULT_MAX_DUTY_256,
-    parameter WIDTH_BITS      = `HG_DEFAULT_WIDTH_BITS,
-    parameter MODULATION_DEPTH = `HG_DEFAULT_MODULATION_DEPTH,
-    parameter SLEW            = `HG_DEFAULT_SLEW,
-    parameter FOCI            = `HG_DEFAULT_FOCI,
-    parameter SCHEDULE        = `HG_DEFAULT_SCHEDULE,
-    parameter SYNC            = `HG_DEFAULT_SYNC,
-    parameter CHAIN           = `HG_DEFAULT_CHAIN,
-    parameter CARRIER_HZ      = 40000,  // of the cycles before the first record, which starts at the end of one
-    parameter PRIMARY_FILE    = "",     // $readmemh files: the memories' contents at power-up
-    parameter SEQUENCE_FILE   = ""
+    `include "parameters.vh"
+    parameter CARRIER_HZ = 40000,   // of the cycles before the first record, which starts at the end of one
+    parameter PRIMARY_FILE = "",    // $readmemh files: the memories' contents at power-up
+    parameter SEQUENCE_FILE = ""
 ) (
     input  wire                clk,
     input  wire                rst,
