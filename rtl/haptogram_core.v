@@ -205,12 +205,6 @@ module haptogram_core #(
             assign {gate_busy, at_end, follow, mark, closed, at_pass_end, waiting, late_change} = 8'd0;
             wire unused = &{1'b0, followed, period};
         end
-        // A board that can be kept in step counts with the others.
-        if (SYNC == 0 && SCHEDULE != 0) begin : counts_alone
-            period_count periods (.clk(clk), .rst(play_rst), .i_period(o_cycle_start), .i_load(1'b0), .i_value(48'd0), .o_count(period));
-        end else if (SYNC == 0) begin : counts_nothing
-            assign period = 48'd0;
-        end
     endgenerate
 
     // ---- Playing it
@@ -223,33 +217,12 @@ module haptogram_core #(
     wire disables = stale || line_broken || stopped || expired || out_of_step || rst;
     wire [1:0] role;
     wire together = role != `HG_ROLE_ALONE;
-    generate
-        if (SYNC != 0) begin : with_sync
-            wire [1:0]  symbol, sent;
-            wire [47:0] master_period;
-            wire        ends, load, agreed;
-            reg         begins_q;
-            always @(posedge clk) begins_q <= ends && !play_rst;
-            reg  [1:0]  role_q;
-            initial role_q = `HG_ROLE_ALONE;
-            assign role = role_q;
-            always @(posedge clk) if (rst || does_reset) role_q <= does_sync && !rst ? argument_0[1:0] : `HG_ROLE_ALONE;
-            carrier_sync #(.PERIOD_CLOCKS(IDLE_CLOCKS)) steps (
-                .clk(clk), .rst(play_rst), .i_role(role),
-                .i_sync(i_sync), .o_sync(o_sync), .i_last(last), .o_hold(lingers), .i_symbol(sent), .o_symbol(symbol), .o_ends(ends),
-                .o_in_step(in_step), .o_missed(sync_missed), .o_lost(sync_lost));
-            assign out_of_step = role == `HG_ROLE_SLAVE && !in_step;
-            sync_number number (
-                .clk(clk), .rst(play_rst || out_of_step), .i_count(period), .o_symbol(sent),
-                .i_valid(ends && role == `HG_ROLE_SLAVE), .i_symbol(symbol), .o_load(load), .o_value(master_period), .o_agreed(agreed));
-            period_count periods (
-                .clk(clk), .rst(play_rst), .i_period(begins_q), .i_load(load), .i_value(master_period), .o_count(period));
-            assign numbered = role == `HG_ROLE_MASTER || agreed;
-        end else begin : without_sync
-            assign {o_sync, lingers, role, in_step, numbered, sync_missed, sync_lost, out_of_step} = 9'd0;
-            wire unused_sync = &{1'b0, i_sync, last};
-        end
-    endgenerate
+    board_sync #(.SYNC(SYNC), .SCHEDULE(SCHEDULE), .PERIOD_CLOCKS(IDLE_CLOCKS)) others (
+        .clk(clk), .rst(rst), .play_rst(play_rst), .i_reset(does_reset), .i_takes_role(does_sync), .i_role(argument_0[1:0]),
+        .i_sync(i_sync), .o_sync(o_sync), .i_last(last), .o_hold(lingers), .i_cycle_start(o_cycle_start),
+        .o_role(role), .o_in_step(in_step), .o_out_of_step(out_of_step), .o_numbered(numbered),
+        .o_missed(sync_missed), .o_lost(sync_lost), .o_period(period));
+
     wire modulated, bent_period, far_foci;
     generate
         if (WIDTH_BITS == 0) begin : one_width
