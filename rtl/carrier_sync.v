@@ -52,6 +52,8 @@ module carrier_sync #(
     reg  [10:0] clock_q;  // of this cycle
     reg  [6:0]  since_q;  // clocks since the edge, until UNHEARD
     reg         level_q;
+    reg         turn_q;   // of the master's cycles every second one is longer
+    wire        longer  = !turn_q;
     wire        level;
     synchronizer #(.RESET_VALUE(1'b0)) wire_end (.clk(clk), .rst(rst), .i_foreign(i_sync), .o_synchronous(level));
     wire [10:0] place = clock_q - FIRST;
@@ -75,10 +77,8 @@ module carrier_sync #(
     // ---- How long the cycle's last clock lasts
 
     reg  [3:0] waited_q;
-    reg        turn_q;    // of the master's cycles every second one is longer
     reg  [8:0] part_q;    // of a clock that is to be waited in later cycles
     reg  [8:0] rate_q;    // of a clock that was waited a cycle
-    wire       longer  = !turn_q;
     wire       unheard = since_q == UNHEARD, early = since_q < DUE, late = since_q > DUE + 7'd7;
     wire [9:0] parts   = {1'b0, part_q} + {1'b0, rate_q};
     wire       waits   = !slave ? master && longer && waited_q == 4'd0

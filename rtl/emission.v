@@ -103,6 +103,11 @@ module emission #(
     reg  [T+16:0] width_9, middle_9;
     reg  [T-1:0] width_10;
     reg  [T+1:0] middle_10;
+    wire [T:0]   half_ticks_9 = width_9[T+16:16];
+    wire [T-1:0] rounded_9 = width_9[T+16:17] + {{(T-1){1'b0}}, width_9[16]};
+    wire [16:0]  tick = {1'b0, phase_9};
+    wire [T:0]   tick_9 = tick[T:0];
+    wire         too_late = tick >> (T + 1) != 17'd0 || tick_9 >= i_cycle;
     always @(posedge clk) begin
         width_7  <= arcsine[amplitude_6[15:6]];
         width_8  <= width_7;
@@ -113,11 +118,6 @@ module emission #(
         else width_10 <= too_late ? {T{1'b0}} : {{(T-WIDTH_BITS){1'b0}}, i_raw_width};
         middle_10 <= i_raw ? {tick_9, 1'b0} : middle_9[T+16:15];
     end
-    wire [T:0]   half_ticks_9 = width_9[T+16:16];
-    wire [T-1:0] rounded_9 = width_9[T+16:17] + {{(T-1){1'b0}}, width_9[16]};
-    wire [16:0] tick = {1'b0, phase_9};
-    wire [T:0]  tick_9 = tick[T:0];
-    wire        too_late = tick >> (T + 1) != 17'd0 || tick_9 >= i_cycle;
 
     wire [T+2:0] twice = {1'b0, middle_10} - (i_raw ? {(T+3){1'b0}} : {3'd0, width_10}) + {{(T+2){1'b0}}, 1'b1};
     wire         borrows = twice[T+2];  // the pulse starts in the cycle before

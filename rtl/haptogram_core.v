@@ -6,33 +6,15 @@
 // A pin rises one tick and two clocks after the tick that its timing names. o_index and o_cycle_start are delayed alike: a pulse
 // that rises in the clock in which o_index changes is the new record's.
 // What switches outputs off: DISABLE, a watchdog or guard trip, a break on the serial line, i_stop, loss of SYNC, and reset.
-// The parameters without a comment are described in INTERFACE.md, with their ranges and the reason for each; it also lists the
-// named configurations of them. Values out of range do not elaborate.
+// INTERFACE.md describes the parameters of parameters.vh, with their ranges and the reason for each; it also lists the named
+// configurations of them. Values out of range do not elaborate.
 `default_nettype none
 `include "interface.vh"
 module haptogram_core #(
-    parameter CHANNELS        = `HG_DEFAULT_CHANNELS,
-    parameter RECORDS         = `HG_DEFAULT_RECORDS,
-    parameter SEQUENCE_DEPTH  = `HG_DEFAULT_SEQUENCE_DEPTH,
-    parameter LIVE_DEPTH      = `HG_DEFAULT_LIVE_DEPTH,
-    parameter TIMING_BITS     = `HG_DEFAULT_TIMING_BITS,
-    parameter PULSE_BITS      = `HG_DEFAULT_PULSE_BITS,
-    parameter CLOCK_HZ        = `HG_DEFAULT_CLOCK_HZ,
-    parameter BAUD            = `HG_DEFAULT_BAUD,
-    parameter WATCHDOG_MS     = `HG_DEFAULT_WATCHDOG_MS,
-    parameter MAX_HIGH_CLOCKS = `HG_DEFAULT_MAX_HIGH_CLOCKS,
-    parameter MIN_PULSE_CLOCKS = `HG_DEFAULT_MIN_PULSE_CLOCKS,
-    parameter MAX_DUTY_256    = `HG_DEFAULT_MAX_DUTY_256,
-    parameter WIDTH_BITS      = `HG_DEFAULT_WIDTH_BITS,
-    parameter MODULATION_DEPTH = `HG_DEFAULT_MODULATION_DEPTH,
-    parameter SLEW            = `HG_DEFAULT_SLEW,
-    parameter FOCI            = `HG_DEFAULT_FOCI,
-    parameter SCHEDULE        = `HG_DEFAULT_SCHEDULE,
-    parameter SYNC            = `HG_DEFAULT_SYNC,
-    parameter CHAIN           = `HG_DEFAULT_CHAIN,
-    parameter CARRIER_HZ      = 40000,  // of the cycles before the first record, which starts at the end of one
-    parameter PRIMARY_FILE    = "",     // $readmemh files: the memories' contents at power-up
-    parameter SEQUENCE_FILE   = ""
+    `include "parameters.vh"
+    parameter CARRIER_HZ = 40000,   // of the cycles before the first record, which starts at the end of one
+    parameter PRIMARY_FILE = "",    // $readmemh files: the memories' contents at power-up
+    parameter SEQUENCE_FILE = ""
 ) (
     input  wire                clk,
     input  wire                rst,
@@ -73,6 +55,9 @@ module haptogram_core #(
 
     `include "parameter_check.vh"
 
+    // What a block takes from one that stands below it.
+    wire execute, repeated, refused, header_valid, stopped, expired, guard_trip, out_of_step, sync_lost;
+
     // ---- The link: frames in, replies out
 
     wire        frame_valid, frame_take, frame_good, frame_damaged, stale, unplayed, stops, heard, line_broken;
@@ -93,7 +78,7 @@ module haptogram_core #(
     // ---- Commands
 
     wire [15:0] top_index;
-    wire        settle, execute, repeated, refused, write, hold, push, keep, take_back, answer, answered;
+    wire        settle, write, hold, push, keep, take_back, answer, answered;
     wire [7:0]  command, verdict, status, sequence_number, expected;
     wire [15:0] argument_0, argument_1, argument_2, tail_words, read_words, live_free, live_level;
     wire [WORD_BITS-1:0] command_address, ring_address, ring_start;
@@ -175,7 +160,7 @@ module haptogram_core #(
 
     // ---- What to play next
 
-    wire        live_valid, live_take, live_clear, preempt, drop, entry, take, header_valid, follow, followed;
+    wire        live_valid, live_take, live_clear, preempt, drop, entry, take, follow, followed;
     wire        starts, kept, taken_back, mark, closed, plays_live, modulates, at_pass_end, waiting, late_change;
     wire [15:0] start_0, start_1, start_2, ring_index;
     wire [47:0] period;
@@ -220,51 +205,24 @@ module haptogram_core #(
             assign {gate_busy, at_end, follow, mark, closed, at_pass_end, waiting, late_change} = 8'd0;
             wire unused = &{1'b0, followed, period};
         end
-        // A board that can be kept in step counts with the others.
-        if (SYNC == 0 && SCHEDULE != 0) begin : counts_alone
-            period_count periods (.clk(clk), .rst(play_rst), .i_period(o_cycle_start), .i_load(1'b0), .i_value(48'd0), .o_count(period));
-        end else if (SYNC == 0) begin : counts_nothing
-            assign period = 48'd0;
-        end
     endgenerate
 
     // ---- Playing it
 
-    wire expired, record_refused, underrun, guard_trip, stopped;
+    wire record_refused, underrun;
 
     synchronizer #(.RESET_VALUE(1'b1)) stop_switch (.clk(clk), .rst(rst), .i_foreign(i_stop), .o_synchronous(stopped));
 
-    wire lingers, last, out_of_step, in_step, numbered, sync_missed, sync_lost;
+    wire lingers, last, in_step, numbered, sync_missed;
     wire disables = stale || line_broken || stopped || expired || out_of_step || rst;
     wire [1:0] role;
     wire together = role != `HG_ROLE_ALONE;
-    generate
-        if (SYNC != 0) begin : with_sync
-            wire [1:0]  symbol, sent;
-            wire [47:0] master_period;
-            wire        ends, load, agreed;
-            reg         begins_q;
-            always @(posedge clk) begins_q <= ends && !play_rst;
-            reg  [1:0]  role_q;
-            initial role_q = `HG_ROLE_ALONE;
-            assign role = role_q;
-            always @(posedge clk) if (rst || does_reset) role_q <= does_sync && !rst ? argument_0[1:0] : `HG_ROLE_ALONE;
-            carrier_sync #(.PERIOD_CLOCKS(IDLE_CLOCKS)) steps (
-                .clk(clk), .rst(play_rst), .i_role(role),
-                .i_sync(i_sync), .o_sync(o_sync), .i_last(last), .o_hold(lingers), .i_symbol(sent), .o_symbol(symbol), .o_ends(ends),
-                .o_in_step(in_step), .o_missed(sync_missed), .o_lost(sync_lost));
-            assign out_of_step = role == `HG_ROLE_SLAVE && !in_step;
-            sync_number number (
-                .clk(clk), .rst(play_rst || out_of_step), .i_count(period), .o_symbol(sent),
-                .i_valid(ends && role == `HG_ROLE_SLAVE), .i_symbol(symbol), .o_load(load), .o_value(master_period), .o_agreed(agreed));
-            period_count periods (
-                .clk(clk), .rst(play_rst), .i_period(begins_q), .i_load(load), .i_value(master_period), .o_count(period));
-            assign numbered = role == `HG_ROLE_MASTER || agreed;
-        end else begin : without_sync
-            assign {o_sync, lingers, role, in_step, numbered, sync_missed, sync_lost, out_of_step} = 9'd0;
-            wire unused_sync = &{1'b0, i_sync, last};
-        end
-    endgenerate
+    board_sync #(.SYNC(SYNC), .SCHEDULE(SCHEDULE), .PERIOD_CLOCKS(IDLE_CLOCKS)) others (
+        .clk(clk), .rst(rst), .play_rst(play_rst), .i_reset(does_reset), .i_takes_role(does_sync), .i_role(argument_0[1:0]),
+        .i_sync(i_sync), .o_sync(o_sync), .i_last(last), .o_hold(lingers), .i_cycle_start(o_cycle_start),
+        .o_role(role), .o_in_step(in_step), .o_out_of_step(out_of_step), .o_numbered(numbered),
+        .o_missed(sync_missed), .o_lost(sync_lost), .o_period(period));
+
     wire modulated, bent_period, far_foci;
     generate
         if (WIDTH_BITS == 0) begin : one_width

@@ -57,11 +57,11 @@ module link #(
 
     wire       line, own_line, rx_valid, data_valid, data_end, data_intact, data_right;
     wire [7:0] rx_byte, data_byte;
+    wire       unused_sample;
+    wire [3:0] unused_bits;
     synchronizer #(.RESET_VALUE(1'b1)) rx_synchronizer (.clk(clk), .rst(rst), .i_foreign(i_rx), .o_synchronous(line));
     uart_rx #(.STEP(STEP_64[19:0])) receiver (
         .clk(clk), .rst(rst), .i_line(own_line), .o_byte(rx_byte), .o_valid(rx_valid), .o_sample(unused_sample), .o_bits_left(unused_bits));
-    wire       unused_sample;
-    wire [3:0] unused_bits;
     wire       unused = &{1'b0, unused_sample, unused_bits};
     cobs_decoder decoder (
         .clk(clk), .rst(rst), .i_valid(rx_valid), .i_byte(rx_byte),

@@ -46,6 +46,26 @@ module phasor_sum (
     integer n;
     initial for (n = 0; n < 1024; n = n + 1) quarter[n] = sine(n);
 
+    // What a sum must know beside its parts: of the foci until it is there, then of itself until its length is told.
+    localparam TOLD = 13;
+    reg [3:0]    first_q, last_q, far_q;
+    reg [TOLD:0] valid_q;  // of the foci in clocks 1 to 4, then of the sums
+    reg [4:0]    whole_q;
+    reg [79:0]   phase_q;
+    reg          lone_5_q, far_5_q;
+    always @(posedge clk) begin
+        valid_q <= rst ? {(TOLD+1){1'b0}} : {valid_q[TOLD-1:4], valid_q[3] && last_q[3], valid_q[2:0], i_valid};
+        first_q <= {first_q[2:0], i_first};
+        last_q  <= {last_q[2:0], i_last};
+        far_q   <= {far_q[2:0], i_far};
+        whole_q <= {whole_q[3:0], i_whole};
+        phase_q <= {phase_q[63:0], i_phase};
+        if (valid_q[3]) begin
+            lone_5_q <= first_q[3];  // and last, if it is a sum
+            far_5_q  <= far_q[3] || (far_5_q && !first_q[3]);
+        end
+    end
+
     // By clocks: 1 addresses, 2 table, 3 factors, 4 products, 5 sum.
     reg [9:0]              sine_at_q, cosine_at_q;
     reg [1:0]              quarter_1_q, quarter_2_q;
@@ -72,26 +92,6 @@ module phasor_sum (
         if (valid_q[3]) begin
             im_5_q <= first_q[3] ? im_4 : im_5_q + im_4;
             re_5_q <= first_q[3] ? re_4 : re_5_q + re_4;
-        end
-    end
-
-    // What else a sum must know: of the foci until it is there, then of itself until its length is told.
-    localparam TOLD = 13;
-    reg [3:0]    first_q, last_q, far_q;
-    reg [TOLD:0] valid_q;  // of the foci in clocks 1 to 4, then of the sums
-    reg [4:0]    whole_q;
-    reg [79:0]   phase_q;
-    reg          lone_5_q, far_5_q;
-    always @(posedge clk) begin
-        valid_q <= rst ? {(TOLD+1){1'b0}} : {valid_q[TOLD-1:4], valid_q[3] && last_q[3], valid_q[2:0], i_valid};
-        first_q <= {first_q[2:0], i_first};
-        last_q  <= {last_q[2:0], i_last};
-        far_q   <= {far_q[2:0], i_far};
-        whole_q <= {whole_q[3:0], i_whole};
-        phase_q <= {phase_q[63:0], i_phase};
-        if (valid_q[3]) begin
-            lone_5_q <= first_q[3];  // and last, if it is a sum
-            far_5_q  <= far_q[3] || (far_5_q && !first_q[3]);
         end
     end
 

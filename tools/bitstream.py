@@ -81,6 +81,19 @@ def fingerprint(folder, board):
         (folder / f"{name}.hex").write_text("".join(lines + padding))
 
 
+def defines(board):
+    """What the board's top takes from its file: options of Yosys, and of whatever reads Verilog."""
+    pins = board["pins"]
+    given = {"HG_LED": "led" in pins, "HG_ALIVE": "alive" in pins, "HG_ACTIVE_LOW": pins.get("active") == "low"}
+    result = [f"-D{name}" for name, wanted in given.items() if wanted]
+    result += [f"-DHG_STOP={pins.get('stop_level', 0)}"] if "stop" in pins else []
+    result += [f"-DHG_DRIVER_ENABLE={pins.get('driver_enable_level', 1)}"] if "driver_enable" in pins else []
+    result += [f"-DHG_{key.upper()}" for key in ("sync_in", "sync_out") if key in pins]
+    result += ["-DHG_CHAIN"] if "next_rx" in pins else []
+    result += [f"-DHG_HIGH={len(pins['high'])}"] if pins.get("high") else []
+    return result
+
+
 def synthesise(folder, board):
     """Writes TOP.json for nextpnr and core.v, and returns the seconds that took."""
     family, top = board["fpga"]["family"], board["fpga"]["top"]
@@ -88,21 +101,13 @@ def synthesise(folder, board):
     if top != "haptogram_core":
         with_ecp5 = [top, "ecp5_50mhz", "clock_watch"] if family == "ecp5" else [top]
         sources += [ROOT / "rtl" / "boards" / f"{name}.v" for name in with_ecp5]
-    pins = board["pins"]
-    given = {"HG_LED": "led" in pins, "HG_ALIVE": "alive" in pins, "HG_ACTIVE_LOW": pins.get("active") == "low"}
-    defines = [f"-D{name}" for name, wanted in given.items() if wanted]
-    defines += [f"-DHG_STOP={pins.get('stop_level', 0)}"] if "stop" in pins else []
-    defines += [f"-DHG_DRIVER_ENABLE={pins.get('driver_enable_level', 1)}"] if "driver_enable" in pins else []
-    defines += [f"-DHG_{key.upper()}" for key in ("sync_in", "sync_out") if key in pins]
-    defines += ["-DHG_CHAIN"] if "next_rx" in pins else []
-    defines += [f"-DHG_HIGH={len(pins['high'])}"] if pins.get("high") else []
     sets = " ".join(f"-set {k} {v}" for k, v in board["parameters"].items())
     files = " ".join(f'-set {n.upper()}_FILE "{n}_init.hex"' for n in memories(board))
     # Without the one multiplier, for which Yosys has no simulation model; boards with amplitudes have too many of them for that.
     synth = "synth_ice40" if family == "ice40" else "synth_ecp5" if board["parameters"]["WIDTH_BITS"] else "synth_ecp5 -nodsp"
     # The core stays a module of its own, so that what is tested is what is placed.
     apart = f"delete {top}\nhierarchy -auto-top\nrename -top haptogram_core\n" if top != "haptogram_core" else ""
-    (folder / "synth.ys").write_text(f"""read_verilog {' '.join(defines)} -I{ROOT}/rtl {' '.join(map(str, sources))}
+    (folder / "synth.ys").write_text(f"""read_verilog {' '.join(defines(board))} -I{ROOT}/rtl {' '.join(map(str, sources))}
 chparam {sets} {files} {top}
 hierarchy -top {top}
 setattr -mod -set keep_hierarchy 1 *haptogram_core

@@ -104,12 +104,24 @@ def verilog(table):
     define("CHAIN_ALL", f"8'd{chain['all']}")
     define("CHAIN_NEAR", "8'd3")  # the nearest tile's number is 1
     define("CHAIN_COMPLEMENT", "8'hfd")  # of both
-    for parameter in table["parameter"]:
-        define(f"DEFAULT_{parameter['name']}", parameter["default"])
     return "\n".join(out) + "\n"
 
 
 def verilog_parameters(table):
+    """For the header of the core and of each top around it. Others follow there, hence the last comma."""
+    out = [f"// {NOTE}", "// SPDX-License-Identifier: Apache-2.0"]
+    out += [f"parameter {p['name']} = {p['default']}," for p in table["parameter"]]
+    return "\n".join(out) + "\n"
+
+
+def verilog_connections(table):
+    """What such a top hands on to the core."""
+    out = [f"// {NOTE}", "// SPDX-License-Identifier: Apache-2.0"]
+    out += [f".{p['name']}({p['name']})," for p in table["parameter"]]
+    return "\n".join(out) + "\n"
+
+
+def verilog_check(table):
     """A value out of range does not elaborate, because a module of that name does not exist; the tool says its name."""
     out = [f"// {NOTE}", "// SPDX-License-Identifier: Apache-2.0"]
     for p in table["parameter"]:
@@ -529,7 +541,9 @@ def cmake(table):
 
 FILES = {
     "rtl/interface.vh": verilog,
-    "rtl/parameter_check.vh": verilog_parameters,
+    "rtl/parameters.vh": verilog_parameters,
+    "rtl/parameter_connections.vh": verilog_connections,
+    "rtl/parameter_check.vh": verilog_check,
     "rtl/command_table.v": verilog_commands,
     "host/haptogram/boards/interface.hpp": cpp,
     "tools/python/haptogram/interface.py": python,

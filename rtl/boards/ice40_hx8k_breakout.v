@@ -6,29 +6,10 @@
 //
 // tools/bitstream.py sets the parameters to the configuration that constraints/ice40-hx8k-breakout.toml names.
 `default_nettype none
-`include "interface.vh"
 module ice40_hx8k_breakout #(
-    parameter CHANNELS        = `HG_DEFAULT_CHANNELS,
-    parameter RECORDS         = `HG_DEFAULT_RECORDS,
-    parameter SEQUENCE_DEPTH  = `HG_DEFAULT_SEQUENCE_DEPTH,
-    parameter LIVE_DEPTH      = `HG_DEFAULT_LIVE_DEPTH,
-    parameter TIMING_BITS     = `HG_DEFAULT_TIMING_BITS,
-    parameter PULSE_BITS      = `HG_DEFAULT_PULSE_BITS,
-    parameter CLOCK_HZ        = `HG_DEFAULT_CLOCK_HZ,
-    parameter BAUD            = `HG_DEFAULT_BAUD,
-    parameter WATCHDOG_MS     = `HG_DEFAULT_WATCHDOG_MS,
-    parameter MAX_HIGH_CLOCKS = `HG_DEFAULT_MAX_HIGH_CLOCKS,
-    parameter MIN_PULSE_CLOCKS = `HG_DEFAULT_MIN_PULSE_CLOCKS,
-    parameter MAX_DUTY_256    = `HG_DEFAULT_MAX_DUTY_256,
-    parameter WIDTH_BITS      = `HG_DEFAULT_WIDTH_BITS,
-    parameter MODULATION_DEPTH = `HG_DEFAULT_MODULATION_DEPTH,
-    parameter SLEW            = `HG_DEFAULT_SLEW,
-    parameter FOCI            = `HG_DEFAULT_FOCI,
-    parameter SCHEDULE        = `HG_DEFAULT_SCHEDULE,
-    parameter SYNC            = `HG_DEFAULT_SYNC,
-    parameter CHAIN           = `HG_DEFAULT_CHAIN,
-    parameter PRIMARY_FILE    = "",
-    parameter SEQUENCE_FILE   = ""
+    `include "parameters.vh"
+    parameter PRIMARY_FILE = "",
+    parameter SEQUENCE_FILE = ""
 ) (
     input  wire                i_clk,
     input  wire                i_rx,
@@ -48,10 +29,8 @@ module ice40_hx8k_breakout #(
     power_on start (.clk(clk), .i_locked(locked), .rst(rst));
 
     haptogram_core #(
-        .CHANNELS(CHANNELS), .RECORDS(RECORDS), .SEQUENCE_DEPTH(SEQUENCE_DEPTH), .LIVE_DEPTH(LIVE_DEPTH), .TIMING_BITS(TIMING_BITS),
-        .PULSE_BITS(PULSE_BITS), .CLOCK_HZ(CLOCK_HZ), .BAUD(BAUD), .WATCHDOG_MS(WATCHDOG_MS), .MAX_HIGH_CLOCKS(MAX_HIGH_CLOCKS),
-        .MIN_PULSE_CLOCKS(MIN_PULSE_CLOCKS), .MAX_DUTY_256(MAX_DUTY_256), .WIDTH_BITS(WIDTH_BITS),
-        .MODULATION_DEPTH(MODULATION_DEPTH), .SLEW(SLEW), .FOCI(FOCI), .SCHEDULE(SCHEDULE), .SYNC(SYNC), .CHAIN(CHAIN), .PRIMARY_FILE(PRIMARY_FILE), .SEQUENCE_FILE(SEQUENCE_FILE)
+        `include "parameter_connections.vh"
+        .PRIMARY_FILE(PRIMARY_FILE), .SEQUENCE_FILE(SEQUENCE_FILE)
     ) core (
         .clk(clk), .rst(rst), .i_rx(i_rx), .i_stop(!i_stop), .i_sync(1'b0), .o_sync(), .o_tx(o_tx), .i_next(1'b1), .o_next(), .o_pins(pins), .o_enabled(o_driver_enable), .o_alive(alive),
         .o_playing(playing), .o_fault(fault), .o_index(), .o_cycle_start(cycle_start));

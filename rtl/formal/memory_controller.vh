@@ -26,6 +26,7 @@ wire [26:0] f_number    = {{(27-ADDRESS_BITS){1'b0}}, f_narrow};  // of the word
 wire [23:0] f_cycle     = {f_header_1_q[7:0], f_header_0_q};
 wire [23:0] f_prescaler = {f_header_3_q[7:0], f_header_2_q};
 wire [7:0]  f_pulse     = f_header_1_q[15:8];
+wire        f_small     = {1'b0, f_prescaler} >> PRESCALER_BITS == 25'd0;
 // serial_product has a proof of its own; here its results are taken as they are.
 wire        f_playable  = !cycle_over && cycle_clocks != 0 && cycle_clocks <= LONGEST_CYCLE
                           && (f_pulse == 0 || (!pulse_over && pulse_clocks >= SHORTEST_PULSE && pulse_clocks <= LONGEST_PULSE))
@@ -33,7 +34,6 @@ wire        f_playable  = !cycle_over && cycle_clocks != 0 && cycle_clocks <= LO
 wire [15:0] f_turns     = f_since_q < 16'd7 ? 16'd0 : f_since_q < F_CHECKED ? f_since_q - 16'd7 : PRESCALER_BITS;  // of the prescaler
 wire [PRESCALER_BITS-1:0]   f_low    = f_prescaler[PRESCALER_BITS-1:0];
 wire [PRESCALER_BITS-1:0]   f_turned = f_low << f_turns | f_low >> (PRESCALER_BITS - f_turns);
-wire        f_small     = {1'b0, f_prescaler} >> PRESCALER_BITS == 25'd0;
 reg  [23:0] f_bits_q;   // that went into the products
 wire [TIMING_BITS-1:0] f_narrowed = i_word >> (TIMING_BITS - 1) > 1 ? {TIMING_BITS{1'b1}} : i_word[TIMING_BITS-1:0];
 

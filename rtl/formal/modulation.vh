@@ -25,13 +25,6 @@ end
 reg [15:0] f_word_q;
 reg        f_written_q;
 initial f_written_q = 1'b0;
-// The last wish before the period: 0 none, 1 start, 2 stop; and whether it is for the end of the pass.
-reg [1:0]  f_wish_q;
-reg        f_later_q;
-wire [1:0] f_wish = i_stop ? 2'd2 : i_start ? 2'd1 : f_wish_q;
-wire       f_later = i_stop || i_start ? i_at_pass_end : f_later_q;
-wire       f_last  = {8'd0, f_part_q} + 24'd1 == {8'd0, f_divider_q} && f_quotient_q % f_length == f_length - 8'd1;  // period of its pass
-wire       f_now   = i_period && (!f_later || !f_on_q || f_last || (f_over && !f_loop_q));
 // The record of the start: its settings, the number of the period since, and what the period's number says about the sample.
 reg        f_on_q, f_loop_q;
 reg [BITS:0] f_length_q;
@@ -41,8 +34,21 @@ reg [7:0]  f_period_q, f_quotient_q;
 wire [7:0] f_length = {{(7-BITS){1'b0}}, f_length_q};
 wire       f_over = f_quotient_q >= f_length;
 wire [7:0] f_sample = (!f_over ? f_quotient_q : f_loop_q ? f_quotient_q % f_length : f_length - 8'd1) + {{(8-BITS){1'b0}}, f_first_q};
+// The last wish before the period: 0 none, 1 start, 2 stop; and whether it is for the end of the pass.
+reg [1:0]  f_wish_q;
+reg        f_later_q;
+wire [1:0] f_wish = i_stop ? 2'd2 : i_start ? 2'd1 : f_wish_q;
+wire       f_later = i_stop || i_start ? i_at_pass_end : f_later_q;
+wire       f_last  = {8'd0, f_part_q} + 24'd1 == {8'd0, f_divider_q} && f_quotient_q % f_length == f_length - 8'd1;  // period of its pass
+wire       f_now   = i_period && (!f_later || !f_on_q || f_last || (f_over && !f_loop_q));
 // What was read of the followed word when the present period's sample was fetched.
 reg [15:0] f_fetched_q;
+// Whether the present period's sample has been fetched since reset, and the followed word was written before that.
+reg f_word_known_q, f_written_before_q;
+always @(posedge clk) begin
+    if (rst) {f_word_known_q, f_written_before_q} <= 2'b00;
+    else if (o_fetching) {f_word_known_q, f_written_before_q} <= {1'b1, f_written_q};
+end
 always @(posedge clk) begin
     if (i_write && i_write_address == f_address) {f_word_q, f_written_q} <= {i_write_word, 1'b1};
     if (o_fetching) f_fetched_q <= f_word_q;
@@ -85,11 +91,5 @@ always @(posedge clk) begin
         cover (!f_on_q && $past(f_on_q) && !$past(rst));
         cover (f_on_q && f_period_q == 8'd0 && $past(f_on_q) && $past(f_period_q) == 8'd2);
     end
-end
-// Whether the present period's sample has been fetched since reset, and the followed word was written before that.
-reg f_word_known_q, f_written_before_q;
-always @(posedge clk) begin
-    if (rst) {f_word_known_q, f_written_before_q} <= 2'b00;
-    else if (o_fetching) {f_word_known_q, f_written_before_q} <= {1'b1, f_written_q};
 end
 `endif

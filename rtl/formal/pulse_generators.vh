@@ -97,13 +97,13 @@ always @(posedge clk) begin
 end
 
 // Follows any one word through the chain: f_word_q was shifted in f_age_q shifts ago; 0 means that no word is followed.
+reg [TIMING_BITS-1:0] f_word_q;
+reg [15:0]            f_age_q;
 `ifdef FORMAL_PULSE_GENERATORS
 (* anyseq *) wire f_watch;
 `else
 wire f_watch = f_age_q == 16'd0;
 `endif
-reg [TIMING_BITS-1:0] f_word_q;
-reg [15:0]            f_age_q;
 always @(posedge clk) begin
     if (rst) f_age_q <= 16'd0;
     else if (i_shift && f_watch) {f_word_q, f_age_q} <= {i_timing, 16'd1};

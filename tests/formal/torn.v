@@ -60,7 +60,7 @@ module torn #(
     wire        covered = f_arrived_q >= f_from && f_arrived_q < f_to;
     wire [4:0]  number  = f_arrived_q - f_base_q;
     wire        done    = f_done_q;  // the last word arrives in the clock before
-    wire        within  = f_from < f_base_q + STRIDE && f_to > f_base_q;
+    wire        meets   = f_from < f_base_q + STRIDE && f_to > f_base_q;
     wire        whole   = f_from <= f_base_q && f_to >= f_base_q + STRIDE;
 
     always @(posedge clk) begin
@@ -101,7 +101,7 @@ module torn #(
             assert (!arrives || number < STRIDE);
             assert (!done || f_ended_q || !f_new_q || f_met_q);  // nothing new before it was written
             assert (!done || !f_ended_q || !f_old_q);           // once written, it is seen
-            assert (!done || (f_old_q || f_new_q) == within);
+            assert (!done || (f_old_q || f_new_q) == meets);
             cover (done && f_met_q && whole && f_old_q && !ended);
             cover (done && f_met_q && whole && f_new_q && !f_ended_q);
             cover (done && f_met_q && f_old_q && !whole && f_from > f_base_q);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a board has for SYNC, as haptogram_core joins it; the number of the period can be set.
+// What a board has for SYNC, as board_sync wires it; the number of the period can be set.
 `default_nettype none
 module sync_tile_bench #(
     parameter PERIOD_CLOCKS = 256
