@@ -221,7 +221,7 @@ def test_analyses_find_what_was_simulated(place):
     said = run(study("analyse", "small.toml", "out.jsonl", "--json"), place)
     assert said.returncode == OK, said.stderr
     right = sum(r["answers"]["answer"]["correct"] for r in records(place / "out.jsonl"))
-    assert json.loads(said.stdout)[0]["numbers"]["successes"] == right
+    assert json.loads(said.stdout)["analyses"][0]["numbers"]["successes"] == right
     p = protocol.read(place / "stairs.toml")
     found, functions = (one.numbers for one in analysis.analyse(p, analysis.frame(p, simulate(p, people))))
     for shape, threshold in (("circle", -20.0), ("line", -15.0)):
@@ -244,6 +244,130 @@ def test_analyses_find_what_was_simulated(place):
         for gf in (0.13, 0.31, 0.43):  # up to the factor that normalises free scales
             assert made[0] * gf**2 + made[1] * gf + made[2] == pytest.approx(g * gf**2 + j * gf + v, rel=0.5)
         assert fits[hz]["r2"] > 0.8
+
+
+def as_people(given, played=True, observer="keyboard"):
+    """Records as they would be if people had answered."""
+    return [record | {"observer": observer} | ({"stimulus": record["stimulus"] | {"played": played}} if "stimulus" in record else {}) for record in given]
+
+
+def session_of(p, participant, observer="simulated:protocol"):
+    found = []
+    Session(p, participant, 7, observers.simulated(p, observer), Presenter(p), found.append).run()
+    return found
+
+
+def write(path, given):
+    path.write_text("".join(json.dumps(record) + "\n" for record in given))
+
+
+def analysed(place, *args, code=OK, name="small.toml"):
+    """The text and the JSON of an analysis, or what was said when it was refused."""
+    text, made = (run(study("analyse", name, *args, *more), place) for more in ((), ("--json",)))
+    assert (text.returncode, made.returncode) == (code, code) and "Traceback" not in text.stderr, text.stderr
+    return text.stderr if code else (text.stdout.splitlines(), json.loads(made.stdout))
+
+
+def test_a_simulated_study_says_so_first(place):
+    p = protocol.read(place / "small.toml")
+    for number in (1, 2):
+        write(place / f"s{number}.jsonl", session_of(p, number))
+        write(place / f"p{number}.jsonl", as_people(session_of(p, number), observer=("keyboard", "page")[number - 1]))
+    lines, made = analysed(place, "s1.jsonl", "s2.jsonl")
+    assert lines[0].startswith("SIMULATED: answers of 2 × simulated:protocol") and "no result" in lines[0] and "rate (binomial)" in lines[1]
+    assert made["simulated"] is True and made["mixed"] is False and made["observers"] == {"simulated:protocol": 2} and made["labels"] == lines[:1]
+    assert made["protocol_sha256"] == p.sha256 and [one["name"] for one in made["analyses"]] == ["rate"]
+    # Keyboard and page are both people.
+    lines, made = analysed(place, "p1.jsonl", "p2.jsonl")
+    assert lines[:2] == ["answers of 2 people", "rate (binomial)"] and made["simulated"] is False and made["observers"] == {"keyboard": 1, "page": 1}
+    said = run(study("power", "small.toml", "--runs", 2, "--observer", "simulated:chance"), place).stdout
+    assert said.startswith("SIMULATED: 2 studies with 2 × simulated:chance")
+    assert json.loads(run(study("power", "small.toml", "--runs", 2, "--json"), place).stdout)["simulated"] is True
+
+
+def test_people_and_simulated_observers_do_not_mix(place):
+    p = protocol.read(place / "small.toml")
+    write(place / "real.jsonl", as_people(session_of(p, 1)))
+    write(place / "made.jsonl", session_of(p, 2))
+    write(place / "guess.jsonl", session_of(p, 3, "simulated:chance"))
+    said = analysed(place, "real.jsonl", "made.jsonl", code=BAD_INPUT)
+    assert said.count("\n") == 1
+    for needle in ("real.jsonl of people", "made.jsonl of simulated:protocol", "analyse them apart", "--mixed"):
+        assert needle in said, said
+    # Two kinds of simulated observers are a mixture, too.
+    assert "guess.jsonl of simulated:chance" in analysed(place, "made.jsonl", "guess.jsonl", code=BAD_INPUT)
+    lines, made = analysed(place, "--mixed", "real.jsonl", "made.jsonl", "guess.jsonl")
+    assert lines[0] == "MIXED: answers of 1 person, 1 × simulated:protocol, 1 × simulated:chance; no result of a study"
+    assert made["mixed"] is True and made["simulated"] is True and made["labels"] == lines[:1] and made["analyses"][0]["numbers"]["trials"] == 24
+    # What was asked for and does not happen is not said.
+    lines, made = analysed(place, "--mixed", "--unfinished", "real.jsonl")
+    assert lines[0] == "answers of 1 person" and made["mixed"] is False and made["unfinished"] == []
+    # A number is a person's, even in a mixture.
+    write(place / "again.jsonl", session_of(p, 1))
+    assert "2 sessions of participant 1" in analysed(place, "--mixed", "real.jsonl", "again.jsonl", code=BAD_INPUT)
+    half = session_of(p, 1)
+    write(place / "spliced.jsonl", half[:4] + [record | {"seed": 8} for record in half[4:]])
+    assert "2 sessions of participant 1" in analysed(place, "spliced.jsonl", code=BAD_INPUT)
+
+
+def test_unfinished_sessions_are_left_out(place):
+    p = protocol.read(place / "small.toml")
+    write(place / "whole.jsonl", as_people(session_of(p, 1)))
+    write(place / "part.jsonl", as_people(session_of(p, 2))[:5])
+    said = analysed(place, "whole.jsonl", "part.jsonl", code=BAD_INPUT)
+    assert said.count("\n") == 1 and "whole" not in said
+    for needle in ("part.jsonl: participant 2 has 5 of 8 trials", "'run'", "leave them out", "--unfinished"):
+        assert needle in said, said
+    lines, made = analysed(place, "--unfinished", "whole.jsonl", "part.jsonl")
+    assert lines[:3] == ["answers of 2 people", "UNFINISHED: part.jsonl: participant 2 has 5 of 8 trials", "rate (binomial)"]
+    assert made["labels"] == lines[:2] and made["analyses"][0]["numbers"]["trials"] == 13
+    assert made["unfinished"] == [{"files": ["part.jsonl"], "participant": 2, "trials": 5, "of_trials": 8, "answers_at_end": 0, "of_answers_at_end": 0}]
+    # Both labels, where both are true.
+    write(place / "made.jsonl", session_of(p, 2)[:5])
+    lines, _ = analysed(place, "--unfinished", "--mixed", "whole.jsonl", "made.jsonl")
+    assert lines[0].startswith("MIXED") and lines[1].startswith("UNFINISHED")
+
+
+@pytest.mark.parametrize(("name", "lacking"), [("stairs.toml", "3 of 4 thresholds"), ("multimodal_placing", "3 of 3 trials and {} of {} answers at the end")])
+def test_thresholds_and_questions_at_the_end_finish_a_session(place, name, lacking):
+    p = protocol.read(protocol.find(name) if name in protocol.shipped() else place / name)
+    if p.staircase:
+        (place / name).write_text((place / name).read_text().replace("sets = 2", "sets = 1"))
+        p = protocol.read(place / name)
+    whole = session_of(p, 1)
+    end = sum(record["kind"] == "question" for record in whole)
+    analysis.origin.of(p, [("a:1", record) for record in whole]).refuse()
+    with pytest.raises(HaptogramError) as caught:
+        analysis.study(p, [("a:1", record) for record in whole[:-1]])
+    assert f"a: participant 1 has {lacking.format(end - 1, end)}" in str(caught.value)
+
+
+def test_stimuli_that_were_not_played_are_said(place):
+    p = protocol.read(place / "small.toml")
+    write(place / "silent.jsonl", as_people(session_of(p, 1), played=False))
+    write(place / "played.jsonl", as_people(session_of(p, 2)))
+    lines, made = analysed(place, "silent.jsonl")
+    assert lines[1] == "NOT PLAYED: nothing was played in 8 of 8 trials of people (silent.jsonl: participant 1); answers without a stimulus are no result"
+    assert made["not_played"] == {"trials": 8, "of": 8} and made["labels"] == lines[:2]
+    lines, made = analysed(place, "silent.jsonl", "played.jsonl")
+    assert "nothing was played in 8 of 16 trials" in lines[1] and made["not_played"] == {"trials": 8, "of": 16}
+    lines, made = analysed(place, "played.jsonl")
+    assert lines[1] == "rate (binomial)" and made["not_played"] == {"trials": 0, "of": 8}
+    surface = protocol.read(protocol.shipped()["fingers_surface"])
+    given = [("a:1", record) for number in (1, 2) for record in as_people(session_of(surface, number), played=False)]
+    assert "another apparatus" in analysis.study(surface, given).report().splitlines()[1]
+
+
+def test_records_that_do_not_say_where_they_are_from(place):
+    p = protocol.read(place / "small.toml")
+    for change in ({"observer": None}, {"observer": "robot"}, {"observer": 3}, {"trial": 9}, {"trial": "x"}, {"kind": "guess"}, {"stimulus": {}}, {"stimulus": {"played": 1}},
+                   {"participant": 1e400}, {"kind": "question", "question": "other"}):  # fmt: skip
+        given = session_of(p, 1)
+        given[2] |= change
+        with pytest.raises(HaptogramError, match="here:3: is no complete record"):
+            analysis.study(p, [(f"here:{number}", record) for number, record in enumerate(given, 1)])
+    with pytest.raises(HaptogramError, match="no records"):
+        analysis.study(p, [])
 
 
 def test_power(place):

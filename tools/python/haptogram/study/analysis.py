@@ -12,7 +12,7 @@ import pandas as pd
 from scipy import stats
 
 from ..errors import HaptogramError, bad_input
-from . import inference
+from . import inference, origin
 from .observers import simulated
 from .protocol import Analysis, Protocol, Question
 from .session import Record, Session
@@ -65,9 +65,7 @@ def frame(protocol: Protocol, records: Iterable[tuple[str, Record]]) -> pd.DataF
     rows: list[dict[str, Any]] = []
     seen: dict[tuple[object, ...], str] = {}
     for where, record in records:
-        if record.get("protocol") != protocol.name or record.get("protocol_sha256") != protocol.sha256:
-            raise bad_input(where, f"is of protocol {str(record.get('protocol'))[:40]!r}, {str(record.get('protocol_sha256'))[:12]}; expected {protocol.name!r}, "
-                            f"{protocol.sha256[:12]}; analyse it with the file that it was made with")  # fmt: skip
+        origin.of_protocol(protocol, where, record)
         try:
             factors, answers = dict(record["factors"]), dict(record.get("answers", {}))
             row: dict[str, Any] = {"participant": int(record["participant"]), "kind": str(record["kind"]), "trial": int(record["trial"]), **factors}
@@ -83,11 +81,11 @@ def frame(protocol: Protocol, records: Iterable[tuple[str, Record]]) -> pd.DataF
             for name, answer in answers.items():
                 row |= _answered(protocol.question(name), answer)
             step = int(record["step"])
-        except (KeyError, TypeError, ValueError, StopIteration) as error:
-            raise bad_input(where, f"is no complete record ({type(error).__name__}: {error}); the file was changed") from error
+        except origin.BROKEN as error:
+            raise origin.incomplete(where, error) from error
         identity = (row["participant"], row["kind"], row["trial"], step, record.get("question"), str(factors))
         if identity in seen:
-            raise bad_input(where, f"is a second record of participant {row['participant']}, trial {row['trial']}; the first is {seen[identity]}")
+            raise bad_input(where, f"is a second record of participant {row['participant']}, trial {row['trial']}; the first is {seen[identity]}; leave one out")
         seen[identity] = where
         rows.append(row)
     if not rows:
@@ -238,11 +236,31 @@ def analyse(protocol: Protocol, data: pd.DataFrame) -> list[Finding]:
     return found
 
 
-def report(found: list[Finding]) -> str:
-    parts = []
-    for f in found:
-        parts += [f"{f.name} ({f.test})", *(f"  {line}" for line in f.lines)] + ([f"  the paper: {f.paper}"] if f.paper else [])
-    return "\n".join(parts)
+@dataclass
+class Study:
+    """What the results of a study say, and where they are from; no number is handed on without that."""
+
+    origin: origin.Origin
+    found: list[Finding]
+
+    def as_json(self) -> dict[str, Any]:
+        protocol = self.origin.protocol
+        return {"protocol": protocol.name, "protocol_sha256": protocol.sha256} | self.origin.as_json() | {"analyses": [f.as_json() for f in self.found]}
+
+    def report(self) -> str:
+        parts = list(self.origin.labels)
+        for f in self.found:
+            parts += [f"{f.name} ({f.test})", *(f"  {line}" for line in f.lines)] + ([f"  the paper: {f.paper}"] if f.paper else [])
+        return "\n".join(parts)
+
+
+def study(protocol: Protocol, records: Iterable[tuple[str, Record]], *, mixed: bool = False, unfinished: bool = False) -> Study:
+    """All analyses of results. People with simulated observers, or different simulated ones, are refused without `mixed`, sessions that are not
+    finished without `unfinished`."""
+    given = list(records)
+    where = origin.of(protocol, given)
+    where.refuse(mixed=mixed, unfinished=unfinished)
+    return Study(where, analyse(protocol, frame(protocol, given)))
 
 
 def power(protocol: Protocol, observer: str, participants: int, runs: int, seed: int, alpha: float) -> dict[str, tuple[float, float, float]]:
