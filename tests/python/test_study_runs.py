@@ -370,6 +370,44 @@ def test_records_that_do_not_say_where_they_are_from(place):
         analysis.study(p, [])
 
 
+def test_how_large_effects_are(place):
+    """Each test of a mean or of ranks says how large its effect is, as a line and as numbers."""
+    expected = {"multimodal_placing": {"anova": {"eta squared"}, "rm-anova": {"partial eta squared"}}, "fingers_surface": {"paired-t": {"difference", "Cohen's d_z"}},
+                "fingers_lift_visible": {"friedman": {"Kendall's W"}, "wilcoxon": {"rank-biserial correlation"}, "rm-anova": {"partial eta squared"}},
+                "haptogram_shapes": {"binomial": {"Cohen's h"}}}  # fmt: skip
+    for name, tests in expected.items():
+        p = protocol.read(protocol.shipped()[name])
+        made = analysis.study(p, simulate(p))
+        text, seen = made.report(), set()
+        json.dumps(made.as_json(), allow_nan=False)
+        for one in made.found:
+            seen.add(one.test)
+            found = {effect: numbers for effects in one.numbers.get("effect", {}).values() for effect, numbers in effects.items()}
+            assert tests.get(one.test, set()) <= set(found), (name, one.name)
+            for effect, numbers in found.items():
+                assert f"{effect} = {numbers['value']:.3g}" in text
+                if "level" in numbers:
+                    assert numbers["low"] <= numbers["value"] <= numbers["high"] or effect.endswith("eta squared")
+                    assert f"{100 * numbers['level']:.0f} % interval {numbers['low']:.3g} to {numbers['high']:.3g}" in text
+            if one.test == "anova":
+                for pair, effects in one.numbers["effect"].items():
+                    if pair:
+                        a, b = pair.split(" − ")
+                        assert effects["difference"]["value"] == pytest.approx(one.numbers["mean"][a] - one.numbers["mean"][b])
+                        assert (one.p[f"{a}, {b}"] < 0.05) == (effects["difference"]["low"] * effects["difference"]["high"] > 0)
+        assert set(tests) <= seen
+
+
+def test_differences_without_scatter_have_no_effect_size(place):
+    p = protocol.read(protocol.shipped()["fingers_surface"])
+    given = simulate(p, 3)
+    for _, record in given:
+        if record["kind"] == "trial":
+            record["answers"]["angle"]["error"] = 1.0 if record["factors"]["method"] == "static" else 2.0
+    with pytest.raises(HaptogramError, match="error of the angle: .*no p-value"):
+        analysis.study(p, given)
+
+
 def test_power(place):
     p = protocol.read(place / "small.toml")
     strong = analysis.power(p, "simulated:protocol", 6, 20, 1, 0.05)

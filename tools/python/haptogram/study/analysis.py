@@ -129,6 +129,14 @@ def _one(protocol: Protocol, analysis: Analysis, everything: pd.DataFrame) -> Fi
         found.lines.append(f"{name}: {test}" if name else str(test))
         found.p[name] = test.p
         found.numbers.setdefault("statistic", {})[name] = {"name": test.name, "value": test.statistic, "df": list(test.df)}
+        if not math.isfinite(test.statistic) or not math.isfinite(test.p):
+            raise bad_input(analysis.name, f"{name or analysis.test} has no p-value; do all values agree? found {data[analysis.of].nunique()} different ones")
+
+    def sized(name: str, *effects: inference.Effect) -> None:
+        found.lines.append((f"{name}: " if name else "") + "; ".join(map(str, effects)))
+        sizes = found.numbers.setdefault("effect", {}).setdefault(name, {})
+        for effect in effects:
+            sizes[effect.name] = {"value": effect.value} | ({"low": effect.low, "high": effect.high, "level": effect.level} if effect.level else {})
 
     if analysis.test == "binomial":
         right, trials = int(data[analysis.of].sum()), len(data)
@@ -137,6 +145,7 @@ def _one(protocol: Protocol, analysis: Analysis, everything: pd.DataFrame) -> Fi
         found.lines.append(f"{right} of {trials}: {right / trials:.2%}, 95 % interval {low:.2%} to {high:.2%}; against {analysis.chance:.0%}: p = {p:.3g}")
         found.lines.append(f"over {len(person)} people: mean {person.mean():.2%}, SD {person.std():.2%}; the interval takes trials as independent")
         found.p[""], found.numbers = p, {"successes": right, "trials": trials, "low": low, "high": high}
+        sized("", inference.cohen_h(right, trials, analysis.chance))
         if analysis.weight:
             weights = data[analysis.weight].astype(float)
             weighted = float((weights * data[analysis.of].astype(float)).sum() / weights.sum())
@@ -158,27 +167,39 @@ def _one(protocol: Protocol, analysis: Analysis, everything: pd.DataFrame) -> Fi
         table = _wide(protocol, analysis, data)
         _means(found, table)
         told("", inference.paired_t(*table.to_numpy().T))
+        sized(" − ".join(map(str, table)), *inference.paired_effects(*table.to_numpy().T))
     elif analysis.test == "rm-anova":
         table = _wide(protocol, analysis, data)
         _means(found, table)
         plain, shrunk = inference.rm_anova(table.to_numpy())
         told("", plain)
         told("Greenhouse-Geisser", shrunk)
+        sized("", inference.eta_squared(plain, "partial eta squared"))
     elif analysis.test == "anova":
         table = _wide(protocol, analysis, data)
         _means(found, table)
-        told("", inference.anova(*table.to_numpy().T))
-        apart = inference.tukey(list(table.to_numpy().T), [str(c) for c in table])
-        found.lines += [f"Tukey, {a} and {b}: p = {p:.3g}" for (a, b), p in apart.items()]
-        found.p |= {f"{a}, {b}": p for (a, b), p in apart.items()}
+        overall = inference.anova(*table.to_numpy().T)
+        told("", overall)
+        sized("", inference.eta_squared(overall))
+        for (a, b), (p, difference) in inference.tukey(list(table.to_numpy().T), [str(c) for c in table]).items():
+            found.lines.append(f"Tukey, {a} and {b}: p = {p:.3g}")
+            found.p[f"{a}, {b}"] = p
+            sized(f"{a} − {b}", difference)
     elif analysis.test == "friedman":
-        told("", inference.friedman(_wide(protocol, analysis, data).to_numpy()))
+        table = _wide(protocol, analysis, data)
+        ranked = inference.friedman(table.to_numpy())
+        told("", ranked)
+        sized("", inference.kendall_w(ranked, len(table)))
     elif analysis.test == "wilcoxon":
         table = _wide(protocol, analysis, data)
         pairs = list(itertools.combinations(table, 2))
         tests = [inference.wilcoxon(table[a], table[b]) for a, b in pairs]
         for (a, b), test, p in zip(pairs, tests, inference.corrected([t.p for t in tests], analysis.correction)):
             told(f"{a}, {b}", inference.Test(test.name, test.statistic, test.df, p))
+            if effect := inference.rank_biserial(table[a], table[b]):
+                sized(f"{a} − {b}", effect)
+            else:
+                found.lines.append(f"{a} − {b}: no pair differs, so there is no rank-biserial correlation")
     elif analysis.test == "votes":
         counts = data[analysis.of].value_counts().reindex(list(protocol.question(analysis.of).keys.values()), fill_value=0)
         found.lines += [f"{name}: {count} of {counts.sum()}, {count / counts.sum():.1%}" for name, count in counts.items()]
