@@ -408,6 +408,51 @@ def test_differences_without_scatter_have_no_effect_size(place):
         analysis.study(p, given)
 
 
+def test_sets_are_a_factor(place):
+    """Who learns: each person's share of right answers and mean time in the first set and in the second, by another route."""
+    p = protocol.read(protocol.shipped()["haptogram_shapes"])
+    given, dice = simulate(p), random.Random(2)
+    for _, record in given:
+        answer = record["answers"]["answer"]
+        if record["set"] == 2 and dice.random() < 0.4:
+            answer |= {"value": record["factors"]["shape"], "correct": True, "seconds": 0.5 * answer["seconds"]}
+    found = {one.name: one for one in analysis.study(p, given).found}
+    for name, key in (("right answers from session to session", "correct"), ("time from session to session", "seconds")):
+        people = [[np.mean([r["answers"]["answer"][key] for _, r in given if r["participant"] == who and r["set"] == number]) for number in (1, 2)] for who in range(1, 16)]
+        changes = np.array([first - second for first, second in people])
+        t = changes.mean() / (changes.std(ddof=1) / math.sqrt(15))
+        numbers = found[name].numbers
+        assert numbers["statistic"][""] == {"name": "t", "value": pytest.approx(t), "df": [14.0]} and found[name].p[""] < 0.05
+        assert numbers["mean"] == pytest.approx({"set 1": np.mean(people, 0)[0], "set 2": np.mean(people, 0)[1]})
+        assert numbers["effect"]["set 1 − set 2"]["difference"]["value"] == pytest.approx(changes.mean())
+        assert found[name].paper.endswith("no test")
+    # Two and more sets, thresholds, and one set alone.
+    text = SMALL.replace("sets = 2", "sets = 3").replace("[simulated.answer]", "".join(
+        f'[[analysis]]\nname = "{test}"\ntest = "{test}"\nof = "answer.correct"\nby = "set"\n' for test in ("rm-anova", "anova", "friedman", "wilcoxon")) + """
+[[analysis]]
+name = "second"
+test = "binomial"
+of = "answer.correct"
+where = { set = 2 }
+
+[simulated.answer]""")  # fmt: skip
+    (place / "small.toml").write_text(text)
+    small = protocol.read(place / "small.toml")
+    given = simulate(small, 8, "simulated:chance")
+    made = {one.name: one for one in analysis.study(small, given).found}
+    assert made["second"].numbers["trials"] == 8 * 4
+    assert made["second"].numbers["successes"] == sum(r["answers"]["answer"]["correct"] for _, r in given if r["set"] == 2)
+    assert set(made["wilcoxon"].p) == {"set 1, set 2", "set 1, set 3", "set 2, set 3"} and list(made["rm-anova"].numbers["mean"]) == ["set 1", "set 2", "set 3"]
+    (place / "stairs.toml").write_text(STAIRS.replace('by = "shape"', 'by = "set"', 2))
+    stairs = protocol.read(place / "stairs.toml")
+    thresholds, functions = analysis.study(stairs, simulate(stairs, 6)).found
+    assert list(thresholds.numbers["mean_db"]) == ["set 1", "set 2"] and list(functions.numbers) == ["set 1", "set 2"]
+    broken = simulate(small, 1)
+    broken[3][1]["set"] = 4
+    with pytest.raises(HaptogramError, match="no complete record.*set 4 is not one of 3"):
+        analysis.study(small, broken)
+
+
 def test_power(place):
     p = protocol.read(place / "small.toml")
     strong = analysis.power(p, "simulated:protocol", 6, 20, 1, 0.05)

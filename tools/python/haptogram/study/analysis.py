@@ -14,7 +14,7 @@ from scipy import stats
 from ..errors import HaptogramError, bad_input
 from . import inference, origin
 from .observers import simulated
-from .protocol import Analysis, Protocol, Question
+from .protocol import SET, Analysis, Protocol, Question
 from .session import Record, Session
 from .stimulus import Presenter
 
@@ -60,7 +60,7 @@ def _answered(question: Question, answer: dict[str, Any]) -> dict[str, Any]:
 
 
 def frame(protocol: Protocol, records: Iterable[tuple[str, Record]]) -> pd.DataFrame:
-    """A row a record. Columns: participant, kind, factors and drawn numbers, and of each question its answer, `.seconds`, `.correct`, `.error`,
+    """A row a record. Columns: participant, kind, set, factors and drawn numbers, and of each question its answer, `.seconds`, `.correct`, `.error`,
     `.absolute_error`. Records of another protocol, and two of the same trial, are errors."""
     rows: list[dict[str, Any]] = []
     seen: dict[tuple[object, ...], str] = {}
@@ -69,6 +69,10 @@ def frame(protocol: Protocol, records: Iterable[tuple[str, Record]]) -> pd.DataF
         try:
             factors, answers = dict(record["factors"]), dict(record.get("answers", {}))
             row: dict[str, Any] = {"participant": int(record["participant"]), "kind": str(record["kind"]), "trial": int(record["trial"]), **factors}
+            if row["kind"] != "question":
+                row[SET] = int(record[SET])
+                if row[SET] not in protocol.levels(SET):
+                    raise ValueError(f"set {row[SET]} is not one of {protocol.order.sets}")
             row |= {name: float(value) for name, value in dict(record.get("drawn", {})).items()}
             if "level_db" in record:
                 row["level_db"] = float(record["level_db"])
@@ -76,7 +80,7 @@ def frame(protocol: Protocol, records: Iterable[tuple[str, Record]]) -> pd.DataF
                 found = record["threshold_db"]
                 row |= {"threshold_db": found if found is None else _finite(found), "start": record["start"], "state": record["state"]}
             for name, value in factors.items():
-                if value not in [level.value for level in protocol.factor(name).levels]:
+                if value not in protocol.levels(name):
                     raise ValueError(f"{str(value)[:40]!r} is no level of {name}")
             for name, answer in answers.items():
                 row |= _answered(protocol.question(name), answer)
@@ -106,20 +110,25 @@ def _selected(protocol: Protocol, analysis: Analysis, data: pd.DataFrame) -> pd.
 def _wide(protocol: Protocol, analysis: Analysis, data: pd.DataFrame) -> pd.DataFrame:
     """The mean of each person (rows) at each level (columns)."""
     table = data.assign(**{analysis.of: data[analysis.of].astype(float)}).pivot_table(analysis.of, "participant", analysis.by)
-    table = table.reindex(columns=[level.value for level in protocol.factor(analysis.by).levels])
+    table = table.reindex(columns=protocol.levels(analysis.by))
     if table.isna().to_numpy().any():
         lacking = [str(person) for person in table.index[table.isna().any(axis=1)]]
         raise bad_input(analysis.name, f"participant(s) {', '.join(lacking)} lack a level of {analysis.by}; leave them out, or let them finish")
     if len(table) < 2:
         raise bad_input(analysis.name, f"found {len(table)} participant, expected at least two")
-    return table
+    return table.rename(columns=lambda level: _named(analysis, level))
+
+
+def _named(analysis: Analysis, level: object) -> str:
+    """A level as the findings call it."""
+    return f"{SET} {level}" if analysis.by == SET else str(level)
 
 
 def _means(found: Finding, table: pd.DataFrame) -> None:
     for level in table:
         values = table[level]
         found.lines.append(f"{level}: mean {values.mean():.4g}, SD {values.std():.4g} of {len(values)} people")
-    found.numbers["mean"] = {str(level): float(table[level].mean()) for level in table}
+    found.numbers["mean"] = {level: float(table[level].mean()) for level in table}
 
 
 def _one(protocol: Protocol, analysis: Analysis, everything: pd.DataFrame) -> Finding:
@@ -152,7 +161,7 @@ def _one(protocol: Protocol, analysis: Analysis, everything: pd.DataFrame) -> Fi
             found.lines.append(f"weighted by {analysis.weight}: {weighted:.2%}")
             found.numbers["weighted"] = weighted
     elif analysis.test == "confusion":
-        shown = [level.value for level in protocol.factor(analysis.by).levels]
+        shown = protocol.levels(analysis.by)
         counts = pd.crosstab(data[analysis.by], data[analysis.of]).reindex(index=shown, columns=[str(s) for s in shown], fill_value=0)
         matrix = inference.confusion(counts.to_numpy())
         found.lines += [f"{name}: {' '.join(f'{c:4d}' for c in row)}" for name, row in zip(shown, counts.to_numpy())]
@@ -167,7 +176,7 @@ def _one(protocol: Protocol, analysis: Analysis, everything: pd.DataFrame) -> Fi
         table = _wide(protocol, analysis, data)
         _means(found, table)
         told("", inference.paired_t(*table.to_numpy().T))
-        sized(" − ".join(map(str, table)), *inference.paired_effects(*table.to_numpy().T))
+        sized(" − ".join(table), *inference.paired_effects(*table.to_numpy().T))
     elif analysis.test == "rm-anova":
         table = _wide(protocol, analysis, data)
         _means(found, table)
@@ -181,7 +190,7 @@ def _one(protocol: Protocol, analysis: Analysis, everything: pd.DataFrame) -> Fi
         overall = inference.anova(*table.to_numpy().T)
         told("", overall)
         sized("", inference.eta_squared(overall))
-        for (a, b), (p, difference) in inference.tukey(list(table.to_numpy().T), [str(c) for c in table]).items():
+        for (a, b), (p, difference) in inference.tukey(list(table.to_numpy().T), list(table)).items():
             found.lines.append(f"Tukey, {a} and {b}: p = {p:.3g}")
             found.p[f"{a}, {b}"] = p
             sized(f"{a} − {b}", difference)
@@ -210,14 +219,15 @@ def _one(protocol: Protocol, analysis: Analysis, everything: pd.DataFrame) -> Fi
         if len(lost):
             found.lines.append(f"{len(lost)} runs ended without a threshold: {', '.join(sorted(set(lost['state'])))}")
         table = data.assign(threshold_db=data["threshold_db"].astype(float)).groupby(analysis.by)["threshold_db"].agg(["mean", "std", "count"])
+        table = table.rename(index=lambda level: _named(analysis, level))
         found.lines += [f"{level}: {row['mean']:.2f} dB, SD {row['std']:.2f} of {int(row['count'])} runs" for level, row in table.iterrows()]
         found.numbers = {"mean_db": {str(k): float(v) for k, v in table["mean"].items()}, "lost": len(lost)}
     elif analysis.test == "psychometric":
         for level, part in data.groupby(analysis.by):
             counts = part.assign(yes=part[analysis.of].astype(float)).groupby("level_db")["yes"].agg(["sum", "count"])
             fit = inference.psychometric(counts.index.to_numpy(), counts["sum"].to_numpy(), counts["count"].to_numpy(dtype=float))
-            found.lines.append(f"{level}: threshold {fit.threshold:.2f} dB, spread {fit.spread:.2f} dB, of {int(counts['count'].sum())} answers (probit)")
-            found.numbers[str(level)] = {"threshold_db": fit.threshold, "spread_db": fit.spread}
+            found.lines.append(f"{_named(analysis, level)}: threshold {fit.threshold:.2f} dB, spread {fit.spread:.2f} dB, of {int(counts['count'].sum())} answers (probit)")
+            found.numbers[_named(analysis, level)] = {"threshold_db": fit.threshold, "spread_db": fit.spread}
     else:
         _magnitudes(protocol, analysis, data, found)
     return found
