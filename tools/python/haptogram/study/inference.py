@@ -148,7 +148,7 @@ def eta_squared(test: Test, name: str = "eta squared") -> Effect:
     distribution and its λ/(λ + df₁ + df₂ + 1): F tests one side, so that it contains 0 where p > 0.05 (Steiger 2004)."""
     f, (above, below) = test.statistic, test.df
     low, high = map(float, confint_noncentrality(f, test.df, alpha=0.1))
-    if high >= LARGE_NONCENTRALITY:
+    if not high < LARGE_NONCENTRALITY:  # also when it found none
         low, high = (float(above * f * s / below) for s in stats.chi2.ppf([0.05, 0.95], below))
     low, high = 0.0 if test.p >= 0.05 else low, 0.0 if test.p >= 0.95 else high
     return Effect(name, f * above / (f * above + below), *(nc / (nc + above + below + 1.0) for nc in (low, high)), 0.9)
