@@ -13,7 +13,7 @@ from haptogram import HaptogramError
 from haptogram.study import inference
 from haptogram.study.observers import felt
 from haptogram.study.staircase import Rule, Staircase
-from scipy import stats
+from scipy import optimize, special, stats
 
 TABLE_1 = [[56, 6, 24, 4], [13, 59, 11, 7], [46, 2, 40, 2], [6, 9, 7, 68]]
 
@@ -120,8 +120,108 @@ def test_several_tests():
     groups = [np.array([1.0, 2, 3]), np.array([2.0, 3, 4]), np.array([9.0, 10, 11])]
     assert inference.anova(*groups).statistic == pytest.approx(3 * ((2 - 5) ** 2 + (3 - 5) ** 2 + (10 - 5) ** 2) / 2 / 1.0)
     tukey = inference.tukey(groups, ["a", "b", "c"])
-    assert tukey["a", "b"] == pytest.approx(stats.studentized_range.sf(1.0 / math.sqrt(1.0 / 3.0), 3, 6), rel=1e-3)
+    p, apart = tukey["a", "b"]
+    assert p == pytest.approx(stats.studentized_range.sf(1.0 / math.sqrt(1.0 / 3.0), 3, 6), rel=1e-6)
+    half = stats.studentized_range.isf(0.05, 3, 6) / math.sqrt(3.0)  # the mean square within groups is 1, three of each
+    assert (apart.value, apart.low, apart.high, apart.level) == pytest.approx((-1.0, -1.0 - half, -1.0 + half, 0.95), rel=1e-5)
+    # The table of Tukey's range: 4.339 for three groups and 6 degrees of freedom.
+    assert half * math.sqrt(3.0) == pytest.approx(4.339, abs=6e-4) and list(tukey) == [("a", "b"), ("a", "c"), ("b", "c")]
     assert inference.friedman([[1, 2, 3]] * 5).statistic == pytest.approx(10.0)  # n(k − 1), the largest
+
+
+QUANTILES = (np.arange(100_000) + 0.5) / 100_000
+
+
+def chance_of_t(t, df, noncentrality):
+    """P(T ≤ t) of the noncentral t by its definition, (Z + δ)/√(χ²/df), as a mean over χ²."""
+    return special.ndtr(t * np.sqrt(stats.chi2.ppf(QUANTILES, df) / df) - noncentrality).mean()
+
+
+def chance_of_f(f, above, below, noncentrality):
+    """P(F ≤ f) of the noncentral F as the mixture of beta distributions, whose weights are Poisson's (Johnson, Kotz and Balakrishnan, 30.3)."""
+    j = np.arange(int(noncentrality + 20 * math.sqrt(noncentrality) + 60))
+    return (stats.poisson.pmf(j, noncentrality / 2) * special.betainc(above / 2 + j, below / 2, above * f / (above * f + below))).sum()
+
+
+def test_differences_of_pairs():
+    # By hand: differences 1, 2, 3, 4, 5 have mean 3 and variance 2.5; t = 3/√0.5; t of 0.975 at 4 degrees of freedom is 2.776445.
+    difference, d_z = inference.paired_effects([2.0, 4, 6, 8, 10], [1.0, 2, 3, 4, 5])
+    assert (difference.value, difference.low, difference.high) == pytest.approx((3.0, 3 - 2.776445 * math.sqrt(0.5), 3 + 2.776445 * math.sqrt(0.5)), rel=1e-6)
+    assert d_z.value == pytest.approx(3 / math.sqrt(2.5), rel=1e-12) and (difference.level, d_z.level) == (0.95, 0.95)
+    for size, effect in ((2, 0.3), (5, 1.0), (11, -0.7), (15, 0.0), (40, 2.5), (8, -30.0), (9, 900.0)):
+        pairs = np.random.default_rng(size).normal(size=size)
+        pairs = (pairs - pairs.mean()) / pairs.std(ddof=1) + effect
+        (difference, d_z), t = inference.paired_effects(pairs, np.zeros(size)), effect * math.sqrt(size)
+        assert d_z.value == pytest.approx(effect, abs=1e-9)
+        for end, chance in ((d_z.low, 0.975), (d_z.high, 0.025)):
+            assert chance_of_t(t, size - 1, end * math.sqrt(size)) == pytest.approx(chance, abs=2e-4)
+        other = inference.paired_effects(np.zeros(size), pairs)[1]
+        assert (other.low, other.high) == pytest.approx((-d_z.high, -d_z.low), abs=1e-9)
+        # The interval of the difference leaves out 0 where Student's test finds it, and so does that of d_z.
+        found = inference.paired_t(pairs, np.zeros(size)).p < 0.05
+        assert found == (difference.low * difference.high > 0) == (d_z.low * d_z.high > 0)
+
+
+def test_the_interval_of_a_difference_contains_it_as_often_as_it_says():
+    dice, hits = np.random.default_rng(4), np.zeros(2)
+    for _ in range(1000):
+        effects = inference.paired_effects(dice.normal(0.8, 1.0, size=9), np.zeros(9))
+        hits += [e.low <= 0.8 <= e.high for e in effects]
+    assert hits == pytest.approx([950, 950], abs=4 * math.sqrt(1000 * 0.95 * 0.05))
+
+
+def test_eta_squared():
+    # By hand: the sum of squares between 1, 2, 3 | 2, 3, 4 | 9, 10, 11 is 114, within it is 6.
+    groups = [np.array([1.0, 2, 3]), np.array([2.0, 3, 4]), np.array([9.0, 10, 11])]
+    plain = inference.eta_squared(inference.anova(*groups))
+    assert plain.value == pytest.approx(114 / 120, rel=1e-12) and plain.level == 0.9 and "90 % interval" in str(plain)
+    values = np.random.default_rng(2).normal(size=(8, 3)) + [0, 1, 0]
+    centred = values - values.mean()
+    between, people = 8 * (centred.mean(0) ** 2).sum(), 3 * (centred.mean(1) ** 2).sum()
+    test = inference.rm_anova(values)[0]
+    assert inference.eta_squared(test, "partial eta squared").value == pytest.approx(between / ((centred**2).sum() - people), rel=1e-9)
+    # The ends are where λ makes F, or a larger one, as rare as 5 %.
+    for f, above, below in ((13.11, 2, 24), (0.43, 2, 24), (3.0, 2, 16), (3.7, 2, 24), (0.02, 3, 30), (8.0, 1, 9), (50.0, 3, 50), (900.0, 2, 16), (20000.0, 2, 16)):
+        p = inference.p_of("F", f, above, below)
+        eta = inference.eta_squared(inference.Test("F", f, (float(above), float(below)), p))
+        assert 0.0 <= eta.low <= eta.value and eta.low <= eta.high < 1.0 and (eta.low > 0.0) == (p < 0.05)
+
+        def end(chance, f=f, above=above, below=below):
+            if chance_of_f(f, above, below, 0.0) <= chance:
+                return 0.0
+            top = 10 * f * above + 50
+            noncentrality = optimize.brentq(lambda nc: chance_of_f(f, above, below, nc) - chance, 0.0, top)
+            return noncentrality / (noncentrality + above + below + 1)
+
+        assert (eta.low, eta.high) == pytest.approx((end(0.95), end(0.05)), abs=2e-4)
+
+
+def test_ranks_that_agree():
+    same = inference.kendall_w(inference.friedman([[1, 2, 3]] * 5), 5)
+    assert same.value == pytest.approx(1.0) and str(same) == "Kendall's W = 1"
+    values = np.array([[1, 2, 3, 4], [2, 1, 4, 3], [1, 3, 2, 4], [4, 1, 2, 3]])
+    sums = values.sum(0)
+    squares = ((sums - sums.mean()) ** 2).sum()
+    assert inference.kendall_w(inference.friedman(values), 4).value == pytest.approx(12 * squares / (16 * (64 - 4)), rel=1e-12)
+    # W is also (mean rank correlation of pairs of people times (n − 1) + 1)/n.
+    rank = np.mean([stats.spearmanr(a, b)[0] for a, b in itertools.combinations(values, 2)])
+    assert inference.kendall_w(inference.friedman(values), 4).value == pytest.approx((3 * rank + 1) / 4, rel=1e-12)
+    # Kerby's own example of favourable and unfavourable ranks: of 1 … 5 those against are 1 and 2, so r = 12/15 − 3/15.
+    assert inference.rank_biserial([0.0, 0, 3, 4, 5], [1.0, 2, 0, 0, 0]).value == pytest.approx(9 / 15)
+    assert inference.rank_biserial([1.0, 2, 3], [0.0, 2, 0]).value == 1.0 and inference.rank_biserial([0.0, 2], [1.0, 2]).value == -1.0
+    assert inference.rank_biserial([1.0, 2], [1.0, 2]) is None
+    a, b = np.random.default_rng(5).integers(1, 8, size=(2, 12))
+    w = inference.wilcoxon(a, b).statistic
+    kept = int((a != b).sum())
+    assert abs(inference.rank_biserial(a, b).value) == pytest.approx(1 - 4 * w / (kept * (kept + 1)), rel=1e-12)
+
+
+def test_shares_against_chance():
+    h = inference.cohen_h(30, 40, 0.5)
+    assert h.value == pytest.approx(2 * math.asin(math.sqrt(0.75)) - math.pi / 2, rel=1e-12) and h.value == pytest.approx(math.pi / 6)
+    _, low, high = inference.binomial(30, 40, 0.5)
+    assert (h.low, h.high) == pytest.approx([2 * math.asin(math.sqrt(s)) - math.pi / 2 for s in (low, high)], rel=1e-12)
+    assert inference.cohen_h(40, 40, 0.5).value == pytest.approx(math.pi / 2)
 
 
 def test_psychometric_fits():

@@ -221,7 +221,7 @@ def test_analyses_find_what_was_simulated(place):
     said = run(study("analyse", "small.toml", "out.jsonl", "--json"), place)
     assert said.returncode == OK, said.stderr
     right = sum(r["answers"]["answer"]["correct"] for r in records(place / "out.jsonl"))
-    assert json.loads(said.stdout)[0]["numbers"]["successes"] == right
+    assert json.loads(said.stdout)["analyses"][0]["numbers"]["successes"] == right
     p = protocol.read(place / "stairs.toml")
     found, functions = (one.numbers for one in analysis.analyse(p, analysis.frame(p, simulate(p, people))))
     for shape, threshold in (("circle", -20.0), ("line", -15.0)):
@@ -244,6 +244,214 @@ def test_analyses_find_what_was_simulated(place):
         for gf in (0.13, 0.31, 0.43):  # up to the factor that normalises free scales
             assert made[0] * gf**2 + made[1] * gf + made[2] == pytest.approx(g * gf**2 + j * gf + v, rel=0.5)
         assert fits[hz]["r2"] > 0.8
+
+
+def as_people(given, played=True, observer="keyboard"):
+    """Records as they would be if people had answered."""
+    return [record | {"observer": observer} | ({"stimulus": record["stimulus"] | {"played": played}} if "stimulus" in record else {}) for record in given]
+
+
+def session_of(p, participant, observer="simulated:protocol"):
+    found = []
+    Session(p, participant, 7, observers.simulated(p, observer), Presenter(p), found.append).run()
+    return found
+
+
+def write(path, given):
+    path.write_text("".join(json.dumps(record) + "\n" for record in given))
+
+
+def analysed(place, *args, code=OK, name="small.toml"):
+    """The text and the JSON of an analysis, or what was said when it was refused."""
+    text, made = (run(study("analyse", name, *args, *more), place) for more in ((), ("--json",)))
+    assert (text.returncode, made.returncode) == (code, code) and "Traceback" not in text.stderr, text.stderr
+    return text.stderr if code else (text.stdout.splitlines(), json.loads(made.stdout))
+
+
+def test_a_simulated_study_says_so_first(place):
+    p = protocol.read(place / "small.toml")
+    for number in (1, 2):
+        write(place / f"s{number}.jsonl", session_of(p, number))
+        write(place / f"p{number}.jsonl", as_people(session_of(p, number), observer=("keyboard", "page")[number - 1]))
+    lines, made = analysed(place, "s1.jsonl", "s2.jsonl")
+    assert lines[0].startswith("SIMULATED: answers of 2 × simulated:protocol") and "no result" in lines[0] and "rate (binomial)" in lines[1]
+    assert made["simulated"] is True and made["mixed"] is False and made["observers"] == {"simulated:protocol": 2} and made["labels"] == lines[:1]
+    assert made["protocol_sha256"] == p.sha256 and [one["name"] for one in made["analyses"]] == ["rate"]
+    # Keyboard and page are both people.
+    lines, made = analysed(place, "p1.jsonl", "p2.jsonl")
+    assert lines[:2] == ["answers of 2 people", "rate (binomial)"] and made["simulated"] is False and made["observers"] == {"keyboard": 1, "page": 1}
+    said = run(study("power", "small.toml", "--runs", 2, "--observer", "simulated:chance"), place).stdout
+    assert said.startswith("SIMULATED: 2 studies with 2 × simulated:chance")
+    assert json.loads(run(study("power", "small.toml", "--runs", 2, "--json"), place).stdout)["simulated"] is True
+
+
+def test_people_and_simulated_observers_do_not_mix(place):
+    p = protocol.read(place / "small.toml")
+    write(place / "real.jsonl", as_people(session_of(p, 1)))
+    write(place / "made.jsonl", session_of(p, 2))
+    write(place / "guess.jsonl", session_of(p, 3, "simulated:chance"))
+    said = analysed(place, "real.jsonl", "made.jsonl", code=BAD_INPUT)
+    assert said.count("\n") == 1
+    for needle in ("real.jsonl of people", "made.jsonl of simulated:protocol", "analyse them apart", "--mixed"):
+        assert needle in said, said
+    # Two kinds of simulated observers are a mixture, too.
+    assert "guess.jsonl of simulated:chance" in analysed(place, "made.jsonl", "guess.jsonl", code=BAD_INPUT)
+    lines, made = analysed(place, "--mixed", "real.jsonl", "made.jsonl", "guess.jsonl")
+    assert lines[0] == "MIXED: answers of 1 person, 1 × simulated:protocol, 1 × simulated:chance; no result of a study"
+    assert made["mixed"] is True and made["simulated"] is True and made["labels"] == lines[:1] and made["analyses"][0]["numbers"]["trials"] == 24
+    # What was asked for and does not happen is not said.
+    lines, made = analysed(place, "--mixed", "--unfinished", "real.jsonl")
+    assert lines[0] == "answers of 1 person" and made["mixed"] is False and made["unfinished"] == []
+    # A number is a person's, even in a mixture.
+    write(place / "again.jsonl", session_of(p, 1))
+    assert "2 sessions of participant 1" in analysed(place, "--mixed", "real.jsonl", "again.jsonl", code=BAD_INPUT)
+    half = session_of(p, 1)
+    write(place / "spliced.jsonl", half[:4] + [record | {"seed": 8} for record in half[4:]])
+    assert "2 sessions of participant 1" in analysed(place, "spliced.jsonl", code=BAD_INPUT)
+
+
+def test_unfinished_sessions_are_left_out(place):
+    p = protocol.read(place / "small.toml")
+    write(place / "whole.jsonl", as_people(session_of(p, 1)))
+    write(place / "part.jsonl", as_people(session_of(p, 2))[:5])
+    said = analysed(place, "whole.jsonl", "part.jsonl", code=BAD_INPUT)
+    assert said.count("\n") == 1 and "whole" not in said
+    for needle in ("part.jsonl: participant 2 has 5 of 8 trials", "'run'", "leave them out", "--unfinished"):
+        assert needle in said, said
+    lines, made = analysed(place, "--unfinished", "whole.jsonl", "part.jsonl")
+    assert lines[:3] == ["answers of 2 people", "UNFINISHED: part.jsonl: participant 2 has 5 of 8 trials", "rate (binomial)"]
+    assert made["labels"] == lines[:2] and made["analyses"][0]["numbers"]["trials"] == 13
+    assert made["unfinished"] == [{"files": ["part.jsonl"], "participant": 2, "trials": 5, "of_trials": 8, "answers_at_end": 0, "of_answers_at_end": 0}]
+    # Both labels, where both are true.
+    write(place / "made.jsonl", session_of(p, 2)[:5])
+    lines, _ = analysed(place, "--unfinished", "--mixed", "whole.jsonl", "made.jsonl")
+    assert lines[0].startswith("MIXED") and lines[1].startswith("UNFINISHED")
+
+
+@pytest.mark.parametrize(("name", "lacking"), [("stairs.toml", "3 of 4 thresholds"), ("multimodal_placing", "3 of 3 trials and {} of {} answers at the end")])
+def test_thresholds_and_questions_at_the_end_finish_a_session(place, name, lacking):
+    p = protocol.read(protocol.find(name) if name in protocol.shipped() else place / name)
+    if p.staircase:
+        (place / name).write_text((place / name).read_text().replace("sets = 2", "sets = 1"))
+        p = protocol.read(place / name)
+    whole = session_of(p, 1)
+    end = sum(record["kind"] == "question" for record in whole)
+    analysis.origin.of(p, [("a:1", record) for record in whole]).refuse()
+    with pytest.raises(HaptogramError) as caught:
+        analysis.study(p, [("a:1", record) for record in whole[:-1]])
+    assert f"a: participant 1 has {lacking.format(end - 1, end)}" in str(caught.value)
+
+
+def test_stimuli_that_were_not_played_are_said(place):
+    p = protocol.read(place / "small.toml")
+    write(place / "silent.jsonl", as_people(session_of(p, 1), played=False))
+    write(place / "played.jsonl", as_people(session_of(p, 2)))
+    lines, made = analysed(place, "silent.jsonl")
+    assert lines[1] == "NOT PLAYED: nothing was played in 8 of 8 trials of people (silent.jsonl: participant 1); answers without a stimulus are no result"
+    assert made["not_played"] == {"trials": 8, "of": 8} and made["labels"] == lines[:2]
+    lines, made = analysed(place, "silent.jsonl", "played.jsonl")
+    assert "nothing was played in 8 of 16 trials" in lines[1] and made["not_played"] == {"trials": 8, "of": 16}
+    lines, made = analysed(place, "played.jsonl")
+    assert lines[1] == "rate (binomial)" and made["not_played"] == {"trials": 0, "of": 8}
+    surface = protocol.read(protocol.shipped()["fingers_surface"])
+    given = [("a:1", record) for number in (1, 2) for record in as_people(session_of(surface, number), played=False)]
+    assert "another apparatus" in analysis.study(surface, given).report().splitlines()[1]
+
+
+def test_records_that_do_not_say_where_they_are_from(place):
+    p = protocol.read(place / "small.toml")
+    for change in ({"observer": None}, {"observer": "robot"}, {"observer": 3}, {"trial": 9}, {"trial": "x"}, {"kind": "guess"}, {"stimulus": {}}, {"stimulus": {"played": 1}},
+                   {"participant": 1e400}, {"kind": "question", "question": "other"}):  # fmt: skip
+        given = session_of(p, 1)
+        given[2] |= change
+        with pytest.raises(HaptogramError, match="here:3: is no complete record"):
+            analysis.study(p, [(f"here:{number}", record) for number, record in enumerate(given, 1)])
+    with pytest.raises(HaptogramError, match="no records"):
+        analysis.study(p, [])
+
+
+def test_how_large_effects_are(place):
+    """Each test of a mean or of ranks says how large its effect is, as a line and as numbers."""
+    expected = {"multimodal_placing": {"anova": {"eta squared"}, "rm-anova": {"partial eta squared"}}, "fingers_surface": {"paired-t": {"difference", "Cohen's d_z"}},
+                "fingers_lift_visible": {"friedman": {"Kendall's W"}, "wilcoxon": {"rank-biserial correlation"}, "rm-anova": {"partial eta squared"}},
+                "haptogram_shapes": {"binomial": {"Cohen's h"}}}  # fmt: skip
+    for name, tests in expected.items():
+        p = protocol.read(protocol.shipped()[name])
+        made = analysis.study(p, simulate(p))
+        text, seen = made.report(), set()
+        json.dumps(made.as_json(), allow_nan=False)
+        for one in made.found:
+            seen.add(one.test)
+            found = {effect: numbers for effects in one.numbers.get("effect", {}).values() for effect, numbers in effects.items()}
+            assert tests.get(one.test, set()) <= set(found), (name, one.name)
+            for effect, numbers in found.items():
+                assert f"{effect} = {numbers['value']:.3g}" in text
+                if "level" in numbers:
+                    assert numbers["low"] <= numbers["value"] <= numbers["high"] or effect.endswith("eta squared")
+                    assert f"{100 * numbers['level']:.0f} % interval {numbers['low']:.3g} to {numbers['high']:.3g}" in text
+            if one.test == "anova":
+                for pair, effects in one.numbers["effect"].items():
+                    if pair:
+                        a, b = pair.split(" − ")
+                        assert effects["difference"]["value"] == pytest.approx(one.numbers["mean"][a] - one.numbers["mean"][b])
+                        assert (one.p[f"{a}, {b}"] < 0.05) == (effects["difference"]["low"] * effects["difference"]["high"] > 0)
+        assert set(tests) <= seen
+
+
+@pytest.mark.parametrize("base", [0.0, 0.7])  # from 0.7 on, the differences scatter by rounding
+def test_differences_without_scatter_have_no_effect_size(place, base):
+    p = protocol.read(protocol.shipped()["fingers_surface"])
+    given = simulate(p, 3)
+    for _, record in given:
+        if record["kind"] == "trial":
+            record["answers"]["angle"]["error"] = base * record["participant"] + (0.1 if record["factors"]["method"] == "static" else 0.3)
+    with pytest.raises(HaptogramError, match="error of the angle: .*no p-value"):
+        analysis.study(p, given)
+
+
+def test_sets_are_a_factor(place):
+    """Who learns: each person's share of right answers and mean time in the first set and in the second, by another route."""
+    p = protocol.read(protocol.shipped()["haptogram_shapes"])
+    given, dice = simulate(p), random.Random(2)
+    for _, record in given:
+        answer = record["answers"]["answer"]
+        if record["set"] == 2 and dice.random() < 0.4:
+            answer |= {"value": record["factors"]["shape"], "correct": True, "seconds": 0.5 * answer["seconds"]}
+    found = {one.name: one for one in analysis.study(p, given).found}
+    for name, key in (("right answers from session to session", "correct"), ("time from session to session", "seconds")):
+        people = [[np.mean([r["answers"]["answer"][key] for _, r in given if r["participant"] == who and r["set"] == number]) for number in (1, 2)] for who in range(1, 16)]
+        changes = np.array([first - second for first, second in people])
+        t = changes.mean() / (changes.std(ddof=1) / math.sqrt(15))
+        numbers = found[name].numbers
+        assert numbers["statistic"][""] == {"name": "t", "value": pytest.approx(t), "df": [14.0]} and found[name].p[""] < 0.05
+        assert numbers["mean"] == pytest.approx({"set 1": np.mean(people, 0)[0], "set 2": np.mean(people, 0)[1]})
+        assert numbers["effect"]["set 1 − set 2"]["difference"]["value"] == pytest.approx(changes.mean())
+        assert found[name].paper.endswith("no test")
+    # Two and more sets, thresholds, and one set alone.
+    text = SMALL.replace("sets = 2", "sets = 3").replace("[simulated.answer]", "".join(
+        f'[[analysis]]\nname = "{test}"\ntest = "{test}"\nof = "answer.correct"\nby = "set"\n' for test in ("rm-anova", "anova", "friedman", "wilcoxon")) + """
+[[analysis]]
+name = "second"
+test = "binomial"
+of = "answer.correct"
+where = { set = 2 }
+
+[simulated.answer]""")  # fmt: skip
+    (place / "small.toml").write_text(text)
+    small = protocol.read(place / "small.toml")
+    given = simulate(small, 8, "simulated:chance")
+    made = {one.name: one for one in analysis.study(small, given).found}
+    assert made["second"].numbers["trials"] == 8 * 4
+    assert made["second"].numbers["successes"] == sum(r["answers"]["answer"]["correct"] for _, r in given if r["set"] == 2)
+    assert set(made["wilcoxon"].p) == {"set 1, set 2", "set 1, set 3", "set 2, set 3"} and list(made["rm-anova"].numbers["mean"]) == ["set 1", "set 2", "set 3"]
+    (place / "stairs.toml").write_text(STAIRS.replace('by = "shape"', 'by = "set"', 2))
+    stairs = protocol.read(place / "stairs.toml")
+    thresholds, functions = analysis.study(stairs, simulate(stairs, 6)).found
+    assert list(thresholds.numbers["mean_db"]) == ["set 1", "set 2"] and list(functions.numbers) == ["set 1", "set 2"]
+    broken = simulate(small, 1)
+    broken[3][1]["set"] = 4
+    with pytest.raises(HaptogramError, match="no complete record.*set 4 is not one of 3"):
+        analysis.study(small, broken)
 
 
 def test_power(place):

@@ -123,9 +123,9 @@ def analyse_command(options: argparse.Namespace) -> int:
     from . import analysis
 
     protocol = protocols.read(protocols.find(options.protocol))
-    frame = analysis.frame(protocol, [pair for name in options.results for pair in results.read(Path(name))])
-    found = analysis.analyse(protocol, frame)
-    print(json.dumps([f.as_json() for f in found], indent=1, allow_nan=False) if options.json else analysis.report(found))
+    records = [pair for name in options.results for pair in results.read(Path(name))]
+    study = analysis.study(protocol, records, mixed=options.mixed, unfinished=options.unfinished)
+    print(json.dumps(study.as_json(), indent=1, allow_nan=False) if options.json else study.report())
     return 0
 
 
@@ -133,10 +133,12 @@ def power_command(options: argparse.Namespace) -> int:
     from . import analysis
 
     protocol = protocols.read(protocols.find(options.protocol))
-    found = analysis.power(protocol, options.observer, options.participants or protocol.participants, options.runs, options.seed, options.alpha)
+    participants = options.participants or protocol.participants
+    found = analysis.power(protocol, options.observer, participants, options.runs, options.seed, options.alpha)
     if options.json:
-        print(json.dumps(found, indent=1))
+        print(json.dumps({"simulated": True, "observer": options.observer, "participants": participants, "runs": options.runs, "power": found}, indent=1))
     else:
+        print(f"SIMULATED: {options.runs} studies with {participants} × {options.observer}; no person was asked, this is no result")
         for name, (share, low, high) in found.items():
             print(f"{name:50} {share:6.3f}  [{low:.3f}, {high:.3f}]")
     return 0
@@ -205,6 +207,8 @@ def parser() -> Parser:
     analyse = add("analyse", analyse_command, "the statistics that a protocol asks for, of results")
     analyse.add_argument("protocol")
     analyse.add_argument("results", nargs="+", help="files of results, usually one a participant")
+    analyse.add_argument("--mixed", action="store_true", help="also people with simulated observers, or different simulated ones; the output is labelled")
+    analyse.add_argument("--unfinished", action="store_true", help="also sessions that are not finished; the output is labelled")
     json_option(analyse)
     power = add("power", power_command, "how often each analysis of a protocol finds its effect (p < alpha) with simulated people")
     power.add_argument("protocol")

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The statistics that studies of touch use, by scipy and statsmodels; and whether printed numbers can be true. Only what those libraries
-lack is computed here: the Greenhouse–Geisser factor, information in a confusion matrix, lapses in psychometric fits, GRIM."""
+lack is computed here: the Greenhouse–Geisser factor, the rank-biserial correlation, information in a confusion matrix, lapses in psychometric fits, GRIM."""
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,11 +11,13 @@ from fractions import Fraction
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
-from scipy import optimize, stats
+from scipy import optimize, special, stats
 from statsmodels.stats.anova import AnovaRM
 from statsmodels.stats.inter_rater import cohens_kappa
-from statsmodels.stats.multicomp import pairwise_tukeyhsd
 from statsmodels.stats.multitest import multipletests
+from statsmodels.stats.oneway import confint_noncentrality
+from statsmodels.stats.proportion import proportion_effectsize
+from statsmodels.stats.weightstats import DescrStatsW
 
 from ..errors import bad_input
 
@@ -35,6 +38,20 @@ class Test:
         return f"{self.name}{df} = {self.statistic:.4g}, p = {self.p:.3g}"
 
 
+@dataclass(frozen=True)
+class Effect:
+    """How large an effect is, with its interval at a level of confidence; level 0 has no interval."""
+
+    name: str
+    value: float
+    low: float = math.nan
+    high: float = math.nan
+    level: float = 0.0
+
+    def __str__(self) -> str:
+        return f"{self.name} = {self.value:.3g}" + (f", {self.level:.0%} interval {self.low:.3g} to {self.high:.3g}".replace("%", " %") if self.level else "")
+
+
 def _finite(values: ArrayLike, what: str, dimensions: int, least: int) -> Floats:
     array = np.asarray(values, dtype=float)
     if array.ndim != dimensions or array.shape[0] < least or not np.isfinite(array).all():
@@ -51,6 +68,13 @@ def binomial(successes: int, trials: int, chance: float) -> tuple[float, float, 
     found = stats.binomtest(successes, trials, chance)
     interval = found.proportion_ci(0.95, "exact")
     return float(found.pvalue), float(interval.low), float(interval.high)
+
+
+def cohen_h(successes: int, trials: int, chance: float) -> Effect:
+    """A share against chance, as a difference of angles (Cohen 1988); its interval is that of the share."""
+    _, low, high = binomial(successes, trials, chance)
+    value, low, high = (float(proportion_effectsize(share, chance)) for share in (successes / trials, low, high))
+    return Effect("Cohen's h", value, low, high, 0.95)
 
 
 def chi_squared(table: ArrayLike) -> Test:
@@ -91,10 +115,43 @@ def confusion(counts: ArrayLike) -> Confusion:
 
 
 def paired_t(first: ArrayLike, second: ArrayLike) -> Test:
-    """Student's test of the differences of pairs, two-sided."""
+    """Student's test of the differences of pairs, two-sided. Without scatter, but for that of rounding, there is no t: it is not a number."""
     a, b = _finite(first, "paired_t", 1, 2), _finite(second, "paired_t", 1, 2)
+    if np.ptp(a - b) <= 1e-12 * max(abs(a).max(), abs(b).max()):
+        return Test("t", math.nan, (len(a) - 1.0,), math.nan)
     found = stats.ttest_rel(a, b)
     return Test("t", float(found.statistic), (len(a) - 1.0,), float(found.pvalue))
+
+
+LARGE_T, LARGE_NONCENTRALITY = 1000.0, 9999.0  # beyond these the library's distributions are not exact, and the limit below is
+
+
+def paired_effects(first: ArrayLike, second: ArrayLike) -> tuple[Effect, Effect]:
+    """The mean difference of pairs, and Cohen's d_z, which is it over the differences' standard deviation. The interval of d_z is that of the
+    noncentral t distribution."""
+    differences = _finite(first, "paired_effects", 1, 2) - _finite(second, "paired_effects", 1, 2)
+    size, df = len(differences), len(differences) - 1.0
+    mean, sd = float(differences.mean()), float(differences.std(ddof=1))
+    low, high = DescrStatsW(differences).tconfint_mean(0.05)
+    d_z = mean / sd if sd else math.nan
+    t = abs(d_z) * math.sqrt(size)
+    if t < LARGE_T:
+        ends = special.nctdtrinc(df, [0.975, 0.025], t)
+    else:
+        ends = t * np.sqrt(stats.chi2.ppf([0.025, 0.975], df) / df)
+    a, b = sorted(math.copysign(1.0, mean) * float(end) / math.sqrt(size) for end in ends)
+    return Effect("difference", mean, float(low), float(high), 0.95), Effect("Cohen's d_z", d_z, a, b, 0.95)
+
+
+def eta_squared(test: Test, name: str = "eta squared") -> Effect:
+    """The share of variance that an F test explains; of repeated measures it is the partial one. The interval is at 90 %, by the noncentral F
+    distribution and its λ/(λ + df₁ + df₂ + 1): F tests one side, so that it contains 0 where p > 0.05 (Steiger 2004)."""
+    f, (above, below) = test.statistic, test.df
+    low, high = map(float, confint_noncentrality(f, test.df, alpha=0.1))
+    if not high < LARGE_NONCENTRALITY:  # also when it found none
+        low, high = (float(above * f * s / below) for s in stats.chi2.ppf([0.05, 0.95], below))
+    low, high = 0.0 if test.p >= 0.05 else low, 0.0 if test.p >= 0.95 else high
+    return Effect(name, f * above / (f * above + below), *(nc / (nc + above + below + 1.0) for nc in (low, high)), 0.9)
 
 
 def anova(*groups: ArrayLike) -> Test:
@@ -129,12 +186,14 @@ def rm_anova(values: ArrayLike) -> tuple[Test, Test]:
     return Test("F", f, df, float(row["Pr > F"])), Test("F", f, shrunk, float(stats.f.sf(f, *shrunk)))
 
 
-def tukey(groups: Sequence[ArrayLike], names: Sequence[str]) -> dict[tuple[str, str], float]:
-    """p of each pair of independent groups (Tukey's honestly significant difference)."""
-    arrays = [_finite(g, "tukey", 1, 2) for g in groups]
-    found = pairwise_tukeyhsd(np.concatenate(arrays), np.repeat(list(names), [len(a) for a in arrays]))
-    pairs = [(a, b) for k, a in enumerate(found.groupsunique) for b in found.groupsunique[k + 1 :]]
-    return dict(zip(pairs, map(float, found.pvalues)))
+def tukey(groups: Sequence[ArrayLike], names: Sequence[str]) -> dict[tuple[str, str], tuple[float, Effect]]:
+    """Of each pair of independent groups p and the difference of means, first minus second, with its interval (Tukey's honestly significant
+    difference). The intervals hold at once: 95 % is the confidence in all of them."""
+    found = stats.tukey_hsd(*(_finite(g, "tukey", 1, 2) for g in groups))
+    interval = found.confidence_interval(0.95)
+    return {(names[i], names[k]): (float(found.pvalue[i, k]),
+                                   Effect("difference", float(found.statistic[i, k]), float(interval.low[i, k]), float(interval.high[i, k]), 0.95))
+            for i, k in itertools.combinations(range(len(names)), 2)}  # fmt: skip
 
 
 def friedman(values: ArrayLike) -> Test:
@@ -142,6 +201,22 @@ def friedman(values: ArrayLike) -> Test:
     array = _finite(values, "friedman", 2, 2)
     found = stats.friedmanchisquare(*array.T)
     return Test("chi2", float(found.statistic), (array.shape[1] - 1.0,), float(found.pvalue))
+
+
+def kendall_w(test: Test, people: int) -> Effect:
+    """How much people agree in their ranks, 0 to 1, from Friedman's test."""
+    return Effect("Kendall's W", test.statistic / (people * test.df[0]))
+
+
+def rank_biserial(first: ArrayLike, second: ArrayLike) -> Effect | None:
+    """The ranks of the pairs in which the first is larger, less those in which the second is, over all ranks (Kerby 2014): −1 to 1. Equal pairs do
+    not count; None when there are no others."""
+    differences = _finite(first, "rank_biserial", 1, 1) - _finite(second, "rank_biserial", 1, 1)
+    differences = differences[differences != 0.0]
+    if not len(differences):
+        return None
+    ranks = stats.rankdata(abs(differences))
+    return Effect("rank-biserial correlation", float((ranks * np.sign(differences)).sum() / ranks.sum()))
 
 
 def wilcoxon(first: ArrayLike, second: ArrayLike) -> Test:

@@ -26,6 +26,8 @@ WITHIN = (*ORDERS, "independent")
 KINDS = ("choice", "yes-no", "scale", "number", "text")
 TESTS = ("binomial", "confusion", "mean", "paired-t", "rm-anova", "anova", "friedman", "wilcoxon", "votes", "thresholds", "psychometric", "magnitudes")
 MOST_TRIALS = 10_000
+SET = "set"  # by this analyses go by a block's repeated sets, as by a factor
+RESERVED = ("participant", "kind", "trial", SET, "level_db", "threshold_db", "start", "state")  # what results are told apart by
 Value = str | float | int
 
 
@@ -167,10 +169,18 @@ class Protocol:
     def question(self, name: str) -> Question:
         return next(q for q in self.questions if q.name == name)
 
+    def levels(self, name: str) -> tuple[Value, ...]:
+        """The values of a factor, or the numbers of the sets."""
+        return _levels(name, {f.name: f for f in self.factors}, self.order)
+
     @property
     def trials(self) -> int:
         """Of one participant; with a staircase, its runs."""
         return math.prod(len(f.levels) for f in self.factors) * self.order.sets * self.order.repetitions
+
+
+def _levels(name: str, factors: Mapping[str, Factor], order: Order) -> tuple[Value, ...]:
+    return tuple(range(1, order.sets + 1)) if name == SET else tuple(level.value for level in factors[name].levels)
 
 
 def shipped() -> dict[str, Path]:
@@ -249,7 +259,7 @@ def _read(top: Table, path: Path, sha256: str) -> Protocol:
     staircase = _staircase(staircase_table, questions) if staircase_table else None
     rest_table = top.table("rest", None)
     rest = _rest(rest_table) if rest_table else Rest()
-    analyses = tuple(_analysis(t, factors, questions, staircase) for t in top.tables("analysis"))
+    analyses = tuple(_analysis(t, factors, order, questions, staircase) for t in top.tables("analysis"))
     simulated_table = top.table("simulated", None)
     simulated = simulated_table.rest() if simulated_table else {}
     top.done()
@@ -268,6 +278,8 @@ def _identifier(table: Table) -> str:
     name: str = table.text("name")
     if not NAME.fullmatch(name):
         table.fail("name", name, "small letters, digits and _, beginning with a letter")
+    if name in RESERVED:
+        table.fail("name", name, f"another name than {', '.join(RESERVED)}, which results have of their own")
     return name
 
 
@@ -468,22 +480,24 @@ def columns(factors: tuple[Factor, ...], questions: tuple[Question, ...], stairc
     return found
 
 
-NEEDS = {"binomial": ("correct",), "confusion": ("answer",), "votes": ("answer",), "psychometric": ("levels",)}
+MEANS = ("paired-t", "rm-anova", "anova", "friedman", "wilcoxon")  # of each person's means at the levels of `by`; of right answers that is their share
+NEEDS = {"binomial": ("correct",), "confusion": ("answer",), "votes": ("answer",), "psychometric": ("levels",)} | dict.fromkeys(MEANS, ("number", "correct"))
 
 
-def _analysis(table: Table, factors: tuple[Factor, ...], questions: tuple[Question, ...], staircase: Rule | None) -> Analysis:
+def _analysis(table: Table, factors: tuple[Factor, ...], order: Order, questions: tuple[Question, ...], staircase: Rule | None) -> Analysis:
     names = {f.name: f for f in factors}
     name, test = table.text("name"), table.text("test", among=TESTS)
     held = columns(factors, questions, staircase)
     fitting = [column for column, kind in held.items() if kind in NEEDS.get(test, ("number",))]
     of = table.text("of", among=fitting)
-    needs_factor = test in ("confusion", "paired-t", "rm-anova", "anova", "friedman", "wilcoxon", "magnitudes", "thresholds", "psychometric")
-    by = table.text("by", tables.REQUIRED if needs_factor else "", among=list(names))
-    if test == "paired-t" and len(names[by].levels) != 2:
-        table.fail("by", by, f"a factor with two levels, it has {len(names[by].levels)}")
-    if test in ("rm-anova", "friedman", "anova") and len(names[by].levels) < 3:
-        table.fail("by", by, f"a factor with at least three levels, it has {len(names[by].levels)}")
-    question = next((q for q in questions if q.name == of), None)
+    question = next((q for q in questions if q.name == of.split(".")[0]), None)
+    has_sets = order.sets > 1 and not (question and question.when == "end")  # a question at the end is of no set
+    needs_factor = test in ("confusion", "magnitudes", "thresholds", "psychometric", *MEANS)
+    by = table.text("by", among=[*names, *([SET] if has_sets and test not in ("confusion", "magnitudes") else [])]) if needs_factor else ""
+    if test == "paired-t" and (size := len(_levels(by, names, order))) != 2:
+        table.fail("by", by, f"a factor with two levels, it has {size}")
+    if test in ("rm-anova", "friedman", "anova") and (size := len(_levels(by, names, order))) < 3:
+        table.fail("by", by, f"a factor with at least three levels, it has {size}")
     if test == "confusion" and (question is None or question.correct != "{" + by + "}"):
         table.fail("of", of, f"a choice whose correct answer is {{{by}}}")
     correction = table.text("correction", "none", among=("none", "bonferroni", "holm"))
@@ -493,7 +507,7 @@ def _analysis(table: Table, factors: tuple[Factor, ...], questions: tuple[Questi
     where_table = table.table("where", None)
     where: dict[str, Value] = {}
     for key, value in (where_table.rest() if where_table else {}).items():
-        if key not in names or value not in [level.value for level in names[key].levels]:
+        if key not in [*names, *([SET] if has_sets else [])] or isinstance(value, bool) or value not in _levels(key, names, order):
             table.fail(f"where.{key}", value, "a factor and one of its levels")
         where[key] = value
     analysis = Analysis(name, test, of, by, correction, chance, weight, where, table.text("paper", ""))
