@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "board.hpp"
-#include "haptogram/image/image.hpp"
-#include "haptogram/image/pulses.hpp"
+#include "haptogram/format/image.hpp"
+#include "haptogram/format/pulses.hpp"
 
 namespace haptogram::sim {
 

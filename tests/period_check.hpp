@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "haptogram/image/pulses.hpp"
-#include "haptogram/solve/emission.hpp"
+#include "haptogram/format/emission.hpp"
+#include "haptogram/format/pulses.hpp"
 
 namespace haptogram::test {
 

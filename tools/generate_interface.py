@@ -524,7 +524,7 @@ FILES = {
     "rtl/interface.vh": verilog,
     "rtl/parameter_check.vh": verilog_parameters,
     "rtl/command_table.v": verilog_commands,
-    "host/haptogram/boards/interface.hpp": cpp,
+    "host/haptogram/format/interface.hpp": cpp,
     "tools/python/haptogram/interface.py": python,
     "rtl/INTERFACE.md": page,
     "sim/configurations.cmake": cmake,

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "haptogram/render/waveform.hpp"
+#include "haptogram/format/waveform.hpp"
 
 namespace haptogram::cli {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/instrument/compile.hpp"
+#include "haptogram/verbs/compile.hpp"
 
 #include <fmt/format.h>
 
@@ -11,9 +11,9 @@
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/instrument/compile_numbers.hpp"
-#include "haptogram/instrument/rig.hpp"
-#include "haptogram/render/path_file.hpp"
+#include "haptogram/shape/path_file.hpp"
+#include "haptogram/verbs/compile_numbers.hpp"
+#include "haptogram/verbs/rig.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
 

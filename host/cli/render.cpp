@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/instrument/render.hpp"
+#include "haptogram/verbs/render.hpp"
 
 #include <fmt/format.h>
 
@@ -9,10 +9,10 @@
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/instrument/compile.hpp"
-#include "haptogram/instrument/hand_project.hpp"
-#include "haptogram/instrument/source.hpp"
-#include "haptogram/render/path_file.hpp"
+#include "haptogram/shape/path_file.hpp"
+#include "haptogram/verbs/compile.hpp"
+#include "haptogram/verbs/hand_project.hpp"
+#include "haptogram/verbs/source.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
 
