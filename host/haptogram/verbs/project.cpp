@@ -10,6 +10,7 @@
 #include "haptogram/base/toml_section.hpp"
 #include "haptogram/base/toml_value.hpp"
 #include "haptogram/solve/segments.hpp"
+#include "haptogram/verbs/settings.hpp"
 
 namespace haptogram {
 namespace {
@@ -166,19 +167,10 @@ void check_subject(const Project& project, const Section& whole, const std::stri
         throw bad_input(where, "it has no [[shape]]; add one with a 'file' or the 'kind' of a built-in shape");
     if (project.hand && !project.path.empty())
         throw bad_input(whole.at("path"), "path and [hand] both say what is played; keep one");
-    const auto refuse = [&](std::initializer_list<std::string_view> keys, std::string_view why) {
-        for (const std::string_view key : keys)
-            if (whole.find(key) != nullptr)
-                throw bad_input(whole.at(key), fmt::format("{} is of shapes; {}", key, why));
-    };
-    if (!project.path.empty())
-        refuse({"shape", "place", "clip", "rate_hz", "speed_m_s", "frequency_hz", "jump", "even"},
-               "the file of 'path' has its own places and times");
-    if (project.hand)
-        refuse({"shape", "place", "clip", "rate_hz", "even"},
-               "what a hand feels is where the hand meets the object, and has a speed_m_s or a frequency_hz");
-    if (project.hand && !project.hand->frame && whole.find("points") != nullptr)
-        throw bad_input(whole.at("points"), "points are those of one frame's pass; add a frame to [hand]");
+    for (const Setting& one : project_settings())
+        if (!one.key.empty() && whole.find(one.key) != nullptr)
+            if (const std::string why = why_idle(one.key, project); !why.empty())
+                throw bad_input(whole.at(one.key), fmt::format("{} {}", one.key, why));
 }
 
 }  // namespace
@@ -245,19 +237,20 @@ std::string to_toml(const Project& project) {
     if (project.array) text += fmt::format("array = {}\n", quoted_text(*project.array));
     if (project.board) text += fmt::format("board = {}\n", quoted_text(*project.board));
     if (!project.path.empty()) text += fmt::format("path = {}\n", quoted_text(project.path));
-    if (project.points != standard.points) text += fmt::format("points = {}\n", project.points);
+    const auto has = [&](std::string_view key) { return why_idle(key, project).empty(); };
+    if (project.points != standard.points && has("points")) text += fmt::format("points = {}\n", project.points);
     if (project.seed > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()))
         throw bad_argument("seed", fmt::format("{} is more than a project file can hold; take at most {}", project.seed,
                                                std::numeric_limits<std::int64_t>::max()));
-    if (project.seed != standard.seed) text += fmt::format("seed = {}\n", project.seed);
-    if (project.clip) text += "clip = true\n";
+    if (project.seed != standard.seed && has("seed")) text += fmt::format("seed = {}\n", project.seed);
+    if (project.clip && has("clip")) text += "clip = true\n";
     const bool paced = project.pace.speed_m_s || project.pace.frequency_hz;
     if (!paced && project.rate_hz != standard.rate_hz)
         text += fmt::format("rate_hz = {}\n", number_text(project.rate_hz));
     if (project.pace.speed_m_s) text += fmt::format("speed_m_s = {}\n", number_text(*project.pace.speed_m_s));
     if (project.pace.frequency_hz) text += fmt::format("frequency_hz = {}\n", number_text(*project.pace.frequency_hz));
-    if (project.jump == Jump::blank) text += "jump = \"blank\"\n";
-    if (project.even) text += "even = true\n";
+    if (project.jump == Jump::blank && has("jump")) text += "jump = \"blank\"\n";
+    if (project.even && has("even")) text += "even = true\n";
     if (!project.am.empty()) text += fmt::format("am = {}\n", quoted_text(project.am));
     if (project.am_law == AmplitudeLaw::radiation) text += "am_law = \"radiation\"\n";
     if (project.amplitude != standard.amplitude)
