@@ -386,36 +386,40 @@ def python(table):
 
 def page(table):
     out = [f"<!-- {NOTE} -->", "<!-- SPDX-License-Identifier: Apache-2.0 -->", "# Address map, records, commands, status codes and parameters", ""]
-    out += ["## Address map", "", "One byte-addressed space; 16- and 32-bit words are little-endian.", ""]
+    out += ["## Address map", "", "One byte-addressed space; 16- and 32-bit words are little-endian. A field without bits takes whole words; of several, the first has the lowest bits.", ""]
     out += ["| region | base | word | access | what |", "|---|---|---|---|---|"]
     for r in table["region"]:
         out.append(f"| {r['name']} | `0x{r['base']:08X}` | {r['word_bits']} bits | {r['access']} | {r['about']} |")
     def bit_table(rows, word_bits):
-        lines = ["| word | bits | field | what |", "|---|---|---|---|"]
+        lines = ["| word | field | what |", "|---|---|---|"]
         for field, first, width, about in rows:
             word, low = divmod(first, word_bits)
             last, high = divmod(first + width - 1, word_bits)
-            where = (f"{high}…{low}" if high != low else f"{low}") if last == word else f"bit {high} of word {last} … bit {low} of word {word}"
-            lines.append(f"| {word if last == word else f'{word}…{last}'} | {where} | {field} | {about} |")
+            place = f"{word}" if last == word else f"{word}…{last}"
+            if (low, high) != (0, word_bits - 1):
+                bits = f"bits {high}…{low}" if high != low else f"bit {low}"
+                place = f"{word}, {bits}" if last == word else f"{place}, bit {low} of word {word} to bit {high} of word {last}"
+            lines.append(f"| {place} | {field} | {about} |")
         return lines
 
     parts = {name: bit_table(rows, word_bits) for name, rows, word_bits in layouts(table)}
     out += ["", "## Record", "", "A header, and then a word for each channel.", ""] + parts["record"]
-    out.append(f"| {table['record']['header_words']}… | 15…0 | word[CHANNELS] | of channel 0, 1, …: see the kinds; a timing of 0x{table['record']['silent_timing']:04X} never starts a pulse |")
+    out.append(f"| {table['record']['header_words']}… | word[CHANNELS] | of channel 0, 1, …: see the kinds; a timing of 0x{table['record']['silent_timing']:04X} never starts a pulse |")
     out += ["", "Values of kind:", "", "| value | kind | a channel's word |", "|---|---|---|"]
     out += [f"| {row['value']} | {row['name']} | {row['about']} |" for row in table["kind"]]
-    out += ["", "A record of amplitudes has pulse_length 0 and prescaler 1, and a cycle of 2 · (CHANNELS + 44) to 2 · min(2^WIDTH_BITS − 1, longest pulse) clocks. Of",
-            "timings, a pulse has at least min_pulse_clocks and at most max_pulse_clocks clocks, and at most max_duty_256 / 256 of its cycle (the identity block); on boards with amplitudes a cycle has at least 8 clocks. Under",
-            "modulation an amplitude is multiplied by sample / 255 before its width is computed."]
+    out += ["", "A record of amplitudes has pulse_length 0 and prescaler 1. Its cycle has 2 · (CHANNELS + 44) to 2 · min(2^WIDTH_BITS − 1, longest pulse) clocks.",
+            "Under modulation an amplitude is multiplied by sample / 255 before its width is computed.", "",
+            "A pulse of a record of timings has min_pulse_clocks to max_pulse_clocks clocks, and at most max_duty_256 / 256 of its cycle (see the identity",
+            "block). On boards with amplitudes its cycle has at least 8 clocks."]
     out += ["", "A focus record has no header and lies in primary memory, too: `foci_last` + 1 foci of four words each, at the word"]
     out += ["4 · `foci_base` + (n − 1) · 4 · (`foci_last` + 1) for the n-th, whose index is RECORDS + n. The words of a focus are the lower",
             "16 bits of x, y and z (signed, 18 bits, in 1/128 mm), and then the amplitude in bits 15…8, 0 in 7…6, and the upper bits of z, y and",
             "x in 5…4, 3…2 and 1…0. The settings are in the parameters block."]
     out += ["", "It is refused, and silence takes its place, when its index is above RECORDS + `foci_count`; when its last word lies beyond primary",
-            "memory; when bits 7…6 of one of its foci are not 0; or when `foci_cycle` is no cycle of amplitudes: it must have 2 · (CHANNELS + 44) to",
-            "2 · min(2^WIDTH_BITS − 1, longest pulse) clocks, and on a master or a slave exactly those of 40 kHz. Positions are no reason: a channel",
-            "whose x, y or z differs from a focus's by 1.024 m or more leaves that focus out, and the record counts in `far_foci`."]
-    out += ["", "What the board makes of foci. R is the distance of a channel from a focus in 1/128 mm. All phases are parts of a turn, that is, of the",
+            "memory; when bits 7…6 of one of its foci are not 0; or when `foci_cycle` is no cycle of a record of amplitudes (on a master or a slave,",
+            "not exactly one of 40 kHz). A far focus is no reason: a channel whose x, y or z differs from a focus's by 1.024 m or more leaves that",
+            "focus out, and the record counts in `far_foci`."]
+    out += ["", "The board computes as follows. R is the distance of a channel from a focus in 1/128 mm. All phases are parts of a turn, that is, of the",
             "carrier period, and say where in it the middle of a pulse lies: a larger one is later.", "",
             "    phase of one focus = offset − R · wave_number / 2^27      (the channel's offset; a nearer channel plays later)",
             "    sum                = Σ amplitude / 255 · e^(2πj · phase)    over the record's foci",
@@ -465,48 +469,51 @@ def page(table):
     out += ["", "| status | code | what |", "|---|---|---|"]
     out += [f"| {s['name']} | 0x{s['code']:02X} | {s['about']} |" for s in table["status"]]
     out += ["", "## Switching off", "",
-            "DISABLE, a break (the line low for 20 bits or longer), the stop input, the watchdog, the guard, loss of SYNC, RESET and a reset of the FPGA switch",
-            "outputs off. **Whatever was sent before that switches nothing on afterwards**: frames that wait for their turn, and one that is arriving, are",
-            "answered as usual, and all but ENABLE is done, but an ENABLE among them is answered ok and does nothing. An ENABLE that is sent afterwards holds.",
-            "In the same way what was sent before a STOP plays nothing: a SELECT, START or PUSH among it is answered and not done.", "",
-            "DISABLE and STOP act within 20 clocks of the last bit of their frame, if its CRC is right: before the frames ahead of them are answered, whatever",
-            "their sequence number, before a session and in anybody's, and where there is no room for them. The number decides only what the answer says, so",
-            "any answer to one shows that it has acted. A copy of one that comes late acts again. That errs on the safe side, but it ends what was",
-            "begun since; so **a host sends nothing behind a DISABLE or STOP until that is answered**, and then no copy of it is under way.", "",
-            "So a host that wants silence, whatever came before, sends a zero byte, DISABLE and STOP with any numbers, and, if no answer comes, a break.", "",
+            "DISABLE, a break, the stop input, the watchdog, the guard, loss of SYNC, RESET and a reset of the FPGA switch outputs off. **Whatever was sent",
+            "before that switches nothing on afterwards.** Frames that wait for their turn, and one that is arriving, are answered as usual and done, but an",
+            "ENABLE among them is answered ok and does nothing. An ENABLE that is sent afterwards holds. In the same way what was sent before a STOP plays",
+            "nothing: a SELECT, START or PUSH among it is answered and not done.", "",
+            "DISABLE and STOP act within 20 clocks of the last bit of their frame, if its CRC is right. They overtake the frames ahead of them, act whatever",
+            "their sequence number, without a session or in anybody's, and where there is no room for them. The number decides only what the answer says, so",
+            "any answer to one shows that it has acted. A late copy acts again and ends what was begun since. So **a host sends nothing behind a DISABLE or",
+            "STOP until that is answered**; then no copy of it is under way.", "",
+            "A host that wants silence, whatever came before, sends a zero byte, DISABLE and STOP with any numbers, and, if no answer comes, a break.", "",
             "## A line that loses bytes", "", "The board answers each good frame and drops every damaged one without a word. The host sends again what is not",
             "answered, from the first missing frame on; the board applies each sequence number once. One damaged bit in the zero behind a frame can add a zero to",
-            "it and leave its CRC right; the board then refuses it for its length, so a host that knows better sends it again. This project's hosts all do so:", ""]
+            "it and leave its CRC right. The board then refuses the frame for its length, and the host, which knows better, sends it again. This project's hosts all use these numbers:", ""]
     out += ["| number | value | what |", "|---|---|---|"]
     out += [f"| {row['name']} | {row['value']} | {row['about']} |" for row in table["link"]]
     chain = table["chain"]
     out += ["", "## A chain of tiles", "",
             "Boards with chain pass the line on: from each board's second serial port a wire leads to the next one's first, and one back. Then two bytes",
             f"stand before each frame, outside of its COBS: 2 · n + 1 for the n-th tile, counted from 1 to {chain['most_tiles']}, or {chain['all']} for all; and behind it the",
-            "complement of that byte's upper seven bits, above a 1: 3, 253 for the first tile, 5, 251 for the second, 2, 253 for all. A tile counts the number",
-            "down as it passes the frame on, and takes for its own what comes with 3, 253. An answer comes with the number of the tile that it is from, written",
-            "alike; each tile on its way has counted it up. Two bytes that do not fit each other are for nobody. A zero is passed on as a zero, whatever came",
-            "before. Each tile has a session of its own, with numbers of its own. All tiles carry out and answer what is for all; each judges its number by its",
-            "own session, so a host that wants more of all than DISABLE, STOP and IDENTIFY begins their sessions anew by an IDENTIFY for all.", "",
-            f"After power-up a board knows nothing of this: it takes and answers frames as above and passes none on. The three bytes {chain['all']}, 253, 0 make it one of a",
-            "chain, and from then on go to the next tile. So a host sends them, asks the first tile, sends them again, asks the second, until none answers; to a board",
-            "without chain they are a damaged frame. A zero goes before the first frame, to end what may be on the line, and a tile that has not answered in",
-            "0.3 s is not there. A break of the line, which must be half a bit longer for each tile, ends the chain and turns all outputs off.", "",
+            "complement of that byte's upper seven bits, above a 1: 3, 253 for the first tile, 5, 251 for the second, 2, 253 for all. Two bytes that do not",
+            "fit each other are for nobody. A tile counts the number down as it passes the frame on, and takes for its own what comes with 3, 253. An answer",
+            "carries the number of its tile in the same two bytes, which each tile on its way has counted up. A zero is passed on as a zero, whatever came before.", "",
+            "Each tile has a session of its own, with numbers of its own. All tiles carry out and answer what is for all; each judges its number by its",
+            "own session. So a host that wants more of all than DISABLE, STOP and IDENTIFY begins their sessions anew by an IDENTIFY for all.", "",
+            f"After power-up a board passes nothing on. The three bytes {chain['all']}, 253, 0 make it one of a chain, and from then on go to the next tile. So a host sends a",
+            "zero, to end what may be on the line, then the three bytes, and asks the first tile; sends them again and asks the second; until one has not",
+            "answered in 0.3 s, which is not there. To a board without chain they are a damaged frame. A break of the line, which must be half a bit longer",
+            "for each tile, ends the chain and turns all outputs off.", "",
             "## Boards in step", "",
-            "SYNC makes one board the master and the others slaves. It resets a board as RESET does, so outputs are off, the watchdog has its first time, and the",
-            "session goes on. A slave is in step 13 to 20 ms after the master has begun (512 carrier periods in a row), and numbered within 128 periods more; its status says",
-            "so, and until it is in step it refuses ENABLE. Only records whose cycle is a period of 40 kHz play then.", ""]
-    out += ["## Parameters of the core", "", "| parameter | range | unit | default | what | why |", "|---|---|---|---|---|---|"]
+            "SYNC makes one board the master and the others slaves. A slave is in step 13 to 20 ms after the master has begun (512 carrier periods in a row),",
+            "and numbered within 128 periods more; its status says so. Until it is in step it refuses ENABLE.", ""]
+    out += ["## Parameters of the core", "", "| parameter | range | default | what | why |", "|---|---|---|---|---|"]
     for p in table["parameter"]:
-        bounds = [f"{p['low']}…{p['high']}"] + [f"{sign} {p[key]}" for key, sign in (("at_least", "≥"), ("at_most", "≤")) if key in p]
+        unit = "" if p["unit"] == "0 or 1" else f" {p['unit']}"
+        bounds = [f"{p['low']}…{p['high']}{unit}"] + [f"{sign} {p[key]}" for key, sign in (("at_least", "≥"), ("at_most", "≤")) if key in p]
         bounds += ["a power of two"] if p.get("power_of_two") else []
         bounds += ["or 0"] if p.get("optional") else []
         bounds += [f"0 without {p['needs']}"] if "needs" in p else []
-        out.append(f"| {p['name']} | {', '.join(bounds)} | {p['unit']} | {p['default']} | {p['about']} | {p['why']} |")
-    names = [p["name"] for p in table["parameter"]]
-    out += ["", "## Named configurations", "", f"| configuration | {' | '.join(names)} | what |", "|---" * (len(names) + 2) + "|"]
+        out.append(f"| {p['name']} | {', '.join(bounds)} | {p['default']} | {p['about']} | {p['why']} |")
+    rows = configurations(table)
+    default = {p["name"]: p["default"] for p in table["parameter"]}
+    out += ["", "## Named configurations", "", "A parameter that is not named has its default.", "", "| configuration | parameters | what |", "|---|---|---|"]
     about = {row["name"]: row["about"] for row in table["configuration"]}
-    out += [f"| {name} | {' | '.join(str(v) for v in values.values())} | {about[name]} |" for name, values in configurations(table).items()]
+    for name, values in rows.items():
+        other = ", ".join(f"{parameter} {value}" for parameter, value in values.items() if value != default[parameter])
+        out.append(f"| {name} | {other or 'the defaults'} | {about[name]} |")
     return "\n".join(out) + "\n"
 
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The numbers that the papers print, each beside what follows from the papers' own data and formulas. printed.toml lists them."""
+import itertools
 import math
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
@@ -405,8 +406,7 @@ def text(lines: list[Line], differing: bool = False) -> str:
 
 
 def page(lines: list[Line]) -> str:
-    """docs/printed-numbers.md."""
-    bad = [line for line in lines if line.verdict in BAD]
+    """docs/printed-numbers.md. Each number stands there once, those that do not agree first. A note that several numbers have stands below the table."""
     counts = ", ".join(f"{verdict}: {count}" for verdict in (AGREES, POSSIBLE, DIFFERS, IMPOSSIBLE, NOT_PRINTED, NO_DATA)
                        if (count := len([1 for line in lines if line.verdict == verdict])))  # fmt: skip
     parts = [
@@ -415,24 +415,52 @@ def page(lines: list[Line]) -> str:
         "",
         "Each number stands beside what follows from the same paper's data and formulas. `python3 -m haptogram.study printed --markdown` writes",
         "this page from `tools/python/haptogram/study/printed.toml`; a test fails when it is stale. [references.md](references.md) has the papers.",
-        "Fields and forces that need a simulation are compared by `make figures`.",
+        "`make figures` compares the fields and forces that need a simulation.",
         "",
         "*Agrees* and *differs*: ours rounds to the printed digits, or does not. *Possible* and *impossible*: whether whole numbers of answers, or any",
         "answers on the scale, can give the printed number. *Not printed*: it follows from what is printed. *No data*: nothing to compute it from.",
         "",
-        f"{len(lines)} numbers. {counts}.",
-        "",
-        "## What does not agree",
-        "",
-        "| paper | where | what | printed | ours | verdict | note |",
-        "|---|---|---|---|---|---|---|",
-        *(_row(line, line.paper) for line in bad),
+        f"{len(lines)} numbers. {counts}. Of each paper, what does not agree stands first.",
     ]
     for paper in dict.fromkeys(line.paper for line in lines):
-        parts += ["", f"## {paper}", "", "| where | what | printed | ours | verdict | note |", "|---|---|---|---|---|---|"]
-        parts += [_row(line) for line in lines if line.paper == paper]
+        rows = [line for line in lines if line.paper == paper]
+        notes = [line.note for line in rows]
+        shared = [note for note in dict.fromkeys(notes) if note and notes.count(note) > 1]
+        parts += ["", f"## {paper}"]
+        if any(line.verdict in BAD for line in rows):
+            parts += ["", "| where | what | printed | ours | verdict |", "|---|---|---|---|---|"]
+            parts += ["| " + " | ".join(cell.replace("|", "\\|") for cell in _cells(line, shared)) + " |" for line in rows if line.verdict in BAD]
+        for verdict in (AGREES, POSSIBLE, NOT_PRINTED, NO_DATA):
+            if found := [line for line in rows if line.verdict == verdict]:
+                parts += ["", f"*{verdict[0].upper()}{verdict[1:]}:*", "", *_items(found, shared)]
+        parts += ["", *(f"- ({number}) {note[0].upper()}{note[1:]}." for number, note in enumerate(shared, 1))] if shared else []
     return "\n".join(parts) + "\n"
 
 
-def _row(line: Line, *first: str) -> str:
-    return "| " + " | ".join(cell.replace("|", "\\|") for cell in (*first, line.where, line.what, *with_units(line), line.verdict, line.note)) + " |"
+def _note(line: Line, shared: list[str]) -> str:
+    return f" ({shared.index(line.note) + 1})" if line.note in shared else f" – {line.note}" if line.note else ""
+
+
+def _cells(line: Line, shared: list[str]) -> tuple[str, ...]:
+    return (line.where, line.what + _note(line, shared), *with_units(line), f"**{line.verdict}**")
+
+
+def _items(lines: list[Line], shared: list[str]) -> list[str]:
+    """A list; what several numbers in a row have in common, the place and a note, stands above them."""
+    items = []
+    for where, group in itertools.groupby(lines, key=lambda line: line.where):
+        found = list(group)
+        if len(found) == 1:
+            items.append(f"- {where}: {_item(found[0], shared)}")
+            continue
+        notes = {line.note for line in found}
+        common = _note(found[0], shared) if len(notes) == 1 else ""
+        items.append(f"- {where}{common}:")
+        items += [f"  - {_item(line, shared, common)}" for line in found]
+    return items
+
+
+def _item(line: Line, shared: list[str], common: str = "") -> str:
+    """Two values that are the same are told once; what is not there is not told."""
+    values = [value for value in dict.fromkeys(with_units(line)) if value != "–"]
+    return f"{line.what}{': ' if values else ''}{', ours '.join(values)}{'' if common else _note(line, shared)}"
