@@ -110,7 +110,7 @@ lint: build ## RTL lint, formatting, generated files, clang-tidy
 
 format: ## format the C++ sources in place
 	@$(call need,clang-format)
-	@git ls-files '*.cpp' '*.hpp' | grep -v host/haptogram/boards/interface.hpp | xargs clang-format -i
+	@git ls-files '*.cpp' '*.hpp' | grep -v host/haptogram/format/interface.hpp | xargs clang-format -i
 
 install: build ## install the program, the libraries and their headers (DESTDIR and CMAKE_INSTALL_PREFIX as usual)
 	@cmake --install $(BUILD)

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "haptogram/boards/interface.hpp"
+#include "haptogram/format/interface.hpp"
 
 namespace haptogram::sim {
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "haptogram/boards/interface.hpp"
+#include "haptogram/format/interface.hpp"
 
 namespace haptogram::sim {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pins.hpp"
 
-#include "haptogram/analysis/envelope.hpp"
-#include "haptogram/analysis/measure.hpp"
+#include "haptogram/verbs/envelope.hpp"
+#include "haptogram/verbs/measure.hpp"
 #include "playback.hpp"
 
 namespace haptogram::sim {

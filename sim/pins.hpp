@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "haptogram/image/bundle.hpp"
+#include "haptogram/format/bundle.hpp"
 
 namespace haptogram::sim {
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "haptogram/base/progress.hpp"
-#include "haptogram/image/image.hpp"
-#include "haptogram/image/pulses.hpp"
+#include "haptogram/format/image.hpp"
+#include "haptogram/format/pulses.hpp"
 #include "haptogram/link/client.hpp"
 #include "pulse_check.hpp"
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "board.hpp"
-#include "haptogram/image/image.hpp"
-#include "haptogram/image/pulses.hpp"
+#include "haptogram/format/image.hpp"
+#include "haptogram/format/pulses.hpp"
 
 namespace haptogram::sim {
 
@@ -56,7 +56,7 @@ struct PulseReport {
 /// Compares measured pulses with what the image says, exact to the clock: in every cycle from `begin` to `end`, each
 /// channel whose timing lies within the cycle starts one pulse at its tick, of exactly the record's length (contracts 1
 /// and 2). Of a record with amplitudes, the pulses are those that the host's models of the arithmetic give
-/// (solve/focus_engine.hpp, solve/emission.hpp; contracts 8 and 9), and silence after it has none. Pulses that overlap
+/// (format/focus_engine.hpp, format/emission.hpp; contracts 8 and 9), and silence after it has none. Pulses that overlap
 /// merge. The expectation is built from the image's numbers and the measured cycle starts alone.
 /// @param modulation_start  clock of the cycle with the modulation's first sample; without, nothing is modulated
 [[nodiscard]] PulseReport check_pulses(const Image& image, const std::vector<CycleStart>& cycles,

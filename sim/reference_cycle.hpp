@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "clock.hpp"
-#include "haptogram/boards/interface.hpp"
+#include "haptogram/format/interface.hpp"
 #include "reference_pulses.hpp"
 
 namespace haptogram::sim {

@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "haptogram/solve/emission.hpp"
-#include "haptogram/solve/focus_engine.hpp"
+#include "haptogram/format/emission.hpp"
+#include "haptogram/format/focus_engine.hpp"
 #include "reference_modulation.hpp"
 #include "reference_player.hpp"
 #include "reference_settings.hpp"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "clock.hpp"
-#include "haptogram/boards/interface.hpp"
+#include "haptogram/format/interface.hpp"
 #include "serial_line.hpp"
 
 namespace haptogram::sim {

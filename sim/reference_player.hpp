@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "clock.hpp"
-#include "haptogram/boards/interface.hpp"
+#include "haptogram/format/interface.hpp"
 #include "reference_cycle.hpp"
 #include "reference_pulses.hpp"
 #include "reference_reader.hpp"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "clock.hpp"
-#include "haptogram/boards/interface.hpp"
+#include "haptogram/format/interface.hpp"
 #include "reference_source.hpp"
 
 namespace haptogram::sim {

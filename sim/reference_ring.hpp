@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "haptogram/boards/interface.hpp"
+#include "haptogram/format/interface.hpp"
 
 namespace haptogram::sim {
 

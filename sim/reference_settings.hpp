@@ -6,7 +6,7 @@
 #include <span>
 
 #include "clock.hpp"
-#include "haptogram/boards/interface.hpp"
+#include "haptogram/format/interface.hpp"
 
 namespace haptogram::sim {
 

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "clock.hpp"
-#include "haptogram/boards/interface.hpp"
+#include "haptogram/format/interface.hpp"
 
 namespace haptogram::sim {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "haptogram/base/progress.hpp"
-#include "haptogram/image/rig_bundle.hpp"
+#include "haptogram/format/rig_bundle.hpp"
 #include "haptogram/link/rig.hpp"
 #include "simulate.hpp"
 #include "tiles.hpp"

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "board.hpp"
-#include "haptogram/boards/core.hpp"
+#include "haptogram/format/core.hpp"
 #include "haptogram/link/frame.hpp"
 #include "pseudo_terminal.hpp"
 

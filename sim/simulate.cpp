@@ -7,9 +7,9 @@
 #include <cmath>
 #include <utility>
 
-#include "haptogram/analysis/measure.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/verbs/measure.hpp"
 
 namespace haptogram::sim {
 namespace {

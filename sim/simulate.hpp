@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <vector>
 
-#include "haptogram/analysis/focus_check.hpp"
 #include "haptogram/base/progress.hpp"
-#include "haptogram/image/bundle.hpp"
+#include "haptogram/format/bundle.hpp"
+#include "haptogram/verbs/focus_check.hpp"
 #include "playback.hpp"
 
 namespace haptogram::sim {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the pins must do when records are played whose words are made anew in each carrier period: the host's model of
-// the arithmetic (solve/emission.hpp) gives each measured cycle its pulses, and what was measured is compared with
+// the arithmetic (format/emission.hpp) gives each measured cycle its pulses, and what was measured is compared with
 // them, to the clock.
 #pragma once
 #include <algorithm>
@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "haptogram/image/pulses.hpp"
-#include "haptogram/solve/emission.hpp"
+#include "haptogram/format/emission.hpp"
+#include "haptogram/format/pulses.hpp"
 
 namespace haptogram::test {
 

@@ -545,7 +545,7 @@ FILES = {
     "rtl/parameter_connections.vh": verilog_connections,
     "rtl/parameter_check.vh": verilog_check,
     "rtl/command_table.v": verilog_commands,
-    "host/haptogram/boards/interface.hpp": cpp,
+    "host/haptogram/format/interface.hpp": cpp,
     "tools/python/haptogram/interface.py": python,
     "rtl/INTERFACE.md": page,
     "sim/configurations.cmake": cmake,

@@ -2,47 +2,41 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks that the includes of the C++ sources point one way, and draws the house from them.
 
-`tools/layers.py` writes docs/layers.blocks.toml, from which tools/draw.py makes docs/layers.svg. With --check it writes nothing.
+`tools/layers.py` writes the table of host/README.md, and docs/layers.blocks.toml, from which tools/draw.py makes docs/layers.svg.
+With --check it writes nothing.
 Either way the exit code is 1 when a layer includes what LAYERS does not allow, and the message names the file and the line.
 
 The picture leaves out an arrow where a chain of other arrows already leads to the same layer.
 """
 import argparse
+import os
 import re
 import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 PICTURE = ROOT / "docs/layers.blocks.toml"
-BASICS = ["base", "model"]
-PHYSICS = [*BASICS, "boards", "acoustics"]
-IMAGE = [*PHYSICS, "shape", "hand", "render", "solve", "image"]
-INSTRUMENT = [*IMAGE, "analysis", "instrument"]
-
-# The rule. A layer may include itself and the layers that stand here. "at" is its place in the picture, as column and row.
+PAGE = ROOT / "host/README.md"
+BEGIN, END = "<!-- layers -->\n", "<!-- end of layers -->\n"
+# The rule. A layer may include itself, the layers that stand here, and all that they may include. "at" is its place in the picture, as
+# column and row.
 LAYERS = {
-    "base":       {"may": [], "at": (1, 9), "knows": "errors, files, processes, progress"},
-    "model":      {"may": ["base"], "at": (1, 8), "knows": "air, transducers, arrays, rigs"},
-    "robot":      {"may": ["base"], "at": (4, 8), "knows": "a handle on eight cables"},
-    "boards":     {"may": BASICS, "at": (2, 7), "knows": "board files, the core's parameters"},
-    "acoustics":  {"may": BASICS, "at": (0, 7), "knows": "waves, fields, transients"},
-    "shape":      {"may": BASICS, "at": (1, 7), "knows": "files, built-in shapes, points"},
-    "hand":       {"may": BASICS, "at": (3, 7), "knows": "hands, skin, solids"},
-    "scattering": {"may": [*BASICS, "acoustics", "shape", "hand"], "at": (0, 6), "knows": "rigid bodies in a sound field"},
-    "sense":      {"may": [*BASICS, "hand"], "at": (4, 6), "knows": "depth cameras to points"},
-    "scene":      {"may": [*BASICS, "hand"], "at": (5, 6), "knows": "fingers hold an object"},
-    "render":     {"may": [*BASICS, "shape", "hand"], "at": (1, 6), "knows": "paths: foci in time"},
-    "perception": {"may": [*BASICS, "acoustics", "render"], "at": (3, 6), "knows": "how strong a focus feels"},
-    "fusion":     {"may": [*BASICS, "acoustics", "hand", "render", "perception", "robot"], "at": (4, 5), "knows": "a scene to cables and ultrasound"},
-    "solve":      {"may": [*PHYSICS, "render"], "at": (1, 5), "knows": "foci to drives to records"},
-    "image":      {"may": [*PHYSICS, "render", "solve"], "at": (1, 4), "knows": "memories, Intel HEX, bundles"},
-    "analysis":   {"may": IMAGE, "at": (0, 3), "knows": "pulses to drives, checks of foci"},
-    "instrument": {"may": [*IMAGE, "scattering", "perception", "analysis"], "at": (0, 2), "knows": "the verbs as functions"},
-    "link":       {"may": IMAGE, "at": (2, 3), "knows": "frames, ports, devices"},
-    "live":       {"may": [*INSTRUMENT, "perception", "sense", "scene", "link"], "at": (3, 1), "knows": "depth to rings, as it comes"},
-    "sim":        {"may": [*IMAGE, "analysis", "link"], "at": (2, 2), "knows": "boards without hardware"},
-    "studio":     {"may": [*INSTRUMENT, "link"], "at": (1, 1), "knows": "the page in the browser, its server"},
-    "cli":        {"may": [*INSTRUMENT, "perception", "robot", "fusion", "sense", "scene", "link", "live", "sim", "studio"], "at": (1, 0), "knows": "the program: parse, call, print"},
+    "base":       {"on": [], "at": (2, 8), "knows": "errors, files, processes, text"},
+    "array":      {"on": ["base"], "at": (2, 7), "knows": "air, transducers, arrays, rigs"},
+    "format":     {"on": ["array"], "at": (3, 6), "knows": "paths, records, images, boards"},
+    "link":       {"on": ["format"], "at": (4, 5), "knows": "messages, ports, devices"},
+    "acoustics":  {"on": ["array"], "at": (0, 6), "knows": "waves, fields, transients"},
+    "shape":      {"on": ["format"], "at": (3, 5), "knows": "shapes and their paths, files"},
+    "solve":      {"on": ["format", "acoustics"], "at": (2, 5), "knows": "foci to drives to records"},
+    "hand":       {"on": ["shape"], "at": (3, 4), "knows": "hands, skin, rendering"},
+    "scattering": {"on": ["acoustics", "hand"], "at": (0, 3), "knows": "rigid bodies in a sound field"},
+    "perception": {"on": ["format", "acoustics"], "at": (1, 5), "knows": "how strong a focus feels"},
+    "verbs":      {"on": ["link", "solve", "scattering", "perception"], "at": (2, 2), "knows": "what a user asks for"},
+    "live":       {"on": ["verbs"], "at": (0, 1), "knows": "depth to rings, as it comes"},
+    "robot":      {"on": ["hand", "perception"], "at": (3, 1), "knows": "a handle on eight cables"},
+    "sim":        {"on": ["verbs"], "at": (2, 1), "knows": "boards without hardware"},
+    "studio":     {"on": ["verbs"], "at": (1, 1), "knows": "the page in the browser"},
+    "cli":        {"on": ["live", "robot", "sim", "studio"], "at": (2, 0), "knows": "the program: parse, call, print"},
 }  # fmt: skip
 FOLDERS = {name: f"host/haptogram/{name}" for name in LAYERS} | {"sim": "sim", "studio": "host/studio", "cli": "host/cli"}
 ROW, GAP = 44, 32  # of the picture, pixels
@@ -61,8 +55,10 @@ def layer_of(included, file):
 def read_includes():
     """Each layer's includes of other layers, and what is wrong with them."""
     edges, wrong = {name: set() for name in LAYERS}, []
+    on = {name: layer["on"] for name, layer in LAYERS.items()}
+    may = {name: reachable(on, name) for name in LAYERS}
     for folder in sorted(p.name for p in (ROOT / "host/haptogram").iterdir() if p.is_dir() and p.name not in LAYERS):
-        wrong.append(f"host/haptogram/{folder}: no such layer in tools/layers.py; add it to LAYERS with what it may include")
+        wrong.append(f"host/haptogram/{folder}: no such layer in tools/layers.py; add it to LAYERS with what it stands on")
     for name, folder in FOLDERS.items():
         files = sorted(f for ending in ("hpp", "cpp", "in") for f in (ROOT / folder).rglob(f"*.{ending}"))
         if not files:
@@ -73,8 +69,8 @@ def read_includes():
                 if not included or included == name:
                     continue
                 edges[name].add(included)
-                if included not in LAYERS[name]["may"]:
-                    allowed = ", ".join(LAYERS[name]["may"]) or "nothing"
+                if included not in may[name]:
+                    allowed = ", ".join(sorted(may[name])) or "nothing"
                     wrong.append(f"{file.relative_to(ROOT)}:{number}: layer {name} may not include {included}; it may include {allowed}")
     return edges, wrong
 
@@ -115,21 +111,32 @@ def picture(edges):
     return "\n".join(lines) + "\n"
 
 
+def table(page):
+    """The page with the rule as its table."""
+    lines = ["| layer | knows | stands on |", "|---|---|---|"]
+    for name, layer in LAYERS.items():
+        folder = Path(os.path.relpath(ROOT / FOLDERS[name], PAGE.parent)).as_posix()
+        lines.append(f"| [{name}]({folder}/README.md) | {layer['knows']} | {', '.join(layer['on']) or '–'} |")
+    before, rest = page.split(BEGIN)
+    return before + BEGIN + "\n".join(lines) + "\n" + END + rest.split(END)[1]
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--check", action="store_true", help="write nothing; exit code 1 when the picture's source is stale")
+    parser.add_argument("--check", action="store_true", help="write nothing; exit code 1 when the table or the picture's source is stale")
     options = parser.parse_args()
     edges, wrong = read_includes()
     for message in wrong:
         print(f"layers: {message}", file=sys.stderr)
     if wrong:
         return 1
-    text = picture(edges)
-    if not PICTURE.exists() or PICTURE.read_text(encoding="utf-8") != text:
+    for path, text in ((PICTURE, picture(edges)), (PAGE, table(PAGE.read_text(encoding="utf-8")))):
+        if path.exists() and path.read_text(encoding="utf-8") == text:
+            continue
         if options.check:
-            print("layers: docs/layers.blocks.toml is stale; run tools/layers.py and tools/draw.py", file=sys.stderr)
+            print(f"layers: {path.relative_to(ROOT)} is stale; run tools/layers.py and tools/draw.py", file=sys.stderr)
             return 1
-        PICTURE.write_text(text, encoding="utf-8")
+        path.write_text(text, encoding="utf-8")
     return 0
 
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/instrument/analyze.hpp"
+#include "haptogram/verbs/analyze.hpp"
 
 #include <fmt/format.h>
 
@@ -9,8 +9,8 @@
 
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/instrument/field_file.hpp"
-#include "haptogram/instrument/source.hpp"
+#include "haptogram/verbs/field_file.hpp"
+#include "haptogram/verbs/source.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
 

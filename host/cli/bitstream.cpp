@@ -4,7 +4,7 @@
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/instrument/patch.hpp"
+#include "haptogram/verbs/patch.hpp"
 
 namespace haptogram::cli {
 namespace {

@@ -10,7 +10,7 @@
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/boards/pinout.hpp"
+#include "haptogram/format/pinout.hpp"
 
 namespace haptogram::cli {
 namespace {

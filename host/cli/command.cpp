@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -38,6 +39,25 @@ void require_distinct(const std::vector<NamedPath>& inputs, const std::vector<Na
         for (std::size_t j = 0; j < i; ++j)
             if (same(outputs[j].path, outputs[i].path)) throw clash(outputs[j], outputs[i]);
     }
+}
+
+std::vector<std::string> given_to(const CLI::App& command) {
+    std::vector<std::string> given;
+    for (const CLI::Option* option : command.get_options())
+        if (option->count() > 0) given.push_back(option->get_name());
+    return given;
+}
+
+bool is_among(const std::vector<std::string>& given, std::string_view option) {
+    return std::ranges::find(given, option) != given.end();
+}
+
+void require_effect(const std::vector<std::string>& given, const std::vector<OptionOf>& options, std::string_view kind,
+                    std::string_view subject) {
+    for (const OptionOf& one : options)
+        if (is_among(given, one.option) && std::ranges::find(one.kinds, kind) == one.kinds.end())
+            throw bad_argument(std::string(one.option), fmt::format("has no effect, because {} is {}; it is of {}",
+                                                                    subject, kind, fmt::join(one.kinds, ", ")));
 }
 
 void add_am(CLI::App& command, std::optional<std::string>& am, std::optional<std::string>& law) {

@@ -5,9 +5,10 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "haptogram/render/waveform.hpp"
+#include "haptogram/format/waveform.hpp"
 
 namespace haptogram::cli {
 
@@ -54,6 +55,20 @@ struct NamedPath {
 
 /// @throws Error{bad_argument} when an output would overwrite an input or another output, or two go to standard output
 void require_distinct(const std::vector<NamedPath>& inputs, const std::vector<NamedPath>& outputs);
+
+/// Names of the options that were given to a command.
+[[nodiscard]] std::vector<std::string> given_to(const CLI::App& command);
+[[nodiscard]] bool is_among(const std::vector<std::string>& given, std::string_view option);
+
+/// An option that has an effect on some of the kinds of a command's subject alone.
+struct OptionOf {
+    std::string_view option;
+    std::vector<std::string_view> kinds;
+};
+/// @throws Error{bad_argument} naming the first of the given options that has no effect on this kind
+/// @param subject  what is of that kind: "the movement"
+void require_effect(const std::vector<std::string>& given, const std::vector<OptionOf>& options, std::string_view kind,
+                    std::string_view subject);
 
 /// The options --am and --am-law.
 void add_am(CLI::App& command, std::optional<std::string>& am, std::optional<std::string>& law);

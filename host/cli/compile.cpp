@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/instrument/compile.hpp"
+#include "haptogram/verbs/compile.hpp"
 
 #include <fmt/format.h>
 
@@ -11,9 +11,10 @@
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/instrument/compile_numbers.hpp"
-#include "haptogram/instrument/rig.hpp"
-#include "haptogram/render/path_file.hpp"
+#include "haptogram/shape/path_file.hpp"
+#include "haptogram/verbs/compile_numbers.hpp"
+#include "haptogram/verbs/rig.hpp"
+#include "haptogram/verbs/settings.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
 
@@ -39,6 +40,7 @@ struct CompileOptions {
     std::string path, save_path;
     std::string manifest, readmemh;
     bool json = false;
+    std::vector<std::string> given;  ///< names of those on the command line
 };
 
 Project project_of(const CompileOptions& options) {
@@ -71,7 +73,10 @@ Project project_of(const CompileOptions& options) {
         project.shapes.push_back(source);
     }
     if (!options.path.empty()) project.path = in_file ? std::filesystem::absolute(options.path).string() : options.path;
-    if (!project.path.empty() && options.rate_hz) throw bad_argument("rate", "is of shapes; a path has its own times");
+    if (options.unit && (in_file || options.inputs.empty()))
+        throw bad_argument("--unit",
+                           "is of shape files on the command line, and there is none; a project file says it "
+                           "for each of its shapes");
     const auto put = [](auto& target, const auto& given) {
         if (given) target = *given;
     };
@@ -100,7 +105,7 @@ Project project_of(const CompileOptions& options) {
     put(project.quantise, options.quantise);
     if (options.foci || options.records) project.image = options.foci ? ImageKind::foci : ImageKind::records;
     if (options.am_law) project.am_law = law_of(*options.am_law);
-    if (!project.path.empty() && project.even) throw bad_argument("even", "is of shapes; a path has dwells of its own");
+    require_effect(options.given, project);
     return project;
 }
 
@@ -344,7 +349,10 @@ void add_compile(CLI::App& app, Action& action) {
     sub->add_option("--readmemh", options->readmemh,
                     "Also write PREFIX.primary.mem and PREFIX.sequence.mem for $readmemh");
     sub->add_flag("--json", options->json, "Report as JSON");
-    sub->callback([options, &action] { action = [options] { return compile(*options); }; });
+    sub->callback([sub, options, &action] {
+        options->given = given_to(*sub);
+        action = [options] { return compile(*options); };
+    });
 }
 
 }  // namespace haptogram::cli

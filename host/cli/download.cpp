@@ -6,7 +6,7 @@
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/image/image.hpp"
+#include "haptogram/format/image.hpp"
 #include "haptogram/link/device.hpp"
 #include "haptogram/link/transfer.hpp"
 #include "port.hpp"

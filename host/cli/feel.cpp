@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/instrument/feel.hpp"
+#include "haptogram/verbs/feel.hpp"
 
 #include <fmt/format.h>
 
@@ -10,9 +10,9 @@
 
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/instrument/analyze.hpp"
-#include "haptogram/instrument/render.hpp"
 #include "haptogram/perception/difference.hpp"
+#include "haptogram/verbs/analyze.hpp"
+#include "haptogram/verbs/render.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
 

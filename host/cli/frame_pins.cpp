@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "haptogram/instrument/compile.hpp"
+#include "haptogram/verbs/compile.hpp"
 #include "pins.hpp"
 
 namespace haptogram::cli {

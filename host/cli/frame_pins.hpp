@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "haptogram/boards/core.hpp"
-#include "haptogram/fusion/frame.hpp"
+#include "haptogram/format/core.hpp"
+#include "haptogram/robot/frame.hpp"
 
 namespace haptogram::cli {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/instrument/inspect.hpp"
+#include "haptogram/verbs/inspect.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
-#include "haptogram/instrument/source.hpp"
+#include "haptogram/verbs/source.hpp"
 
 namespace haptogram::cli {
 namespace {

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/instrument/interact.hpp"
+#include "haptogram/verbs/interact.hpp"
 
 #include <fmt/format.h>
 
 #include <memory>
 
 #include "command.hpp"
+#include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/instrument/source.hpp"
-#include "haptogram/render/path_file.hpp"
+#include "haptogram/shape/path_file.hpp"
+#include "haptogram/verbs/source.hpp"
 #include "report.hpp"
 
 namespace haptogram::cli {
@@ -21,10 +22,23 @@ struct InteractCommand {
            palm_radius_mm = 40.0;
     InteractionOptions interaction;
     std::optional<std::string> am, am_law, array, board;
+    std::vector<std::string> given;  ///< options on the command line
 };
 
 int interact(const InteractCommand& command) {
     require_distinct({{"--hand", command.hand}}, {{"--output", command.output}, {"--scene", command.scene}});
+    require_effect(command.given,
+                   {{"--ball-height", {"ball"}},
+                    {"--ball-contact", {"ball"}},
+                    {"--rain", {"rain"}},
+                    {"--drop", {"rain"}},
+                    {"--creature", {"creature"}}},
+                   command.content, "the content");
+    if (command.hand.ends_with(".csv")) {
+        if (is_among(command.given, "--noise"))
+            throw bad_argument("--noise", "is of cameras that see the marker, and its places come from a .csv file");
+        require_effect(command.given, {{"--seed", {"rain", "creature"}}}, command.content, "the content");
+    }
     InteractionRequest request;
     request.content = command.content;
     request.hand = command.hand;
@@ -113,7 +127,10 @@ void add_interact(CLI::App& app, Action& action) {
     sub->add_option("--scene", options->scene,
                     "Also write what a display would show, a line of JSON every 10 ms: palm, things, focus");
     sub->add_option("-o,--output", options->output, "The path, .json; - is standard output")->required();
-    sub->callback([options, &action] { action = [options] { return interact(*options); }; });
+    sub->callback([sub, options, &action] {
+        options->given = given_to(*sub);
+        action = [options] { return interact(*options); };
+    });
 }
 
 }  // namespace haptogram::cli

@@ -8,8 +8,8 @@
 
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/instrument/source.hpp"
 #include "haptogram/perception/setting.hpp"
+#include "haptogram/verbs/source.hpp"
 #include "report.hpp"
 
 namespace haptogram::cli {

@@ -13,7 +13,7 @@
 
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/image/manifest.hpp"
+#include "haptogram/format/manifest.hpp"
 
 namespace haptogram::cli {
 namespace {

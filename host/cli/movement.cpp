@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/instrument/movement.hpp"
+#include "haptogram/verbs/movement.hpp"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,8 @@
 
 #include "command.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/instrument/source.hpp"
-#include "haptogram/render/path_file.hpp"
+#include "haptogram/shape/path_file.hpp"
+#include "haptogram/verbs/source.hpp"
 #include "report.hpp"
 
 namespace haptogram::cli {
@@ -22,9 +22,20 @@ struct MovementCommand {
     MovementOptions movement_options;
     std::optional<std::string> am, am_law, array, board;
     std::string output;
+    std::vector<std::string> given;  ///< options on the command line
 };
 
 int movement(const MovementCommand& command) {
+    const std::vector<std::string_view> curves = {"line", "circle", "spiral"};
+    require_effect(command.given,
+                   {{"--direction", {"line"}},
+                    {"--turns", {"spiral"}},
+                    {"--speed", curves},
+                    {"--spacing", curves},
+                    {"--hop", {"random"}},
+                    {"--seconds", {"random"}},
+                    {"--seed", {"random"}}},
+                   command.movement, "the movement");
     MovementRequest request;
     request.movement = command.movement;
     request.array = command.array;
@@ -95,7 +106,10 @@ void add_movement(CLI::App& app, Action& action) {
     sub->add_option("--board", options->board, "Board file, shipped board or configuration");
     sub->add_flag("--json", options->json, "Print as JSON");
     sub->add_option("-o,--output", options->output, "The path, .json; - is standard output")->required();
-    sub->callback([options, &action] { action = [options] { return movement(*options); }; });
+    sub->callback([sub, options, &action] {
+        options->given = given_to(*sub);
+        action = [options] { return movement(*options); };
+    });
 }
 
 }  // namespace haptogram::cli

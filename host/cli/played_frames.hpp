@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "frame_pins.hpp"
-#include "haptogram/instrument/compile.hpp"
+#include "haptogram/verbs/compile.hpp"
 #include "report.hpp"
 
 namespace haptogram::cli {

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/instrument/render.hpp"
+#include "haptogram/verbs/render.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/instrument/compile.hpp"
-#include "haptogram/instrument/hand_project.hpp"
-#include "haptogram/instrument/source.hpp"
-#include "haptogram/render/path_file.hpp"
+#include "haptogram/shape/path_file.hpp"
+#include "haptogram/verbs/compile.hpp"
+#include "haptogram/verbs/hand_project.hpp"
+#include "haptogram/verbs/source.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
 
@@ -73,6 +74,45 @@ ObjectSource object_of(const RenderCommand& command) {
     return source;
 }
 
+/// What no algorithm, hand or object of this kind has is refused.
+void check_options(const RenderCommand& command) {
+    const std::vector<std::string_view> with_corners = {"B", "H", "I", "J"}, mixed = {"H", "I", "J"};
+    const std::string letter(1, name_of(algorithm_of(command.algorithm)).letter);
+    require_effect(command.given,
+                   {{"--corner", with_corners},
+                    {"--corner-radius", with_corners},
+                    {"--corner-line", with_corners},
+                    {"--corner-triangle", with_corners},
+                    {"--off-skin", with_corners},
+                    {"--priority", mixed},
+                    {"--gap", mixed},
+                    {"--solid-level", {"D", "I"}},
+                    {"--two-foci", {"D"}},
+                    {"--grain-spacing", {"E", "F"}},
+                    {"--grain-length", {"E", "F"}},
+                    {"--blob-finger", {"G", "J"}},
+                    {"--blob-palm", {"G", "J"}},
+                    {"--am-frequency", {"C", "K"}},
+                    {"--wait", {"K"}},
+                    {"--press-radius", {"L"}},
+                    {"--press-foci", {"L"}},
+                    {"--seed", {"B", "E", "F", "H", "I", "J"}}},
+                   letter, "the algorithm");
+    if (std::ranges::find(with_corners, letter) != with_corners.end())
+        require_effect(command.given,
+                       {{"--corner-radius", {"circle", "pulsing-circle", "random-points"}},
+                        {"--corner-line", {"rotating-line"}},
+                        {"--corner-triangle", {"triangle"}},
+                        {"--seed", {"random-points"}}},
+                       command.corner, "what is drawn at a corner");
+    require_effect(command.given, {{"--gap", {"gap"}}}, command.priority, "the priority");
+    require_effect(command.given, {{"--hand-model", {"a .pose file"}}, {"--hand-rate", {"a .pose file"}}},
+                   command.hand.ends_with(".pose") ? "a .pose file" : "no .pose file", "the hand");
+    const ObjectSource object = object_of(command);
+    require_effect(command.given, {{"--height", {"cone", "pyramid", "cylinder"}}, {"--unit", {"a mesh file"}}},
+                   names_mesh(object) ? "a mesh file" : object.name, "the object");
+}
+
 /// What is rendered, and on what.
 struct Subject {
     Project project;
@@ -103,6 +143,7 @@ Subject subject_of(const RenderCommand& command) {
     if (is_project(command.object)) return subject_in_file(command);
     if (command.hand.empty())
         throw bad_argument("hand", "is missing; name a recording of hands, or a script such as synthetic:slide");
+    check_options(command);
     Subject subject{{}, options_of(command)};
     subject.project.array = command.array;
     subject.project.board = command.board;
@@ -318,8 +359,7 @@ void add_render(CLI::App& app, Action& action) {
     sub->add_option("-o,--output", options->outputs,
                     "The path as .json (- is standard output), or a .png picture; may be repeated");
     sub->callback([sub, options, &action] {
-        for (const CLI::Option* option : sub->get_options())
-            if (option->count() > 0) options->given.push_back(option->get_name());
+        options->given = given_to(*sub);
         action = [options] { return render(*options); };
     });
 }

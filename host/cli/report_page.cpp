@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/instrument/report_page.hpp"
+#include "haptogram/verbs/report_page.hpp"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,8 @@
 
 #include "command.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/instrument/findings.hpp"
-#include "haptogram/instrument/source.hpp"
+#include "haptogram/verbs/findings.hpp"
+#include "haptogram/verbs/source.hpp"
 #include "progress_line.hpp"
 
 namespace haptogram::cli {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "haptogram/image/rig_bundle.hpp"
+#include "haptogram/format/rig_bundle.hpp"
 #include "haptogram/link/port.hpp"
 #include "haptogram/link/rig.hpp"
 

@@ -8,12 +8,12 @@
 
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/instrument/source.hpp"
 #include "haptogram/robot/kinematics.hpp"
 #include "haptogram/robot/robot_file.hpp"
 #include "haptogram/robot/simulate.hpp"
 #include "haptogram/robot/tension.hpp"
 #include "haptogram/robot/workspace.hpp"
+#include "haptogram/verbs/source.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
 #include "robot_place.hpp"

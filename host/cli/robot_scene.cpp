@@ -8,12 +8,12 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/fusion/scenes.hpp"
-#include "haptogram/instrument/picture.hpp"
-#include "haptogram/instrument/render.hpp"
-#include "haptogram/instrument/source.hpp"
-#include "haptogram/render/path_file.hpp"
-#include "haptogram/solve/timer.hpp"
+#include "haptogram/format/timer.hpp"
+#include "haptogram/robot/scenes.hpp"
+#include "haptogram/shape/path_file.hpp"
+#include "haptogram/verbs/picture.hpp"
+#include "haptogram/verbs/render.hpp"
+#include "haptogram/verbs/source.hpp"
 #include "played_frames.hpp"
 #include "progress_line.hpp"
 

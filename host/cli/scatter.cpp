@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/instrument/scatter.hpp"
+#include "haptogram/verbs/scatter.hpp"
 
 #include <fmt/format.h>
 
@@ -9,8 +9,8 @@
 
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/instrument/compile.hpp"
-#include "haptogram/instrument/source.hpp"
+#include "haptogram/verbs/compile.hpp"
+#include "haptogram/verbs/source.hpp"
 #include "progress_line.hpp"
 
 namespace haptogram::cli {

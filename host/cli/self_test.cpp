@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/link/self_test.hpp"
+#include "haptogram/verbs/self_test.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -7,11 +7,11 @@
 #include <algorithm>
 #include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/link/device.hpp"
-#include "haptogram/link/to_json.hpp"
 #include "interrupt.hpp"
 #include "port.hpp"
 #include "progress_line.hpp"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "command.hpp"
-#include "haptogram/image/manifest.hpp"
+#include "haptogram/format/manifest.hpp"
 
 namespace haptogram::cli {
 namespace {

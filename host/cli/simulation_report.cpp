@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "haptogram/array/millimetres.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/image/pulses.hpp"
-#include "haptogram/model/millimetres.hpp"
+#include "haptogram/format/pulses.hpp"
 
 namespace haptogram::cli {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/instrument/solve.hpp"
+#include "haptogram/verbs/solve.hpp"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,8 @@
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/instrument/compile.hpp"
-#include "haptogram/instrument/rig.hpp"
+#include "haptogram/verbs/compile.hpp"
+#include "haptogram/verbs/rig.hpp"
 #include "progress_line.hpp"
 
 namespace haptogram::cli {

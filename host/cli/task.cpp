@@ -8,12 +8,12 @@
 #include <random>
 
 #include "command.hpp"
+#include "haptogram/array/millimetres.hpp"
+#include "haptogram/array/rig.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/live/lift_task.hpp"
 #include "haptogram/live/surface_task.hpp"
 #include "haptogram/live/to_json.hpp"
-#include "haptogram/model/millimetres.hpp"
-#include "haptogram/model/rig.hpp"
 #include "interrupt.hpp"
 #include "report.hpp"
 

@@ -3,10 +3,10 @@
 // point.
 #include <cstdio>
 #include <haptogram/acoustics/field.hpp>
-#include <haptogram/analysis/excitation.hpp>
 #include <haptogram/base/error.hpp>
 #include <haptogram/base/file.hpp>
-#include <haptogram/instrument/compile.hpp>
+#include <haptogram/verbs/compile.hpp>
+#include <haptogram/verbs/excitation.hpp>
 
 int main() {
     try {

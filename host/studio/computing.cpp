@@ -13,13 +13,13 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/process.hpp"
-#include "haptogram/instrument/analyze.hpp"
-#include "haptogram/instrument/findings.hpp"
-#include "haptogram/instrument/hand_project.hpp"
-#include "haptogram/instrument/patch.hpp"
-#include "haptogram/instrument/report_page.hpp"
-#include "haptogram/instrument/slice.hpp"
-#include "haptogram/render/path_file.hpp"
+#include "haptogram/shape/path_file.hpp"
+#include "haptogram/verbs/analyze.hpp"
+#include "haptogram/verbs/findings.hpp"
+#include "haptogram/verbs/hand_project.hpp"
+#include "haptogram/verbs/patch.hpp"
+#include "haptogram/verbs/report_page.hpp"
+#include "haptogram/verbs/slice.hpp"
 
 namespace haptogram::studio {
 namespace {

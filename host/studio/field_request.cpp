@@ -11,7 +11,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/process.hpp"
-#include "haptogram/instrument/slice.hpp"
+#include "haptogram/verbs/slice.hpp"
 
 namespace haptogram::studio {
 namespace {

@@ -10,16 +10,16 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/hand/object.hpp"
-#include "haptogram/instrument/hand_project.hpp"
-#include "haptogram/instrument/slice.hpp"
 #include "haptogram/shape/shape.hpp"
+#include "haptogram/verbs/hand_project.hpp"
+#include "haptogram/verbs/slice.hpp"
 
 namespace haptogram::studio {
 
 /// Compile a project. The answer has the same number.
 struct SceneMessage {
     std::uint32_t n = 0;
-    nlohmann::ordered_json document;  ///< haptogram/instrument/document.hpp
+    nlohmann::ordered_json document;  ///< haptogram/verbs/document.hpp
 };
 /// Show one frame of the hand that a project has, and what it feels.
 struct HandMessage {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "haptogram/base/progress.hpp"
-#include "haptogram/image/pulses.hpp"
+#include "haptogram/format/pulses.hpp"
 #include "scenes.hpp"
 
 namespace haptogram::studio {

@@ -11,9 +11,9 @@
 #include "haptogram/acoustics/quantities.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/instrument/compile_numbers.hpp"
-#include "haptogram/instrument/document.hpp"
 #include "haptogram/shape/import.hpp"
+#include "haptogram/verbs/compile_numbers.hpp"
+#include "haptogram/verbs/document.hpp"
 
 namespace haptogram::studio {
 namespace {

@@ -9,10 +9,10 @@
 #include <optional>
 #include <string>
 
-#include "haptogram/analysis/excitation.hpp"
-#include "haptogram/instrument/compile.hpp"
-#include "haptogram/instrument/findings.hpp"
-#include "haptogram/instrument/hand_project.hpp"
+#include "haptogram/verbs/compile.hpp"
+#include "haptogram/verbs/excitation.hpp"
+#include "haptogram/verbs/findings.hpp"
+#include "haptogram/verbs/hand_project.hpp"
 
 namespace haptogram::studio {
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "child.hpp"
-#include "haptogram/boards/core.hpp"
+#include "haptogram/format/core.hpp"
 #include "haptogram/link/transport.hpp"
 
 namespace haptogram::studio {

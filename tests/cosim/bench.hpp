@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "haptogram/image/image.hpp"
+#include "haptogram/format/image.hpp"
 #include "haptogram/link/client.hpp"
 #include "haptogram/link/outputs.hpp"
 #include "haptogram/link/transfer.hpp"

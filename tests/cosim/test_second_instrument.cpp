@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Amplitudes, modulation, slew limit and foci, through the serial link and at the pins, on the configurations
 // small-16-wide and, at their full number, tile-100-wide. What each channel must do is computed from the host's models
-// of the arithmetic (solve/emission.hpp, solve/focus_engine.hpp) and from the measured starts of the cycles; every
+// of the arithmetic (format/emission.hpp, format/focus_engine.hpp) and from the measured starts of the cycles; every
 // pulse is compared to the clock.
 #include <cmath>
 #include <complex>

@@ -7,7 +7,7 @@
 
 #include "../period_check.hpp"
 #include "bench.hpp"
-#include "haptogram/solve/focus_engine.hpp"
+#include "haptogram/format/focus_engine.hpp"
 
 namespace haptogram::test::wide {
 

@@ -12,13 +12,18 @@ CONSUMER = Path(__file__).parent / "consumer"
 EXAMPLES = ROOT / "host"
 
 
+def check_link_example(folder):
+    """It says what it misses."""
+    assert subprocess.run([folder / "play_image"], capture_output=True, text=True).stderr == "haptogram_example: expected a port and an image\n"
+
+
 def check_examples(folder):
-    """Both programs run: one computes a field, the other says what it misses."""
+    """Both programs run: one computes a field, the other speaks to a board."""
     said = run(folder / "field_at_a_point", cwd=folder).stdout
     assert re.match(r"40 records of 100 channels\n", said), said
     at, beside = (float(number) for number in re.findall(r"(\d+) Pa", said))
     assert at > 1000 and beside < 0.7 * at, said
-    assert subprocess.run([folder / "play_image"], capture_output=True, text=True).stderr == "haptogram_example: expected a port and an image\n"
+    check_link_example(folder)
 
 
 def consume(folder, *options):
@@ -45,6 +50,25 @@ def test_headers_need_only_public_dependencies(package):
 
 def test_find_package(package, work):
     consume(work / "find_package", f"-DCMAKE_PREFIX_PATH={package}", f"-DHEADERS={package / 'include'}")
+
+
+def test_one_component(package, work):
+    """The link needs nothing of what computes fields, hands or robots."""
+    folder = work / "component"
+    absent = ("Eigen3", "TBB", "LAPACK", "hwy", "PNG", "Boost")
+    run("cmake", "-S", CONSUMER, "-B", folder, f"-DEXAMPLES={EXAMPLES}", *like_the_build(), f"-DCMAKE_PREFIX_PATH={package}",
+        "-DCOMPONENTS=link", *(f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=ON" for name in absent))  # fmt: skip
+    run("cmake", "--build", folder, "-j", "2")
+    check_link_example(folder)
+    found = run("ldd", folder / "play_image").stdout
+    assert not re.search("tbb|openblas|hwy|png|Bullet", found), found
+
+
+def test_a_component_that_is_not_there(package, work):
+    done = subprocess.run([str(word) for word in ("cmake", "-S", CONSUMER, "-B", work / "absent", f"-DEXAMPLES={EXAMPLES}", *like_the_build(),
+                           f"-DCMAKE_PREFIX_PATH={package}", "-DCOMPONENTS=unity")], capture_output=True, text=True)  # fmt: skip
+    assert done.returncode != 0
+    assert "no component unity" in " ".join(done.stderr.split())
 
 
 def test_pkg_config(package, work):

@@ -6,10 +6,10 @@
 #include <numbers>
 
 #include "bench.hpp"
+#include "haptogram/array/array.hpp"
 #include "haptogram/hand/synthetic.hpp"
+#include "haptogram/live/depth_renderer.hpp"
 #include "haptogram/live/loop.hpp"
-#include "haptogram/model/array.hpp"
-#include "haptogram/sense/depth_renderer.hpp"
 #include "haptogram/solve/drives.hpp"
 
 using namespace haptogram;

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "bench.hpp"
-#include "haptogram/solve/emission.hpp"
+#include "haptogram/format/emission.hpp"
 
 using namespace haptogram;
 

@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "haptogram/solve/focus_engine.hpp"
+#include "haptogram/format/focus_engine.hpp"
 
 using namespace haptogram;
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bench.hpp"
-#include "haptogram/solve/focus_engine.hpp"
+#include "haptogram/format/focus_engine.hpp"
 
 using namespace haptogram;
 

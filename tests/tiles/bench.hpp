@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "haptogram/image/image.hpp"
+#include "haptogram/format/image.hpp"
 #include "haptogram/link/client.hpp"
 #include "tiles.hpp"
 

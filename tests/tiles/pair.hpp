@@ -10,11 +10,11 @@
 
 #include "bench.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/instrument/rig.hpp"
 #include "haptogram/link/chain.hpp"
 #include "haptogram/link/frame.hpp"
 #include "haptogram/link/rig.hpp"
 #include "haptogram/link/transfer.hpp"
+#include "haptogram/verbs/rig.hpp"
 #include "rig_simulation.hpp"
 
 namespace haptogram::test {

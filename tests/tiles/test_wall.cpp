@@ -9,7 +9,7 @@
 #include "bench.hpp"
 #include "haptogram/acoustics/drive.hpp"
 #include "haptogram/acoustics/propagation.hpp"
-#include "haptogram/model/rig.hpp"
+#include "haptogram/array/rig.hpp"
 #include "haptogram/solve/focal_law.hpp"
 
 using namespace haptogram;

@@ -7,9 +7,9 @@
 #include "haptogram/acoustics/field.hpp"
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/acoustics/region.hpp"
-#include "haptogram/analysis/focus_check.hpp"
-#include "haptogram/analysis/measure.hpp"
 #include "haptogram/base/error.hpp"
+#include "haptogram/verbs/focus_check.hpp"
+#include "haptogram/verbs/measure.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

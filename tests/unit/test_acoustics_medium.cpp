@@ -11,7 +11,7 @@
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/image/manifest.hpp"
+#include "haptogram/format/manifest.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

@@ -5,9 +5,9 @@
 #include <numbers>
 #include <random>
 
-#include "haptogram/render/section.hpp"
-#include "haptogram/scene/crossing.hpp"
-#include "haptogram/scene/touch_scene.hpp"
+#include "haptogram/hand/section.hpp"
+#include "haptogram/live/crossing.hpp"
+#include "haptogram/live/touch_scene.hpp"
 
 using namespace haptogram;
 

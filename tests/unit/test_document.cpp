@@ -3,8 +3,8 @@
 #include <catch2/catch.hpp>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/instrument/document.hpp"
-#include "haptogram/instrument/project.hpp"
+#include "haptogram/verbs/document.hpp"
+#include "haptogram/verbs/project.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

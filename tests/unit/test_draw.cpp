@@ -6,9 +6,9 @@
 #include <random>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/instrument/compile.hpp"
-#include "haptogram/render/draw.hpp"
 #include "haptogram/shape/curve.hpp"
+#include "haptogram/shape/draw.hpp"
+#include "haptogram/verbs/compile.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/boards/ecp5_config.hpp"
+#include "haptogram/format/ecp5_config.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/solve/emission.hpp"
+#include "haptogram/format/emission.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

@@ -10,12 +10,12 @@
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/acoustics/transient.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/instrument/analyze.hpp"
-#include "haptogram/instrument/compile.hpp"
 #include "haptogram/shape/curve.hpp"
 #include "haptogram/shape/sample.hpp"
 #include "haptogram/solve/even.hpp"
 #include "haptogram/solve/pressure_left.hpp"
+#include "haptogram/verbs/analyze.hpp"
+#include "haptogram/verbs/compile.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

@@ -10,14 +10,14 @@
 #include "haptogram/acoustics/quantities.hpp"
 #include "haptogram/acoustics/skin_pressure.hpp"
 #include "haptogram/acoustics/transient.hpp"
-#include "haptogram/analysis/played_sequence.hpp"
-#include "haptogram/instrument/compile.hpp"
-#include "haptogram/instrument/feel.hpp"
 #include "haptogram/perception/felt.hpp"
 #include "haptogram/perception/setting.hpp"
 #include "haptogram/perception/skin_force.hpp"
 #include "haptogram/perception/skin_wave.hpp"
 #include "haptogram/perception/sound.hpp"
+#include "haptogram/verbs/compile.hpp"
+#include "haptogram/verbs/feel.hpp"
+#include "haptogram/verbs/played_sequence.hpp"
 #include "message_of.hpp"
 
 using namespace haptogram;

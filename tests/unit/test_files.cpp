@@ -8,11 +8,11 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "haptogram/array/array.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/image/manifest.hpp"
-#include "haptogram/image/pulses.hpp"
-#include "haptogram/model/array.hpp"
+#include "haptogram/format/manifest.hpp"
+#include "haptogram/format/pulses.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

@@ -4,8 +4,8 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "haptogram/instrument/document.hpp"
-#include "haptogram/instrument/findings.hpp"
+#include "haptogram/verbs/document.hpp"
+#include "haptogram/verbs/findings.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

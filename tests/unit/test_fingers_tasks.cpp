@@ -3,9 +3,9 @@
 #include <cmath>
 #include <random>
 
+#include "haptogram/array/rig.hpp"
 #include "haptogram/live/lift_task.hpp"
 #include "haptogram/live/surface_task.hpp"
-#include "haptogram/model/rig.hpp"
 #include "message_of.hpp"
 
 using namespace haptogram;

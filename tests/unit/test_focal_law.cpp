@@ -7,8 +7,8 @@
 #include <limits>
 #include <random>
 
+#include "haptogram/array/rig.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/model/rig.hpp"
 #include "haptogram/solve/focal_law.hpp"
 
 using namespace haptogram;

@@ -4,8 +4,8 @@
 #include <random>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/format/formation.hpp"
 #include "haptogram/solve/focal_law.hpp"
-#include "haptogram/solve/formation.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

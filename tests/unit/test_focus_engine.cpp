@@ -7,9 +7,9 @@
 #include <random>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/format/focus_engine.hpp"
 #include "haptogram/solve/drives.hpp"
 #include "haptogram/solve/focal_law.hpp"
-#include "haptogram/solve/focus_engine.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

@@ -4,13 +4,13 @@
 #include <numbers>
 
 #include "haptogram/acoustics/propagation.hpp"
-#include "haptogram/analysis/focus_check.hpp"
-#include "haptogram/analysis/measure.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/image/intel_hex.hpp"
-#include "haptogram/instrument/compile.hpp"
-#include "haptogram/instrument/focus_image.hpp"
-#include "haptogram/instrument/inspect.hpp"
+#include "haptogram/format/intel_hex.hpp"
+#include "haptogram/verbs/compile.hpp"
+#include "haptogram/verbs/focus_check.hpp"
+#include "haptogram/verbs/focus_image.hpp"
+#include "haptogram/verbs/inspect.hpp"
+#include "haptogram/verbs/measure.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

@@ -6,11 +6,11 @@
 #include <random>
 
 #include "haptogram/acoustics/propagation.hpp"
-#include "haptogram/analysis/envelope.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/fusion/feature_mode.hpp"
-#include "haptogram/fusion/place.hpp"
-#include "haptogram/fusion/scenes.hpp"
+#include "haptogram/robot/feature_mode.hpp"
+#include "haptogram/robot/place.hpp"
+#include "haptogram/robot/scenes.hpp"
+#include "haptogram/verbs/envelope.hpp"
 #include "message_of.hpp"
 
 using namespace haptogram;

@@ -7,9 +7,9 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/instrument/document.hpp"
-#include "haptogram/instrument/hand_project.hpp"
-#include "haptogram/render/path_file.hpp"
+#include "haptogram/shape/path_file.hpp"
+#include "haptogram/verbs/document.hpp"
+#include "haptogram/verbs/hand_project.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

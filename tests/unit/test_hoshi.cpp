@@ -11,15 +11,15 @@
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/acoustics/quantities.hpp"
 #include "haptogram/acoustics/transient.hpp"
-#include "haptogram/analysis/focus_check.hpp"
-#include "haptogram/analysis/measure.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/boards/core.hpp"
-#include "haptogram/instrument/compile.hpp"
-#include "haptogram/render/movement.hpp"
+#include "haptogram/format/core.hpp"
+#include "haptogram/hand/movement.hpp"
 #include "haptogram/solve/drives.hpp"
 #include "haptogram/solve/position_table.hpp"
 #include "haptogram/solve/segments.hpp"
+#include "haptogram/verbs/compile.hpp"
+#include "haptogram/verbs/focus_check.hpp"
+#include "haptogram/verbs/measure.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

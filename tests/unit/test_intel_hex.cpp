@@ -3,8 +3,8 @@
 #include <tuple>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/image/image.hpp"
-#include "haptogram/image/intel_hex.hpp"
+#include "haptogram/format/image.hpp"
+#include "haptogram/format/intel_hex.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

@@ -8,11 +8,11 @@
 #include <random>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/format/waveform.hpp"
+#include "haptogram/hand/interaction.hpp"
 #include "haptogram/hand/marker.hpp"
+#include "haptogram/hand/movement.hpp"
 #include "haptogram/hand/synthetic.hpp"
-#include "haptogram/render/interaction.hpp"
-#include "haptogram/render/movement.hpp"
-#include "haptogram/render/waveform.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

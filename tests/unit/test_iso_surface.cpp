@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/instrument/iso_surface.hpp"
+#include "haptogram/verbs/iso_surface.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

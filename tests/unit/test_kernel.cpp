@@ -19,8 +19,8 @@
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/acoustics/shift.hpp"
 #include "haptogram/acoustics/wave.hpp"
+#include "haptogram/array/rig.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/model/rig.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

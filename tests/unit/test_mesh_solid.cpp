@@ -13,7 +13,7 @@
 #include "haptogram/hand/object.hpp"
 #include "haptogram/hand/surface.hpp"
 #include "haptogram/hand/synthetic.hpp"
-#include "haptogram/render/touch.hpp"
+#include "haptogram/hand/touch.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

@@ -5,10 +5,10 @@
 
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/acoustics/quantities.hpp"
+#include "haptogram/array/rig.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/process.hpp"
-#include "haptogram/model/rig.hpp"
 #include "message_of.hpp"
 
 using namespace haptogram;

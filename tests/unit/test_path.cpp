@@ -7,13 +7,13 @@
 
 #include "haptogram/acoustics/drive.hpp"
 #include "haptogram/acoustics/propagation.hpp"
-#include "haptogram/analysis/excitation.hpp"
-#include "haptogram/analysis/focus_check.hpp"
-#include "haptogram/analysis/measure.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/instrument/compile.hpp"
 #include "haptogram/solve/drives.hpp"
 #include "haptogram/solve/focal_law.hpp"
+#include "haptogram/verbs/compile.hpp"
+#include "haptogram/verbs/excitation.hpp"
+#include "haptogram/verbs/focus_check.hpp"
+#include "haptogram/verbs/measure.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

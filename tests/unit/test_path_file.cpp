@@ -6,9 +6,9 @@
 #include <string>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/instrument/compile.hpp"
-#include "haptogram/render/adaptics.hpp"
-#include "haptogram/render/path_file.hpp"
+#include "haptogram/shape/adaptics.hpp"
+#include "haptogram/shape/path_file.hpp"
+#include "haptogram/verbs/compile.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

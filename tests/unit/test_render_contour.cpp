@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/hand/contour.hpp"
 #include "haptogram/hand/object.hpp"
 #include "haptogram/hand/synthetic.hpp"
-#include "haptogram/render/contour.hpp"
-#include "haptogram/render/touch.hpp"
+#include "haptogram/hand/touch.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

@@ -11,8 +11,8 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/hand/leap.hpp"
 #include "haptogram/hand/synthetic.hpp"
-#include "haptogram/instrument/render.hpp"
 #include "haptogram/solve/solver.hpp"
+#include "haptogram/verbs/render.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

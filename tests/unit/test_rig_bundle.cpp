@@ -8,10 +8,10 @@
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/process.hpp"
-#include "haptogram/image/rig_bundle.hpp"
-#include "haptogram/instrument/rig.hpp"
-#include "haptogram/instrument/source.hpp"
+#include "haptogram/format/rig_bundle.hpp"
 #include "haptogram/solve/focal_law.hpp"
+#include "haptogram/verbs/rig.hpp"
+#include "haptogram/verbs/source.hpp"
 #include "message_of.hpp"
 
 using namespace haptogram;

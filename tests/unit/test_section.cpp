@@ -5,8 +5,8 @@
 #include <numbers>
 #include <random>
 
-#include "haptogram/render/ring.hpp"
-#include "haptogram/render/section.hpp"
+#include "haptogram/hand/ring.hpp"
+#include "haptogram/hand/section.hpp"
 #include "message_of.hpp"
 
 using namespace haptogram;

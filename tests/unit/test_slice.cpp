@@ -5,11 +5,11 @@
 #include <random>
 
 #include "haptogram/acoustics/propagation.hpp"
-#include "haptogram/analysis/focus_check.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/instrument/compile.hpp"
-#include "haptogram/instrument/field.hpp"
-#include "haptogram/instrument/slice.hpp"
+#include "haptogram/verbs/compile.hpp"
+#include "haptogram/verbs/field.hpp"
+#include "haptogram/verbs/focus_check.hpp"
+#include "haptogram/verbs/slice.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

@@ -11,14 +11,14 @@
 
 #include "haptogram/acoustics/field.hpp"
 #include "haptogram/acoustics/propagation.hpp"
-#include "haptogram/analysis/focus_check.hpp"
+#include "haptogram/array/rig.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/instrument/compile.hpp"
-#include "haptogram/model/rig.hpp"
 #include "haptogram/solve/drives.hpp"
 #include "haptogram/solve/fast_solver.hpp"
 #include "haptogram/solve/focal_law.hpp"
 #include "haptogram/solve/solver.hpp"
+#include "haptogram/verbs/compile.hpp"
+#include "haptogram/verbs/focus_check.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

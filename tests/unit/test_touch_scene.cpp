@@ -8,12 +8,12 @@
 #include <tuple>
 
 #include "haptogram/base/file.hpp"
-#include "haptogram/render/ring.hpp"
-#include "haptogram/render/section.hpp"
-#include "haptogram/scene/touch_scene.hpp"
-#include "haptogram/sense/cloud.hpp"
-#include "haptogram/sense/depth_png.hpp"
-#include "haptogram/sense/depth_renderer.hpp"
+#include "haptogram/hand/ring.hpp"
+#include "haptogram/hand/section.hpp"
+#include "haptogram/live/cloud.hpp"
+#include "haptogram/live/depth_png.hpp"
+#include "haptogram/live/depth_renderer.hpp"
+#include "haptogram/live/touch_scene.hpp"
 #include "message_of.hpp"
 #include "recorded_depth.hpp"
 

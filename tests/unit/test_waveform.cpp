@@ -10,8 +10,8 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/instrument/compile.hpp"
-#include "haptogram/render/waveform.hpp"
+#include "haptogram/format/waveform.hpp"
+#include "haptogram/verbs/compile.hpp"
 
 using namespace haptogram;
 using Catch::Contains;

@@ -14,7 +14,7 @@
 
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/acoustics/wave.hpp"
-#include "haptogram/model/rig.hpp"
+#include "haptogram/array/rig.hpp"
 
 namespace {
 

@@ -6,11 +6,11 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "haptogram/array/array.hpp"
 #include "haptogram/hand/synthetic.hpp"
+#include "haptogram/live/depth_renderer.hpp"
 #include "haptogram/live/shot_rings.hpp"
 #include "haptogram/live/source.hpp"
-#include "haptogram/model/array.hpp"
-#include "haptogram/sense/depth_renderer.hpp"
 #include "least.hpp"
 
 namespace {

@@ -13,10 +13,10 @@
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/acoustics/quantities.hpp"
 #include "haptogram/acoustics/transient.hpp"
-#include "haptogram/render/movement.hpp"
-#include "haptogram/render/waveform.hpp"
+#include "haptogram/format/formation.hpp"
+#include "haptogram/format/waveform.hpp"
+#include "haptogram/hand/movement.hpp"
 #include "haptogram/solve/drives.hpp"
-#include "haptogram/solve/formation.hpp"
 #include "haptogram/solve/segments.hpp"
 #include "haptogram/solve/solver.hpp"
 

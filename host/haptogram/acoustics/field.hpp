@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "haptogram/acoustics/grid.hpp"
+#include "haptogram/array/array.hpp"
 #include "haptogram/base/progress.hpp"
-#include "haptogram/model/array.hpp"
 
 namespace haptogram {
 

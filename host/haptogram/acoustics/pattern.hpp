@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "haptogram/model/array.hpp"
+#include "haptogram/array/array.hpp"
 
 namespace haptogram {
 

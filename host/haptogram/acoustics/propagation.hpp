@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "haptogram/array/array.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/model/array.hpp"
 
 namespace haptogram {
 

@@ -4,7 +4,7 @@
 #include <functional>
 #include <span>
 
-#include "haptogram/model/array.hpp"
+#include "haptogram/array/array.hpp"
 
 namespace haptogram {
 

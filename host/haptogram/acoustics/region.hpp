@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "haptogram/acoustics/grid.hpp"
-#include "haptogram/model/rig.hpp"
+#include "haptogram/array/rig.hpp"
 
 namespace haptogram {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "haptogram/acoustics/grid.hpp"
-#include "haptogram/model/array.hpp"
+#include "haptogram/array/array.hpp"
 
 namespace haptogram {
 

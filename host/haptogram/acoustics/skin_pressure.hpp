@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "haptogram/model/array.hpp"
+#include "haptogram/array/array.hpp"
 
 namespace haptogram {
 

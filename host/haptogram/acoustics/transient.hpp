@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "haptogram/acoustics/drive.hpp"
-#include "haptogram/model/array.hpp"
+#include "haptogram/array/array.hpp"
 
 namespace haptogram {
 

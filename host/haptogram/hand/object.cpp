@@ -9,9 +9,9 @@
 #include <numbers>
 #include <utility>
 
+#include "haptogram/array/rig.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/hand/mesh_solid.hpp"
-#include "haptogram/model/rig.hpp"
 
 namespace haptogram {
 namespace {

@@ -10,8 +10,8 @@
 #include <numbers>
 #include <vector>
 
+#include "haptogram/array/rig.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/model/rig.hpp"
 
 namespace haptogram {
 namespace {

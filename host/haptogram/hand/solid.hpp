@@ -2,7 +2,7 @@
 #pragma once
 #include <functional>
 
-#include "haptogram/model/vec3.hpp"
+#include "haptogram/array/vec3.hpp"
 
 namespace haptogram {
 

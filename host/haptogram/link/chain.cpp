@@ -8,7 +8,7 @@
 #include <charconv>
 #include <utility>
 
-#include "haptogram/boards/interface.hpp"
+#include "haptogram/format/interface.hpp"
 
 namespace haptogram::link {
 namespace {

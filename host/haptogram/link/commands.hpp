@@ -10,13 +10,13 @@
 #include <vector>
 
 #include "haptogram/base/progress.hpp"
-#include "haptogram/boards/core.hpp"
+#include "haptogram/format/core.hpp"
 #include "haptogram/link/frame.hpp"
 
 namespace haptogram::link {
 
 // Names in this folder: a *device* is a Haptogram instrument that is reached through a port; its Identity says what it
-// is and its Status what it is doing. A Board (haptogram/boards) is the description of a circuit board in a file;
+// is and its Status what it is doing. A Board (haptogram/format) is the description of a circuit board in a file;
 // sim::SimulatedBoard is a Verilated core. Messages to users call the device "board": that is what stands on the table.
 
 /// What a device says it is; fixed when its FPGA was synthesised.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptogram/link/device.hpp"
 
-#include "haptogram/boards/interface.hpp"
+#include "haptogram/format/interface.hpp"
 #include "haptogram/link/chain.hpp"
 
 namespace haptogram::link {

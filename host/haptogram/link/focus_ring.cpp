@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/image/image.hpp"
+#include "haptogram/format/image.hpp"
 
 namespace haptogram::link {
 namespace {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "haptogram/boards/interface.hpp"
+#include "haptogram/format/interface.hpp"
 
 namespace haptogram::link {
 

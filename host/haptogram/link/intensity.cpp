@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/format/timer.hpp"
 #include "haptogram/link/memory.hpp"
 #include "haptogram/link/transfer.hpp"
-#include "haptogram/solve/drives.hpp"
 
 namespace haptogram::link {
 namespace {

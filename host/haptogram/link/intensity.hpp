@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "haptogram/image/image.hpp"
+#include "haptogram/format/image.hpp"
 #include "haptogram/link/commands.hpp"
 
 namespace haptogram::link {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/image/image.hpp"
+#include "haptogram/format/image.hpp"
 
 namespace haptogram::link {
 

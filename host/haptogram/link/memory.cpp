@@ -5,7 +5,7 @@
 
 #include <utility>
 
-#include "haptogram/image/image.hpp"
+#include "haptogram/format/image.hpp"
 
 namespace haptogram::link {
 namespace {

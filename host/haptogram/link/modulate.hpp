@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "haptogram/format/waveform.hpp"
 #include "haptogram/link/commands.hpp"
 #include "haptogram/link/outputs.hpp"
 #include "haptogram/link/source.hpp"
-#include "haptogram/render/waveform.hpp"
 
 namespace haptogram::link {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "haptogram/image/image.hpp"
+#include "haptogram/format/image.hpp"
 #include "haptogram/link/client.hpp"
 #include "haptogram/link/outputs.hpp"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "haptogram/image/rig_bundle.hpp"
+#include "haptogram/format/rig_bundle.hpp"
 #include "haptogram/link/device.hpp"
 #include "haptogram/link/rig.hpp"
 

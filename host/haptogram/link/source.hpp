@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "haptogram/base/live_input.hpp"
-#include "haptogram/image/image.hpp"
+#include "haptogram/format/image.hpp"
 
 namespace haptogram::link {
 

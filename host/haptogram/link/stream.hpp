@@ -4,7 +4,7 @@
 #include <string>
 
 #include "haptogram/base/progress.hpp"
-#include "haptogram/image/image.hpp"
+#include "haptogram/format/image.hpp"
 #include "haptogram/link/modulate.hpp"
 #include "haptogram/link/play.hpp"
 #include "haptogram/link/source.hpp"

@@ -69,16 +69,6 @@ ordered_json to_json(const UploadReport& r) {
             {"link_losses", r.link_losses}, {"verified", r.verified}};
 }
 
-ordered_json to_json(const std::vector<Finding>& findings) {
-    ordered_json json = ordered_json::array();
-    for (const Finding& finding : findings) {
-        json.push_back(
-            {{"check", to_string(finding.check)}, {"outcome", to_string(finding.outcome)}, {"found", finding.found}});
-        if (!finding.advice.empty()) json.back()["advice"] = finding.advice;
-    }
-    return json;
-}
-
 ordered_json played_to_json(const Played& p) {
     return {{"underruns", p.underruns},
             {"refused_records", p.refused_records},

@@ -6,7 +6,6 @@
 #include "haptogram/link/play.hpp"
 #include "haptogram/link/port.hpp"
 #include "haptogram/link/rig.hpp"
-#include "haptogram/link/self_test.hpp"
 #include "haptogram/link/transfer.hpp"
 
 namespace haptogram::link {
@@ -15,7 +14,6 @@ namespace haptogram::link {
 [[nodiscard]] nlohmann::ordered_json to_json(const Status& status);
 [[nodiscard]] nlohmann::ordered_json to_json(const std::vector<PortInfo>& ports);
 [[nodiscard]] nlohmann::ordered_json to_json(const UploadReport& report);
-[[nodiscard]] nlohmann::ordered_json to_json(const std::vector<Finding>& findings);
 /// Of playing from the device's memories.
 [[nodiscard]] nlohmann::ordered_json played_to_json(const Played& played);
 /// Of a rig, whose counters are sums over its tiles.

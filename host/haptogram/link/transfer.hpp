@@ -7,7 +7,7 @@
 #include <string>
 
 #include "haptogram/base/progress.hpp"
-#include "haptogram/image/image.hpp"
+#include "haptogram/format/image.hpp"
 #include "haptogram/link/commands.hpp"
 #include "haptogram/link/transport.hpp"
 

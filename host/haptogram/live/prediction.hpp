@@ -5,7 +5,7 @@
 #include <map>
 #include <string_view>
 
-#include "haptogram/model/vec3.hpp"
+#include "haptogram/array/vec3.hpp"
 
 namespace haptogram::live {
 

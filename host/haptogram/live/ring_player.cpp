@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/image/image.hpp"
+#include "haptogram/format/image.hpp"
 #include "haptogram/solve/drives.hpp"
 
 namespace haptogram::live {

@@ -8,13 +8,13 @@
 #include <utility>
 #include <vector>
 
+#include "haptogram/array/array.hpp"
+#include "haptogram/format/path.hpp"
+#include "haptogram/format/timer.hpp"
 #include "haptogram/link/commands.hpp"
 #include "haptogram/live/board_time.hpp"
 #include "haptogram/live/clock.hpp"
-#include "haptogram/model/array.hpp"
-#include "haptogram/render/path.hpp"
 #include "haptogram/solve/solver.hpp"
-#include "haptogram/solve/timer.hpp"
 
 namespace haptogram::live {
 

@@ -8,13 +8,13 @@
 #include <string>
 #include <vector>
 
+#include "haptogram/array/array.hpp"
+#include "haptogram/hand/ring.hpp"
+#include "haptogram/hand/section.hpp"
+#include "haptogram/live/cloud.hpp"
 #include "haptogram/live/prediction.hpp"
-#include "haptogram/model/array.hpp"
+#include "haptogram/live/touch_scene.hpp"
 #include "haptogram/perception/path_magnitude.hpp"
-#include "haptogram/render/ring.hpp"
-#include "haptogram/render/section.hpp"
-#include "haptogram/scene/touch_scene.hpp"
-#include "haptogram/sense/cloud.hpp"
 
 namespace haptogram::live {
 

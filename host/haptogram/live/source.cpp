@@ -9,10 +9,10 @@
 #include <utility>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/instrument/render.hpp"
+#include "haptogram/live/depth_folder.hpp"
+#include "haptogram/live/depth_pipe.hpp"
 #include "haptogram/live/leap_pipe.hpp"
-#include "haptogram/sense/depth_folder.hpp"
-#include "haptogram/sense/depth_pipe.hpp"
+#include "haptogram/verbs/render.hpp"
 
 namespace haptogram::live {
 namespace {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "haptogram/hand/hand.hpp"
-#include "haptogram/sense/depth.hpp"
-#include "haptogram/sense/depth_renderer.hpp"
+#include "haptogram/live/depth.hpp"
+#include "haptogram/live/depth_renderer.hpp"
 
 namespace haptogram::live {
 

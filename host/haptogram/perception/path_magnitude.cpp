@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/render/single_waveform.hpp"
+#include "haptogram/format/single_waveform.hpp"
 
 namespace haptogram::perception {
 Wanted wanted_of(double magnitude, std::string_view am, bool values_are_radiation) {

@@ -4,8 +4,8 @@
 #include <map>
 #include <string_view>
 
+#include "haptogram/format/path.hpp"
 #include "haptogram/perception/setting.hpp"
-#include "haptogram/render/path.hpp"
 
 namespace haptogram::perception {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "haptogram/model/array.hpp"
+#include "haptogram/array/array.hpp"
 #include "haptogram/perception/tables.hpp"
 #include "haptogram/perception/threshold.hpp"
 #include "haptogram/perception/waveform.hpp"

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "haptogram/acoustics/drive_sequence.hpp"
-#include "haptogram/model/array.hpp"
+#include "haptogram/array/array.hpp"
 
 namespace haptogram::perception {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "haptogram/acoustics/drive_sequence.hpp"
-#include "haptogram/model/array.hpp"
+#include "haptogram/array/array.hpp"
 #include "haptogram/perception/spectrum.hpp"
 
 namespace haptogram::perception {

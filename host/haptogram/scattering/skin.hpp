@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "haptogram/model/medium.hpp"
+#include "haptogram/array/medium.hpp"
 #include "haptogram/scattering/body.hpp"
 
 namespace haptogram {

@@ -11,8 +11,8 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/base/text.hpp"
 #include "haptogram/shape/formats.hpp"
-#include "haptogram/shape/text.hpp"
 
 namespace haptogram {
 namespace {

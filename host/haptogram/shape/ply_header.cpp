@@ -8,7 +8,7 @@
 #include <charconv>
 #include <utility>
 
-#include "haptogram/shape/text.hpp"
+#include "haptogram/base/text.hpp"
 
 namespace haptogram {
 namespace {

@@ -5,8 +5,8 @@
 #include <array>
 #include <charconv>
 
+#include "haptogram/base/text.hpp"
 #include "haptogram/shape/formats.hpp"
-#include "haptogram/shape/text.hpp"
 
 namespace haptogram {
 namespace {

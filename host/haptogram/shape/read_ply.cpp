@@ -8,9 +8,9 @@
 #include <optional>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/base/text.hpp"
 #include "haptogram/shape/formats.hpp"
 #include "haptogram/shape/ply_header.hpp"
-#include "haptogram/shape/text.hpp"
 
 namespace haptogram {
 namespace {

@@ -4,8 +4,8 @@
 #include <array>
 #include <cstdint>
 
+#include "haptogram/base/text.hpp"
 #include "haptogram/shape/formats.hpp"
-#include "haptogram/shape/text.hpp"
 
 namespace haptogram {
 namespace {

@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-#include "haptogram/model/vec3.hpp"
+#include "haptogram/array/vec3.hpp"
 
 namespace haptogram {
 

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "haptogram/model/vec3.hpp"
+#include "haptogram/array/vec3.hpp"
 
 namespace haptogram {
 

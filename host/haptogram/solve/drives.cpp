@@ -41,15 +41,6 @@ std::vector<std::complex<double>> superposed_drives(const Array& array, std::spa
     return drives;
 }
 
-std::uint32_t pulse_ticks(const Timer& timer, double amplitude) {
-    if (amplitude >= 1.0) return timer.pulse_ticks;
-    const double full = std::sin(std::numbers::pi * timer.duty());
-    const double ticks = timer.cycle_ticks / std::numbers::pi * std::asin(std::max(0.0, amplitude) * full);
-    if (ticks < timer.shortest_pulse_ticks)
-        return 2.0 * ticks < timer.shortest_pulse_ticks ? 0 : timer.shortest_pulse_ticks;
-    return static_cast<std::uint32_t>(std::lround(ticks));
-}
-
 Record quantise(std::span<const std::complex<double>> drives, const Timer& timer, std::uint32_t channels) {
     double strongest = 0.0;
     for (const std::complex<double>& drive : drives) strongest = std::max(strongest, std::abs(drive));

@@ -5,11 +5,11 @@
 #include <span>
 #include <vector>
 
-#include "haptogram/model/array.hpp"
-#include "haptogram/render/path.hpp"
-#include "haptogram/solve/record.hpp"
+#include "haptogram/array/array.hpp"
+#include "haptogram/format/path.hpp"
+#include "haptogram/format/record.hpp"
+#include "haptogram/format/timer.hpp"
 #include "haptogram/solve/solver.hpp"
-#include "haptogram/solve/timer.hpp"
 
 namespace haptogram {
 
@@ -19,12 +19,6 @@ namespace haptogram {
 /// For one focus this is the focal law (Haptogram eq. 2-5): each element at full strength, delayed by (R_max − R)/c.
 /// @throws Error{bad_input} when a focus is not finite
 [[nodiscard]] std::vector<std::complex<double>> superposed_drives(const Array& array, std::span<const Focus> foci);
-
-/// Length in ticks of the pulse whose carrier has `amplitude` times that of the timer's own pulse:
-/// (cycle/π)·asin(amplitude·sin(π·duty)), rounded (Hoshi et al. 2010, eq. 7, solved for the pulse). It is 0 for 0, and
-/// the timer's own pulse for 1. Below the shortest pulse that the board plays, it is that one or 0, whichever is
-/// nearer.
-[[nodiscard]] std::uint32_t pulse_ticks(const Timer& timer, double amplitude);
 
 /// The record whose pulses come nearest to the drives: each channel starts at its drive's phase, rounded to the nearest
 /// tick. All channels of a record have pulses of one length, so of the drives' amplitudes only the largest is kept;

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "haptogram/format/timer.hpp"
 #include "haptogram/solve/solver.hpp"
-#include "haptogram/solve/timer.hpp"
 
 namespace haptogram {
 

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "haptogram/model/array.hpp"
-#include "haptogram/solve/timer.hpp"
+#include "haptogram/array/array.hpp"
+#include "haptogram/format/timer.hpp"
 
 namespace haptogram {
 

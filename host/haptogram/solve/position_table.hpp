@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "haptogram/model/array.hpp"
+#include "haptogram/array/array.hpp"
 #include "haptogram/solve/segments.hpp"
 
 namespace haptogram {

@@ -2,8 +2,8 @@
 #pragma once
 #include <vector>
 
-#include "haptogram/model/array.hpp"
-#include "haptogram/render/path.hpp"
+#include "haptogram/array/array.hpp"
+#include "haptogram/format/path.hpp"
 
 namespace haptogram {
 

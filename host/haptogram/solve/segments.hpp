@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "haptogram/solve/record.hpp"
-#include "haptogram/solve/timer.hpp"
+#include "haptogram/format/record.hpp"
+#include "haptogram/format/timer.hpp"
 
 namespace haptogram {
 

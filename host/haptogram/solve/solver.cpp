@@ -308,21 +308,6 @@ Vector inverse_transform(const Array& array, std::span<const Focus> foci) {
 
 }  // namespace
 
-const char* name_of(Method method) {
-    for (const MethodName& one : method_names)
-        if (one.method == method) return one.name;
-    return "";
-}
-
-Method method_of(const std::string& name, const std::string& setting) {
-    std::vector<std::string> names;
-    for (const MethodName& one : method_names) {
-        if (name == one.name) return one.method;
-        names.emplace_back(one.name);
-    }
-    throw bad_argument(setting, fmt::format("'{}' is no solver; expected {}", name, fmt::join(names, ", ")));
-}
-
 std::vector<Complex> solve(const Array& array, std::span<const Focus> foci, const SolveOptions& options,
                            std::span<const Complex> start) {
     const std::vector<Focus> asked = checked(array, foci);

@@ -5,9 +5,9 @@
 
 #include "haptogram/acoustics/field.hpp"
 #include "haptogram/acoustics/propagation.hpp"
-#include "haptogram/analysis/focus_analysis.hpp"
+#include "haptogram/array/rig.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/model/rig.hpp"
+#include "haptogram/verbs/focus_analysis.hpp"
 #include "native.hpp"
 
 namespace haptogram::python {

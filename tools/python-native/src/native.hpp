@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "haptogram/array/array.hpp"
 #include "haptogram/base/progress.hpp"
-#include "haptogram/model/array.hpp"
 
 namespace haptogram::python {
 

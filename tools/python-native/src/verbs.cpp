@@ -3,12 +3,12 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/instrument/analyze.hpp"
-#include "haptogram/instrument/compile.hpp"
-#include "haptogram/instrument/field.hpp"
-#include "haptogram/instrument/field_file.hpp"
-#include "haptogram/instrument/source.hpp"
 #include "haptogram/solve/solver.hpp"
+#include "haptogram/verbs/analyze.hpp"
+#include "haptogram/verbs/compile.hpp"
+#include "haptogram/verbs/field.hpp"
+#include "haptogram/verbs/field_file.hpp"
+#include "haptogram/verbs/source.hpp"
 #include "native.hpp"
 
 namespace haptogram::python {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The document: a project file's keys and values, host/haptogram/instrument/README.md. It is never changed, only replaced,
+// The document: a project file's keys and values, host/haptogram/verbs/README.md. It is never changed, only replaced,
 // so that undo is a step back.
 import { computed, signal } from "@preact/signals";
 

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/format/board.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "haptogram/base/shipped.hpp"
+#include "haptogram/base/toml_section.hpp"
+#include "haptogram/format/core_section.hpp"
+
+namespace haptogram {
+namespace {
+
+using section::found;
+using section::place;
+using section::Section;
+
+bool is_line(const std::string& text) {
+    return !text.empty() &&
+           std::none_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
+}
+
+/// Whether a text can stand in a cell of a table, in CSV and in a pin file.
+bool is_word(const std::string& text) {
+    return !text.empty() && std::all_of(text.begin(), text.end(),
+                                        [](unsigned char c) { return c > 0x20 && c < 0x7f && c != ',' && c != '"'; });
+}
+
+constexpr std::string_view a_line = "a line of text in quotes";
+constexpr std::string_view a_ball = "a ball in quotes, such as \"C4\"";
+constexpr std::string_view a_list = "a list of texts in quotes";
+
+std::string line(const Section& section, std::string_view key) {
+    return section.required(section.text(key, a_line, is_line), key, a_line);
+}
+
+std::string ball(const Section& section, std::string_view key) {
+    return section.required(section.text(key, a_ball, is_word), key, a_ball);
+}
+
+/// @param fits  checks each text: is_word for balls, is_line for all else
+std::vector<std::string> list(const Section& section, std::string_view key, bool (*fits)(const std::string&)) {
+    return section.required(section.texts(key, fits), key, a_list);
+}
+
+Section table(const std::string& file, const toml::table& root, const std::string& name) {
+    if (root.get(name) == nullptr) throw bad_input(file, fmt::format("{} is missing; it must be a table", name));
+    if (!root.get(name)->is_table())
+        throw bad_input(place(file, *root.get(name)),
+                        fmt::format("{} must be a table, found {}", name, found(*root.get(name))));
+    return {file, root, name};
+}
+
+Board::Fpga read_fpga(const Section& section) {
+    section.only({"family", "device", "package", "speed", "top"});
+    Board::Fpga fpga;
+    fpga.family = line(section, "family");
+    if (fpga.family != "ecp5" && fpga.family != "ice40")
+        throw section.wrong(*section.find("family"), "family", "\"ecp5\" or \"ice40\"");
+    fpga.device = line(section, "device");
+    fpga.package = line(section, "package");
+    fpga.speed = section.whole("speed", 1, 9);
+    if (fpga.family == "ecp5" && !fpga.speed) throw section.missing("speed", "a whole number from 1 to 9");
+    fpga.top = line(section, "top");
+    return fpga;
+}
+
+/// The parameters: those of a named configuration, or all of them one by one, but for those that are 0 by default.
+/// Parameters that stand beside a configuration replace its own.
+interface::CoreParameters read_core(const Section& section) {
+    std::vector<std::string> known = {"configuration"};
+    for (const auto& one : interface::core_parameters) known.emplace_back(one.name);
+    section.only(known);
+    interface::CoreParameters parameters {};
+    if (const auto configuration = section.text("configuration")) {
+        try {
+            parameters = find_configuration(*configuration).parameters;
+        } catch (const Error& error) {
+            throw bad_input(section.at("configuration"), error.what());
+        }
+    } else {
+        for (const auto& one : interface::core_parameters)
+            if (parameters.*one.member != 0 && section.find(one.name) == nullptr)
+                throw section.missing(one.name, fmt::format("a whole number from {} to {}", one.low, one.high));
+    }
+    read_parameters(parameters, section, KeyStyle::verilog);
+    return parameters;
+}
+
+Board::Flash read_flash(const Section& section) {
+    section.only({"load", "write", "note"});
+    return {list(section, "load", is_line), list(section, "write", is_line), line(section, "note")};
+}
+
+Board::Pins read_pins(const Section& section, const Board::Fpga& fpga, const interface::CoreParameters& parameters) {
+    section.only({"clk", "rx", "tx", "led", "stop", "stop_level", "driver_enable", "driver_enable_level", "alive",
+                  "sync_in", "sync_out", "next_rx", "next_tx", "active", "drive_ma", "slew", "high"});
+    Board::Pins pins;
+    pins.clk = ball(section, "clk");
+    pins.rx = ball(section, "rx");
+    pins.tx = ball(section, "tx");
+    pins.led = section.text("led", a_ball, is_word);
+    pins.stop = section.text("stop", a_ball, is_word);
+    pins.stop_level = section.whole("stop_level", 0, 1).value_or(0);
+    pins.driver_enable = section.text("driver_enable", a_ball, is_word);
+    pins.driver_enable_level = section.whole("driver_enable_level", 0, 1).value_or(1);
+    pins.alive = section.text("alive", a_ball, is_word);
+    pins.sync_in = section.text("sync_in", a_ball, is_word);
+    pins.sync_out = section.text("sync_out", a_ball, is_word);
+    for (const char* key : {"sync_in", "sync_out"})
+        if (section.find(key) != nullptr && parameters.sync == 0)
+            throw section.wrong(*section.find(key), key, "no such key, or parameters.SYNC = 1: this core has no SYNC");
+    pins.next_rx = section.text("next_rx", a_ball, is_word);
+    pins.next_tx = section.text("next_tx", a_ball, is_word);
+    for (const char* key : {"next_rx", "next_tx"})
+        if (section.find(key) != nullptr && parameters.chain == 0)
+            throw section.wrong(*section.find(key), key,
+                                "no such key, or parameters.CHAIN = 1: this core passes no line on");
+    if (pins.next_rx.has_value() != pins.next_tx.has_value())
+        throw bad_input(section.at(pins.next_rx ? "next_rx" : "next_tx"),
+                        "found one of next_rx and next_tx, expected both or none");
+    if (const auto active = section.text("active")) {
+        if (*active != "high" && *active != "low")
+            throw section.wrong(*section.find("active"), "active", "\"high\" or \"low\"");
+        pins.active_low = *active == "low";
+    }
+    pins.drive_ma = section.whole("drive_ma", 4, 16);
+    if (pins.drive_ma && *pins.drive_ma % 4 != 0)
+        throw section.wrong(*section.find("drive_ma"), "drive_ma", "4, 8, 12 or 16");
+    pins.slew = section.text("slew");
+    if (pins.slew && *pins.slew != "slow" && *pins.slew != "fast")
+        throw section.wrong(*section.find("slew"), "slew", "\"slow\" or \"fast\"");
+    for (const char* key : {"drive_ma", "slew"})
+        if (section.find(key) != nullptr && fpga.family != "ecp5")
+            throw section.wrong(*section.find(key), key, "no such key: the outputs of this FPGA have no choice of it");
+    pins.high = list(section, "high", is_word);
+    return pins;
+}
+
+/// Reads the outputs, and checks that no ball has two uses. The other pins may use the balls of spare outputs.
+std::vector<Board::Output> read_outputs(const Section& root, const std::string& file, std::uint32_t channels,
+                                        const Board::Pins& pins) {
+    constexpr const char* expected = "a list of [connector, pin, net, ball]";
+    constexpr const char* row_expected =
+        "[connector, pin, net, ball], four texts in quotes without spaces, commas or quotes";
+    if (root.find("outputs") == nullptr) throw root.missing("outputs", expected);
+    const toml::node& node = *root.find("outputs");
+    const toml::array* rows = node.as_array();
+    if (rows == nullptr) throw root.wrong(node, "outputs", expected);
+    std::map<std::string, std::string> used;  // ball → what uses it
+    const auto use = [&](const std::string& at, const std::string& ball, const std::string& what) {
+        const auto [entry, fresh] = used.emplace(ball, what);
+        if (!fresh)
+            throw bad_input(at, fmt::format("ball {} is {} and {}; give each its own ball", ball, entry->second, what));
+    };
+    std::vector<Board::Output> outputs;
+    for (const toml::node& row : *rows) {
+        const std::string key = fmt::format("outputs[{}]", outputs.size());
+        const toml::array* cells = row.as_array();
+        if (cells == nullptr || cells->size() != 4) throw root.wrong(row, key, row_expected);
+        std::vector<std::string> words;
+        for (const toml::node& entry : *cells) {
+            auto value = entry.value<std::string>();
+            if (!value || !is_word(*value)) throw root.wrong(entry, key, row_expected);
+            words.push_back(*std::move(value));
+        }
+        use(place(file, row), words[3], fmt::format("{} pin {}", words[0], words[1]));
+        outputs.push_back({words[0], words[1], words[2], words[3]});
+    }
+    if (outputs.size() < channels)
+        throw bad_input(place(file, node), fmt::format("outputs holds {} but parameters.CHANNELS is {}; name more "
+                                                       "outputs, or build fewer channels",
+                                                       outputs.size(), channels));
+    for (std::size_t k = channels; k < outputs.size(); ++k) used.erase(outputs[k].ball);
+    use(file, pins.clk, "pins.clk");
+    use(file, pins.rx, "pins.rx");
+    use(file, pins.tx, "pins.tx");
+    if (pins.led) use(file, *pins.led, "pins.led");
+    if (pins.stop) use(file, *pins.stop, "pins.stop");
+    if (pins.driver_enable) use(file, *pins.driver_enable, "pins.driver_enable");
+    if (pins.alive) use(file, *pins.alive, "pins.alive");
+    if (pins.sync_in) use(file, *pins.sync_in, "pins.sync_in");
+    if (pins.sync_out) use(file, *pins.sync_out, "pins.sync_out");
+    if (pins.next_rx) use(file, *pins.next_rx, "pins.next_rx");
+    if (pins.next_tx) use(file, *pins.next_tx, "pins.next_tx");
+    for (const std::string& ball : pins.high) use(file, ball, "in pins.high");
+    return outputs;
+}
+
+bool is_path(const std::string& name) { return name.find('/') != std::string::npos || name.ends_with(".toml"); }
+
+/// A board's file as it was read.
+struct BoardFile {
+    std::filesystem::path path;
+    toml::table tables;
+};
+
+BoardFile read_file_of(const std::filesystem::path& path) {
+    BoardFile file{path, section::parse(path)};
+    Section(path.string(), file.tables)
+        .only({"description", "like", "sources", "array", "outputs", "fpga", "parameters", "flash", "pins"});
+    return file;
+}
+
+/// The board that this one is like, if it says so: another one's name or file.
+std::optional<BoardFile> read_like(const BoardFile& own) {
+    const Section root(own.path.string(), own.tables);
+    const auto like = root.text("like", a_line, is_line);
+    if (!like) return {};
+    BoardFile other = [&] {
+        try {
+            return read_file_of(is_path(*like)
+                                    ? own.path.parent_path() / *like
+                                    : std::filesystem::path{path_or_shipped(*like, "boards", ".toml", "board")});
+        } catch (const Error& error) {
+            throw bad_input(root.at("like"), error.what());
+        }
+    }();
+    if (other.tables.get("like") != nullptr)
+        throw bad_input(root.at("like"), fmt::format("{} is like another board itself; name that one", *like));
+    return other;
+}
+
+Board read_board(const std::filesystem::path& path) {
+    const BoardFile own = read_file_of(path);
+    const std::optional<BoardFile> like = read_like(own);
+    const auto holder = [&](std::string_view key) -> const BoardFile& {
+        return like && own.tables.get(key) == nullptr ? *like : own;
+    };
+    const auto root = [&](std::string_view key) { return Section(holder(key).path.string(), holder(key).tables); };
+    const auto table_of = [&](const std::string& name) {
+        return table(holder(name).path.string(), holder(name).tables, name);
+    };
+    Board board;
+    board.file = path.string();
+    board.name = path.stem().string();
+    board.description = line(root("description"), "description");
+    board.sources = list(root("sources"), "sources", is_line);
+    board.array = line(root("array"), "array");
+    if (is_path(board.array)) board.array = (holder("array").path.parent_path() / board.array).string();
+    board.fpga = read_fpga(table_of("fpga"));
+    board.parameters = read_core(table_of("parameters"));
+    board.flash = read_flash(table_of("flash"));
+    board.pins = read_pins(table_of("pins"), board.fpga, board.parameters);
+    board.outputs =
+        read_outputs(root("outputs"), holder("outputs").path.string(), board.parameters.channels, board.pins);
+    return board;
+}
+
+}  // namespace
+
+Board load_board(const std::string& name) { return read_board(path_or_shipped(name, "boards", ".toml", "board")); }
+
+std::vector<std::string> shipped_boards() { return shipped_names("boards", ".toml"); }
+
+}  // namespace haptogram

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "haptogram/format/core.hpp"
+
+namespace haptogram {
+
+/// A board file of constraints/: an FPGA, the instrument that is built into it, and which ball goes where.
+struct Board {
+    struct Fpga {
+        std::string family;  ///< "ecp5" or "ice40"
+        std::string device, package;
+        std::optional<std::uint32_t> speed;  ///< grade; an ecp5 has one
+        std::string top;                     ///< Verilog module in rtl/boards/
+    };
+    /// Arguments of openFPGALoader. The name of the bitstream comes after them.
+    struct Flash {
+        std::vector<std::string> load;   ///< until power is cut
+        std::vector<std::string> write;  ///< it stays when power is cut
+        std::string note;                ///< what a person must connect first
+    };
+    struct Pins {
+        std::string clk, rx, tx;
+        std::optional<std::string> led;
+        std::optional<std::string> stop;           ///< input of a switch that disables the outputs
+        std::uint32_t stop_level = 0;              ///< at which it does so
+        std::optional<std::string> driver_enable;  ///< output for the enable inputs of the transducers' drivers
+        std::uint32_t driver_enable_level = 1;     ///< at which they are on
+        std::optional<std::string> alive;          ///< output that changes as long as there is a clock
+        std::optional<std::string> sync_in;        ///< input of SYNC, of a slave
+        std::optional<std::string> sync_out;       ///< output of SYNC, of a master
+        std::optional<std::string> next_rx;        ///< input of a chain: the line from the next tile
+        std::optional<std::string> next_tx;        ///< output of a chain: the line to it
+        bool active_low = false;                   ///< a transducer's driver is on while its pin is low
+        std::optional<std::uint32_t> drive_ma;     ///< strength of the outputs; only an ecp5 has a choice
+        std::optional<std::string> slew;           ///< "slow" or "fast"; only an ecp5 has a choice
+        std::vector<std::string> high;             ///< held high, which the rest of the board needs in order to work
+    };
+    struct Output {
+        std::string connector, pin, net, ball;
+    };
+
+    std::string name;  ///< of the file, without ".toml"
+    std::string file;  ///< where it was read from, for messages
+    std::string description;
+    std::vector<std::string> sources;  ///< where the pins are published
+    std::string array;                 ///< name or path of the array that it drives unless told otherwise
+    Fpga fpga;
+    interface::CoreParameters parameters;
+    Flash flash;
+    Pins pins;
+    std::vector<Output> outputs;  ///< output k is channel k; those beyond CHANNELS are spare
+
+    /// What the compiler must know of it.
+    [[nodiscard]] Core core() const { return {name, parameters}; }
+};
+
+/// Reads a board file (TOML), given by its path, or by the name of a shipped board ("ice40-hx8k-breakout").
+/// @throws Error{bad_input} naming the file, the line and the key: what is missing, unknown, of another type or out of
+/// range, a ball used twice, or fewer outputs than channels
+[[nodiscard]] Board load_board(const std::string& name);
+
+/// Names of the shipped boards, sorted.
+[[nodiscard]] std::vector<std::string> shipped_boards();
+
+}  // namespace haptogram

@@ -1,0 +1,624 @@
+// Generated from tools/interface.toml by tools/generate_interface.py; edit the table, not this file.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+namespace haptogram::interface {
+
+inline constexpr std::string_view name = "Haptogram";
+inline constexpr unsigned version_major = 2;
+inline constexpr unsigned version_minor = 3;
+inline constexpr std::uint32_t primary_base = 0x00000000;
+inline constexpr unsigned primary_word_bits = 16;
+inline constexpr std::uint32_t sequence_base = 0x10000000;
+inline constexpr unsigned sequence_word_bits = 32;
+inline constexpr std::uint32_t identity_base = 0x20000000;
+inline constexpr unsigned identity_word_bits = 16;
+inline constexpr std::uint32_t status_base = 0x30000000;
+inline constexpr unsigned status_word_bits = 16;
+inline constexpr std::uint32_t parameters_base = 0x50000000;
+inline constexpr unsigned parameters_word_bits = 16;
+inline constexpr std::uint32_t geometry_base = 0x60000000;
+inline constexpr unsigned geometry_word_bits = 16;
+inline constexpr std::uint32_t modulation_base = 0x70000000;
+inline constexpr unsigned modulation_word_bits = 16;
+inline constexpr std::uint32_t ring_base = 0x80000000;
+inline constexpr unsigned ring_word_bits = 16;
+inline constexpr std::uint32_t description_base = 0x40000000;
+inline constexpr unsigned description_word_bits = 16;
+inline constexpr unsigned record_header_words = 4;
+inline constexpr std::uint16_t silent_timing = 0xffff;  // a channel that never fires
+inline constexpr std::uint16_t description_magic = 0x4748;
+inline constexpr std::uint16_t description_format = 1;
+inline constexpr std::uint16_t description_long_format = 2;
+inline constexpr double longest_cycle_s = 1.0;
+
+/// Some bits of a block of little-endian words of any width: `width` bits from bit `offset` on, counted from the block's
+/// beginning. A field may reach over several words.
+struct BitField {
+    std::string_view name;
+    unsigned offset, width;
+
+    [[nodiscard]] constexpr std::uint32_t most() const { return static_cast<std::uint32_t>((std::uint64_t{1} << width) - 1U); }
+
+    /// @param words  the block: a vector, an array, a span or a pointer, of 8, 16 or 32 bits each
+    template <class Words>
+    [[nodiscard]] constexpr std::uint32_t get(const Words& words) const {
+        constexpr unsigned digits = std::numeric_limits<std::remove_cvref_t<decltype(words[0])>>::digits;
+        std::uint64_t value = 0;
+        for (unsigned done = 0; done < width;) {
+            const unsigned low = (offset + done) % digits;
+            value |= std::uint64_t{words[(offset + done) / digits]} >> low << done;
+            done += digits - low;
+        }
+        return static_cast<std::uint32_t>(value & most());
+    }
+
+    /// @throws std::out_of_range when the value is wider than the field
+    template <class Words>
+    constexpr void set(Words&& words, std::uint64_t value) const {
+        using Word = std::remove_cvref_t<decltype(words[0])>;
+        constexpr unsigned digits = std::numeric_limits<Word>::digits;
+        if (value > most())
+            throw std::out_of_range(std::string(name) + " is " + std::to_string(value) + ", but its field has " +
+                                    std::to_string(width) + " bits, at most " + std::to_string(most()));
+        for (unsigned done = 0; done < width;) {
+            const unsigned low = (offset + done) % digits;
+            const std::uint64_t mask = std::uint64_t{most()} >> done << low;
+            auto& word = words[(offset + done) / digits];
+            word = static_cast<Word>((word & ~mask) | (value >> done << low & mask));
+            done += digits - low;
+        }
+    }
+};
+
+namespace record_field {  // words of 16 bits
+inline constexpr BitField cycle_length = {"cycle_length", 0, 24};  // carrier period in ticks
+inline constexpr BitField pulse_length = {"pulse_length", 24, 8};  // how long a channel stays high, in ticks
+inline constexpr BitField prescaler = {"prescaler", 32, 24};  // clocks per tick
+inline constexpr BitField kind = {"kind", 56, 8};  // what its words are, see the kinds; a record of another kind is refused
+}  // namespace record_field
+
+namespace sequence_header_field {  // words of 32 bits
+inline constexpr BitField length = {"length", 0, 15};  // entries of the sequence
+inline constexpr BitField autostart = {"autostart", 15, 1};  // in a bitstream: the board enables its outputs and plays the sequence with no host and no watchdog, at power-up and again after a reset of the FPGA, until a host has sent any command that does not only ask
+inline constexpr BitField loops = {"loops", 16, 16};  // how many times it is played; 0 is for ever
+}  // namespace sequence_header_field
+
+namespace sequence_entry_field {  // words of 32 bits
+inline constexpr BitField index = {"index", 0, 16};  // record to play; 0 is silence
+inline constexpr BitField dwell = {"dwell", 16, 16};  // for so many carrier cycles; 0 until the next record is ready
+}  // namespace sequence_entry_field
+
+namespace identity_field {  // words of 16 bits
+inline constexpr BitField version_minor = {"version_minor", 128, 8};  // a change that old hosts need not know
+inline constexpr BitField version_major = {"version_major", 136, 8};  // a change that breaks old hosts
+inline constexpr BitField channels = {"channels", 144, 16};  // CHANNELS
+inline constexpr BitField records = {"records", 160, 16};  // RECORDS
+inline constexpr BitField sequence_depth = {"sequence_depth", 176, 16};  // SEQUENCE_DEPTH
+inline constexpr BitField live_depth = {"live_depth", 192, 16};  // LIVE_DEPTH
+inline constexpr BitField timing_bits = {"timing_bits", 208, 8};  // TIMING_BITS
+inline constexpr BitField pulse_bits = {"pulse_bits", 216, 8};  // PULSE_BITS
+inline constexpr BitField clock_hz = {"clock_hz", 224, 32};  // CLOCK_HZ
+inline constexpr BitField features = {"features", 256, 16};  // see the feature bits
+inline constexpr BitField frame_bytes = {"frame_bytes", 272, 16};  // longest frame that is always taken, decoded, without its CRC
+inline constexpr BitField min_pulse_clocks = {"min_pulse_clocks", 288, 16};  // shortest pulse of a playable record, in clocks
+inline constexpr BitField max_pulse_clocks = {"max_pulse_clocks", 304, 16};  // longest pulse of a playable record, in clocks
+inline constexpr BitField max_duty_256 = {"max_duty_256", 320, 16};  // largest part of its cycle that a pulse may take, in 1/256
+inline constexpr BitField max_cycle_clocks = {"max_cycle_clocks", 336, 32};  // longest cycle of a playable record, in clocks: one second
+inline constexpr BitField width_bits = {"width_bits", 368, 16};  // WIDTH_BITS; 0 when all pulses of a record have one length
+inline constexpr BitField foci = {"foci", 384, 16};  // FOCI, the most foci of a focus record
+inline constexpr BitField modulation_words = {"modulation_words", 400, 16};  // MODULATION_DEPTH / 2
+}  // namespace identity_field
+
+namespace status_field {  // words of 16 bits
+inline constexpr BitField enabled = {"enabled", 0, 1};  // pulses reach the pins
+inline constexpr BitField mode = {"mode", 1, 2};  // where the next record comes from, see the modes
+inline constexpr BitField stopped = {"stopped", 3, 1};  // the stop input is active: outputs are off, and enable is refused
+inline constexpr BitField modulated = {"modulated", 4, 1};  // the modulation runs
+inline constexpr BitField waiting = {"waiting", 5, 1};  // a start, a modulation or pushed indices wait for their time
+inline constexpr BitField present_index = {"present_index", 16, 16};  // record at the pins; 0 is silence
+inline constexpr BitField underruns = {"underruns", 32, 16};  // changes that were due before their record was ready, and periods whose pulses were not ready
+inline constexpr BitField refused_records = {"refused_records", 48, 16};  // records that could not be played; silence took their place
+inline constexpr BitField frames_good = {"frames_good", 64, 16};  // frames that arrived whole
+inline constexpr BitField frames_damaged = {"frames_damaged", 80, 16};  // frames dropped: CRC or framing wrong, too short, too long, or no room
+inline constexpr BitField frames_repeated = {"frames_repeated", 96, 16};  // frames that had been applied before
+inline constexpr BitField watchdog_trips = {"watchdog_trips", 112, 16};  // times the host was silent for too long
+inline constexpr BitField guard_trips = {"guard_trips", 128, 16};  // times a pin was high for too long
+inline constexpr BitField live_level = {"live_level", 144, 16};  // indices that wait in the live FIFO
+inline constexpr BitField watchdog_ms = {"watchdog_ms", 160, 16};  // the watchdog's time; 0 is off
+inline constexpr BitField frames_refused = {"frames_refused", 176, 16};  // whole frames whose command was refused
+inline constexpr BitField bent_periods = {"bent_periods", 192, 16};  // carrier periods in which the slew limiter kept a channel from its target
+inline constexpr BitField far_foci = {"far_foci", 208, 16};  // focus records with a focus too far from a channel to count
+inline constexpr BitField role = {"role", 224, 2};  // in step with other boards, see the roles; 0 on boards without SYNC
+inline constexpr BitField in_step = {"in_step", 226, 1};  // a slave's cycles begin with the master's; outputs of a slave are off as long as they do not
+inline constexpr BitField numbered = {"numbered", 227, 1};  // its carrier periods have the master's numbers, too
+inline constexpr BitField sync_misses = {"sync_misses", 240, 16};  // carrier periods of a slave in step that SYNC did not reach in time
+inline constexpr BitField sync_losses = {"sync_losses", 256, 16};  // times a slave in step fell out of it; outputs are off from then on
+inline constexpr BitField late_changes = {"late_changes", 272, 16};  // starts, modulations and pushes whose carrier period had come already, or was to begin next, when they were carried out; this word and those after it are there on boards with schedule only
+inline constexpr BitField period = {"period", 288, 32};  // bits 31…0 of the number of the carrier period at the pins, 0 before the first since reset; taken as the answer begins
+inline constexpr BitField period_high = {"period_high", 320, 16};  // bits 47…32 of it
+}  // namespace status_field
+
+namespace parameters_field {  // words of 16 bits
+inline constexpr BitField foci_base = {"foci_base", 0, 16};  // where focus records begin in primary memory, in units of four words
+inline constexpr BitField foci_count = {"foci_count", 16, 16};  // how many there are; index RECORDS + 1 is the first
+inline constexpr BitField foci_last = {"foci_last", 32, 3};  // the foci of each, less one
+inline constexpr BitField foci_whole = {"foci_whole", 35, 1};  // all channels at full amplitude
+inline constexpr BitField foci_cycle = {"foci_cycle", 48, 16};  // their carrier period, in ticks of one clock; at power-up that of 40 kHz
+inline constexpr BitField wave_number = {"wave_number", 64, 18};  // turns a 1/128 mm, times 2^27
+inline constexpr BitField gain = {"gain", 96, 16};  // of their sums, see host/haptogram/format/focus_engine.hpp
+inline constexpr BitField slew = {"slew", 112, 2};  // 0 none, 1 phase and amplitude change by at most the two rates a period, 2 they arrive at a new record's in arrival_periods; 0 at power-up
+inline constexpr BitField phase_rate = {"phase_rate", 128, 16};  // of slew mode 1: 65,536ths of the cycle a period; 65,535 at power-up
+inline constexpr BitField amplitude_rate = {"amplitude_rate", 144, 16};  // of slew mode 1, 65,535 is full; 65,535 at power-up
+inline constexpr BitField arrival = {"arrival", 160, 12};  // of slew mode 2, 0 counts as 1
+}  // namespace parameters_field
+
+namespace ring_field {  // words of 16 bits
+inline constexpr BitField base = {"base", 0, 16};  // where it begins in primary memory, in units of four words
+inline constexpr BitField first = {"first", 16, 16};  // index of its first focus record; it must be the one that lies at the base
+inline constexpr BitField count = {"count", 32, 16};  // how many focus records it has: more than LIVE_DEPTH, so that none is overwritten before it was played; 0 at power-up
+}  // namespace ring_field
+
+namespace description_field {  // words of 16 bits
+inline constexpr BitField magic = {"magic", 0, 16};  // 0x4748, the letters HG
+inline constexpr BitField format = {"format", 16, 16};  // of this block: 1 for records and a sequence alone, 2 when there are parameters, geometry or modulation as well
+inline constexpr BitField channels = {"channels", 32, 16};  // the board's CHANNELS
+inline constexpr BitField records = {"records", 48, 16};  // records in this image
+inline constexpr BitField sequence_words = {"sequence_words", 64, 16};  // 32-bit words, with the header
+inline constexpr BitField timing_bits = {"timing_bits", 80, 8};  // the board needs at least as many TIMING_BITS
+inline constexpr BitField pulse_bits = {"pulse_bits", 88, 8};  // the board needs at least as many PULSE_BITS
+inline constexpr BitField clock_hz = {"clock_hz", 96, 32};  // the board's CLOCK_HZ
+inline constexpr BitField board_records = {"board_records", 128, 16};  // the board's RECORDS, because the first focus record has the next index; this word and those after it are there in format 2 only
+inline constexpr BitField modulation_samples = {"modulation_samples", 144, 16};  // how many there are; 0 is no modulation
+inline constexpr BitField modulation_divider = {"modulation_divider", 160, 16};  // carrier periods a sample
+inline constexpr BitField min_pulse_clocks = {"min_pulse_clocks", 176, 16};  // the board's MIN_PULSE_CLOCKS, on which weak pulses of amplitudes depend
+}  // namespace description_field
+
+/// How a host deals with a line that loses bytes; rtl/INTERFACE.md says what each number means.
+namespace link_policy {
+inline constexpr unsigned window = 16;
+inline constexpr unsigned patience_ms = 300;
+inline constexpr unsigned most_patience_ms = 10000;
+inline constexpr unsigned tries = 32;
+inline constexpr unsigned first_tries = 8;
+inline constexpr unsigned most_strange = 4;
+inline constexpr unsigned asking_bytes = 12;
+inline constexpr unsigned keep_alive_ms = 100;
+inline constexpr unsigned keep_alive_share = 5;
+}  // namespace link_policy
+
+/// What stands before each frame in a chain of tiles; rtl/INTERFACE.md says how it is used.
+namespace chain {
+inline constexpr unsigned all = 2;
+inline constexpr unsigned most_tiles = 126;
+}  // namespace chain
+
+enum class IdentityWord : unsigned {
+    name_0 = 0,
+    name_1 = 1,
+    name_2 = 2,
+    name_3 = 3,
+    name_4 = 4,
+    name_5 = 5,
+    name_6 = 6,
+    name_7 = 7,
+    version = 8,
+    channels = 9,
+    records = 10,
+    sequence_depth = 11,
+    live_depth = 12,
+    bits = 13,
+    clock_hz_low = 14,
+    clock_hz_high = 15,
+    features = 16,
+    frame_bytes = 17,
+    min_pulse_clocks = 18,
+    max_pulse_clocks = 19,
+    max_duty_256 = 20,
+    max_cycle_low = 21,
+    max_cycle_high = 22,
+    width_bits = 23,
+    foci = 24,
+    modulation_words = 25,
+};
+inline constexpr unsigned identity_words = 26;
+
+enum class StatusWord : unsigned {
+    flags = 0,
+    present_index = 1,
+    underruns = 2,
+    refused_records = 3,
+    frames_good = 4,
+    frames_damaged = 5,
+    frames_repeated = 6,
+    watchdog_trips = 7,
+    guard_trips = 8,
+    live_level = 9,
+    watchdog_ms = 10,
+    frames_refused = 11,
+    bent_periods = 12,
+    far_foci = 13,
+    sync = 14,
+    sync_misses = 15,
+    sync_losses = 16,
+    late_changes = 17,
+    period_low = 18,
+    period_middle = 19,
+    period_high = 20,
+};
+inline constexpr unsigned status_words = 21;
+inline constexpr unsigned status_untimed_words = 17;  // of boards without schedule
+
+enum class ParametersWord : unsigned {
+    foci_base = 0,
+    foci_count = 1,
+    foci_form = 2,
+    foci_cycle = 3,
+    wave_number_low = 4,
+    wave_number_high = 5,
+    gain = 6,
+    slew_mode = 7,
+    phase_rate = 8,
+    amplitude_rate = 9,
+    arrival_periods = 10,
+};
+inline constexpr unsigned parameters_words = 11;
+
+enum class RingWord : unsigned {
+    base = 0,
+    first = 1,
+    count = 2,
+};
+inline constexpr unsigned ring_words = 3;
+
+enum class DescriptionWord : unsigned {
+    magic = 0,
+    format = 1,
+    channels = 2,
+    records = 3,
+    sequence_words = 4,
+    bits = 5,
+    clock_hz_low = 6,
+    clock_hz_high = 7,
+    board_records = 8,
+    modulation_samples = 9,
+    modulation_divider = 10,
+    min_pulse_clocks = 11,
+};
+inline constexpr unsigned description_words = 12;
+
+/// Bits of the identity block's features.
+enum class Feature : unsigned {
+    sequence = 0,  // plays a sequence from its memory
+    live = 1,  // takes indices over the link while it plays
+    watchdog = 2,  // silences the outputs when the host falls silent
+    guard = 3,  // bounds how long a pin can be high
+    amplitude = 4,  // plays records of phases and amplitudes
+    modulation = 5,  // multiplies all amplitudes by samples from a memory
+    slew = 6,  // limits how fast phases and amplitudes change
+    foci = 7,  // computes phases and amplitudes from foci
+    schedule = 8,  // counts carrier periods; changes can wait for one, or for the end of what plays
+    live_foci = 9,  // takes foci over the link while it plays
+    sync = 12,  // keeps its carrier cycles in step with other boards
+    chain = 13,  // passes the serial line on, so that one port leads to many boards
+};
+[[nodiscard]] constexpr bool has(std::uint32_t features, Feature feature) {
+    return (features >> static_cast<unsigned>(feature) & 1U) != 0;
+}
+
+/// What the words of a record are.
+enum class Kind : unsigned {
+    timings = 0,  // the tick at which the channel starts its pulse
+    amplitudes = 1,  // in bits 7…0 where in the cycle the middle of its pulse lies, in 1/256: 0 is tick 0; in bits 15…8 its amplitude a, 255 is full: the pulse takes asin(a / 255) / π of the cycle; of a pulse shorter than MIN_PULSE_CLOCKS, none or one of so many is left, whichever is nearer
+};
+
+/// Where the next record comes from.
+enum class Mode : unsigned {
+    idle = 0,  // nowhere; the last record may still be playing, and if none is, all is over
+    single = 1,  // the record that `select` named
+    sequence = 2,  // sequence memory
+    live = 3,  // the live FIFO
+};
+
+/// How its carrier cycles are kept in step with other boards.
+enum class Role : unsigned {
+    alone = 0,  // keeps its own time
+    master = 1,  // gives the time: every second of its cycles is a clock longer
+    slave = 2,  // takes the time from SYNC
+};
+
+enum class Command : std::uint8_t {
+    identify = 0x01,
+    write = 0x02,
+    read = 0x03,
+    enable = 0x04,
+    disable = 0x05,
+    select = 0x06,
+    push = 0x07,
+    start = 0x08,
+    stop = 0x09,
+    watchdog = 0x0a,
+    status = 0x0b,
+    digest = 0x0c,
+    keep_alive = 0x0d,
+    reset = 0x0e,
+    modulate = 0x0f,
+    gate = 0x10,
+    push_foci = 0x11,
+    sync = 0x18,
+};
+
+enum class Status : std::uint8_t {
+    ok = 0x00,
+    repeated = 0x01,
+    unknown_command = 0x02,
+    bad_length = 0x03,
+    out_of_order = 0x04,
+    bad_address = 0x05,
+    bad_alignment = 0x06,
+    bad_index = 0x07,
+    bad_range = 0x08,
+    fifo_full = 0x09,
+    stopped = 0x0a,
+    gate_busy = 0x0b,
+    out_of_step = 0x10,
+};
+
+/// Whether its reply carries data.
+constexpr bool replies(Command command) {
+    return command == Command::identify || command == Command::read || command == Command::status || command == Command::digest;
+}
+
+constexpr std::string_view to_string(Mode mode) {
+    switch (mode) {
+        case Mode::idle: return "idle";
+        case Mode::single: return "single";
+        case Mode::sequence: return "sequence";
+        case Mode::live: return "live";
+    }
+    return "unknown";
+}
+
+constexpr std::string_view to_string(Role role) {
+    switch (role) {
+        case Role::alone: return "alone";
+        case Role::master: return "master";
+        case Role::slave: return "slave";
+    }
+    return "unknown";
+}
+
+constexpr std::string_view to_string(Command command) {
+    switch (command) {
+        case Command::identify: return "identify";
+        case Command::write: return "write";
+        case Command::read: return "read";
+        case Command::enable: return "enable";
+        case Command::disable: return "disable";
+        case Command::select: return "select";
+        case Command::push: return "push";
+        case Command::start: return "start";
+        case Command::stop: return "stop";
+        case Command::watchdog: return "watchdog";
+        case Command::status: return "status";
+        case Command::digest: return "digest";
+        case Command::keep_alive: return "keep_alive";
+        case Command::reset: return "reset";
+        case Command::modulate: return "modulate";
+        case Command::gate: return "gate";
+        case Command::push_foci: return "push_foci";
+        case Command::sync: return "sync";
+    }
+    return "unknown";
+}
+
+constexpr std::string_view to_string(Status status) {
+    switch (status) {
+        case Status::ok: return "ok: applied";
+        case Status::repeated: return "repeated: this sequence number is one of the 128 before the expected one, so it counts as applied before; nothing was done again, but a command that only asks is answered anew, and disable and stop have acted";
+        case Status::unknown_command: return "unknown_command: no such command";
+        case Status::bad_length: return "bad_length: the frame is longer or shorter than its command says";
+        case Status::out_of_order: return "out_of_order: this sequence number is one of the 127 behind the expected one, so a frame before it is missing; or no session was started since reset. Nothing was done, but disable and stop have acted. Send again from the expected sequence number, or identify";
+        case Status::bad_address: return "bad_address: outside the memory, or not writable";
+        case Status::bad_alignment: return "bad_alignment: address or length is no multiple of the region's word";
+        case Status::bad_index: return "bad_index: index above RECORDS, or above RECORDS + foci_count on boards with foci";
+        case Status::bad_range: return "bad_range: sequence entries outside 1…SEQUENCE_DEPTH−1, or the sequence header's length is; modulate: samples beyond MODULATION_DEPTH, or a first one on boards without schedule; push, push_foci: behind a gate for the end of what plays; push_foci: the ring has no more records than LIVE_DEPTH, or lies outside the focus records or primary memory; sync: no such role";
+        case Status::fifo_full: return "fifo_full: fewer free places in the live FIFO than indices in the frame; nothing was pushed";
+        case Status::stopped: return "stopped: the stop input is active; release it, then enable";
+        case Status::gate_busy: return "gate_busy: something waits for another carrier period already; wait until it has begun, or stop";
+        case Status::out_of_step: return "out_of_step: the board is a slave and not in step with SYNC; look at its status, wait until it is, then enable";
+    }
+    return "unknown status";
+}
+
+/// The parameters of rtl/haptogram_core.v; core_parameters says what each is.
+struct CoreParameters {
+    std::uint32_t channels = 100;
+    std::uint32_t records = 400;
+    std::uint32_t sequence_depth = 1024;
+    std::uint32_t live_depth = 256;
+    std::uint32_t timing_bits = 16;
+    std::uint32_t pulse_bits = 8;
+    std::uint32_t clock_hz = 50000000;
+    std::uint32_t baud = 1000000;
+    std::uint32_t watchdog_ms = 500;
+    std::uint32_t max_high_clocks = 10000;
+    std::uint32_t min_pulse_clocks = 5;
+    std::uint32_t max_duty_256 = 128;
+    std::uint32_t width_bits = 0;
+    std::uint32_t modulation_depth = 0;
+    std::uint32_t slew = 0;
+    std::uint32_t foci = 0;
+    std::uint32_t schedule = 0;
+    std::uint32_t sync = 0;
+    std::uint32_t chain = 0;
+    friend bool operator==(const CoreParameters&, const CoreParameters&) = default;
+};
+
+/// A parameter may be bounded by another one, or by another one divided by a number.
+struct ParameterBound {
+    std::uint32_t CoreParameters::* member = nullptr;  ///< none when null
+    std::uint32_t divisor = 1;
+};
+
+/// One parameter of the core, as rtl/haptogram_core.v takes it.
+struct ParameterDescription {
+    std::string_view name;  ///< in Verilog and in board files
+    std::uint32_t CoreParameters::* member;
+    std::uint32_t low, high;
+    ParameterBound at_least, at_most;
+    bool power_of_two, optional;  ///< optional: 0 is allowed beside low to high
+    std::string_view unit, about, why;
+
+    /// The lowest and highest value beside the others of `core`.
+    [[nodiscard]] constexpr std::uint32_t lowest(const CoreParameters& core) const {
+        return at_least.member == nullptr ? low : std::max(low, core.*at_least.member / at_least.divisor);
+    }
+    [[nodiscard]] constexpr std::uint32_t highest(const CoreParameters& core) const {
+        return at_most.member == nullptr ? high : std::min(high, core.*at_most.member / at_most.divisor);
+    }
+    [[nodiscard]] constexpr bool allows(const CoreParameters& core) const {
+        const std::uint32_t value = core.*member;
+        if (optional && value == 0) return true;
+        return value >= lowest(core) && value <= highest(core) && (!power_of_two || std::has_single_bit(value));
+    }
+};
+
+inline constexpr std::array<ParameterDescription, 19> core_parameters = {{
+    {"CHANNELS", &CoreParameters::channels, 2, 1000, {}, {}, false, false,
+     "transducers", "how many transducers, and so pins",
+     "Each channel costs its timing and a comparator in cells, and a word of every record. 1000 is what a record can load within a carrier period."},
+    {"RECORDS", &CoreParameters::records, 1, 65534, {}, {}, false, false,
+     "records", "how many focal points primary memory holds",
+     "Block RAM is what runs out first. An index has 16 bits 0 is silence, and one is always beyond the last record."},
+    {"SEQUENCE_DEPTH", &CoreParameters::sequence_depth, 2, 32767, {}, {}, false, false,
+     "words", "words of sequence memory, one of which is the header",
+     "The header's length has 15 bits, of which one value is always beyond the last entry."},
+    {"LIVE_DEPTH", &CoreParameters::live_depth, 4, 32768, {}, {}, true, false,
+     "entries", "how many live indices can wait",
+     "A host that streams must bridge the time between two of its frames. The FIFO's pointers wrap by themselves, hence a power of two."},
+    {"TIMING_BITS", &CoreParameters::timing_bits, 4, 16, {}, {}, false, false,
+     "bits", "how finely a channel can be timed",
+     "The cells of a channel grow with it. A carrier period of 1250 ticks needs 11; a small FPGA takes 8 and a prescaler."},
+    {"PULSE_BITS", &CoreParameters::pulse_bits, 1, 8, {}, {&CoreParameters::timing_bits, 1}, false, false,
+     "bits", "how long a pulse can be, in ticks",
+     "Each channel compares so many bits of its timing to find the end of a pulse. The record's field has 8 bits."},
+    {"CLOCK_HZ", &CoreParameters::clock_hz, 1000000, 1000000000, {}, {}, false, false,
+     "Hz", "frequency of clk",
+     "Ticks, baud rate and watchdog are counted from it. 50 MHz is 1250 clocks a 40 kHz period."},
+    {"BAUD", &CoreParameters::baud, 1, 125000000, {&CoreParameters::clock_hz, 20000}, {&CoreParameters::clock_hz, 8}, false, false,
+     "baud", "bit rate of the serial line",
+     "A bit is at least 8 clocks, so that the receiver finds its middle. Below CLOCK_HZ / 20000 the 20-bit phase step would be off by more than 1 %."},
+    {"WATCHDOG_MS", &CoreParameters::watchdog_ms, 0, 65535, {}, {}, false, false,
+     "ms", "silence of the host after which the outputs are disabled; 0 is never",
+     "A host that died must not leave a hand under ultrasound. It holds after reset; a command changes it."},
+    {"MAX_HIGH_CLOCKS", &CoreParameters::max_high_clocks, 64, 16777215, {}, {}, false, false,
+     "clocks", "how long a pin can be high before the guard disables all outputs",
+     "Whatever goes wrong must not hold a transducer's driver on: 10000 clocks are 200 µs at 50 MHz, 16 times the longest 40 kHz pulse. A record's pulse may be a tenth of it, (MAX_HIGH_CLOCKS / 2 − 2) / 5 clocks, so that pulses that merge at changes of focus do not trip the guard."},
+    {"MIN_PULSE_CLOCKS", &CoreParameters::min_pulse_clocks, 1, 65535, {}, {&CoreParameters::max_high_clocks, 10}, false, false,
+     "clocks", "shortest pulse of a record that is played",
+     "A driver needs some tens of nanoseconds to switch; a shorter pulse only heats it. 5 clocks are 100 ns at 50 MHz."},
+    {"MAX_DUTY_256", &CoreParameters::max_duty_256, 1, 255, {}, {}, false, false,
+     "1/256", "largest part of its cycle that a record's pulse may take",
+     "A transducer gets nothing more from pulses above half a period (128), and its driver only warmer. It also keeps a pin low for as long as it was high."},
+    {"WIDTH_BITS", &CoreParameters::width_bits, 6, 16, {&CoreParameters::pulse_bits, 1}, {&CoreParameters::timing_bits, 1}, false, true,
+     "bits", "0: the pulses of a record have one length. n: each channel has a width of its own, up to 2^n − 1 ticks, so it has an amplitude; 2^n − 1 must be CHANNELS + 44 or more",
+     "Amplitude is the width of the pulse. Half of a cycle of 1250 ticks needs 10 bits. It takes a frame memory and a quarter more cells, and MAX_DUTY_256 of at least 128, since full amplitude is half of the cycle."},
+    {"MODULATION_DEPTH", &CoreParameters::modulation_depth, 4, 65536, {}, {}, true, true,
+     "samples", "how many samples the modulation memory holds; more than 0 needs WIDTH_BITS",
+     "Two samples take a word of block RAM. 4096 are 0.1 s at a sample a carrier period."},
+    {"SLEW", &CoreParameters::slew, 0, 1, {}, {}, false, false,
+     "0 or 1", "1: a limiter bounds how fast phases and amplitudes change; needs WIDTH_BITS",
+     "Abrupt changes of ultrasound are heard. It takes two multipliers and a block RAM."},
+    {"FOCI", &CoreParameters::foci, 8, 8, {}, {}, false, true,
+     "foci", "8: the board computes phases and amplitudes from up to eight foci a record; needs WIDTH_BITS",
+     "A focus takes four words of primary memory, a record of 100 channels 104. The engine takes eight multipliers and 3,000 cells."},
+    {"SCHEDULE", &CoreParameters::schedule, 0, 1, {}, {}, false, false,
+     "0 or 1", "1: carrier periods are counted, and a start, a modulation or pushed indices can wait for one of them, or for the end of what plays",
+     "One pattern then follows another without a gap, and boards that count together begin together. It takes a count, a gate and a comparator of 48 bits and the arguments of what waits: some 600 cells."},
+    {"SYNC", &CoreParameters::sync, 0, 1, {}, {}, false, false,
+     "0 or 1", "1: boards can be kept in step over the wire SYNC",
+     "Several boards make one array when their carrier cycles begin together. Its clock must be 256 to 2000 times 40 kHz."},
+    {"CHAIN", &CoreParameters::chain, 0, 1, {}, {}, false, false,
+     "0 or 1", "1: the board passes the serial line on to another one behind it, and that one's answers back",
+     "One port then leads to many boards. It takes two more receivers and a block RAM for the others' answers."},
+}};
+
+/// A named set of parameters.
+struct CoreConfiguration {
+    std::string_view name;
+    CoreParameters parameters;
+    std::string_view about;
+};
+
+inline constexpr std::array<CoreConfiguration, 17> core_configurations = {{
+    {"tile-100",
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0},
+     "the paper's tile of 10 × 10; what images are compiled for unless a board is named"},
+    {"small-16",
+     {.channels = 16, .records = 40, .sequence_depth = 64, .live_depth = 16, .timing_bits = 12, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 255, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 1, .sync = 0, .chain = 0},
+     "small and quick to reach its limits, with schedule: most contract tests run on it"},
+    {"small-16-sync",
+     {.channels = 16, .records = 40, .sequence_depth = 64, .live_depth = 16, .timing_bits = 12, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 255, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 1, .chain = 1},
+     "the small one with SYNC and a chain, for many boards at once"},
+    {"small-16-wide",
+     {.channels = 16, .records = 256, .sequence_depth = 256, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 64, .slew = 1, .foci = 8, .schedule = 1, .sync = 0, .chain = 0},
+     "the small one with amplitudes, modulation, slew limit, foci and schedule, and the tile's LIVE_DEPTH, so that it takes foci as fast"},
+    {"tile-100-wide",
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8, .schedule = 1, .sync = 1, .chain = 1},
+     "the tile with amplitudes, modulation, slew limit, foci, schedule, SYNC and a chain"},
+    {"tile-100-sync",
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 1, .sync = 1, .chain = 0},
+     "the tile with schedule and SYNC alone, for boards in step that play records of timings"},
+    {"unit-36",
+     {.channels = 36, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 25600000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 1, .sync = 1, .chain = 0},
+     "one of the nine units of 36 channels of Hoshi et al. at their 25.6 MHz, with schedule and SYNC"},
+    {"hoshi-324",
+     {.channels = 324, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0},
+     "the array of 18 × 18 of Hoshi et al."},
+    {"wide-256",
+     {.channels = 256, .records = 160, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0},
+     "256 channels with as many records as the block RAM of an ECP5-25F holds: a question of size"},
+    {"amplitudes-256",
+     {.channels = 256, .records = 160, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8, .schedule = 0, .sync = 0, .chain = 0},
+     "the same with amplitudes, modulation, slew limit and foci"},
+    {"tile-100-3m",
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0},
+     "the tile behind a USB bridge of 3 Mbaud, for the bench of the link"},
+    {"colorlight-5a-75b-v8.0",
+     {.channels = 56, .records = 600, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0},
+     "56 outputs; the serial line is a button's pin, which probably carries a capacitor: nothing faster is known to work"},
+    {"colorlight-5a-75e-v6.0",
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0},
+     "the tile; the serial line is a button's pin, which probably carries a capacitor: nothing faster is known to work"},
+    {"colorlight-5a-75e-v7.1",
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0},
+     "the tile; the serial line is a button's pin, which probably carries a capacitor: nothing faster is known to work"},
+    {"colorlight-5a-75e-v7.1-wide",
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8, .schedule = 0, .sync = 0, .chain = 0},
+     "the same with amplitudes, modulation, slew limit and foci"},
+    {"ice40-hx8k-breakout",
+     {.channels = 100, .records = 64, .sequence_depth = 256, .live_depth = 256, .timing_bits = 8, .pulse_bits = 8, .clock_hz = 48000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0},
+     "the tile in 7,680 cells: 8 timing bits are 240 ticks of 5 clocks a cycle, 9 would need 93 % of the cells"},
+    {"ulx3s-85f",
+     {.channels = 56, .records = 600, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 1, .chain = 0},
+     "56 outputs behind a USB bridge of 3 Mbaud, and SYNC to and from other boards"},
+}};
+
+/// The configuration of this name; null when there is none.
+[[nodiscard]] constexpr const CoreConfiguration* find_configuration(std::string_view wanted) {
+    for (const CoreConfiguration& configuration : core_configurations)
+        if (configuration.name == wanted) return &configuration;
+    return nullptr;
+}
+
+}  // namespace haptogram::interface

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "haptogram/array/vec3.hpp"
+
+namespace haptogram {
+
+/// A focal point and how strong it is to be.
+struct Focus {
+    Vec3 position;           ///< metres, array frame
+    double amplitude = 1.0;  ///< of the pressure, as a fraction of the most that the array can make there: 0…1
+    friend constexpr bool operator==(const Focus&, const Focus&) = default;
+};
+
+/// Foci that exist at the same time. A step without foci is silence.
+struct PathStep {
+    std::vector<Focus> foci;
+    std::uint32_t periods = 1;  ///< of the carrier, for which they last
+    friend bool operator==(const PathStep&, const PathStep&) = default;
+};
+
+/// A slow factor on the amplitude of everything that is played, repeated from the beginning of the path on.
+struct Modulation {
+    std::vector<double> samples;         ///< 0…1; empty: none
+    std::uint32_t periods_a_sample = 1;  ///< of the carrier
+    friend bool operator==(const Modulation&, const Modulation&) = default;
+};
+
+/// What a renderer makes: foci in time. Everything that comes after rendering takes a path. It knows nothing of arrays,
+/// boards or records.
+struct Path {
+    std::vector<PathStep> steps;
+    Modulation modulation;
+
+    /// Carrier periods of one pass.
+    [[nodiscard]] std::uint64_t periods() const;
+    friend bool operator==(const Path&, const Path&) = default;
+};
+
+/// @throws Error{bad_argument} naming the step, for positions or amplitudes that are not finite, amplitudes outside
+/// 0…1, steps of no period, a modulation outside 0…1, or a path without steps
+void require_sound(const Path& path);
+
+/// Makes all foci weaker.
+/// @param amplitude  factor on the pressure, above 0 and at most 1
+/// @throws Error{bad_argument} naming "amplitude" for any other
+void weaken(Path& path, double amplitude);
+
+}  // namespace haptogram

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/hand/interaction.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "haptogram/base/error.hpp"
+
+namespace haptogram {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr double gravity_m_s2 = 9.80665;
+constexpr double lost_below_palm_m = 0.05;  // a ball that is so far below the palm has missed it
+constexpr double drop_fall_s = 0.25;        // for which a drop is drawn before it hits
+constexpr double drop_m_s = 0.6;            // at which it is drawn falling
+constexpr double new_turn_s = 0.3;          // after which the creature turns otherwise
+constexpr double most_turn_rate = pi;       // rad/s
+
+Vec3 flat(Vec3 p) { return {p.x, p.y, 0.0}; }
+
+}  // namespace
+
+Content content_of(std::string_view name) {
+    if (name == "ball") return Content::ball;
+    if (name == "rain") return Content::rain;
+    if (name == "creature") return Content::creature;
+    throw bad_argument("content", fmt::format("found \"{}\", expected ball, rain or creature", name));
+}
+
+Interaction::Interaction(Content content, const InteractionOptions& options)
+    : content_(content),
+      options_(options),
+      random_{static_cast<std::int64_t>(options.seed), static_cast<std::int64_t>(content)} {
+    for (const auto& [setting, value] :
+         {std::pair("palm_radius", options.palm_radius_m), std::pair("ball_height", options.ball_height_m),
+          std::pair("ball_contact", options.ball_contact_s), std::pair("rain", options.rain_hz),
+          std::pair("drop", options.drop_s), std::pair("creature", options.creature_m_s)})
+        if (!(value > 0.0) || !std::isfinite(value))
+            throw bad_argument(setting, fmt::format("found {}, expected a positive number", value));
+}
+
+std::optional<Vec3> Interaction::advance(double seconds, Vec3 palm) {
+    if (!begun_) {
+        last_palm_ = palm;
+        if (content_ == Content::ball) fall_anew(palm);
+        begun_ = true;
+    }
+    const std::optional<Vec3> touch = content_ == Content::ball   ? bounce(seconds, palm)
+                                      : content_ == Content::rain ? rain(seconds, palm)
+                                                                  : walk(seconds, palm);
+    last_palm_ = palm;
+    return touch;
+}
+
+void Interaction::fall_anew(Vec3 palm) {
+    place_ = palm + Vec3{0.0, 0.0, options_.ball_height_m};
+    velocity_ = {};
+    touching_ = false;
+}
+
+/// The ball is a mass on a spring while it touches: half an oscillation takes the time of the contact, and gives all
+/// energy back.
+std::optional<Vec3> Interaction::bounce(double seconds, Vec3 palm) {
+    const double stiffness = pi * pi / (options_.ball_contact_s * options_.ball_contact_s);  // over the mass, 1/s²
+    constexpr int parts = 20;
+    const double h = seconds / parts;
+    const auto above = [&](Vec3 at) { return norm(flat(place_ - at)) <= options_.palm_radius_m; };
+    const auto acceleration = [&](Vec3 at) {
+        const double depth = at.z - place_.z;
+        return -gravity_m_s2 + (depth > 0.0 && above(at) ? stiffness * depth : 0.0);
+    };
+    for (int i = 0; i < parts; ++i) {  // leapfrog
+        const Vec3 here = last_palm_ + (static_cast<double>(i) / parts) * (palm - last_palm_);
+        const Vec3 next = last_palm_ + (static_cast<double>(i + 1) / parts) * (palm - last_palm_);
+        velocity_.z += 0.5 * h * acceleration(here);
+        place_ = place_ + h * velocity_;
+        velocity_.z += 0.5 * h * acceleration(next);
+    }
+    if (place_.z < palm.z - lost_below_palm_m) fall_anew(palm);
+    things_ = {place_};
+    const bool touches = place_.z < palm.z && above(palm);
+    if (touches && !touching_) ++touches_;
+    touching_ = touches;
+    if (!touches) return std::nullopt;
+    return Vec3{place_.x, place_.y, palm.z};
+}
+
+Vec3 Interaction::random_place() {
+    const double radius = options_.palm_radius_m * std::sqrt(random_.uniform(0.0, 1.0));
+    const double angle = random_.uniform(0.0, 2.0 * pi);
+    return {radius * std::cos(angle), radius * std::sin(angle), 0.0};
+}
+
+/// A Poisson process: the times between drops are exponential. The newest drop is the one that is felt.
+std::optional<Vec3> Interaction::rain(double seconds, Vec3 palm) {
+    const auto wait = [&] { return -std::log(1.0 - random_.uniform(0.0, 1.0)) / options_.rain_hz; };
+    if (next_s_ == 0.0) next_s_ = wait();
+    felt_s_ -= seconds;
+    next_s_ -= seconds;
+    while (next_s_ <= 0.0) {
+        drops_.push_back({random_place(), drop_fall_s + next_s_});
+        next_s_ += wait();
+    }
+    things_.clear();
+    for (Drop& drop : drops_) {
+        drop.until_s -= seconds;
+        if (drop.until_s <= 0.0) {
+            hit_ = drop.place;
+            felt_s_ = options_.drop_s;
+            ++touches_;
+        } else {
+            things_.push_back(palm + drop.place + Vec3{0.0, 0.0, drop_m_s * drop.until_s});
+        }
+    }
+    std::erase_if(drops_, [](const Drop& drop) { return drop.until_s <= 0.0; });
+    if (felt_s_ <= 0.0) return std::nullopt;
+    return palm + hit_;
+}
+
+/// It keeps its speed on the palm, turns at a rate that changes now and then, and turns back at the rim.
+std::optional<Vec3> Interaction::walk(double seconds, Vec3 palm) {
+    next_s_ -= seconds;
+    if (touches_ == 0) {
+        heading_ = random_.uniform(0.0, 2.0 * pi);
+        touches_ = 1;
+    }
+    if (next_s_ <= 0.0) {
+        turn_rate_ = random_.uniform(-most_turn_rate, most_turn_rate);
+        next_s_ += new_turn_s;
+    }
+    heading_ += turn_rate_ * seconds;
+    const auto step = [&] {
+        return options_.creature_m_s * seconds * Vec3{std::cos(heading_), std::sin(heading_), 0.0};
+    };
+    if (norm(place_ + step()) > options_.palm_radius_m) heading_ = std::atan2(-place_.y, -place_.x);
+    place_ = place_ + step();
+    things_ = {palm + place_};
+    return palm + place_;
+}
+
+PlayedInteraction interact(Content content, std::span<const MarkerSample> marker, const InteractionOptions& options,
+                           double carrier_hz) {
+    if (marker.size() < 2)
+        throw bad_input("marker",
+                        fmt::format("{} samples of the marker; an interaction needs at least two", marker.size()));
+    for (std::size_t i = 0; i < marker.size(); ++i)
+        if (!is_finite(marker[i].position) || !std::isfinite(marker[i].time_s) ||
+            (i > 0 && !(marker[i].time_s > marker[i - 1].time_s)))
+            throw bad_input("marker",
+                            fmt::format("sample {}: its place must be finite, and its time later than the one "
+                                        "before it",
+                                        i + 1));
+    Interaction content_now(content, options);
+    PlayedInteraction played;
+    played.path.modulation = options.modulation;
+    const auto periods = static_cast<std::uint32_t>(std::max<std::int64_t>(1, std::llround(1e-3 * carrier_hz)));
+    const double step_s = periods / carrier_hz;
+    const double length_s = marker.back().time_s - marker.front().time_s;
+    const auto steps = static_cast<std::size_t>(std::max(1.0, std::floor(length_s / step_s + 1e-9)));
+    std::size_t sample = 0;
+    std::optional<Vec3> last;  // where the focus is
+    for (std::size_t i = 0; i < steps; ++i) {
+        const double time_s = static_cast<double>(i) * step_s;
+        const double at = marker.front().time_s + time_s;
+        while (sample + 2 < marker.size() && marker[sample + 1].time_s <= at) ++sample;
+        const MarkerSample &before = marker[sample], &after = marker[sample + 1];
+        std::optional<Vec3> focus, palm;
+        if (after.time_s - before.time_s > options.longest_gap_s) {
+            played.lost_s += step_s;
+        } else {
+            const double share = (at - before.time_s) / (after.time_s - before.time_s);
+            palm = before.position + share * (after.position - before.position) + options.palm_from_marker;
+            focus = content_now.advance(step_s, *palm);
+        }
+        if (focus) {
+            const Vec3 asked = *focus;
+            if (options.grid) focus = options.grid->nearest(asked);
+            const bool outside = asked.z < options.lowest_m || asked.z > options.highest_m ||
+                                 (options.grid && (std::abs(asked.x - focus->x) > 0.5 * options.grid->pitch_m + 1e-9 ||
+                                                   std::abs(asked.y - focus->y) > 0.5 * options.grid->pitch_m + 1e-9));
+            if (outside) {
+                played.out_of_range_s += step_s;
+                focus.reset();
+            } else {
+                if (!options.grid && last && distance(*last, *focus) <= options.spacing_m) focus = last;
+                played.felt_s += step_s;
+            }
+        }
+        std::vector<Focus> foci;
+        if (focus) foci.push_back({*focus});
+        if (!played.path.steps.empty() && played.path.steps.back().foci == foci)
+            played.path.steps.back().periods += periods;
+        else
+            played.path.steps.push_back({std::move(foci), periods});
+        last = focus;
+        if (i % 10 == 0) played.scene.push_back({time_s, palm, content_now.things(), focus});
+    }
+    played.touches = content_now.touches();
+    return played;
+}
+
+}  // namespace haptogram

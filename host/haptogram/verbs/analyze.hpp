@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "haptogram/base/progress.hpp"
+#include "haptogram/format/bundle.hpp"
+#include "haptogram/solve/pressure_left.hpp"
+#include "haptogram/verbs/focus_analysis.hpp"
+
+namespace haptogram {
+
+/// About the least force that a palm felt: 0.06 gf (the paper “Multimodal”, Table III; see docs/references.md).
+inline constexpr double least_felt_n = 0.58e-3;
+/// From Hoshi et al. 2010, section 2.4: the level that is recommended as a limit for ears, and the intensity that is
+/// safe inside tissue. Skin absorbs 0.1 % of the ultrasound that meets it.
+inline constexpr double recommended_for_ears_db = 110.0;
+inline constexpr double safe_in_tissue_w_m2 = 1000.0;
+
+/// One focus of an image.
+struct PointAnalysis {
+    std::size_t record = 0;  ///< its index
+    FocusAnalysis focus;
+    std::uint32_t dwell_cycles = 0;  ///< that its record has in one pass
+    bool too_weak = false;           ///< less than the least force
+};
+
+struct ImageAnalysis {
+    std::vector<PointAnalysis> points;
+    std::vector<std::string> warnings;
+    PressureLeft pressure_left;  ///< by the transducers' bandwidth at this path's speed and spacing
+    Loudness loudness;           ///< information computed from a model, no certification
+};
+
+/// What each focus of an image is like, and how loud the whole is.
+/// @param least_force_n  a focus with less force in it is called too weak to feel
+[[nodiscard]] ImageAnalysis analyze(const Bundle& bundle, double least_force_n = least_felt_n,
+                                    const Progress& progress = {});
+
+}  // namespace haptogram

@@ -1,0 +1,603 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/verbs/compile.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <utility>
+
+#include "haptogram/base/error.hpp"
+#include "haptogram/base/file.hpp"
+#include "haptogram/format/board.hpp"
+#include "haptogram/format/schedule.hpp"
+#include "haptogram/shape/adaptics.hpp"
+#include "haptogram/shape/import.hpp"
+#include "haptogram/shape/path_file.hpp"
+#include "haptogram/shape/reach.hpp"
+#include "haptogram/solve/drives.hpp"
+#include "haptogram/solve/segments.hpp"
+#include "haptogram/verbs/focus_image.hpp"
+#include "haptogram/verbs/hand_project.hpp"
+
+namespace haptogram {
+namespace {
+
+constexpr std::uint32_t most_dwell = interface::sequence_entry_field::dwell.most();
+constexpr std::size_t most_record_samples = 4096;  // of a modulation that becomes records
+
+/// The union of a project's shapes.
+/// @param hashes  gets the hash of every file's content
+Shape gather(const Project& project, std::string& hashes) {
+    Shape shape;
+    for (const ShapeSource& source : project.shapes) {
+        Shape part;
+        if (source.file.empty() && !source.content) {
+            part = make_primitive(source.primitive);
+        } else {
+            const double metres = metres_per_unit(source.unit);
+            std::string hash;
+            if (source.content) {
+                part = load_shape(*source.content, shape_format(source.file), source.file, metres);
+                hash = sha256(*source.content);
+            } else {
+                part = load_shape(project.folder / source.file, metres, &hash);
+            }
+            hashes += hash;
+        }
+        if (source.placement != Placement{}) part = place(part, source.placement);
+        std::move(part.pieces.begin(), part.pieces.end(), std::back_inserter(shape.pieces));
+    }
+    if (shape.pieces.empty())
+        throw bad_argument("shape", fmt::format("there is nothing to compile: give a file, or one of the built-in "
+                                                "shapes {}",
+                                                fmt::join(primitive_kinds(), ", ")));
+    return shape;
+}
+
+Placement placement(const Project& project) {
+    Placement result = project.placement;
+    const bool built_in = std::all_of(project.shapes.begin(), project.shapes.end(),
+                                      [](const ShapeSource& s) { return s.file.empty() && !s.content; });
+    const bool placed = std::any_of(project.shapes.begin(), project.shapes.end(),
+                                    [](const ShapeSource& s) { return s.placement.center.has_value(); });
+    // This is where the Haptogram paper shows its shapes.
+    if (!result.center && built_in && !placed) result.center = from_mm(0.0, 0.0, 130.0);
+    return result;
+}
+
+/// A project's settings as text, for the hash of all inputs. It has no names of files: their contents are hashed
+/// instead.
+std::string settings_text(Project project) {
+    for (ShapeSource& source : project.shapes) {
+        source.content.reset();
+        if (!source.file.empty()) source.file = "file";
+    }
+    if (!project.path.empty()) project.path = "file";
+    if (project.hand) {
+        if (!project.hand->recording.starts_with(synthetic_prefix)) project.hand->recording = "file";
+        if (!is_built_in(project.hand->object)) project.hand->object.name = "file";
+        project.hand->model.clear();
+    }
+    project.array.reset();
+    project.board.reset();
+    // Written apart, because a project file cannot hold the largest seeds.
+    const std::uint64_t seed = std::exchange(project.seed, Project{}.seed);
+    return fmt::format("{}seed {}\n", to_toml(project), seed);
+}
+
+/// Which record each stretch of the path plays, and for how long.
+struct Timeline {
+    std::vector<PathStep> steps;     ///< one a record
+    std::vector<double> amplitudes;  ///< factor of the modulation, one a record
+    std::vector<SequenceEntry> entries;
+};
+
+class TimelineMaker {
+public:
+    TimelineMaker(const Path& path, const Timer& timer, const Core& core, const std::optional<Segments>& segments)
+        : path_(path), timer_(timer), core_(core), segments_(segments) {}
+
+    Timeline make() {
+        const std::uint64_t length = path_.periods();
+        const auto& samples = path_.modulation.samples;
+        const std::uint64_t cycle = samples.size() * path_.modulation.periods_a_sample;
+        const std::uint64_t end = samples.empty() ? length : std::lcm(length, cycle);
+        std::uint64_t now = 0;
+        for (std::size_t step = 0; now < end; step = (step + 1) % path_.steps.size()) {
+            const std::uint64_t until = now + path_.steps[step].periods;
+            while (now < until) {
+                std::uint64_t next = until;
+                double factor = 1.0;
+                if (!samples.empty()) {
+                    const std::uint64_t at = now / path_.modulation.periods_a_sample;
+                    factor = samples[at % samples.size()];
+                    next = std::min(until, (at + 1) * path_.modulation.periods_a_sample);
+                }
+                const std::uint16_t index = record_of(path_.steps[step], factor);
+                if (!samples.empty() && index == waiting_index_) {  // samples that round to the same pulse
+                    waiting_ += next - now;
+                } else {
+                    play(waiting_index_, waiting_);
+                    waiting_index_ = index;
+                    waiting_ = next - now;
+                }
+                now = next;
+            }
+        }
+        play(waiting_index_, waiting_);
+        return std::move(timeline_);
+    }
+
+private:
+    /// Index of the record with these foci at this strength, made when there is none yet; 0 for silence.
+    std::uint16_t record_of(const PathStep& step, double factor) {
+        double largest = 0.0;
+        for (const Focus& focus : step.foci) largest = std::max(largest, focus.amplitude);
+        std::uint32_t pulse = pulse_ticks(timer_, largest * factor);
+        if (segments_) pulse = length_in_segments(pulse, timer_, *segments_);
+        if (pulse == 0) return 0;
+        std::string key(reinterpret_cast<const char*>(step.foci.data()), step.foci.size() * sizeof(Focus));
+        key += fmt::format(" {}", pulse);
+        const auto [entry, fresh] = records_.try_emplace(key, timeline_.steps.size() + 1);
+        if (fresh) {
+            timeline_.steps.push_back(step);
+            timeline_.amplitudes.push_back(factor);
+            if (timeline_.steps.size() > core_.parameters.records)
+                throw bad_input(core_.name,
+                                fmt::format("the path needs more records than the board's {}: every set of foci, and "
+                                            "every strength of it, is one; take fewer points or a coarser modulation",
+                                            core_.parameters.records),
+                                {"points", "board", "array"});
+        }
+        return static_cast<std::uint16_t>(entry->second);
+    }
+
+    void play(std::uint16_t index, std::uint64_t periods) {
+        auto& entries = timeline_.entries;
+        while (periods > 0) {
+            const auto dwell = static_cast<std::uint16_t>(std::min<std::uint64_t>(periods, most_dwell));
+            if (entries.size() + 1 >= core_.parameters.sequence_depth)
+                throw bad_input(core_.name,
+                                fmt::format("the path needs more sequence entries than the board's {}; take fewer "
+                                            "points or a coarser modulation",
+                                            core_.parameters.sequence_depth - 1),
+                                {"points", "board", "array"});
+            entries.push_back({index, dwell});
+            periods -= dwell;
+        }
+    }
+
+    const Path& path_;
+    const Timer& timer_;
+    const Core& core_;
+    const std::optional<Segments>& segments_;
+    std::uint16_t waiting_index_ = 0;  ///< of the next entry, which may still grow
+    std::uint64_t waiting_ = 0;
+    Timeline timeline_;
+    std::map<std::string, std::size_t> records_;
+};
+
+/// Draws a shape's curves, or, when it has surfaces or clouds, visits its points in a short tour.
+Drawing drawing_of(const Project& project, const Shape& shape, const Array& array, double carrier_hz,
+                   const ShapePathOptions& options) {
+    std::vector<Curve> curves;
+    for (const Piece& piece : shape.pieces)
+        if (const Curve* const curve = std::get_if<Curve>(&piece)) curves.push_back(*curve);
+    if (curves.size() < shape.pieces.size()) return draw(tour_of(shape, array, options), carrier_hz, project.pace);
+    return draw(curve_tour(curves), array, carrier_hz, project.pace, project.jump, options);
+}
+
+/// The path that a project names.
+/// @throws Error{bad_input} also when the array cannot reach a focus
+Path path_in_file(const Project& project, const Array& array, double carrier_hz, std::string& hash) {
+    if (!project.shapes.empty())
+        throw bad_argument("path", "a path file has its own places; give either shapes or a path");
+    if (project.placement != Placement{} || project.clip || project.pace.speed_m_s || project.pace.frequency_hz)
+        throw bad_argument("path",
+                           "a path file has its own places and times; scale, size, rotate, center, clip, speed and "
+                           "frequency are for shapes");
+    Path path = load_path(project.folder / project.path, carrier_hz, project.points, &hash);
+    require_reachable(path, array);
+    return path;
+}
+
+/// What a project's hand feels, as `haptogram render` writes it and compile reads it, so that both ways lead to the
+/// same image.
+/// @param hash  gets that of the path
+Path path_of_hand(const Project& project, const ProjectInstrument& instrument, double carrier_hz, std::string& hash,
+                  std::vector<std::string>& warnings, std::optional<perception::PathMagnitude>& magnitude) {
+    if (!project.shapes.empty() || project.placement != Placement{} || project.clip || project.even)
+        throw bad_argument("hand",
+                           "what a hand feels has its own places; leave out shapes, scale, size, rotate, "
+                           "center, clip and even");
+    Rendered rendered = render(project, instrument);
+    const std::string text = to_json_text(rendered.path, rendered.carrier_hz);
+    hash += sha256(text);
+    warnings = std::move(rendered.warnings);
+    magnitude = rendered.magnitude;
+    Path path = path_from_json(text, "what the hand feels", carrier_hz);
+    require_reachable(path, instrument.array);
+    return path;
+}
+
+/// Chooses dwells that make all points feel alike, a third of the given ones and a carrier period at the least.
+/// @return shares of the time, before and after
+Evened make_even(std::vector<Stretch>& stretches, const Array& array) {
+    constexpr std::size_t rounds = 3000;
+    constexpr double least_part = 1.0 / 3.0;
+    std::vector<Vec3> points;
+    std::vector<double> periods, floors;
+    for (const Stretch& stretch : stretches) {
+        if (stretch.foci.empty()) continue;
+        points.push_back(stretch.foci.front().position);
+        periods.push_back(stretch.periods);
+        floors.push_back(std::min(stretch.periods, std::max(1.0, least_part * stretch.periods)));
+    }
+    const CrossTalk cross_talk(array, points);
+    const auto evenness = [&] {
+        const Path path = path_of(stretches);
+        std::vector<double> shares;
+        for (const PathStep& step : path.steps)
+            if (!step.foci.empty())
+                shares.push_back(static_cast<double>(step.periods) / static_cast<double>(path.periods()));
+        return cross_talk.evenness(shares);
+    };
+    Evened result;
+    result.before = evenness();
+    const std::vector<double> even = cross_talk.even_shares(periods, floors, rounds);
+    std::size_t next = 0;
+    for (Stretch& stretch : stretches)
+        if (!stretch.foci.empty()) stretch.periods = even[next++];
+    result.after = evenness();
+    return result;
+}
+
+DrawnPace pace_of(const Drawing& drawing, const Path& path, double carrier_hz) {
+    const double frequency_hz = carrier_hz / static_cast<double>(path.periods());
+    return {drawing.length_m, drawing.jumps_m, drawing.travelled_m * frequency_hz, frequency_hz, drawing.spacing_m};
+}
+
+/// Lets the amplitude follow the project's waveform. A path of one step has no length of its own: it takes the
+/// modulation's, so that no more sequence entries are needed than that has samples.
+/// @param most_samples  that the image can hold
+/// @param hashes        gets the hash of the samples
+/// @return the frequencies as they came out
+std::vector<double> modulate(Path& path, const Project& project, double carrier_hz, std::size_t most_samples,
+                             std::string& hashes) {
+    if (project.am.empty()) return {};
+    if (!path.modulation.samples.empty())
+        throw bad_argument("am", "the path has a modulation of its own; leave one of them out");
+    MadeModulation made = modulation_of(project.am, project.am_law, carrier_hz, project.folder, most_samples);
+    path.modulation = std::move(made.modulation);
+    hashes += sha256(fmt::format("{}", fmt::join(path.modulation.samples, " ")));
+    if (path.steps.size() == 1)
+        path.steps.front().periods =
+            static_cast<std::uint32_t>(path.modulation.samples.size()) * path.modulation.periods_a_sample;
+    return made.frequencies_hz;
+}
+
+/// Lets the foci be, or feel, as strong as the project says.
+std::optional<perception::PathMagnitude> feel(Path& path, const Project& project, const Array& array) {
+    weaken(path, project.amplitude);
+    if (!project.magnitude) return {};
+    require_one_strength(project.magnitude, project.amplitude);
+    const auto wanted =
+        perception::wanted_of(*project.magnitude, project.am, project.am_law == AmplitudeLaw::radiation);
+    return perception::give_magnitude(path, perception::find_tables(), wanted, array);
+}
+
+/// A pattern that is looked at too seldom loses the shape of its brush.
+void warn_of_few_samples(Compiled& compiled, const Project& project) {
+    if (!project.path.ends_with(".adaptics")) return;
+    const double length_s = static_cast<double>(compiled.path.periods()) * compiled.bundle.manifest.timer.period_s();
+    const double samples_hz = static_cast<double>(project.points) / length_s;
+    if (samples_hz < 2.0 * adaptics_brush_hz)
+        compiled.warnings.push_back(fmt::format(
+            "the pattern is looked at {:.4g} times a second, and its brush is drawn {:.4g} times; the brush is lost, "
+            "take more points",
+            samples_hz, adaptics_brush_hz));
+}
+
+/// A modulation that keeps step with the path may be off whenever a focus has its turn, and a weak pulse may round to
+/// none on a device's segments.
+void warn_of_unheard_foci(Compiled& compiled) {
+    const bool modulated = !compiled.path.modulation.samples.empty();
+    if (!modulated && compiled.bundle.manifest.quantise.empty()) return;
+    std::size_t unheard = 0;
+    const auto& records = compiled.bundle.manifest.records;
+    for (const PathStep& step : compiled.path.steps) {
+        const auto plays = [&](const RecordMeaning& record) {
+            return std::equal(record.foci.begin(), record.foci.end(), step.foci.begin(), step.foci.end(),
+                              [](const Focus& a, const Focus& b) { return a.position == b.position; });
+        };
+        const bool audible =
+            std::any_of(step.foci.begin(), step.foci.end(), [](const Focus& focus) { return focus.amplitude > 0.0; });
+        if (audible && std::none_of(records.begin(), records.end(), plays)) ++unheard;
+    }
+    if (unheard > 0)
+        compiled.warnings.push_back(fmt::format(
+            "{} of {} steps of the path are never heard, because {}", unheard, compiled.path.steps.size(),
+            modulated ? "the modulation is at 0 whenever they play; take a frequency that does not divide the "
+                        "modulation's"
+                      : "their pulses are shorter than half a segment of the device; raise their amplitudes"));
+}
+
+/// What an image holds when nobody has said it.
+ImageKind kind_of(std::optional<ImageKind> asked, const Core& core, const std::string& quantise) {
+    if (asked == ImageKind::foci && !quantise.empty())
+        throw bad_argument("quantise",
+                           "segments are of records, whose pulses the host computes; leave foci or segments "
+                           "out",
+                           {"quantise", "foci"});
+    if (asked == ImageKind::foci && core.parameters.foci == 0)
+        throw bad_input(core.name, "it computes no foci; compile records for it, or take a board that does",
+                        {"records", "board"});
+    return asked.value_or(core.parameters.foci > 0 && quantise.empty() ? ImageKind::foci : ImageKind::records);
+}
+
+Timer timer_of(ImageKind kind, const Array& array, const Core& core) {
+    return kind == ImageKind::foci ? choose_amplitude_timer(array, core) : choose_timer(array, core);
+}
+
+/// Records of timings: fills in the image, and the manifest's records and solver.
+Image records_image(const Path& path, const Array& array, const Core& core, Method solver, Manifest& manifest,
+                    std::string& settings) {
+    const std::uint32_t channels = manifest.core.parameters.channels;
+    std::optional<Segments> segments;
+    if (!manifest.quantise.empty()) segments = segments_of(manifest.quantise);
+    const Timeline timeline = TimelineMaker(path, manifest.timer, core, segments).make();
+    if (timeline.steps.empty())
+        throw bad_argument(
+            "path", "every step is silent, or so weak that its pulse would have no length; there is nothing to play");
+
+    Image image;
+    image.channels = channels;
+    image.clock_hz = core.parameters.clock_hz;
+    image.timing_bits = core.parameters.timing_bits;
+    image.pulse_bits = core.parameters.pulse_bits;
+    image.records = records_of(array, manifest.timer, image.channels, timeline.steps, timeline.amplitudes, solver);
+    if (segments)
+        for (Record& record : image.records) record = in_segments(record, manifest.timer, *segments);
+    image.sequence = timeline.entries;
+
+    std::vector<std::uint32_t> dwells(image.records.size());
+    for (const SequenceEntry& entry : image.sequence)
+        if (entry.index > 0) dwells[entry.index - 1U] += entry.dwell;
+    for (std::size_t i = 0; i < timeline.steps.size(); ++i) {
+        RecordMeaning meaning{timeline.steps[i].foci, timeline.amplitudes[i], dwells[i]};
+        double largest = 0.0;
+        for (const Focus& focus : meaning.foci) largest = std::max(largest, focus.amplitude);
+        for (Focus& focus : meaning.foci) focus.amplitude /= largest;
+        meaning.amplitude *= largest;
+        manifest.records.push_back(std::move(meaning));
+    }
+    manifest.solver = solver;
+    // Images of single foci do not depend on it.
+    if (manifest.has_several_foci()) settings += fmt::format("\nsolver {}", name_of(solver));
+    return image;
+}
+
+Compiled compile_path(Path path, const ProjectInstrument& instrument, std::uint16_t loops, const std::string& name,
+                      std::string settings, Method solver, const std::string& quantise, ImageKind kind) {
+    const auto& [array, core, boards] = instrument;
+    require_sound(path);
+    if (boards == 1) require_channels(array, core);
+    Manifest manifest;
+    manifest.array = array;
+    manifest.core = core;
+    if (boards > 1) manifest.core.parameters.channels = static_cast<std::uint32_t>(array.elements.size());
+    manifest.timer = timer_of(kind, array, core);
+    manifest.quantise = quantise;
+    std::vector<std::string> warnings;
+    Image image;
+    if (kind == ImageKind::foci) {
+        FocusImage made = focus_image_of(path, array, core, loops, boards);
+        image = std::move(made.image);
+        manifest.records = std::move(made.records);
+        manifest.foci = made.meaning;
+        manifest.modulation = image.modulation;
+        manifest.solver = Method::superposition;
+        warnings = std::move(made.warnings);
+        settings += "\nimage foci";
+    } else {
+        image = records_image(path, array, core, solver, manifest, settings);
+    }
+    image.loops = loops;
+
+    std::uint64_t periods = 0;
+    for (const SequenceEntry& entry : image.sequence) periods += entry.dwell;
+    manifest.rate_hz = manifest.timer.carrier_hz() / static_cast<double>(periods);
+    manifest.formation = slowest_formation(array, core, manifest.points());
+    Manifest before;  // the members that do not depend on the points
+    before.array = array;
+    before.core = manifest.core;
+    before.timer = manifest.timer;
+    manifest.input_sha256 = sha256(fmt::format("{} {} {}", version(), settings, to_text(before)));
+    std::string hex = to_intel_hex(image);
+    manifest.image_sha256 = sha256(hex);
+    Compiled compiled{{std::move(image), std::move(manifest), std::move(hex), name},
+                      std::move(path),
+                      {},
+                      {},
+                      {},
+                      {},
+                      {},
+                      {},
+                      std::move(warnings)};
+    compiled.pressure_left = summary_of(compiled.path, pressure_left(array, compiled.path));
+    if (kind == ImageKind::records) warn_of_unheard_foci(compiled);
+    const std::string short_dwell = short_dwell_warning(compiled);
+    if (!short_dwell.empty()) compiled.warnings.push_back(short_dwell);
+    return compiled;
+}
+
+Compiled compile_on(const ProjectInstrument& instrument, const Project& project, const std::string& name,
+                    const Progress& progress, Shape* placed = nullptr) {
+    const ImageKind kind = kind_of(project.image, instrument.core, project.quantise);
+    const Timer timer = timer_of(kind, instrument.array, instrument.core);
+    const std::size_t most_samples =
+        kind == ImageKind::foci ? std::max(1U, instrument.core.parameters.modulation_depth) : most_record_samples;
+    std::string hashes;
+    progress(0.0, "reading shapes");
+    if (!project.path.empty()) {
+        Path path = path_in_file(project, instrument.array, timer.carrier_hz(), hashes);
+        const std::vector<double> am_hz = modulate(path, project, timer.carrier_hz(), most_samples, hashes);
+        const auto magnitude = feel(path, project, instrument.array);
+        progress(0.8, "focusing");
+        Compiled compiled = compile_path(std::move(path), instrument, project.loops, name,
+                                         settings_text(project) + hashes, Method::gauss_newton, project.quantise, kind);
+        compiled.am_hz = am_hz;
+        compiled.magnitude = magnitude;
+        warn_of_few_samples(compiled, project);
+        progress(1.0, "focusing");
+        return compiled;
+    }
+    if (project.hand) {
+        std::vector<std::string> warnings;
+        std::optional<perception::PathMagnitude> magnitude;
+        Path path = path_of_hand(project, instrument, timer.carrier_hz(), hashes, warnings, magnitude);
+        progress(0.8, "focusing");
+        Compiled compiled = compile_path(std::move(path), instrument, project.loops, name,
+                                         settings_text(project) + hashes, Method::gauss_newton, project.quantise, kind);
+        compiled.magnitude = magnitude;
+        compiled.warnings.insert(compiled.warnings.begin(), warnings.begin(), warnings.end());
+        progress(1.0, "focusing");
+        return compiled;
+    }
+    Shape shape = place(gather(project, hashes), placement(project));
+    progress(0.3, "sampling");
+    const interface::CoreParameters& core = instrument.core.parameters;
+    const std::uint32_t held = kind == ImageKind::foci ? instrument.core.most_focus_records() : core.records;
+    const ShapePathOptions options{project.points,
+                                   project.seed,
+                                   project.clip,
+                                   std::min(held, core.sequence_depth - 1),
+                                   instrument.core.name,
+                                   fmt::format("{} {}records, {} sequence entries", held,
+                                               kind == ImageKind::foci ? "focus " : "", core.sequence_depth - 1)};
+    TouredPoints points;
+    Path path;
+    std::optional<DrawnPace> pace;
+    std::optional<Evened> evened;
+    if (project.pace.speed_m_s || project.pace.frequency_hz) {
+        Drawing drawing = drawing_of(project, shape, instrument.array, timer.carrier_hz(), options);
+        if (project.even) evened = make_even(drawing.stretches, instrument.array);
+        path = path_of(drawing.stretches);
+        pace = pace_of(drawing, path, timer.carrier_hz());
+        points = std::move(drawing.points);
+    } else {
+        points = tour_of(shape, instrument.array, options);
+        path = path_through(points.points,
+                            even_dwells(timer.carrier_hz(), project.rate_hz, points.points.size(), most_dwell));
+        if (project.even) {
+            std::vector<Stretch> stretches;
+            for (const PathStep& step : path.steps) stretches.push_back({step.foci, static_cast<double>(step.periods)});
+            evened = make_even(stretches, instrument.array);
+            path = path_of(stretches);
+        }
+    }
+    const std::vector<double> am_hz = modulate(path, project, timer.carrier_hz(), most_samples, hashes);
+    const auto magnitude = feel(path, project, instrument.array);
+    progress(0.8, "focusing");
+    Compiled compiled = compile_path(std::move(path), instrument, project.loops, name, settings_text(project) + hashes,
+                                     Method::gauss_newton, project.quantise, kind);
+    if (placed != nullptr) *placed = std::move(shape);
+    compiled.points = std::move(points);
+    compiled.pace = pace;
+    compiled.evened = evened;
+    compiled.am_hz = am_hz;
+    compiled.magnitude = magnitude;
+    progress(1.0, "focusing");
+    return compiled;
+}
+
+}  // namespace
+
+double Compiled::shortest_dwell_s() const {
+    // A long dwell is several entries of one record in a row; silence is no focus.
+    const std::vector<SequenceEntry>& sequence = bundle.image.sequence;
+    std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
+    for (std::size_t i = 0, next = 0; i < sequence.size(); i = next) {
+        std::uint64_t dwell = 0;
+        for (; next < sequence.size() && sequence[next].index == sequence[i].index; ++next)
+            dwell += sequence[next].dwell;
+        if (sequence[i].index != 0) least = std::min(least, dwell);
+    }
+    return static_cast<double>(least) * bundle.manifest.timer.period_s();
+}
+
+std::string short_dwell_warning(const Compiled& compiled) {
+    // A modulation's samples are no foci of their own.
+    if (!compiled.path.modulation.samples.empty()) return {};
+    const Formation& formation = compiled.bundle.manifest.formation;
+    const double dwell_s = compiled.shortest_dwell_s();
+    if (dwell_s >= formation.with_ring_up_s()) return {};
+    const bool geometry = dwell_s < formation.formation_s;
+    return fmt::format(
+        "a point lasts {:.1f} µs, shorter than the {:.1f} µs {}; it will not reach its full pressure", dwell_s * 1e6,
+        (geometry ? formation.formation_s : formation.with_ring_up_s()) * 1e6,
+        geometry ? "in which all waves arrive at a focus" : "that the transducers' ring-up takes as well");
+}
+
+double metres_per_unit(const std::string& unit) {
+    if (unit == "mm") return millimetre;
+    if (unit == "cm") return 0.01;
+    if (unit == "m") return 1.0;
+    throw bad_argument("unit", fmt::format("must be mm, cm or m, found '{}'", unit));
+}
+
+ProjectInstrument instrument_of(const Project& project) {
+    ProjectInstrument found;
+    if (project.board) {
+        const std::string board = project.beside(*project.board);
+        found.core = find_core(board);
+        const std::string drives = project.array ? project.beside(*project.array) : array_of_board(board);
+        found.array = find_array(drives);
+    } else {
+        const std::string array = project.array ? project.beside(*project.array) : "tile-10x10";
+        found.array = find_array(array);
+        found.core = core_of_array(array);
+    }
+    require_channels(found.array, found.core);
+    return found;
+}
+
+Shape shape_of(const Project& project) {
+    if (!project.is_of_shapes()) return {};
+    std::string hashes;
+    return place(gather(project, hashes), placement(project));
+}
+
+Compiled compile(const Project& project, const std::string& name, const Progress& progress, Shape* shape) {
+    return compile_on(instrument_of(project), project, name, progress, shape);
+}
+
+Compiled compile(const ProjectInstrument& instrument, const Project& project, const std::string& name,
+                 const Progress& progress) {
+    return compile_on(instrument, project, name, progress);
+}
+
+Compiled compile_for_stream(const Project& project, const std::string& name) {
+    ProjectInstrument instrument = instrument_of(project);
+    instrument.core.parameters.sequence_depth = interface::sequence_header_field::length.most() + 1;
+    return compile_on(instrument, project, name, {});
+}
+
+Compiled compile(const Path& path, const Array& array, const Core& core, std::uint16_t loops, const std::string& name,
+                 Method solver, const std::string& quantise, std::optional<ImageKind> kind) {
+    std::string settings = fmt::format("path {}", loops);
+    for (const PathStep& step : path.steps) {
+        settings += fmt::format("\n{}", step.periods);
+        for (const Focus& f : step.foci)
+            settings += fmt::format(" {} {} {} {}", f.position.x, f.position.y, f.position.z, f.amplitude);
+    }
+    settings += fmt::format("\n{} {}", path.modulation.periods_a_sample, fmt::join(path.modulation.samples, " "));
+    if (!quantise.empty()) settings += fmt::format("\nquantise {}", quantise);
+    return compile_path(path, {array, core}, loops, name, settings, solver, quantise, kind_of(kind, core, quantise));
+}
+
+}  // namespace haptogram

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/verbs/excitation.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "haptogram/acoustics/propagation.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/verbs/focus_check.hpp"
+#include "haptogram/verbs/measure.hpp"
+
+namespace haptogram {
+namespace {
+
+void require_record(std::uint32_t record, std::size_t records, const char* owner) {
+    if (record > records) throw bad_argument("record", fmt::format("the {} has {}, not {}", owner, records, record));
+}
+
+/// The root of the mean square of the board's modulation; 1 without.
+double modulation_rms(const Manifest& manifest) {
+    if (!manifest.modulation) return 1.0;
+    double sum = 0.0;
+    for (const std::uint8_t sample : manifest.modulation->samples) sum += sample * sample / (255.0 * 255.0);
+    return std::sqrt(sum / static_cast<double>(manifest.modulation->samples.size()));
+}
+
+std::vector<Vec3> positions(const std::vector<Focus>& foci) {
+    std::vector<Vec3> found;
+    for (const Focus& focus : foci) found.push_back(focus.position);
+    return found;
+}
+
+}  // namespace
+
+std::vector<WeightedDrives> Excitation::sequence() const {
+    std::vector<WeightedDrives> found;
+    for (std::size_t i = 0; i < drives.size(); ++i) found.push_back({weights[i], drives[i]});
+    return found;
+}
+
+void weaken(Excitation& excitation, double factor) {
+    for (std::vector<std::complex<double>>& drives : excitation.drives)
+        for (std::complex<double>& drive : drives) drive *= factor;
+}
+
+Excitation excitation_of(const Array& array, Vec3 focus) {
+    if (const std::string why = array.unreachable(focus); !why.empty()) throw bad_argument("focus", why);
+    return {array,
+            {ideal_drives(array, focus)},
+            {1.0},
+            {focus},
+            fmt::format("{}, exact phases for ({:g},{:g},{:g}) mm", array.name, focus.x / millimetre,
+                        focus.y / millimetre, focus.z / millimetre)};
+}
+
+Excitation in_segments(const Excitation& excitation, const Segments& segments) {
+    Excitation made = excitation;
+    const double full = made.array.transducer.source_pa_m;
+    for (auto& drives : made.drives)
+        for (std::complex<double>& drive : drives)
+            drive = full * drive_of(segment_pulse(drive / full, segments), segments);
+    made.title += fmt::format(", in the segments of {}", segments.name);
+    return made;
+}
+
+Excitation excitation_of(const Bundle& bundle, std::uint32_t record) {
+    const Image& image = bundle.image;
+    const std::size_t records = image.record_count();
+    require_record(record, records, "image");
+    const double modulated = modulation_rms(bundle.manifest);
+    Excitation found{bundle.manifest.array, {}, {}, {}, {}};
+    if (record > 0) {
+        found.drives = {drives_of(bundle.manifest, image, record - 1)};
+        weaken(found, modulated);
+        found.weights = {1.0};
+        found.foci = positions(bundle.manifest.records[record - 1].foci);
+        found.title = fmt::format("{}, record {}", bundle.name, record);
+        return found;
+    }
+    for (const std::uint64_t clocks : record_clocks(image)) found.weights.push_back(static_cast<double>(clocks));
+    for (std::size_t place = 0; place < records; ++place)
+        found.drives.push_back(drives_of(bundle.manifest, image, place));
+    weaken(found, modulated);
+    found.foci = bundle.manifest.points();
+    found.title = fmt::format("{}, {} points in turn", bundle.name, records);
+    return found;
+}
+
+Excitation only(const Excitation& excitation, std::size_t place) {
+    if (place >= excitation.drives.size())
+        throw bad_argument("record",
+                           fmt::format("there are {} sets of drives, not {}", excitation.drives.size(), place + 1));
+    return {excitation.array, {excitation.drives[place]}, {1.0}, {}, excitation.title};
+}
+
+Excitation excitation_of(const Manifest& manifest, const std::string& name, std::uint32_t record) {
+    require_record(record, manifest.records.size(), "manifest");
+    Excitation found{manifest.array, {}, {}, manifest.points(), name + ", exact phases"};
+    for (std::size_t i = 0; i < manifest.records.size(); ++i) {
+        if (record > 0 && i + 1 != record) continue;
+        const RecordMeaning& meaning = manifest.records[i];
+        found.drives.push_back(asked_drives(manifest, meaning));
+        found.weights.push_back(meaning.dwell_cycles);
+    }
+    weaken(found, modulation_rms(manifest));
+    if (record > 0) found.foci = positions(manifest.records[record - 1].foci);
+    return found;
+}
+
+Excitation excitation_of(const Manifest& manifest, const std::vector<Pulse>& pulses, const std::string& name) {
+    if (pulses.empty()) throw bad_input(name, "no pulses in it; expected what a simulation measured");
+    Excitation found{manifest.array, {}, {}, manifest.points(), name + ", as measured at the pins"};
+    for (MeasuredRecord& record : measure(manifest, pulses, name)) {
+        if (record.cycles == 0) continue;
+        found.drives.push_back(std::move(record.drives));
+        found.weights.push_back(static_cast<double>(record.cycles));
+    }
+    return found;
+}
+
+}  // namespace haptogram

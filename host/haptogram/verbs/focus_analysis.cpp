@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/verbs/focus_analysis.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "haptogram/acoustics/propagation.hpp"
+#include "haptogram/acoustics/quantities.hpp"
+
+namespace haptogram {
+namespace {
+
+constexpr double step_m = 0.1e-3;
+
+std::vector<double> steps(double from, double to) {
+    std::vector<double> values;
+    const auto count = static_cast<std::size_t>(std::max(0.0, std::floor((to - from) / step_m))) + 1;
+    for (std::size_t i = 0; i < count; ++i) values.push_back(from + static_cast<double>(i) * step_m);
+    return values;
+}
+
+/// Radiation pressure along a line, to within a factor.
+std::vector<float> squares(const Array& array, Drives drives, const Grid& line) {
+    std::vector<float> found;
+    for (const std::complex<float> p : pressure_on(array, drives, line)) found.push_back(std::norm(p));
+    return found;
+}
+
+/// The main lobe of a line around `start`, which need not be its peak: where it falls to half, and to its first minima.
+struct Lobe {
+    std::size_t peak, half_low, half_high, low, high;
+};
+
+Lobe main_lobe(const std::vector<float>& line, std::size_t start) {
+    std::size_t peak = start;
+    while (peak + 1 < line.size() && line[peak + 1] > line[peak]) ++peak;
+    while (peak > 0 && line[peak - 1] > line[peak]) --peak;
+    Lobe lobe{peak, peak, peak, peak, peak};
+    while (lobe.half_low > 0 && line[lobe.half_low] > line[peak] / 2) --lobe.half_low;
+    while (lobe.half_high + 1 < line.size() && line[lobe.half_high] > line[peak] / 2) ++lobe.half_high;
+    while (lobe.low > 0 && line[lobe.low - 1] < line[lobe.low]) --lobe.low;
+    while (lobe.high + 1 < line.size() && line[lobe.high + 1] < line[lobe.high]) ++lobe.high;
+    return lobe;
+}
+
+/// The distance between the two places of half the peak, interpolated between the points of the line.
+double width(const std::vector<float>& line, const Lobe& lobe) {
+    const auto crossing = [&](std::size_t below, std::size_t above) {
+        const float half = line[lobe.peak] / 2;
+        return line[above] == line[below] ? 0.0
+                                          : static_cast<double>((half - line[below]) / (line[above] - line[below]));
+    };
+    const double low = static_cast<double>(lobe.half_low) +
+                       (line[lobe.half_low] < line[lobe.peak] / 2 ? crossing(lobe.half_low, lobe.half_low + 1) : 0.0);
+    const double high =
+        static_cast<double>(lobe.half_high) -
+        (line[lobe.half_high] < line[lobe.peak] / 2 ? crossing(lobe.half_high, lobe.half_high - 1) : 0.0);
+    return (high - low) * step_m;
+}
+
+}  // namespace
+
+FocusAnalysis analyze(const Array& array, const Core& core, Drives drives, Vec3 focus) {
+    FocusAnalysis result;
+    result.focus = focus;
+    result.formation = formation(array, core, focus);
+    const std::complex<double> p = pressure(array, drives, focus);
+    result.pressure_pa = std::abs(p);
+    result.radiation_pa = radiation_pressure(p, array.medium);
+    // Wide enough for the first grating lobes of half a wavelength's pitch or more.
+    const double reach = 0.6 * focus.z + 20e-3;
+    for (const bool along_x : {true, false}) {
+        const std::vector<double> axis =
+            steps((along_x ? focus.x : focus.y) - reach, (along_x ? focus.x : focus.y) + reach);
+        const Grid line = along_x ? Grid{axis, {focus.y}, {focus.z}} : Grid{{focus.x}, axis, {focus.z}};
+        const std::vector<float> values = squares(array, drives, line);
+        const Lobe lobe = main_lobe(values, values.size() / 2);
+        result.width_m = std::max(result.width_m, width(values, lobe));
+        const auto begin = values.begin();
+        const float beside = std::max(*std::max_element(begin, begin + static_cast<std::ptrdiff_t>(lobe.low) + 1),
+                                      *std::max_element(begin + static_cast<std::ptrdiff_t>(lobe.high), values.end()));
+        result.side_lobe = std::max(result.side_lobe, static_cast<double>(beside / values[lobe.peak]));
+    }
+    const std::vector<double> z = steps(array.wavelength_m(), 3.0 * focus.z);
+    const std::vector<float> values = squares(array, drives, {{focus.x}, {focus.y}, z});
+    const auto at = static_cast<std::size_t>(std::lower_bound(z.begin(), z.end(), focus.z) - z.begin());
+    result.depth_m = width(values, main_lobe(values, std::min(at, values.size() - 1)));
+    result.force_n = force_through_square(array, drives, focus, result.width_m);
+    result.dwell_cycles = static_cast<std::uint32_t>(std::ceil(result.formation.with_ring_up_s() * array.carrier_hz));
+    return result;
+}
+
+double reachable_pressure(const Array& array, Vec3 point) {
+    if (!array.unreachable(point).empty()) return std::numeric_limits<double>::quiet_NaN();
+    double sum = 0.0;
+    for (const Element& element : array.elements) sum += std::abs(propagation(array, element, point));
+    return sum * array.transducer.source_pa_m;
+}
+
+std::vector<float> workspace(const Array& array, const Grid& grid) {
+    std::vector<float> found;
+    found.reserve(grid.size());
+    for (std::size_t i = 0; i < grid.size(); ++i)
+        found.push_back(static_cast<float>(reachable_pressure(array, grid.point(i))));
+    return found;
+}
+
+Loudness loudness(const Array& array, std::span<const WeightedDrives> sequence) {
+    constexpr double ear_m = 0.3;
+    constexpr double farthest_m = 1.0;
+    constexpr double apart_m = 1e-3;
+    std::vector<double> z(static_cast<std::size_t>((farthest_m - array.wavelength_m()) / apart_m));
+    for (std::size_t i = 0; i < z.size(); ++i) z[i] = array.wavelength_m() + static_cast<double>(i) * apart_m;
+    z.push_back(ear_m);
+    const std::vector<float> square = mean_square_pressure(array, sequence, {{0.0}, {0.0}, z});
+    const auto highest = static_cast<std::size_t>(std::max_element(square.begin(), square.end()) - square.begin());
+    const double top = square[highest];
+    return {sound_level_db(std::sqrt(2.0 * top)), z[highest], sound_level_db(std::sqrt(2.0 * square.back())),
+            top / (array.medium.density_kg_m3 * array.medium.speed_m_s)};
+}
+
+}  // namespace haptogram

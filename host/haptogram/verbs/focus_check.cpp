@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/verbs/focus_check.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "haptogram/acoustics/propagation.hpp"
+#include "haptogram/format/emission.hpp"
+#include "haptogram/format/focus_engine.hpp"
+#include "haptogram/solve/drives.hpp"
+#include "haptogram/solve/segments.hpp"
+
+namespace haptogram {
+
+std::vector<std::complex<double>> exact_drives(const Array& array, std::span<const Focus> foci, Method solver) {
+    if (foci.size() == 1) return ideal_drives(array, foci.front().position);
+    SolveOptions options;
+    options.method = solver;
+    std::vector<std::complex<double>> drives = solve(array, foci, options);
+    for (std::complex<double>& drive : drives)
+        if (drive != 0.0) drive *= array.transducer.source_pa_m / std::abs(drive);
+    return drives;
+}
+
+std::vector<std::complex<double>> asked_drives(const Manifest& manifest, const RecordMeaning& record) {
+    const double full = std::sin(std::numbers::pi * manifest.timer.duty());
+    std::vector<std::complex<double>> drives = manifest.foci
+                                                   ? summed_drives(manifest.array, record.foci)
+                                                   : exact_drives(manifest.array, record.foci, manifest.solver);
+    const double scale = manifest.foci ? manifest.array.transducer.source_pa_m / manifest.foci->full : 1.0;
+    for (std::complex<double>& drive : drives) drive *= full * record.amplitude * scale;
+    return drives;
+}
+
+namespace {
+
+/// The length of every drive as the pulse that the board makes of it: whole ticks.
+void round_to_pulses(std::vector<std::complex<double>>& drives, const Manifest& manifest) {
+    const double source = manifest.array.transducer.source_pa_m;
+    for (std::complex<double>& drive : drives) {
+        const double amplitude = std::min(1.0, std::abs(drive) / source);
+        if (amplitude == 0.0) continue;
+        const std::uint32_t ticks =
+            emission_ticks(static_cast<std::uint16_t>(std::lround(65535.0 * amplitude)), manifest.timer.cycle_ticks,
+                           manifest.core.parameters.min_pulse_clocks);
+        drive *= std::sin(std::numbers::pi * ticks / manifest.timer.cycle_ticks) / amplitude;
+    }
+}
+
+}  // namespace
+
+Vec3 lateral_peak(const Array& array, std::span<const std::complex<double>> drives, Vec3 start) {
+    constexpr double first_step = 0.5e-3;
+    constexpr double last_step = 0.5e-6;
+    Vec3 best = start;
+    double highest = std::abs(pressure(array, drives, best));
+    for (double step = first_step; step > last_step;) {
+        const std::array<Vec3, 4> around = {best + Vec3{step, 0, 0}, best - Vec3{step, 0, 0}, best + Vec3{0, step, 0},
+                                            best - Vec3{0, step, 0}};
+        bool climbed = false;
+        for (const Vec3& candidate : around) {
+            const double here = std::abs(pressure(array, drives, candidate));
+            if (here > highest) {
+                highest = here;
+                best = candidate;
+                climbed = true;
+            }
+        }
+        if (!climbed) step /= 2.0;
+    }
+    return best;
+}
+
+FocusCheck check_focus(const Array& array, std::span<const std::complex<double>> drives,
+                       std::span<const std::complex<double>> reference, Vec3 focus) {
+    FocusCheck check;
+    check.pressure_pa = std::abs(pressure(array, drives, focus));
+    check.pressure_kept = check.pressure_pa / std::abs(pressure(array, reference, focus));
+    check.peak_offset_m = distance(lateral_peak(array, drives, focus), lateral_peak(array, reference, focus));
+    return check;
+}
+
+FocusLimits limits_of(const Manifest& manifest, const RecordMeaning& record) {
+    FocusLimits limits;
+    if (manifest.quantise.empty()) return limits;
+    constexpr double deviations = 4.0, alike = 8.0;
+    const double largest = std::numbers::pi / segments_of(manifest.quantise).count;
+    const auto& elements = manifest.array.elements;
+    const double independent = std::max(1.0, static_cast<double>(elements.size()) / alike);
+    limits.expected_kept = std::sin(largest) / largest;
+    const double deviation = largest * largest / std::sqrt(45.0 * independent);
+    limits.least_kept *= limits.expected_kept - deviations * deviation;
+    double farthest = 0.0;
+    for (const Focus& focus : record.foci)
+        for (const bool along_x : {true, false}) {
+            double sum = 0.0, squares = 0.0;
+            for (const Element& element : elements) {
+                const Vec3 way = focus.position - element.position;
+                const double cosine = (along_x ? way.x : way.y) / norm(way);
+                sum += cosine;
+                squares += cosine * cosine;
+            }
+            const double spread = squares - sum * sum / static_cast<double>(elements.size());
+            const double k = 2.0 * std::numbers::pi / manifest.array.wavelength_m();
+            // A row of elements across the axis cannot move the peak along it.
+            if (spread > 0.0) farthest = std::max(farthest, largest / std::sqrt(3.0 * spread) / k);
+        }
+    limits.most_offset_m += deviations * farthest;
+    return limits;
+}
+
+FocusCheck check_record(const Manifest& manifest, const RecordMeaning& record,
+                        std::span<const std::complex<double>> drives) {
+    // The length of the pulses is what the timer can make, and no error of the phases. So both sides of the comparison
+    // have the same length. Of several foci computed by the board, each channel has a length of its own, and what is
+    // rounded on one is made up for by others.
+    std::vector<std::complex<double>> reference;
+    if (manifest.foci) {
+        reference = asked_drives(manifest, record);
+        if (record.foci.size() == 1) round_to_pulses(reference, manifest);
+    } else {
+        const double duty =
+            static_cast<double>(pulse_ticks(manifest.timer, record.amplitude)) / manifest.timer.cycle_ticks;
+        reference = exact_drives(manifest.array, record.foci, manifest.solver);
+        for (std::complex<double>& drive : reference) drive *= std::sin(std::numbers::pi * duty);
+    }
+    // The lengths of modulated pulses are those of the samples in whose periods they were measured, one channel's in
+    // others than its neighbour's; only the phases are the record's.
+    std::vector<std::complex<double>> measured(drives.begin(), drives.end());
+    if (manifest.modulation)
+        for (std::size_t m = 0; m < measured.size(); ++m)
+            if (measured[m] != 0.0) measured[m] *= std::abs(reference[m]) / std::abs(measured[m]);
+    FocusCheck worst{0.0, std::numeric_limits<double>::infinity(), 0.0};
+    for (const Focus& focus : record.foci) {
+        const FocusCheck one = check_focus(manifest.array, measured, reference, focus.position);
+        if (one.pressure_kept < worst.pressure_kept) {
+            worst.pressure_pa = one.pressure_pa;
+            worst.pressure_kept = one.pressure_kept;
+        }
+        worst.peak_offset_m = std::max(worst.peak_offset_m, one.peak_offset_m);
+    }
+    return worst;
+}
+
+}  // namespace haptogram

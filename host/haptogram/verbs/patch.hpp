@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "haptogram/base/progress.hpp"
+#include "haptogram/format/board.hpp"
+
+namespace haptogram {
+
+struct PatchOptions {
+    std::string board;                 ///< name of a shipped board, or its file
+    std::optional<std::string> image;  ///< image or project; none: empty memories, to be filled over the link
+    bool autostart = false;            ///< the board plays the image at power-up, with no host and no watchdog
+    std::filesystem::path placed = "build/boards";  ///< folder of what tools/bitstream.py placed, a folder a board
+};
+
+/// A bitstream, and what is in it, as JSON.
+struct Patched {
+    std::string bitstream, manifest;
+};
+
+/// What the file of a board's bitstream is called: its name, with ".bin" for an iCE40 and ".bit" for an ECP5.
+[[nodiscard]] std::string bitstream_file(const Board& board);
+
+/// Puts an image into the block RAMs of a bitstream that was placed once, without placing it again. It calls the
+/// packers of IceStorm or Project Trellis.
+/// @throws Error{bad_input} when the image does not fit the board or nothing was placed, Error{failed} when a packer
+/// fails or the placed design is not what its files say
+[[nodiscard]] Patched patch(const PatchOptions& options, const Progress& progress = {});
+
+}  // namespace haptogram

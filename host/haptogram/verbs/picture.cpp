@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/verbs/picture.hpp"
+
+#include <fmt/core.h>
+
+#include <filesystem>
+
+#include "haptogram/base/error.hpp"
+#include "haptogram/base/file.hpp"
+
+namespace haptogram {
+
+Picture::Picture(const std::string& script) { add("draw.py", read_file(script)); }
+
+void Picture::add(const std::string& name, std::string_view content) { write_file(folder_.path() / name, content); }
+
+void Picture::draw(const std::string& path, const std::string& others) const {
+    StagedFile staged(path);
+    const std::string target = staged.beside().empty() ? path : staged.beside().string();
+    const auto drawn = [&] {
+        const std::string python = std::filesystem::exists(HAPTOGRAM_PYTHON) ? HAPTOGRAM_PYTHON : "python3";
+        try {
+            return run_process(std::filesystem::current_path(),
+                               {python, (folder_.path() / "draw.py").string(), folder_.path().string(), target});
+        } catch (const Error& error) {
+            return ProcessResult{false, error.what()};
+        }
+    }();
+    if (!drawn.succeeded)
+        throw bad_input(path, fmt::format("the picture could not be drawn; it needs python3 with matplotlib, and room "
+                                          "for the file; {} need neither{}{}",
+                                          others, drawn.said.empty() ? "" : "\n", drawn.said));
+    staged.commit();
+}
+
+}  // namespace haptogram

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/verbs/played_sequence.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include "haptogram/acoustics/drive.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/verbs/measure.hpp"
+
+namespace haptogram {
+namespace {
+
+/// A pulse within a carrier period: channel, and clocks of its edges from the period's beginning.
+using Edges = std::vector<std::tuple<std::uint32_t, std::int64_t, std::int64_t>>;
+
+std::vector<std::complex<double>> drives_of(const Edges& edges, const Manifest& manifest) {
+    std::vector<std::complex<double>> drives(manifest.array.elements.size());
+    const double clock_s = 1.0 / manifest.timer.clock_hz;
+    for (const auto& [channel, rise, fall] : edges) {
+        const DrivePulse pulse{static_cast<double>(rise) * clock_s, static_cast<double>(fall) * clock_s};
+        drives[channel] += manifest.array.transducer.source_pa_m *
+                           carrier_component({&pulse, 1}, manifest.timer.carrier_hz(), manifest.timer.period_s());
+    }
+    return drives;
+}
+
+}  // namespace
+
+DriveSequence sequence_of(const Bundle& bundle) {
+    DriveSequence sequence;
+    sequence.carrier_hz = bundle.manifest.timer.carrier_hz();
+    sequence.drives.emplace_back(bundle.manifest.array.elements.size());  // silence
+    for (const Record& record : bundle.image.records)
+        sequence.drives.push_back(haptogram::drives_of(bundle.manifest, record));
+    for (const SequenceEntry& entry : bundle.image.sequence)
+        sequence.steps.push_back({entry.index, entry.dwell, entry.index});
+    return sequence;
+}
+
+DriveSequence sequence_of(const Manifest& manifest, const std::vector<Pulse>& pulses, const std::string& name) {
+    if (pulses.empty()) throw bad_input(name, "no pulses in it; expected what a simulation measured");
+    const std::uint64_t cycle = manifest.timer.cycle_clocks();
+    std::uint64_t first = pulses.front().rise, last = 0;
+    for (const Pulse& pulse : pulses) {
+        if (pulse.channel >= manifest.array.elements.size())
+            throw bad_input(
+                name,
+                fmt::format("a pulse on channel {}, but the array has {} elements; these pulses are another array's",
+                            pulse.channel, manifest.array.elements.size()));
+        if (pulse.index == 0 || pulse.index > manifest.records.size())
+            throw bad_input(
+                name, fmt::format("a pulse of record {}, but the manifest has {}; these pulses are another image's",
+                                  pulse.index, manifest.records.size()));
+        first = std::min(first, pulse.rise);
+        last = std::max(last, pulse.rise);
+    }
+    std::vector<Edges> periods((last - first) / cycle + 1);
+    std::vector<std::uint32_t> records(periods.size());
+    for (const Pulse& pulse : pulses) {
+        const std::uint64_t period = (pulse.rise - first) / cycle;
+        const auto from = static_cast<std::int64_t>(first + period * cycle);
+        periods[period].emplace_back(pulse.channel, static_cast<std::int64_t>(pulse.rise) - from,
+                                     static_cast<std::int64_t>(pulse.fall) - from);
+        records[period] = pulse.index;
+    }
+    DriveSequence sequence;
+    sequence.carrier_hz = manifest.timer.carrier_hz();
+    const auto pass = static_cast<std::size_t>(std::max(1.0, std::round(sequence.carrier_hz / manifest.rate_hz)));
+    sequence.repeats = manifest.rate_hz > 0.0 && periods.size() >= 2 * pass;
+    // The last pulses may rise within a period that is not whole.
+    const std::size_t begin = sequence.repeats ? pass : 0;
+    const std::size_t end = sequence.repeats ? periods.size() / pass * pass : periods.size();
+    std::map<Edges, std::size_t> sets;
+    for (std::size_t i = begin; i < end; ++i) {
+        std::sort(periods[i].begin(), periods[i].end());
+        const auto [at, is_new] = sets.try_emplace(std::move(periods[i]), sequence.drives.size());
+        if (is_new) sequence.drives.push_back(drives_of(at->first, manifest));
+        DriveSequence::Step* const before = sequence.steps.empty() ? nullptr : &sequence.steps.back();
+        if (before != nullptr && before->set == at->second && before->record == records[i])
+            ++before->periods;
+        else
+            sequence.steps.push_back({at->second, 1, records[i]});
+    }
+    return sequence;
+}
+
+Path places_of(const Manifest& manifest, const DriveSequence& sequence) {
+    Path path;
+    for (const DriveSequence::Step& step : sequence.steps) {
+        PathStep made;
+        made.periods = static_cast<std::uint32_t>(step.periods);
+        if (step.record > 0) made.foci = manifest.records[step.record - 1].foci;
+        for (Focus& focus : made.foci) focus.amplitude = 1.0;
+        if (!path.steps.empty() && path.steps.back().foci == made.foci)
+            path.steps.back().periods += made.periods;
+        else
+            path.steps.push_back(std::move(made));
+    }
+    return path;
+}
+
+}  // namespace haptogram

@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/verbs/project.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "haptogram/array/millimetres.hpp"
+#include "haptogram/base/toml_section.hpp"
+#include "haptogram/base/toml_value.hpp"
+#include "haptogram/solve/segments.hpp"
+#include "haptogram/verbs/settings.hpp"
+
+namespace haptogram {
+namespace {
+
+using section::assign;
+using section::number_text;
+using section::quoted_text;
+using section::Section;
+
+constexpr std::string_view format_name = "haptogram-project-1";
+constexpr double longest_mm = 1e6;
+
+bool is_unit(const std::string& text) { return text == "mm" || text == "cm" || text == "m"; }
+
+std::optional<double> length(const Section& section, std::string_view key) {
+    const auto millimetres = section.number(key, 1e-6, longest_mm);
+    return millimetres ? std::optional(*millimetres * millimetre) : std::nullopt;
+}
+
+void read_placement(Placement& placement, const Section& section) {
+    assign(placement.scale, section.number("scale", 1e-9, 1e9));
+    placement.size_m = length(section, "size_mm");
+    if (const auto angles = section.numbers("rotate_deg", 3))
+        std::copy(angles->begin(), angles->end(), placement.rotate_deg.begin());
+    if (const auto center = section.numbers("center_mm", 3))
+        placement.center = from_mm((*center)[0], (*center)[1], (*center)[2]);
+}
+
+ShapeSource read_shape(const std::string& file, const toml::table& table) {
+    const Section section(file, table);
+    section.only({"file", "unit", "kind", "diameter_mm", "length_mm", "height_mm", "sides", "turns", "scale", "size_mm",
+                  "rotate_deg", "center_mm"});
+    ShapeSource source;
+    assign(source.file, section.text("file"));
+    assign(source.primitive.kind, section.text("kind"));
+    const std::string where = section::place(file, table);
+    if (source.file.empty() == source.primitive.kind.empty())
+        throw bad_input(where, "a [[shape]] has either 'file', a shape file, or 'kind', a built-in shape");
+    assign(source.unit, section.text("unit", "\"mm\", \"cm\" or \"m\"", is_unit));
+    source.primitive.diameter = length(section, "diameter_mm");
+    source.primitive.length = length(section, "length_mm");
+    source.primitive.height = length(section, "height_mm");
+    source.primitive.sides = section.whole("sides", 3, 1000);
+    source.primitive.turns = section.number("turns", 1e-3, 1e3);
+    const PrimitiveSpec& p = source.primitive;
+    if (!source.file.empty() && (p.diameter || p.length || p.height || p.sides || p.turns))
+        throw bad_input(where, "diameter_mm, length_mm, height_mm, sides and turns measure built-in shapes, not files");
+    if (source.file.empty() && section.find("unit") != nullptr)
+        throw bad_input(section.at("unit"), "unit is that of a file's coordinates; a built-in shape has none");
+    read_placement(source.placement, section);
+    return source;
+}
+
+HandSource read_hand(const Section& section) {
+    section.only({"recording", "model", "frames_hz", "object", "size_mm", "height_mm", "center_mm", "rotate_deg",
+                  "unit", "algorithm", "frame"});
+    HandSource hand;
+    hand.recording = section.required(section.text("recording"), "recording",
+                                      "a file of recorded hands, or \"synthetic:SCRIPT\" in quotes");
+    assign(hand.model, section.text("model"));
+    assign(hand.rate_hz, section.number("frames_hz", 1e-3, 1e6));
+    ObjectSource& object = hand.object;
+    assign(object.name, section.text("object"));
+    object.size_m = length(section, "size_mm");
+    object.height_m = length(section, "height_mm");
+    if (const auto center = section.numbers("center_mm", 3))
+        object.centre = from_mm((*center)[0], (*center)[1], (*center)[2]);
+    if (const auto angles = section.numbers("rotate_deg", 3))
+        object.angles_deg = {(*angles)[0], (*angles)[1], (*angles)[2]};
+    assign(object.unit, section.text("unit", "\"mm\", \"cm\" or \"m\"", is_unit));
+    assign(hand.algorithm, section.text("algorithm", "a letter from A to L", [](const std::string& text) {
+        return text.size() == 1 && text[0] >= 'A' && text[0] <= 'L';
+    }));
+    hand.frame = section.whole("frame", 1, 1'000'000'000);
+    return hand;
+}
+
+void read_pace(Project& project, const Section& whole) {
+    const std::string* first = nullptr;
+    static const std::string keys[] = {"rate_hz", "speed_m_s", "frequency_hz"};
+    for (const std::string& key : keys) {
+        if (whole.find(key) == nullptr) continue;
+        if (first != nullptr)
+            throw bad_input(whole.at(key), fmt::format("{} and {} both say how fast; keep one", *first, key));
+        first = &key;
+    }
+    assign(project.rate_hz, whole.number("rate_hz", 1e-6, 1e6));
+    project.pace.speed_m_s = whole.number("speed_m_s", 1e-6, 1e6);
+    project.pace.frequency_hz = whole.number("frequency_hz", 1e-6, 1e6);
+    if (const auto jump = whole.text("jump", "\"hop\" or \"blank\"",
+                                     [](const std::string& text) { return text == "hop" || text == "blank"; }))
+        project.jump = *jump == "hop" ? Jump::hop : Jump::blank;
+}
+
+std::string in_mm(double metres) { return number_text(exact_mm(metres)); }
+
+/// The keys of a placement that are not as they are without it.
+std::string to_toml(const Placement& place) {
+    std::string text;
+    if (place.scale != 1.0) text += fmt::format("scale = {}\n", number_text(place.scale));
+    if (place.size_m) text += fmt::format("size_mm = {}\n", in_mm(*place.size_m));
+    if (place.rotate_deg != Placement{}.rotate_deg)
+        text += fmt::format("rotate_deg = [{}, {}, {}]\n", number_text(place.rotate_deg[0]),
+                            number_text(place.rotate_deg[1]), number_text(place.rotate_deg[2]));
+    if (place.center)
+        text += fmt::format("center_mm = [{}, {}, {}]\n", in_mm(place.center->x), in_mm(place.center->y),
+                            in_mm(place.center->z));
+    return text;
+}
+
+std::string to_toml(const ShapeSource& source) {
+    if (source.content)
+        throw bad_argument("shapes", fmt::format("'{}' is only in memory; save it as a file first", source.file));
+    std::string text = "\n[[shape]]\n";
+    if (!source.file.empty()) {
+        text += fmt::format("file = {}\n", quoted_text(source.file));
+        if (source.unit != ShapeSource{}.unit) text += fmt::format("unit = {}\n", quoted_text(source.unit));
+        return text + to_toml(source.placement);
+    }
+    const PrimitiveSpec& p = source.primitive;
+    text += fmt::format("kind = {}\n", quoted_text(p.kind));
+    if (p.diameter) text += fmt::format("diameter_mm = {}\n", in_mm(*p.diameter));
+    if (p.length) text += fmt::format("length_mm = {}\n", in_mm(*p.length));
+    if (p.height) text += fmt::format("height_mm = {}\n", in_mm(*p.height));
+    if (p.sides) text += fmt::format("sides = {}\n", *p.sides);
+    if (p.turns) text += fmt::format("turns = {}\n", number_text(*p.turns));
+    return text + to_toml(source.placement);
+}
+
+std::string to_toml(const HandSource& hand) {
+    const HandSource standard;
+    const ObjectSource& object = hand.object;
+    std::string text = fmt::format("\n[hand]\nrecording = {}\n", quoted_text(hand.recording));
+    if (!hand.model.empty()) text += fmt::format("model = {}\n", quoted_text(hand.model));
+    if (hand.rate_hz != standard.rate_hz) text += fmt::format("frames_hz = {}\n", number_text(hand.rate_hz));
+    text += fmt::format("object = {}\n", quoted_text(object.name));
+    if (object.size_m) text += fmt::format("size_mm = {}\n", in_mm(*object.size_m));
+    if (object.height_m) text += fmt::format("height_mm = {}\n", in_mm(*object.height_m));
+    if (object.centre != standard.object.centre)
+        text += fmt::format("center_mm = [{}, {}, {}]\n", in_mm(object.centre.x), in_mm(object.centre.y),
+                            in_mm(object.centre.z));
+    if (object.angles_deg != standard.object.angles_deg)
+        text += fmt::format("rotate_deg = [{}, {}, {}]\n", number_text(object.angles_deg.x),
+                            number_text(object.angles_deg.y), number_text(object.angles_deg.z));
+    if (object.unit != standard.object.unit) text += fmt::format("unit = {}\n", quoted_text(object.unit));
+    text += fmt::format("algorithm = {}\n", quoted_text(hand.algorithm));
+    if (hand.frame) text += fmt::format("frame = {}\n", *hand.frame);
+    return text;
+}
+
+/// What a project cannot have beside what it plays, because that has its own.
+void check_subject(const Project& project, const Section& whole, const std::string& where) {
+    if (project.is_of_shapes() && project.shapes.empty())
+        throw bad_input(where, "it has no [[shape]]; add one with a 'file' or the 'kind' of a built-in shape");
+    if (project.hand && !project.path.empty())
+        throw bad_input(whole.at("path"), "path and [hand] both say what is played; keep one");
+    for (const Setting& one : project_settings())
+        if (!one.key.empty() && whole.find(one.key) != nullptr)
+            if (const std::string why = why_idle(one.key, project); !why.empty())
+                throw bad_input(whole.at(one.key), fmt::format("{} {}", one.key, why));
+}
+
+}  // namespace
+
+Project project_from_toml(std::string_view text, const std::string& where) {
+    const toml::table root = section::parse_text(text, where);
+    const Section whole(where, root);
+    whole.only({"format",       "array", "board", "points", "seed",   "clip",      "rate_hz",   "speed_m_s",
+                "frequency_hz", "jump",  "even",  "am",     "am_law", "magnitude", "amplitude", "quantise",
+                "image",        "loops", "place", "shape",  "path",   "hand"});
+    const auto format = whole.required(whole.text("format"), "format", fmt::format("\"{}\"", format_name));
+    if (format != format_name)
+        throw whole.wrong(*whole.find("format"), "format", fmt::format("\"{}\" for this version", format_name));
+    Project project;
+    project.array = whole.text("array");
+    project.board = whole.text("board");
+    assign(project.points, whole.whole("points", 1, 65535));
+    assign(project.seed, whole.whole64("seed", 0, std::numeric_limits<std::int64_t>::max()));
+    assign(project.clip, whole.flag("clip"));
+    read_pace(project, whole);
+    if (const auto loops = whole.whole("loops", 0, 65535)) project.loops = static_cast<std::uint16_t>(*loops);
+    const Section place(where, root, "place");
+    place.only({"scale", "size_mm", "rotate_deg", "center_mm"});
+    read_placement(project.placement, place);
+    if (const toml::node* shapes = root.get("shape")) {
+        const toml::array* list = shapes->as_array();
+        if (list == nullptr || !list->is_array_of_tables())
+            throw bad_input(section::place(where, *shapes), "shapes are tables of their own, each under [[shape]]");
+        for (const toml::node& shape : *list) project.shapes.push_back(read_shape(where, *shape.as_table()));
+    }
+    assign(project.path, whole.text("path"));
+    if (const Section hand(where, root, "hand"); hand.exists()) project.hand = read_hand(hand);
+    assign(project.even, whole.flag("even"));
+    assign(project.am, whole.text("am"));
+    if (const auto law = whole.text("am_law", "\"pressure\" or \"radiation\"",
+                                    [](const std::string& name) { return name == "pressure" || name == "radiation"; }))
+        project.am_law = *law == "pressure" ? AmplitudeLaw::pressure : AmplitudeLaw::radiation;
+    project.magnitude = whole.number("magnitude", 1e-6, 1e6);
+    assign(project.amplitude, whole.number("amplitude", 1e-6, 1.0));
+    assign(project.quantise, whole.text("quantise", fmt::format("\"{}\"", hoshi_segments.name),
+                                        [](const std::string& name) { return name == hoshi_segments.name; }));
+    if (const auto image = whole.text("image", "\"records\" or \"foci\"",
+                                      [](const std::string& name) { return name == "records" || name == "foci"; }))
+        project.image = *image == "foci" ? ImageKind::foci : ImageKind::records;
+    check_subject(project, whole, where);
+    return project;
+}
+
+std::string from_here(const std::string& name) {
+    for (const std::string kind : {"wav:", "csv:"})
+        if (name.starts_with(kind)) return kind + std::filesystem::absolute(name.substr(kind.size())).string();
+    return name.ends_with(".toml") ? std::filesystem::absolute(name).string() : name;
+}
+
+Project load_project(const std::filesystem::path& path) {
+    Project project = project_from_toml(read_file(path), path.string());
+    project.folder = path.parent_path();
+    return project;
+}
+
+std::string to_toml(const Project& project) {
+    const Project standard;
+    std::string text = fmt::format("format = \"{}\"\n", format_name);
+    if (project.array) text += fmt::format("array = {}\n", quoted_text(*project.array));
+    if (project.board) text += fmt::format("board = {}\n", quoted_text(*project.board));
+    if (!project.path.empty()) text += fmt::format("path = {}\n", quoted_text(project.path));
+    const auto has = [&](std::string_view key) { return why_idle(key, project).empty(); };
+    if (project.points != standard.points && has("points")) text += fmt::format("points = {}\n", project.points);
+    if (project.seed > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()))
+        throw bad_argument("seed", fmt::format("{} is more than a project file can hold; take at most {}", project.seed,
+                                               std::numeric_limits<std::int64_t>::max()));
+    if (project.seed != standard.seed && has("seed")) text += fmt::format("seed = {}\n", project.seed);
+    if (project.clip && has("clip")) text += "clip = true\n";
+    const bool paced = project.pace.speed_m_s || project.pace.frequency_hz;
+    if (!paced && project.rate_hz != standard.rate_hz)
+        text += fmt::format("rate_hz = {}\n", number_text(project.rate_hz));
+    if (project.pace.speed_m_s) text += fmt::format("speed_m_s = {}\n", number_text(*project.pace.speed_m_s));
+    if (project.pace.frequency_hz) text += fmt::format("frequency_hz = {}\n", number_text(*project.pace.frequency_hz));
+    if (project.jump == Jump::blank && has("jump")) text += "jump = \"blank\"\n";
+    if (project.even && has("even")) text += "even = true\n";
+    if (!project.am.empty()) text += fmt::format("am = {}\n", quoted_text(project.am));
+    if (project.am_law == AmplitudeLaw::radiation) text += "am_law = \"radiation\"\n";
+    if (project.amplitude != standard.amplitude)
+        text += fmt::format("amplitude = {}\n", number_text(project.amplitude));
+    if (project.magnitude) text += fmt::format("magnitude = {}\n", number_text(*project.magnitude));
+    if (!project.quantise.empty()) text += fmt::format("quantise = {}\n", quoted_text(project.quantise));
+    if (project.image) text += fmt::format("image = \"{}\"\n", *project.image == ImageKind::foci ? "foci" : "records");
+    if (project.loops != standard.loops) text += fmt::format("loops = {}\n", project.loops);
+    if (project.hand) text += to_toml(*project.hand);
+    const std::string placed = to_toml(project.placement);
+    if (!placed.empty()) text += "\n[place]\n" + placed;
+    for (const ShapeSource& shape : project.shapes) text += to_toml(shape);
+    return text;
+}
+
+bool is_project(const std::string& path) { return path.ends_with(".toml"); }
+
+}  // namespace haptogram
