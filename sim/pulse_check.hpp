@@ -56,8 +56,8 @@ struct PulseReport {
 /// Compares measured pulses with what the image says, exact to the clock: in every cycle from `begin` to `end`, each
 /// channel whose timing lies within the cycle starts one pulse at its tick, of exactly the record's length (contracts 1
 /// and 2). Of a record with amplitudes, the pulses are those that the host's models of the arithmetic give
-/// (format/focus_engine.hpp, format/emission.hpp; contracts 8 and 9), and silence after it has none. Pulses that overlap
-/// merge. The expectation is built from the image's numbers and the measured cycle starts alone.
+/// (format/focus_engine.hpp, format/emission.hpp; contracts 8 and 9), and silence after it has none. Pulses that
+/// overlap merge. The expectation is built from the image's numbers and the measured cycle starts alone.
 /// @param modulation_start  clock of the cycle with the modulation's first sample; without, nothing is modulated
 [[nodiscard]] PulseReport check_pulses(const Image& image, const std::vector<CycleStart>& cycles,
                                        const std::vector<Pulse>& pulses, std::uint64_t begin, std::uint64_t end,
