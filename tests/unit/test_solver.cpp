@@ -16,6 +16,7 @@
 #include "haptogram/instrument/compile.hpp"
 #include "haptogram/model/rig.hpp"
 #include "haptogram/solve/drives.hpp"
+#include "haptogram/solve/even.hpp"
 #include "haptogram/solve/fast_solver.hpp"
 #include "haptogram/solve/focal_law.hpp"
 #include "haptogram/solve/solver.hpp"
@@ -134,6 +135,59 @@ TEST_CASE("solver: for one focus every method but one gives the focal law's tick
     const Focus axis{{0.0, 0.0, 0.15}};
     REQUIRE(quality_of(array, {&axis, 1}, solve(array, {&axis, 1}, by(Method::inverse_transform))).efficiency ==
             Approx(1.0).epsilon(1e-12));
+}
+
+TEST_CASE("solver: a lone focus at any round place has all that every shipped array can make there", "[solver]") {
+    // At some round places the phases of all elements are the focus' to the last bit.
+    int silent = 0, weak = 0;
+    for (const std::string& name : shipped_arrays()) {
+        const Array array = find_array(name);
+        FastSolver fast(array, 1);
+        for (int x = -50; x <= 50; x += 10)
+            for (int y = -50; y <= 50; y += 10)
+                for (int z = 100; z <= 200; z += 10) {
+                    const Focus focus{from_mm(x, y, z)};
+                    DriveList row;
+                    double most_here = 0.0;
+                    for (const Element& element : array.elements) {
+                        row.push_back(propagation(array, element, focus.position));
+                        most_here += std::abs(row.back());
+                    }
+                    const auto share = [&](const DriveList& drives) {
+                        std::complex<double> sum = 0.0;
+                        for (std::size_t m = 0; m < row.size(); ++m) sum += drives[m] * row[m];
+                        return std::abs(sum) / most_here;
+                    };
+                    CAPTURE(name, x, y, z);
+                    for (const MethodName& one : method_names) {
+                        SolveOptions options = by(one.method);
+                        options.rounds = 2;
+                        const double made = share(solve(array, {&focus, 1}, options));
+                        CAPTURE(one.name, made);
+                        if (!(made > 1e-6)) ++silent;
+                        if (one.method != Method::inverse_transform && !(made > 1.0 - 1e-9)) ++weak;
+                    }
+                    fast.solve({&focus, 1});
+                    if (!(share(fast.drives()) > 1.0 - 1e-5)) ++weak;
+                }
+    }
+    CAPTURE(silent, weak);
+    REQUIRE(silent == 0);
+    REQUIRE(weak == 0);
+}
+
+TEST_CASE("solver: silence where pressure was asked for is an error, and no number", "[solver]") {
+    const Array array = find_array("tile-10x10");
+    const Focus focus{{0.0, 0.0, 0.15}};
+    REQUIRE_THROWS_WITH(quality_of(array, {&focus, 1}, DriveList(100)), Contains("no pressure"));
+    Array behind = array;
+    behind.transducer.pattern = Pattern::table;
+    behind.transducer.table = {1.0, 0.5};
+    const std::vector<Vec3> below{{0.0, 0.0, -0.1}};
+    for (const MethodName& one : method_names)
+        if (one.method != Method::inverse_transform)
+            REQUIRE_THROWS_WITH(solve(behind, std::vector<Focus>{{below.front()}}, by(one.method)), Contains("behind"));
+    REQUIRE_THROWS_WITH(CrossTalk(behind, below), Contains("behind"));
 }
 
 TEST_CASE("solver: ten random foci come out equal by the default, and better than by the others", "[solver]") {

@@ -24,6 +24,10 @@ Error bad_focus(std::size_t i, Vec3 at, const std::string& what) {
                                                                  at.y / millimetre, at.z / millimetre, what));
 }
 
+Error unreachable(std::size_t i, Vec3 at) {
+    return bad_focus(i, at, "cannot be reached by any element: it is behind all of them");
+}
+
 /// The foci that ask for something, after all have been checked.
 std::vector<Focus> checked(const Array& array, std::span<const Focus> foci) {
     constexpr double same_place_wavelengths = 1e-3;
@@ -102,10 +106,10 @@ public:
                 a_.push_back(propagation(array, element, focus.position));
                 reach += size(a_.back());
             }
-            if (reach == 0.0)
-                throw bad_focus(static_cast<std::size_t>(&focus - foci.data()), focus.position,
-                                "cannot be reached by any element: it is behind all of them");
+            if (reach == 0.0) throw unreachable(static_cast<std::size_t>(&focus - foci.data()), focus.position);
             if (level == Level::reachable) target *= reach;
+            reaches_.push_back(reach);
+            targets_.push_back(target);
             for (std::size_t m = begin; m < a_.size(); ++m) a_[m] /= target;
             // Without weights every method drives a focus in proportion to its target: t for the target, and t for the
             // row that has been divided by it.
@@ -179,9 +183,15 @@ public:
             trace += g[k * foci_ + k].real();
             wanted[k] = level - size(p[k]);
         }
-        // A little damping: two foci within a wavelength have nearly the same rows.
-        constexpr double damping = 1e-4;
-        for (std::size_t k = 0; k < foci_; ++k) g[k * foci_ + k] += damping * trace / static_cast<double>(foci_);
+        // A little damping: two foci within a wavelength have nearly the same rows. Where all phases are the best for
+        // each focus already, as for a lone one, the rows are nothing but rounding, and damping that follows them would
+        // be, too. So it does not fall below a part of the sum of squares that pressures of this size need at least.
+        constexpr double damping = 1e-4, least_damping = 1e-8;
+        double squares = 0.0;
+        for (const Complex& one : p) squares += times_conj(one, one).real();
+        const double damped = std::max(damping * trace, least_damping * squares / static_cast<double>(elements_)) /
+                              static_cast<double>(foci_);
+        for (std::size_t k = 0; k < foci_; ++k) g[k * foci_ + k] += damped;
         const Vector y = solve_positive(std::move(g), std::move(wanted));
         for (std::size_t m = 0; m < elements_; ++m) {
             Complex change = 0.0;
@@ -205,7 +215,21 @@ public:
         return g;
     }
 
-    [[nodiscard]] std::size_t foci() const { return foci_; }
+    /// That `drives` make some pressure at each focus, and not nothing or what is no number.
+    void require_pressure(std::span<const Focus> foci, std::span<const Complex> drives) {
+        constexpr double least = 1e-6;  // of what the focus asks for
+        begin(drives);
+        const Vector p = forth();
+        for (std::size_t k = 0; k < foci_; ++k)
+            if (!(size(p[k]) > least * foci[k].amplitude * reaches_[k] / targets_[k]))
+                throw Error(ErrorCode::failed, "solver",
+                            fmt::format("the drives that were found make no pressure at the focus ({:g}, {:g}, {:g}) "
+                                        "mm, where some was asked for; move it, or take another solver",
+                                        foci[k].position.x / millimetre, foci[k].position.y / millimetre,
+                                        foci[k].position.z / millimetre),
+                            {"solver"});
+    }
+
     [[nodiscard]] const std::vector<double>& weights() const { return weights_; }
     [[nodiscard]] Vector&& take() { return std::move(x_); }
 
@@ -220,7 +244,7 @@ private:
     std::size_t foci_, elements_;
     bool amplitudes_;
     Vector a_, x_;  ///< propagation over targets, row by row, and the drives
-    std::vector<double> weights_;
+    std::vector<double> weights_, reaches_, targets_;
 };
 
 Vector directions(const Vector& p) {
@@ -229,9 +253,8 @@ Vector directions(const Vector& p) {
     return u;
 }
 
-Vector iterated(const Array& array, std::span<const Focus> foci, const SolveOptions& options,
+Vector iterated(Problem& problem, std::span<const Focus> foci, const SolveOptions& options,
                 std::span<const Complex> start) {
-    Problem problem(array, foci, options.level, options.amplitudes);
     const unsigned rounds = options.rounds.value_or(options.method == Method::gauss_newton ? 10 : 100);
     Vector c(foci.size(), 1.0);
     if (!start.empty()) {
@@ -329,12 +352,13 @@ std::vector<Complex> solve(const Array& array, std::span<const Focus> foci, cons
     if (!start.empty() && start.size() != array.elements.size())
         throw bad_argument("start", fmt::format("{} drives to begin with, expected {}: one an element", start.size(),
                                                 array.elements.size()));
+    Problem problem(array, asked, options.level, options.amplitudes);
     Vector drives;
     switch (options.method) {
         case Method::superposition: drives = superposed_drives(array, asked); break;
         case Method::distance_weighted: drives = distance_weighted(array, asked); break;
         case Method::inverse_transform: drives = inverse_transform(array, asked); break;
-        default: drives = iterated(array, asked, options, start); break;
+        default: drives = iterated(problem, asked, options, start); break;
     }
     const double wanted = largest_amplitude(asked);
     double strongest = 0.0;
@@ -345,6 +369,7 @@ std::vector<Complex> solve(const Array& array, std::span<const Focus> foci, cons
         else
             drive = direction(drive) * wanted;
     }
+    problem.require_pressure(asked, drives);
     return drives;
 }
 
@@ -361,10 +386,12 @@ Quality quality_of(const Array& array, std::span<const Focus> foci, std::span<co
         quality.pressure_pa.push_back(made);
         if (focus.amplitude == 0.0) continue;
         const double alone = std::abs(pressure(array, ideal_drives(array, focus.position), focus.position));
+        if (alone == 0.0) throw unreachable(static_cast<std::size_t>(&focus - foci.data()), focus.position);
         squares += made * made / (alone * alone);
         ratios.push_back(made / (level == Level::reachable ? focus.amplitude * alone : focus.amplitude));
         mean += ratios.back() / static_cast<double>(asked.size());
     }
+    if (!(mean > 0.0)) throw Error(ErrorCode::failed, "drives", "they make no pressure at any of the foci");
     double variance = 0.0;
     for (const double ratio : ratios) variance += (ratio - mean) * (ratio - mean) / static_cast<double>(ratios.size());
     quality.spread = std::sqrt(variance) / mean;
