@@ -12,6 +12,7 @@
 #include "haptogram/acoustics/field.hpp"
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/analysis/focus_check.hpp"
+#include "haptogram/analysis/measure.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/instrument/compile.hpp"
 #include "haptogram/model/rig.hpp"
@@ -244,11 +245,65 @@ TEST_CASE("solver: amplitudes are what was asked for, of the most that can be ma
             REQUIRE(spread(ratios) <= 0.01);
             REQUIRE(quality_of(array, foci, drives, level).spread <= 0.01);
         }
-    // A focus of amplitude 0 asks for nothing.
-    std::vector<Focus> foci = random_foci(g, 3);
-    const auto without = solve(array, foci);
-    foci.push_back({{0.0, 0.0, 0.3}, 0.0});
-    REQUIRE(solve(array, foci) == without);
+}
+
+TEST_CASE("solver: at a focus of amplitude 0 the pressure is held down", "[solver]") {
+    CAPTURE(Catch::rngSeed());
+    Generator g(Catch::rngSeed());
+    const Array array = find_array("tile-10x10");
+    for (const std::size_t count : {1U, 2U, 4U})
+        for (const bool amplitudes : {false, true})
+            for (const Level level : {Level::reachable, Level::pressure}) {
+                // Nulls between the foci, where the field of the foci alone has its side lobes.
+                std::vector<Focus> foci = random_foci(g, count + 2, 0.15, 0.04);
+                const std::vector<Focus> alone(foci.begin(), foci.begin() + static_cast<std::ptrdiff_t>(count));
+                for (std::size_t k = count; k < foci.size(); ++k) foci[k].amplitude = 0.0;
+                SolveOptions options = by(Method::gauss_newton, amplitudes);
+                options.level = level;
+                const auto drives = solve(array, foci, options);
+                const std::vector<double> held = made(array, foci, drives);
+                CAPTURE(count, amplitudes, static_cast<int>(level), held);
+                for (std::size_t k = count; k < foci.size(); ++k)
+                    REQUIRE(held[k] < 1e-3 * most(array, foci[k].position));
+                // The foci lose some of theirs by it, and stay even.
+                const Quality quality = quality_of(array, foci, drives, level);
+                const Quality free = quality_of(array, alone, solve(array, alone, options), level);
+                REQUIRE(quality.spread < 0.01);
+                REQUIRE(quality.efficiency > 0.6 * free.efficiency);
+                REQUIRE(quality.null_share.value() < 1e-4);
+                REQUIRE_FALSE(free.null_share);
+            }
+    // A null on the flank of the focus, a third of a wavelength away, costs most of it but is there.
+    const std::vector<Focus> near{{from_mm(0, 0, 150)}, {from_mm(3, 0, 150), 0.0}};
+    const Quality quality = quality_of(array, near, solve(array, near));
+    REQUIRE(quality.null_share.value() < 1e-4);
+    REQUIRE(quality.efficiency > 0.1);
+    for (const MethodName& one : method_names)
+        if (one.method != Method::gauss_newton)
+            REQUIRE_THROWS_WITH(solve(array, near, by(one.method)),
+                                Contains(one.name) && Contains("gauss-newton") && Contains("amplitude 0"));
+}
+
+TEST_CASE("compile: a path's focus of amplitude 0 is held down by records, and refused by boards that add up",
+          "[solver]") {
+    const Path path{{{{{from_mm(10, 0, 150)}, {from_mm(-10, 0, 150), 0.0}}, 40}}, {}};
+    const Array array = find_array("tile-10x10");
+    const Compiled compiled = compile(path, array, find_configuration("tile-100"));
+    const Manifest manifest = manifest_from_json(to_text(compiled.bundle.manifest), "test");
+    REQUIRE(manifest.points().size() == 1);
+    const DriveList drives = drives_of(manifest, compiled.bundle.image.records[0]);
+    const double at_focus = std::abs(pressure(array, drives, path.steps[0].foci[0].position));
+    const double at_null = std::abs(pressure(array, drives, path.steps[0].foci[1].position));
+    REQUIRE(at_focus > 0.9 * most(array, path.steps[0].foci[0].position));
+    REQUIRE(at_null < 0.005 * at_focus);  // 250 ticks a period
+    const FocusCheck check = check_record(manifest, manifest.records[0], drives);
+    REQUIRE(check.pressure_kept > 0.999);
+    REQUIRE(check.peak_offset_m < 1e-4);
+    const Core adds_up = find_configuration("tile-100-wide");
+    REQUIRE_THROWS_WITH(compile(path, array, adds_up), Contains("only adds foci up") && Contains("step 1"));
+    Path padded = path;
+    padded.steps[0].foci[1].position = padded.steps[0].foci[0].position;
+    REQUIRE(compile(padded, array, adds_up).bundle.image.foci.value().each == 1);
 }
 
 TEST_CASE("solver: mirrored foci give mirrored drives", "[solver]") {

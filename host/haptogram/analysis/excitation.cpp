@@ -29,7 +29,8 @@ double modulation_rms(const Manifest& manifest) {
 
 std::vector<Vec3> positions(const std::vector<Focus>& foci) {
     std::vector<Vec3> found;
-    for (const Focus& focus : foci) found.push_back(focus.position);
+    for (const Focus& focus : foci)
+        if (focus.amplitude > 0.0) found.push_back(focus.position);
     return found;
 }
 

@@ -96,6 +96,7 @@ FocusLimits limits_of(const Manifest& manifest, const RecordMeaning& record) {
     double farthest = 0.0;
     for (const Focus& focus : record.foci)
         for (const bool along_x : {true, false}) {
+            if (focus.amplitude == 0.0) continue;
             double sum = 0.0, squares = 0.0;
             for (const Element& element : elements) {
                 const Vec3 way = focus.position - element.position;
@@ -135,6 +136,7 @@ FocusCheck check_record(const Manifest& manifest, const RecordMeaning& record,
             if (measured[m] != 0.0) measured[m] *= std::abs(reference[m]) / std::abs(measured[m]);
     FocusCheck worst{0.0, std::numeric_limits<double>::infinity(), 0.0};
     for (const Focus& focus : record.foci) {
+        if (focus.amplitude == 0.0) continue;  // held down, and no peak
         const FocusCheck one = check_focus(manifest.array, measured, reference, focus.position);
         if (one.pressure_kept < worst.pressure_kept) {
             worst.pressure_pa = one.pressure_pa;

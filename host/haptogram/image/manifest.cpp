@@ -189,7 +189,8 @@ std::optional<std::size_t> Manifest::place_of(std::uint32_t index) const {
 std::vector<Vec3> Manifest::points() const {
     std::vector<Vec3> found;
     for (const RecordMeaning& record : records)
-        for (const Focus& focus : record.foci) found.push_back(focus.position);
+        for (const Focus& focus : record.foci)
+            if (focus.amplitude > 0.0) found.push_back(focus.position);
     return found;
 }
 

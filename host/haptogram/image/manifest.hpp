@@ -50,7 +50,7 @@ struct Manifest {
     /// The index of the record at a place, counted from 0; and the place of an index, empty when there is none.
     [[nodiscard]] std::uint32_t index_of(std::size_t place) const;
     [[nodiscard]] std::optional<std::size_t> place_of(std::uint32_t index) const;
-    /// Every focal point, record by record.
+    /// Every focal point, record by record; places where pressure is held down, of amplitude 0, are none.
     [[nodiscard]] std::vector<Vec3> points() const;
     /// Whether any record makes several foci at the same time, so that there was something to solve.
     [[nodiscard]] bool has_several_foci() const;

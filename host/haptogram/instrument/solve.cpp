@@ -60,10 +60,12 @@ std::vector<std::complex<double>> drives_of(const Record& record, std::size_t el
 }
 
 ordered_json to_json(const Quality& quality) {
-    return {{"pressure_pa", quality.pressure_pa},
-            {"spread", quality.spread},
-            {"least_over_mean", quality.least_over_mean},
-            {"efficiency", quality.efficiency}};
+    ordered_json json = {{"pressure_pa", quality.pressure_pa},
+                         {"spread", quality.spread},
+                         {"least_over_mean", quality.least_over_mean},
+                         {"efficiency", quality.efficiency}};
+    if (quality.null_share) json["null_share"] = *quality.null_share;
+    return json;
 }
 
 ordered_json to_json(const SolvedStep& step) {
