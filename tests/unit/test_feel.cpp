@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <complex>
+#include <functional>
 #include <numbers>
 #include <numeric>
 #include <random>
@@ -10,6 +11,7 @@
 #include "haptogram/acoustics/quantities.hpp"
 #include "haptogram/acoustics/skin_pressure.hpp"
 #include "haptogram/acoustics/transient.hpp"
+#include "haptogram/analysis/excitation.hpp"
 #include "haptogram/analysis/played_sequence.hpp"
 #include "haptogram/instrument/compile.hpp"
 #include "haptogram/instrument/feel.hpp"
@@ -296,6 +298,65 @@ TEST_CASE("exposure: levels at an ear", "[feel]") {
     CHECK(norm(around.ear) == Approx(0.5));
     for (const Vec3 point : {from_mm(0, 0, 500), from_mm(300, 0, 400), from_mm(0, 500, 0)})
         CHECK(exposure(array, sequence, {&point, 1}).front().mean_db <= around.mean_db + 1e-3);
+}
+
+namespace {
+
+/// Pulses by hand, as a board that computes foci and modulates would play an image for so many passes.
+std::vector<Pulse> pulses_of(const Bundle& bundle, int passes) {
+    const Image& image = bundle.image;
+    std::vector<Pulse> pulses;
+    std::uint64_t period = 0;
+    for (int pass = 0; pass < passes; ++pass)
+        for (const SequenceEntry& entry : image.sequence)
+            for (int i = 0; i < entry.dwell; ++i, ++period) {
+                const auto place = place_of(image, entry.index);
+                if (!place) continue;
+                const auto cycle = static_cast<std::uint32_t>(cycle_clocks(image, *place));
+                std::uint8_t sample = 255;
+                if (image.modulation)
+                    sample = image.modulation
+                                 ->samples[period / image.modulation->divider % image.modulation->samples.size()];
+                const auto words = emission_words(image, emissions_of(image, *place), cycle, sample);
+                for (std::uint32_t channel = 0; channel < image.channels; ++channel) {
+                    if (words[channel].width == 0) continue;
+                    const std::uint64_t rise = 777 + period * cycle + words[channel].rise;
+                    pulses.push_back({rise, rise + words[channel].width, channel, entry.index});
+                }
+            }
+    return pulses;
+}
+
+}  // namespace
+
+TEST_CASE("feel: images of foci, whose records count on behind those of timings, and their pulses", "[feel]") {
+    const Vec3 left = from_mm(-15, 0, 140), right = from_mm(15, 0, 140);
+    const Path path{{{{{left}}, 30}, {{{right, 0.6}}, 20}, {{}, 10}}, {}};
+    const Array array = find_array("tile-10x10");
+    const Core core = find_configuration("tile-100-wide");
+    const Bundle foci = compile(path, array, core).bundle;
+    REQUIRE(foci.image.sequence.front().index == 401);
+    const Bundle records = compile(path, array, core, 0, "image", Method::gauss_newton, {}, ImageKind::records).bundle;
+    const auto felt = [&](const DriveSequence& sequence, const Manifest& manifest) {
+        const PlayedDrives played{array, sequence, places_of(manifest, sequence), "test"};
+        FeelOptions options;
+        options.tables = perception::find_tables();
+        return feel(played, options);
+    };
+    const Feeling expected = felt(haptogram::sequence_of(records), records.manifest);
+    const DriveSequence measured = haptogram::sequence_of(foci.manifest, pulses_of(foci, 4), "pulses.csv");
+    for (const Feeling& found : {felt(haptogram::sequence_of(foci), foci.manifest), felt(measured, foci.manifest)}) {
+        REQUIRE(found.places.size() == 2);
+        for (std::size_t i = 0; i < 2; ++i) {
+            CHECK(distance(found.places[i].place.position, i == 0 ? left : right) < 1e-5);
+            // What one focus leaves of the other's carriers depends on their common phases, which are free.
+            CHECK(found.places[i].mean_pa == Approx(expected.places[i].mean_pa).epsilon(0.1));
+        }
+    }
+    std::vector<Pulse> foreign = pulses_of(foci, 1);
+    foreign.back().index = 2;
+    CHECK_THAT(message_of([&] { (void)haptogram::sequence_of(foci.manifest, foreign, "pulses.csv"); }),
+               Contains("another image's"));
 }
 
 TEST_CASE("feel: measured pulses give what the image gives", "[feel]") {

@@ -26,6 +26,13 @@ void for_each_stretch(const std::vector<Pulse>& pulses, Visit visit) {
 
 }  // namespace
 
+std::size_t place_of(const Manifest& manifest, const Pulse& pulse, const std::string& where) {
+    if (const auto place = manifest.place_of(pulse.index)) return *place;
+    throw bad_input(where, fmt::format("a pulse of record {}, but the manifest has {} from {} on; these pulses are "
+                                       "another image's",
+                                       pulse.index, manifest.records.size(), manifest.index_of(0)));
+}
+
 std::vector<MeasuredRecord> measure(const Manifest& manifest, const std::vector<Pulse>& pulses,
                                     const std::string& where) {
     const std::size_t elements = manifest.array.elements.size();
@@ -36,11 +43,7 @@ std::vector<MeasuredRecord> measure(const Manifest& manifest, const std::vector<
                 where,
                 fmt::format("a pulse on channel {}, but the array has {} elements; these pulses are another array's",
                             pulse.channel, elements));
-        if (!manifest.place_of(pulse.index))
-            throw bad_input(where,
-                            fmt::format("a pulse of record {}, but the manifest has {} from {} on; these pulses are "
-                                        "another image's",
-                                        pulse.index, manifest.records.size(), manifest.index_of(0)));
+        (void)place_of(manifest, pulse, where);
         by_channel[pulse.channel].push_back(pulse);
     }
     const double clock_s = 1.0 / manifest.timer.clock_hz;
@@ -56,7 +59,7 @@ std::vector<MeasuredRecord> measure(const Manifest& manifest, const std::vector<
             std::vector<DrivePulse> train;
             for (const Pulse& p : inner)
                 train.push_back({static_cast<double>(p.rise) * clock_s, static_cast<double>(p.fall) * clock_s});
-            const std::size_t r = manifest.place_of(stretch.front().index).value();
+            const std::size_t r = place_of(manifest, stretch.front(), where);
             // A record may play in several stretches, and each counts by its length.
             records[r].drives[channel] += carrier_component(train, manifest.timer.carrier_hz(), period_s);
             cycles[r] += stretch.size();

@@ -14,6 +14,11 @@ struct MeasuredRecord {
     std::vector<std::complex<double>> drives;  ///< one an element, Pa·m; the 40 kHz component of its pulses
 };
 
+/// The place among the manifest's records of the one that a pulse is of.
+/// @param where  names the pulses' file
+/// @throws Error{bad_input} when there is none
+[[nodiscard]] std::size_t place_of(const Manifest& manifest, const Pulse& pulse, const std::string& where);
+
 /// Turns measured pulses into each record's drives. Where a record played for at least three periods in a row, each
 /// channel's first and last pulse of that stretch are left out: pulses of neighbouring records may have merged with
 /// them.

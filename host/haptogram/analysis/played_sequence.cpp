@@ -35,10 +35,12 @@ DriveSequence sequence_of(const Bundle& bundle) {
     DriveSequence sequence;
     sequence.carrier_hz = bundle.manifest.timer.carrier_hz();
     sequence.drives.emplace_back(bundle.manifest.array.elements.size());  // silence
-    for (const Record& record : bundle.image.records)
-        sequence.drives.push_back(haptogram::drives_of(bundle.manifest, record));
-    for (const SequenceEntry& entry : bundle.image.sequence)
-        sequence.steps.push_back({entry.index, entry.dwell, entry.index});
+    for (std::size_t place = 0; place < bundle.image.record_count(); ++place)
+        sequence.drives.push_back(haptogram::drives_of(bundle.manifest, bundle.image, place));
+    for (const SequenceEntry& entry : bundle.image.sequence) {
+        const auto place = bundle.manifest.place_of(entry.index);
+        sequence.steps.push_back({place ? *place + 1 : 0, entry.dwell, entry.index});
+    }
     return sequence;
 }
 
@@ -52,10 +54,7 @@ DriveSequence sequence_of(const Manifest& manifest, const std::vector<Pulse>& pu
                 name,
                 fmt::format("a pulse on channel {}, but the array has {} elements; these pulses are another array's",
                             pulse.channel, manifest.array.elements.size()));
-        if (pulse.index == 0 || pulse.index > manifest.records.size())
-            throw bad_input(
-                name, fmt::format("a pulse of record {}, but the manifest has {}; these pulses are another image's",
-                                  pulse.index, manifest.records.size()));
+        (void)place_of(manifest, pulse, name);
         first = std::min(first, pulse.rise);
         last = std::max(last, pulse.rise);
     }
@@ -94,7 +93,8 @@ Path places_of(const Manifest& manifest, const DriveSequence& sequence) {
     for (const DriveSequence::Step& step : sequence.steps) {
         PathStep made;
         made.periods = static_cast<std::uint32_t>(step.periods);
-        if (step.record > 0) made.foci = manifest.records[step.record - 1].foci;
+        if (step.record > 0) made.foci = manifest.records.at(manifest.place_of(step.record).value()).foci;
+        std::erase_if(made.foci, [](const Focus& focus) { return focus.amplitude == 0.0; });  // held down
         for (Focus& focus : made.foci) focus.amplitude = 1.0;
         if (!path.steps.empty() && path.steps.back().foci == made.foci)
             path.steps.back().periods += made.periods;
