@@ -172,6 +172,22 @@ def test_every_verb_takes_an_image_of_foci_and_its_pulses(board, tmp_path):
     refuse(tmp_path, ["feel", "--pulses", "foreign.csv", "--manifest", "image.json"], BAD_INPUT, "another image's", outputs=())
 
 
+@pytest.mark.parametrize(("am", "mean"), [("sine:200", 3 / 8), ("square:200", 1 / 2), ("square:200:0.25", 1 / 4)])
+def test_measured_pulses_make_the_mean_of_the_modulations_squares(am, mean, tmp_path):
+    """The silent periods count as the others do: ∫(½ + ½·sin)² is 3/8, and a square's is its duty."""
+
+    def measured(*args):
+        compile_foci(tmp_path, "small-16-wide", "--shape", "point", "--loops", 1, *args)
+        assert simulate(tmp_path, "--passes", 2)[1] == OK
+        succeed(["field", "--pulses", "pulses.csv", "--manifest", "image.json", "--line", "z@x=0,y=0", "-o", "line.npy"], cwd=tmp_path)
+        return np.load(tmp_path / "line.npy").ravel()
+
+    steady, modulated = measured(), measured("--am", am)
+    squares = np.mean((np.array(read_json(tmp_path / "image.json")["modulation"]["samples"]) / 255) ** 2)
+    assert np.abs(modulated / steady / squares - 1).max() < 0.015, modulated / steady
+    assert squares == pytest.approx(mean, rel=0.025)  # 25 % of 50 samples are 12, and one of a half
+
+
 def test_what_the_board_cannot_hold_is_named(tmp_path):
     array_for("small-16-wide", tmp_path)
 

@@ -327,6 +327,16 @@ std::vector<Pulse> pulses_of(const Bundle& bundle, int passes) {
     return pulses;
 }
 
+/// Mean |p|² at a point.
+double mean_square(const Excitation& excitation, Vec3 point) {
+    double sum = 0.0, weights = 0.0;
+    for (std::size_t i = 0; i < excitation.drives.size(); ++i) {
+        sum += excitation.weights[i] * std::norm(pressure(excitation.array, excitation.drives[i], point));
+        weights += excitation.weights[i];
+    }
+    return sum / weights;
+}
+
 }  // namespace
 
 TEST_CASE("feel: images of foci, whose records count on behind those of timings, and their pulses", "[feel]") {
@@ -357,6 +367,46 @@ TEST_CASE("feel: images of foci, whose records count on behind those of timings,
     foreign.back().index = 2;
     CHECK_THAT(message_of([&] { (void)haptogram::sequence_of(foci.manifest, foreign, "pulses.csv"); }),
                Contains("another image's"));
+}
+
+TEST_CASE("feel: the board's modulation counts with its squares, and with its silence", "[feel]") {
+    // Means of the squares of a waveform: ∫ (½ + ½·sin)² = 3/8, and a square's duty.
+    const Vec3 focus = from_mm(5, 0, 140);
+    const Array array = find_array("tile-10x10");
+    const Core core = find_configuration("tile-100-wide");
+    Path path{{{{{focus}}, 400}}, {}};
+    const Bundle steady = compile(path, array, core).bundle;
+    const double whole = mean_square(excitation_of(steady), focus);
+    const auto square = [](double duty) { return [duty](double x) { return x < duty ? 1.0 : 0.0; }; };
+    const struct {
+        std::function<double(double)> wave;
+        double mean;
+    } cases[] = {
+        {[](double x) { return 0.5 + 0.5 * std::sin(2.0 * pi * x); }, 0.375}, {square(0.5), 0.5}, {square(0.25), 0.25}};
+    for (const auto& [wave, mean] : cases)
+        for (const int passes : {1, 3}) {
+            path.modulation.samples.clear();
+            for (int i = 0; i < 200; ++i) path.modulation.samples.push_back(wave((i + 0.5) / 200));
+            const Bundle bundle = compile(path, array, core).bundle;
+            const std::vector<Pulse> pulses = pulses_of(bundle, passes);
+            CAPTURE(mean, passes);
+            CHECK(mean_square(excitation_of(bundle.manifest, pulses, "p"), focus) / whole ==
+                  Approx(mean).epsilon(0.015));
+            CHECK(mean_square(excitation_of(bundle), focus) / whole == Approx(mean).epsilon(0.015));
+            // The spectrum of what an image plays has the modulation in it, and its mean.
+            const DriveSequence sequence = haptogram::sequence_of(bundle);
+            REQUIRE(sequence.periods() == 400);
+            double sum = 0.0;
+            for (const DriveSequence::Step& step : sequence.steps)
+                sum += static_cast<double>(step.periods) / 400.0 *
+                       std::norm(pressure(array, sequence.drives[step.set], focus));
+            CHECK(sum / whole == Approx(mean).epsilon(0.015));
+        }
+    // Silence of the sequence, on a board without modulation.
+    Path halved{{{{{focus}}, 30}, {{}, 30}}, {}};
+    const Core plain = find_configuration("tile-100");
+    const Bundle half = compile(halved, array, plain).bundle;
+    CHECK(mean_square(excitation_of(half), focus) / whole == Approx(0.5).epsilon(0.01));
 }
 
 TEST_CASE("feel: measured pulses give what the image gives", "[feel]") {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "haptogram/base/error.hpp"
 
@@ -184,6 +185,12 @@ std::optional<std::size_t> Manifest::place_of(std::uint32_t index) const {
     const std::uint32_t first = index_of(0);
     if (index < first || index - first >= records.size()) return {};
     return index - first;
+}
+
+std::uint64_t Manifest::repeat_periods() const {
+    if (!(rate_hz > 0.0)) return 0;
+    const auto pass = static_cast<std::uint64_t>(std::max(1.0, std::round(timer.carrier_hz() / rate_hz)));
+    return modulation ? std::lcm(pass, std::uint64_t{modulation->divider} * modulation->samples.size()) : pass;
 }
 
 std::vector<Vec3> Manifest::points() const {
