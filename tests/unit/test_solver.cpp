@@ -15,6 +15,7 @@
 #include "haptogram/analysis/measure.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/instrument/compile.hpp"
+#include "haptogram/instrument/solve.hpp"
 #include "haptogram/model/rig.hpp"
 #include "haptogram/solve/drives.hpp"
 #include "haptogram/solve/even.hpp"
@@ -365,6 +366,27 @@ TEST_CASE("solver: the sum of Fingers, with amplitudes and without, beside weigh
     const std::vector<Focus> four{
         {from_mm(-20, 0, 150)}, {from_mm(20, 0, 150)}, {from_mm(0, -20, 150)}, {from_mm(0, 20, 150)}};
     REQUIRE(share(four, by(Method::distance_weighted)) == Approx(0.445).margin(0.002));
+}
+
+TEST_CASE("solver: what is said of ticks is what the record's pulses make, of whole ticks in length, too", "[solver]") {
+    const Array array = find_array("tile-10x10");
+    const Core core = find_configuration("tile-100");
+    for (const double amplitude : {1.0, 0.3, 0.05}) {
+        const std::vector<std::vector<Focus>> sets{
+            {{from_mm(0, 0, 150), amplitude}}, {{from_mm(-20, 0, 150), amplitude}, {from_mm(20, 5, 150), amplitude}}};
+        const Solved solved = solve_steps(sets, array, core, {}, false);
+        // The Fourier component of the record's pulses, as one would measure it at the pins.
+        Manifest manifest;
+        manifest.array = array;
+        manifest.timer = solved.timer;
+        for (const SolvedStep& step : solved.steps) {
+            const DriveList drives = drives_of(manifest, step.record);
+            for (std::size_t k = 0; k < step.foci.size(); ++k)
+                REQUIRE(step.quantised.pressure_pa[k] ==
+                        Approx(std::abs(pressure(array, drives, step.foci[k].position))).epsilon(1e-9));
+        }
+    }
+    REQUIRE_THROWS_WITH(solve_steps({{{from_mm(0, 0, 150), 1e-4}}}, array, core, {}, false), Contains("no length"));
 }
 
 TEST_CASE("solver: rigs and every pattern", "[solver]") {
