@@ -66,8 +66,11 @@ int solve(const SolveCommand& command) {
     if (!command.output.empty()) check_solved_path(command.output);
     if (command.output == "-" && command.json)
         throw bad_argument("json", "the drives would go to standard output, too; give --output a file");
+    std::vector<NamedPath> outputs = {{"--output", command.output}};
+    if (command.output.ends_with(".hex"))
+        outputs.push_back({"--output", manifest_path(command.output), command.output});
     if (!command.foci.empty() && !command.output.empty())
-        require_distinct({{"the file of foci", command.foci}}, {{"--output", command.output}});
+        require_distinct({{"the file of foci", command.foci}}, outputs);
     Project project;
     project.array = command.array;
     project.board = command.board;
