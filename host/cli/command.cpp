@@ -29,6 +29,12 @@ void require_distinct(const std::vector<NamedPath>& inputs, const std::vector<Na
         return a == b || place(a) == place(b) || std::filesystem::equivalent(a, b, error);
     };
     const auto clash = [](const NamedPath& a, const NamedPath& b) {
+        if (!b.of.empty())
+            return Error(ErrorCode::bad_argument, b.option,
+                         fmt::format("the manifest of {} would be written over {}, which is already {}; give --output "
+                                     "another name{}",
+                                     b.of, b.path, a.option,
+                                     b.option == "--manifest" ? ", or name the manifest with --manifest" : ""));
         return Error(ErrorCode::bad_argument, b.option,
                      fmt::format("{} is already {}; give each its own file", b.path == "-" ? "standard output" : b.path,
                                  a.option));

@@ -51,6 +51,7 @@ void complain(const std::string& message);
 struct NamedPath {
     std::string option;
     std::string path;
+    std::string of = {};  ///< of a manifest that takes its name from it: the image
 };
 
 /// @throws Error{bad_argument} when an output would overwrite an input or another output, or two go to standard output

@@ -122,10 +122,12 @@ void check_rig_paths(CompileOptions& options) {
 
 void check_paths(CompileOptions& options) {
     if (options.output.empty()) throw bad_argument("--output", "the name is empty; name the image");
+    std::string beside;
     if (options.manifest.empty() && !options.rig) {
         if (options.output == "-")
             throw bad_argument("-o -", "needs --manifest FILE: an image is of little use without its manifest");
         options.manifest = manifest_path(options.output);
+        beside = options.output;
     }
     if (options.rig) check_rig_paths(options);
     std::vector<NamedPath> inputs;
@@ -134,7 +136,7 @@ void check_paths(CompileOptions& options) {
     if (options.board && options.board->ends_with(".toml")) inputs.push_back({"--board", *options.board});
     if (options.rig && options.rig->ends_with(".toml")) inputs.push_back({"--rig", *options.rig});
     std::vector<NamedPath> outputs = {{"--output", options.output}};
-    if (!options.rig) outputs.push_back({"--manifest", options.manifest});
+    if (!options.rig) outputs.push_back({"--manifest", options.manifest, beside});
     if (!options.path.empty()) inputs.push_back({"--path", options.path});
     if (!options.save_path.empty()) outputs.push_back({"--save-path", options.save_path});
     if (!options.readmemh.empty()) {

@@ -52,9 +52,13 @@ void print(const Solved& solved) {
                        p.y / millimetre, p.z / millimetre, amplitude, step.exact.pressure_pa[k],
                        step.quantised.pressure_pa[k]);
         }
-        for (const auto& [name, q] : {std::pair("exact", &step.exact), std::pair("in ticks", &step.quantised)})
+        for (const auto& [name, q] : {std::pair("exact", &step.exact), std::pair("in ticks", &step.quantised)}) {
             fmt::print("  {:9} spread (CV) {:.5f}, least over mean {:.4f}, efficiency {:.4f}\n", name, q->spread,
                        q->least_over_mean, q->efficiency);
+            if (q->null_share)
+                fmt::print("  {:9} foci of amplitude 0 held down to {:.5f} of what the array can make there\n", "",
+                           *q->null_share);
+        }
     }
 }
 
@@ -62,8 +66,11 @@ int solve(const SolveCommand& command) {
     if (!command.output.empty()) check_solved_path(command.output);
     if (command.output == "-" && command.json)
         throw bad_argument("json", "the drives would go to standard output, too; give --output a file");
+    std::vector<NamedPath> outputs = {{"--output", command.output}};
+    if (command.output.ends_with(".hex"))
+        outputs.push_back({"--output", manifest_path(command.output), command.output});
     if (!command.foci.empty() && !command.output.empty())
-        require_distinct({{"the file of foci", command.foci}}, {{"--output", command.output}});
+        require_distinct({{"the file of foci", command.foci}}, outputs);
     Project project;
     project.array = command.array;
     project.board = command.board;
@@ -86,10 +93,10 @@ void add_solve(CLI::App& app, Action& action) {
     auto options = std::make_shared<SolveCommand>();
     CLI::App* sub = app.add_subcommand(
         "solve", "Drives that make several foci at the same time, their records, and how even and strong the foci are");
-    auto* foci =
-        sub->add_option("foci", options->foci,
-                        "File of foci: a line x,y,z or x,y,z,amplitude each (mm, 0 to 1); an empty line begins "
-                        "the next set. - is standard input");
+    auto* foci = sub->add_option(
+        "foci", options->foci,
+        "File of foci: a line x,y,z or x,y,z,amplitude each (mm, 0 to 1; 0 holds the pressure down there); "
+        "an empty line begins the next set. - is standard input");
     sub->add_option("--focus", options->focus, "A focus x,y,z or x,y,z,amplitude instead; again for each")
         ->excludes(foci);
     auto* array = sub->add_option("--array", options->array,

@@ -55,7 +55,8 @@ FieldRequest field_request(std::string_view query, Scenes& scenes) {
     FieldRequest request;
     request.scene = scenes.find(value("scene"));
     const Excitation& excitation = request.scene->excitation;
-    if (const auto record = query_value(query, "record")) request.record = record_of(*record, excitation.drives.size());
+    if (const auto record = query_value(query, "record"))
+        request.record = record_of(*record, request.scene->compiled.bundle.manifest.records.size());
     Reach reach;
     reach.step_m = millimetres_of("step", value("step"));
     for (const auto& [axis, range] : {std::pair{"x", &reach.x}, {"y", &reach.y}, {"z", &reach.z}})

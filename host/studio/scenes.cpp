@@ -83,9 +83,9 @@ ordered_json to_json(const Scene& scene) {
 }
 
 ordered_json drives_json(const Scene& scene, std::uint32_t record) {
-    if (record < 1 || record > scene.excitation.drives.size())
-        throw bad_argument(
-            "record", fmt::format("{} is no record; the scene has 1 to {}", record, scene.excitation.drives.size()));
+    if (record < 1 || record > scene.compiled.bundle.manifest.records.size())
+        throw bad_argument("record", fmt::format("{} is no record; the scene has 1 to {}", record,
+                                                 scene.compiled.bundle.manifest.records.size()));
     const double full = scene.excitation.array.transducer.source_pa_m;
     ordered_json phases = ordered_json::array(), amplitudes = ordered_json::array();
     for (const std::complex<double>& drive : scene.excitation.drives[record - 1]) {

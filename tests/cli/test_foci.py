@@ -157,6 +157,37 @@ def test_amplitude_modulation_is_the_boards(board, tmp_path):
     assert np.mean(np.array(worst) <= 0.0025) >= 0.4 and max(worst) <= 0.12, sorted(worst)
 
 
+@pytest.mark.parametrize("board", BOARDS)
+def test_every_verb_takes_an_image_of_foci_and_its_pulses(board, tmp_path):
+    compile_foci(tmp_path, board, "--shape", "circle", "--points", 5, "--rate", 200, "--am", "sine:200", "--loops", 1)
+    assert simulate(tmp_path, "--passes", 2)[1] == OK
+    for verb in ("inspect image.hex", "analyze image.hex", "feel image.hex", "report image.hex", "field image.hex -o image.csv",
+                 "feel --pulses pulses.csv --manifest image.json", "field --pulses pulses.csv --manifest image.json -o pulses.npy"):  # fmt: skip
+        succeed(verb.split(), cwd=tmp_path, timeout=120)
+    felt = [json.loads(succeed(["feel", *args, "--json"], cwd=tmp_path, timeout=120).stdout)
+            for args in (["image.hex"], ["--pulses", "pulses.csv", "--manifest", "image.json"])]  # fmt: skip
+    places = [[place["at_mm"] for place in one["places"]] for one in felt]
+    assert len(places[0]) == 5 and np.allclose(*places)
+    (tmp_path / "foreign.csv").write_text((tmp_path / "pulses.csv").read_text().replace(f",{BOARDS[board] + 1}\n", ",1\n"))
+    refuse(tmp_path, ["feel", "--pulses", "foreign.csv", "--manifest", "image.json"], BAD_INPUT, "another image's", outputs=())
+
+
+@pytest.mark.parametrize(("am", "mean"), [("sine:200", 3 / 8), ("square:200", 1 / 2), ("square:200:0.25", 1 / 4)])
+def test_measured_pulses_make_the_mean_of_the_modulations_squares(am, mean, tmp_path):
+    """The silent periods count as the others do: ∫(½ + ½·sin)² is 3/8, and a square's is its duty."""
+
+    def measured(*args):
+        compile_foci(tmp_path, "small-16-wide", "--shape", "point", "--loops", 1, *args)
+        assert simulate(tmp_path, "--passes", 2)[1] == OK
+        succeed(["field", "--pulses", "pulses.csv", "--manifest", "image.json", "--line", "z@x=0,y=0", "-o", "line.npy"], cwd=tmp_path)
+        return np.load(tmp_path / "line.npy").ravel()
+
+    steady, modulated = measured(), measured("--am", am)
+    squares = np.mean((np.array(read_json(tmp_path / "image.json")["modulation"]["samples"]) / 255) ** 2)
+    assert np.abs(modulated / steady / squares - 1).max() < 0.015, modulated / steady
+    assert squares == pytest.approx(mean, rel=0.025)  # 25 % of 50 samples are 12, and one of a half
+
+
 def test_what_the_board_cannot_hold_is_named(tmp_path):
     array_for("small-16-wide", tmp_path)
 

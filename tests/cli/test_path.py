@@ -100,6 +100,8 @@ def test_a_path_out_of_reach_or_with_a_shape_is_refused(tmp_path):
     refuse(tmp_path, ["compile", "--path", "far.csv", "--shape", "circle"], USAGE, "--path", "either")
     refuse(tmp_path, ["compile", "--path", "far.csv", "--center", "0,0,100"], USAGE, "--path", "center")
     refuse(tmp_path, ["compile", "--path", "none.json"], BAD_INPUT, "none.json")
+    (tmp_path / "image.json").write_text("{}")
+    refuse(tmp_path, ["compile", "--path", "image.json", "-o", "image.hex"], USAGE, "manifest of image.hex", "--path", "--manifest", outputs=("image.hex",))
     refuse(tmp_path, ["compile", "--path", "far.csv", "--rate", 3], USAGE, "--rate")
 
 

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <stdlib.h>
 
+#include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <complex>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <random>
 
+#include "haptogram/acoustics/field.hpp"
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
@@ -138,7 +142,7 @@ TEST_CASE("transducers: files by name, by path, with keys of the array's own", "
     REQUIRE(t.name == "own");
     REQUIRE(t.radius_m == 6e-3);
     REQUIRE(t.source_pa_m == 4.5);
-    REQUIRE(t.table.size() == 4);  // even steps of the narrowest, 30°
+    REQUIRE(t.table.size() == 4);  // 30° and 90° lie on even steps of 30°
     REQUIRE(t.table[2] == Approx(0.35));
     t = folder.array("[transducer]\nfile = \"T4010A1\"\ndirectivity = \"piston\"\n").transducer;
     REQUIRE(t.pattern == Pattern::piston);
@@ -159,6 +163,56 @@ TEST_CASE("transducers: files by name, by path, with keys of the array's own", "
                         Contains("b.toml:2: radius_mm must be a number"));
     REQUIRE_THROWS_WITH(load_transducer(folder.file("b.toml", "file = \"point\"\n")),
                         Contains("b.toml:1: unknown key file"));
+}
+
+TEST_CASE("transducers: uneven angles keep every corner, and a field the error that it states", "[transducer][array]") {
+    CAPTURE(Catch::rngSeed());
+    std::mt19937_64 g(Catch::rngSeed());
+    const Folder folder;
+    const std::vector<std::pair<double, double>> rows{{0, 1},       {7, 0.98},  {15.5, 0.8},
+                                                      {33.25, 0.3}, {47, 0.45}, {90, 0.1}};
+    std::string text;
+    for (const auto& [angle, amplitude] : rows) text += std::to_string(angle) + "," + std::to_string(amplitude) + "\n";
+    const auto line = [&](double degrees) {  // the file's own straight lines
+        std::size_t i = 1;
+        while (rows[i].first < degrees) ++i;
+        const double part = (degrees - rows[i - 1].first) / (rows[i].first - rows[i - 1].first);
+        return (1.0 - part) * rows[i - 1].second + part * rows[i].second;
+    };
+    Array array = find_array("tile-10x10");
+    array.transducer.pattern = Pattern::table;
+    array.transducer.table = load_directivity(folder.file("uneven.csv", text));
+    std::uniform_real_distribution<double> any(0.0, 90.0);
+    for (int i = 0; i < 1000; ++i) {
+        const double degrees = any(g);
+        REQUIRE(directivity(array.transducer, 0.0, std::cos(degrees * std::numbers::pi / 180.0)) ==
+                Approx(line(degrees)).margin(1e-9));
+    }
+    // A focus' field beside the sum of the waves, with the file's lines.
+    const Vec3 focus = from_mm(0, 0, 60);
+    const auto drives = ideal_drives(array, focus);
+    const double k = 2.0 * std::numbers::pi / array.wavelength_m();
+    const auto sum = [&](Vec3 point) {
+        std::complex<double> p = 0.0;
+        for (std::size_t m = 0; m < drives.size(); ++m) {
+            const Vec3 ray = point - array.elements[m].position;
+            const double range = norm(ray), degrees = std::acos(ray.z / range) * 180.0 / std::numbers::pi;
+            p += drives[m] *
+                 std::polar(line(degrees) / range * std::exp(-array.medium.absorption_np_m * range), -k * range);
+        }
+        return p;
+    };
+    Grid grid;
+    for (int i = -60; i <= 60; ++i) grid.x.push_back(i * 1e-3), grid.y.push_back(i * 1e-3);
+    grid.z = {0.06};
+    const PressureField field = pressure_field(array, drives, grid, FieldOptions{});
+    double worst = 0.0;
+    for (std::size_t i = 0; i < grid.size(); i += 7)
+        worst = std::max(worst, std::abs(std::complex<double>(field.values[i]) - sum(grid.point(i))));
+    CAPTURE(worst / std::abs(sum(focus)), field.error);
+    REQUIRE(worst <= field.error * std::abs(sum(focus)));
+    REQUIRE_THROWS_WITH(load_directivity(folder.file("fine.csv", "0,1\n7.1234,0.5\n90,0\n")),
+                        Contains("7.1234") && Contains("hundredths"));
 }
 
 TEST_CASE("transducers: every damage to a pattern's table is named with its line", "[transducer]") {
@@ -185,7 +239,7 @@ TEST_CASE("transducers: every damage to a pattern's table is named with its line
     REQUIRE(even[16] == Approx(0.74));
     REQUIRE(even[31] == Approx(0.5));
     REQUIRE(even[90] == Approx(0.0).margin(1e-15));
-    REQUIRE(load_directivity(folder.file("t.csv", "0,1\n0.001,1\n90,0\n")).size() == 901);
+    REQUIRE(load_directivity(folder.file("t.csv", "0,1\n0.01,1\n90,0\n")).size() == 9001);
 }
 
 TEST_CASE("manifest: pattern and absorption are kept, and older manifests without them are read", "[manifest]") {

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <complex>
+#include <functional>
 #include <numbers>
 #include <numeric>
 #include <random>
@@ -16,6 +17,7 @@
 #include "haptogram/perception/skin_wave.hpp"
 #include "haptogram/perception/sound.hpp"
 #include "haptogram/verbs/compile.hpp"
+#include "haptogram/verbs/excitation.hpp"
 #include "haptogram/verbs/feel.hpp"
 #include "haptogram/verbs/played_sequence.hpp"
 #include "message_of.hpp"
@@ -296,6 +298,115 @@ TEST_CASE("exposure: levels at an ear", "[feel]") {
     CHECK(norm(around.ear) == Approx(0.5));
     for (const Vec3 point : {from_mm(0, 0, 500), from_mm(300, 0, 400), from_mm(0, 500, 0)})
         CHECK(exposure(array, sequence, {&point, 1}).front().mean_db <= around.mean_db + 1e-3);
+}
+
+namespace {
+
+/// Pulses by hand, as a board that computes foci and modulates would play an image for so many passes.
+std::vector<Pulse> pulses_of(const Bundle& bundle, int passes) {
+    const Image& image = bundle.image;
+    std::vector<Pulse> pulses;
+    std::uint64_t period = 0;
+    for (int pass = 0; pass < passes; ++pass)
+        for (const SequenceEntry& entry : image.sequence)
+            for (int i = 0; i < entry.dwell; ++i, ++period) {
+                const auto place = place_of(image, entry.index);
+                if (!place) continue;
+                const auto cycle = static_cast<std::uint32_t>(cycle_clocks(image, *place));
+                std::uint8_t sample = 255;
+                if (image.modulation)
+                    sample = image.modulation
+                                 ->samples[period / image.modulation->divider % image.modulation->samples.size()];
+                const auto words = emission_words(image, emissions_of(image, *place), cycle, sample);
+                for (std::uint32_t channel = 0; channel < image.channels; ++channel) {
+                    if (words[channel].width == 0) continue;
+                    const std::uint64_t rise = 777 + period * cycle + words[channel].rise;
+                    pulses.push_back({rise, rise + words[channel].width, channel, entry.index});
+                }
+            }
+    return pulses;
+}
+
+/// Mean |p|² at a point.
+double mean_square(const Excitation& excitation, Vec3 point) {
+    double sum = 0.0, weights = 0.0;
+    for (std::size_t i = 0; i < excitation.drives.size(); ++i) {
+        sum += excitation.weights[i] * std::norm(pressure(excitation.array, excitation.drives[i], point));
+        weights += excitation.weights[i];
+    }
+    return sum / weights;
+}
+
+}  // namespace
+
+TEST_CASE("feel: images of foci, whose records count on behind those of timings, and their pulses", "[feel]") {
+    const Vec3 left = from_mm(-15, 0, 140), right = from_mm(15, 0, 140);
+    const Path path{{{{{left}}, 30}, {{{right, 0.6}}, 20}, {{}, 10}}, {}};
+    const Array array = find_array("tile-10x10");
+    const Core core = find_configuration("tile-100-wide");
+    const Bundle foci = compile(path, array, core).bundle;
+    REQUIRE(foci.image.sequence.front().index == 401);
+    const Bundle records = compile(path, array, core, 0, "image", Method::gauss_newton, {}, ImageKind::records).bundle;
+    const auto felt = [&](const DriveSequence& sequence, const Manifest& manifest) {
+        const PlayedDrives played{array, sequence, places_of(manifest, sequence), "test"};
+        FeelOptions options;
+        options.tables = perception::find_tables();
+        return feel(played, options);
+    };
+    const Feeling expected = felt(haptogram::sequence_of(records), records.manifest);
+    const DriveSequence measured = haptogram::sequence_of(foci.manifest, pulses_of(foci, 4), "pulses.csv");
+    for (const Feeling& found : {felt(haptogram::sequence_of(foci), foci.manifest), felt(measured, foci.manifest)}) {
+        REQUIRE(found.places.size() == 2);
+        for (std::size_t i = 0; i < 2; ++i) {
+            CHECK(distance(found.places[i].place.position, i == 0 ? left : right) < 1e-5);
+            // What one focus leaves of the other's carriers depends on their common phases, which are free.
+            CHECK(found.places[i].mean_pa == Approx(expected.places[i].mean_pa).epsilon(0.1));
+        }
+    }
+    std::vector<Pulse> foreign = pulses_of(foci, 1);
+    foreign.back().index = 2;
+    CHECK_THAT(message_of([&] { (void)haptogram::sequence_of(foci.manifest, foreign, "pulses.csv"); }),
+               Contains("another image's"));
+}
+
+TEST_CASE("feel: the board's modulation counts with its squares, and with its silence", "[feel]") {
+    // Means of the squares of a waveform: ∫ (½ + ½·sin)² = 3/8, and a square's duty.
+    const Vec3 focus = from_mm(5, 0, 140);
+    const Array array = find_array("tile-10x10");
+    const Core core = find_configuration("tile-100-wide");
+    Path path{{{{{focus}}, 400}}, {}};
+    const Bundle steady = compile(path, array, core).bundle;
+    const double whole = mean_square(excitation_of(steady), focus);
+    const auto square = [](double duty) { return [duty](double x) { return x < duty ? 1.0 : 0.0; }; };
+    const struct {
+        std::function<double(double)> wave;
+        double mean;
+    } cases[] = {
+        {[](double x) { return 0.5 + 0.5 * std::sin(2.0 * pi * x); }, 0.375}, {square(0.5), 0.5}, {square(0.25), 0.25}};
+    for (const auto& [wave, mean] : cases)
+        for (const int passes : {1, 3}) {
+            path.modulation.samples.clear();
+            for (int i = 0; i < 200; ++i) path.modulation.samples.push_back(wave((i + 0.5) / 200));
+            const Bundle bundle = compile(path, array, core).bundle;
+            const std::vector<Pulse> pulses = pulses_of(bundle, passes);
+            CAPTURE(mean, passes);
+            CHECK(mean_square(excitation_of(bundle.manifest, pulses, "p"), focus) / whole ==
+                  Approx(mean).epsilon(0.015));
+            CHECK(mean_square(excitation_of(bundle), focus) / whole == Approx(mean).epsilon(0.015));
+            // The spectrum of what an image plays has the modulation in it, and its mean.
+            const DriveSequence sequence = haptogram::sequence_of(bundle);
+            REQUIRE(sequence.periods() == 400);
+            double sum = 0.0;
+            for (const DriveSequence::Step& step : sequence.steps)
+                sum += static_cast<double>(step.periods) / 400.0 *
+                       std::norm(pressure(array, sequence.drives[step.set], focus));
+            CHECK(sum / whole == Approx(mean).epsilon(0.015));
+        }
+    // Silence of the sequence, on a board without modulation.
+    Path halved{{{{{focus}}, 30}, {{}, 30}}, {}};
+    const Core plain = find_configuration("tile-100");
+    const Bundle half = compile(halved, array, plain).bundle;
+    CHECK(mean_square(excitation_of(half), focus) / whole == Approx(0.5).epsilon(0.01));
 }
 
 TEST_CASE("feel: measured pulses give what the image gives", "[feel]") {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/base/error.hpp"
@@ -93,6 +95,44 @@ TEST_CASE("focus image: what the board computes is a focus where it was asked, w
                              bundle.manifest.foci.value().full / std::abs(pressure(array, exact, focus.position));
         REQUIRE(ratio == Approx(1.0).margin(0.002));
     }
+}
+
+TEST_CASE("focus image: what the board rounds stays within the limits of its check", "[foci]") {
+    CAPTURE(Catch::rngSeed());
+    std::mt19937_64 g(Catch::rngSeed());
+    std::uniform_real_distribution<double> lateral(-0.04, 0.04), height(0.08, 0.18), weak(0.05, 1.0);
+    Path path;
+    for (int i = 0; i < 64; ++i) {
+        std::vector<Focus> foci;
+        while (foci.size() < 2 + static_cast<std::size_t>(i) % 7) {
+            const Vec3 at{lateral(g), lateral(g), height(g)};
+            if (std::none_of(foci.begin(), foci.end(), [&](const Focus& f) { return distance(f.position, at) < 0.02; }))
+                foci.push_back({at, foci.empty() ? 1.0 : weak(g)});
+        }
+        path.steps.push_back({foci, 20});
+    }
+    const Bundle bundle = compile(path, tile(), wide()).bundle;
+    double least = 1.0;
+    int told = 0;
+    for (std::size_t i = 0; i < bundle.manifest.records.size(); ++i) {
+        const RecordMeaning& record = bundle.manifest.records[i];
+        auto drives = drives_of(bundle.manifest, bundle.image, i);
+        const FocusCheck check = check_record(bundle.manifest, record, drives);
+        const FocusLimits limits = limits_of(bundle.manifest, record);
+        CAPTURE(i, record.foci.size(), check.pressure_kept, limits.least_kept, check.peak_offset_m,
+                limits.most_offset_m);
+        CHECK(check.pressure_kept >= limits.least_kept);
+        CHECK(check.peak_offset_m <= limits.most_offset_m);
+        least = std::min(least, check.pressure_kept);
+        // A tenth of the elements silent is no rounding, where rounding leaves most of each focus.
+        if (limits.least_kept < 0.95) continue;
+        ++told;
+        for (std::size_t m = 0; m < drives.size(); m += 10) drives[m] = 0.0;
+        const FocusCheck broken = check_record(bundle.manifest, record, drives);
+        CHECK((broken.pressure_kept < limits.least_kept || broken.peak_offset_m > limits.most_offset_m));
+    }
+    CHECK(told > 32);
+    CHECK(least < 0.999);  // which is what a fixed limit would be
 }
 
 TEST_CASE("focus image: what is written is read back, with its manifest", "[foci]") {

@@ -14,11 +14,14 @@
 #include "haptogram/array/rig.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/solve/drives.hpp"
+#include "haptogram/solve/even.hpp"
 #include "haptogram/solve/fast_solver.hpp"
 #include "haptogram/solve/focal_law.hpp"
 #include "haptogram/solve/solver.hpp"
 #include "haptogram/verbs/compile.hpp"
 #include "haptogram/verbs/focus_check.hpp"
+#include "haptogram/verbs/measure.hpp"
+#include "haptogram/verbs/solve.hpp"
 
 using namespace haptogram;
 using Catch::Contains;
@@ -136,6 +139,59 @@ TEST_CASE("solver: for one focus every method but one gives the focal law's tick
             Approx(1.0).epsilon(1e-12));
 }
 
+TEST_CASE("solver: a lone focus at any round place has all that every shipped array can make there", "[solver]") {
+    // At some round places the phases of all elements are the focus' to the last bit.
+    int silent = 0, weak = 0;
+    for (const std::string& name : shipped_arrays()) {
+        const Array array = find_array(name);
+        FastSolver fast(array, 1);
+        for (int x = -50; x <= 50; x += 10)
+            for (int y = -50; y <= 50; y += 10)
+                for (int z = 100; z <= 200; z += 10) {
+                    const Focus focus{from_mm(x, y, z)};
+                    DriveList row;
+                    double most_here = 0.0;
+                    for (const Element& element : array.elements) {
+                        row.push_back(propagation(array, element, focus.position));
+                        most_here += std::abs(row.back());
+                    }
+                    const auto share = [&](const DriveList& drives) {
+                        std::complex<double> sum = 0.0;
+                        for (std::size_t m = 0; m < row.size(); ++m) sum += drives[m] * row[m];
+                        return std::abs(sum) / most_here;
+                    };
+                    CAPTURE(name, x, y, z);
+                    for (const MethodName& one : method_names) {
+                        SolveOptions options = by(one.method);
+                        options.rounds = 2;
+                        const double made = share(solve(array, {&focus, 1}, options));
+                        CAPTURE(one.name, made);
+                        if (!(made > 1e-6)) ++silent;
+                        if (one.method != Method::inverse_transform && !(made > 1.0 - 1e-9)) ++weak;
+                    }
+                    fast.solve({&focus, 1});
+                    if (!(share(fast.drives()) > 1.0 - 1e-5)) ++weak;
+                }
+    }
+    CAPTURE(silent, weak);
+    REQUIRE(silent == 0);
+    REQUIRE(weak == 0);
+}
+
+TEST_CASE("solver: silence where pressure was asked for is an error, and no number", "[solver]") {
+    const Array array = find_array("tile-10x10");
+    const Focus focus{{0.0, 0.0, 0.15}};
+    REQUIRE_THROWS_WITH(quality_of(array, {&focus, 1}, DriveList(100)), Contains("no pressure"));
+    Array behind = array;
+    behind.transducer.pattern = Pattern::table;
+    behind.transducer.table = {1.0, 0.5};
+    const std::vector<Vec3> below{{0.0, 0.0, -0.1}};
+    for (const MethodName& one : method_names)
+        if (one.method != Method::inverse_transform)
+            REQUIRE_THROWS_WITH(solve(behind, std::vector<Focus>{{below.front()}}, by(one.method)), Contains("behind"));
+    REQUIRE_THROWS_WITH(CrossTalk(behind, below), Contains("behind"));
+}
+
 TEST_CASE("solver: ten random foci come out equal by the default, and better than by the others", "[solver]") {
     CAPTURE(Catch::rngSeed());
     Generator g(Catch::rngSeed());
@@ -190,11 +246,65 @@ TEST_CASE("solver: amplitudes are what was asked for, of the most that can be ma
             REQUIRE(spread(ratios) <= 0.01);
             REQUIRE(quality_of(array, foci, drives, level).spread <= 0.01);
         }
-    // A focus of amplitude 0 asks for nothing.
-    std::vector<Focus> foci = random_foci(g, 3);
-    const auto without = solve(array, foci);
-    foci.push_back({{0.0, 0.0, 0.3}, 0.0});
-    REQUIRE(solve(array, foci) == without);
+}
+
+TEST_CASE("solver: at a focus of amplitude 0 the pressure is held down", "[solver]") {
+    CAPTURE(Catch::rngSeed());
+    Generator g(Catch::rngSeed());
+    const Array array = find_array("tile-10x10");
+    for (const std::size_t count : {1U, 2U, 4U})
+        for (const bool amplitudes : {false, true})
+            for (const Level level : {Level::reachable, Level::pressure}) {
+                // Nulls between the foci, where the field of the foci alone has its side lobes.
+                std::vector<Focus> foci = random_foci(g, count + 2, 0.15, 0.04);
+                const std::vector<Focus> alone(foci.begin(), foci.begin() + static_cast<std::ptrdiff_t>(count));
+                for (std::size_t k = count; k < foci.size(); ++k) foci[k].amplitude = 0.0;
+                SolveOptions options = by(Method::gauss_newton, amplitudes);
+                options.level = level;
+                const auto drives = solve(array, foci, options);
+                const std::vector<double> held = made(array, foci, drives);
+                CAPTURE(count, amplitudes, static_cast<int>(level), held);
+                for (std::size_t k = count; k < foci.size(); ++k)
+                    REQUIRE(held[k] < 1e-3 * most(array, foci[k].position));
+                // The foci lose some of theirs by it, and stay even.
+                const Quality quality = quality_of(array, foci, drives, level);
+                const Quality free = quality_of(array, alone, solve(array, alone, options), level);
+                REQUIRE(quality.spread < 0.01);
+                REQUIRE(quality.efficiency > 0.6 * free.efficiency);
+                REQUIRE(quality.null_share.value() < 1e-4);
+                REQUIRE_FALSE(free.null_share);
+            }
+    // A null on the flank of the focus, a third of a wavelength away, costs most of it but is there.
+    const std::vector<Focus> near{{from_mm(0, 0, 150)}, {from_mm(3, 0, 150), 0.0}};
+    const Quality quality = quality_of(array, near, solve(array, near));
+    REQUIRE(quality.null_share.value() < 1e-4);
+    REQUIRE(quality.efficiency > 0.1);
+    for (const MethodName& one : method_names)
+        if (one.method != Method::gauss_newton)
+            REQUIRE_THROWS_WITH(solve(array, near, by(one.method)),
+                                Contains(one.name) && Contains("gauss-newton") && Contains("amplitude 0"));
+}
+
+TEST_CASE("compile: a path's focus of amplitude 0 is held down by records, and refused by boards that add up",
+          "[solver]") {
+    const Path path{{{{{from_mm(10, 0, 150)}, {from_mm(-10, 0, 150), 0.0}}, 40}}, {}};
+    const Array array = find_array("tile-10x10");
+    const Compiled compiled = compile(path, array, find_configuration("tile-100"));
+    const Manifest manifest = manifest_from_json(to_text(compiled.bundle.manifest), "test");
+    REQUIRE(manifest.points().size() == 1);
+    const DriveList drives = drives_of(manifest, compiled.bundle.image.records[0]);
+    const double at_focus = std::abs(pressure(array, drives, path.steps[0].foci[0].position));
+    const double at_null = std::abs(pressure(array, drives, path.steps[0].foci[1].position));
+    REQUIRE(at_focus > 0.9 * most(array, path.steps[0].foci[0].position));
+    REQUIRE(at_null < 0.005 * at_focus);  // 250 ticks a period
+    const FocusCheck check = check_record(manifest, manifest.records[0], drives);
+    REQUIRE(check.pressure_kept > 0.999);
+    REQUIRE(check.peak_offset_m < 1e-4);
+    const Core adds_up = find_configuration("tile-100-wide");
+    REQUIRE_THROWS_WITH(compile(path, array, adds_up), Contains("only adds foci up") && Contains("step 1"));
+    Path padded = path;
+    padded.steps[0].foci[1].position = padded.steps[0].foci[0].position;
+    REQUIRE(compile(padded, array, adds_up).bundle.image.foci.value().each == 1);
 }
 
 TEST_CASE("solver: mirrored foci give mirrored drives", "[solver]") {
@@ -256,6 +366,27 @@ TEST_CASE("solver: the sum of Fingers, with amplitudes and without, beside weigh
     const std::vector<Focus> four{
         {from_mm(-20, 0, 150)}, {from_mm(20, 0, 150)}, {from_mm(0, -20, 150)}, {from_mm(0, 20, 150)}};
     REQUIRE(share(four, by(Method::distance_weighted)) == Approx(0.445).margin(0.002));
+}
+
+TEST_CASE("solver: what is said of ticks is what the record's pulses make, of whole ticks in length, too", "[solver]") {
+    const Array array = find_array("tile-10x10");
+    const Core core = find_configuration("tile-100");
+    for (const double amplitude : {1.0, 0.3, 0.05}) {
+        const std::vector<std::vector<Focus>> sets{
+            {{from_mm(0, 0, 150), amplitude}}, {{from_mm(-20, 0, 150), amplitude}, {from_mm(20, 5, 150), amplitude}}};
+        const Solved solved = solve_steps(sets, array, core, {}, false);
+        // The Fourier component of the record's pulses, as one would measure it at the pins.
+        Manifest manifest;
+        manifest.array = array;
+        manifest.timer = solved.timer;
+        for (const SolvedStep& step : solved.steps) {
+            const DriveList drives = drives_of(manifest, step.record);
+            for (std::size_t k = 0; k < step.foci.size(); ++k)
+                REQUIRE(step.quantised.pressure_pa[k] ==
+                        Approx(std::abs(pressure(array, drives, step.foci[k].position))).epsilon(1e-9));
+        }
+    }
+    REQUIRE_THROWS_WITH(solve_steps({{{from_mm(0, 0, 150), 1e-4}}}, array, core, {}, false), Contains("no length"));
 }
 
 TEST_CASE("solver: rigs and every pattern", "[solver]") {

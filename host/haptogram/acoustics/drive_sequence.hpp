@@ -12,7 +12,7 @@ struct DriveSequence {
     struct Step {
         std::size_t set = 0;        ///< in `drives`
         std::uint64_t periods = 1;  ///< of the carrier
-        std::uint32_t record = 0;   ///< of the image, counted from 1; 0: silence
+        std::uint32_t record = 0;   ///< its index in the image; 0: silence
     };
     std::vector<std::vector<std::complex<double>>> drives;  ///< different sets, one drive an element each, Pa·m
     std::vector<Step> steps;

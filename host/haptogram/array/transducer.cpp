@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
 #include <sstream>
 
 #include "haptogram/array/transducer_keys.hpp"
@@ -70,12 +72,23 @@ std::vector<double> load_directivity(const std::filesystem::path& path) {
         for (const Row& row : rows) table.push_back(row.amplitude);
         return table;
     }
-    constexpr double most_steps = 900.0;
-    const auto steps = static_cast<std::size_t>(std::min(std::ceil(90.0 / narrowest - 1e-9), most_steps));
+    // Every angle of the file is one of the table's, or its corners would be cut off.
+    constexpr double finest_deg = 0.01, rounding = 1e-6;
+    std::int64_t common = std::llround(90.0 / finest_deg);
+    for (const Row& row : rows) {
+        const double hundredths = row.angle_deg / finest_deg;
+        if (std::abs(hundredths - std::round(hundredths)) > rounding)
+            throw bad_input(path.string(),
+                            fmt::format("the angle {} is not a whole number of hundredths of a degree, which angles in "
+                                        "uneven steps must be; round it",
+                                        row.angle_deg));
+        common = std::gcd(common, std::llround(hundredths));
+    }
+    const auto steps = static_cast<std::size_t>(std::llround(90.0 / finest_deg) / common);
     std::size_t at = 0;
     for (std::size_t i = 0; i <= steps; ++i) {
         const double angle = 90.0 * static_cast<double>(i) / static_cast<double>(steps);
-        while (at + 2 < rows.size() && rows[at + 1].angle_deg <= angle) ++at;
+        while (at + 2 < rows.size() && rows[at + 1].angle_deg <= angle + 0.5 * finest_deg) ++at;
         const double share = (angle - rows[at].angle_deg) / (rows[at + 1].angle_deg - rows[at].angle_deg);
         table.push_back(std::lerp(rows[at].amplitude, rows[at + 1].amplitude, share));
     }

@@ -35,7 +35,8 @@ struct Transducer {
 [[nodiscard]] std::vector<std::string> shipped_transducers();
 
 /// Reads a measured pattern: CSV with the columns angle_deg,amplitude, angles rising from 0 to 90, amplitude 1 at 0.
-/// Angles at uneven steps are interpolated linearly to even ones no wider than the narrowest, nor narrower than 0.1°.
+/// Angles at uneven steps, which must be whole hundredths of a degree, are interpolated linearly to the widest even
+/// ones that all of them lie on, so that nothing of the straight lines between them is lost.
 /// @return amplitudes at even steps from 0 to 90°
 /// @throws Error{bad_input} naming the file and the line
 [[nodiscard]] std::vector<double> load_directivity(const std::filesystem::path& path);

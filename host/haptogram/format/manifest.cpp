@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "haptogram/base/error.hpp"
 
@@ -186,10 +187,17 @@ std::optional<std::size_t> Manifest::place_of(std::uint32_t index) const {
     return index - first;
 }
 
+std::uint64_t Manifest::repeat_periods() const {
+    if (!(rate_hz > 0.0)) return 0;
+    const auto pass = static_cast<std::uint64_t>(std::max(1.0, std::round(timer.carrier_hz() / rate_hz)));
+    return modulation ? std::lcm(pass, std::uint64_t{modulation->divider} * modulation->samples.size()) : pass;
+}
+
 std::vector<Vec3> Manifest::points() const {
     std::vector<Vec3> found;
     for (const RecordMeaning& record : records)
-        for (const Focus& focus : record.foci) found.push_back(focus.position);
+        for (const Focus& focus : record.foci)
+            if (focus.amplitude > 0.0) found.push_back(focus.position);
     return found;
 }
 

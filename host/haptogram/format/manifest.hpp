@@ -50,7 +50,10 @@ struct Manifest {
     /// The index of the record at a place, counted from 0; and the place of an index, empty when there is none.
     [[nodiscard]] std::uint32_t index_of(std::size_t place) const;
     [[nodiscard]] std::optional<std::size_t> place_of(std::uint32_t index) const;
-    /// Every focal point, record by record.
+    /// Carrier periods after which everything that plays is as before: whole passes, and whole rounds of the board's
+    /// modulation. 0 when the manifest does not say how long a pass is.
+    [[nodiscard]] std::uint64_t repeat_periods() const;
+    /// Every focal point, record by record; places where pressure is held down, of amplitude 0, are none.
     [[nodiscard]] std::vector<Vec3> points() const;
     /// Whether any record makes several foci at the same time, so that there was something to solve.
     [[nodiscard]] bool has_several_foci() const;

@@ -157,6 +157,11 @@ CrossTalk::CrossTalk(const Array& array, std::span<const Vec3> points)
             re[m] = amplitudes[i * elements + m] * drives_re[m * padded_ + i];
             im[m] = -amplitudes[i * elements + m] * drives_im[m * padded_ + i];
         }
+        if (std::all_of(re.begin(), re.end(), [](float one) { return one == 0.0F; }) &&
+            std::all_of(im.begin(), im.end(), [](float one) { return one == 0.0F; }))
+            throw bad_input(
+                "even",
+                fmt::format("point {} cannot be reached by any element: it is behind all of them; move it", i + 1));
         HWY_DYNAMIC_DISPATCH(squares_at)
         (re.data(), im.data(), drives_re.data(), drives_im.data(), elements, padded_, at_points_.data() + i * padded_);
     }

@@ -22,7 +22,8 @@ public:
 
     /// Exact phases at full strength for every point, one after the other.
     /// @param points  metres, array frame
-    /// @throws Error{bad_input} for more than most_points, or a point that coincides with an element
+    /// @throws Error{bad_input} for more than most_points, or a point that coincides with an element or is out
+    /// of every element's reach
     CrossTalk(const Array& array, std::span<const Vec3> points);
 
     /// The time-averaged |p|² at each point, Pa².

@@ -243,8 +243,11 @@ HWY_INLINE void equalise(const FociProblem& q) {
     multiply_slopes(q);
     float trace = 0.0F;
     for (std::size_t k = 0; k < q.foci; ++k) trace += q.normal[k * q.most_foci + k];
-    for (std::size_t k = 0; k < q.foci; ++k)
-        q.normal[k * q.most_foci + k] += 1e-4F * trace / static_cast<float>(q.foci);
+    float squares = 0.0F;
+    for (std::size_t k = 0; k < q.foci; ++k) squares += q.size[k] * q.size[k];
+    const float damped =
+        std::max(1e-4F * trace, 1e-8F * squares / static_cast<float>(q.stride)) / static_cast<float>(q.foci);
+    for (std::size_t k = 0; k < q.foci; ++k) q.normal[k * q.most_foci + k] += damped;
     solve_positive(q);
     for (std::size_t m = 0; m < q.stride; m += in_step * lanes) {
         V turn[in_step];

@@ -78,6 +78,7 @@ std::vector<double> pressure_left(const Array& array, const Path& path) {
         double steady = 0.0;
         std::vector<double> arrived;  // sum over the foci at each time that is looked at
         for (const Focus& focus : path.steps[step].foci) {
+            if (focus.amplitude == 0.0) continue;  // a null
             std::vector<Complex> waves;
             std::vector<double> flights_s;
             for (const Element& element : array.elements) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include "haptogram/acoustics/propagation.hpp"
@@ -24,7 +25,11 @@ Error bad_focus(std::size_t i, Vec3 at, const std::string& what) {
                                                                  at.y / millimetre, at.z / millimetre, what));
 }
 
-/// The foci that ask for something, after all have been checked.
+Error unreachable(std::size_t i, Vec3 at) {
+    return bad_focus(i, at, "cannot be reached by any element: it is behind all of them");
+}
+
+/// The foci that ask for something, after all have been checked. The others are nulls.
 std::vector<Focus> checked(const Array& array, std::span<const Focus> foci) {
     constexpr double same_place_wavelengths = 1e-3;
     std::vector<Focus> asked;
@@ -42,10 +47,18 @@ std::vector<Focus> checked(const Array& array, std::span<const Focus> foci) {
         if (amplitude > 0.0) asked.push_back(foci[i]);
     }
     if (asked.empty()) throw bad_argument("foci", "there is none with an amplitude above 0; expected at least one");
-    if (asked.size() > array.elements.size())
+    if (foci.size() > array.elements.size())
         throw bad_input("foci", fmt::format("{} foci for {} elements; expected at most as many foci as elements",
-                                            asked.size(), array.elements.size()));
+                                            foci.size(), array.elements.size()));
     return asked;
+}
+
+/// Those of amplitude 0, where pressure is held down.
+std::vector<Focus> nulls_among(std::span<const Focus> foci) {
+    std::vector<Focus> nulls;
+    std::copy_if(foci.begin(), foci.end(), std::back_inserter(nulls),
+                 [](const Focus& f) { return f.amplitude == 0.0; });
+    return nulls;
 }
 
 double largest_amplitude(std::span<const Focus> foci) {
@@ -91,28 +104,39 @@ Vector solve_positive(Vector g, Vector b) {
 /// The foci as equal ones: propagation over each focus' target, so that all are to have the same |p|.
 class Problem {
 public:
-    Problem(const Array& array, std::span<const Focus> foci, Level level, bool amplitudes)
-        : foci_(foci.size()), elements_(array.elements.size()), amplitudes_(amplitudes) {
-        a_.reserve(foci_ * elements_);
-        for (const Focus& focus : foci) {
-            double target = focus.amplitude;
-            const std::size_t begin = a_.size();
+    Problem(const Array& array, std::span<const Focus> foci, std::span<const Focus> nulls, Level level, bool amplitudes)
+        : foci_(foci.size()), nulls_(nulls.size()), elements_(array.elements.size()), amplitudes_(amplitudes) {
+        a_.reserve((foci_ + nulls_) * elements_);
+        const auto add_row = [&](Vec3 position) {
             double reach = 0.0;
             for (const Element& element : array.elements) {
-                a_.push_back(propagation(array, element, focus.position));
+                a_.push_back(propagation(array, element, position));
                 reach += size(a_.back());
             }
-            if (reach == 0.0)
-                throw bad_focus(static_cast<std::size_t>(&focus - foci.data()), focus.position,
-                                "cannot be reached by any element: it is behind all of them");
-            if (level == Level::reachable) target *= reach;
-            for (std::size_t m = begin; m < a_.size(); ++m) a_[m] /= target;
+            return reach;
+        };
+        const auto divide_row = [&](double by) {
+            for (std::size_t m = a_.size() - elements_; m < a_.size(); ++m) a_[m] /= by;
+        };
+        for (const Focus& focus : foci) {
+            const double reach = add_row(focus.position);
+            if (reach == 0.0) throw unreachable(static_cast<std::size_t>(&focus - foci.data()), focus.position);
+            const double target = focus.amplitude * (level == Level::reachable ? reach : 1.0);
+            reaches_.push_back(reach);
+            targets_.push_back(target);
+            divide_row(target);
             // Without weights every method drives a focus in proportion to its target: t for the target, and t for the
             // row that has been divided by it.
             weights_.push_back(target * target);
         }
         const double mean = mean_of(weights_);
         for (double& weight : weights_) weight /= mean;
+        // Pressure at a null counts as much as that at the strongest focus. Where no element reaches, it is 0 anyway.
+        const double strongest = largest_amplitude(foci);
+        for (const Focus& null : nulls) {
+            const double reach = add_row(null.position);
+            if (reach > 0.0) divide_row(strongest * (level == Level::reachable ? reach : 1.0));
+        }
     }
 
     /// Drives from coefficients of the foci: Aᴴ·(weight·c), to phases or as it is.
@@ -150,7 +174,7 @@ public:
     }
 
     /// A step of Gauss and Newton to equal |p|, with the least change of phases, or of drives where amplitudes are
-    /// free. All |p| go to their mean, weighted by what the foci cost.
+    /// free. All |p| go to their mean, weighted by what the foci cost, and p at the nulls to 0.
     void equalise() {
         const Vector p = forth();
         double level = 0.0, sum = 0.0;
@@ -160,32 +184,52 @@ public:
         }
         level /= sum;
         // Row k of J: what changes p_k along its own direction. For phases θ it is d|p_k|/dθ = Im(conj(u_k·…)), real.
-        Vector j(foci_ * elements_);
+        // A null has no direction: both parts of its p are to go, which are two rows for real phases.
+        const std::size_t rows = foci_ + (amplitudes_ ? nulls_ : 2 * nulls_);
+        Vector j(rows * elements_), wanted(rows);
         for (std::size_t k = 0; k < foci_; ++k) {
             const Complex u = direction(p[k]);
             for (std::size_t m = 0; m < elements_; ++m)
                 j[k * elements_ + m] =
                     amplitudes_ ? times_conj(at(k, m), u) : Complex(-times_conj(times(at(k, m), x_[m]), u).imag());
         }
-        Vector g(foci_ * foci_), wanted(foci_);
+        for (std::size_t k = 0; k < foci_; ++k) wanted[k] = level - size(p[k]);
+        for (std::size_t n = 0; n < nulls_; ++n) {
+            Complex there = 0.0;
+            const std::size_t row = foci_ + (amplitudes_ ? n : 2 * n);
+            for (std::size_t m = 0; m < elements_; ++m) {
+                const Complex part = times(at(foci_ + n, m), x_[m]);
+                there += part;
+                j[row * elements_ + m] = amplitudes_ ? at(foci_ + n, m) : Complex(-part.imag());
+                if (!amplitudes_) j[(row + 1) * elements_ + m] = part.real();
+            }
+            wanted[row] = amplitudes_ ? -there : Complex(-there.real());
+            if (!amplitudes_) wanted[row + 1] = -there.imag();
+        }
+        Vector g(rows * rows);
         double trace = 0.0;
-        for (std::size_t k = 0; k < foci_; ++k) {
+        for (std::size_t k = 0; k < rows; ++k) {
             for (std::size_t l = 0; l <= k; ++l) {
                 Complex sum_of_row = 0.0;
                 for (std::size_t m = 0; m < elements_; ++m)
                     sum_of_row += times_conj(j[k * elements_ + m], j[l * elements_ + m]);
-                g[k * foci_ + l] = sum_of_row;
+                g[k * rows + l] = sum_of_row;
             }
-            trace += g[k * foci_ + k].real();
-            wanted[k] = level - size(p[k]);
+            trace += g[k * rows + k].real();
         }
-        // A little damping: two foci within a wavelength have nearly the same rows.
-        constexpr double damping = 1e-4;
-        for (std::size_t k = 0; k < foci_; ++k) g[k * foci_ + k] += damping * trace / static_cast<double>(foci_);
+        // A little damping: two foci within a wavelength have nearly the same rows. Where all phases are the best for
+        // each focus already, as for a lone one, the rows are nothing but rounding, and damping that follows them would
+        // be, too. So it does not fall below a part of the sum of squares that pressures of this size need at least.
+        constexpr double damping = 1e-4, least_damping = 1e-8;
+        double squares = 0.0;
+        for (const Complex& one : p) squares += times_conj(one, one).real();
+        const double damped = std::max(damping * trace, least_damping * squares / static_cast<double>(elements_)) /
+                              static_cast<double>(rows);
+        for (std::size_t k = 0; k < rows; ++k) g[k * rows + k] += damped;
         const Vector y = solve_positive(std::move(g), std::move(wanted));
         for (std::size_t m = 0; m < elements_; ++m) {
             Complex change = 0.0;
-            for (std::size_t k = 0; k < foci_; ++k) change += times_conj(y[k], j[k * elements_ + m]);
+            for (std::size_t k = 0; k < rows; ++k) change += times_conj(y[k], j[k * elements_ + m]);
             if (amplitudes_) {
                 x_[m] += change;
             } else {
@@ -205,7 +249,21 @@ public:
         return g;
     }
 
-    [[nodiscard]] std::size_t foci() const { return foci_; }
+    /// That `drives` make some pressure at each focus, and not nothing or what is no number.
+    void require_pressure(std::span<const Focus> foci, std::span<const Complex> drives) {
+        constexpr double least = 1e-6;  // of what the focus asks for
+        begin(drives);
+        const Vector p = forth();
+        for (std::size_t k = 0; k < foci_; ++k)
+            if (!(size(p[k]) > least * foci[k].amplitude * reaches_[k] / targets_[k]))
+                throw Error(ErrorCode::failed, "solver",
+                            fmt::format("the drives that were found make no pressure at the focus ({:g}, {:g}, {:g}) "
+                                        "mm, where some was asked for; move it, or take another solver",
+                                        foci[k].position.x / millimetre, foci[k].position.y / millimetre,
+                                        foci[k].position.z / millimetre),
+                            {"solver"});
+    }
+
     [[nodiscard]] const std::vector<double>& weights() const { return weights_; }
     [[nodiscard]] Vector&& take() { return std::move(x_); }
 
@@ -217,10 +275,10 @@ private:
         return sum / static_cast<double>(values.size());
     }
 
-    std::size_t foci_, elements_;
+    std::size_t foci_, nulls_, elements_;
     bool amplitudes_;
-    Vector a_, x_;  ///< propagation over targets, row by row, and the drives
-    std::vector<double> weights_;
+    Vector a_, x_;  ///< propagation over targets, row by row, those of the nulls last, and the drives
+    std::vector<double> weights_, reaches_, targets_;
 };
 
 Vector directions(const Vector& p) {
@@ -229,9 +287,8 @@ Vector directions(const Vector& p) {
     return u;
 }
 
-Vector iterated(const Array& array, std::span<const Focus> foci, const SolveOptions& options,
+Vector iterated(Problem& problem, std::span<const Focus> foci, bool nulls, const SolveOptions& options,
                 std::span<const Complex> start) {
-    Problem problem(array, foci, options.level, options.amplitudes);
     const unsigned rounds = options.rounds.value_or(options.method == Method::gauss_newton ? 10 : 100);
     Vector c(foci.size(), 1.0);
     if (!start.empty()) {
@@ -262,9 +319,11 @@ Vector iterated(const Array& array, std::span<const Focus> foci, const SolveOpti
         if (options.method != Method::gs) problem.reweigh(p);
         problem.back(directions(p));
     }
-    // Two or three foci may not be even yet after the rounds, and a step costs little then.
+    // Two or three foci may not be even yet after the rounds, and a step costs little then. A null a quarter of a
+    // wavelength from a focus needs eight.
+    const int steps = nulls ? 8 : foci.size() > 3 ? 1 : 3;
     if (options.method == Method::gauss_newton)
-        for (int step = 0; step < (foci.size() > 3 ? 1 : 3); ++step) problem.equalise();
+        for (int step = 0; step < steps; ++step) problem.equalise();
     return problem.take();
 }
 
@@ -314,12 +373,20 @@ std::vector<Complex> solve(const Array& array, std::span<const Focus> foci, cons
     if (!start.empty() && start.size() != array.elements.size())
         throw bad_argument("start", fmt::format("{} drives to begin with, expected {}: one an element", start.size(),
                                                 array.elements.size()));
+    const std::vector<Focus> nulls = nulls_among(foci);
+    if (!nulls.empty() && options.method != Method::gauss_newton)
+        throw bad_argument("solver",
+                           fmt::format("a focus of amplitude 0 is a place where pressure is held down, and {} drives "
+                                       "foci only; take {}, or leave that focus out",
+                                       name_of(options.method), name_of(Method::gauss_newton)),
+                           {"solver"});
+    Problem problem(array, asked, nulls, options.level, options.amplitudes);
     Vector drives;
     switch (options.method) {
         case Method::superposition: drives = superposed_drives(array, asked); break;
         case Method::distance_weighted: drives = distance_weighted(array, asked); break;
         case Method::inverse_transform: drives = inverse_transform(array, asked); break;
-        default: drives = iterated(array, asked, options, start); break;
+        default: drives = iterated(problem, asked, !nulls.empty(), options, start); break;
     }
     const double wanted = largest_amplitude(asked);
     double strongest = 0.0;
@@ -330,6 +397,7 @@ std::vector<Complex> solve(const Array& array, std::span<const Focus> foci, cons
         else
             drive = direction(drive) * wanted;
     }
+    problem.require_pressure(asked, drives);
     return drives;
 }
 
@@ -344,12 +412,17 @@ Quality quality_of(const Array& array, std::span<const Focus> foci, std::span<co
     for (const Focus& focus : foci) {
         const double made = std::abs(pressure(array, drives, focus.position)) * array.transducer.source_pa_m;
         quality.pressure_pa.push_back(made);
-        if (focus.amplitude == 0.0) continue;
         const double alone = std::abs(pressure(array, ideal_drives(array, focus.position), focus.position));
+        if (focus.amplitude == 0.0) {
+            if (alone > 0.0) quality.null_share = std::max(quality.null_share.value_or(0.0), made / alone);
+            continue;
+        }
+        if (alone == 0.0) throw unreachable(static_cast<std::size_t>(&focus - foci.data()), focus.position);
         squares += made * made / (alone * alone);
         ratios.push_back(made / (level == Level::reachable ? focus.amplitude * alone : focus.amplitude));
         mean += ratios.back() / static_cast<double>(asked.size());
     }
+    if (!(mean > 0.0)) throw Error(ErrorCode::failed, "drives", "they make no pressure at any of the foci");
     double variance = 0.0;
     for (const double ratio : ratios) variance += (ratio - mean) * (ratio - mean) / static_cast<double>(ratios.size());
     quality.spread = std::sqrt(variance) / mean;

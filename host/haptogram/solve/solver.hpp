@@ -36,14 +36,16 @@ struct SolveOptions {
 /// the phases of Aᴴ·c, the iterating methods differ in c. GS: t·p/|p|. Weighted GS: t·w·p/|p|, where each round
 /// multiplies w by the mean of |p|/t over |p|/t. GS-PAT: the phases y of A·Aᴴ·y, without elements. The Gauss-Newton
 /// step is the smallest change of phases that makes all |p|/t equal to first order; for two or three foci there are
-/// three such steps.
-/// @param foci   positions in metres, array frame; those of amplitude 0 ask for nothing
+/// three such steps. It also holds the pressure down at nulls, which are foci of amplitude 0.
+/// @param foci   positions in metres, array frame; those of amplitude 0 are nulls, which only gauss_newton knows
 /// @param start  drives to begin with, of the last of a row of similar sets of foci, say; empty: none. Iterating
 /// methods
 ///               then need a round or two
 /// @throws Error{bad_input} naming the focus, when one is not finite, coincides with an element or with another focus,
 /// or has an amplitude outside 0…1, or when there are more foci than elements; Error{bad_argument} when there is none,
-/// when `start` is not one drive an element, or when inverse_transform meets elements that are not in one plane z
+/// when there are nulls and the method is not gauss_newton, when `start` is not one drive an element, or when
+/// inverse_transform meets elements that are not in one plane z; Error{failed} when the drives make no pressure at a
+/// focus
 [[nodiscard]] std::vector<std::complex<double>> solve(const Array& array, std::span<const Focus> foci,
                                                       const SolveOptions& options = {},
                                                       std::span<const std::complex<double>> start = {});
@@ -55,6 +57,8 @@ struct Quality {
     double least_over_mean = 0.0;     ///< of the same ratio
     double efficiency = 0.0;  ///< √Σ (|p|/p₁)², where p₁ is what all elements at full strength make at one focus
                               ///< alone: for K equal foci, their pressure over p₁/√K
+    std::optional<double> null_share;  ///< the largest pressure at a focus of amplitude 0, over p₁ there; without any
+                                       ///< such focus, none. The other ratios are of the others
 };
 
 /// @param drives  one an element, 1 at full strength

@@ -36,6 +36,7 @@ ImageAnalysis analyze(const Bundle& bundle, double least_force_n, const Progress
     std::size_t short_dwells = 0;
     for (std::size_t i = 0; i < manifest.records.size(); ++i) {
         for (const Focus& focus : manifest.records[i].foci) {
+            if (focus.amplitude == 0.0) continue;
             PointAnalysis point{manifest.index_of(i),
                                 analyze(manifest.array, manifest.core, excitation.drives[i], focus.position),
                                 manifest.records[i].dwell_cycles, false};

@@ -3,6 +3,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -27,9 +28,17 @@ double modulation_rms(const Manifest& manifest) {
     return std::sqrt(sum / static_cast<double>(manifest.modulation->samples.size()));
 }
 
+/// The time in which nothing is driven, as one more set of drives behind the others.
+void add_silence(Excitation& excitation, double weight) {
+    if (!(weight > 0.0)) return;
+    excitation.drives.emplace_back(excitation.array.elements.size());
+    excitation.weights.push_back(weight);
+}
+
 std::vector<Vec3> positions(const std::vector<Focus>& foci) {
     std::vector<Vec3> found;
-    for (const Focus& focus : foci) found.push_back(focus.position);
+    for (const Focus& focus : foci)
+        if (focus.amplitude > 0.0) found.push_back(focus.position);
     return found;
 }
 
@@ -80,10 +89,14 @@ Excitation excitation_of(const Bundle& bundle, std::uint32_t record) {
         found.title = fmt::format("{}, record {}", bundle.name, record);
         return found;
     }
+    std::uint64_t silent = 0;
     for (const std::uint64_t clocks : record_clocks(image)) found.weights.push_back(static_cast<double>(clocks));
     for (std::size_t place = 0; place < records; ++place)
         found.drives.push_back(drives_of(bundle.manifest, image, place));
     weaken(found, modulated);
+    for (const SequenceEntry& entry : image.sequence)
+        if (entry.index == 0) silent += entry.dwell * bundle.manifest.timer.cycle_clocks();
+    add_silence(found, static_cast<double>(silent));
     found.foci = bundle.manifest.points();
     found.title = fmt::format("{}, {} points in turn", bundle.name, records);
     return found;
@@ -113,11 +126,32 @@ Excitation excitation_of(const Manifest& manifest, const std::string& name, std:
 Excitation excitation_of(const Manifest& manifest, const std::vector<Pulse>& pulses, const std::string& name) {
     if (pulses.empty()) throw bad_input(name, "no pulses in it; expected what a simulation measured");
     Excitation found{manifest.array, {}, {}, manifest.points(), name + ", as measured at the pins"};
-    for (MeasuredRecord& record : measure(manifest, pulses, name)) {
-        if (record.cycles == 0) continue;
-        found.drives.push_back(std::move(record.drives));
-        found.weights.push_back(static_cast<double>(record.cycles));
+    const auto [first, last] = std::minmax_element(pulses.begin(), pulses.end(),
+                                                   [](const Pulse& a, const Pulse& b) { return a.rise < b.rise; });
+    const std::uint64_t period = manifest.timer.cycle_clocks();
+    // Silence behind the last pulse cannot be seen, so whole repetitions are taken; of less than one, whole rounds of
+    // the modulation.
+    std::uint64_t periods = (last->rise - first->rise) / period + 1;
+    std::uint64_t whole = manifest.repeat_periods();
+    if (manifest.modulation && whole > periods)
+        whole = std::uint64_t{manifest.modulation->divider} * manifest.modulation->samples.size();
+    std::vector<Pulse> inside = pulses;
+    if (whole > 0 && periods >= whole) {
+        periods = periods / whole * whole;
+        std::erase_if(inside, [&](const Pulse& p) { return p.rise >= first->rise + periods * period; });
     }
+    double sounding = 0.0;
+    bool passed = true;  // each record has played for as long as a pass has it
+    const std::vector<MeasuredRecord> measured = measure(manifest, inside, name);
+    for (std::size_t i = 0; i < measured.size(); ++i) {
+        passed = passed && measured[i].cycles >= manifest.records[i].dwell_cycles;
+        if (measured[i].cycles == 0) continue;
+        found.drives.push_back(measured[i].root_mean_square);
+        found.weights.push_back(static_cast<double>(measured[i].cycles));
+        sounding += found.weights.back();
+    }
+    if (periods < whole && (passed || manifest.modulation)) periods = whole;
+    add_silence(found, static_cast<double>(periods) - sounding);
     return found;
 }
 

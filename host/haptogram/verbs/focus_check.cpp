@@ -5,7 +5,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
+#include <utility>
 
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/format/emission.hpp"
@@ -83,7 +85,65 @@ FocusCheck check_focus(const Array& array, std::span<const std::complex<double>>
     return check;
 }
 
+namespace {
+
+/// Of sums of foci on a board that computes them.
+FocusLimits limits_of_sums(const Manifest& manifest, const RecordMeaning& record) {
+    constexpr double deviations = 4.0, table_steps = 1024.0, alike = 1e-6;
+    FocusLimits limits;
+    const Array& array = manifest.array;
+    const double tick = std::numbers::pi / manifest.timer.cycle_ticks, source = array.transducer.source_pa_m;
+    const double k = 2.0 * std::numbers::pi / array.wavelength_m();
+    const std::vector<std::complex<double>> drives = asked_drives(manifest, record);
+    double least = 1.0;
+    for (const Focus& focus : record.foci) {
+        if (focus.amplitude == 0.0) continue;
+        std::complex<double> made = 0.0;
+        std::array<double, 2> means{}, squares{};
+        double all = 0.0;
+        // Elements of the same drive, as symmetric foci have, make the same error: Σ |wave|, and Σ |wave|·|cosine|.
+        std::map<std::pair<long, long>, std::array<double, 4>> groups;
+        for (std::size_t m = 0; m < drives.size(); ++m) {
+            const std::complex<double> wave = propagation(array, array.elements[m], focus.position);
+            const std::complex<double> drive = drives[m] / source;
+            const Vec3 way = focus.position - array.elements[m].position;
+            const double size = std::abs(wave), amplitude = std::min(1.0, std::abs(drive));
+            std::array<double, 4>& group =
+                groups[{std::lround(drive.real() / alike), std::lround(drive.imag() / alike)}];
+            group[0] = tick * tick * (1.0 + 3.0 * amplitude * amplitude) + 1.0 / (table_steps * table_steps);
+            group[1] += size;
+            made += wave * drive;
+            all += size;
+            for (const std::size_t axis : {0U, 1U}) {
+                const double cosine = (axis == 0 ? way.x : way.y) / norm(way);
+                group[2 + axis] += size * std::abs(cosine);
+                means[axis] += size * cosine;
+                squares[axis] += size * cosine * cosine;
+            }
+        }
+        double pressure = 0.0;
+        std::array<double, 2> slopes{};
+        for (const auto& [drive, group] : groups) {
+            pressure += group[0] / 12.0 * group[1] * group[1];
+            for (const std::size_t axis : {0U, 1U}) slopes[axis] += group[0] / 12.0 * group[2 + axis] * group[2 + axis];
+        }
+        least = std::min(least, 1.0 - deviations * std::sqrt(pressure) / std::abs(made));
+        for (const std::size_t axis : {0U, 1U}) {
+            const double mean = means[axis] / all, spread = squares[axis] / all - mean * mean;
+            if (spread > 0.0)
+                limits.most_offset_m =
+                    std::max(limits.most_offset_m, FocusLimits{}.most_offset_m + deviations * std::sqrt(slopes[axis]) /
+                                                                                     (k * spread * std::abs(made)));
+        }
+    }
+    limits.least_kept *= std::max(0.0, least);
+    return limits;
+}
+
+}  // namespace
+
 FocusLimits limits_of(const Manifest& manifest, const RecordMeaning& record) {
+    if (manifest.foci && record.foci.size() > 1) return limits_of_sums(manifest, record);
     FocusLimits limits;
     if (manifest.quantise.empty()) return limits;
     constexpr double deviations = 4.0, alike = 8.0;
@@ -96,6 +156,7 @@ FocusLimits limits_of(const Manifest& manifest, const RecordMeaning& record) {
     double farthest = 0.0;
     for (const Focus& focus : record.foci)
         for (const bool along_x : {true, false}) {
+            if (focus.amplitude == 0.0) continue;
             double sum = 0.0, squares = 0.0;
             for (const Element& element : elements) {
                 const Vec3 way = focus.position - element.position;
@@ -135,6 +196,7 @@ FocusCheck check_record(const Manifest& manifest, const RecordMeaning& record,
             if (measured[m] != 0.0) measured[m] *= std::abs(reference[m]) / std::abs(measured[m]);
     FocusCheck worst{0.0, std::numeric_limits<double>::infinity(), 0.0};
     for (const Focus& focus : record.foci) {
+        if (focus.amplitude == 0.0) continue;  // held down, and no peak
         const FocusCheck one = check_focus(manifest.array, measured, reference, focus.position);
         if (one.pressure_kept < worst.pressure_kept) {
             worst.pressure_pa = one.pressure_pa;

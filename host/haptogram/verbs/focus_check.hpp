@@ -35,6 +35,13 @@ struct FocusLimits {
 /// A record may lose four standard deviations more than the mean, and 0.1 % as any record, and its peak may be four
 /// deviations farther off: one of 16,000 correct records would. Errors of the eight elements that a square array's
 /// symmetry makes alike count as one in the pressure; for the peak, symmetry helps.
+///
+/// A board that adds up several foci gives each element a pulse of its own, whose errors do not cancel exactly. In a
+/// cycle of C ticks, and with the 1,024 steps of the table from amplitudes to lengths, an element of amplitude a is off
+/// by up to half of π/C·√(1 − a²), 1/1024 and 2π/C·a: by its length, by the table, and by its phase. These are evenly
+/// spread, alike for elements that are driven alike, and each element's wave carries them to the focus. A focus may
+/// lose four deviations of that sum, over its own pressure, more than the 0.1 %: a weak focus beside strong ones loses
+/// most. Its peak may be as far off as four deviations of the sum's slope move it, over the curvature of a lone focus.
 [[nodiscard]] FocusLimits limits_of(const Manifest& manifest, const RecordMeaning& record);
 
 /// The drives that a record is to have: exact phases for its foci, every element at full strength, as all channels of a

@@ -43,6 +43,18 @@ RecordWords words_of(const PathStep& step, std::size_t number, const FocusEngine
     } catch (const Error& error) {
         throw bad_input(fmt::format("step {} of the path", number), error.message());
     }
+    // A focus of amplitude 0 at the place of one that sounds fills a step up, as it does in the records themselves.
+    const auto is_null = [&](const Focus& focus) {
+        return focus.amplitude == 0.0 && std::none_of(step.foci.begin(), step.foci.end(), [&](const Focus& other) {
+                   return other.amplitude > 0.0 && other.position == focus.position;
+               });
+    };
+    if (!words.empty() && std::any_of(step.foci.begin(), step.foci.end(), is_null))
+        throw bad_input(fmt::format("step {} of the path", number),
+                        fmt::format("a focus of amplitude 0 is a place where pressure is held down, and {} only adds "
+                                    "foci up; compile records, or leave that focus out",
+                                    core.name),
+                        {"records"});
     if (words.size() > core.parameters.foci)
         throw bad_input(fmt::format("step {} of the path", number),
                         fmt::format("{} foci at a time, but {} computes at most {}; take fewer, or compile records",

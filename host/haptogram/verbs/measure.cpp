@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 
 #include "haptogram/acoustics/drive.hpp"
@@ -26,6 +27,13 @@ void for_each_stretch(const std::vector<Pulse>& pulses, Visit visit) {
 
 }  // namespace
 
+std::size_t place_of(const Manifest& manifest, const Pulse& pulse, const std::string& where) {
+    if (const auto place = manifest.place_of(pulse.index)) return *place;
+    throw bad_input(where, fmt::format("a pulse of record {}, but the manifest has {} from {} on; these pulses are "
+                                       "another image's",
+                                       pulse.index, manifest.records.size(), manifest.index_of(0)));
+}
+
 std::vector<MeasuredRecord> measure(const Manifest& manifest, const std::vector<Pulse>& pulses,
                                     const std::string& where) {
     const std::size_t elements = manifest.array.elements.size();
@@ -36,35 +44,42 @@ std::vector<MeasuredRecord> measure(const Manifest& manifest, const std::vector<
                 where,
                 fmt::format("a pulse on channel {}, but the array has {} elements; these pulses are another array's",
                             pulse.channel, elements));
-        if (!manifest.place_of(pulse.index))
-            throw bad_input(where,
-                            fmt::format("a pulse of record {}, but the manifest has {} from {} on; these pulses are "
-                                        "another image's",
-                                        pulse.index, manifest.records.size(), manifest.index_of(0)));
+        (void)place_of(manifest, pulse, where);
         by_channel[pulse.channel].push_back(pulse);
     }
     const double clock_s = 1.0 / manifest.timer.clock_hz;
     const double period_s = manifest.timer.period_s();
     std::vector<MeasuredRecord> records(manifest.records.size());
-    for (auto& record : records) record.drives.resize(elements);
+    for (auto& record : records) {
+        record.drives.resize(elements);
+        record.root_mean_square.resize(elements);
+    }
     // `cycles` counts all of the time that a record played. Its drives are the mean of the pulses that were not left
     // out.
     for (std::size_t channel = 0; channel < elements; ++channel) {
         std::vector<std::uint64_t> cycles(records.size());
         std::vector<std::uint64_t> measured(records.size());
+        std::vector<double> squares(records.size());
         for_each_stretch(by_channel[channel], [&](std::span<const Pulse> stretch, std::span<const Pulse> inner) {
             std::vector<DrivePulse> train;
             for (const Pulse& p : inner)
                 train.push_back({static_cast<double>(p.rise) * clock_s, static_cast<double>(p.fall) * clock_s});
-            const std::size_t r = manifest.place_of(stretch.front().index).value();
+            const std::size_t r = place_of(manifest, stretch.front(), where);
             // A record may play in several stretches, and each counts by its length.
             records[r].drives[channel] += carrier_component(train, manifest.timer.carrier_hz(), period_s);
+            for (const DrivePulse& one : train)
+                squares[r] += std::norm(carrier_component({&one, 1}, manifest.timer.carrier_hz(), period_s));
             cycles[r] += stretch.size();
             measured[r] += inner.size();
         });
         for (std::size_t r = 0; r < records.size(); ++r) {
-            if (measured[r] > 0)
-                records[r].drives[channel] *= manifest.array.transducer.source_pa_m / static_cast<double>(measured[r]);
+            if (measured[r] > 0) {
+                const double source = manifest.array.transducer.source_pa_m;
+                std::complex<double>& drive = records[r].drives[channel];
+                drive *= source / static_cast<double>(measured[r]);
+                const double size = source * std::sqrt(squares[r] / static_cast<double>(measured[r]));
+                records[r].root_mean_square[channel] = std::polar(size, std::arg(drive));
+            }
             records[r].cycles = std::max(records[r].cycles, cycles[r]);
         }
     }
@@ -85,12 +100,13 @@ std::vector<std::complex<double>> drives_of(const Manifest& manifest, const Reco
     return drives;
 }
 
-std::vector<std::complex<double>> drives_of(const Manifest& manifest, const Image& image, std::size_t place) {
+std::vector<std::complex<double>> drives_of(const Manifest& manifest, const Image& image, std::size_t place,
+                                            std::uint8_t sample) {
     if (!has_amplitudes(image, place)) return drives_of(manifest, image.records[place]);
     const double tick_s = 1.0 / image.clock_hz;
     const auto cycle = static_cast<std::uint32_t>(cycle_clocks(image, place));
     const double period_s = cycle * tick_s;
-    const std::vector<EmissionWord> words = emission_words(image, emissions_of(image, place), cycle);
+    const std::vector<EmissionWord> words = emission_words(image, emissions_of(image, place), cycle, sample);
     std::vector<std::complex<double>> drives;
     for (std::size_t m = 0; m < manifest.array.elements.size(); ++m) {
         const DrivePulse pulse{words.at(m).rise * tick_s, (words.at(m).rise + words.at(m).width) * tick_s};

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <tuple>
 
 #include "haptogram/acoustics/drive.hpp"
@@ -14,6 +15,8 @@
 
 namespace haptogram {
 namespace {
+
+constexpr std::uint64_t most_periods = 10'000'000;  ///< some minutes
 
 /// A pulse within a carrier period: channel, and clocks of its edges from the period's beginning.
 using Edges = std::vector<std::tuple<std::uint32_t, std::int64_t, std::int64_t>>;
@@ -32,13 +35,43 @@ std::vector<std::complex<double>> drives_of(const Edges& edges, const Manifest& 
 }  // namespace
 
 DriveSequence sequence_of(const Bundle& bundle) {
+    const Manifest& manifest = bundle.manifest;
     DriveSequence sequence;
-    sequence.carrier_hz = bundle.manifest.timer.carrier_hz();
-    sequence.drives.emplace_back(bundle.manifest.array.elements.size());  // silence
-    for (const Record& record : bundle.image.records)
-        sequence.drives.push_back(haptogram::drives_of(bundle.manifest, record));
-    for (const SequenceEntry& entry : bundle.image.sequence)
-        sequence.steps.push_back({entry.index, entry.dwell, entry.index});
+    sequence.carrier_hz = manifest.timer.carrier_hz();
+    sequence.drives.emplace_back(manifest.array.elements.size());  // silence
+    const SampledModulation steady{1, {255}};
+    const SampledModulation& modulation = bundle.image.modulation.value_or(steady);
+    std::map<std::pair<std::size_t, std::uint8_t>, std::size_t> sets;  // of a place and a sample
+    const auto set_of = [&](std::optional<std::size_t> place, std::uint8_t sample) -> std::size_t {
+        if (!place) return 0;
+        const auto [at, is_new] = sets.try_emplace({*place, sample}, sequence.drives.size());
+        if (is_new) sequence.drives.push_back(haptogram::drives_of(manifest, bundle.image, *place, sample));
+        return at->second;
+    };
+    std::uint64_t pass = 0;
+    for (const SequenceEntry& entry : bundle.image.sequence) pass += entry.dwell;
+    const std::uint64_t round = std::uint64_t{modulation.divider} * modulation.samples.size();
+    const std::uint64_t end = bundle.image.modulation ? std::lcm(pass, round) : pass;
+    if (end > most_periods)
+        throw bad_input(bundle.name,
+                        fmt::format("the sequence of {} carrier periods and the modulation of {} meet again after {} "
+                                    "only, and a spectrum has at most {}; take a rate that divides the modulation's "
+                                    "frequency",
+                                    pass, round, end, most_periods));
+    for (std::uint64_t now = 0; now < end;) {
+        for (const SequenceEntry& entry : bundle.image.sequence) {
+            const auto place = manifest.place_of(entry.index);
+            const std::uint64_t until = now + entry.dwell;
+            while (now < until) {
+                const std::uint64_t sample = now / modulation.divider;
+                const std::uint64_t next =
+                    bundle.image.modulation ? std::min(until, (sample + 1) * modulation.divider) : until;
+                sequence.steps.push_back(
+                    {set_of(place, modulation.samples[sample % modulation.samples.size()]), next - now, entry.index});
+                now = next;
+            }
+        }
+    }
     return sequence;
 }
 
@@ -52,10 +85,7 @@ DriveSequence sequence_of(const Manifest& manifest, const std::vector<Pulse>& pu
                 name,
                 fmt::format("a pulse on channel {}, but the array has {} elements; these pulses are another array's",
                             pulse.channel, manifest.array.elements.size()));
-        if (pulse.index == 0 || pulse.index > manifest.records.size())
-            throw bad_input(
-                name, fmt::format("a pulse of record {}, but the manifest has {}; these pulses are another image's",
-                                  pulse.index, manifest.records.size()));
+        (void)place_of(manifest, pulse, name);
         first = std::min(first, pulse.rise);
         last = std::max(last, pulse.rise);
     }
@@ -70,8 +100,8 @@ DriveSequence sequence_of(const Manifest& manifest, const std::vector<Pulse>& pu
     }
     DriveSequence sequence;
     sequence.carrier_hz = manifest.timer.carrier_hz();
-    const auto pass = static_cast<std::size_t>(std::max(1.0, std::round(sequence.carrier_hz / manifest.rate_hz)));
-    sequence.repeats = manifest.rate_hz > 0.0 && periods.size() >= 2 * pass;
+    const std::size_t pass = manifest.repeat_periods();
+    sequence.repeats = pass > 0 && periods.size() >= 2 * pass;
     // The last pulses may rise within a period that is not whole.
     const std::size_t begin = sequence.repeats ? pass : 0;
     const std::size_t end = sequence.repeats ? periods.size() / pass * pass : periods.size();
@@ -94,7 +124,8 @@ Path places_of(const Manifest& manifest, const DriveSequence& sequence) {
     for (const DriveSequence::Step& step : sequence.steps) {
         PathStep made;
         made.periods = static_cast<std::uint32_t>(step.periods);
-        if (step.record > 0) made.foci = manifest.records[step.record - 1].foci;
+        if (step.record > 0) made.foci = manifest.records.at(manifest.place_of(step.record).value()).foci;
+        std::erase_if(made.foci, [](const Focus& focus) { return focus.amplitude == 0.0; });  // held down
         for (Focus& focus : made.foci) focus.amplitude = 1.0;
         if (!path.steps.empty() && path.steps.back().foci == made.foci)
             path.steps.back().periods += made.periods;

@@ -9,7 +9,9 @@
 
 namespace haptogram {
 
-/// What an image plays in one pass of its sequence, each record as its pulses would be measured. It repeats.
+/// What an image plays in one pass of its sequence, each record as its pulses would be measured; where the board
+/// modulates, in as many passes as make whole rounds of the modulation. It repeats.
+/// @throws Error{bad_input} when those are too many
 [[nodiscard]] DriveSequence sequence_of(const Bundle& bundle);
 
 /// What was measured at the pins, one carrier period after the other from the first pulse on. A pulse belongs to the

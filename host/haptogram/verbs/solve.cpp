@@ -49,9 +49,10 @@ Focus focus_of(const std::vector<double>& numbers) {
     return {from_mm(numbers[0], numbers[1], numbers[2]), numbers.size() == 4 ? numbers[3] : 1.0};
 }
 
-/// The drives that a record's pulses make. Pulses of one record have one length, so each has the amplitude of the
-/// strongest.
-std::vector<std::complex<double>> drives_of(const Record& record, std::size_t elements, double amplitude) {
+/// The drives that a record's pulses make, of whole ticks in length as in place; 1 is the timer's own pulse.
+std::vector<std::complex<double>> drives_of(const Record& record, std::size_t elements, const Timer& timer) {
+    const double amplitude = std::sin(std::numbers::pi * record.pulse_length / record.cycle_length) /
+                             std::sin(std::numbers::pi * timer.duty());
     std::vector<std::complex<double>> drives(elements);
     for (std::size_t m = 0; m < elements; ++m)
         if (record.fires(m))
@@ -60,10 +61,12 @@ std::vector<std::complex<double>> drives_of(const Record& record, std::size_t el
 }
 
 ordered_json to_json(const Quality& quality) {
-    return {{"pressure_pa", quality.pressure_pa},
-            {"spread", quality.spread},
-            {"least_over_mean", quality.least_over_mean},
-            {"efficiency", quality.efficiency}};
+    ordered_json json = {{"pressure_pa", quality.pressure_pa},
+                         {"spread", quality.spread},
+                         {"least_over_mean", quality.least_over_mean},
+                         {"efficiency", quality.efficiency}};
+    if (quality.null_share) json["null_share"] = *quality.null_share;
+    return json;
 }
 
 ordered_json to_json(const SolvedStep& step) {
@@ -178,17 +181,19 @@ Solved solve_steps(const std::vector<std::vector<Focus>>& steps, const Array& ar
             if (follow && i == 0) these.rounds.reset();
             step.drives = solve(array, step.foci, these, follow ? last : std::vector<std::complex<double>>{});
             step.exact = quality_of(array, step.foci, step.drives, options.level);
+            step.record = quantise(step.drives, solved.timer, core.parameters.channels);
+            if (segments) step.record = in_segments(step.record, solved.timer, *segments);
+            if (step.record.pulse_length == 0)
+                throw bad_input("amplitude",
+                                "the foci are so weak that their pulse would have no length; make them "
+                                "stronger");
+            const auto pulses = segments ? in_segments(step.drives, *segments)
+                                         : drives_of(step.record, array.elements.size(), solved.timer);
+            step.quantised = quality_of(array, step.foci, pulses, options.level);
         } catch (const Error& error) {
             if (steps.size() == 1) throw;
             throw Error(error.code(), fmt::format("set {}", i + 1), error.what(), error.remedies());
         }
-        step.record = quantise(step.drives, solved.timer, core.parameters.channels);
-        if (segments) step.record = in_segments(step.record, solved.timer, *segments);
-        double strongest = 0.0;
-        for (const auto& drive : step.drives) strongest = std::max(strongest, std::abs(drive));
-        const auto pulses =
-            segments ? in_segments(step.drives, *segments) : drives_of(step.record, array.elements.size(), strongest);
-        step.quantised = quality_of(array, step.foci, pulses, options.level);
         last = step.drives;
         solved.steps.push_back(std::move(step));
     }
