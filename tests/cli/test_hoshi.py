@@ -104,7 +104,7 @@ def test_the_field_of_sixteen_phases(tmp_path):
 
 @pytest.mark.parametrize("movement", ["line", "circle", "spiral", "random"])
 def test_movements_on_the_device(movement, tmp_path):
-    arguments = [movement, "--grid", "--size", 60, "--array", "hoshi", "-o", "path.json", "--seconds", 0.5]
+    arguments = [movement, "--grid", "--size", 60, "--array", "hoshi", "-o", "path.json", *(["--seconds", 0.5] if movement == "random" else [])]
     report = json.loads(text(succeed(["movement", *arguments, "--json"], cwd=tmp_path).stdout))
     path = read_json(tmp_path / "path.json")
     where = played(path)

@@ -96,7 +96,6 @@ def test_a_project_is_rendered_as_the_options_do_and_compiled_as_its_path(tmp_pa
     (tmp_path / "p.toml").write_text("""format = "haptogram-project-1"
 points = 24
 frequency_hz = 100
-seed = 3
 
 [hand]
 recording = "hand.json"
@@ -110,7 +109,7 @@ frame = 1
 """)
     _, _, project = rendered(tmp_path, "p.toml")
     _, _, options = rendered(tmp_path, "pyramid", "--hand", "hand.json", "--size", 61.5, "--height", 40, "--center=1.25,-2,151", "--rotate",
-                             "10,20,30", "--algorithm", "H", "--frame", 1, "--points", 24, "--frequency", 100, "--seed", 3)  # fmt: skip
+                             "10,20,30", "--algorithm", "H", "--frame", 1, "--points", 24, "--frequency", 100)  # fmt: skip
     assert project == options
     succeed(["compile", "--path", "path.json", "-o", "image.hex"], cwd=tmp_path)
     succeed(["compile", "p.toml", "-o", "project.hex"], cwd=tmp_path)
