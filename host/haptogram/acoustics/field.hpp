@@ -62,7 +62,7 @@ struct PressureField {
                                                            const FieldOptions& options = {});
 /// The same on a grid, in the order of Grid::point(), by the quickest method that keeps the error. Interpolation needs
 /// grids that are two and a half wavelengths away from all elements. An oblique plane is a grid in the coordinates of
-/// the plane's pose: ask for the field of seen_from(array, pose) (model/rig.hpp).
+/// the plane's pose: ask for the field of seen_from(array, pose) (array/rig.hpp).
 [[nodiscard]] PressureField pressure_field(const Array& array, Drives drives, const Grid& grid,
                                            const FieldOptions& options = {});
 /// Its values alone.

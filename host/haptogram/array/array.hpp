@@ -43,7 +43,7 @@ struct Array {
     [[nodiscard]] std::string unreachable(Vec3 focus) const;
 };
 
-/// Reads an array file (TOML); host/arrays/README.md describes its keys. If it has a table [board], boards/core.hpp
+/// Reads an array file (TOML); host/arrays/README.md describes its keys. If it has a table [board], format/core.hpp
 /// reads that.
 /// @throws Error{bad_input} naming the file, the line and the key, also for unknown keys
 [[nodiscard]] Array load_array(const std::filesystem::path& path);

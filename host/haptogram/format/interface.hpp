@@ -499,7 +499,7 @@ inline constexpr std::array<ParameterDescription, 19> core_parameters = {{
      "Each channel costs its timing and a comparator in cells, and a word of every record. 1000 is what a record can load within a carrier period."},
     {"RECORDS", &CoreParameters::records, 1, 65534, {}, {}, false, false,
      "records", "how many focal points primary memory holds",
-     "Block RAM is what runs out first. An index has 16 bits 0 is silence, and one is always beyond the last record."},
+     "Block RAM is what runs out first. An index has 16 bits; 0 is silence, and one is always beyond the last record."},
     {"SEQUENCE_DEPTH", &CoreParameters::sequence_depth, 2, 32767, {}, {}, false, false,
      "words", "words of sequence memory, one of which is the header",
      "The header's length has 15 bits, of which one value is always beyond the last entry."},

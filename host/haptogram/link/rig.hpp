@@ -14,7 +14,7 @@
 
 namespace haptogram::link {
 
-// Several devices that play as one, each its own image of a rig (image/rig_bundle.hpp). They are kept in step over the
+// Several devices that play as one, each its own image of a rig (format/rig_bundle.hpp). They are kept in step over the
 // wire SYNC: the first gives the time, the others follow it (docs/tiles.md). All of this runs in the caller's thread.
 
 /// One device of a rig.

@@ -34,8 +34,8 @@ struct CameraOptions {
 [[nodiscard]] std::vector<RoundedBody> bodies_at(const HandRecording& recording, double time_s);
 
 /// Where depth comes from, as a user names it:
-/// - depth:FOLDER   a recording (sense/depth_folder.hpp)
-/// - depth-pipe:FILE   cameras of another program (sense/depth_pipe.hpp); - is standard input
+/// - depth:FOLDER   a recording (live/depth_folder.hpp)
+/// - depth-pipe:FILE   cameras of another program (live/depth_pipe.hpp); - is standard input
 /// - leap-pipe:FILE   hands of another program (leap_pipe.hpp), which simulated cameras see
 /// - leap:FILE, poses:FILE   recorded hands, which simulated cameras see; also synthetic:SCRIPT[:HEIGHT] as render has
 /// it

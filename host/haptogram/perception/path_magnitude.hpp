@@ -9,7 +9,7 @@
 
 namespace haptogram::perception {
 
-/// The modulation's part of Wanted, from its text as render/waveform.hpp reads it: one waveform with its frequency, and
+/// The modulation's part of Wanted, from its text as format/waveform.hpp reads it: one waveform with its frequency, and
 /// the duty of a square wave.
 /// @throws Error{bad_argument} naming "magnitude" for what no magnitude is known of: a text that is empty or static,
 /// several waveforms, files, and radiation as the law of the waveform's values

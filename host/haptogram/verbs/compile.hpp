@@ -55,7 +55,7 @@ struct Compiled {
 struct ProjectInstrument {
     Array array;
     Core core;
-    std::size_t boards = 1;  ///< alike, that share the array's elements: those of a rig (instrument/rig.hpp)
+    std::size_t boards = 1;  ///< alike, that share the array's elements: those of a rig (verbs/rig.hpp)
 };
 /// @throws Error{bad_input} for files that cannot be read, or an array that is too large for the board
 [[nodiscard]] ProjectInstrument instrument_of(const Project& project);
@@ -77,7 +77,7 @@ struct ProjectInstrument {
                                Shape* shape = nullptr);
 
 /// The same on an array and a core that the project does not name. When several boards share the array, the image is of
-/// all elements, a channel each, within what the records and the sequence of one board hold; image/rig_bundle.hpp cuts
+/// all elements, a channel each, within what the records and the sequence of one board hold; format/rig_bundle.hpp cuts
 /// it.
 [[nodiscard]] Compiled compile(const ProjectInstrument& instrument, const Project& project, const std::string& name,
                                const Progress& progress = {});

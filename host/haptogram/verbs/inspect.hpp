@@ -18,7 +18,7 @@ struct TimingRange {
 /// What an image holds, record by record, and what would keep it from being played.
 struct Inspection {
     Image image;
-    std::vector<TimingRange> ranges;    ///< one a record, in the order of places (image/image.hpp); of foci, what the
+    std::vector<TimingRange> ranges;    ///< one a record, in the order of places (format/image.hpp); of foci, what the
                                         ///< board computes; nothing fires in a record that would not be played
     std::vector<std::string> problems;  ///< empty when it plays as it is
 };

@@ -3,8 +3,6 @@
 
 #include <fmt/core.h>
 
-#include <string>
-
 #include "haptogram/base/error.hpp"
 
 namespace haptogram {
@@ -40,13 +38,10 @@ constexpr Setting of_projects[] = {
     {"--seed", "seed", has_chance, "shapes, and of a hand's algorithms E and F"},
 };
 
-std::string because(const Project& project) {
+std::string_view because(const Project& project) {
     if (!project.path.empty()) return "a path has its own places and times";
-    if (project.hand && project.hand->frame)
-        return "what a hand feels is where the hand meets the object, and algorithm " + project.hand->algorithm +
-               " has none of it";
-    if (project.hand) return "what a hand feels is where the hand meets the object, and has a speed or a frequency";
-    return "these shapes have none of it";
+    if (project.hand) return "what a hand feels is where the hand meets the object, at a speed or a frequency";
+    return "these shapes have neither a speed nor a frequency";  // the one thing that shapes can lack
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ struct Source {
     std::uint32_t record = 0;          ///< only this record of it; 0: all in turn
     std::optional<Vec3> focus;         ///< or exact phases for a point, metres
     std::string array = "tile-10x10";  ///< of `focus`
-    std::string rig;                   ///< of `focus` instead of the array: several in their places (model/rig.hpp)
+    std::string rig;                   ///< of `focus` instead of the array: several in their places (array/rig.hpp)
     std::string quantise;              ///< device on whose segments the drives of `focus` lie; empty: exact phases
     std::string pulses;                ///< or pulses that a simulation measured, and
     std::string manifest;              ///< the manifest of the image that was played; of an image, its manifest if it
