@@ -187,6 +187,26 @@ TEST_CASE("lies: answers in another order still bring everything, without a floo
     REQUIRE(board.heard.size() < 5 * 100 * interface::link_policy::window);
 }
 
+TEST_CASE("lies: when one answer is lost, only its request goes again", "[link]") {
+    LyingBoard board;
+    Client client(board);
+    client.identify();
+    unsigned reads = 0, told = 0;
+    board.lie = [&](Reply reply) {
+        const bool lost = reply.command == Command::read && ++reads == 1;
+        return lost ? std::vector<Reply>{} : std::vector{std::move(reply)};
+    };
+    board.heard.clear();
+    std::vector<unsigned> order;
+    for (unsigned i = 0; i < 4; ++i)
+        client.submit(read_of(static_cast<std::uint8_t>(i)), [&order, i](const Reply&) { order.push_back(i); });
+    client.wait();
+    for (const LyingBoard::Heard& frame : board.heard) told += frame.command == Command::read ? 1 : 0;
+    CHECK(order == std::vector<unsigned>{0, 1, 2, 3});
+    CHECK(told == 5);
+    CHECK(client.retransmissions() == 1);
+}
+
 TEST_CASE("lies: an identity is believed within the ranges of the interface only", "[link]") {
     struct Lie {
         unsigned word;

@@ -131,8 +131,15 @@ void Client::say_first_again() {
     if (keep_alive_pause_.count() == 0 || sent_ == 0 || waited_ < keep_alive_pause_) return;
     if (first_again_ || patience_ != least_patience_ || acts_at_once(queue_.front().request.command)) return;
     first_again_ = true;
-    transport_.write(encode_request(next_, queue_.front().request.command, queue_.front().request.payload));
-    on_line_.push_back({next_, round_});
+    repeat(0);
+}
+
+/// Sends one frame of the queue again, and no round begins with it.
+void Client::repeat(std::size_t place) {
+    const auto number = static_cast<std::uint8_t>(next_ + place);
+    const Request& request = queue_[place].request;
+    transport_.write(encode_request(number, request.command, request.payload));
+    on_line_.push_back({number, round_});
     ++retransmissions_;
 }
 
@@ -172,8 +179,14 @@ void Client::take(const Reply& reply) {
         before.reply =
             Reply{number, before.request.command, interface::Status::ok, reply.expected, reply.live_level, {}};
     }
+    // What is left before it was answered in vain. What is behind it may still be on its way.
+    if (of_this_round && !sent_again_)
+        for (std::uint8_t i = 0; i < place; ++i)
+            if (!queue_[i].reply) {
+                sent_again_ = true;
+                repeat(i);
+            }
     finish_answered();
-    if (of_this_round && place > 0 && sent_ > 0 && !queue_.front().reply) send_again_soon();
 }
 
 /// Every reply is looked at here and nowhere else.

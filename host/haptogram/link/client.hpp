@@ -102,6 +102,7 @@ private:
     void transmit();
     void say_alive();
     void say_first_again();
+    void repeat(std::size_t place);
     void take(const Reply& reply);
     void require_good(const Reply& reply, const Request& request);
     void pop();
