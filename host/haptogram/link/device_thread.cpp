@@ -193,9 +193,10 @@ private:
             had_session = true;
             asking_ = false;
             tell([&](DeviceState& state) {
+                // Why outputs were shut off stays; why there was no device is over.
+                if (state.connection != Connection::connected) state.trouble.clear();
                 state.connection = Connection::connected;
                 state.identity = identity;
-                state.trouble.clear();
             });
             client.keep_alive_every(keep_alive_pause(watchdog_ms_));
             serve(client);
