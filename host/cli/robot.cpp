@@ -28,7 +28,7 @@ using nlohmann::ordered_json;
 constexpr double degree = std::numbers::pi / 180.0;
 
 struct RobotOptions {
-    std::string robot = "cube-360";
+    std::string robot = "cube-390";
     double edge_mm = 0.0;  // 0: the robot's own frame
     std::string position = "0,0,0", angles = "0,0,0";
     std::vector<double> lengths_mm;
@@ -76,15 +76,41 @@ std::string words(const Vector& values, double factor, int decimals) {
     return text;
 }
 
+ordered_json json_of(const Nearness& near) {
+    ordered_json json = {{"cable", near.first + 1}};
+    if (near.second >= 0) json["other_cable"] = near.second + 1;
+    json["distance_mm"] = rounded(near.distance_m * 1e3);
+    json["room_mm"] = rounded(near.room_m * 1e3);
+    return json;
+}
+
 int inverse(const RobotOptions& options) {
     const Geometry geometry = geometry_of(options);
-    const PerCable lengths = cable_lengths(geometry, pose_from(options));
-    const std::string why = out_of_length(geometry, lengths);
+    const robot::Pose pose = pose_from(options);
+    const PerCable lengths = cable_lengths(geometry, pose);
+    const std::string why = out_of_length(geometry, lengths), touching = interference(geometry, pose);
+    const Clearance room = clearance(geometry, pose);
     Report report;
     report.add("lengths_mm", list(lengths, 1e3), "lengths / mm: " + words(lengths, 1e3, 4));
     report.add("within_limits", why.empty(), why);
+    report.add("nearest_cables", json_of(room.cables), room.cables.words());
+    report.add("nearest_to_grip", json_of(room.grip), room.grip.words());
+    report.add("interference", !touching.empty(), touching);
     report.print(options.json);
-    return why.empty() ? 0 : 1;
+    return why.empty() && touching.empty() ? 0 : 1;
+}
+
+/// Eight lengths of six freedoms need not fit together. What rounding to tenths of a millimetre does is allowed.
+void require_fit(const Forward& found) {
+    constexpr double most_m = 1e-3;
+    if (found.mismatch_m > most_m)
+        throw impossible("lengths",
+                         fmt::format("no pose has these lengths: the nearest one found misses them by {:.1f} mm "
+                                     "(root mean square), {:g} mm is allowed; check them and their order, "
+                                     "which is that of the frame's corners, or begin the search nearer to "
+                                     "the pose",
+                                     found.mismatch_m * 1e3, most_m * 1e3),
+                         {"position", "angles"});
 }
 
 int direct(const RobotOptions& options) {
@@ -92,6 +118,7 @@ int direct(const RobotOptions& options) {
     PerCable lengths;
     for (int i = 0; i < cable_count; ++i) lengths[i] = options.lengths_mm[static_cast<std::size_t>(i)] * 1e-3;
     const Forward found = forward(geometry, lengths, pose_from(options));
+    require_fit(found);
     const Vector3 angles = angles_xyz(found.pose.rotation) / degree;
     Report report;
     report.add("position_mm", list(found.pose.position, 1e3), "position / mm: " + words(found.pose.position, 1e3, 4));
@@ -108,6 +135,8 @@ int tension(const RobotOptions& options) {
     const robot::Pose pose = pose_from(options);
     if (const std::string why = out_of_length(geometry, cable_lengths(geometry, pose)); !why.empty())
         throw impossible("position", why);
+    if (const std::string why = interference(geometry, pose); !why.empty())
+        throw impossible("position", why + "; see haptogram robot ik");
     Report report;
     if (options.largest) {
         ordered_json json = ordered_json::object();
@@ -204,10 +233,22 @@ int simulate(const RobotOptions& options) {
     report.add("least_tension_n", list(found.least_n));
     report.add("most_tension_n", list(found.most_n),
                fmt::format("tensions from {:.3f} to {:.3f} N", found.least_n.minCoeff(), found.most_n.maxCoeff()));
+    if (const double most = found.most_n.maxCoeff(); most > simulation.geometry.most_n)
+        report.tell(fmt::format("the motors yield at {:g} N; cables that were jerked had up to {:.1f} N",
+                                simulation.geometry.most_n, most));
+    report.add("most_off_mm", rounded(found.most_off_m * 1e3),
+               fmt::format("the handle was up to {:.1f} mm from where it was wanted", found.most_off_m * 1e3));
+    report.add("nearest", json_of(found.nearest),
+               fmt::format("least room, at {:.3f} s: {}", found.nearest_s, found.nearest.words()));
+    report.add("interference_s", rounded(found.touched_s),
+               found.touched_s == 0.0
+                   ? ""
+                   : fmt::format("cables touched each other or the grip for {:.3f} s, which the plant does not feel",
+                                 found.touched_s));
     report.add("saturated", found.saturated,
                found.saturated == 0 ? "" : fmt::format("{} torque codes were beyond the converter", found.saturated));
     if (options.output != "-") report.print(options.json);
-    return found.events.empty() ? 0 : 1;
+    return found.events.empty() && found.touched_s == 0.0 ? 0 : 1;
 }
 
 /// A subcommand of `robot` with the options that all have.
@@ -244,8 +285,11 @@ void add_robot(CLI::App& app, Action& action) {
     });
     const auto options = std::make_shared<RobotOptions>();
 
-    CLI::App* ik = add(*robot, "ik", "The cables' lengths for a pose; exit code 1 when they are out of their limits",
-                       options, action, inverse);
+    CLI::App* ik = add(
+        *robot, "ik",
+        "The cables' lengths for a pose, and their least distances; exit code 1 when lengths are out of their limits, "
+        "or cables touch",
+        options, action, inverse);
     add_pose(*ik, options, "the handle");
 
     CLI::App* fk = add(*robot, "fk", "The pose for the cables' lengths", options, action, direct);
@@ -284,7 +328,8 @@ void add_robot(CLI::App& app, Action& action) {
     workspace->add_option("-o,--output", options->output, "A .csv or .png file; - is CSV on standard output");
 
     CLI::App* run = add(*robot, "simulate",
-                        "The controlled robot with a user, on a simulated plant; exit code 1 when it noticed a fault",
+                        "The controlled robot with a user, on a simulated plant; exit code 1 when it noticed a fault, "
+                        "or cables touched",
                         options, action, simulate);
     add_pose(*run, options, "where the handle starts");
     run->add_option("--duration", options->duration_s, "s")->check(positive())->capture_default_str();

@@ -25,7 +25,7 @@ using namespace fusion;
 using nlohmann::ordered_json;
 
 struct PlaceCommand {
-    std::string mapping, robot = "cube-360", tables = "multimodal", array = "hoshi-18x18";
+    std::string mapping, robot = "cube-390", tables = "multimodal", array = "hoshi-18x18";
     std::optional<std::string> board;
     double target_mm = 250.0, start_mm = 300.0;
     PlaceOptions place;

@@ -25,7 +25,7 @@ using nlohmann::ordered_json;
 
 /// What both modes have in common.
 struct SceneCommand {
-    std::string robot = "cube-360", tables = "multimodal", array = "hoshi-18x18";
+    std::string robot = "cube-390", tables = "multimodal", array = "hoshi-18x18";
     std::optional<std::string> board;
     std::string centre = "0,0,250";
     std::vector<std::string> way;
@@ -124,9 +124,15 @@ int play(const SceneCommand& command, const std::string& title, MakeScene make_s
                    : fmt::format("{} of {} points stay silent; the first: {}", run.silent, run.points, run.why));
     const SceneForces forces = forces_of(run);
     report.add("most_force_n", forces.most_n,
-               fmt::format("the cables rendered up to {:.3f} N; what the controller took for the user's force was "
-                           "{:.3f} N off at most",
-                           forces.most_n, forces.most_off_n));
+               fmt::format("the scene asked for up to {:.3f} N, and the cables rendered up to {:.3f} N; what the "
+                           "controller took for the user's force was {:.3f} N off at most",
+                           forces.most_n, forces.rendered_n, forces.most_off_n));
+    report.add("rendered_n", forces.rendered_n);
+    report.add("missing_n", forces.missing_n,
+               forces.missing_n == 0.0
+                   ? ""
+                   : fmt::format("up to {:.3f} N could not be rendered; see haptogram robot tension --largest",
+                                 forces.missing_n));
     report.add("most_force_off_n", forces.most_off_n);
     report.add("least_tension_n", run.least_tension_n);
     ordered_json events = ordered_json::array(), pins = ordered_json::array();

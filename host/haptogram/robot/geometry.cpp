@@ -43,6 +43,20 @@ std::array<double, 2> read_range(const Section& section, std::string_view key) {
     return {list[0], list[1]};
 }
 
+/// The diameter of the handle's grip. The cables end around it, so it must be thinner than the circle through their
+/// ends.
+double read_grip(const Section& body, const Vector3& handle) {
+    const double circle = std::hypot(handle.x(), handle.y());
+    const double usual = 0.75 * std::min(handle.x(), handle.y());
+    const double grip = body.number("grip_mm", 0.0, 1000.0).value_or(usual / millimetre) * millimetre;
+    if (grip >= circle)
+        throw bad_input(body.at("grip_mm"),
+                        fmt::format("the grip must be thinner than the circle of {:.1f} mm on which the cables end, "
+                                    "found {:g} mm",
+                                    circle / millimetre, grip / millimetre));
+    return grip;
+}
+
 }  // namespace
 
 Matrix3 rotation_xyz(const Vector3& angles) {
@@ -78,7 +92,8 @@ Geometry load_geometry(const std::filesystem::path& path) {
     const std::string file = path.string();
     const toml::table root = section::parse(path);
     const Section whole(file, root);
-    whole.only({"format", "name", "frame_mm", "handle_mm", "connections", "cable_mm", "tension_n", "handle"});
+    whole.only({"format", "name", "frame_mm", "handle_mm", "connections", "cable_mm", "cable_diameter_mm", "tension_n",
+                "handle"});
     const auto format = whole.text("format");
     if (!format || *format != "haptogram-robot-1")
         throw bad_input(whole.at("format"), R"(format must be "haptogram-robot-1")");
@@ -101,10 +116,13 @@ Geometry load_geometry(const std::filesystem::path& path) {
     const auto cable = read_range(whole, "cable_mm"), tension = read_range(whole, "tension_n");
     geometry.shortest_m = cable[0] * millimetre;
     geometry.longest_m = cable[1] * millimetre;
+    geometry.thickness_m = whole.number("cable_diameter_mm", 0.01, 100.0).value_or(1.0) * millimetre;
     geometry.least_n = tension[0];
     geometry.most_n = tension[1];
     const Section body(file, root, "handle");
-    body.only({"mass_kg", "box_mm"});
+    body.only({"mass_kg", "box_mm", "grip_mm"});
+    geometry.grip_m = read_grip(body, handle);
+    geometry.grip_length_m = handle.z();
     geometry.mass_kg = body.required(body.number("mass_kg", 1e-3, 100.0), "mass_kg", "a mass in kg");
     const Vector3 box = read_edges(body, "box_mm");
     const Vector3 squares = box.cwiseProduct(box);

@@ -37,7 +37,10 @@ struct Geometry {
     std::array<Vector3, cable_count> anchors;      ///< a_i: where the cables leave the frame
     std::array<Vector3, cable_count> attachments;  ///< b_i: where they hold the handle, in its own frame
     double shortest_m = 0.0, longest_m = 0.0;      ///< of a cable
+    double thickness_m = 0.0;                      ///< diameter of a cable
     double least_n = 0.0, most_n = 0.0;            ///< tension
+    double grip_m = 0.0, grip_length_m = 0.0;      ///< of the handle: a rod along its z, round at both ends, that no
+                                                   ///< cable may touch; its diameter and length
     double mass_kg = 0.0;                          ///< of the handle
     Vector3 inertia_kg_m2 = Vector3::Zero();       ///< about its own axes
 
@@ -50,7 +53,7 @@ struct Geometry {
 [[nodiscard]] Geometry load_geometry(const std::filesystem::path& path);
 
 /// Finds `name` as a path, or among the shipped robots.
-[[nodiscard]] Geometry find_geometry(const std::string& name = "cube-360");
+[[nodiscard]] Geometry find_geometry(const std::string& name = "cube-390");
 
 /// The same robot with a cubic frame of another edge. @throws Error{bad_argument} naming "edge" when it is not positive
 [[nodiscard]] Geometry with_edge(Geometry geometry, double edge_m);

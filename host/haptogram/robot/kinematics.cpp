@@ -6,10 +6,37 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "haptogram/base/error.hpp"
 
 namespace haptogram::robot {
+namespace {
+
+struct Segment {
+    Vector3 from, to;
+};
+
+/// The nearest that two segments come to each other. The second may be a point.
+double distance(const Segment& one, const Segment& other) {
+    const Vector3 d = one.to - one.from, e = other.to - other.from, between = one.from - other.from;
+    const double dd = d.squaredNorm(), ee = e.squaredNorm(), de = d.dot(e);
+    const double parallel = dd * ee - de * de;  // 0 when they are: then any place along the first will do
+    double s =
+        parallel > 1e-12 * dd * ee ? std::clamp((de * e.dot(between) - ee * d.dot(between)) / parallel, 0.0, 1.0) : 0.0;
+    const double t = ee > 0.0 ? std::clamp((de * s + e.dot(between)) / ee, 0.0, 1.0) : 0.0;
+    s = std::clamp((de * t - d.dot(between)) / dd, 0.0, 1.0);  // of the first, the place nearest to that
+    return (between + s * d - t * e).norm();
+}
+
+/// The middle line of the grip, whose ends are round.
+Segment grip_of(const Geometry& geometry, const Pose& pose) {
+    const Vector3 half =
+        std::max(0.0, geometry.grip_length_m - geometry.grip_m) / 2.0 * pose.rotation * Vector3::UnitZ();
+    return {pose.position - half, pose.position + half};
+}
+
+}  // namespace
 
 PerCable cable_lengths(const Geometry& geometry, const Pose& pose) {
     PerCable lengths;
@@ -26,6 +53,36 @@ std::string out_of_length(const Geometry& geometry, const PerCable& lengths) {
             return fmt::format("cable {} would be {:.1f} mm long; {:g}…{:g} mm are possible", i + 1, lengths[i] * 1e3,
                                geometry.shortest_m * 1e3, geometry.longest_m * 1e3);
     return {};
+}
+
+std::string Nearness::words() const {
+    if (second < 0)
+        return fmt::format("cable {} is {:.2f} mm from the surface of the grip", first + 1, distance_m * 1e3);
+    return fmt::format("cables {} and {} are {:.2f} mm apart", first + 1, second + 1, distance_m * 1e3);
+}
+
+Clearance clearance(const Geometry& geometry, const Pose& pose) {
+    std::array<Segment, cable_count> cables;
+    for (std::size_t i = 0; i < cables.size(); ++i)
+        cables[i] = {geometry.anchors[i], pose.position + pose.rotation * geometry.attachments[i]};
+    const Segment grip = grip_of(geometry, pose);
+    Clearance found;
+    found.cables.room_m = found.grip.room_m = std::numeric_limits<double>::infinity();
+    const auto meet = [](Nearness& least, std::size_t first, int second, double apart, double thickness) {
+        if (apart - thickness < least.room_m) least = {static_cast<int>(first), second, apart, apart - thickness};
+    };
+    for (std::size_t i = 0; i < cables.size(); ++i) {
+        meet(found.grip, i, -1, distance(cables[i], grip) - geometry.grip_m / 2.0, geometry.thickness_m / 2.0);
+        for (std::size_t j = i + 1; j < cables.size(); ++j)
+            meet(found.cables, i, static_cast<int>(j), distance(cables[i], cables[j]), geometry.thickness_m);
+    }
+    return found;
+}
+
+std::string interference(const Geometry& geometry, const Pose& pose) {
+    const Nearness near = clearance(geometry, pose).least();
+    if (near.room_m >= 0.0) return {};
+    return fmt::format("{}, and a cable is {:g} mm thick: they touch", near.words(), geometry.thickness_m * 1e3);
 }
 
 Forward forward(const Geometry& geometry, const PerCable& lengths, const Pose& start,
@@ -60,7 +117,9 @@ Forward forward(const Geometry& geometry, const PerCable& lengths, const Pose& s
         if (result.steps == most_steps)
             throw Error(
                 ErrorCode::failed, "forward kinematics",
-                fmt::format("the pose of these lengths was not found within {} steps; start nearer to it", most_steps));
+                fmt::format(
+                    "the pose of these lengths was not found within {} steps; check them, or start nearer to it",
+                    most_steps));
         const Wrench step = -jacobian.colPivHouseholderQr().solve(residual);
         result.pose.position += step.head<3>();
         result.pose.rotation = rotation_of(step.tail<3>()) * result.pose.rotation;

@@ -13,6 +13,24 @@ namespace haptogram::robot {
 /// Why a pose cannot be taken for the length of a cable, in words; empty when all lie within their limits.
 [[nodiscard]] std::string out_of_length(const Geometry& geometry, const PerCable& lengths);
 
+/// Two things that come near each other: cable `first`, and cable `second` or the handle's grip.
+struct Nearness {
+    int first = 0, second = -1;  ///< 0…7; −1 is the grip
+    double distance_m = 0.0;     ///< of the cables' middle lines, or of a cable's middle line and the grip's surface
+    double room_m = 0.0;         ///< between their surfaces; negative where they would go through each other
+    /// "cables 1 and 5 are 28.71 mm apart"
+    [[nodiscard]] std::string words() const;
+};
+/// Where the cables have the least room among themselves, and beside the grip.
+struct Clearance {
+    Nearness cables, grip;
+    [[nodiscard]] const Nearness& least() const { return cables.room_m < grip.room_m ? cables : grip; }
+};
+[[nodiscard]] Clearance clearance(const Geometry& geometry, const Pose& pose);
+
+/// Which cables interfere with each other or with the grip in a pose, in words; empty when none do.
+[[nodiscard]] std::string interference(const Geometry& geometry, const Pose& pose);
+
 struct Forward {
     Pose pose;
     int steps = 0;

@@ -60,7 +60,8 @@ PerCable nearest_tensions(const Structure& structure, const Wrench& wanted, doub
 }
 
 std::optional<double> force_held(const Geometry& geometry, const Pose& pose, const CablesLeft& left) {
-    if (!out_of_length(geometry, cable_lengths(geometry, pose)).empty()) return std::nullopt;
+    if (!out_of_length(geometry, cable_lengths(geometry, pose)).empty() || !interference(geometry, pose).empty())
+        return std::nullopt;
     PerCable least = PerCable::Constant(geometry.least_n), most = PerCable::Constant(geometry.most_n);
     for (int i = 0; i < cable_count; ++i)
         if (!left[static_cast<std::size_t>(i)]) least[i] = most[i] = 0.0;

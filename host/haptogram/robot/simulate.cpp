@@ -61,6 +61,14 @@ private:
     double leaves_ = 0.0, arrives_ = 0.0;
 };
 
+void watch_room(Simulation& result, const Nearness& near, double time_s, double tick_s) {
+    if (result.nearest_s == 0.0 || near.room_m < result.nearest.room_m) {
+        result.nearest = near;
+        result.nearest_s = time_s;
+    }
+    if (near.room_m < 0.0) result.touched_s += tick_s;
+}
+
 }  // namespace
 
 Push parse_push(const std::string& text) {
@@ -150,6 +158,9 @@ Simulation simulate(const SimulationOptions& options, const Progress& progress) 
         drives.command(controller.step(drives.read()));
         plant.advance(tick_s);
         result.most_n = result.most_n.cwiseMax(plant.tensions());
+        result.most_off_m =
+            std::max(result.most_off_m, (plant.pose().position - Vector3(controller.wanted().place.head<3>())).norm());
+        watch_room(result, clearance(options.geometry, plant.pose()).least(), plant.time_s(), tick_s);
         if (tick >= last_second) {
             result.fastest_end_m_s = std::max(result.fastest_end_m_s, plant.velocity().norm());
             low = low.cwiseMin(plant.pose().position);

@@ -4,6 +4,7 @@
 
 #include "haptogram/base/progress.hpp"
 #include "haptogram/robot/controller.hpp"
+#include "haptogram/robot/kinematics.hpp"
 #include "haptogram/robot/plant.hpp"
 
 namespace haptogram::robot {
@@ -61,6 +62,10 @@ struct Simulation {
     double fastest_end_m_s = 0.0;        ///< the handle's largest speed in the last second
     double steadiness_m = 0.0;           ///< largest distance between two of the handle's places in the last second
     long saturated = 0;                  ///< codes beyond the converter
+    double most_off_m = 0.0;             ///< largest distance of the handle from the virtual body
+    Nearness nearest;                    ///< where cables had the least room among themselves or beside the grip,
+    double nearest_s = 0.0;              ///< when that was,
+    double touched_s = 0.0;              ///< and for how long in all there was interference
 };
 
 /// Plays the controller on the plant. The same options give the same bytes.

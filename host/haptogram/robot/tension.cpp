@@ -184,6 +184,7 @@ std::optional<double> largest_wrench(const Geometry& geometry, const Pose& pose,
 
 std::string infeasible(const Geometry& geometry, const Pose& pose, const Wrench& wrench) {
     if (std::string why = out_of_length(geometry, cable_lengths(geometry, pose)); !why.empty()) return why;
+    if (std::string why = interference(geometry, pose); !why.empty()) return why;
     if (!distribute(structure_of(geometry, pose), wrench, geometry.least_n, geometry.most_n))
         return fmt::format("no tensions from {:g} to {:g} N balance the wrench there", geometry.least_n,
                            geometry.most_n);

@@ -62,8 +62,8 @@ struct Distribution {
 /// @return none when they cannot even hold the weight
 [[nodiscard]] std::optional<double> largest_wrench(const Geometry& geometry, const Pose& pose, const Wrench& direction);
 
-/// Why the handle cannot rest in a pose, in words; empty when it can: cables too long or too short, or no tensions
-/// within the limits for this wrench.
+/// Why the handle cannot rest in a pose, in words; empty when it can: cables too long or too short, cables that
+/// touch each other or the grip, or no tensions within the limits for this wrench.
 [[nodiscard]] std::string infeasible(const Geometry& geometry, const Pose& pose, const Wrench& wrench);
 
 }  // namespace haptogram::robot

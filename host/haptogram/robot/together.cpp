@@ -9,6 +9,7 @@
 
 #include "haptogram/array/millimetres.hpp"
 #include "haptogram/base/error.hpp"
+#include "haptogram/robot/tension.hpp"
 
 namespace haptogram::fusion {
 namespace {
@@ -31,6 +32,7 @@ Together::Together(const TogetherOptions& options, const Array& array, const per
                    const SharedClock& clock)
     : centre_(options.robot_centre),
       clock_(clock),
+      geometry_(options.geometry),
       plant_(options.geometry, with_drives(options.plant, options.controller.drives), at(options.start), options.user),
       controller_(options.geometry, without_zones(options.controller), at(options.start)),
       pen_(array, tables, clock),
@@ -64,7 +66,15 @@ Period Together::play(const Stimulus& stimulus) {
     period.palm = now().palm;
     period.user = plant_.user_force();
     period.measured = controller_.user();
+    period.rendered = rendered(stimulus.wrench);
     return period;
+}
+
+/// The hand bears what the scene asks for, so the cables must balance the opposite.
+double Together::rendered(const robot::Wrench& wrench) const {
+    if (controller_.resting()) return 0.0;
+    if (wrench.isZero()) return 1.0;
+    return std::min(1.0, robot::largest_wrench(geometry_, plant_.pose(), -wrench).value_or(0.0));
 }
 
 Path SceneRun::path() const {
@@ -120,6 +130,8 @@ SceneForces forces_of(const SceneRun& run) {
     for (const Period& period : run.periods) {
         const robot::Vector3 asked = period.stimulus.wrench.head<3>(), measured = period.measured.head<3>();
         forces.most_n = std::max(forces.most_n, asked.norm());
+        forces.rendered_n = std::max(forces.rendered_n, period.rendered * asked.norm());
+        forces.missing_n = std::max(forces.missing_n, (1.0 - period.rendered) * asked.norm());
         forces.most_off_n = std::max(forces.most_off_n, (measured - period.user).norm());
     }
     return forces;

@@ -42,6 +42,7 @@ struct Period {
     Vec3 palm;               ///< array frame, metres
     robot::Vector3 user;     ///< force of the user on the handle, N
     robot::Wrench measured;  ///< what the controller takes it for
+    double rendered = 0.0;   ///< part of the scene's wrench that the cables have tensions for; 0 when they rest
 };
 
 /// Leads the simulated robot period by period, and makes the frames of the ultrasound.
@@ -64,8 +65,11 @@ public:
     [[nodiscard]] double least_tension_n() { return plant_.least_tensions().minCoeff(); }
 
 private:
+    [[nodiscard]] double rendered(const robot::Wrench& wrench) const;
+
     Vec3 centre_;
     SharedClock clock_;
+    robot::Geometry geometry_;
     robot::Plant plant_;
     robot::Controller controller_;
     FramePen pen_;
@@ -108,6 +112,8 @@ struct HandWay {
 /// The forces of a run, N.
 struct SceneForces {
     double most_n = 0.0;      ///< largest force that the scene asked of the cables
+    double rendered_n = 0.0;  ///< largest that they rendered
+    double missing_n = 0.0;   ///< most that was missing
     double most_off_n = 0.0;  ///< largest difference of the user's force and what the controller took it for
 };
 [[nodiscard]] SceneForces forces_of(const SceneRun& run);

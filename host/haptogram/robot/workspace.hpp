@@ -17,8 +17,8 @@ enum class Turns {
 [[nodiscard]] Turns turns_of(const std::string& name);
 [[nodiscard]] std::vector<Matrix3> rotations(Turns turns, double angle_rad);
 
-/// The useful workspace: where the handle can rest, at every one of the turns, with cables within their lengths and
-/// tensions within their limits for its own weight.
+/// The useful workspace: where the handle can rest, at every one of the turns, with cables within their lengths that
+/// touch neither each other nor the grip, and tensions within their limits for its own weight.
 struct Workspace {
     double step_m = 0.0;
     std::vector<double> axis[3];  ///< coordinates of the grid along x, y, z
