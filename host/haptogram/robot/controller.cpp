@@ -58,10 +58,19 @@ void Controller::report(Event::Kind kind, int cable, std::string text) {
     resting_ = true;
 }
 
-void Controller::report_overload(const Wrench& user) {
+/// The motors yield from now on: the handle is pulled back to where it was wanted, by tensions within their limits.
+void Controller::overload(const Wrench& user) {
+    if (yielding_) return;
+    Wrench force = Wrench::Zero();
+    force.head<3>() = user.head<3>();
+    const double part = largest_wrench(geometry_, wanted_.pose(), force).value_or(0.0);
     report(Event::Kind::overload, -1,
-           fmt::format("no tensions from {:g} to {:g} N balance a force of ({:.1f}, {:.1f}, {:.1f}) N there",
-                       geometry_.least_n, geometry_.most_n, user[0], user[1], user[2]));
+           fmt::format("no tensions from {:g} to {:g} N balance a force of ({:.1f}, {:.1f}, {:.1f}) N there, {:.1f} N "
+                       "that way are the most; the motors yield, and the handle gives way",
+                       geometry_.least_n, geometry_.most_n, user[0], user[1], user[2], part * force.norm()));
+    yielding_ = true;
+    led_ = wanted_.place.head<3>();
+    refuge_ = Pose{led_, Matrix3::Identity()};
 }
 
 /// What follows from pose_: the lengths that it has, and the directions in which lengths cannot change.
@@ -100,10 +109,11 @@ bool Controller::whole() const { return std::count(cable_good_.begin(), cable_go
 
 /// Without one of the cables no servo of lengths is safe: seven cables leave the handle ways that stretch none of them,
 /// and it would turn over. What they can do is to make the wrench that leads it to a refuge, as nearly as their limits
-/// allow. There it rests. A user who is stronger than they are moves it against their damping.
-void Controller::hold_on_what_is_left() {
+/// allow. There it rests. A user who is stronger than they are moves it against their damping. Eight cables that yield
+/// are led in the same way, back to where the handle was wanted.
+void Controller::lead_by_tensions() {
     const Pose here = pose_;
-    if (!braking_ && vector_of(here.rotation).norm() > options_.turned_rad) {
+    if (!braking_ && !whole() && vector_of(here.rotation).norm() > options_.turned_rad) {
         braking_ = true;
         braked_ = lengths_;
         report(
@@ -126,6 +136,9 @@ void Controller::hold_on_what_is_left() {
                          std::sqrt(2.0 * options_.refuge_m_s2 * way.norm())});
     const Vector3 stride = way.norm() > led_m_s_ * dt ? Vector3(led_m_s_ * dt * way.normalized()) : way;
     led_ += stride;
+    // To pull harder than the cables can would only turn the handle: what it is led by is never far ahead of it.
+    const Vector3 ahead = led_ - here.position;
+    if (yielding_ && ahead.norm() > options_.leash_m) led_ = here.position + options_.leash_m * ahead.normalized();
 
     const Structure structure = structure_of(geometry_, here);
     Eigen::Matrix<double, cable_count, 6> lengthening = -structure.transpose();
@@ -142,6 +155,8 @@ void Controller::hold_on_what_is_left() {
     wanted.tail<3>() +=
         -options_.rest_n_m_rad * vector_of(here.rotation) - options_.rest_n_m_s_rad * Vector3(velocity.tail<3>());
     pulls_ = nearest_tensions(structure, wanted, geometry_.least_n, geometry_.most_n, cable_good_, pulls_);
+    // The motors go along with the handle, so that no cable hangs and then is jerked.
+    if (yielding_) keeping_up_ = options_.damping_n_s_m * (speeds - lengthening * velocity);
 
     const bool carried = way.norm() == 0.0 && (led_ - here.position).norm() > options_.carried_m;
     carried_ticks_ = carried ? carried_ticks_ + 1 : 0;
@@ -187,11 +202,16 @@ void Controller::check(const std::array<DriveReading, cable_count>& readings) {
         const bool slack = tension_good_[at] && reading.tension_valid && reading.tension_n < options_.slack_n;
         slack_ticks_[at] = slack ? slack_ticks_[at] + 1 : 0;
         // Only the cable that is slack first is taken out: while the handle comes to rest, others may be for a moment.
-        if (!resting_ && slack_ticks_[at] >= ticks(options_.slack_s)) {
-            const Wrench load = -structure_of(geometry_, pose_) * last_tension_;
-            if (!distribute(structure_of(geometry_, pose_), load, geometry_.least_n, geometry_.most_n)) {
-                report_overload(load - geometry_.weight());
-            } else {
+        if (whole() && !yielding_ && slack_ticks_[at] >= ticks(resting_ ? options_.kicked_s : options_.slack_s)) {
+            const Structure structure = structure_of(geometry_, pose_);
+            const Wrench load = -structure * last_tension_;
+            // A kick slackens the cable in front, too, until its motor has wound in. It shows as a force that the loss
+            // of this cable's pull cannot be.
+            const double change = (load - geometry_.weight() - user_).head<3>().norm();
+            const bool kicked = change > 1.5 * pulls_[i] && slack_ticks_[at] < ticks(options_.kicked_s);
+            if (!distribute(structure, load, geometry_.least_n, geometry_.most_n)) {
+                overload(load - geometry_.weight());
+            } else if (!resting_ && !kicked) {
                 cable_good_[at] = length_good_[at] = false;
                 report(Event::Kind::slack, i, fmt::format("cable {} is slack: {:.3f} N", i + 1, reading.tension_n));
             }
@@ -202,8 +222,9 @@ void Controller::check(const std::array<DriveReading, cable_count>& readings) {
                    fmt::format("cable {} is broken: its motor has wound in {:.1f} mm", i + 1,
                                (reference_[i] - lengths_[i]) * 1e3));
         }
+        // While the motors yield, cables that hang and are jerked would look like encoders that slip.
         const double jump = std::abs(lengths_[i] - last_lengths_[i]);
-        if (length_good_[at] && jump > options_.fastest_m_s * options_.servo_period_s) {
+        if (!yielding_ && length_good_[at] && jump > options_.fastest_m_s * options_.servo_period_s) {
             length_good_[at] = false;
             report(Event::Kind::encoder_slip, i,
                    fmt::format("the encoder of cable {} jumped by {:.2f} mm", i + 1, jump * 1e3));
@@ -213,7 +234,7 @@ void Controller::check(const std::array<DriveReading, cable_count>& readings) {
 
 /// Eight lengths have six freedoms; what is left shows an encoder that slips slowly.
 void Controller::check_lengths() {
-    if (std::count(length_good_.begin(), length_good_.end(), true) < cable_count) return;
+    if (std::count(length_good_.begin(), length_good_.end(), true) < cable_count || yielding_) return;
     const Eigen::Vector2d off = impossible_.transpose() * (lengths_ - reference_);
     if (off.norm() < options_.mismatch_m) return;
     // A slip δ of cable i shows as δ times row i.
@@ -279,7 +300,7 @@ void Controller::period() {
         if (const auto pulls = balance(pose, geometry_.weight() + user_))
             pulls_ = *pulls;
         else
-            report_overload(user_);
+            overload(user_);
     }
     if (all_tensions && !resting_) {
         // Only what no wrench needs: errors of the tensions in their null space.
@@ -302,6 +323,23 @@ void Controller::servo_targets(PerCable& length, PerCable& speed, PerCable& acce
     length = (from_ + target_) / 2.0 + period * part * (before + part / 2.0 * (after - before));
 }
 
+/// The pose of the lengths that can be believed. While the handle is flung, a slack cable is longer than its way.
+void Controller::find_pose() {
+    const auto six = [](const CablesLeft& cables) { return std::count(cables.begin(), cables.end(), true) >= 6; };
+    CablesLeft used = length_good_;
+    for (int i = 0; yielding_ && i < cable_count; ++i)
+        if (last_tension_[i] < options_.slack_n) used[static_cast<std::size_t>(i)] = false;
+    if (!six(used)) used = length_good_;
+    if (!six(used)) return;
+    try {
+        pose_ = forward(geometry_, lengths_, pose_, used).pose;
+        believe_lengths();
+    } catch (const Error&) {
+        // Slack cables can have lengths that no pose has. The last pose is the best that is known.
+        if (!resting_) report(Event::Kind::encoder_slip, -1, "the lengths of the cables fit no pose at all");
+    }
+}
+
 std::array<std::int16_t, cable_count> Controller::step(const std::array<DriveReading, cable_count>& readings) {
     last_lengths_ = lengths_;
     for (int i = 0; i < cable_count; ++i)
@@ -320,38 +358,39 @@ std::array<std::int16_t, cable_count> Controller::step(const std::array<DriveRea
         if (tension_good_[at] && readings[at].tension_valid) tension_sum_[i] += readings[at].tension_n;
         if (!length_good_[at] && cable_good_[at]) speeds_[i] = 0.0;
     }
-    if (std::count(length_good_.begin(), length_good_.end(), true) >= 6) {
-        try {
-            pose_ = forward(geometry_, lengths_, pose_, length_good_).pose;
-            believe_lengths();
-        } catch (const Error&) {
-            // Slack cables can have lengths that no pose has. The last pose is the best that is known.
-            if (!resting_) report(Event::Kind::encoder_slip, -1, "the lengths of the cables fit no pose at all");
-        }
-    }
+    find_pose();
     // The directions of the cables change within a period, so their wrench is summed, and not their tensions alone.
     cable_sum_ += structure_of(geometry_, pose_) * last_tension_;
-    if (resting_ && !whole()) hold_on_what_is_left();
-    if (resting_ && whole()) rest();
+    if (by_tensions())
+        lead_by_tensions();
+    else if (resting_)
+        rest();
     ++ticks_;
     time_ += options_.servo_period_s;
     if (ticks_ % ticks_a_period_ == 0) period();
+    return codes_of(by_tensions() ? PerCable(pulls_ + keeping_up_) : servo_pulls());
+}
 
+/// What the servos of the lengths ask of the motors.
+PerCable Controller::servo_pulls() {
     PerCable wanted, wanted_speed, wanted_acceleration;
     servo_targets(wanted, wanted_speed, wanted_acceleration);
+    PerCable pulls = pulls_ - options_.drive_kg * wanted_acceleration;
+    for (int i = 0; i < cable_count; ++i)
+        if (length_good_[static_cast<std::size_t>(i)])
+            pulls[i] += options_.stiffness_n_m * (lengths_[i] - wanted[i]) +
+                        options_.damping_n_s_m * (speeds_[i] - wanted_speed[i]);
+    return pulls;
+}
+
+/// A motor yields at the largest tension, and a cable cannot push.
+std::array<std::int16_t, cable_count> Controller::codes_of(const PerCable& pulls) {
     std::array<std::int16_t, cable_count> codes{};
     for (int i = 0; i < cable_count; ++i) {
         const auto at = static_cast<std::size_t>(i);
-        double pull = pulls_[i] - options_.drive_kg * wanted_acceleration[i];
-        if (!whole())
-            pull = pulls_[i];
-        else if (length_good_[at])
-            pull += options_.stiffness_n_m * (lengths_[i] - wanted[i]) +
-                    options_.damping_n_s_m * (speeds_[i] - wanted_speed[i]);
+        double pull = std::clamp(pulls[i], geometry_.least_n, geometry_.most_n);
         if (!cable_good_[at])  // wound in gently until it is known to be broken
             pull = (broken_[at] ? 0.0 : geometry_.least_n) + options_.damping_n_s_m * speeds_[i];
-        else
-            pull = std::max(pull, geometry_.least_n);  // a cable cannot push
         const auto largest = static_cast<double>(options_.drives.largest_code());
         const double code = std::round(pull / options_.drives.newtons_per_code());
         if (std::abs(code) > largest) ++saturated_;

@@ -24,6 +24,8 @@ struct ControllerOptions {
     // Faults.
     double turned_rad = 0.35;  ///< seven cables have lost a handle that is turned by so much: the motors brake
     double slack_n = 0.1, slack_s = 0.003;  ///< a sensor below the one for the other: the cable is slack
+    double kicked_s = 0.050;                ///< and so long when the user pushes hard
+    double leash_m = 0.004;                 ///< that far ahead of a handle that is pushed away goes what leads it back
     double broken_m = 0.005;                ///< a slack cable that its motor winds in by this: it is broken
     double fastest_m_s = 2.0;               ///< cable speed that only an encoder that slips can show
     double mismatch_m = 0.001;              ///< of lengths that no pose has: an encoder has slipped
@@ -31,7 +33,7 @@ struct ControllerOptions {
                             ///< More is found farther away, where a hand that stays behind pulls more
     double refuge_m_s = 0.3, refuge_m_s2 = 3.0;        ///< speed and acceleration with which they lead it there
     double rest_n_m = 3000.0, rest_n_s_m = 100.0;      ///< of the handle about that place
-    double rest_n_m_rad = 12.0, rest_n_m_s_rad = 0.2;  ///< the same of its turns
+    double rest_n_m_rad = 12.0, rest_n_m_s_rad = 0.1;  ///< the same of its turns
     double carried_m = 0.010, carried_s = 0.25;        ///< that far from it for so long: the user is stronger
     double silent_s = 0.005, frozen_s = 0.050;         ///< a sensor that does not answer, or always the same
 };
@@ -78,10 +80,14 @@ private:
     void report(Event::Kind kind, int cable, std::string text);
     void servo_targets(PerCable& length, PerCable& speed, PerCable& acceleration) const;
     [[nodiscard]] std::optional<PerCable> balance(const Pose& pose, const Wrench& load) const;
-    void report_overload(const Wrench& user);
+    void overload(const Wrench& user);
     void rest();
     [[nodiscard]] bool whole() const;
-    void hold_on_what_is_left();
+    [[nodiscard]] bool by_tensions() const { return resting_ && (yielding_ || !whole()); }
+    void lead_by_tensions();
+    void find_pose();
+    [[nodiscard]] PerCable servo_pulls();
+    [[nodiscard]] std::array<std::int16_t, cable_count> codes_of(const PerCable& pulls);
     void brake();
     void believe_lengths();
 
@@ -106,8 +112,10 @@ private:
     Vector3 led_ = Vector3::Zero();  ///< where they are to hold it now, on the way there
     double led_m_s_ = 0.0;
     long carried_ticks_ = 0;
-    PerCable braked_ = PerCable::Zero();  ///< lengths that the brakes hold
+    PerCable braked_ = PerCable::Zero();      ///< lengths that the brakes hold
+    PerCable keeping_up_ = PerCable::Zero();  ///< pull with which the motors follow a handle that is pushed away
     bool braking_ = false;
+    bool yielding_ = false;  ///< to a user who is stronger than eight cables
     bool resting_ = false;
     long saturated_ = 0;
 };
