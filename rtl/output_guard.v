@@ -38,7 +38,7 @@ module output_guard #(
     reg [WINDOW_BITS-1:0] window_q;
     reg [CHANNELS-1:0]    stayed_high_q;  // channels that have been high since the window began
     wire                  window_ends = window_q == WINDOW_LAST;
-    wire                  off = rst || i_disable || o_trip;
+    wire                  off = i_disable || o_trip;
 
     initial {o_alive, window_q} = {(WINDOW_BITS+1){1'b0}};
     always @(posedge clk) begin
@@ -58,7 +58,7 @@ module output_guard #(
 
     initial o_enabled = 1'b0;
     always @(posedge clk) begin
-        if (off) o_enabled <= 1'b0;
+        if (rst || off) o_enabled <= 1'b0;
         else if (i_enable) o_enabled <= 1'b1;
     end
     assign o_allow = o_enabled && !off;

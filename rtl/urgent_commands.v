@@ -31,7 +31,7 @@ module urgent_commands #(
     output reg        o_heard      // strobe
 );
     localparam BITS = $clog2(FRAMES + 1);
-    localparam [BITS-1:0] NONE = 0;
+    localparam [BITS-1:0] NONE = 0, ONE = 1;
 
     reg [2:0] count_q;      // bytes of this frame so far; 5 is more than these commands have, with their CRC
     reg       disables_q, stops_q;
@@ -44,6 +44,9 @@ module urgent_commands #(
     wire off   = i_off || (acts && disables_q) || (i_good && old_q);
     wire stops = acts && stops_q;
     wire [BITS-1:0] disable_left_d = off ? waiting_d : disable_left_q - {{(BITS-1){1'b0}}, i_done && disable_left_q != NONE};
+    // Whether none will be left, without the sum that waiting_d is.
+    wire disable_ends = disable_left_q == NONE || (disable_left_q == ONE && i_done);
+    wire stop_ends    = stop_left_q == NONE || (stop_left_q == ONE && i_done);
     wire [BITS-1:0] stop_left_d    = stops ? waiting_d : stop_left_q - {{(BITS-1){1'b0}}, i_done && stop_left_q != NONE};
 
     always @(posedge clk) begin
@@ -60,9 +63,9 @@ module urgent_commands #(
             waiting_q <= waiting_d;
             disable_left_q <= disable_left_d;
             stop_left_q    <= stop_left_d;
-            o_disable <= off || disable_left_d != NONE;
-            o_stop    <= stops || stop_left_d != NONE;
-            o_stops   <= stops || (o_stop && stop_left_d == NONE);
+            o_disable <= off || !disable_ends;
+            o_stop    <= stops || !stop_ends;
+            o_stops   <= stops || (o_stop && stop_ends);
             o_heard   <= acts;
         end
     end
