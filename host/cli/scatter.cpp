@@ -20,7 +20,7 @@ struct ScatterCommand {
     ScatterSource source;
     std::vector<std::string> foci;
     std::optional<double> radius_mm, length_mm, edge_mm;
-    std::string center, rotate = "0,0,0", unit = "mm";
+    std::string plane_wave, center, rotate = "0,0,0", unit = "mm";
     bool json = false;
     std::string output;
 };
@@ -58,6 +58,7 @@ int scatter(const ScatterCommand& command) {
     if (!command.output.empty())
         require_distinct({{"the mesh", file}, {"--path", source.path}}, {{"--output", command.output}});
     for (const std::string& text : command.foci) source.foci.push_back(parse_point_mm("focus", text));
+    if (!command.plane_wave.empty()) source.plane_wave = parse_point_mm("plane-wave", command.plane_wave);
     source.body.radius_m = in_metres(command.radius_mm);
     source.body.length_m = in_metres(command.length_mm);
     source.body.edge_m = in_metres(command.edge_mm);
@@ -88,7 +89,12 @@ void add_scatter(CLI::App& app, Action& action) {
         ->required();
     auto* focus = sub->add_option("--focus", options->foci,
                                   "Exact phases for x,y,z (mm); given again, one after the other for equal times");
-    sub->add_option("--path", options->source.path, "A path file (.json, .csv, .adaptics) instead")->excludes(focus);
+    auto* path = sub->add_option("--path", options->source.path, "A path file (.json, .csv, .adaptics) instead")
+                     ->excludes(focus);
+    sub->add_option("--plane-wave", options->plane_wave,
+                    "Or a plane wave of 1 Pa that travels in the direction x,y,z, at the array's frequency")
+        ->excludes(focus)
+        ->excludes(path);
     auto* array =
         sub->add_option("--array", options->source.array, "Array file or shipped array")->capture_default_str();
     sub->add_option("--rig", options->source.rig, "Rig file or shipped rig instead: several arrays in their places")

@@ -122,7 +122,11 @@ def test_a_rig_in_field_solve_and_scatter(tmp_path):
     solved = json.loads(text(succeed(["solve", "--rig", "cube-300", "--focus", "0,0,150", "--focus", "20,0,150", "--json"]).stdout))
     assert len(solved["steps"][0]["drives"]) == 4 * 249
     assert solved["steps"][0]["quality"]["quantised"]["spread"] < 0.01
-    refuse(tmp_path, ["solve", "--rig", "cube-300", "--focus", "0,0,150", "-o", "x.hex"], USAGE, "4 units", "one board")
+    succeed(["solve", "--rig", "cube-300", "--focus", "0,0,150", "-o", "x.hex"], cwd=tmp_path)
+    at_focus = ["--line", "z@x=0,y=0", "--z", "150:151", "--quantity", "rms"]
+    exact, tiles = (float(text(succeed(["field", *what, *at_focus], cwd=tmp_path).stdout).splitlines()[1].split(",")[-1])
+                    for what in (["--focus", "0,0,150", "--rig", "cube-300"], ["x.json"]))  # fmt: skip
+    assert tiles == pytest.approx(exact, rel=1e-3)
     found = json.loads(text(succeed(["scatter", "sphere", "--radius", 4, "--center", "0,0,150", "--focus", "0,0,146", "--rig", "cube-300", "--json"]).stdout))
     assert found["array"] == "cube-300" and found["force_mn"][2] > 0
     refuse(tmp_path, ["field", "--focus", "0,0,150", "--rig", "cube-400"], BAD_INPUT, "cube-400", "cube-300")
@@ -140,8 +144,22 @@ def test_what_is_refused(tmp_path):
     refuse(tmp_path, ["scatter", "coarse.obj", *at], BAD_INPUT, "coarse.obj", "too large", "1.43 mm")
     refuse(tmp_path, ["scatter", "cloud.xyz", *at], BAD_INPUT, "cloud.xyz", "no faces")
     refuse(tmp_path, [*BALL, "--focus", "0,0,120"], BAD_INPUT, "inside of the body", "--foci-inside")
-    refuse(tmp_path, [*BALL], USAGE, "foci or a path")
+    refuse(tmp_path, [*BALL], USAGE, "foci, a path or a plane wave")
     refuse(tmp_path, [*BALL, *AIM, "--length", 20], USAGE, "length", "finger")
     refuse(tmp_path, [*BALL, *AIM, "--edge", 9], USAGE, "edge", "5 mm")
     refuse(tmp_path, [*BALL, *AIM, "-o", "ball.stl"], USAGE, ".vtp")
     refuse(tmp_path, [*BALL, "--focus", "0,0,-5"], BAD_INPUT, "behind the array")
+
+
+def test_a_plane_wave(tmp_path):
+    """On a rigid ball of ka = 1, the series of its total pressure has 1.418 in front (tests/unit/test_scattering.cpp)."""
+    k = 2 * np.pi * 40e3 / 343.2
+    ball = ["scatter", "sphere", "--radius", f"{1e3 / k:.9g}", "--edge", "0.1", "--center", "0,0,50"]
+    succeed([*ball, "--plane-wave", "0,0,2", "-o", "wave.csv"], cwd=tmp_path)
+    names, *rows = (tmp_path / "wave.csv").read_text().splitlines()
+    column = [name for name in names.split(",") if "rms" in name][0]
+    table = {name: np.array(values, float) for name, values in zip(names.split(","), zip(*(row.split(",") for row in rows)))}
+    front = table[column][table["z_mm"].argmin()]
+    assert front * np.sqrt(2) == pytest.approx(1.4184, rel=0.02)
+    refuse(tmp_path, [*ball, "--plane-wave", "0,0,0"], USAGE, "goes nowhere")
+    refuse(tmp_path, [*ball, "--plane-wave", "0,0,1", "--focus", "0,0,40"], USAGE, "excludes")

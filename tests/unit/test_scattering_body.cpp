@@ -34,6 +34,42 @@ std::string refusal(const ScatterSource& source) {
 
 }  // namespace
 
+TEST_CASE("scattering: shells that do not bound one body are refused", "[scattering]") {
+    const auto moved = [](Mesh mesh, Vec3 by) {
+        for (Vec3& vertex : mesh.vertices) vertex = vertex + by;
+        return mesh;
+    };
+    const auto turned = [](Mesh mesh) {
+        for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+        return mesh;
+    };
+    const auto both = [](Mesh one, const Mesh& other) {
+        const auto before = static_cast<std::uint32_t>(one.vertices.size());
+        one.vertices.insert(one.vertices.end(), other.vertices.begin(), other.vertices.end());
+        for (const auto& [a, b, c] : other.triangles) one.triangles.push_back({a + before, b + before, c + before});
+        return one;
+    };
+    const Mesh large = sphere_mesh(8e-3, 2e-3), small = sphere_mesh(3e-3, 1e-3);
+    const double sum = body_of(large, "a").volume + body_of(small, "b").volume;
+    CHECK(body_of(both(large, moved(small, from_mm(12, 0, 0))), "apart").volume == Approx(sum));
+    CHECK(body_of(both(large, turned(moved(small, from_mm(1, 1, 1)))), "hollow").volume < sum);
+    const auto refused = [](const Mesh& mesh) { return message_of([&] { (void)body_of(mesh, "two.ply"); }); };
+    CHECK_THAT(refused(both(large, moved(small, from_mm(8, 0, 0)))),
+               Contains("two.ply") && Contains("run through each other"));
+    CHECK_THAT(refused(both(large, small)), Contains("lies in 1 others") && Contains("outwards"));
+    CHECK_THAT(refused(both(large, turned(moved(small, from_mm(12, 0, 0))))), Contains("inwards, as the wall"));
+    // Two bars as a cross: no corner of one lies in the other, only edges meet faces.
+    const auto bar = [](double x, double y, double z) {
+        Mesh box;
+        for (int i = 0; i < 8; ++i) box.vertices.push_back({(i & 1 ? x : -x), (i & 2 ? y : -y), (i & 4 ? z : -z)});
+        box.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                         {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+        return box;
+    };
+    CHECK(body_of(bar(9e-3, 1e-3, 1e-3), "bar").volume == Approx(8 * 9e-9));
+    CHECK_THAT(refused(both(bar(9e-3, 1e-3, 1e-3), bar(2e-3, 9e-3, 0.5e-3))), Contains("run through each other"));
+}
+
 TEST_CASE("scattering: built-in bodies have their volume, even triangles and outward normals", "[scattering]") {
     const double edge = GENERATE(0.6e-3, 1.1e-3, 2e-3);
     const Body ball = body_of(sphere_mesh(8e-3, edge), "sphere");

@@ -8,6 +8,7 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/hand/mesh_solid.hpp"
+#include "haptogram/scattering/shells.hpp"
 
 namespace haptogram {
 namespace {
@@ -49,10 +50,11 @@ Body body_of(Mesh mesh, const std::string& name) {
     Body body{name, {}, {}, {}, 0.0, 0.0};
     try {
         body.solid = mesh_solid(mesh.vertices, mesh.triangles);
+        body.mesh = compact(mesh);
+        require_one_body(body.mesh);
     } catch (const Error& error) {
         throw bad_input(name, error.message());
     }
-    body.mesh = compact(mesh);
     for (const auto& [i, j, k] : body.mesh.triangles) {
         const auto& v = body.mesh.vertices;
         body.panels.push_back(panel_of(v[i], v[j], v[k]));

@@ -32,7 +32,7 @@ struct Body {
 
 /// Makes a body of a surface.
 /// @param name  for messages
-/// @throws Error{bad_input} naming the body, as mesh_solid(): when it is not closed, or turned inside out
+/// @throws Error{bad_input} naming the body, as mesh_solid(): and require_one_body()
 [[nodiscard]] Body body_of(Mesh mesh, const std::string& name);
 
 /// Panels are fine enough when they have `least` elements a wavelength along their mean edge, and two thirds of that

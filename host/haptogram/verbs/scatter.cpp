@@ -45,8 +45,18 @@ std::vector<ScatteredStep> steps_of(const Path& path) {
 }
 
 Path path_of(const ScatterSource& source, const Array& array) {
-    if (source.foci.empty() == source.path.empty())
-        throw bad_argument("focus", "give foci or a path, just one of them", {"focus", "path"});
+    const int given = (source.foci.empty() ? 0 : 1) + (source.path.empty() ? 0 : 1) + (source.plane_wave ? 1 : 0);
+    if (given != 1)
+        throw bad_argument("focus", "give foci, a path or a plane wave, just one of them",
+                           {"focus", "path", "plane-wave"});
+    if (source.plane_wave) {
+        if (!is_finite(*source.plane_wave) || norm(*source.plane_wave) == 0.0)
+            throw bad_argument("plane-wave", "goes nowhere: give a direction x,y,z");
+        if (source.flat_estimate) throw bad_argument("flat", "is of what an array sends, not of a plane wave");
+        Path wave;
+        wave.steps = {{{}, 1}};
+        return wave;
+    }
     if (!source.path.empty()) return load_path(source.path, array.carrier_hz, adaptics_samples);
     Path path;
     for (const Vec3& focus : source.foci) path.steps.push_back({{{focus, 1.0}}, 1});
@@ -108,7 +118,8 @@ void require_clear(const Array& array, const Body& body) {
 }
 
 std::string title_of(const ScatterSource& source, const Scattered& found) {
-    const std::string what = !source.path.empty()      ? source.path
+    const std::string what = source.plane_wave         ? "a plane wave of 1 Pa"
+                             : !source.path.empty()    ? source.path
                              : source.foci.size() == 1 ? fmt::format("a focus at {}", in_mm(source.foci.front()))
                                                        : fmt::format("{} foci in turn", source.foci.size());
     return fmt::format("{}: {} on {} of {} triangles", found.array.name, what, found.body.name,
@@ -157,13 +168,13 @@ Scattered scatter(const ScatterSource& source, const Progress& progress) {
     found.body = open_body(source.body, array.wavelength_m());
     const Body& body = found.body;
     require_fine(body, array.wavelength_m(), source.least_elements);
-    require_clear(array, body);
+    if (!source.plane_wave) require_clear(array, body);
     found.title = title_of(source, found);
     const double weaker = path.modulation.samples.empty() ? 1.0 : mean_square_of(path.modulation);
     for (ScatteredStep& step : steps_of(path)) {
         check(source, array, body, step);
-        const bool sounds =
-            std::any_of(step.foci.begin(), step.foci.end(), [](const Focus& f) { return f.amplitude > 0.0; });
+        const bool sounds = source.plane_wave || std::any_of(step.foci.begin(), step.foci.end(),
+                                                             [](const Focus& f) { return f.amplitude > 0.0; });
         if (sounds)
             found.steps.push_back(std::move(step));
         else
@@ -188,7 +199,9 @@ Scattered scatter(const ScatterSource& source, const Progress& progress) {
         const std::size_t end = std::min(first + at_once, found.steps.size());
         std::vector<IncidentSound> sounds;
         for (std::size_t s = first; s < end; ++s)
-            sounds.push_back(incident_from(array, drives_of(array, found.steps[s].foci), body, field));
+            sounds.push_back(source.plane_wave
+                                 ? plane_wave_on(body, *source.plane_wave, wave_number)
+                                 : incident_from(array, drives_of(array, found.steps[s].foci), body, field));
         const SurfacePressures solved = scatterer.pressures(sounds);
         found.rounds = std::max(found.rounds, solved.rounds);
         found.residual = std::max(found.residual, solved.residual);

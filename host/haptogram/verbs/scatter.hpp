@@ -31,8 +31,9 @@ struct BodySource {
 /// What plays at the body: sets of foci in turn, on an array or a rig.
 struct ScatterSource {
     BodySource body;
-    std::vector<Vec3> foci;  ///< exact phases for one after the other, for equal times; or
-    std::string path;        ///< a path file
+    std::vector<Vec3> foci;            ///< exact phases for one after the other, for equal times; or
+    std::string path;                  ///< a path file; or
+    std::optional<Vec3> plane_wave{};  ///< a plane wave of 1 Pa that travels in this direction, from no array
     std::string array = "tile-10x10";
     std::string rig;              ///< instead of the array
     bool foci_inside = false;     ///< foci inside of the body are meant, and no mistake
@@ -79,8 +80,9 @@ struct ErrorRange {
 /// The sound on a rigid body's skin by boundary elements (scattering/scatterer.hpp). Foci that the source plays are
 /// those in free air: the body is in the way of their sound, and no drive makes up for it. Absorption is taken into
 /// account on the way to the body.
-/// @throws Error{bad_argument} when not just one of foci and path is given; Error{bad_input} as open_body(), for
-/// triangles that are too large, for foci out of reach, or inside of the body, and for transducers inside of it
+/// @throws Error{bad_argument} when not just one of foci, path and plane wave is given; Error{bad_input} as
+/// open_body(), for triangles that are too large, for foci out of reach, or inside of the body, and for transducers
+/// inside of it
 [[nodiscard]] Scattered scatter(const ScatterSource& source, const Progress& progress = {});
 
 /// The report as JSON text: forces in mN, lengths in mm.
