@@ -145,8 +145,9 @@ TEST_CASE("perception: thresholds of Table III by region, grip force and frequen
     REQUIRE(std::pow(10.0, least_displacement_db(200) / 20.0) == Approx(0.16).margin(0.005));
     REQUIRE(least_displacement_db(125) - least_displacement_db(250) == Approx(12.04).margin(0.01));
     REQUIRE(least_displacement_db(20) == 12.5);
+    REQUIRE(least_displacement_db(1000) - least_displacement_db(500) == Approx(12.04).margin(0.01));
     REQUIRE(least_displacement_db(200, 2.0) == Approx(-16.1 - 3.0).margin(0.06));
-    REQUIRE_THROWS_AS(least_displacement_db(600), Error);
+    REQUIRE_THROWS_AS(least_displacement_db(1001), Error);
     REQUIRE_THROWS_AS(least_displacement_db(200, 0.0), Error);
 }
 

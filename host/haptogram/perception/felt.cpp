@@ -13,8 +13,6 @@
 namespace haptogram::perception {
 namespace {
 
-constexpr double lowest_hz = 10.0, highest_hz = 500.0;  // of least_displacement_db()
-
 /// The part at the frequency of modulation over the mean, of the square wave that the tables belong to.
 double fundamental_over_mean() { return fundamental_output(Waveform::square) / mean_output(Waveform::square); }
 
@@ -34,7 +32,7 @@ LeastForce least_vibration(const Tables& tables, Region region, double hz, doubl
     const double inside_hz = std::clamp(hz, first_hz, last_hz);
     const double force_n = least_felt_gf(tables, region, inside_hz, grip_n) * gram_force_n * fundamental_over_mean();
     if (hz == inside_hz) return {force_n, Basis::tables};
-    if (!(hz >= lowest_hz && hz <= highest_hz)) return {};
+    if (!(hz >= lowest_vibration_hz && hz <= highest_vibration_hz)) return {};
     const double db = least_displacement_db(hz) - least_displacement_db(inside_hz);
     return {force_n * std::pow(10.0, db / 20.0), Basis::displacement};
 }
@@ -43,7 +41,7 @@ Felt felt_of(std::span<const Line> spectrum, const Tables& tables, Region region
              std::size_t most_lines) {
     Felt felt;
     for (const Line& line : spectrum) {
-        if (line.hz < lowest_hz || line.hz > highest_hz || !(line.amplitude > 0.0)) continue;
+        if (line.hz < lowest_vibration_hz || line.hz > highest_vibration_hz || !(line.amplitude > 0.0)) continue;
         const LeastForce least = least_vibration(tables, region, line.hz, grip_n);
         felt.lines.push_back(
             {line.hz, line.amplitude, least.force_n, 20.0 * std::log10(line.amplitude / least.force_n), least.basis});

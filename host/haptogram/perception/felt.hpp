@@ -14,7 +14,7 @@ namespace haptogram::perception {
 /// What a threshold of a vibration rests on.
 enum class Basis {
     tables,        ///< measured there, within the tables' frequencies
-    displacement,  ///< carried on beyond them by the course of the displacement thresholds, from 10 to 500 Hz
+    displacement,  ///< carried on beyond them by the course of the displacement thresholds, from 10 Hz to 1 kHz
     none,          ///< nothing is known here
 };
 [[nodiscard]] const char* name_of(Basis basis);
@@ -43,7 +43,7 @@ struct FeltLine {
 
 /// What a place feels, by the strongest line of its force over the threshold.
 struct Felt {
-    std::vector<FeltLine> lines;  ///< from 10 to 500 Hz, the strongest over its threshold first; at most `most_lines`
+    std::vector<FeltLine> lines;  ///< from 10 Hz to 1 kHz, the strongest over its threshold first; at most `most_lines`
     std::optional<double> magnitude;  ///< perceived (Multimodal eq. 10), of the strongest line within the tables
     std::string no_magnitude;         ///< why there is none
 };

@@ -76,8 +76,9 @@ ThresholdLaw threshold_law(const Tables& tables, Region region) {
 double least_displacement_db(double frequency_hz, double area_factor) {
     constexpr double pacinian_db = -20.0, other_db = 12.5, other_to_hz = 40.0, best_hz = 250.0, rises_hz = 300.0;
     constexpr double per_decade_db = 40.0;  // 12 dB an octave
-    if (!(frequency_hz >= 10.0 && frequency_hz <= 500.0))
-        throw bad_argument("frequency", fmt::format("{:g} Hz lies outside of 10…500 Hz", frequency_hz));
+    if (!(frequency_hz >= lowest_vibration_hz && frequency_hz <= highest_vibration_hz))
+        throw bad_argument("frequency", fmt::format("{:g} Hz lies outside of {:g}…{:g} Hz", frequency_hz,
+                                                    lowest_vibration_hz, highest_vibration_hz));
     if (!(area_factor > 0.0 && std::isfinite(area_factor)))
         throw bad_argument("area_factor", fmt::format("must be a positive number, found {:g}", area_factor));
     double pacinian = pacinian_db - 10.0 * std::log10(area_factor);

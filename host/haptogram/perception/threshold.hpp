@@ -31,11 +31,14 @@ struct ThresholdLaw {
 };
 [[nodiscard]] ThresholdLaw threshold_law(const Tables& tables, Region region);
 
+inline constexpr double lowest_vibration_hz = 10.0, highest_vibration_hz = 1000.0;
+
 /// The least vibration of the skin that is felt, dB re 1 µm of displacement (peak): the lower one of two channels, with
 /// a large contactor on glabrous skin (Gescheider and Verrillo). The Pacinian channel is −20 dB at 250 Hz, falls by 12
 /// dB an octave up to there, and rises by 12 dB an octave above 300 Hz; the other channel is flat, +12.5 dB, up to 40
-/// Hz, and has no value above. Levels are textbook values, good to ± 5 dB.
-/// @param frequency_hz  from 10 to 500 Hz
+/// Hz, and has no value above. Levels are textbook values, good to ± 5 dB. Measurements end near 700 Hz; the rise is
+/// carried on to 1 kHz, which is as fast as devices modulate.
+/// @param frequency_hz  from lowest_vibration_hz to highest_vibration_hz
 /// @param area_factor   contact area over that of the textbook values; a doubling makes the Pacinian channel 3 dB
 /// better
 /// @throws Error{bad_argument} outside of these
