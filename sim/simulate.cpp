@@ -63,28 +63,6 @@ Simulation simulate(const Bundle& bundle, const PlaybackOptions& options) {
     return judged(bundle, play(bundle.image, options, bundle.name), options.progress);
 }
 
-void require_compiled_for(const Bundle& bundle, const Array& array, const Core& core) {
-    const Array& other = bundle.manifest.array;
-    const interface::CoreParameters& a = core.parameters;
-    const interface::CoreParameters& b = bundle.manifest.core.parameters;
-    const auto near = [](double p, double q) { return std::abs(p - q) <= 1e-6 * std::abs(q); };
-    const auto same_place = [](const Element& p, const Element& q) {
-        return distance(p, q.position) < 1e-6 && distance(p.normal, q.normal) < 1e-6;
-    };
-    if (near(array.medium.speed_m_s, other.medium.speed_m_s) && near(array.duty, other.duty) &&
-        near(array.transducer.radius_m, other.transducer.radius_m) && a.channels == b.channels &&
-        a.clock_hz == b.clock_hz && array.carrier_hz == other.carrier_hz &&
-        std::equal(array.elements.begin(), array.elements.end(), other.elements.begin(), other.elements.end(),
-                   same_place))
-        return;
-    throw bad_input(bundle.name,
-                    fmt::format("it was compiled for {} ({} elements, {} channels, {} Hz), not for {} ({} elements, {} "
-                                "channels, {} Hz); compile it for {}",
-                                other.name, other.elements.size(), b.channels, b.clock_hz, array.name,
-                                array.elements.size(), a.channels, a.clock_hz, array.name),
-                    {"array"});
-}
-
 /// An FST file is a chain of blocks, each a type and its length; the chain must end where the file does.
 void require_whole_trace(const std::filesystem::path& file, const std::string& name) {
     const std::string content = read_file(file);

@@ -40,10 +40,6 @@ struct Simulation {
 /// Checks every focus of an image from the pulses that a playback has measured.
 [[nodiscard]] Simulation judged(const Bundle& bundle, Playback playback, const Progress& progress = {});
 
-/// @throws Error{bad_input} unless the bundle was compiled for such an array on such a core: same channels, clock,
-/// carrier, duty, air, transducers, and every element at the same place to a micrometre
-void require_compiled_for(const Bundle& bundle, const Array& array, const Core& core);
-
 /// Verilator's trace writer does not notice when the disk is full. This function does.
 /// @param name  of the file that the user asked for, for messages
 /// @throws Error{bad_input} when the FST file is cut short

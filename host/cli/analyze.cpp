@@ -3,25 +3,27 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/verbs/field_file.hpp"
-#include "haptogram/verbs/source.hpp"
+#include "haptogram/verbs/level.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
+#include "source_options.hpp"
 
 namespace haptogram::cli {
 namespace {
 
 struct AnalyzeOptions {
-    std::string image, array;
+    SourceOptions what;
     std::string plane = "xz@y=0";
     double extent_mm = 150.0, step_mm = 2.0;
     double least_mn = least_felt_n * 1e3;
+    std::optional<double> measured_mn;
     std::string output;
     bool json = false;
 };
@@ -42,6 +44,8 @@ nlohmann::ordered_json to_json(const PointAnalysis& point) {
             {"depth_mm", rounded(a.depth_m / millimetre)},
             {"side_lobe", rounded(a.side_lobe)},
             {"force_mn", rounded(a.force_n * 1e3)},
+            {"heat_limit_mn", rounded(point.heat_limit_n * 1e3)},
+            {"impulse_mn_ms", rounded(point.impulse_ns * 1e6)},
             {"dwell_cycles", point.dwell_cycles},
             {"too_weak", point.too_weak}};
 }
@@ -73,11 +77,15 @@ std::string line_of(const PointAnalysis& point, std::size_t number) {
         f.force_n * 1e3, point.too_weak ? "  weak" : "");
 }
 
-int analyze_image(const AnalyzeOptions& options) {
+int analyze_source(const AnalyzeOptions& options) {
     ImageAnalysis analysis;
+    Array array;
     {
         ProgressLine progress("analyze");
-        analysis = analyze(open_bundle(options.image), options.least_mn * 1e-3, progress.callback());
+        const Progress all = progress.callback();
+        const Timeline timeline = open_timeline(source_of(options.what, "analyze"), all);
+        array = timeline.manifest.array;
+        analysis = analyze(timeline, options.least_mn * 1e-3, all);
     }
     nlohmann::ordered_json points = nlohmann::ordered_json::array();
     Report report;
@@ -89,8 +97,19 @@ int analyze_image(const AnalyzeOptions& options) {
         report.tell(line_of(point, points.size()));
     }
     for (const std::string& warning : analysis.warnings) report.tell("warning: " + warning);
+    if (!analysis.points.empty()) {
+        const auto hottest = std::ranges::min_element(
+            analysis.points, {}, [](const PointAnalysis& p) { return p.heat_limit_n / p.focus.force_n; });
+        report.tell(
+            fmt::format("the strongest focus would warm skin more than is safe in tissue from {:.0f} mN on "
+                        "(Hoshi 2010, 2.4), {:.1f} times its force here",
+                        hottest->heat_limit_n * 1e3, hottest->heat_limit_n / hottest->focus.force_n));
+    }
     const nlohmann::ordered_json safe = safety(analysis.loudness);
+    const Transducer& transducer = array.transducer;
     report.add("points", points)
+        .add("contact_mm", 20.0, "F is on a flat disc of 20 mm at the focus")
+        .add("level", level_json(transducer), level_text(transducer))
         .add("warnings", analysis.warnings)
         .add("pressure_left_least", analysis.pressure_left.least,
              fmt::format("the transducers' bandwidth leaves {:.1f} % of the pressure at the worst point, {:.1f} % on "
@@ -107,8 +126,23 @@ int analyze_image(const AnalyzeOptions& options) {
     return 0;
 }
 
+const std::vector<OptionOf> options_of_kinds = {
+    {"--plane", {"map"}},      {"--extent", {"map"}},           {"--step", {"map"}},
+    {"--output", {"map"}},     {"--least-force", {"analysis"}}, {"--json", {"analysis"}},
+    {"--board", {"analysis"}}, {"--manifest", {"analysis"}}};
+
+/// What a measured force says of the array's source strength.
+int calibrate(const AnalyzeOptions& options) {
+    const Source source = source_of(options.what, "analyze");
+    if (!source.focus || !source.rig.empty())
+        throw bad_argument("measured-mn", "is of a focus of one array: give --array and --focus");
+    fmt::print("[transducer]\n{}", calibrated_keys(find_array(source.array.value_or("tile-10x10")), *source.focus,
+                                                   *options.measured_mn * 1e-3));
+    return 0;
+}
+
 int analyze_array(const AnalyzeOptions& options) {
-    const Array array = find_array(options.array);
+    const Array array = find_array(*options.what.source.array);
     const Region region = parse_region("plane", options.plane,
                                        {options.extent_mm * millimetre, options.step_mm * millimetre, {}, {}, {}});
     const std::string output = options.output.empty() ? "-" : options.output;
@@ -121,39 +155,37 @@ int analyze_array(const AnalyzeOptions& options) {
 
 void add_analyze(CLI::App& app, Action& action) {
     auto options = std::make_shared<AnalyzeOptions>();
-    CLI::App* sub = app.add_subcommand(
-        "analyze",
-        "What each point of an image is like, and how loud it all is; or what pressure an array can reach where");
-    auto* image =
-        sub->add_option("image", options->image, "Intel HEX image, with its manifest beside it, or a project (.toml)");
-    auto* array =
-        sub->add_option("--array", options->array, "Map the workspace of this array instead")->excludes(image);
+    CLI::App* sub = app.add_subcommand("analyze",
+                                       "What each focus of what plays is like, and how loud it all is; or, of --array "
+                                       "alone, what pressure it can reach "
+                                       "where");
+    add_source(*sub, options->what);
     sub->add_option("--least-force", options->least_mn,
                     "Warn of points with less in their focus, mN (default: 0.06 gf, about the least that a palm felt "
                     "in Table III of doi:10.1109/JSEN.2022.3144888)")
         ->check(positive())
         ->capture_default_str();
-    sub->add_option("--plane", options->plane, "Of the map: xy@z=MM, xz@y=MM or yz@x=MM")
-        ->needs(array)
-        ->capture_default_str();
+    sub->add_option("--plane", options->plane, "Of the map: xy@z=MM, xz@y=MM or yz@x=MM")->capture_default_str();
     sub->add_option("--extent", options->extent_mm, "Of the map: half-width, mm")
-        ->needs(array)
         ->check(positive())
         ->capture_default_str();
-    sub->add_option("--step", options->step_mm, "Of the map, mm")
-        ->needs(array)
-        ->check(positive())
-        ->capture_default_str();
+    sub->add_option("--step", options->step_mm, "Of the map, mm")->check(positive())->capture_default_str();
     sub->add_option("-o,--output", options->output,
-                    "The map as .csv, .npy, .vti or .png; default CSV on standard output")
-        ->needs(array);
-    sub->add_flag("--json", options->json, "Print the analysis as JSON")->excludes(array);
-    sub->callback([options, &action] {
-        action = [options] {
-            if (options->image.empty() == options->array.empty())
-                throw Error(ErrorCode::bad_argument, "analyze",
-                            "expected an image or --array; see haptogram analyze --help");
-            return options->image.empty() ? analyze_array(*options) : analyze_image(*options);
+                    "The map as .csv, .npy, .vti or .png; default CSV on standard output");
+    sub->add_option(
+           "--measured-mn", options->measured_mn,
+           "Instead: print the level for the array's file from a force, mN, that was measured on a flat disc of "
+           "20 mm at --focus, at full steady drive")
+        ->check(positive());
+    sub->add_flag("--json", options->json, "Print the analysis as JSON");
+    sub->callback([options, sub, &action] {
+        action = [options, given = given_to(*sub)] {
+            const Source& source = options->what.source;
+            const bool map =
+                source.array && source.file.empty() && options->what.focus.empty() && source.pulses.empty();
+            require_effect(given, options_of_kinds, map ? "map" : "analysis", "what is wanted");
+            if (options->measured_mn) return calibrate(*options);
+            return map ? analyze_array(*options) : analyze_source(*options);
         };
     });
 }

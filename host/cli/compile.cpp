@@ -13,6 +13,7 @@
 #include "haptogram/base/file.hpp"
 #include "haptogram/shape/path_file.hpp"
 #include "haptogram/verbs/compile_numbers.hpp"
+#include "haptogram/verbs/level.hpp"
 #include "haptogram/verbs/rig.hpp"
 #include "haptogram/verbs/settings.hpp"
 #include "progress_line.hpp"
@@ -197,6 +198,10 @@ Report report_of(const Compiled& compiled, const CompileOptions& options) {
     if (const auto& made = compiled.magnitude)
         report.tell(fmt::format("magnitude         commands {:.4f}…{:.4f}{}", made->least_command, made->most_command,
                                 made->moves ? "; it was measured with a focus that rests, and this one moves" : ""));
+    if (compiled.magnitude) {
+        const Transducer& transducer = compiled.bundle.manifest.array.transducer;
+        report.add("level", level_json(transducer), "                  " + level_text(transducer));
+    }
     return report.tell(fmt::format("bandwidth leaves  {:.1f} % of the pressure at the worst point, {:.1f} % on average",
                                    100.0 * number("pressure_left_least"), 100.0 * number("pressure_left_mean")));
 }

@@ -12,9 +12,11 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/perception/difference.hpp"
 #include "haptogram/verbs/analyze.hpp"
+#include "haptogram/verbs/level.hpp"
 #include "haptogram/verbs/render.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
+#include "source_options.hpp"
 
 namespace haptogram::cli {
 namespace {
@@ -22,8 +24,7 @@ namespace {
 using nlohmann::ordered_json;
 
 struct FeelCommand {
-    Source source;
-    std::optional<std::string> array, board;
+    SourceOptions what;
     std::vector<std::string> at, ears{"0,-400,300"};
     std::string normal = "0,0,-1", region = "palm", tables = "multimodal", output;
     std::string hand, hand_model;
@@ -77,7 +78,7 @@ std::string line_of(const FeltPlace& place, std::size_t number) {
                     place.force.tilt, place.mean_pa, place.most_pa, place.mean_n * 1e3, place.depth);
     const std::string part =
         place.part.empty() ? "" : fmt::format("  {}, {:.1f} mm off", place.part, place.off_skin_m / millimetre);
-    if (place.felt.lines.empty()) return text + "  nothing alternates between 10 and 500 Hz" + part;
+    if (place.felt.lines.empty()) return text + "  nothing alternates between 10 Hz and 1 kHz" + part;
     const perception::FeltLine& line = place.felt.lines.front();
     text += fmt::format(" {:>8.1f} {:>8.4f} {:>8.4f} {:>7.1f} {:>12}", line.hz, line.force_n * 1e3, line.least_n * 1e3,
                         line.over_db, perception::name_of(line.basis));
@@ -167,11 +168,8 @@ void report_sound(Report& report, const Feeling& feeling) {
 }
 
 int feel(const FeelCommand& command) {
-    if (!command.output.empty())
-        require_distinct({{"the file", command.source.image},
-                          {"--pulses", command.source.pulses},
-                          {"--manifest", command.source.manifest}},
-                         {{"--output", command.output}});
+    const Source source = source_of(command.what, "feel");
+    if (!command.output.empty()) require_distinct(files_of(source), {{"--output", command.output}});
     if (!command.output.empty() && !command.output.ends_with(".png"))
         throw bad_argument("output", fmt::format("'{}' is no .png; the numbers are printed, with --json for programs",
                                                  command.output));
@@ -185,25 +183,27 @@ int feel(const FeelCommand& command) {
     options.region = perception::region_of(command.region);
     options.grip_n = command.grip_n;
     options.tables = perception::find_tables(command.tables);
-    PlayedDrives played;
+    Timeline timeline;
     Feeling feeling;
     {
         ProgressLine progress("feel");
-        played = open_played(command.source, command.array, command.board);
-        feeling = haptogram::feel(played, options, progress.callback());
+        timeline = open_timeline(source);
+        feeling = haptogram::feel(timeline, options, progress.callback());
     }
-    if (!command.output.empty()) draw_feeling(command.output, played, options, feeling);
+    if (!command.output.empty()) draw_feeling(command.output, timeline, options, feeling);
     for (const std::string& warning : feeling.warnings) complain("warning: " + warning);
     constexpr const char* note =
         "by models and printed tables of others; nothing was measured on people by this project";
     Report report;
-    report.add("played", played.title,
-               fmt::format("{}, {}: {:.4g} s of it", played.title, played.array.name, feeling.seconds));
-    report.add("array", played.array.name).add("seconds", feeling.seconds);
+    report.add("played", timeline.title,
+               fmt::format("{}, {}: {:.4g} s of it", timeline.title, timeline.manifest.array.name, feeling.seconds));
+    report.add("array", timeline.manifest.array.name).add("seconds", feeling.seconds);
     report.add("tables", options.tables.name).add("grip_n", command.grip_n);
     if (command.hand.empty()) report.add("region", command.region);
     report.add("extent_mm", feeling.extent_m / millimetre);
-    report.add("contact_mm", command.contact_mm);
+    report.add("contact_mm", command.contact_mm,
+               fmt::format("F is on a flat disc of {:g} mm at the place", command.contact_mm));
+    report.add("level", level_json(timeline.manifest.array.transducer), level_text(timeline.manifest.array.transducer));
     report_places(report, feeling);
     report_path(report, feeling);
     report_sound(report, feeling);
@@ -215,19 +215,9 @@ int feel(const FeelCommand& command) {
 
 void add_feel(CLI::App& app, Action& action) {
     auto options = std::make_shared<FeelCommand>();
-    CLI::App* sub = app.add_subcommand(
-        "feel", "What a hand is expected to feel, and an ear to hear, of an image, a path or measured pulses: models");
-    auto* file = sub->add_option("file", options->source.image,
-                                 "Intel HEX image, with its manifest beside it, a project (.toml), or a path (.json, "
-                                 ".csv, .adaptics)");
-    auto* pulses = sub->add_option("--pulses", options->source.pulses, "Pulse file from simulate or board run instead")
-                       ->excludes(file);
-    auto* manifest =
-        sub->add_option("--manifest", options->source.manifest, "Manifest of the image that was played")->needs(pulses);
-    pulses->needs(manifest);
-    sub->add_option("--array", options->array, "Of a path: array file or shipped array; by default tile-10x10")
-        ->needs(file);
-    sub->add_option("--board", options->board, "Of a path: board file, shipped board or configuration")->needs(file);
+    CLI::App* sub =
+        app.add_subcommand("feel", "What a hand is expected to feel, and an ear to hear, of what plays: models");
+    add_source(*sub, options->what);
     sub->add_option("--at", options->at,
                     "A place on the skin: x,y,z mm; may be given several times; by default the foci")
         ->expected(1)
@@ -265,13 +255,7 @@ void add_feel(CLI::App& app, Action& action) {
     sub->add_option("--tables", options->tables, "Shipped perception file, or a file")->capture_default_str();
     sub->add_flag("--json", options->json, "Print as JSON");
     sub->add_option("-o,--output", options->output, "A picture, .png");
-    sub->callback([options, &action] {
-        action = [options] {
-            if (options->source.image.empty() && options->source.pulses.empty())
-                throw bad_argument("feel", "expected a file or --pulses; see haptogram feel --help");
-            return feel(*options);
-        };
-    });
+    sub->callback([options, &action] { action = [options] { return feel(*options); }; });
 }
 
 }  // namespace haptogram::cli

@@ -9,21 +9,20 @@
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/verbs/field_file.hpp"
-#include "haptogram/verbs/source.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
+#include "source_options.hpp"
 
 namespace haptogram::cli {
 namespace {
 
 struct FieldCommand {
-    Source source;
-    std::string focus;
+    SourceOptions what;
     std::string plane = "xy@z=130", line;
     bool volume = false;
     double extent_mm = 80.0, step_mm = 1.0, below_db = 6.0;
     std::string x, y, z;
-    std::optional<std::string> am, am_law, quantise;
+    std::optional<std::string> am, am_law;
     std::string quantity = "radiation";
     unsigned threads = 0;
     std::string output = "-";
@@ -62,13 +61,9 @@ int field(const FieldCommand& command) {
     const Region region = region_of(command);
     const Quantity quantity = quantity_of(command.quantity);
     check_field_path(command.output, region, quantity);
-    require_distinct(
-        {{"image", command.source.image}, {"--pulses", command.source.pulses}, {"--manifest", command.source.manifest}},
-        {{"--output", command.output}});
-    Source source = command.source;
-    if (!command.focus.empty()) source.focus = parse_point_mm("focus", command.focus);
-    source.quantise = command.quantise.value_or("");
-    Excitation excitation = open_excitation(source);
+    const Source source = source_of(command.what, "field");
+    require_distinct(files_of(source), {{"--output", command.output}});
+    Excitation excitation = excitation_of(open_timeline(source), source.record);
     if (command.am) {
         const MadeModulation made =
             modulation_of(*command.am, law_of(command.am_law.value_or("pressure")), excitation.array.carrier_hz);
@@ -89,27 +84,11 @@ int field(const FieldCommand& command) {
 void add_field(CLI::App& app, Action& action) {
     auto options = std::make_shared<FieldCommand>();
     CLI::App* sub = app.add_subcommand(
-        "field",
-        "The sound field of an image, of one focal point, or of measured pulses, along a line, in a plane or a volume");
-    auto* image = sub->add_option("image", options->source.image,
-                                  "Intel HEX image, with its manifest beside it, or a project (.toml): the mean over "
-                                  "its sequence. Or a manifest (.json): the same of exact phases, or a rig's manifest: "
-                                  "of all its images together");
-    sub->add_option("--record", options->source.record, "Only this record of the image")
-        ->needs(image)
+        "field", "The sound field of what plays, on average over its sequence, along a line, in a plane or a volume");
+    CLI::Option* const file = add_source(*sub, options->what);
+    sub->add_option("--record", options->what.source.record, "Only this record of it")
+        ->needs(file)
         ->check(whole(1, 65535));
-    auto* focus = sub->add_option("--focus", options->focus, "Exact phases for x,y,z (mm) instead")->excludes(image);
-    auto* array =
-        sub->add_option("--array", options->source.array, "Array of --focus")->needs(focus)->capture_default_str();
-    sub->add_option("--rig", options->source.rig, "Rig of --focus instead: several arrays in their places")
-        ->needs(focus)
-        ->excludes(array);
-    auto* pulses = sub->add_option("--pulses", options->source.pulses, "Pulse file from simulate or board run instead")
-                       ->excludes(image)
-                       ->excludes(focus);
-    auto* manifest =
-        sub->add_option("--manifest", options->source.manifest, "Manifest of the image that was played")->needs(pulses);
-    pulses->needs(manifest);
     auto* plane = sub->add_option("--plane", options->plane,
                                   "xy@z=MM, xz@y=MM or yz@x=MM; or obliquely through a point (mm): "
                                   "uv@x=0,y=0,z=130 with rx, ry and rz, by which it is turned from xy (degrees about "
@@ -133,7 +112,6 @@ void add_field(CLI::App& app, Action& action) {
     }
     sub->add_option("--quantity", options->quantity, about)->check(CLI::IsMember(names))->capture_default_str();
     add_am(*sub, options->am, options->am_law);
-    add_quantise(*sub, options->quantise)->needs(focus);
     sub->add_option("--threads", options->threads, "0: as many as there are")
         ->check(whole(0, 1024))
         ->capture_default_str();
@@ -145,13 +123,7 @@ void add_field(CLI::App& app, Action& action) {
         ->check(positive())
         ->capture_default_str();
     sub->add_flag("--json", options->json, "Print how it was computed, and how far it may be off, as JSON");
-    sub->callback([options, &action] {
-        action = [options] {
-            if (options->source.image.empty() && options->focus.empty() && options->source.pulses.empty())
-                throw bad_argument("field", "expected an image, --focus or --pulses; see haptogram field --help");
-            return field(*options);
-        };
-    });
+    sub->callback([options, &action] { action = [options] { return field(*options); }; });
 }
 
 }  // namespace haptogram::cli

@@ -7,13 +7,13 @@
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
-#include "haptogram/verbs/source.hpp"
+#include "source_options.hpp"
 
 namespace haptogram::cli {
 namespace {
 
 struct InspectOptions {
-    std::string image;
+    Source source;
     bool json = false;
 };
 
@@ -123,7 +123,7 @@ void print(const Inspection& inspection) {
 }
 
 int inspect(const InspectOptions& options) {
-    const Inspection inspection = haptogram::inspect(open_hex(options.image), options.image);
+    const Inspection inspection = haptogram::inspect(open_hex(options.source.file), options.source.file);
     if (options.json)
         fmt::print("{}\n", to_json(inspection).dump(1));
     else
@@ -137,7 +137,7 @@ void add_inspect(CLI::App& app, Action& action) {
     auto options = std::make_shared<InspectOptions>();
     CLI::App* sub = app.add_subcommand(
         "inspect", "Print an image's records, foci, sequence and checks; exit code 1 when something would not play");
-    sub->add_option("image", options->image, "Intel HEX image, or a project (.toml)")->required();
+    add_source_file(*sub, options->source)->required();
     sub->add_flag("--json", options->json, "As JSON, with every timing");
     sub->callback([options, &action] { action = [options] { return inspect(*options); }; });
 }

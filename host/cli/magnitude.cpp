@@ -9,6 +9,7 @@
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/perception/setting.hpp"
+#include "haptogram/verbs/level.hpp"
 #include "haptogram/verbs/source.hpp"
 #include "report.hpp"
 
@@ -103,6 +104,10 @@ int print_setting(const MagnitudeOptions& options, const Tables& tables) {
                fmt::format("command {:.4f}: pulses of {:.2f} % of the carrier period", setting.command,
                            100.0 * setting.pulse_duty));
     report.add("pulse_duty", setting.pulse_duty);
+    if (!options.array.empty()) {
+        const Transducer transducer = find_array(options.array).transducer;
+        report.add("level", level_json(transducer), level_text(transducer));
+    }
     report.print(options.json);
     return 0;
 }

@@ -8,36 +8,36 @@
 #include "command.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/verbs/findings.hpp"
-#include "haptogram/verbs/source.hpp"
 #include "progress_line.hpp"
+#include "source_options.hpp"
 
 namespace haptogram::cli {
 namespace {
 
 struct ReportOptions {
-    std::string image, output;
+    SourceOptions what;
+    std::string output;
     bool methods = false, no_picture = false;
 };
 
 int make_report(const ReportOptions& options) {
-    if (!options.methods)
-        require_distinct({{"the image", options.image}, {"its manifest", manifest_path(options.image)}},
-                         {{"--output", options.output}});
-    const Bundle bundle = open_bundle(options.image);
+    const Source source = source_of(options.what, "report");
+    if (!options.methods) require_distinct(files_of(source), {{"--output", options.output}});
+    const Timeline timeline = open_timeline(source);
     if (options.methods) {
-        fmt::print("{}\n", methods_text(bundle));
+        fmt::print("{}\n", methods_text(timeline));
         return 0;
     }
     std::string page;
     {
         ProgressLine progress("report");
         const Progress all = progress.callback();
-        const ImageAnalysis analysis = analyze(bundle, least_felt_n, all.in_stage("analyze").between(0.0, 0.5));
+        const ImageAnalysis analysis = analyze(timeline, least_felt_n, all.in_stage("analyze").between(0.0, 0.5));
         const std::string picture =
-            options.no_picture ? "" : report_picture(bundle, 0, all.in_stage("field").between(0.5, 1.0));
+            options.no_picture ? "" : report_picture(timeline, 0, all.in_stage("field").between(0.5, 1.0));
         std::vector<std::string> findings = analysis.warnings;
         for (const Finding& finding : findings_of(analysis.loudness)) findings.push_back(finding.message);
-        page = report_page(bundle, analysis, findings, picture);
+        page = report_page(timeline, analysis, findings, picture);
     }
     write_file(options.output, page);
     return 0;
@@ -47,10 +47,9 @@ int make_report(const ReportOptions& options) {
 
 void add_report(CLI::App& app, Action& action) {
     auto options = std::make_shared<ReportOptions>();
-    CLI::App* sub =
-        app.add_subcommand("report", "A page about an image, or the paragraph on it for a paper's section on methods");
-    sub->add_option("image", options->image, "Intel HEX image, with its manifest beside it, or a project (.toml)")
-        ->required();
+    CLI::App* sub = app.add_subcommand(
+        "report", "A page about what plays, or the paragraph on it for a paper's section on methods");
+    add_source(*sub, options->what);
     auto* output = sub->add_option("-o,--output", options->output, "The page, one HTML file; - is standard output")
                        ->default_val("report.html");
     auto* methods = sub->add_flag("--methods", options->methods, "Print only the paragraph")->excludes(output);

@@ -12,20 +12,17 @@
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/verbs/project.hpp"
-#include "haptogram/verbs/source.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
 #include "simulate_rig.hpp"
 #include "simulation_report.hpp"
+#include "source_options.hpp"
 
 namespace haptogram::cli {
 namespace {
 
 struct SimulateOptions {
-    std::string image;
-    std::string manifest;
-    std::string array;
+    Source source;
     std::uint32_t passes = 1;
     double duration_ms = 0.0;
     std::string load = "uart";
@@ -79,28 +76,19 @@ Report report_of(const Bundle& bundle, const sim::Simulation& s) {
         .add("records", records);
 }
 
-int simulate(SimulateOptions options) {
-    if (!options.rig.rig.empty()) {
-        SimulateRigOptions rig = options.rig;
-        rig.passes = options.passes;
-        rig.pulses = options.pulses;
-        rig.report = options.report;
-        rig.json = options.json;
-        return simulate_rig(rig);
-    }
-    if (options.image.empty())
-        throw bad_argument("image", "there is nothing to simulate; name an image, or a rig with --rig");
-    if (options.manifest.empty() && !is_project(options.image)) options.manifest = manifest_path(options.image);
+const std::vector<OptionOf> options_of_kinds = {{"--manifest", {"one board"}}, {"--array", {"one board"}},
+                                                {"--board", {"one board"}},    {"--duration", {"one board"}},
+                                                {"--load", {"one board"}},     {"--trace", {"one board"}},
+                                                {"--drift-ppm", {"a rig"}},    {"--seed", {"a rig"}}};
+
+int simulate_board(const SimulateOptions& options) {
     std::vector<NamedPath> outputs;
     if (!options.pulses.empty()) outputs.push_back({"--pulses", options.pulses});
     if (!options.report.empty()) outputs.push_back({"--report", options.report});
     if (options.json) outputs.push_back({"--json", "-"});
     if (!options.trace.empty()) outputs.push_back({"--trace", options.trace});
-    require_distinct({{"the image", options.image}, {"the manifest", options.manifest}, {"--array", options.array}},
-                     outputs);
-    const Bundle bundle = open_bundle(options.image, options.manifest);
-    if (!options.array.empty())
-        sim::require_compiled_for(bundle, find_array(options.array), core_of_array(options.array));
+    require_distinct(files_of(options.source), outputs);
+    const Bundle bundle = open_bundle(options.source);
 
     sim::PlaybackOptions how;
     how.load_by_uart = options.load == "uart";
@@ -126,6 +114,19 @@ int simulate(SimulateOptions options) {
     return code;
 }
 
+int simulate(const SimulateOptions& options, const std::vector<std::string>& given) {
+    const bool is_rig = is_rig_file(options.source.file);
+    require_effect(given, options_of_kinds, is_rig ? "a rig" : "one board", "what is simulated");
+    if (!is_rig) return simulate_board(options);
+    SimulateRigOptions rig = options.rig;
+    rig.rig = options.source.file;
+    rig.passes = options.passes;
+    rig.pulses = options.pulses;
+    rig.report = options.report;
+    rig.json = options.json;
+    return simulate_rig(rig);
+}
+
 }  // namespace
 
 void add_simulate(CLI::App& app, Action& action) {
@@ -133,43 +134,33 @@ void add_simulate(CLI::App& app, Action& action) {
     CLI::App* sub = app.add_subcommand(
         "simulate",
         "Play an image on the Verilated FPGA, measure its pins, check contracts and foci; exit code 1 when one is off");
-    auto* image = sub->add_option("image", options->image, "Intel HEX image, or a project (.toml)");
-    auto* manifest =
-        sub->add_option("--manifest", options->manifest, "Manifest (default: the image's name with .json)");
-    auto* array = sub->add_option("--array", options->array, "Insist that the image was compiled for this array");
+    auto* file =
+        add_source_file(*sub, options->source, "Each tile of a rig is a Verilated board with a clock of its own. An ");
+    sub->add_option("--rig", options->source.file, "The same as the file")->excludes(file)->group("");
+    sub->add_option("--manifest", options->source.manifest, "Manifest (default: the image's name with .json)");
+    add_array_and_board(*sub, options->source);
     auto* passes = sub->add_option("--passes", options->passes, "Passes over the sequence")
                        ->check(whole(1, 65535))
                        ->capture_default_str();
-    auto* duration = sub->add_option("--duration", options->duration_ms, "Play for this many ms instead")
-                         ->check(positive())
-                         ->excludes(passes);
-    auto* load =
-        sub->add_option("--load", options->load, "Through the simulated serial line, or straight into the memories")
-            ->check(CLI::IsMember({"uart", "direct"}))
-            ->capture_default_str();
+    sub->add_option("--duration", options->duration_ms, "Play for this many ms instead")
+        ->check(positive())
+        ->excludes(passes);
+    sub->add_option("--load", options->load, "Through the simulated serial line, or straight into the memories")
+        ->check(CLI::IsMember({"uart", "direct"}))
+        ->capture_default_str();
     sub->add_option("--pulses", options->pulses, "Write the measured pulses (CSV)");
-    auto* trace = sub->add_option("--trace", options->trace, "Write every signal (FST, for GTKWave)");
-    auto* rig = sub->add_option("--rig", options->rig.rig,
-                                "Several boards that play as one instead: the rig manifest (.json) that compile --rig "
-                                "has written. Each tile is a Verilated board with a clock of its own")
-                    ->excludes(image)
-                    ->excludes(manifest)
-                    ->excludes(array)
-                    ->excludes(duration)
-                    ->excludes(load)
-                    ->excludes(trace);
+    sub->add_option("--trace", options->trace, "Write every signal (FST, for GTKWave)");
     sub->add_option("--drift-ppm", options->rig.drift_ppm,
                     "The crystals of a rig's boards are off by up to so much, to either side")
-        ->needs(rig)
         ->check(CLI::Range(0.0, 50.0))
         ->capture_default_str();
-    sub->add_option("--seed", options->rig.seed, "Of drifts, start phases and what registers hold at power-up")
-        ->needs(rig)
+    sub->add_option("--seed", options->rig.seed, "Of a rig's drifts, start phases and what registers hold at power-up")
         ->check(whole(0, 4'294'967'295))
         ->capture_default_str();
     sub->add_option("--report", options->report, "Write the report (JSON)");
     sub->add_flag("--json", options->json, "Print the report as JSON");
-    sub->callback([options, &action] { action = [options] { return simulate(*options); }; });
+    sub->callback(
+        [options, sub, &action] { action = [options, given = given_to(*sub)] { return simulate(*options, given); }; });
 }
 
 }  // namespace haptogram::cli

@@ -11,14 +11,15 @@
 #include "haptogram/verbs/compile.hpp"
 #include "haptogram/verbs/rig.hpp"
 #include "progress_line.hpp"
+#include "source_options.hpp"
 
 namespace haptogram::cli {
 namespace {
 
 struct SolveCommand {
-    std::string foci;
+    Source source;  ///< or a file of foci
     std::vector<std::string> focus;
-    std::optional<std::string> array, rig, board, quantise;
+    std::optional<std::string> rig, quantise;
     std::string solver = name_of(Method::gauss_newton);
     std::string level = "reachable";
     bool amplitudes = false, follow = false, json = false;
@@ -32,13 +33,42 @@ SolveOptions options_of(const SolveCommand& command) {
             command.level == "pressure" ? Level::pressure : Level::reachable, command.rounds};
 }
 
-std::vector<std::vector<Focus>> foci_of(const SolveCommand& command) {
-    if (command.focus.empty() == command.foci.empty())
-        throw bad_argument("foci", "expected a file of foci, or --focus; see haptogram solve --help");
-    if (!command.foci.empty()) return foci_from_text(read_file(command.foci), command.foci);
-    std::vector<Focus> foci;
-    for (const std::string& text : command.focus) foci.push_back(parse_focus_mm("focus", text));
-    return {foci};
+/// What is to be solved, and for what.
+struct Asked {
+    std::vector<std::vector<Focus>> sets;
+    Array array;
+    Core core;
+    std::string rig;
+};
+
+Asked asked_of(const SolveCommand& command) {
+    const std::string& file = command.source.file;
+    if (command.focus.empty() == file.empty())
+        throw bad_argument("source",
+                           "expected a file of foci or of what plays them, or --focus; see haptogram solve "
+                           "--help");
+    if (!file.empty() && file != "-" && is_source_file(file)) {
+        if (command.output.ends_with(".hex") && is_rig_file(file))
+            throw bad_argument("output",
+                               "images of a rig are made for its boards: give the foci, and the rig with --rig");
+        if (command.rig) throw bad_argument("rig", fmt::format("{} has an array of its own", file));
+        Timeline timeline = open_timeline(command.source);
+        Asked asked{{}, std::move(timeline.manifest.array), std::move(timeline.manifest.core), {}};
+        for (RecordMeaning& record : timeline.manifest.records) asked.sets.push_back(std::move(record.foci));
+        return asked;
+    }
+    Project project;
+    project.array = command.source.array;
+    project.board = command.source.board;
+    ProjectInstrument instrument = command.rig ? instrument_of_rig(*command.rig) : instrument_of(project);
+    Asked asked{{}, std::move(instrument.array), std::move(instrument.core), command.rig.value_or("")};
+    if (!file.empty()) {
+        asked.sets = foci_from_text(read_file(file), file);
+    } else {
+        asked.sets.emplace_back();
+        for (const std::string& text : command.focus) asked.sets.back().push_back(parse_focus_mm("focus", text));
+    }
+    return asked;
 }
 
 void print(const Solved& solved) {
@@ -69,15 +99,12 @@ int solve(const SolveCommand& command) {
     std::vector<NamedPath> outputs = {{"--output", command.output}};
     if (command.output.ends_with(".hex"))
         outputs.push_back({"--output", manifest_path(command.output), command.output});
-    if (!command.foci.empty() && !command.output.empty())
-        require_distinct({{"the file of foci", command.foci}}, outputs);
-    Project project;
-    project.array = command.array;
-    project.board = command.board;
-    const ProjectInstrument instrument = command.rig ? instrument_of_rig(*command.rig) : instrument_of(project);
+    if (!command.output.empty()) require_distinct(files_of(command.source), outputs);
+    const Asked asked = asked_of(command);
     ProgressLine progress("solve");
-    const Solved solved = solve_steps(foci_of(command), instrument.array, instrument.core, options_of(command),
-                                      command.follow, progress.callback(), command.quantise.value_or(""));
+    Solved solved = solve_steps(asked.sets, asked.array, asked.core, options_of(command), command.follow,
+                                progress.callback(), command.quantise.value_or(""));
+    solved.rig = asked.rig;
     if (!command.output.empty()) write_solved(command.output, solved, command.rate_hz);
     if (command.output == "-") return 0;
     if (command.json)
@@ -94,15 +121,16 @@ void add_solve(CLI::App& app, Action& action) {
     CLI::App* sub = app.add_subcommand(
         "solve", "Drives that make several foci at the same time, their records, and how even and strong the foci are");
     auto* foci = sub->add_option(
-        "foci", options->foci,
+        "source", options->source.file,
         "File of foci: a line x,y,z or x,y,z,amplitude each (mm, 0 to 1; 0 holds the pressure down there); "
-        "an empty line begins the next set. - is standard input");
+        "an empty line begins the next set. - is standard input. Or the foci of each record of an image, a rig's "
+        "manifest, or what is compiled first: a project, a path, a shape");
     sub->add_option("--focus", options->focus, "A focus x,y,z or x,y,z,amplitude instead; again for each")
         ->excludes(foci);
-    auto* array = sub->add_option("--array", options->array,
+    auto* array = sub->add_option("--array", options->source.array,
                                   "Array file or shipped array; by default the board's, or tile-10x10");
-    auto* board =
-        sub->add_option("--board", options->board, "Board file, shipped board or configuration, whose ticks are used");
+    auto* board = sub->add_option("--board", options->source.board,
+                                  "Board file, shipped board or configuration, whose ticks are used");
     sub->add_option("--rig", options->rig,
                     "Rig file or shipped rig instead: several arrays in their places, each with its board's ticks")
         ->excludes(array)
@@ -127,10 +155,10 @@ void add_solve(CLI::App& app, Action& action) {
                   "Begin each set with the drives of the one before; the first takes the rounds of the default");
     add_quantise(*sub, options->quantise);
     sub->add_flag("--json", options->json, "Everything as JSON on standard output");
-    sub->add_option(
-        "-o,--output", options->output,
-        "A .csv file of drives, a .json file of everything, a .png picture, or an image (.hex) with its manifest; - "
-        "is CSV on standard output");
+    sub->add_option("-o,--output", options->output,
+                    "A .csv file of drives, a .json file of everything, a .png picture, or an image (.hex) with its "
+                    "manifest, of a rig "
+                    "the images of its boards; - is CSV on standard output");
     sub->add_option("--rate", options->rate_hz, "Passes over all sets a second that an image plays, Hz")
         ->check(positive())
         ->capture_default_str();

@@ -6,7 +6,7 @@
 #include <haptogram/base/error.hpp>
 #include <haptogram/base/file.hpp>
 #include <haptogram/verbs/compile.hpp>
-#include <haptogram/verbs/excitation.hpp>
+#include <haptogram/verbs/timeline.hpp>
 
 int main() {
     try {
@@ -23,7 +23,7 @@ int main() {
             {{"circle.hex", compiled.bundle.hex}, {"circle.json", haptogram::to_text(compiled.bundle.manifest)}});
 
         // The pulses of the image's first record: the pressure where they should meet, and a centimetre beside it.
-        const haptogram::Excitation first = haptogram::excitation_of(compiled.bundle, 1);
+        const haptogram::Excitation first = haptogram::excitation_of(haptogram::timeline_of(compiled.bundle), 1);
         const haptogram::Vec3 points[] = {first.foci.front(), first.foci.front() + haptogram::Vec3{0.01, 0.0, 0.0}};
         const auto pressure = haptogram::pressure_at(first.array, first.drives.front(), points);
         std::printf("%zu records of %u channels\n", compiled.bundle.image.records.size(),

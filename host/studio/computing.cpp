@@ -53,12 +53,12 @@ void Computing::field(const Request& request, const Reply& reply) {
 
 void Computing::report(const Request& request, const Reply& reply) {
     write(reply, [scene = scenes_.find(query_value(request.query, "scene").value_or(""))](const Progress& going) {
-        const Bundle& bundle = scene->compiled.bundle;
-        const ImageAnalysis analysis = analyze(bundle, least_felt_n, going.between(0.0, 0.5));
+        const Timeline timeline = timeline_of(scene->compiled.bundle);
+        const ImageAnalysis analysis = analyze(timeline, least_felt_n, going.between(0.0, 0.5));
         std::vector<std::string> findings;
         for (const Finding& finding : findings_of(scene->settings, scene->compiled, analysis))
             findings.push_back(finding.message);
-        return report_page(bundle, analysis, findings, report_picture(bundle, 1, going.between(0.5, 1.0)));
+        return report_page(timeline, analysis, findings, report_picture(timeline, 1, going.between(0.5, 1.0)));
     });
 }
 
@@ -185,7 +185,8 @@ void Computing::ask(const std::shared_ptr<Page>& page, const AnalyzeMessage& mes
             if (!*wanted) return;
             unless_cancelled([&] {
                 const auto scene = scenes_.find(message.scene);
-                const ImageAnalysis found = analyze(scene->compiled.bundle, least_felt_n, going_while(wanted));
+                const ImageAnalysis found =
+                    analyze(timeline_of(scene->compiled.bundle), least_felt_n, going_while(wanted));
                 ordered_json answer{{"t", "analysis"}, {"n", message.n}};
                 answer.update(analysis_json(*scene, found));
                 page->send(to_text(answer));

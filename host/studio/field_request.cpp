@@ -82,7 +82,7 @@ FieldRequest field_request(std::string_view query, Scenes& scenes) {
 std::string field_file(const FieldRequest& request, const Progress& progress) {
     const Scene& scene = *request.scene;
     const Excitation played =
-        request.record == 0 ? scene.excitation : excitation_of(scene.compiled.bundle, request.record);
+        request.record == 0 ? scene.excitation : excitation_of(timeline_of(scene.compiled.bundle), request.record);
     const TemporaryFolder folder;
     write_field((folder.path() / request.name).string(), field(played, request.region, request.quantity, 1, progress),
                 request.below_db);

@@ -14,6 +14,7 @@
 #include "haptogram/shape/import.hpp"
 #include "haptogram/verbs/compile_numbers.hpp"
 #include "haptogram/verbs/document.hpp"
+#include "haptogram/verbs/level.hpp"
 
 namespace haptogram::studio {
 namespace {
@@ -111,7 +112,10 @@ ordered_json analysis_json(const Scene& scene, const ImageAnalysis& analysis) {
              {"side_lobe", point.focus.side_lobe},
              {"force_mn", point.focus.force_n * 1e3}});
     for (const Finding& finding : findings_of(scene.settings, compiled, analysis)) findings.push_back(to_json(finding));
-    return {{"foci", foci}, {"at_300_mm_db", analysis.loudness.at_300_mm_db}, {"findings", findings}};
+    return {{"level", level_json(compiled.bundle.manifest.array.transducer)},
+            {"foci", foci},
+            {"at_300_mm_db", analysis.loudness.at_300_mm_db},
+            {"findings", findings}};
 }
 
 void Scenes::open(const std::filesystem::path& path) {
@@ -260,7 +264,7 @@ Made Scenes::compile(const ordered_json& document) {
     if (found) return {found, shape_of(project)};
     Shape shape;
     Compiled compiled = haptogram::compile(project, "image.hex", {}, &shape);
-    Excitation excitation = excitation_of(compiled.bundle);
+    Excitation excitation = excitation_of(timeline_of(compiled.bundle));
     Project named = project;
     for (ShapeSource& source : named.shapes) source.content.reset();
     if (named.hand) {

@@ -10,9 +10,9 @@
 #include <string>
 
 #include "haptogram/verbs/compile.hpp"
-#include "haptogram/verbs/excitation.hpp"
 #include "haptogram/verbs/findings.hpp"
 #include "haptogram/verbs/hand_project.hpp"
+#include "haptogram/verbs/timeline.hpp"
 
 namespace haptogram::studio {
 

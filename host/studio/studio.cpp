@@ -144,7 +144,7 @@ private:
         if (as == "project") return text(scene->project);
         if (as == "primary") return text(primary_readmemh(scene->compiled.bundle.image));
         if (as == "sequence") return text(sequence_readmemh(scene->compiled.bundle.image));
-        if (as == "methods") return text(methods_text(scene->compiled.bundle));
+        if (as == "methods") return text(methods_text(timeline_of(scene->compiled.bundle)));
         return error_answer(400,
                             fmt::format("as '{}'; expected hex, manifest, project, primary, sequence or methods", as));
     }

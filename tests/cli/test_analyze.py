@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from support import BAD_INPUT, USAGE, assert_one_message, read_json, refuse, run, succeed
+from support import BAD_INPUT, ROOT, USAGE, assert_one_message, read_json, refuse, run, succeed
 
 
 @pytest.fixture(scope="module")
@@ -32,8 +32,12 @@ def test_a_focus_on_the_axis(centre):
     medium = manifest["medium"]
     assert point["radiation_pressure_pa"] == pytest.approx(point["pressure_pa"] ** 2 / (medium["density_kg_m3"] * medium["speed_m_s"] ** 2), rel=1e-3)
     assert 0 < point["side_lobe"] < 0.1 and 40 < point["depth_mm"] < 90
-    # A square of the half width holds less than the peak over all of it.
-    assert 0.5 < point["force_mn"] / (point["radiation_pressure_pa"] * point["width_mm"] ** 2 * 1e-3) < 1
+    # A disc of 20 mm holds more than half of the peak over the half width, and less than the peak over two of them.
+    across = np.pi / 4 * point["width_mm"] ** 2 * 1e-3
+    assert 0.5 < point["force_mn"] / (point["radiation_pressure_pa"] * across) < 2
+    # What warms skin is the peak: 2·I/c of 100 W/cm², of which tissue gets a thousandth.
+    assert point["heat_limit_mn"] == pytest.approx(point["force_mn"] * 2e6 / medium["speed_m_s"] / point["radiation_pressure_pa"], rel=1e-3)
+    assert point["impulse_mn_ms"] == pytest.approx(point["force_mn"] * point["dwell_cycles"] / 40, rel=1e-3)
     assert found["warnings"] == [] and point["too_weak"] is False
 
 
@@ -42,7 +46,7 @@ def test_warnings(centre, small):
     found = json.loads(succeed(["analyze", "image.hex", "--json"], cwd=small.folder).stdout)  # 8 points in 2 ms: 10 cycles each
     assert any("left before 90 %" in warning for warning in found["warnings"])
     table = succeed(["analyze", "image.hex"], cwd=small.folder).stdout.decode()
-    assert len(table.splitlines()) == 1 + 8 + len(found["warnings"]) + 3 and "no certification" in table
+    assert len(table.splitlines()) == 1 + 8 + len(found["warnings"]) + 6 and "no certification" in table
 
 
 def test_loudness_of_one_focus(centre):
@@ -64,10 +68,30 @@ def test_the_workspace_of_the_tile(tmp_path):
     assert (tmp_path / "w.png").read_bytes().startswith(b"\x89PNG")
 
 
-@pytest.mark.parametrize(("arguments", "needle"), [([], "expected an image"), (["image.hex", "--array", "tile-10x10"], "exclude"),
-                                                   (["image.hex", "-o", "x.csv"], "--array"), (["image.hex", "--least-force", "0"], "positive")])  # fmt: skip
+@pytest.mark.parametrize(("arguments", "needle"), [([], "expected an image"), (["image.hex", "--plane", "xy@z=100"], "--plane"),
+                                                   (["image.hex", "-o", "x.csv"], "--output"), (["image.hex", "--least-force", "0"], "positive")])  # fmt: skip
 def test_what_makes_no_sense(arguments, needle, centre):
     assert_one_message(run(["analyze", *arguments], cwd=centre), USAGE, needle)
+
+
+def test_forces_are_over_one_area_and_say_what_they_rest_on(centre, tmp_path):
+    """The force of analyze is that of feel, on the same disc; and a measured force makes the level that gives it back."""
+    found = json.loads(succeed(["analyze", "image.hex", "--json"], cwd=centre).stdout)
+    felt = json.loads(succeed(["feel", "image.hex", "--json"], cwd=centre).stdout)
+    assert found["contact_mm"] == felt["contact_mm"] == 20
+    assert found["points"][0]["force_mn"] == pytest.approx(felt["places"][0]["mean_mn"], rel=1e-3)
+    assert not found["level"]["calibrated"] and "8 to 10" in found["level"]["note"]
+    at = ["--focus", "0,0,150"]
+    keys = succeed(["analyze", *at, "--measured-mn", "2.5"], cwd=tmp_path).stdout.decode()
+    shipped = (ROOT / "host/arrays/tile-10x10.toml").read_text()
+    (tmp_path / "mine.toml").write_text(shipped[: shipped.index("[transducer]")] + keys)
+    mine = json.loads(succeed(["analyze", *at, "--array", "mine.toml", "--json"], cwd=tmp_path).stdout)
+    assert mine["points"][0]["force_mn"] == pytest.approx(2.5, rel=1e-3)
+    assert mine["level"]["calibrated"] and "2.5 mN on a disc of 20 mm" in mine["level"]["note"]
+    succeed(["compile", "--shape", "point", "--array", "mine.toml", "-o", "mine.hex"], cwd=tmp_path)
+    assert json.loads(succeed(["feel", "mine.hex", "--json"], cwd=tmp_path).stdout)["level"]["calibrated"]
+    (tmp_path / "half.toml").write_text(shipped[: shipped.index("[transducer]")] + '[transducer]\nmeasured = "x"\n')
+    refuse(tmp_path, ["analyze", *at, "--array", "half.toml"], BAD_INPUT, "half.toml:", "source_pa_m", outputs=())
 
 
 def test_a_manifest_that_is_not_there(small):

@@ -183,10 +183,10 @@ def test_pictures(tmp_path):
 
 
 @pytest.mark.parametrize(("arguments", "code", "needle"), [
-    ([], USAGE, "expected a file or --pulses"), (["none.hex"], BAD_INPUT, "none.hex"), (["am.hex", "--at", "1,2"], USAGE, "--at"),
-    (["am.hex", "--normal", "0,0,0"], USAGE, "--normal"), (["am.hex", "--grip", 0.5], USAGE, "1…10 N"), (["am.hex", "--array", "tile-10x10"], USAGE, "--array"),
+    ([], USAGE, "expected an image .* or --pulses"), (["none.hex"], BAD_INPUT, "none.hex"), (["am.hex", "--at", "1,2"], USAGE, "--at"),
+    (["am.hex", "--normal", "0,0,0"], USAGE, "--normal"), (["am.hex", "--grip", 0.5], USAGE, "1…10 N"), (["am.hex", "--array", "hoshi"], BAD_INPUT, "compiled for tile-10x10"),
     (["am.hex", "--contact", 0], USAGE, "contact"), (["am.hex", "--pulses", "x.csv", "--manifest", "am.json"], USAGE, "exclude"),
-    (["--pulses", "am.json", "--manifest", "am.json"], BAD_INPUT, "am.json"), (["am.json"], BAD_INPUT, "am.json"),
+    (["--pulses", "am.json", "--manifest", "am.json"], BAD_INPUT, "am.json"), (["--focus", "0,0,900", "--pulses", "x.csv"], USAGE, "exclude"), (["--focus", "0,0,-9"], USAGE, "behind"),
 ])  # fmt: skip
 def test_what_is_refused(tmp_path, arguments, code, needle):
     compiled(tmp_path, "am", *POINT, "--am", "square:200")

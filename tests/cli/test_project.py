@@ -97,7 +97,7 @@ def test_mistakes_are_named(change, needles, folder):
 
 
 def test_a_manifest_is_not_for_a_project(folder):
-    refuse(folder, ["simulate", "ring.toml", "--manifest", "options.json"], USAGE, "--manifest", "project")
+    refuse(folder, ["simulate", "ring.toml", "--manifest", "options.json"], USAGE, "--manifest", "ring.toml", "only with an image")
 
 
 def test_inspect_and_bitstream_take_it_too(folder):

@@ -99,7 +99,7 @@ def test_several_foci_at_the_same_time(tmp_path):
         (["report"], USAGE, ["image"]),
         (["report", "none.hex"], BAD_INPUT, ["none.hex", "No such file"]),
         (["report", NAME, "--methods", "-o", "x.html"], USAGE, ["--methods", "--output"]),
-        (["report", NAME, "--no-picture", "-o", NAME], USAGE, ["--output", "image"]),
+        (["report", NAME, "--no-picture", "-o", NAME], USAGE, ["--output", "the file"]),
         (["report", NAME, "--no-picture", "-o", NAME.replace(".hex", ".json")], USAGE, ["--output", "manifest"]),
         (["report", NAME, "--no-picture", "-o", "no/such/folder.html"], BAD_INPUT, ["no/such/folder.html"]),
     ],

@@ -35,7 +35,7 @@ def test_nothing_to_compile(tmp_path):
 
 def test_a_subcommand_without_its_file(tmp_path):
     refuse(tmp_path, ["inspect"], USAGE, "required")
-    refuse(tmp_path, ["simulate"], USAGE, "image", "--rig")
+    refuse(tmp_path, ["simulate"], USAGE, "image", "a rig")
 
 
 NUMBERS = {

@@ -187,7 +187,7 @@ TEST_CASE("studio scenes: a tour on a board that computes foci") {
 TEST_CASE("studio scenes: the analysis tells of every focus, and of findings") {
     Scenes scenes;
     const auto scene = scenes.compile(document_of(circle, "circle")).scene;
-    const ordered_json json = analysis_json(*scene, analyze(scene->compiled.bundle));
+    const ordered_json json = analysis_json(*scene, analyze(timeline_of(scene->compiled.bundle)));
     REQUIRE(json["foci"].size() == 8);
     for (std::size_t i = 0; i < 8; ++i) {
         CHECK(json["foci"][i]["record"] == i + 1);

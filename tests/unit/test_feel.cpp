@@ -17,9 +17,8 @@
 #include "haptogram/perception/skin_wave.hpp"
 #include "haptogram/perception/sound.hpp"
 #include "haptogram/verbs/compile.hpp"
-#include "haptogram/verbs/excitation.hpp"
 #include "haptogram/verbs/feel.hpp"
-#include "haptogram/verbs/played_sequence.hpp"
+#include "haptogram/verbs/timeline.hpp"
 #include "message_of.hpp"
 
 using namespace haptogram;
@@ -212,10 +211,10 @@ TEST_CASE("felt: thresholds of vibration, and what they rest on", "[feel]") {
     CHECK(least_vibration(tables, Region::palm, 12.0, 1.0).force_n ==
           Approx(least_vibration(tables, Region::palm, 30.0, 1.0).force_n));
     CHECK(least_vibration(tables, Region::palm, 9.0, 1.0).basis == Basis::none);
-    CHECK(least_vibration(tables, Region::palm, 501.0, 1.0).basis == Basis::none);
+    CHECK(least_vibration(tables, Region::palm, 1001.0, 1.0).basis == Basis::none);
     CHECK_THAT(message_of([&] { (void)least_vibration(tables, Region::palm, 200.0, 0.5); }), Contains("grip"));
 
-    const std::vector<Line> lines = {{0.0, 1.0}, {5.0, 1.0}, {50.0, 2e-3}, {200.0, 2e-3}, {600.0, 1.0}};
+    const std::vector<Line> lines = {{0.0, 1.0}, {5.0, 1.0}, {50.0, 2e-3}, {200.0, 2e-3}, {1100.0, 1.0}};
     const Felt felt = felt_of(lines, tables, Region::palm, 1.0);
     REQUIRE(felt.lines.size() == 2);
     CHECK(felt.lines[0].hz == 200.0);
@@ -347,15 +346,15 @@ TEST_CASE("feel: images of foci, whose records count on behind those of timings,
     const Bundle foci = compile(path, array, core).bundle;
     REQUIRE(foci.image.sequence.front().index == 401);
     const Bundle records = compile(path, array, core, 0, "image", Method::gauss_newton, {}, ImageKind::records).bundle;
-    const auto felt = [&](const DriveSequence& sequence, const Manifest& manifest) {
-        const PlayedDrives played{array, sequence, places_of(manifest, sequence), "test"};
+    const auto felt = [](const Timeline& timeline) {
         FeelOptions options;
         options.tables = perception::find_tables();
-        return feel(played, options);
+        return feel(timeline, options);
     };
-    const Feeling expected = felt(haptogram::sequence_of(records), records.manifest);
-    const DriveSequence measured = haptogram::sequence_of(foci.manifest, pulses_of(foci, 4), "pulses.csv");
-    for (const Feeling& found : {felt(haptogram::sequence_of(foci), foci.manifest), felt(measured, foci.manifest)}) {
+    const Feeling expected = felt(timeline_of(records));
+    const Timeline measured = timeline_of(foci.manifest, pulses_of(foci, 4), "pulses.csv");
+    for (const Feeling& found :
+         {felt(timeline_of(foci)), felt(measured), felt(timeline_of(foci.manifest, "foci.json"))}) {
         REQUIRE(found.places.size() == 2);
         for (std::size_t i = 0; i < 2; ++i) {
             CHECK(distance(found.places[i].place.position, i == 0 ? left : right) < 1e-5);
@@ -365,7 +364,7 @@ TEST_CASE("feel: images of foci, whose records count on behind those of timings,
     }
     std::vector<Pulse> foreign = pulses_of(foci, 1);
     foreign.back().index = 2;
-    CHECK_THAT(message_of([&] { (void)haptogram::sequence_of(foci.manifest, foreign, "pulses.csv"); }),
+    CHECK_THAT(message_of([&] { (void)timeline_of(foci.manifest, foreign, "pulses.csv"); }),
                Contains("another image's"));
 }
 
@@ -376,7 +375,7 @@ TEST_CASE("feel: the board's modulation counts with its squares, and with its si
     const Core core = find_configuration("tile-100-wide");
     Path path{{{{{focus}}, 400}}, {}};
     const Bundle steady = compile(path, array, core).bundle;
-    const double whole = mean_square(excitation_of(steady), focus);
+    const double whole = mean_square(excitation_of(timeline_of(steady)), focus);
     const auto square = [](double duty) { return [duty](double x) { return x < duty ? 1.0 : 0.0; }; };
     const struct {
         std::function<double(double)> wave;
@@ -390,11 +389,11 @@ TEST_CASE("feel: the board's modulation counts with its squares, and with its si
             const Bundle bundle = compile(path, array, core).bundle;
             const std::vector<Pulse> pulses = pulses_of(bundle, passes);
             CAPTURE(mean, passes);
-            CHECK(mean_square(excitation_of(bundle.manifest, pulses, "p"), focus) / whole ==
+            CHECK(mean_square(excitation_of(timeline_of(bundle.manifest, pulses, "p")), focus) / whole ==
                   Approx(mean).epsilon(0.015));
-            CHECK(mean_square(excitation_of(bundle), focus) / whole == Approx(mean).epsilon(0.015));
+            CHECK(mean_square(excitation_of(timeline_of(bundle)), focus) / whole == Approx(mean).epsilon(0.015));
             // The spectrum of what an image plays has the modulation in it, and its mean.
-            const DriveSequence sequence = haptogram::sequence_of(bundle);
+            const DriveSequence sequence = haptogram::sequence_of(timeline_of(bundle));
             REQUIRE(sequence.periods() == 400);
             double sum = 0.0;
             for (const DriveSequence::Step& step : sequence.steps)
@@ -406,7 +405,7 @@ TEST_CASE("feel: the board's modulation counts with its squares, and with its si
     Path halved{{{{{focus}}, 30}, {{}, 30}}, {}};
     const Core plain = find_configuration("tile-100");
     const Bundle half = compile(halved, array, plain).bundle;
-    CHECK(mean_square(excitation_of(half), focus) / whole == Approx(0.5).epsilon(0.01));
+    CHECK(mean_square(excitation_of(timeline_of(half)), focus) / whole == Approx(0.5).epsilon(0.01));
 }
 
 TEST_CASE("feel: measured pulses give what the image gives", "[feel]") {
@@ -430,8 +429,8 @@ TEST_CASE("feel: measured pulses give what the image gives", "[feel]") {
                         {rise, rise + std::uint64_t{record.pulse_length} * record.prescaler, channel, entry.index});
                 }
             }
-    const DriveSequence image = haptogram::sequence_of(bundle);
-    const DriveSequence measured = haptogram::sequence_of(bundle.manifest, pulses, "pulses.csv");
+    const DriveSequence image = haptogram::sequence_of(timeline_of(bundle));
+    const DriveSequence measured = haptogram::sequence_of(timeline_of(bundle.manifest, pulses, "pulses.csv"));
     REQUIRE(image.periods() == 60);
     REQUIRE(measured.repeats);
     REQUIRE(measured.periods() == 120);
@@ -449,13 +448,15 @@ TEST_CASE("feel: measured pulses give what the image gives", "[feel]") {
     CHECK(places_of(bundle.manifest, image).steps.size() == 3);
     std::vector<Pulse> foreign = {pulses.front()};
     foreign[0].channel = 100;
-    CHECK_THAT(message_of([&] { (void)haptogram::sequence_of(bundle.manifest, foreign, "pulses.csv"); }),
+    CHECK_THAT(message_of([&] { (void)timeline_of(bundle.manifest, foreign, "pulses.csv"); }),
                Contains("another array's"));
     foreign[0] = pulses.front();
     foreign[0].index = 9;
-    CHECK_THAT(message_of([&] { (void)haptogram::sequence_of(bundle.manifest, foreign, "pulses.csv"); }),
+    CHECK_THAT(message_of([&] { (void)timeline_of(bundle.manifest, foreign, "pulses.csv"); }),
                Contains("another image's"));
-    CHECK_THAT(message_of([&] { (void)haptogram::sequence_of(bundle.manifest, {}, "pulses.csv"); }),
+    CHECK_THAT(message_of([&] { (void)timeline_of(bundle.manifest, std::vector<Pulse>(), "pulses.csv"); }),
                Contains("no pulses"));
-    CHECK_FALSE(haptogram::sequence_of(bundle.manifest, {pulses.begin(), pulses.begin() + 3000}, "pulses.csv").repeats);
+    CHECK_FALSE(
+        haptogram::sequence_of(timeline_of(bundle.manifest, {pulses.begin(), pulses.begin() + 3000}, "pulses.csv"))
+            .repeats);
 }

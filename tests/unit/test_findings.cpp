@@ -36,7 +36,7 @@ Looked look(const ordered_json& document) {
     Looked looked;
     looked.project = project_from_toml(toml_of(document), "test");
     looked.compiled = compile(looked.project);
-    looked.analysis = analyze(looked.compiled.bundle);
+    looked.analysis = analyze(timeline_of(looked.compiled.bundle));
     looked.findings = findings_of(looked.project, looked.compiled, looked.analysis);
     return looked;
 }

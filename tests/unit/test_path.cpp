@@ -11,9 +11,9 @@
 #include "haptogram/solve/drives.hpp"
 #include "haptogram/solve/focal_law.hpp"
 #include "haptogram/verbs/compile.hpp"
-#include "haptogram/verbs/excitation.hpp"
 #include "haptogram/verbs/focus_check.hpp"
 #include "haptogram/verbs/measure.hpp"
+#include "haptogram/verbs/timeline.hpp"
 
 using namespace haptogram;
 using Catch::Contains;
@@ -112,7 +112,7 @@ TEST_CASE("path: a record of several foci says so in the manifest and is checked
     REQUIRE(back.records[0].foci == path.steps[0].foci);
     const FocusCheck check = check_record(back, back.records[0], drives_of(back, compiled.bundle.image.records[0]));
     REQUIRE(check.pressure_kept > 0.995);
-    REQUIRE(excitation_of(compiled.bundle).foci.size() == 2);
+    REQUIRE(excitation_of(timeline_of(compiled.bundle)).foci.size() == 2);
 }
 
 TEST_CASE("path: a modulation is played for exactly its periods, over as many passes as it takes", "[path]") {

@@ -151,8 +151,8 @@ TEST_CASE("rig: a rig's files are read back as they were, and a mix of files is 
     CHECK(load_bundle(at("wall.tile-2.hex")).manifest.array.elements == read.tiles[1].manifest.array.elements);
     // And the rig's manifest stands for all of them.
     Source source;
-    source.image = at("wall.json");
-    CHECK(open_excitation(source).array.elements.size() == 400);
+    source.file = at("wall.json");
+    CHECK(open_timeline(source).manifest.array.elements.size() == 400);
 
     CHECK_THAT(message_of([&] { (void)load_rig_bundle(at("wall.tile-1.json")); }),
                Contains("no rig manifest") && Contains("wall.tile-1.json"));
@@ -224,12 +224,13 @@ TEST_CASE("rig: what cannot be compiled for a rig says why", "[rig]") {
     const auto refused = [&](const std::string& rig) {
         return message_of([&] { (void)compile_rig(project, rig, "x.json"); });
     };
-    CHECK_THAT(refused("cube-300"), Contains("unit 1") && Contains("neither SYNC nor SCHEDULE"));
     const auto rig = (folder.path() / "rig.toml").string();
     const auto two = [&](const std::string& first, const std::string& second) {
         write_file(rig, "format = \"haptogram-rig-1\"\n[[unit]]\narray = \"tile-10x10\"\norigin_mm = [-50, 0, 0]\n" +
                             first + "[[unit]]\narray = \"tile-10x10\"\norigin_mm = [50, 0, 0]\n" + second);
     };
+    two("", "");
+    CHECK_THAT(refused(rig), Contains("unit 1") && Contains("neither SYNC nor SCHEDULE"));
     const std::string wide = "board = \"tile-100-wide\"\n";
     two(wide, "board = \"tile-100\"\n");
     CHECK_THAT(refused(rig), Contains("units 1 and 2 differ") && Contains("TIMING_BITS"));

@@ -126,7 +126,7 @@ void read_medium(Medium& medium, double carrier_hz, const std::string& file, con
 
 void read_transducer(Transducer& transducer, const std::string& file, const toml::table& root) {
     const Section section(file, root, "transducer");
-    section.only({"file", "name", "radius_mm", "source_pa_m", "bandwidth_hz", "directivity"});
+    section.only({"file", "name", "radius_mm", "source_pa_m", "measured", "bandwidth_hz", "directivity"});
     if (const auto from = section.text("file")) {
         try {
             transducer = find_transducer(*from, std::filesystem::path(file).parent_path());
@@ -135,6 +135,9 @@ void read_transducer(Transducer& transducer, const std::string& file, const toml
         }
     }
     read_transducer_keys(transducer, section);
+    if (!transducer.measured.empty() && section.find("source_pa_m") == nullptr)
+        throw bad_input(section.at("measured"),
+                        "transducer.measured says how source_pa_m was measured; give that, too");
 }
 
 }  // namespace

@@ -99,6 +99,7 @@ void read_transducer_keys(Transducer& transducer, const Section& section) {
     section::assign(transducer.name, section.text("name"));
     section::assign(transducer.radius_m, section.number("radius_mm", 0.1, 100.0), millimetre);
     section::assign(transducer.source_pa_m, section.number("source_pa_m", 1e-3, 1e3));
+    section::assign(transducer.measured, section.text("measured"));
     section::assign(transducer.bandwidth_hz, section.number("bandwidth_hz", 1.0, 1e5));
     const auto directivity = section.text("directivity");
     if (!directivity) return;

@@ -13,12 +13,14 @@ enum class Pattern {
     table,   ///< as it was measured
 };
 
-/// One kind of transducer. `source_pa_m` is calibrated per kind: pressure amplitude times distance on the axis, at full
-/// (50 %) duty, in Pa·m.
+/// One kind of transducer. `source_pa_m` is pressure amplitude times distance on the axis, at full (50 %) duty, in
+/// Pa·m. Every absolute pressure and force follows from it. It is *calibrated* when it was measured on the array
+/// itself, and *nominal* otherwise.
 struct Transducer {
     std::string name = "MA40S4S";
     double radius_m = 4.5e-3;
     double source_pa_m = 4.0;
+    std::string measured;          ///< how source_pa_m was measured on this array; empty: it is nominal
     double bandwidth_hz = 2000.0;  ///< half-power; gives the ring-up time
     Pattern pattern = Pattern::piston;
     std::vector<double> table;  ///< of Pattern::table: amplitudes at even steps of angle from 0 to 90°, 1 on the axis

@@ -223,6 +223,7 @@ ordered_json to_json(const Manifest& m) {
                           {"source_pa_m", m.array.transducer.source_pa_m},
                           {"bandwidth_hz", m.array.transducer.bandwidth_hz},
                           {"directivity", directivity_to_json(m.array.transducer)}};
+    if (!m.array.transducer.measured.empty()) json["transducer"]["measured"] = m.array.transducer.measured;
     json["board"] = {{"name", m.core.name}};
     for (const auto& [key, member] : core_members) json["board"][key] = m.core.parameters.*member;
     for (const auto& [key, member] : optional_core_members)
@@ -275,6 +276,7 @@ Manifest manifest_from_json(std::string_view text, const std::string& where) {
         m.array.transducer.radius_m = not_negative(transducer, "radius_mm", where) * millimetre;
         m.array.transducer.source_pa_m = positive(transducer, "source_pa_m", where);
         m.array.transducer.bandwidth_hz = positive(transducer, "bandwidth_hz", where);
+        m.array.transducer.measured = transducer.value("measured", std::string());
         read_directivity(m.array.transducer, transducer, where);
         const auto& board = json.at("board");
         m.core.name = board.at("name").get<std::string>();

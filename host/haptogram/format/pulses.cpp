@@ -35,6 +35,8 @@ std::string to_csv(const std::vector<Pulse>& pulses) {
     return fmt::to_string(text);
 }
 
+bool is_pulses_csv(std::string_view text) { return text.starts_with(header); }
+
 std::vector<Pulse> pulses_from_csv(std::string_view text, const std::string& where) {
     if (text.empty()) throw bad_input(where, fmt::format("the file is empty; expected the header '{}'", header));
     std::vector<Pulse> pulses;

@@ -19,6 +19,9 @@ struct Pulse {
 /// CSV with the header `channel,rise_clk,fall_clk,index`, a line a pulse.
 [[nodiscard]] std::string to_csv(const std::vector<Pulse>& pulses);
 
+/// Whether a file's text begins with that header.
+[[nodiscard]] bool is_pulses_csv(std::string_view text);
+
 /// @param where  names the file in messages
 /// @throws Error{bad_input} naming the line
 [[nodiscard]] std::vector<Pulse> pulses_from_csv(std::string_view text, const std::string& where);

@@ -178,6 +178,23 @@ Path path_from_csv(std::string_view text, const std::string& where, double carri
     return path_of(stretches);
 }
 
+bool is_path_json(std::string_view text) {
+    const ordered_json json = ordered_json::parse(text, nullptr, false);
+    return json.is_object() && json.value("format", ordered_json()) == format_name;
+}
+
+bool is_path_csv(std::string_view text) {
+    Fields fields;
+    for (Lines lines(without_byte_order_mark(text)); lines.next();) {
+        std::string_view rest = lines.line();
+        if (const auto word = take_word(rest); word.empty() || word.starts_with('#')) continue;
+        split_at(separator_of(lines.line()), lines.line(), fields);
+        return std::any_of(fields.begin(), fields.end(),
+                           [](std::string_view field) { return lower_case(field).starts_with("time"); });
+    }
+    return false;
+}
+
 Path load_path(const std::filesystem::path& file, double carrier_hz, std::size_t samples, std::string* hash) {
     const std::string ending = lower_case(file.extension().string());
     if (ending != ".json" && ending != ".csv" && ending != ".adaptics")

@@ -28,6 +28,11 @@ namespace haptogram {
 /// @throws Error{bad_input} naming the line, also for times that do not rise by at least a carrier period
 [[nodiscard]] Path path_from_csv(std::string_view text, const std::string& where, double carrier_hz);
 
+/// Whether a file's text is that of a path, rather than of another kind of file with this ending: a JSON text that says
+/// so, and a CSV text whose first row names a time.
+[[nodiscard]] bool is_path_json(std::string_view text);
+[[nodiscard]] bool is_path_csv(std::string_view text);
+
 /// Reads a path file; its ending tells the format: .json, .csv or .adaptics.
 /// @param samples  of an AdapTics pattern (adaptics.hpp)
 /// @param hash     gets the SHA-256 of the content, unless it is null

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "haptogram/base/progress.hpp"
-#include "haptogram/format/bundle.hpp"
 #include "haptogram/solve/pressure_left.hpp"
 #include "haptogram/verbs/focus_analysis.hpp"
+#include "haptogram/verbs/timeline.hpp"
 
 namespace haptogram {
 
@@ -17,13 +17,16 @@ inline constexpr double least_felt_n = 0.58e-3;
 /// safe inside tissue. Skin absorbs 0.1 % of the ultrasound that meets it.
 inline constexpr double recommended_for_ears_db = 110.0;
 inline constexpr double safe_in_tissue_w_m2 = 1000.0;
+inline constexpr double absorbed_by_skin = 1e-3;
 
-/// One focus of an image.
+/// One focus of what plays.
 struct PointAnalysis {
-    std::size_t record = 0;  ///< its index
-    FocusAnalysis focus;
-    std::uint32_t dwell_cycles = 0;  ///< that its record has in one pass
+    std::size_t record = 0;          ///< index of the first record that makes it
+    FocusAnalysis focus;             ///< its pressures are roots of the mean squares of its modulation
+    std::uint64_t dwell_cycles = 0;  ///< carrier periods that it plays, in one pass or in all that was measured
     bool too_weak = false;           ///< less than the least force
+    double heat_limit_n = 0.0;       ///< the force with which the focus' peak would leave the safe intensity in tissue
+    double impulse_ns = 0.0;  ///< of the force in one dwell, which drives the air behind it (Hoshi et al. 2010, eq. 8)
 };
 
 struct ImageAnalysis {
@@ -33,9 +36,9 @@ struct ImageAnalysis {
     Loudness loudness;           ///< information computed from a model, no certification
 };
 
-/// What each focus of an image is like, and how loud the whole is.
+/// What each focus of what plays is like, and how loud the whole is.
 /// @param least_force_n  a focus with less force in it is called too weak to feel
-[[nodiscard]] ImageAnalysis analyze(const Bundle& bundle, double least_force_n = least_felt_n,
+[[nodiscard]] ImageAnalysis analyze(const Timeline& timeline, double least_force_n = least_felt_n,
                                     const Progress& progress = {});
 
 }  // namespace haptogram

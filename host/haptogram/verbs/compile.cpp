@@ -589,6 +589,11 @@ Compiled compile_for_stream(const Project& project, const std::string& name) {
 
 Compiled compile(const Path& path, const Array& array, const Core& core, std::uint16_t loops, const std::string& name,
                  Method solver, const std::string& quantise, std::optional<ImageKind> kind) {
+    return compile(path, {array, core}, loops, name, solver, quantise, kind);
+}
+
+Compiled compile(const Path& path, const ProjectInstrument& instrument, std::uint16_t loops, const std::string& name,
+                 Method solver, const std::string& quantise, std::optional<ImageKind> kind) {
     std::string settings = fmt::format("path {}", loops);
     for (const PathStep& step : path.steps) {
         settings += fmt::format("\n{}", step.periods);
@@ -597,7 +602,8 @@ Compiled compile(const Path& path, const Array& array, const Core& core, std::ui
     }
     settings += fmt::format("\n{} {}", path.modulation.periods_a_sample, fmt::join(path.modulation.samples, " "));
     if (!quantise.empty()) settings += fmt::format("\nquantise {}", quantise);
-    return compile_path(path, {array, core}, loops, name, settings, solver, quantise, kind_of(kind, core, quantise));
+    return compile_path(path, instrument, loops, name, settings, solver, quantise,
+                        kind_of(kind, instrument.core, quantise));
 }
 
 }  // namespace haptogram

@@ -97,5 +97,8 @@ struct ProjectInstrument {
 [[nodiscard]] Compiled compile(const Path& path, const Array& array, const Core& core, std::uint16_t loops = 0,
                                const std::string& name = "image", Method solver = Method::gauss_newton,
                                const std::string& quantise = {}, std::optional<ImageKind> kind = {});
+[[nodiscard]] Compiled compile(const Path& path, const ProjectInstrument& instrument, std::uint16_t loops,
+                               const std::string& name, Method solver, const std::string& quantise,
+                               std::optional<ImageKind> kind);
 
 }  // namespace haptogram

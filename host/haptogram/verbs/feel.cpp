@@ -12,9 +12,7 @@
 #include "haptogram/base/file.hpp"
 #include "haptogram/perception/difference.hpp"
 #include "haptogram/perception/skin_wave.hpp"
-#include "haptogram/verbs/compile.hpp"
 #include "haptogram/verbs/picture.hpp"
-#include "haptogram/verbs/played_sequence.hpp"
 #include "haptogram/verbs/render.hpp"
 
 namespace haptogram {
@@ -23,16 +21,6 @@ namespace {
 using nlohmann::ordered_json;
 using perception::FeltLine;
 using perception::Line;
-
-bool is_path_file(const std::string& name) {
-    return name.ends_with(".json") || name.ends_with(".csv") || name.ends_with(".adaptics");
-}
-
-PlayedDrives of_bundle(const Bundle& bundle, const std::string& title) {
-    PlayedDrives played{bundle.manifest.array, sequence_of(bundle), {}, title};
-    played.places = places_of(bundle.manifest, played.sequence);
-    return played;
-}
 
 /// Every place once, in the order in which they come.
 std::vector<Vec3> different_places(const Path& path) {
@@ -88,9 +76,9 @@ FeltPlace place_at(Vec3 position, const FeelOptions& options) {
     return felt;
 }
 
-FeltPlace feel_at(const PlayedDrives& played, Vec3 position, const FeelOptions& options) {
+FeltPlace feel_at(const Array& array, const DriveSequence& sequence, Vec3 position, const FeelOptions& options) {
     FeltPlace felt = place_at(position, options);
-    felt.force = perception::force_on_skin(played.array, played.sequence, felt.place, options.contact_m);
+    felt.force = perception::force_on_skin(array, sequence, felt.place, options.contact_m);
     const auto& pressure = felt.force.pressure_pa;
     const auto& force = felt.force.force_n;
     const auto count = static_cast<double>(force.size());
@@ -98,7 +86,7 @@ FeltPlace feel_at(const PlayedDrives& played, Vec3 position, const FeelOptions& 
     felt.most_pa = *std::max_element(pressure.begin(), pressure.end());
     felt.mean_n = std::accumulate(force.begin(), force.end(), 0.0) / count;
     felt.depth = perception::modulation_depth(force);
-    felt.spectrum = perception::lines_of(force, played.sequence.carrier_hz);
+    felt.spectrum = perception::lines_of(force, sequence.carrier_hz);
     // Rounding leaves lines of a steady force that are no vibration.
     for (Line& line : felt.spectrum)
         if (line.amplitude < 1e-9 * std::abs(felt.mean_n)) line.amplitude = 0.0;
@@ -149,9 +137,9 @@ void warn_of_places(Feeling& feeling, std::size_t foci) {
                         off / millimetre));
 }
 
-void warn(Feeling& feeling, const PlayedDrives& played, const FeelOptions& options, std::size_t foci) {
+void warn(Feeling& feeling, const DriveSequence& sequence, const FeelOptions& options, std::size_t foci) {
     const auto add = [&](std::string text) { feeling.warnings.push_back(std::move(text)); };
-    if (!played.sequence.repeats)
+    if (!sequence.repeats)
         add("fewer than two whole passes were measured, so the spectrum is of what began and ended in silence; "
             "simulate more passes");
     if (options.at.empty() && foci > feeling.places.size())
@@ -186,51 +174,23 @@ const FeltPlace& strongest(const Feeling& feeling) {
 
 }  // namespace
 
-PlayedDrives open_played(const Source& source, const std::optional<std::string>& array,
-                         const std::optional<std::string>& board, const Progress& progress) {
-    if (!source.pulses.empty()) {
-        const Manifest manifest = manifest_from_json(read_file(source.manifest), source.manifest);
-        PlayedDrives played{
-            manifest.array,
-            sequence_of(manifest, pulses_from_csv(read_file(source.pulses), source.pulses), source.pulses),
-            {},
-            source.pulses + ", as measured at the pins"};
-        played.places = places_of(manifest, played.sequence);
-        return played;
-    }
-    if (source.image.empty())
-        throw bad_argument("file", "there is nothing to feel: give an image, a project, a path or pulses", {"pulses"});
-    if (is_path_file(source.image)) {
-        Project project;
-        project.path = source.image;
-        project.array = array;
-        project.board = board;
-        const Bundle made = compile(project, source.image, progress).bundle;
-        // Through the manifest's text, which rounds, so that a path gives the same numbers as its image does.
-        return of_bundle(
-            bundle_of(made.hex, manifest_from_json(to_text(made.manifest), source.image), source.image, source.image),
-            source.image);
-    }
-    if (array || board)
-        throw bad_argument(array ? "array" : "board",
-                           "an image and a project have their own; give one only with a path file");
-    return of_bundle(open_bundle(source.image, source.manifest, progress), source.image);
-}
-
-Feeling feel(const PlayedDrives& played, const FeelOptions& options, const Progress& progress) {
-    if (played.sequence.periods() == 0) throw bad_input(played.title, "nothing is played; there is nothing to feel");
+Feeling feel(const Timeline& timeline, const FeelOptions& options, const Progress& progress) {
+    const Array& array = timeline.manifest.array;
+    const DriveSequence sequence = sequence_of(timeline);
+    const Path places = places_of(timeline.manifest, sequence);
+    if (sequence.periods() == 0) throw bad_input(timeline.name, "nothing is timeline; there is nothing to feel");
     if (options.most_places == 0) throw bad_argument("places", "found 0, expected at least 1");
-    const std::vector<Vec3> foci = different_places(played.places);
+    const std::vector<Vec3> foci = different_places(places);
     const std::vector<Vec3> at = options.at.empty() ? evenly_chosen(foci, options.most_places) : options.at;
-    if (at.empty()) throw bad_input(played.title, "it has no foci; say where the skin is", {"at"});
+    if (at.empty()) throw bad_input(timeline.name, "it has no foci; say where the skin is", {"at"});
     Feeling feeling;
-    feeling.seconds = static_cast<double>(played.sequence.periods()) / played.sequence.carrier_hz;
+    feeling.seconds = static_cast<double>(sequence.periods()) / sequence.carrier_hz;
     for (const Vec3& position : at) {
-        feeling.places.push_back(feel_at(played, position, options));
+        feeling.places.push_back(feel_at(array, sequence, position, options));
         progress(0.8 * static_cast<double>(feeling.places.size()) / static_cast<double>(at.size()), "skin");
     }
     feeling.extent_m = extent_of(foci);
-    feeling.nearest_m = nearest_foci(played.places);
+    feeling.nearest_m = nearest_foci(places);
     const auto count = static_cast<double>(at.size());
     for (const FeltPlace& place : feeling.places) feeling.mean_pa += place.mean_pa / count;
     double squares = 0.0;
@@ -239,33 +199,33 @@ Feeling feel(const PlayedDrives& played, const FeelOptions& options, const Progr
     if (feeling.mean_pa > 0.0) feeling.spread = std::sqrt(squares) / feeling.mean_pa;
     if (foci.size() > 1) {
         perception::SkinMembrane skin;
-        skin.focus_width_m = focal_width(played.array, foci.front());
-        feeling.speed_m_s = speed_of(played.places, played.sequence.carrier_hz, skin.focus_width_m);
+        skin.focus_width_m = focal_width(array, foci.front());
+        feeling.speed_m_s = speed_of(places, sequence.carrier_hz, skin.focus_width_m);
         if (feeling.speed_m_s && *feeling.speed_m_s <= perception::fastest_wave_m_s)
             feeling.wave_gain = perception::deflection_over_static(*feeling.speed_m_s, skin);
     }
-    feeling.noise = perception::noise_of(played.array, played.sequence);
-    feeling.ears = perception::exposure(played.array, played.sequence, options.ears);
-    feeling.loudest = perception::loudest_around(played.array, played.sequence);
+    feeling.noise = perception::noise_of(array, sequence);
+    feeling.ears = perception::exposure(array, sequence, options.ears);
+    feeling.loudest = perception::loudest_around(array, sequence);
     progress(1.0, "sound");
-    warn(feeling, played, options, foci.size());
+    warn(feeling, sequence, options, foci.size());
     warn_of_places(feeling, foci.size());
     return feeling;
 }
 
-void draw_feeling(const std::string& path, const PlayedDrives& played, const FeelOptions& options,
+void draw_feeling(const std::string& path, const Timeline& timeline, const FeelOptions& options,
                   const Feeling& feeling) {
     constexpr double shown_s = 0.05, highest_hz = 1000.0;
     const FeltPlace& best = strongest(feeling);
     const auto mm = [](Vec3 p) { return ordered_json{p.x / millimetre, p.y / millimetre, p.z / millimetre}; };
-    const auto shown =
-        std::min(best.force.pressure_pa.size(), static_cast<std::size_t>(shown_s * played.sequence.carrier_hz));
+    const auto shown = std::min(best.force.pressure_pa.size(),
+                                static_cast<std::size_t>(shown_s * timeline.manifest.timer.carrier_hz()));
     ordered_json json = {
-        {"title", played.title},
-        {"array", played.array.name},
+        {"title", timeline.title},
+        {"array", timeline.manifest.array.name},
         {"at_mm", mm(best.place.position)},
         {"contact_mm", options.contact_m / millimetre},
-        {"carrier_hz", played.sequence.carrier_hz},
+        {"carrier_hz", timeline.manifest.timer.carrier_hz()},
         {"pressure_pa", std::vector<double>(best.force.pressure_pa.begin(),
                                             best.force.pressure_pa.begin() + static_cast<std::ptrdiff_t>(shown))},
         {"spectrum", ordered_json::array()},
@@ -276,7 +236,7 @@ void draw_feeling(const std::string& path, const PlayedDrives& played, const Fee
     for (const Line& line : best.spectrum)
         if (line.hz > 0.0 && line.hz <= highest_hz && line.amplitude > 0.0)
             json["spectrum"].push_back({line.hz, line.amplitude});
-    for (double hz = 10.0; hz <= 500.0; hz += 2.0) {
+    for (double hz = perception::lowest_vibration_hz; hz <= perception::highest_vibration_hz; hz += 2.0) {
         const perception::LeastForce least =
             perception::least_vibration(options.tables, options.region, hz, options.grip_n);
         json["thresholds"].push_back({hz, least.force_n, perception::name_of(least.basis)});

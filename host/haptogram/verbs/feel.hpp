@@ -11,25 +11,9 @@
 #include "haptogram/perception/felt.hpp"
 #include "haptogram/perception/skin_force.hpp"
 #include "haptogram/perception/sound.hpp"
-#include "haptogram/verbs/source.hpp"
+#include "haptogram/verbs/timeline.hpp"
 
 namespace haptogram {
-
-/// What plays: drives in time, and the places that were asked for.
-struct PlayedDrives {
-    Array array;
-    DriveSequence sequence;
-    Path places;
-    std::string title;  ///< in words
-};
-
-/// What a user names: an image or a project; a path file (.json, .csv, .adaptics), which is compiled for the source's
-/// array or for a board; or measured pulses with their manifest.
-/// @param board  of a path file; by default what the array's file says
-/// @throws Error{bad_argument} when nothing is named, a focus or a record is, or an array or a board for what has its
-/// own; Error{bad_input} for files that cannot be used
-[[nodiscard]] PlayedDrives open_played(const Source& source, const std::optional<std::string>& array = {},
-                                       const std::optional<std::string>& board = {}, const Progress& progress = {});
 
 struct FeelOptions {
     std::vector<Vec3> at;          ///< places on the skin; empty: at the foci
@@ -75,13 +59,13 @@ struct Feeling {
 };
 
 /// @throws Error{bad_input} when nothing is played, Error{bad_argument} for options that make no sense
-[[nodiscard]] Feeling feel(const PlayedDrives& played, const FeelOptions& options, const Progress& progress = {});
+[[nodiscard]] Feeling feel(const Timeline& timeline, const FeelOptions& options, const Progress& progress = {});
 
 /// Draws the strongest place: radiation pressure over time, and the force's spectrum beside what is felt; all places;
 /// and what is heard.
 /// @param path  .png
 /// @throws Error{bad_input} when it cannot be drawn
-void draw_feeling(const std::string& path, const PlayedDrives& played, const FeelOptions& options,
+void draw_feeling(const std::string& path, const Timeline& timeline, const FeelOptions& options,
                   const Feeling& feeling);
 
 }  // namespace haptogram

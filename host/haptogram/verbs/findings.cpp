@@ -124,7 +124,9 @@ void find_weak(const Compiled& compiled, const ImageAnalysis& analysis, std::vec
 void find_uneven(const Project& project, const Compiled& compiled, const ImageAnalysis& analysis,
                  std::vector<Finding>& found) {
     if (modulated(compiled)) return;  // records of one focus then share its time
-    const auto strength = [](const PointAnalysis& p) { return p.focus.radiation_pa * p.dwell_cycles; };
+    const auto strength = [](const PointAnalysis& p) {
+        return p.focus.radiation_pa * static_cast<double>(p.dwell_cycles);
+    };
     double most = 0.0, least = INFINITY;
     for (const PointAnalysis& point : analysis.points) {
         most = std::max(most, strength(point));

@@ -7,11 +7,12 @@
 #include <cmath>
 #include <utility>
 
+#include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/process.hpp"
-#include "haptogram/verbs/excitation.hpp"
 #include "haptogram/verbs/field.hpp"
 #include "haptogram/verbs/field_file.hpp"
+#include "haptogram/verbs/level.hpp"
 
 namespace haptogram {
 namespace {
@@ -98,15 +99,17 @@ std::string millimetres(Vec3 place) {
 
 using Row = std::pair<std::string, std::string>;
 
-std::vector<Row> numbers_of(const Bundle& bundle, const ImageAnalysis& analysis) {
-    const Manifest& manifest = bundle.manifest;
+std::vector<Row> numbers_of(const Timeline& timeline, const ImageAnalysis& analysis) {
+    const Manifest& manifest = timeline.manifest;
     const Dwells dwells = dwells_of(manifest);
     const double period_us = 1e6 / manifest.timer.carrier_hz();
     std::vector<Row> rows = {
+        {"what is looked at", timeline.title},
         {"array", fmt::format("{}, {} transducers {}", manifest.array.name, manifest.array.elements.size(),
                               manifest.array.transducer.name)},
         {"board", fmt::format("{}, {} channels, {:.4g} MHz", manifest.core.name, manifest.core.parameters.channels,
                               1e-6 * manifest.timer.clock_hz)},
+        {"level", level_text(manifest.array.transducer)},
         {"carrier", fmt::format("{:.2f} Hz", manifest.timer.carrier_hz())},
         {"records", fmt::format("{}, with {} foci", manifest.records.size(), manifest.points().size())},
         {"passes a second", fmt::format("{:.4g}", manifest.rate_hz)},
@@ -132,8 +135,8 @@ std::vector<Row> numbers_of(const Bundle& bundle, const ImageAnalysis& analysis)
 std::string table_of(const ImageAnalysis& analysis) {
     std::string html =
         "<table class=\"foci\"><thead><tr><th>record</th><th>focus, mm</th><th>dwell, periods</th><th>pressure, "
-        "Pa</th><th>radiation pressure, Pa</th><th>width, mm</th><th>depth, mm</th><th>side lobe</th><th>force, "
-        "mN</th></tr></thead><tbody>\n";
+        "Pa</th><th>radiation pressure, Pa</th><th>width, mm</th><th>depth, mm</th><th>side lobe</th><th>force on a "
+        "disc of 20 mm, mN</th></tr></thead><tbody>\n";
     for (const PointAnalysis& point : analysis.points) {
         const FocusAnalysis& f = point.focus;
         html += fmt::format(
@@ -154,8 +157,10 @@ constexpr std::string_view style =
 
 }  // namespace
 
-std::string methods_text(const Bundle& bundle) {
-    const Manifest& manifest = bundle.manifest;
+std::string methods_text(const Timeline& timeline) {
+    const Manifest& manifest = timeline.manifest;
+    if (manifest.image_sha256.empty())
+        throw bad_argument("focus", "a focal point alone has no image to report on; compile one that plays it");
     const Array& array = manifest.array;
     const Dwells dwells = dwells_of(manifest);
     const double period_us = 1e6 / manifest.timer.carrier_hz();
@@ -193,14 +198,14 @@ std::string methods_text(const Bundle& bundle) {
     return text;
 }
 
-std::string report_page(const Bundle& bundle, const ImageAnalysis& analysis, const std::vector<std::string>& findings,
-                        const std::string& picture) {
-    const std::string name = escaped(bundle.name);
+std::string report_page(const Timeline& timeline, const ImageAnalysis& analysis,
+                        const std::vector<std::string>& findings, const std::string& picture) {
+    const std::string name = escaped(timeline.name);
     std::string html = fmt::format(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Report on "
         "{0}</title>\n{1}</head><body>\n"
         "<h1>Report on {0}</h1>\n<h2>For a section on methods</h2>\n<p>{2}</p>\n<h2>What to know</h2>\n",
-        name, style, escaped(methods_text(bundle)));
+        name, style, escaped(methods_text(timeline)));
     if (findings.empty()) {
         html += "<p>Nothing was found that may not feel as expected.</p>\n";
     } else {
@@ -209,7 +214,7 @@ std::string report_page(const Bundle& bundle, const ImageAnalysis& analysis, con
         html += "</ul>\n";
     }
     html += "<h2>Numbers</h2>\n<table>\n";
-    for (const auto& [what, value] : numbers_of(bundle, analysis))
+    for (const auto& [what, value] : numbers_of(timeline, analysis))
         html += fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", escaped(what), escaped(value));
     html += "</table>\n";
     if (!picture.empty())
@@ -224,8 +229,8 @@ std::string report_page(const Bundle& bundle, const ImageAnalysis& analysis, con
     return html;
 }
 
-std::string report_picture(const Bundle& bundle, unsigned threads, const Progress& progress) {
-    const std::vector<Vec3> points = bundle.manifest.points();
+std::string report_picture(const Timeline& timeline, unsigned threads, const Progress& progress) {
+    const std::vector<Vec3> points = timeline.manifest.points();
     double height = 0.0, extent = 0.0;
     for (const Vec3& point : points) {
         height += point.z / static_cast<double>(points.size());
@@ -238,7 +243,7 @@ std::string report_picture(const Bundle& bundle, unsigned threads, const Progres
     const Region region = parse_region("plane", fmt::format("xy@z={:.3f}", height / millimetre), reach);
     const TemporaryFolder folder;
     const std::string file = (folder.path() / "field.png").string();
-    write_field(file, field(excitation_of(bundle), region, Quantity::radiation, threads, progress));
+    write_field(file, field(excitation_of(timeline), region, Quantity::radiation, threads, progress));
     return read_file(file);
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/format/core.hpp"
@@ -66,13 +67,10 @@ std::vector<TilePart> parts_of(const Rig& rig, const std::vector<Core>& cores) {
     return parts;
 }
 
-CompiledRig compile_on(const Project& project, const std::string& rig_name, const std::string& name, bool streamed,
-                       const Progress& progress) {
-    if (project.array)
-        throw bad_argument("array", "a rig has arrays of its own; leave out the array, or the rig", {"array", "rig"});
+/// @param compile_for  makes the image of all elements
+CompiledRig compile_on(const std::string& rig_name, const std::optional<std::string>& board, const std::string& name,
+                       bool streamed, const std::function<Compiled(const ProjectInstrument&)>& compile_for) {
     const Rig rig = find_rig(rig_name);
-    std::optional<std::string> board = project.board;
-    if (board) board = project.beside(*board);
     const std::vector<Core> cores = cores_of(rig, board);
     require_alike(rig, cores);
     require_together(rig, cores);
@@ -80,7 +78,7 @@ CompiledRig compile_on(const Project& project, const std::string& rig_name, cons
     // The board with the fewest channels holds the least.
     Core least = *std::ranges::min_element(cores, {}, [](const Core& c) { return c.parameters.channels; });
     if (streamed) least.parameters.sequence_depth = interface::sequence_header_field::length.most() + 1;
-    CompiledRig compiled{compile({joined(rig), least, cores.size()}, project, name, progress), {}};
+    CompiledRig compiled{compile_for({joined(rig), least, cores.size()}), {}};
     if (cores.size() > 1) require_common_period(rig, compiled.whole.bundle.manifest.timer, least);
     if (compiled.whole.bundle.image.foci)
         for (const TilePart& part : parts)
@@ -92,6 +90,17 @@ CompiledRig compile_on(const Project& project, const std::string& rig_name, cons
                                 {"records"});
     compiled.bundle = split(compiled.whole.bundle, rig.name, parts, name);
     return compiled;
+}
+
+CompiledRig compile_on(const Project& project, const std::string& rig, const std::string& name, bool streamed,
+                       const Progress& progress) {
+    if (project.array)
+        throw bad_argument("array", "a rig has arrays of its own; leave out the array, or the rig", {"array", "rig"});
+    std::optional<std::string> board = project.board;
+    if (board) board = project.beside(*board);
+    return compile_on(rig, board, name, streamed, [&](const ProjectInstrument& instrument) {
+        return compile(instrument, project, name, progress);
+    });
 }
 
 }  // namespace
@@ -124,6 +133,13 @@ ProjectInstrument instrument_of_rig(const std::string& name) {
 CompiledRig compile_rig(const Project& project, const std::string& rig, const std::string& name,
                         const Progress& progress) {
     return compile_on(project, rig, name, false, progress);
+}
+
+CompiledRig compile_rig(const Path& path, Method solver, const std::string& quantise, const std::string& rig,
+                        const std::string& name) {
+    return compile_on(rig, {}, name, false, [&](const ProjectInstrument& instrument) {
+        return compile(path, instrument, 0, name, solver, quantise, ImageKind::records);
+    });
 }
 
 CompiledRig compile_rig_for_stream(const Project& project, const std::string& rig, const std::string& name) {

@@ -34,6 +34,10 @@ struct CompiledRig {
 [[nodiscard]] CompiledRig compile_rig(const Project& project, const std::string& rig, const std::string& name,
                                       const Progress& progress = {});
 
+/// The same of a path, as compile() makes it into records.
+[[nodiscard]] CompiledRig compile_rig(const Path& path, Method solver, const std::string& quantise,
+                                      const std::string& rig, const std::string& name);
+
 /// The same for images whose sequence is streamed, and so may be longer than the boards' memories.
 [[nodiscard]] CompiledRig compile_rig_for_stream(const Project& project, const std::string& rig,
                                                  const std::string& name);

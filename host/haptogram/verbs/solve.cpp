@@ -19,6 +19,7 @@
 #include "haptogram/verbs/field.hpp"
 #include "haptogram/verbs/field_file.hpp"
 #include "haptogram/verbs/picture.hpp"
+#include "haptogram/verbs/rig.hpp"
 
 namespace haptogram {
 namespace {
@@ -165,7 +166,7 @@ Focus parse_focus_mm(const std::string& setting, const std::string& line) {
 Solved solve_steps(const std::vector<std::vector<Focus>>& steps, const Array& array, const Core& core,
                    const SolveOptions& options, bool follow, const Progress& progress, const std::string& device) {
     require_channels(array, core);
-    Solved solved{array, core, choose_timer(array, core), options, follow, device, {}};
+    Solved solved{array, core, {}, choose_timer(array, core), options, follow, device, {}};
     std::optional<Segments> segments;
     if (!device.empty()) segments = segments_of(device);
     std::vector<std::complex<double>> last;
@@ -201,12 +202,9 @@ Solved solve_steps(const std::vector<std::vector<Focus>>& steps, const Array& ar
     return solved;
 }
 
-Compiled image_of(const Solved& solved, double rate_hz, const std::string& name) {
-    if (solved.array.faces.size() > 1)
-        throw bad_argument("output",
-                           fmt::format("an image is for one board, and each of the {} units of {} has its own; "
-                                       "write .csv or .json",
-                                       solved.array.faces.size(), solved.array.name));
+namespace {
+
+Path path_of(const Solved& solved, double rate_hz) {
     SolveOptions as_compiled;
     as_compiled.method = solved.options.method;
     if (solved.options != as_compiled || solved.follow)
@@ -217,9 +215,22 @@ Compiled image_of(const Solved& solved, double rate_hz, const std::string& name)
                                                           interface::sequence_entry_field::dwell.most());
     Path path;
     for (std::size_t i = 0; i < solved.steps.size(); ++i) path.steps.push_back({solved.steps[i].foci, dwells[i]});
-    return compile(path, solved.array, solved.core, 0, name, solved.options.method, solved.quantise,
-                   ImageKind::records);
+    return path;
 }
+
+/// The files of images that play the sets in turn.
+std::vector<std::pair<std::filesystem::path, std::string>> image_files(const Solved& solved, double rate_hz,
+                                                                       const std::string& name) {
+    const Path path = path_of(solved, rate_hz);
+    const Method solver = solved.options.method;
+    if (!solved.rig.empty())
+        return files_of(compile_rig(path, solver, solved.quantise, solved.rig, manifest_path(name)).bundle);
+    const Bundle image =
+        compile(path, solved.array, solved.core, 0, name, solver, solved.quantise, ImageKind::records).bundle;
+    return {{name, image.hex}, {manifest_path(name), to_text(image.manifest)}};
+}
+
+}  // namespace
 
 std::string to_json_text(const Solved& solved) { return to_json(solved).dump(1) + "\n"; }
 
@@ -246,8 +257,7 @@ void write_solved(const std::string& path, const Solved& solved, double rate_hz)
     check_solved_path(path);
     const std::string kind = ending(path);
     if (kind == ".hex") {
-        const Bundle image = image_of(solved, rate_hz, path).bundle;
-        write_files({{path, image.hex}, {manifest_path(path), to_text(image.manifest)}});
+        write_files(image_files(solved, rate_hz, path));
     } else if (kind == ".png")
         draw(path, solved);
     else

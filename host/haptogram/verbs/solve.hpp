@@ -28,6 +28,7 @@ struct SolvedStep {
 struct Solved {
     Array array;
     Core core;
+    std::string rig;  ///< that the array is of; empty: it is one array
     Timer timer;
     SolveOptions options;
     bool follow = false;   ///< each set began with the drives of the one before
@@ -53,14 +54,6 @@ struct Solved {
                                  const SolveOptions& options, bool follow, const Progress& progress = {},
                                  const std::string& device = {});
 
-/// The sets as an image that plays them in turn: compile() with the same solver, which makes the records again.
-/// @param rate_hz  passes over all sets a second
-/// @param name     of the image, for messages
-/// @throws Error{bad_argument} for a rig, which takes an image for each unit's board; when the drives were made as
-/// compile() does not make them: with amplitudes, another level or number of rounds, or each from the last; and as
-/// even_dwells() and compile()
-[[nodiscard]] Compiled image_of(const Solved& solved, double rate_hz, const std::string& name);
-
 /// All of it as JSON text: millimetres, Pa, and drives as amplitude and phase in radians.
 [[nodiscard]] std::string to_json_text(const Solved& solved);
 /// Drives as CSV: step,element,amplitude,phase_rad,tick; counted from 1.
@@ -69,9 +62,12 @@ struct Solved {
 /// @throws Error{bad_argument} when a path's ending is none of .csv, .json, .png and .hex
 void check_solved_path(const std::string& path);
 /// Writes it in the format that the path's ending names; standard output ("-") gets CSV. An image (.hex) plays the sets
-/// at `rate_hz`, and its manifest is written beside it. The picture shows the pressure around the first set of foci,
-/// and how even the foci of all sets are; it is drawn by python3 with matplotlib.
-/// @throws Error{bad_input} when it cannot be written
+/// at `rate_hz`, and its manifest is written beside it; of a rig, its manifest and the images of its boards. It is made
+/// by compile() with the same solver. The picture shows the pressure around the first set of foci, and how even the
+/// foci of all sets are; it is drawn by python3 with matplotlib.
+/// @throws Error{bad_input} when it cannot be written, Error{bad_argument} for an image of drives that compile() does
+/// not make: with amplitudes, another level or number of rounds, or each from the last; and as even_dwells() and
+/// compile()
 void write_solved(const std::string& path, const Solved& solved, double rate_hz = 10.0);
 
 }  // namespace haptogram

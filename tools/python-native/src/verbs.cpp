@@ -99,11 +99,13 @@ py::array values_of(const Field& field) {
 ImageAnalysis analyze_py(const std::variant<std::string, Compiled*>& image, double least_force_n) {
     if (const auto* compiled = std::get_if<Compiled*>(&image)) {
         const py::gil_scoped_release unlocked;
-        return analyze((*compiled)->bundle, least_force_n, interruptible());
+        return analyze(timeline_of((*compiled)->bundle), least_force_n, interruptible());
     }
     const auto& path = std::get<std::string>(image);
     const py::gil_scoped_release unlocked;
-    return analyze(open_bundle(path), least_force_n, interruptible());
+    Source source;
+    source.file = path;
+    return analyze(open_timeline(source), least_force_n, interruptible());
 }
 
 /// One number of each point, as an array.
@@ -142,7 +144,7 @@ Excitation excitation_of_drives(const Array& array, const Complexes& drives, con
 
 Excitation excitation_in(const Source& source) {
     const py::gil_scoped_release unlocked;
-    return open_excitation(source, interruptible());
+    return excitation_of(open_timeline(source, interruptible()), source.record);
 }
 
 }  // namespace
@@ -188,7 +190,7 @@ void add_verbs(py::module_& module) {
             "of_image",
             [](const std::string& image, std::uint32_t record, const std::string& manifest) {
                 Source source;
-                source.image = image;
+                source.file = image;
                 source.record = record;
                 source.manifest = manifest;
                 return excitation_in(source);
@@ -197,7 +199,9 @@ void add_verbs(py::module_& module) {
             "Of an image (.hex), a manifest (.json) or a project (.toml); record 0 is all in turn.")
         .def_static(
             "of_compiled",
-            [](const Compiled& compiled, std::uint32_t record) { return excitation_of(compiled.bundle, record); },
+            [](const Compiled& compiled, std::uint32_t record) {
+                return excitation_of(timeline_of(compiled.bundle), record);
+            },
             py::arg("compiled"), py::arg("record") = 0U, "Of an image that was just compiled.")
         .def_static(
             "of_focus",

@@ -46,6 +46,7 @@ export interface Finding {
 }
 
 export interface Analysis {
+  level: { calibrated: boolean; source_pa_m: number; note: string };
   foci: { record: number; radiation_pa: number; width_mm: number; depth_mm: number; side_lobe: number; force_mn: number }[];
   at_300_mm_db: number;
   findings: Finding[];

@@ -104,12 +104,13 @@ function Marked() {
   const entry = scene?.tour[state.at.value ?? -1];
   if (!scene || !entry) return null;
   const focus = state.analysis.value?.foci.find(({ record }) => record === entry.record);
+  const level = state.analysis.value?.level;
   const { drives } = state;
   return (
     <p class="marked">
       <span>{short(entry.from_s * 1e3)} to {short((entry.from_s + entry.dwell_s) * 1e3)} ms of {short(scene.pass_s * 1e3)} ms</span>
       <span>record {entry.index}</span>
-      {focus && <span>{short(focus.radiation_pa)} Pa, {short(focus.width_mm)} mm wide, {short(focus.force_mn)} mN</span>}
+      {focus && <span title={level?.note}>{short(focus.radiation_pa)} Pa, {short(focus.width_mm)} mm wide, {short(focus.force_mn)} mN on 20 mm{level?.calibrated ? "" : ", nominal"}</span>}
       {drives.value?.record === entry.record && <span class="phases">discs: phase 0° <i aria-hidden="true" /> 360°, grey is off</span>}
     </p>
   );

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/verbs/level.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "haptogram/acoustics/propagation.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/perception/skin_force.hpp"
+
+namespace haptogram {
+
+std::string level_text(const Transducer& transducer) {
+    if (!transducer.measured.empty())
+        return fmt::format("calibrated level: {:g} Pa·m, {}", transducer.source_pa_m, transducer.measured);
+    return fmt::format(
+        "nominal level: {:g} Pa·m of {} was not measured on this array; measured devices made {:g} to {:g} "
+        "times less force (Hoshi 2010: 16 of 134 mN; Multimodal: 0.540 of 5.48 gf)",
+        transducer.source_pa_m, transducer.name, nominal_excess_least, nominal_excess_most);
+}
+
+nlohmann::ordered_json level_json(const Transducer& transducer) {
+    return {{"calibrated", !transducer.measured.empty()},
+            {"source_pa_m", transducer.source_pa_m},
+            {"note", level_text(transducer)}};
+}
+
+std::string calibrated_keys(const Array& array, Vec3 focus, double force_n) {
+    if (!(force_n > 0.0 && std::isfinite(force_n)))
+        throw bad_argument("measured-mn", fmt::format("must be a positive force, found {:g}", force_n * 1e3));
+    if (const std::string why = array.unreachable(focus); !why.empty()) throw bad_argument("focus", why);
+    DriveSequence steady;
+    steady.drives = {ideal_drives(array, focus)};
+    steady.steps.push_back({0, 1, 1});
+    const double computed_n = perception::force_on_skin(array, steady, {focus}).force_n.front();
+    // Forces go with the square of the source strength.
+    return fmt::format(
+        "source_pa_m = {:.4g}\nmeasured = \"{:g} mN on a disc of 20 mm at ({:g},{:g},{:g}) mm, full steady drive\"\n",
+        array.transducer.source_pa_m * std::sqrt(force_n / computed_n), force_n * 1e3, focus.x / millimetre,
+        focus.y / millimetre, focus.z / millimetre);
+}
+
+}  // namespace haptogram

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "haptogram/array/array.hpp"
+
+namespace haptogram {
+
+/// Measured devices made about so much less force than nominal source strengths say, least and most: Hoshi et al. 2010
+/// measured 16 of 134 mN on a disc of 20 mm, and the paper “Multimodal” 0.540 of 5.48 gf (docs/references.md).
+inline constexpr double nominal_excess_least = 8.0, nominal_excess_most = 10.0;
+
+/// What an array's absolute pressures and forces rest on, in a sentence: how its source strength was measured, or that
+/// it is nominal, and by how much measured devices fell short of that.
+[[nodiscard]] std::string level_text(const Transducer& transducer);
+
+/// The same for programs: calibrated, source_pa_m, note.
+[[nodiscard]] nlohmann::ordered_json level_json(const Transducer& transducer);
+
+/// The keys of an array file for an array whose focus was measured: the source strength with which the computed force
+/// is the measured one.
+/// @param force_n     that was measured on a flat disc of 20 mm around the focus, at full steady drive
+/// @throws Error{bad_argument} when the force is not positive, or the array cannot reach the focus
+[[nodiscard]] std::string calibrated_keys(const Array& array, Vec3 focus, double force_n);
+
+}  // namespace haptogram
