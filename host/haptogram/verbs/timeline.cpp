@@ -69,6 +69,13 @@ Complexes drives_of(const Timeline& timeline, std::size_t place, std::uint8_t sa
     return drives;
 }
 
+/// Of one record that was not measured, with the root of the mean square of the modulation.
+Complexes mean_drives_of(const Timeline& timeline, std::size_t place) {
+    Complexes drives = drives_of(timeline, place, 255);
+    scale(drives, modulation_rms(timeline.manifest));
+    return drives;
+}
+
 Complexes drives_of(const Edges& edges, const Manifest& manifest) {
     Complexes drives(manifest.array.elements.size());
     const double clock_s = 1.0 / manifest.timer.clock_hz;
@@ -154,11 +161,8 @@ Weighed weighed(const Timeline& timeline) {
         found = weighed_image(timeline);
     else
         found = {{}, weights_of(timeline.manifest), static_cast<double>(silence_of(timeline.manifest))};
-    const double modulated = modulation_rms(timeline.manifest);
-    for (std::size_t place = 0; place < timeline.manifest.records.size(); ++place) {
-        found.drives.push_back(drives_of(timeline, place, 255));
-        scale(found.drives.back(), modulated);
-    }
+    for (std::size_t place = 0; place < timeline.manifest.records.size(); ++place)
+        found.drives.push_back(mean_drives_of(timeline, place));
     return found;
 }
 
@@ -395,17 +399,20 @@ Excitation excitation_of(const Timeline& timeline, std::uint32_t record) {
     const Manifest& manifest = timeline.manifest;
     if (record > manifest.records.size())
         throw bad_argument("record", fmt::format("{} has {}, not {}", timeline.name, manifest.records.size(), record));
+    if (record > 0) {
+        const std::size_t place = record - 1;
+        Complexes drives =
+            timeline.pulses.empty() ? mean_drives_of(timeline, place) : std::move(weighed(timeline).drives[place]);
+        if (drives.empty())
+            throw bad_argument("record", fmt::format("{} has no pulse of record {}", timeline.name, record));
+        return {manifest.array,
+                {std::move(drives)},
+                {1.0},
+                positions(manifest.records[place].foci),
+                fmt::format("{}, record {}", timeline.name, record)};
+    }
     Weighed all = weighed(timeline);
     Excitation found{manifest.array, {}, {}, manifest.points(), timeline.title};
-    if (record > 0) {
-        if (all.drives[record - 1].empty())
-            throw bad_argument("record", fmt::format("{} has no pulse of record {}", timeline.name, record));
-        found.drives = {std::move(all.drives[record - 1])};
-        found.weights = {1.0};
-        found.foci = positions(manifest.records[record - 1].foci);
-        found.title = fmt::format("{}, record {}", timeline.name, record);
-        return found;
-    }
     for (std::size_t place = 0; place < all.drives.size(); ++place) {
         if (all.drives[place].empty()) continue;
         found.drives.push_back(std::move(all.drives[place]));
