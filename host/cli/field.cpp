@@ -55,7 +55,9 @@ Region region_of(const FieldCommand& command) {
     return parse_region("plane", command.plane, reach);
 }
 
-int field(const FieldCommand& command) {
+int field(const FieldCommand& command, const std::vector<std::string>& given) {
+    if (is_among(given, "--below") && !command.output.ends_with(".stl"))
+        throw bad_argument("--below", "has no effect, because it is of the surface in an .stl file");
     if (command.output == "-" && command.json)
         throw bad_argument("json", "the field would go to standard output, too; give --output a file");
     const Region region = region_of(command);
@@ -123,7 +125,8 @@ void add_field(CLI::App& app, Action& action) {
         ->check(positive())
         ->capture_default_str();
     sub->add_flag("--json", options->json, "Print how it was computed, and how far it may be off, as JSON");
-    sub->callback([options, &action] { action = [options] { return field(*options); }; });
+    sub->callback(
+        [options, sub, &action] { action = [options, given = given_to(*sub)] { return field(*options, given); }; });
 }
 
 }  // namespace haptogram::cli

@@ -127,7 +127,13 @@ void require_simulated(const LiveCommand& command) {
                                fmt::format("{} has cameras of its own; this is for simulated ones", command.from));
 }
 
-int live_loop(const LiveCommand& command) {
+const std::vector<OptionOf> of_focus = {
+    {"--press-frequency", {"press"}}, {"--press-radius", {"press"}}, {"--press-foci", {"press"}}};
+const std::vector<OptionOf> of_prediction = {{"--latency", {"velocity", "kalman"}}};
+
+int live_loop(const LiveCommand& command, const std::vector<std::string>& given) {
+    require_effect(given, of_focus, command.focus, "the focus");
+    require_effect(given, of_prediction, command.predict, "the prediction");
     require_simulated(command);
     require_distinct({{"--from", command.from}}, {{"--scene", command.scene}});
     live::LoopOptions options = options_of(command);
@@ -246,7 +252,8 @@ void add_live(CLI::App& app, Action& action) {
     sub->add_option("--record", options->record, "A new folder for the shots, which depth:FOLDER plays again");
     sub->add_option("--scene", options->scene, "Also write what happened in each shot, a line of JSON each");
     sub->add_flag("--json", options->json, "Print as JSON");
-    sub->callback([options, &action] { action = [options] { return live_loop(*options); }; });
+    sub->callback(
+        [options, sub, &action] { action = [options, given = given_to(*sub)] { return live_loop(*options, given); }; });
 }
 
 }  // namespace haptogram::cli

@@ -113,3 +113,17 @@ def test_what_has_no_effect_is_named(tmp_path, command):
             done = support.run([command, *given, option, *values, "-o", "out.json"], cwd=tmp_path)
             assert done.returncode == support.USAGE and names(option, support.text(done.stderr)), f"{command} {given} {option}: {done.stderr}"
             assert not (tmp_path / "out.json").exists()
+
+
+@pytest.mark.parametrize(
+    "command, option",
+    [
+        (["live", "--from", "fingers:press", "--port", "none", "--focus", "static", "--press-radius", "3"], "--press-radius"),
+        (["live", "--from", "fingers:press", "--port", "none", "--latency", "20"], "--latency"),
+        (["field", "--focus", "0,0,150", "--below", "3", "-o", "f.csv"], "--below"),
+        (["analyze", "--array", "tile-10x10", "--json"], "--json"),
+        (["simulate", "of-path.hex", "--drift-ppm", "3"], "--drift-ppm"),
+    ],
+)
+def test_what_has_no_effect_elsewhere(inputs, command, option):
+    support.refuse(inputs, command, support.USAGE, option, "has no effect", outputs=())

@@ -94,6 +94,7 @@ def test_solved_foci(program, method):
     assert np.allclose(np.exp(1j * np.angle(drives)), np.exp(1j * np.array([d["phase_rad"] for d in theirs["drives"]])), rtol=0.0, atol=1e-12)
     quality = native.quality(array, foci, drives)
     assert quality.efficiency == pytest.approx(theirs["quality"]["exact"]["efficiency"], rel=1e-12)
+    assert quality.null_share is None
 
 
 def test_foci_that_follow(tmp_path, program):

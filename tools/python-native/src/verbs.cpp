@@ -175,7 +175,10 @@ void add_verbs(py::module_& module) {
                                [](const Quality& q) { return owned(std::vector<double>(q.pressure_pa)); })
         .def_readonly("spread", &Quality::spread)
         .def_readonly("least_over_mean", &Quality::least_over_mean)
-        .def_readonly("efficiency", &Quality::efficiency);
+        .def_readonly("efficiency", &Quality::efficiency)
+        .def_readonly(
+            "null_share", &Quality::null_share,
+            "How much of what the array can make is left at foci of amplitude 0, the most; None without such.");
     module.def("solve", &solve_py, py::arg("array"), py::arg("foci_m"), py::arg("amplitudes") = py::none(),
                py::kw_only(), py::arg("method") = "gauss-newton", py::arg("vary_amplitudes") = false,
                py::arg("level") = "reachable", py::arg("rounds") = py::none(), py::arg("start") = py::none(),
