@@ -74,7 +74,7 @@ def value(draw, name, kind):
 def line(draw, options, verb):
     words = verb.split()
     if draw.random() < 0.85:
-        words += [draw.choice([*SOURCES, "project.toml", "path.json", "wall.json", "nothing.hex", "pulses.csv"])]
+        words += [draw.choice([*SOURCES, "project.toml", "path.json", "wall.json", "point.xyz", "foci.json", "nothing.hex", "pulses.csv"])]
     for name, kind in draw.sample(options, min(len(options), draw.choice([0, 0, 0, 1, 1, 1, 2, 3]))):
         if f"--{name}" in SLOW:
             continue
@@ -102,6 +102,7 @@ def main():
         made = [[*words, "-o", file] for file, words in SOURCES.items()] + [["compile", "project.toml", "--save-path", "path.json", "-o", "saved.hex"]]
         made += [["simulate", f"{which}.hex", "--load=direct", "--duration=2", "--pulses", f"{which}.csv"] for which in ("timings", "foci", "modulated", "amplitudes")]
         (folder / "pulses.csv").touch()
+        (folder / "point.xyz").write_text("5 0 140\n", encoding="utf-8")
         for words in made:
             code, said = call(program, folder, words, given.seconds)
             if code not in (0, 1) or FOUND.search(said):
