@@ -65,8 +65,8 @@ VERBS = {
     "stream-on": ["stream", "endless.txt"],
     "enable": ["device", "enable", "--watchdog", "0"],
     "tile-2": ["device", "status"],  # of a chain
-    "live": ["live", "--from", "fingers:press", "--seconds", "0.6", "--watchdog", "5000"],  # its cameras may take all of a busy machine
-    "live-on": ["live", "--from", "fingers:press", "--seconds", "30", "--watchdog", "5000"],
+    "live": ["live", "--from", "fingers:press", "--seconds", "0.6", "--watchdog", str(5000 * SLOWER)],  # its cameras may take all of a busy machine
+    "live-on": ["live", "--from", "fingers:press", "--seconds", "30", "--watchdog", str(5000 * SLOWER)],
     "stream-path": ["stream", "--path", "path.csv", "--array", "tile-10x10", "--loops", "0"],
 }
 ASKING = ("info", "status", "upload", "download", "play", "stream")  # for an identity
