@@ -129,7 +129,7 @@ int analyze_source(const AnalyzeOptions& options) {
 const std::vector<OptionOf> options_of_kinds = {
     {"--plane", {"map"}},      {"--extent", {"map"}},           {"--step", {"map"}},
     {"--output", {"map"}},     {"--least-force", {"analysis"}}, {"--json", {"analysis"}},
-    {"--board", {"analysis"}}, {"--manifest", {"analysis"}}};
+    {"--board", {"analysis"}}, {"--manifest", {"analysis"}},    {"--quantise", {"analysis"}}};
 
 /// What a measured force says of the array's source strength.
 int calibrate(const AnalyzeOptions& options) {
@@ -183,7 +183,8 @@ void add_analyze(CLI::App& app, Action& action) {
             const Source& source = options->what.source;
             const bool map =
                 source.array && source.file.empty() && options->what.focus.empty() && source.pulses.empty();
-            require_effect(given, options_of_kinds, map ? "map" : "analysis", "what is wanted");
+            const char* const wanted = options->measured_mn ? "level" : map ? "map" : "analysis";
+            require_effect(given, options_of_kinds, wanted, "what is wanted");
             if (options->measured_mn) return calibrate(*options);
             return map ? analyze_array(*options) : analyze_source(*options);
         };

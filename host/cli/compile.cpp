@@ -195,10 +195,9 @@ Report report_of(const Compiled& compiled, const CompileOptions& options) {
                         number("spread"), number("spread_before"), number("weakest_of_before")));
     if (!compiled.am_hz.empty())
         report.tell(fmt::format("modulation        {:.6g} Hz", fmt::join(compiled.am_hz, " Hz, ")));
-    if (const auto& made = compiled.magnitude)
+    if (const auto& made = compiled.magnitude) {
         report.tell(fmt::format("magnitude         commands {:.4f}…{:.4f}{}", made->least_command, made->most_command,
                                 made->moves ? "; it was measured with a focus that rests, and this one moves" : ""));
-    if (compiled.magnitude) {
         const Transducer& transducer = compiled.bundle.manifest.array.transducer;
         report.add("level", level_json(transducer), "                  " + level_text(transducer));
     }

@@ -87,9 +87,9 @@ void add_field(CLI::App& app, Action& action) {
     auto options = std::make_shared<FieldCommand>();
     CLI::App* sub = app.add_subcommand(
         "field", "The sound field of what plays, on average over its sequence, along a line, in a plane or a volume");
-    CLI::Option* const file = add_source(*sub, options->what);
+    add_source(*sub, options->what);
     sub->add_option("--record", options->what.source.record, "Only this record of it")
-        ->needs(file)
+        ->excludes(sub->get_option("--focus"))
         ->check(whole(1, 65535));
     auto* plane = sub->add_option("--plane", options->plane,
                                   "xy@z=MM, xz@y=MM or yz@x=MM; or obliquely through a point (mm): "

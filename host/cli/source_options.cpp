@@ -23,7 +23,7 @@ void add_array_and_board(CLI::App& command, Source& source) {
     command.add_option("--board", source.board, "The same: board file, shipped board or configuration");
 }
 
-CLI::Option* add_source(CLI::App& command, SourceOptions& options) {
+void add_source(CLI::App& command, SourceOptions& options) {
     Source& source = options.source;
     CLI::Option* const file =
         add_source_file(command, source, "An image's manifest alone (.json), for exact phases; or an ");
@@ -42,7 +42,6 @@ CLI::Option* add_source(CLI::App& command, SourceOptions& options) {
                                                      "Manifest of the image, or of the rig's images, that was played");
     manifest->excludes(focus);
     pulses->needs(manifest);
-    return file;
 }
 
 Source source_of(const SourceOptions& options, const std::string& command) {

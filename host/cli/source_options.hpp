@@ -23,8 +23,7 @@ CLI::Option* add_source_file(CLI::App& command, Source& source, const std::strin
 void add_array_and_board(CLI::App& command, Source& source);
 
 /// The file, or one of --focus and --pulses, with what belongs to each.
-/// @return of the file
-CLI::Option* add_source(CLI::App& command, SourceOptions& options);
+void add_source(CLI::App& command, SourceOptions& options);
 
 /// @throws Error{bad_argument} when a focus is no point, or nothing is given
 [[nodiscard]] Source source_of(const SourceOptions& options, const std::string& command);

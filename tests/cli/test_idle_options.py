@@ -122,6 +122,7 @@ def test_what_has_no_effect_is_named(tmp_path, command):
         (["live", "--from", "fingers:press", "--port", "none", "--latency", "20"], "--latency"),
         (["field", "--focus", "0,0,150", "--below", "3", "-o", "f.csv"], "--below"),
         (["analyze", "--array", "tile-10x10", "--json"], "--json"),
+        (["analyze", "--focus", "0,0,150", "--measured-mn", "2", "--json"], "--json"),
         (["simulate", "of-path.hex", "--drift-ppm", "3"], "--drift-ppm"),
     ],
 )

@@ -97,10 +97,11 @@ def ask(folder, verb, source, z):
 def said(done):
     """The one sentence of a refusal, with names of files left out."""
     support.assert_one_message(done, done.returncode)
-    if b"--focus" in b" ".join(map(str.encode, done.args)) and done.args[1] in ("inspect", "simulate"):
-        return "--focus: is no option here; compile --shape point makes an image of one"
     text = " ".join(support.text(done.stderr).split())
-    text = re.sub(r"^haptogram: ", "", text)
+    if any(word.startswith("--focus") for word in done.args) and done.args[1] in ("inspect", "simulate"):
+        assert re.search("not expected: --focus|source is required", text), text
+        return "[These have no option --focus; compile --shape point makes an image of one.]"
+    text = re.sub(r"^haptogram: (--)?[\w-]+: ", "", text)
     return re.sub(r"[\w-]+\.(json|csv|toml|hex)", "FILE", text)
 
 
@@ -168,3 +169,14 @@ def test_the_table_in_the_docs(matrix):
     if os.environ.get("HAPTOGRAM_RECORD"):
         PAGE.write_text(made)
     assert PAGE.read_text() == made, "docs/sources.md is out of date: HAPTOGRAM_RECORD=1 writes it"
+
+
+def test_one_record_of_what_was_measured(folder):
+    """The pressure of pulses of record 1 is that of the image's record 1; a record too many, or of a focus, is refused."""
+    line = ["--line", "z@x=5,y=-10", "--z", "150:151"]
+    pulses = ["--pulses", "foci-none.csv", "--manifest", "foci-none.json"]
+    asked = (["foci-none.hex"], pulses)
+    image, measured = (float(support.succeed(["field", *what, "--record", 1, *line], cwd=folder).stdout.split(b",")[-1].split()[-1]) for what in asked)
+    assert math.isclose(image, measured, rel_tol=1e-3)
+    support.refuse(folder, ["field", *pulses, "--record", 9, *line], support.USAGE, "--record", "not 9", outputs=())
+    support.refuse(folder, ["field", "--focus=0,0,150", "--record", 1, *line], support.USAGE, "--record", "excludes", outputs=())

@@ -67,6 +67,13 @@ SkinForce force_on_skin(const Array& array, const DriveSequence& sequence, const
     return felt;
 }
 
+double steady_force(const Array& array, std::span<const std::complex<double>> drives, Vec3 place, double diameter_m) {
+    DriveSequence steady;
+    steady.drives.emplace_back(drives.begin(), drives.end());
+    steady.steps.push_back({0, 1, 1});
+    return force_on_skin(array, steady, {place}, diameter_m).force_n.front();
+}
+
 double modulation_depth(const std::vector<double>& signal) {
     if (signal.empty()) return 0.0;
     const auto [least, largest] = std::minmax_element(signal.begin(), signal.end());

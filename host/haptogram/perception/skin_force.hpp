@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <complex>
+#include <span>
 #include <vector>
 
 #include "haptogram/acoustics/drive_sequence.hpp"
@@ -27,6 +29,10 @@ struct SkinForce {
 /// positive; Error{bad_input} for a place at an element, or a sequence of nothing
 [[nodiscard]] SkinForce force_on_skin(const Array& array, const DriveSequence& sequence, const SkinPlace& place,
                                       double diameter_m = 0.02);
+
+/// The force of drives that do not change, on such a disc that faces the array, N.
+[[nodiscard]] double steady_force(const Array& array, std::span<const std::complex<double>> drives, Vec3 place,
+                                  double diameter_m = 0.02);
 
 /// (largest − least)/(largest + least) of a signal that is not negative: 1 when it falls to 0, 0 when it is steady or
 /// silent.

@@ -90,18 +90,18 @@ std::string settings_text(Project project) {
 }
 
 /// Which record each stretch of the path plays, and for how long.
-struct Timeline {
+struct RecordedPath {
     std::vector<PathStep> steps;     ///< one a record
     std::vector<double> amplitudes;  ///< factor of the modulation, one a record
     std::vector<SequenceEntry> entries;
 };
 
-class TimelineMaker {
+class PathRecorder {
 public:
-    TimelineMaker(const Path& path, const Timer& timer, const Core& core, const std::optional<Segments>& segments)
+    PathRecorder(const Path& path, const Timer& timer, const Core& core, const std::optional<Segments>& segments)
         : path_(path), timer_(timer), core_(core), segments_(segments) {}
 
-    Timeline make() {
+    RecordedPath make() {
         const std::uint64_t length = path_.periods();
         const auto& samples = path_.modulation.samples;
         const std::uint64_t cycle = samples.size() * path_.modulation.periods_a_sample;
@@ -129,7 +129,7 @@ public:
             }
         }
         play(waiting_index_, waiting_);
-        return std::move(timeline_);
+        return std::move(recorded_);
     }
 
 private:
@@ -142,11 +142,11 @@ private:
         if (pulse == 0) return 0;
         std::string key(reinterpret_cast<const char*>(step.foci.data()), step.foci.size() * sizeof(Focus));
         key += fmt::format(" {}", pulse);
-        const auto [entry, fresh] = records_.try_emplace(key, timeline_.steps.size() + 1);
+        const auto [entry, fresh] = records_.try_emplace(key, recorded_.steps.size() + 1);
         if (fresh) {
-            timeline_.steps.push_back(step);
-            timeline_.amplitudes.push_back(factor);
-            if (timeline_.steps.size() > core_.parameters.records)
+            recorded_.steps.push_back(step);
+            recorded_.amplitudes.push_back(factor);
+            if (recorded_.steps.size() > core_.parameters.records)
                 throw bad_input(core_.name,
                                 fmt::format("the path needs more records than the board's {}: every set of foci, and "
                                             "every strength of it, is one; take fewer points or a coarser modulation",
@@ -157,7 +157,7 @@ private:
     }
 
     void play(std::uint16_t index, std::uint64_t periods) {
-        auto& entries = timeline_.entries;
+        auto& entries = recorded_.entries;
         while (periods > 0) {
             const auto dwell = static_cast<std::uint16_t>(std::min<std::uint64_t>(periods, most_dwell));
             if (entries.size() + 1 >= core_.parameters.sequence_depth)
@@ -177,7 +177,7 @@ private:
     const std::optional<Segments>& segments_;
     std::uint16_t waiting_index_ = 0;  ///< of the next entry, which may still grow
     std::uint64_t waiting_ = 0;
-    Timeline timeline_;
+    RecordedPath recorded_;
     std::map<std::string, std::size_t> records_;
 };
 
@@ -349,8 +349,8 @@ Image records_image(const Path& path, const Array& array, const Core& core, Meth
     const std::uint32_t channels = manifest.core.parameters.channels;
     std::optional<Segments> segments;
     if (!manifest.quantise.empty()) segments = segments_of(manifest.quantise);
-    const Timeline timeline = TimelineMaker(path, manifest.timer, core, segments).make();
-    if (timeline.steps.empty())
+    const RecordedPath recorded = PathRecorder(path, manifest.timer, core, segments).make();
+    if (recorded.steps.empty())
         throw bad_argument(
             "path", "every step is silent, or so weak that its pulse would have no length; there is nothing to play");
 
@@ -359,16 +359,16 @@ Image records_image(const Path& path, const Array& array, const Core& core, Meth
     image.clock_hz = core.parameters.clock_hz;
     image.timing_bits = core.parameters.timing_bits;
     image.pulse_bits = core.parameters.pulse_bits;
-    image.records = records_of(array, manifest.timer, image.channels, timeline.steps, timeline.amplitudes, solver);
+    image.records = records_of(array, manifest.timer, image.channels, recorded.steps, recorded.amplitudes, solver);
     if (segments)
         for (Record& record : image.records) record = in_segments(record, manifest.timer, *segments);
-    image.sequence = timeline.entries;
+    image.sequence = recorded.entries;
 
     std::vector<std::uint32_t> dwells(image.records.size());
     for (const SequenceEntry& entry : image.sequence)
         if (entry.index > 0) dwells[entry.index - 1U] += entry.dwell;
-    for (std::size_t i = 0; i < timeline.steps.size(); ++i) {
-        RecordMeaning meaning{timeline.steps[i].foci, timeline.amplitudes[i], dwells[i]};
+    for (std::size_t i = 0; i < recorded.steps.size(); ++i) {
+        RecordMeaning meaning{recorded.steps[i].foci, recorded.amplitudes[i], dwells[i]};
         double largest = 0.0;
         for (const Focus& focus : meaning.foci) largest = std::max(largest, focus.amplitude);
         for (Focus& focus : meaning.foci) focus.amplitude /= largest;

@@ -60,14 +60,6 @@ double width(const std::vector<float>& line, const Lobe& lobe) {
     return (high - low) * step_m;
 }
 
-/// Of drives that do not change, on skin that faces the array.
-double steady_force(const Array& array, Drives drives, Vec3 focus) {
-    DriveSequence steady;
-    steady.drives.emplace_back(drives.begin(), drives.end());
-    steady.steps.push_back({0, 1, 1});
-    return perception::force_on_skin(array, steady, {focus}).force_n.front();
-}
-
 }  // namespace
 
 FocusAnalysis analyze(const Array& array, const Core& core, Drives drives, Vec3 focus) {
@@ -95,7 +87,7 @@ FocusAnalysis analyze(const Array& array, const Core& core, Drives drives, Vec3 
     const std::vector<float> values = squares(array, drives, {{focus.x}, {focus.y}, z});
     const auto at = static_cast<std::size_t>(std::lower_bound(z.begin(), z.end(), focus.z) - z.begin());
     result.depth_m = width(values, main_lobe(values, std::min(at, values.size() - 1)));
-    result.force_n = steady_force(array, drives, focus);
+    result.force_n = perception::steady_force(array, drives, focus);
     result.dwell_cycles = static_cast<std::uint32_t>(std::ceil(result.formation.with_ring_up_s() * array.carrier_hz));
     return result;
 }

@@ -31,10 +31,7 @@ std::string calibrated_keys(const Array& array, Vec3 focus, double force_n) {
     if (!(force_n > 0.0 && std::isfinite(force_n)))
         throw bad_argument("measured-mn", fmt::format("must be a positive force, found {:g}", force_n * 1e3));
     if (const std::string why = array.unreachable(focus); !why.empty()) throw bad_argument("focus", why);
-    DriveSequence steady;
-    steady.drives = {ideal_drives(array, focus)};
-    steady.steps.push_back({0, 1, 1});
-    const double computed_n = perception::force_on_skin(array, steady, {focus}).force_n.front();
+    const double computed_n = perception::steady_force(array, ideal_drives(array, focus), focus);
     // Forces go with the square of the source strength.
     return fmt::format(
         "source_pa_m = {:.4g}\nmeasured = \"{:g} mN on a disc of 20 mm at ({:g},{:g},{:g}) mm, full steady drive\"\n",
