@@ -11,17 +11,17 @@ HOME := $(or $(HOME),$(shell { getent passwd $$(id -u) | cut -d: -f6; } 2>/dev/n
 export PATH HOME
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build deep deep-build demo test browser mutants sanitize bitstream bitstreams flash soak formal bench figures lint format install fresh clean
+.PHONY: help setup build deep deep-build demo test browser mutants sanitize bitstream bitstreams flash soak formal bench figures lint format install dist fresh clean
 
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-10s %s\n", $$1, $$2}' Makefile
 
-setup: ## install what is missing on Debian 12 (packages, build/venv); nothing when all is there. No other target installs anything
-	@tools/setup
+setup: ## install what is missing on Debian 12, TIER=demo, test or dev; nothing when all is there. No other target installs anything
+	@tools/setup $(TIER)
 
 # $(call need,PROGRAMS): one line when some are missing. What the libraries need, CMake says, in one line, too.
-need = for program in $(1); do command -v $$program >/dev/null || missing="$$missing $$program"; done; \
-  [ -z "$$missing" ] || { echo "make: missing:$$missing. On Debian 12 tools/setup installs all that is needed; elsewhere install it by the system's own means." >&2; exit 1; }
+need = missing=; for program in $(1); do command -v $$program >/dev/null || missing="$$missing $$program"; done; \
+  [ -z "$$missing" ] || { echo "make: missing:$$missing. On Debian 12 tools/setup $(2)installs all that is needed; elsewhere install it by the system's own means." >&2; exit 1; }
 # $(call configure,PRESET)
 configure = $(call need,cmake ninja c++ python3); mkdir -p build; cmake --preset $(1) >build/configure-$(1).log 2>&1 \
   || { grep '^haptogram: missing' build/configure-$(1).log >&2 || cat build/configure-$(1).log >&2; exit 1; }
@@ -30,8 +30,13 @@ build: ## configure and build everything; PRESET=dev with debugger and sanitizer
 	@$(call configure,$(PRESET))
 	@cmake --build --preset $(PRESET)
 
-demo: build ## shape → image → simulated FPGA → focus in the air: table and pictures in build/demo
-	@$(PYTHON) tools/demo.py --program $(BUILD)/host/cli/haptogram --output build/demo
+# The program of `make build` if it is there. Otherwise it is built as one simulated core needs it, without studio, extensions and tests.
+DEMO := $(if $(wildcard build/release/host/cli/haptogram),release,quick)
+demo: ## shape → image → simulated FPGA → focus in the air: table and pictures in build/demo
+	@$(call configure,$(DEMO))
+	@[ $(DEMO) = release ] || echo "make: building the program, some two minutes on two processors; then 25 seconds for two shapes"
+	@cmake --build --preset $(DEMO) --target haptogram
+	@$(PYTHON) tools/demo.py --program build/$(DEMO)/host/cli/haptogram --output build/demo
 
 # The same random numbers in each run, so that who changes something is told of that and not of a rare case that was there before;
 # SEED= takes others, as CI does each night. TRIES=2 runs a test that failed once more, for machines that do other things meanwhile.
@@ -41,7 +46,8 @@ test: build ## every test but those of `make deep`, `make browser` and `make mut
 
 # Software WebGL wants a processor to itself, and some minutes; a file that fails is run once more (tests/studio/run.mjs).
 browser: build ## the studio's page in Chromium; not part of `make test`
-	@ctest --preset $(PRESET) -R '^studio_browser$$' --output-on-failure
+	@$(call need,chromium,dev )
+	@ctest --preset $(PRESET) -R '^studio_browser$$' --output-on-failure --no-tests=error
 
 # Each of some 440 faults runs co-simulation until a test notices it: two hours, so it is not part of `make test`.
 mutants: deep-build ## would the tests notice a fault in the RTL; not part of `make test`
@@ -106,6 +112,7 @@ figures: build ## the papers' figures, computed, beside the papers' numbers: bui
 	@$(PYTHON) tools/figures.py --program $(BUILD)/host/cli/haptogram --tool $(BUILD)/tools/figures/haptogram_figures --output build/figures
 
 lint: build ## RTL lint, formatting, generated files, clang-tidy
+	@$(call need,clang-tidy,dev )
 	@tools/lint --all
 
 format: ## format the C++ sources in place
@@ -114,6 +121,9 @@ format: ## format the C++ sources in place
 
 install: build ## install the program, the libraries and their headers (DESTDIR and CMAKE_INSTALL_PREFIX as usual)
 	@cmake --install $(BUILD)
+
+dist: ## wheel, .deb, source archive and bitstreams into build/dist; PARTS="wheel deb" only some
+	@tools/dist $(PARTS)
 
 fresh: ## the set-up, the demo and every test on a bare Debian in a folder: needs root and debootstrap, takes most of an hour
 	@tools/fresh-machine

@@ -6,8 +6,8 @@
 namespace haptogram::sim {
 namespace {
 
-constexpr Clock sample_clocks = 4;  // from a period's beginning until its sample is shown
-constexpr Clock history = 2048;     // more than a sweep over the most channels takes
+constexpr Clock shown_after_clocks = 4;  // from a period's beginning until its sample is shown
+constexpr Clock history = 2048;          // more than a sweep over the most channels takes
 
 }  // namespace
 
@@ -57,7 +57,7 @@ void Modulation::period(Clock clock) {
     }
     told_ = clock;
     const std::uint8_t sample = plays_ ? samples_[sample_] : std::uint8_t{255};
-    shown_.push_front({clock + sample_clocks, sample, plays_ && !ended_});
+    shown_.push_front({clock + shown_after_clocks, sample, plays_ && !ended_});
     while (shown_.size() > 2 && shown_[shown_.size() - 2].from + history < clock) shown_.pop_back();
 }
 

@@ -37,7 +37,7 @@ def tool(name):
     """A program from Debian, or its PyPI build in the project's environment."""
     found = shutil.which(name) or shutil.which(str(VENV / f"yowasp-{name}"))
     if not found:
-        raise Failed(f"{name} is not installed; tools/setup installs it")
+        raise Failed(f"{name} is not installed; tools/setup dev installs it")
     return found
 
 

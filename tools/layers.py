@@ -29,14 +29,14 @@ LAYERS = {
     "shape":      {"on": ["format"], "at": (3, 5), "knows": "shapes and their paths, files"},
     "solve":      {"on": ["format", "acoustics"], "at": (2, 5), "knows": "foci to drives to records"},
     "hand":       {"on": ["shape"], "at": (3, 4), "knows": "hands, skin, rendering"},
-    "scattering": {"on": ["acoustics", "hand"], "at": (0, 3), "knows": "rigid bodies in a sound field"},
+    "scattering": {"on": ["verbs"], "at": (4, 1), "knows": "rigid bodies in a sound field"},
     "perception": {"on": ["format", "acoustics"], "at": (1, 5), "knows": "how strong a focus feels"},
-    "verbs":      {"on": ["link", "solve", "scattering", "perception"], "at": (2, 2), "knows": "what a user asks for"},
+    "verbs":      {"on": ["link", "solve", "hand", "perception"], "at": (2, 2), "knows": "what a user asks for"},
     "live":       {"on": ["verbs"], "at": (0, 1), "knows": "depth to rings, as it comes"},
     "robot":      {"on": ["hand", "perception"], "at": (3, 1), "knows": "a handle on eight cables"},
     "sim":        {"on": ["verbs"], "at": (2, 1), "knows": "boards without hardware"},
     "studio":     {"on": ["verbs"], "at": (1, 1), "knows": "the page in the browser"},
-    "cli":        {"on": ["live", "robot", "sim", "studio"], "at": (2, 0), "knows": "the program: parse, call, print"},
+    "cli":        {"on": ["scattering", "live", "robot", "sim", "studio"], "at": (2, 0), "knows": "the program: parse, call, print"},
 }  # fmt: skip
 FOLDERS = {name: f"host/haptogram/{name}" for name in LAYERS} | {"sim": "sim", "studio": "host/studio", "cli": "host/cli"}
 ROW, GAP = 44, 32  # of the picture, pixels

@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Draws a cable robot's workspace or a trace of its handle, for `haptogram robot workspace|simulate -o x.png`.
 
-plot_robot.py workspace TABLE.csv PICTURE TITLE
-plot_robot.py trace TABLE.csv PICTURE INNER,MIDDLE,OUTER [TIME:EVENT]...
-The tables are those that the program writes as .csv.
+plot_robot.py FOLDER PICTURE: the folder holds table.csv, which the program writes as .csv, too, and the lines of words.txt:
+"workspace" and a title, or "trace", INNER,MIDDLE,OUTER and a line TIME:EVENT for each event.
 """
 
+import pathlib
 import sys
 
 import matplotlib
@@ -70,8 +70,9 @@ def trace(table, radii, events, output):
 
 
 def main():
-    kind, path, output, *words = sys.argv[1:]
-    table = np.genfromtxt(path, delimiter=",", names=True)
+    folder, output = pathlib.Path(sys.argv[1]), sys.argv[2]
+    kind, *words = (folder / "words.txt").read_text(encoding="utf-8").splitlines()
+    table = np.genfromtxt(folder / "table.csv", delimiter=",", names=True)
     if kind == "workspace":
         workspace(table, words[0], output)
     else:

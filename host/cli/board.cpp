@@ -10,7 +10,9 @@
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/base/picture.hpp"
 #include "haptogram/format/pinout.hpp"
+#include "haptogram/verbs/supply.hpp"
 
 namespace haptogram::cli {
 namespace {
@@ -137,7 +139,7 @@ std::string to_text(const Pinout& pinout) {
     if (pins.stop)
         text += fmt::format("stop   ball {}; outputs are off while it is {}\n", *pins.stop, level(pins.stop_level));
     if (pins.driver_enable)
-        text += fmt::format("enable ball {}; {} while outputs are on, for the drivers' enable inputs\n",
+        text += fmt::format("enable ball {}; {} while outputs are on, for what switches the drivers\n",
                             *pins.driver_enable, level(pins.driver_enable_level));
     if (pins.alive) text += fmt::format("alive  ball {}; changes as long as there is a clock\n", *pins.alive);
     if (pins.sync_in)
@@ -160,9 +162,48 @@ int write_pinout(const PinoutOptions& options) {
     if (options.array) inputs.push_back({"--array", *options.array});
     require_distinct(inputs, {{"--output", options.output}});
     const Pinout found = pinout(options.board, options.array.value_or(""));
+    if (options.output.ends_with(".svg")) {
+        if (options.json || options.csv)
+            throw bad_argument("output", "an .svg is a picture; leave --json and --csv out, or write another file");
+        Picture picture("shipped:tools/plot_wiring.py");
+        picture.add("pinout.json", to_json(found).dump());
+        picture.draw(options.output, "text, --csv and --json");
+        return 0;
+    }
     write_file(options.output, options.json  ? to_json(found).dump(1) + "\n"
                                : options.csv ? to_csv(found)
                                              : to_text(found));
+    return 0;
+}
+
+struct PowerOptions {
+    std::string board;
+    SupplyOptions supply;
+    double nanofarads = 2.7;
+    bool json = false;
+};
+
+int print_power(PowerOptions options) {
+    options.supply.channels = load_board(options.board).parameters.channels;
+    options.supply.capacitance_f = options.nanofarads * 1e-9;
+    const SupplyOptions& o = options.supply;
+    const Supply s = supply_of(o);
+    if (options.json)
+        fmt::print("{}\n", ordered_json{{"channels", o.channels},
+                                        {"volts", o.volts},
+                                        {"duty", o.duty},
+                                        {"motion_w", s.motion_w},
+                                        {"charge_w", s.charge_w},
+                                        {"all_w", s.all_w},
+                                        {"current_a", s.current_a}}
+                               .dump());
+    else
+        fmt::print(
+            "{} channels at {:g} V and a duty of {:g}: {:.2f} W, {:.2f} A from the supply\n"
+            "a channel: {:.1f} mW move the element, {:.1f} mW charge it, at any duty\n"
+            "by formula for a typical element ({:g} ohms, {:g} nF), without what the drivers take for themselves\n",
+            o.channels, o.volts, o.duty, s.all_w, s.current_a, s.motion_w * 1e3, s.charge_w * 1e3, o.resistance_ohm,
+            options.nanofarads);
     return 0;
 }
 
@@ -195,7 +236,7 @@ void add_board(CLI::App& app, Action& action) {
         if (sub->get_subcommands().empty())
             action = []() -> int {
                 throw Error(ErrorCode::bad_argument, "board",
-                            "expected a subcommand: list, pinout or run; see haptogram board --help");
+                            "expected a subcommand: list, pinout, power or run; see haptogram board --help");
             };
     });
 
@@ -206,6 +247,20 @@ void add_board(CLI::App& app, Action& action) {
 
     add_board_run(*sub, action);
 
+    auto power = std::make_shared<PowerOptions>();
+    CLI::App* supply = sub->add_subcommand("power", "Print what a board's array takes from its supply");
+    supply->add_option("board", power->board, "Board file (TOML) or shipped board")->required();
+    supply->add_option("--volts", power->supply.volts, "Supply of the drivers")->capture_default_str();
+    supply->add_option("--duty", power->supply.duty, "Share of a carrier period for which a pin is high")
+        ->capture_default_str();
+    supply->add_option("--resistance-ohm", power->supply.resistance_ohm, "Resistance of an element at its resonance")
+        ->capture_default_str();
+    supply->add_option("--capacitance-nf", power->nanofarads, "Capacitance of an element")->capture_default_str();
+    supply->add_option("--series-ohm", power->supply.series_ohm, "Resistance of a driver and what is behind it")
+        ->capture_default_str();
+    supply->add_flag("--json", power->json, "As JSON");
+    supply->callback([power, &action] { action = [power] { return print_power(*power); }; });
+
     auto options = std::make_shared<PinoutOptions>();
     CLI::App* pins = sub->add_subcommand(
         "pinout",
@@ -214,7 +269,8 @@ void add_board(CLI::App& app, Action& action) {
     pins->add_option("--array", options->array, "Array file (TOML) or shipped array (default: the board's)");
     auto* json = pins->add_flag("--json", options->json, "As JSON, with all that the board file says");
     pins->add_flag("--csv", options->csv, "As CSV, the rows alone")->excludes(json);
-    pins->add_option("-o,--output", options->output, "File; - is standard output")->capture_default_str();
+    pins->add_option("-o,--output", options->output, "File; - is standard output, .svg a picture of the wiring")
+        ->capture_default_str();
     pins->callback([options, &action] { action = [options] { return write_pinout(*options); }; });
 }
 

@@ -81,11 +81,6 @@ std::optional<Image> read_image(const std::string& path) {
 }
 
 /// One line, so that a program can read it while the board runs.
-void tell_line(const nlohmann::ordered_json& report, bool as_json, const std::string& sentence) {
-    fmt::print("{}\n", as_json ? report.dump() : sentence);
-    std::fflush(stdout);
-}
-
 int run_tiles(const RunOptions& options) {
     RunTilesOptions tiles = options.tiles;
     tiles.reference = options.model == "reference";

@@ -16,11 +16,6 @@ namespace haptogram::cli {
 namespace {
 
 /// One line, so that a program can read it while the boards run.
-void tell_line(const nlohmann::ordered_json& report, bool as_json, const std::string& sentence) {
-    fmt::print("{}\n", as_json ? report.dump() : sentence);
-    std::fflush(stdout);
-}
-
 std::unique_ptr<sim::Tiles> make_boards(const RunTilesOptions& options,
                                         const std::vector<sim::Oscillator>& oscillators) {
     if (!options.reference)
@@ -31,6 +26,11 @@ std::unique_ptr<sim::Tiles> make_boards(const RunTilesOptions& options,
 }
 
 }  // namespace
+
+void tell_line(const nlohmann::ordered_json& report, bool as_json, const std::string& sentence) {
+    fmt::print("{}\n", as_json ? report.dump() : sentence);
+    std::fflush(stdout);
+}
 
 int run_boards(const RunTilesOptions& options) {
     std::vector<sim::TileFault> faults;

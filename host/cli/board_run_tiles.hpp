@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,9 @@ struct RunTilesOptions {
     double seconds = 0.0;
     bool json = false;
 };
+
+/// A line on standard output at once: the report as JSON, or the sentence.
+void tell_line(const nlohmann::ordered_json& report, bool as_json, const std::string& sentence);
 
 /// Runs the boards until an interrupt, or the end of their time. @return the exit code
 int run_boards(const RunTilesOptions& options);

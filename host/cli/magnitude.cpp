@@ -29,7 +29,7 @@ struct MagnitudeOptions {
 /// What can be felt at the frequency at all.
 int print_range(const MagnitudeOptions& options, const Tables& tables) {
     const FrequencyFit fit = fit_at(tables, options.frequency_hz);
-    const Region region = region_of(options.region);
+    const perception::Region region = perception::region_of(options.region);
     const Interval interval = threshold_interval(tables, region, options.grip_n);
     const double least = least_felt_gf(tables, region, options.frequency_hz, options.grip_n);
     const double full = full_output_gf(fit);
@@ -46,7 +46,7 @@ int print_range(const MagnitudeOptions& options, const Tables& tables) {
                     interval.low_gf, interval.high_gf));
     report.add("full_output_gf", full,
                fmt::format("output at full command: {:.4f} gf = {:.3f} mN", full, full * gram_force_n * 1e3));
-    if (region == Region::palm) {
+    if (region == perception::Region::palm) {
         const double low = magnitude_of_output(fit, least), high = magnitude_of_output(fit, full);
         report.add("magnitudes", {low, high},
                    fmt::format("perceived magnitudes: {:.3f}…{:.3f}, commands {:.4f}…1", low, high,
@@ -60,14 +60,15 @@ int print_range(const MagnitudeOptions& options, const Tables& tables) {
 int print_command(const MagnitudeOptions& options, const Tables& tables) {
     const FrequencyFit fit = fit_at(tables, options.frequency_hz);
     const double output = output_of_command(fit, options.command);
-    const double least = least_felt_gf(tables, region_of(options.region), options.frequency_hz, options.grip_n);
+    const double least =
+        least_felt_gf(tables, perception::region_of(options.region), options.frequency_hz, options.grip_n);
     Report report;
     report.add("command", options.command).add("frequency_hz", options.frequency_hz);
     report.add("output_gf", output, fmt::format("output {:.4f} gf", output));
     report.add("felt", output >= least,
                fmt::format("{} by a {}: the least felt is {:.4f} gf", output >= least ? "felt" : "not felt",
                            options.region, least));
-    if (region_of(options.region) == Region::palm) {
+    if (perception::region_of(options.region) == perception::Region::palm) {
         const double magnitude = magnitude_of_output(fit, output);
         report.add("magnitude", magnitude, fmt::format("perceived magnitude {:.4f}", magnitude));
     }
@@ -78,7 +79,7 @@ int print_command(const MagnitudeOptions& options, const Tables& tables) {
 int print_setting(const MagnitudeOptions& options, const Tables& tables) {
     const Wanted wanted{options.magnitude,
                         options.frequency_hz,
-                        region_of(options.region),
+                        perception::region_of(options.region),
                         options.grip_n,
                         waveform_of(options.waveform),
                         options.duty,

@@ -8,10 +8,10 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/base/picture.hpp"
 #include "haptogram/format/timer.hpp"
 #include "haptogram/robot/scenes.hpp"
 #include "haptogram/shape/path_file.hpp"
-#include "haptogram/verbs/picture.hpp"
 #include "haptogram/verbs/render.hpp"
 #include "haptogram/verbs/source.hpp"
 #include "played_frames.hpp"

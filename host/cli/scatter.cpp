@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/verbs/scatter.hpp"
+#include "haptogram/scattering/scatter.hpp"
 
 #include <fmt/format.h>
 

@@ -35,7 +35,7 @@ link::UploadReport upload_to(const link::PortSettings& port, const Image& image,
     return link::upload([&] { return std::make_unique<link::Device>(port); }, image, settings);
 }
 
-std::string words_of(const link::UploadReport& report) {
+std::string sentence_of(const link::UploadReport& report) {
     return fmt::format("{} records and {} sequence entries in {:.2f} s, {} of {} frames written{}, {} sent again",
                        report.records, report.sequence_entries, report.seconds, report.frames_written, report.frames,
                        report.verified ? ", read back and equal" : ", digests equal", report.retransmissions);
@@ -54,7 +54,7 @@ int upload_rig(const UploadOptions& options) {
             const link::UploadReport report =
                 upload_to(ports[i], bundle.tiles[i].image, settings, fmt::format("upload tile {}", i + 1));
             reports.push_back(to_json(report));
-            if (!options.json) fmt::print("{}: {}\n", name, words_of(report));
+            if (!options.json) fmt::print("{}: {}\n", name, sentence_of(report));
         } catch (const Error& error) {
             throw Error(error.code(), name, error.what());
         }
@@ -72,7 +72,7 @@ int upload(const UploadOptions& options) {
     const Image image = from_intel_hex(open_hex(settings.image), settings.image);
     require_playable(image, settings.image);
     const link::UploadReport report = upload_to(port, image, settings, "upload");
-    tell(to_json(report), options.json, words_of(report));
+    tell(to_json(report), options.json, sentence_of(report));
     return 0;
 }
 

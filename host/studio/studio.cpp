@@ -12,6 +12,7 @@
 #include "computing.hpp"
 #include "failure.hpp"
 #include "haptogram/base/error.hpp"
+#include "haptogram/base/process.hpp"
 #include "haptogram/base/shipped.hpp"
 #include "haptogram/format/board.hpp"
 #include "haptogram/hand/object.hpp"
@@ -500,31 +501,20 @@ private:
     std::optional<UnderWay> study_;  // the last, so that it ends before the board that it may play on
 };
 
-std::filesystem::path built_page(std::string& looked_in) {
-    std::error_code ignored;
-    const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", ignored);
-    const std::filesystem::path places[] = {program.parent_path() / "../share/haptogram/studio", HAPTOGRAM_BUILT_PAGE};
-    for (const std::filesystem::path& place : places) {
-        if (std::filesystem::exists(place / "page.json", ignored)) return place;
-        looked_in += (looked_in.empty() ? "" : ", ") + place.lexically_normal().string();
-    }
-    return {};
-}
-
 }  // namespace
 
 void run(const Options& options,
          const std::function<void(const std::string& address, const std::string& missing)>& listening,
          const std::function<bool()>& ended) {
-    std::string looked_in;
-    const std::filesystem::path page = options.page.empty() ? built_page(looked_in) : options.page;
-    Studio studio(options, page.empty() ? assets_without_page(looked_in) : load_assets(page));
+    const std::filesystem::path page = options.page.empty() ? own_data("studio") : options.page;
+    std::error_code ignored;
+    const bool missing = options.page.empty() && !std::filesystem::exists(page / "page.json", ignored);
+    Studio studio(options, missing ? assets_without_page(page.string()) : load_assets(page));
     const Access access = access_for(studio.port(), make_token());
     listening(fmt::format("http://{}/#{}", access.hosts.front(), access.token),
-              page.empty()
-                  ? "the page was not built: it needs node and the packages of host/studio/web; run tools/setup, "
-                    "then build again"
-                  : "");
+              missing ? "the page was not built: it needs node and the packages of host/studio/web; run tools/setup, "
+                        "then build again"
+                      : "");
     studio.run(access, ended);
 }
 

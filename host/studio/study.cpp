@@ -17,25 +17,14 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t longest_line = 1'000'000;  ///< bytes; a protocol's texts are shorter
 
-/// This program, for what the runner starts.
-std::filesystem::path own_program() { return std::filesystem::read_symlink("/proc/self/exe"); }
-
 /// `python3 -m haptogram.study` with these arguments.
 Child::Command runner(std::vector<std::string> arguments, const std::filesystem::path& folder) {
-    std::error_code ignored;
-    std::string python = HAPTOGRAM_PYTHON;
-    if (!std::filesystem::exists(python, ignored)) python = find_program("python3").string();
-    if (python.empty())
-        throw Error(ErrorCode::failed, "study", "there is no Python, which runs studies; install Python 3.11 or later");
     // -P: a folder of protocols is none of programs; a file json.py in it would be taken for Python's own.
-    Child::Command command{{python, "-P", "-m", "haptogram.study"}, folder, {"PYTHONDONTWRITEBYTECODE=1"}};
+    Child::Command command{{python_program(), "-P", "-m", "haptogram.study"}, folder, {"PYTHONDONTWRITEBYTECODE=1"}};
     command.words.insert(command.words.end(), arguments.begin(), arguments.end());
-    for (const std::filesystem::path& place :
-         {own_program().parent_path() / "../share/haptogram/python", std::filesystem::path(HAPTOGRAM_PYTHON_PACKAGE)})
-        if (std::filesystem::exists(place / "haptogram/study/cli.py", ignored)) {
-            command.environment.push_back("PYTHONPATH=" + place.lexically_normal().string());
-            break;
-        }
+    std::error_code ignored;
+    if (const std::filesystem::path package = own_data("python"); std::filesystem::exists(package, ignored))
+        command.environment.push_back("PYTHONPATH=" + package.string());
     return command;
 }
 
@@ -52,7 +41,7 @@ ordered_json study_protocols(const std::filesystem::path& folder) {
     if (code != 0 || !found.is_object())
         throw Error(ErrorCode::failed, "study",
                     fmt::format("the runner of studies did not start; it needs Python 3.11 or later and what "
-                                "'pip install tools/python' brings. Python says: {}",
+                                "'pip install haptogram' brings. Python says: {}",
                                 said.empty() ? "nothing" : said));
     return found;
 }

@@ -4,6 +4,7 @@ import csv
 import functools
 import io
 import json
+import math
 import re
 import tomllib
 
@@ -193,6 +194,21 @@ def test_the_pinout_in_a_file(form, tmp_path):
     shown = succeed(["board", "pinout", SMALL, *form, "-o", "-"]).stdout
     assert succeed(["board", "pinout", SMALL, *form, "-o", "pins"], cwd=tmp_path).stdout == b""
     assert (tmp_path / "pins").read_bytes() == shown == succeed(["board", "pinout", SMALL, *form]).stdout
+
+
+def test_the_wiring_as_a_picture(tmp_path):
+    succeed(["board", "pinout", LARGE, "-o", "wiring.svg"], cwd=tmp_path)
+    picture = (tmp_path / "wiring.svg").read_text(encoding="utf-8")
+    assert picture.count("<path") > 100 and picture.rstrip().endswith("</svg>")
+    refuse(tmp_path, ["board", "pinout", LARGE, "--csv", "-o", "wiring.svg"], USAGE, "picture", outputs=["wiring.svg"])
+
+
+def test_the_power_of_an_array(tmp_path):
+    """By the formula again: (2 V sin(pi D) / pi)^2 / (2 R) + C V^2 f."""
+    told = json.loads(text(succeed(["board", "power", LARGE, "--volts", 18, "--duty", 0.25, "--json"]).stdout))
+    one = (2 * 18 / math.pi * math.sin(math.pi / 4)) ** 2 / 2 / 729 + 2.7e-9 * 18**2 * 40e3
+    assert told["all_w"] == pytest.approx(100 * one) and told["current_a"] == pytest.approx(100 * one / 18)
+    refuse(tmp_path, ["board", "power", LARGE, "--duty", "0.7"], USAGE, "--duty")
 
 
 def test_an_array_that_is_no_grid_has_no_rows(folder):

@@ -35,13 +35,11 @@ def folder(beside):
 
 @pytest.fixture(scope="module")
 def without_both(folder, work):
-    """The program with neither the simulated board nor FTDI nor the studio, on a machine that has the packages of neither."""
-    # Two libraries are found by pkg-config. Here it knows Bullet, but not libftdi1.
+    """The program without simulated board, FTDI, studio and extensions, on a machine that has the packages of none of these."""
     known = work / "pkgconfig"
     known.mkdir()
-    (known / "bullet.pc").symlink_to(Path(run("pkg-config", "--variable=pcfiledir", "bullet").stdout.strip()) / "bullet.pc")
-    configure(folder, "-DHAPTOGRAM_SIMULATION=OFF", "-DHAPTOGRAM_FTDI=OFF", "-DHAPTOGRAM_STUDIO=OFF", "-DHAPTOGRAM_TESTS=OFF", NO_VERILATOR,
-              environment={"PKG_CONFIG_LIBDIR": str(known)})
+    configure(folder, "-DHAPTOGRAM_SIMULATION=OFF", "-DHAPTOGRAM_FTDI=OFF", "-DHAPTOGRAM_STUDIO=OFF", "-DHAPTOGRAM_TESTS=OFF", "-DHAPTOGRAM_EXTENSIONS=",
+              NO_VERILATOR, *(f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=ON" for name in ("LAPACK", "PNG")), environment={"PKG_CONFIG_LIBDIR": str(known)})
     program = work / "haptogram-without-both"
     shutil.copy(build(folder), program)
     return program
@@ -70,16 +68,27 @@ def test_studio_that_is_left_out_says_so(without_both, work):
     assert "HAPTOGRAM_STUDIO=ON" in says(without_both, work, "studio", "--no-browser", expect=USAGE)
 
 
+@pytest.mark.parametrize("command, extension", [("scatter", "scattering"), ("live", "live"), ("task", "live"), ("robot", "robot")])
+def test_an_extension_that_is_left_out_says_so(without_both, work, command, extension):
+    assert f"{extension} in HAPTOGRAM_EXTENSIONS" in says(without_both, work, command, expect=USAGE)
+
+
+def test_extensions_that_are_not_there_or_needed_by_tests(work):
+    assert "there is no extension 'unity'" in " ".join(configure(work / "wrong", "-DHAPTOGRAM_EXTENSIONS=unity", expect=1).stderr.split())
+    assert "the tests need all" in " ".join(configure(work / "wrong", "-DHAPTOGRAM_EXTENSIONS=live", expect=1).stderr.split())
+
+
 def test_tests_without_simulation(without_both, folder):
     """The unit tests do not need it."""
-    configure(folder, "-DHAPTOGRAM_SIMULATION=OFF", "-DHAPTOGRAM_FTDI=ON", "-DHAPTOGRAM_TESTS=ON", NO_VERILATOR)
+    configure(folder, "-DHAPTOGRAM_SIMULATION=OFF", "-DHAPTOGRAM_FTDI=ON", "-DHAPTOGRAM_TESTS=ON", "-DHAPTOGRAM_EXTENSIONS=scattering;live;robot", NO_VERILATOR,
+              *(f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=OFF" for name in ("LAPACK", "PNG")))
     build(folder, "test_unit", "haptogram")
     listed = re.findall(r"Test +#\d+: (.*)", run("ctest", "--test-dir", folder, "-N").stdout)
     assert any(name.startswith("unit/") for name in listed)
     assert not any(name == "cli" or name.startswith("cosim/") for name in listed)
 
 
-@pytest.mark.parametrize("options", [["-DHAPTOGRAM_FTDI=OFF"], ["-DHAPTOGRAM_STUDIO=OFF"], ["-DHAPTOGRAM_TESTS=OFF"], ["-DHAPTOGRAM_PROGRAM=OFF"],
+@pytest.mark.parametrize("options", [["-DHAPTOGRAM_FTDI=OFF"], ["-DHAPTOGRAM_STUDIO=OFF"], ["-DHAPTOGRAM_TESTS=OFF"], ["-DHAPTOGRAM_PROGRAM=OFF"], ["--preset=quick"],
                                      ["-DHAPTOGRAM_PROGRAM=OFF", "-DHAPTOGRAM_SIMULATION=OFF"]])
 def test_other_combinations_configure(work, options):
     configure(work / "configured", "--fresh", *options)

@@ -10,7 +10,6 @@ from scipy.special import j1
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = Path(os.environ.get("HAPTOGRAM_PROGRAM", ROOT / "build/release/host/cli/haptogram")).resolve()
-PACKAGE = ROOT / "tools/python-native"
 
 
 @pytest.fixture

@@ -1,23 +1,63 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The package as pip builds it from the checkout, without network. ccache has what the build under test compiled."""
+"""The distribution as pip builds it from the checkout, without network: the program with its page, the packages, the commands.
+It is compiled as the build under test, so that ccache has what that compiled."""
 import os
 import subprocess
 import sys
 
 import pytest
-from conftest import PACKAGE
+from conftest import ROOT
+
+OPTIONS = {"HAPTOGRAM_QUICK": "OFF", "HAPTOGRAM_WERROR": "ON", "Python3_EXECUTABLE": sys.executable}
+COMMANDS = ("haptogram", "haptogram-py", "haptogram-realsense", "haptogram-leap", "haptogram-study", "haptogram-sweep")
 
 
-@pytest.mark.skipif(not os.environ.get("HAPTOGRAM_WHEEL"), reason="builds the libraries again; ctest asks for it")
-def test_pip_builds_a_wheel(tmp_path):
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    if not os.environ.get("HAPTOGRAM_WHEEL"):
+        pytest.skip("builds the program again; ctest asks for it")
+    folder = tmp_path_factory.mktemp("wheel")
     pip = [sys.executable, "-m", "pip"]
-    build = [*pip, "wheel", "-q", "--no-index", "--no-deps", "--no-build-isolation", "-w", str(tmp_path), str(PACKAGE)]
+    settings = [f"--config-settings=cmake.define.{name}={value}" for name, value in OPTIONS.items()]
+    build = [*pip, "wheel", "-q", "--no-index", "--no-deps", "--no-build-isolation", "-w", str(folder), *settings, str(ROOT)]
     subprocess.run(build, check=True, timeout=1500)
-    (wheel,) = tmp_path.glob("haptogram_native-*.whl")
-    place = tmp_path / "place"
+    (wheel,) = folder.glob("haptogram-*.whl")
+    place = folder / "place"
     subprocess.run([*pip, "install", "-q", "--no-index", "--no-deps", "--target", str(place), str(wheel)], check=True, timeout=120)
-    for name in ("py.typed", "_native.pyi", "errors.py"):
-        assert (place / "haptogram_native" / name).exists()
-    say = "import haptogram_native as n; print(n.__file__, len(n.Array.find('tile-10x10')))"
-    said = subprocess.run([sys.executable, "-c", say], env={**os.environ, "PYTHONPATH": str(place)}, cwd=tmp_path, capture_output=True, text=True, check=True)
-    assert said.stdout.startswith(str(place)) and said.stdout.endswith(" 100\n")
+    return place
+
+
+def run(place, *command):
+    environment = {**os.environ, "PYTHONPATH": str(place)}
+    done = subprocess.run([str(word) for word in command], env=environment, cwd=place, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, (command, done.stdout, done.stderr)
+    return done.stdout
+
+
+def test_every_command_starts(place):
+    for command in COMMANDS:
+        assert "usage" in run(place, place / "bin" / command, "--help").lower()
+    assert "haptogram_shapes" in run(place, place / "bin/haptogram-study", "list")
+
+
+def test_packages_come_from_it(place):
+    for name in ("haptogram/py.typed", "haptogram/study/printed.toml", "haptogram_native/py.typed", "haptogram_native/_native.pyi", "haptogram_sweep/py.typed"):
+        assert (place / name).exists(), name
+    say = "import haptogram, haptogram_native as n; print(haptogram.__file__, n.__file__, len(n.Array.find('tile-10x10')))"
+    client, native, elements = run(place, sys.executable, "-c", say).split()
+    assert client.startswith(str(place)) and native.startswith(str(place)) and elements == "100"
+
+
+def test_the_program_compiles_simulates_draws_and_has_its_page(place, tmp_path):
+    program = place / "bin/haptogram"
+    run(place, program, "compile", "--shape", "point", "--center", "0,0,130", "-o", tmp_path / "point.hex")
+    assert "contract violations" in run(place, program, "simulate", tmp_path / "point.hex")
+    run(place, program, "field", tmp_path / "point.hex", "--plane", "xy@z=130", "--step", "2", "-o", tmp_path / "point.png")
+    assert (tmp_path / "point.png").read_bytes().startswith(b"\x89PNG")
+    assert (place / "haptogram/_program/share/haptogram/studio/page.json").exists()
+
+
+def test_no_path_of_the_build_is_in_it(place):
+    for file in place.rglob("*"):
+        if file.is_file() and file.suffix != ".pyc":
+            assert str(ROOT).encode() not in file.read_bytes(), file

@@ -42,6 +42,12 @@ std::string array_text(const std::string& body) { return "[array]\nrows = 2\ncol
 TEST_CASE("files: sha256 against the standard's test vectors", "[files]") {
     REQUIRE(sha256("") == "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
     REQUIRE(sha256("abc") == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+    REQUIRE(sha256(std::string(1'000'000, 'a')) == "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
+    // Every length about the ends of blocks: python3 -c 'from hashlib import sha256 as h
+    // print(h("".join(h(b"a" * n).hexdigest() for n in range(201)).encode()).hexdigest())'
+    std::string all;
+    for (std::size_t n = 0; n <= 200; ++n) all += sha256(std::string(n, 'a'));
+    REQUIRE(sha256(all) == "eb555248bd20c7831e511d4461b42c9b084e3a64b44d57b00051172f8afe03ff");
 }
 
 TEST_CASE("files: a failed write leaves what was there and nothing beside it", "[files]") {

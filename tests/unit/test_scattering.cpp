@@ -11,9 +11,9 @@
 
 #include "haptogram/scattering/outside.hpp"
 #include "haptogram/scattering/round_bodies.hpp"
+#include "haptogram/scattering/scatter.hpp"
 #include "haptogram/scattering/scatterer.hpp"
 #include "haptogram/scattering/skin.hpp"
-#include "haptogram/verbs/scatter.hpp"
 
 using namespace haptogram;
 

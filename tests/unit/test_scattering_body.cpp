@@ -10,7 +10,7 @@
 #include "haptogram/base/process.hpp"
 #include "haptogram/scattering/incident.hpp"
 #include "haptogram/scattering/round_bodies.hpp"
-#include "haptogram/verbs/scatter.hpp"
+#include "haptogram/scattering/scatter.hpp"
 #include "message_of.hpp"
 
 using namespace haptogram;

@@ -19,6 +19,8 @@ struct Vec3 {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 [[nodiscard]] inline double norm(Vec3 a) { return std::sqrt(dot(a, a)); }
+/// Of a vector that is not 0.
+[[nodiscard]] inline Vec3 unit(Vec3 a) { return a * (1.0 / norm(a)); }
 [[nodiscard]] inline double distance(Vec3 a, Vec3 b) { return norm(a - b); }
 [[nodiscard]] inline bool is_finite(Vec3 a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
 

@@ -3,7 +3,6 @@
 
 #include <fcntl.h>
 #include <fmt/core.h>
-#include <openssl/evp.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -125,16 +124,6 @@ void write_files(const std::vector<std::pair<std::filesystem::path, std::string>
         staged.back()->fill(content);
     }
     for (const auto& file : staged) file->commit();
-}
-
-std::string sha256(std::string_view content) {
-    std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-    unsigned length = 0;
-    if (EVP_Digest(content.data(), content.size(), digest.data(), &length, EVP_sha256(), nullptr) != 1)
-        throw Error(ErrorCode::failed, "sha256", "the cryptographic library refused to compute a digest");
-    std::string text;
-    for (unsigned i = 0; i < length; ++i) text += fmt::format("{:02x}", digest.at(i));
-    return text;
 }
 
 }  // namespace haptogram

@@ -75,4 +75,22 @@ fs::path find_program(const std::string& name) {
     return {};
 }
 
+fs::path own_program() {
+    std::error_code ignored;
+    return fs::read_symlink("/proc/self/exe", ignored);
+}
+
+fs::path own_data(const std::string& name) {
+    return (own_program().parent_path() / "../share/haptogram" / name).lexically_normal();
+}
+
+std::string python_program() {
+    if (const char* const named = std::getenv("HAPTOGRAM_PYTHON"); named != nullptr && *named != '\0') return named;
+    std::error_code ignored;
+    const fs::path built_with = own_data("python3");
+    if (fs::exists(built_with, ignored)) return built_with.string();
+    const fs::path found = find_program("python3");
+    return found.empty() ? "python3" : found.string();
+}
+
 }  // namespace haptogram

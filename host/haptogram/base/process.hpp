@@ -39,4 +39,15 @@ struct ProcessResult {
 /// The program of that name in PATH; empty when there is none.
 [[nodiscard]] std::filesystem::path find_program(const std::string& name);
 
+/// The file of the program that runs.
+[[nodiscard]] std::filesystem::path own_program();
+
+/// A file or folder that came with the program: ../share/haptogram/NAME from where it lies, in the build's tree, too.
+/// It need not exist.
+[[nodiscard]] std::filesystem::path own_data(const std::string& name);
+
+/// Python: what the variable HAPTOGRAM_PYTHON names, else the one that this program was built with when it lies in its
+/// build's tree, else python3 in PATH.
+[[nodiscard]] std::string python_program();
+
 }  // namespace haptogram

@@ -26,7 +26,7 @@ constexpr std::string_view keyword = ".bram_init ";
 using Bits = std::bitset<rows>;  // of a slice; a shorter one has zeros at the end
 
 /// A block RAM of the configuration.
-struct Section {
+struct BlockRam {
     std::size_t text = 0;  ///< where its first row begins
     std::array<std::uint16_t, rows> words{};
     bool changed = false;
@@ -58,8 +58,8 @@ struct Layout {
     [[nodiscard]] bool complete() const { return wanted != 0 && slices.size() == wanted; }
 };
 
-Section read_section(std::string_view config, std::size_t begin, const std::string& where) {
-    Section section;
+BlockRam read_section(std::string_view config, std::size_t begin, const std::string& where) {
+    BlockRam section;
     const std::size_t newline = config.find('\n', begin);
     bool good = newline != std::string_view::npos && config.size() - newline > rows * row_size;
     section.text = newline + 1;
@@ -78,14 +78,14 @@ Section read_section(std::string_view config, std::size_t begin, const std::stri
     return section;
 }
 
-std::vector<Section> read_sections(std::string_view config, const std::string& where) {
-    std::vector<Section> sections;
+std::vector<BlockRam> read_sections(std::string_view config, const std::string& where) {
+    std::vector<BlockRam> sections;
     for (std::size_t at = config.find(keyword); at != std::string_view::npos; at = config.find(keyword, at + 1))
         if (at == 0 || config[at - 1] == '\n') sections.push_back(read_section(config, at, where));
     return sections;
 }
 
-void write_section(const Section& section, std::string& config) {
+void write_section(const BlockRam& section, std::string& config) {
     char* text = config.data() + section.text;
     for (const std::uint16_t word : section.words) {
         for (std::size_t digit = 0; digit < digits; ++digit)
@@ -101,14 +101,14 @@ Bits slice_of(const std::vector<std::uint32_t>& words, std::size_t first, const 
     return bits;
 }
 
-Bits read_place(const Section& section, const Place& place, std::size_t stride) {
+Bits read_place(const BlockRam& section, const Place& place, std::size_t stride) {
     Bits bits;
     for (std::size_t i = 0, row = place.phase; row < rows; ++i, row += stride)
         bits[i] = (section.words[row] >> place.column & 1U) != 0;
     return bits;
 }
 
-void write_place(Section& section, const Place& place, std::size_t stride, const Bits& bits) {
+void write_place(BlockRam& section, const Place& place, std::size_t stride, const Bits& bits) {
     for (std::size_t i = 0, row = place.phase; row < rows; ++i, row += stride) {
         const unsigned others = section.words[row] & ~(1U << place.column);
         section.words[row] = static_cast<std::uint16_t>(others | static_cast<unsigned>(bits[i]) << place.column);
@@ -116,7 +116,7 @@ void write_place(Section& section, const Place& place, std::size_t stride, const
     section.changed = true;
 }
 
-Layout find_memory(const std::vector<Section>& sections, const std::vector<std::uint32_t>& from,
+Layout find_memory(const std::vector<BlockRam>& sections, const std::vector<std::uint32_t>& from,
                    const std::vector<std::uint32_t>& to, unsigned width, Layout layout) {
     const std::size_t stride = layout.stride;
     const std::size_t block = rows / stride * layout.packed;  // words
@@ -153,7 +153,7 @@ std::string replace_block_ram(std::string_view config, const std::vector<std::ui
     if (width < 1 || width > 32 || from.size() != to.size())
         throw std::invalid_argument(
             fmt::format("replace_block_ram: {} words by {} of {} bits", from.size(), to.size(), width));
-    std::vector<Section> sections = read_sections(config, where);
+    std::vector<BlockRam> sections = read_sections(config, where);
     std::vector<Layout> layouts;
     for (const std::size_t stride : {1U, 2U, 4U})
         layouts.push_back(find_memory(sections, from, to, width, {stride, 1, 0, {}}));
@@ -173,7 +173,7 @@ std::string replace_block_ram(std::string_view config, const std::vector<std::ui
         write_place(sections[slice.place.section], slice.place, layout.stride,
                     slice_of(to, slice.first, layout, slice.bit));
     std::string result(config);
-    for (const Section& section : sections)
+    for (const BlockRam& section : sections)
         if (section.changed) write_section(section, result);
     return result;
 }

@@ -12,7 +12,7 @@
 namespace haptogram {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double gravity_m_s2 = 9.80665;
 constexpr double lost_below_palm_m = 0.05;  // a ball that is so far below the palm has missed it
 constexpr double drop_fall_s = 0.25;        // for which a drop is drawn before it hits

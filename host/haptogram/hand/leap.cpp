@@ -69,17 +69,17 @@ void append_utf8(std::string& text, char32_t c) {
 /// From the Leap's frame, mm, to the array's, in the same unit.
 Vec3 turned(Vec3 leap) { return {leap.x, -leap.z, leap.y}; }
 
-Vec3 vector_of(const JsonMember& member) {
+Vec3 millimetres_of(const JsonMember& member) {
     const std::vector<JsonMember> parts = member.list();
     if (parts.size() != 3) throw member.wrong("three numbers");
     const auto part = [&](std::size_t i) { return parts[i].number(-largest_mm, largest_mm); };
     return {part(0), part(1), part(2)};
 }
 
-Vec3 place_of(const JsonMember& member) { return turned(vector_of(member)) * millimetre; }
+Vec3 place_of(const JsonMember& member) { return turned(millimetres_of(member)) * millimetre; }
 
 Vec3 unit_of(const JsonMember& member) {
-    const Vec3 v = turned(vector_of(member));
+    const Vec3 v = turned(millimetres_of(member));
     const double length = norm(v);
     if (!(length > 0.5 && length < 2.0)) throw member.wrong("a direction, of length 1");
     return v * (1.0 / length);

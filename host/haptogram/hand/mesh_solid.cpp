@@ -171,8 +171,6 @@ private:
     mutable std::atomic<std::uint32_t> last_{0};
 };
 
-Vec3 unit(Vec3 v) { return v * (1.0 / norm(v)); }
-
 double angle_between(Vec3 a, Vec3 b) { return std::atan2(norm(cross(a, b)), dot(a, b)); }
 
 std::string in_mm(Vec3 p) {

@@ -13,7 +13,7 @@
 namespace haptogram {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// The number of the nearest of `count` places, `pitch` apart, the first at `first`.
 std::size_t nearest_number(double at, double first, double pitch, std::size_t count) {

@@ -12,7 +12,7 @@
 namespace haptogram {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Length of the ellipse from the end of its minor axis on, towards the major one, up to an angle φ at which the point
 /// is (a·sin φ, b·cos φ).

@@ -9,7 +9,7 @@
 namespace haptogram {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Where the points are, and how far they reach: what a fit is freed of first.
 struct Frame {

@@ -12,8 +12,6 @@
 namespace haptogram {
 namespace {
 
-Vec3 unit(Vec3 v) { return v * (1.0 / norm(v)); }
-
 /// A direction at right angles to `axis`, as near to `wanted` as can be.
 Vec3 across(Vec3 axis, Vec3 wanted) {
     const Vec3 rest = wanted - dot(wanted, axis) * axis;

@@ -12,7 +12,7 @@
 namespace haptogram {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// From 0 to 1 and back in one period, and its derivative by time.
 struct Swing {

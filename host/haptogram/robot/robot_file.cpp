@@ -9,39 +9,20 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/base/process.hpp"
+#include "haptogram/base/picture.hpp"
 
 namespace haptogram::robot {
 namespace {
 
 std::string ending(const std::string& path) { return std::filesystem::path(path).extension().string(); }
 
-/// Has the shipped script draw a CSV. @param words  further arguments of the script
+/// Has the shipped script draw a CSV. @param words  what else the script takes
 void draw(const std::string& path, const std::string& kind, const std::string& csv,
           const std::vector<std::string>& words) {
-    const TemporaryFolder handover;
-    const std::string table = (handover.path() / "table.csv").string();
-    const std::string script = (handover.path() / "plot_robot.py").string();
-    write_file(table, csv);
-    write_file(script, read_file("shipped:tools/plot_robot.py"));
-    StagedFile staged(path);
-    const std::string target = staged.beside().empty() ? path : staged.beside().string();
-    const std::string python = std::filesystem::exists(HAPTOGRAM_PYTHON) ? HAPTOGRAM_PYTHON : "python3";
-    std::vector<std::string> command = {python, script, kind, table, target};
-    command.insert(command.end(), words.begin(), words.end());
-    const auto drawn = [&] {
-        try {
-            return run_process(std::filesystem::current_path(), command);
-        } catch (const Error& error) {
-            return ProcessResult{false, error.what()};
-        }
-    }();
-    if (!drawn.succeeded)
-        throw bad_input(path,
-                        fmt::format("the picture could not be drawn; it needs python3 with matplotlib, and room for "
-                                    "the file; .csv needs neither{}{}",
-                                    drawn.said.empty() ? "" : "\n", drawn.said));
-    staged.commit();
+    Picture picture("shipped:tools/plot_robot.py");
+    picture.add("table.csv", csv);
+    picture.add("words.txt", fmt::format("{}\n{}\n", kind, fmt::join(words, "\n")));
+    picture.draw(path, ".csv files");
 }
 
 }  // namespace

@@ -10,9 +10,9 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/base/picture.hpp"
 #include "haptogram/perception/difference.hpp"
 #include "haptogram/perception/skin_wave.hpp"
-#include "haptogram/verbs/picture.hpp"
 #include "haptogram/verbs/render.hpp"
 
 namespace haptogram {

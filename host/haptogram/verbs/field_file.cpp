@@ -10,8 +10,8 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/base/picture.hpp"
 #include "haptogram/verbs/iso_surface.hpp"
-#include "haptogram/verbs/picture.hpp"
 
 namespace haptogram {
 namespace {

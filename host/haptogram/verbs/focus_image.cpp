@@ -15,8 +15,6 @@
 namespace haptogram {
 namespace {
 
-constexpr std::uint32_t most_dwell = interface::sequence_entry_field::dwell.most();
-
 using RecordWords = std::vector<FocusWords>;
 
 void require_board(const Array& array, const Core& core, std::size_t boards) {
@@ -129,7 +127,7 @@ FocusImage focus_image_of(const Path& path, const Array& array, const Core& core
             index = static_cast<std::uint16_t>(p.records + 1 + entry->second);
         }
         for (std::uint32_t left = path.steps[i].periods; left > 0;) {
-            const std::uint32_t dwell = std::min(left, most_dwell);
+            const std::uint32_t dwell = std::min<std::uint32_t>(left, interface::sequence_entry_field::dwell.most());
             if (image.sequence.size() + 1 >= p.sequence_depth)
                 throw bad_input(
                     core.name,

@@ -30,7 +30,7 @@ std::string find_tool(const std::string& name, const fs::path& placed) {
     const fs::path own = fs::absolute(placed).parent_path() / "venv" / "bin" / ("yowasp-" + name);
     if (fs::exists(own)) return own.string();
     throw failed(name,
-                 fmt::format("is neither in PATH nor in {}; tools/setup installs it", own.parent_path().string()));
+                 fmt::format("is neither in PATH nor in {}; tools/setup dev installs it", own.parent_path().string()));
 }
 
 /// Runs a tool that must succeed.

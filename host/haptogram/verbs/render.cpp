@@ -15,10 +15,10 @@
 #include "haptogram/acoustics/quantities.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/base/picture.hpp"
 #include "haptogram/format/waveform.hpp"
 #include "haptogram/hand/voice.hpp"
 #include "haptogram/solve/solver.hpp"
-#include "haptogram/verbs/picture.hpp"
 
 namespace haptogram {
 namespace {

@@ -13,12 +13,12 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/base/picture.hpp"
 #include "haptogram/format/schedule.hpp"
 #include "haptogram/solve/drives.hpp"
 #include "haptogram/solve/segments.hpp"
 #include "haptogram/verbs/field.hpp"
 #include "haptogram/verbs/field_file.hpp"
-#include "haptogram/verbs/picture.hpp"
 #include "haptogram/verbs/rig.hpp"
 
 namespace haptogram {

@@ -284,13 +284,13 @@ void add_places(Path& path, const std::vector<Focus>& foci, std::uint32_t period
 }
 
 /// One stretch of a record, or of silence.
-struct Played {
+struct PlayedEntry {
     std::optional<std::size_t> place;
     std::uint64_t periods = 0;
 };
 
-std::vector<Played> played_by(const Timeline& timeline) {
-    std::vector<Played> played;
+std::vector<PlayedEntry> played_by(const Timeline& timeline) {
+    std::vector<PlayedEntry> played;
     if (timeline.pulses.empty())
         for (const SequenceEntry& entry : pass_of(timeline))
             played.push_back({timeline.manifest.place_of(entry.index), entry.dwell});
@@ -301,7 +301,7 @@ std::vector<Played> played_by(const Timeline& timeline) {
 }
 
 /// The record that plays last before a stretch, or next after it, round and round. @param way  1, or −1 as size − 1
-std::optional<std::size_t> neighbour(const std::vector<Played>& played, std::size_t at, std::size_t way) {
+std::optional<std::size_t> neighbour(const std::vector<PlayedEntry>& played, std::size_t at, std::size_t way) {
     for (std::size_t i = 0; i < played.size(); ++i) {
         at = (at + way) % played.size();
         if (played[at].place) return played[at].place;
@@ -380,7 +380,7 @@ std::vector<FocusDrives> foci_of(const Timeline& timeline) {
         owner.push_back(at->second);
     }
     add_drives(found, owner, weighed(timeline));
-    const std::vector<Played> played = played_by(timeline);
+    const std::vector<PlayedEntry> played = played_by(timeline);
     std::vector<double> sounding(found.size());
     for (std::size_t i = 0; i < played.size(); ++i) {
         const auto before = neighbour(played, i, played.size() - 1), after = neighbour(played, i, 1);

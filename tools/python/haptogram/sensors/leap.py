@@ -17,7 +17,7 @@ def library() -> Any:
     try:
         import websockets
     except ImportError as error:
-        raise HaptogramError(ErrorCode.USAGE, "websockets", f"{error}; pip install 'tools/python[leap]'") from error
+        raise HaptogramError(ErrorCode.USAGE, "websockets", f"{error}; pip install 'haptogram[leap]'") from error
     return websockets
 
 

@@ -25,7 +25,7 @@ def library() -> Any:
     try:
         import pyrealsense2  # 13 MB that nothing else needs
     except ImportError as error:
-        raise HaptogramError(ErrorCode.USAGE, "pyrealsense2", f"{error}; pip install 'tools/python[realsense]'") from error
+        raise HaptogramError(ErrorCode.USAGE, "pyrealsense2", f"{error}; pip install 'haptogram[realsense]'") from error
     return pyrealsense2
 
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/verbs/picture.hpp"
+#include "haptogram/base/picture.hpp"
 
 #include <fmt/core.h>
 
@@ -18,16 +18,17 @@ void Picture::draw(const std::string& path, const std::string& others) const {
     StagedFile staged(path);
     const std::string target = staged.beside().empty() ? path : staged.beside().string();
     const auto drawn = [&] {
-        const std::string python = std::filesystem::exists(HAPTOGRAM_PYTHON) ? HAPTOGRAM_PYTHON : "python3";
         try {
-            return run_process(std::filesystem::current_path(),
-                               {python, (folder_.path() / "draw.py").string(), folder_.path().string(), target});
+            return run_process(
+                std::filesystem::current_path(),
+                {python_program(), (folder_.path() / "draw.py").string(), folder_.path().string(), target});
         } catch (const Error& error) {
             return ProcessResult{false, error.what()};
         }
     }();
     if (!drawn.succeeded)
-        throw bad_input(path, fmt::format("the picture could not be drawn; it needs python3 with matplotlib, and room "
+        throw bad_input(path, fmt::format("the picture could not be drawn; it needs python3 with matplotlib "
+                                          "(HAPTOGRAM_PYTHON names another one), and room "
                                           "for the file; {} need neither{}{}",
                                           others, drawn.said.empty() ? "" : "\n", drawn.said));
     staged.commit();

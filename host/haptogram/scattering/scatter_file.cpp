@@ -9,8 +9,8 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/verbs/picture.hpp"
-#include "haptogram/verbs/scatter.hpp"
+#include "haptogram/base/picture.hpp"
+#include "haptogram/scattering/scatter.hpp"
 
 namespace haptogram {
 namespace {

@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The commands of the pages for users, as they stand there: each page's blocks in its order, in one folder. Blocks that need hardware,
+a person or an installation are marked `sh board`, and are not run."""
+import os
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = {"README.md": 2, "docs/tour.md": 6, "docs/build-one.md": 3}  # and how many blocks they have at least
+BLOCK = re.compile(r"^```(sh|toml \S+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_every_command_of_the_page_runs(page, program, tmp_path):
+    folder = tmp_path / "bin"
+    folder.mkdir()
+    (folder / "haptogram").symlink_to(program)
+    blocks = BLOCK.findall((ROOT / page).read_text(encoding="utf-8"))
+    assert len(blocks) >= PAGES[page]
+    # Boards in the background end with the script. A port is there when its name is.
+    script = ["set -eu", "trap 'kill $(jobs -p) 2>/dev/null || true; wait' EXIT"]
+    for kind, text in blocks:
+        if kind != "sh":
+            (tmp_path / kind.split()[1]).write_text(text, encoding="utf-8")
+            continue
+        for line in text.splitlines():
+            script.append(line)
+            if line.rstrip().endswith("&"):
+                script.append("for _ in $(seq 100); do [ -e board ] && break; sleep 0.1; done")
+    environment = {**os.environ, "PATH": f"{folder}:{os.environ['PATH']}"}
+    done = subprocess.run(["bash", "-c", "\n".join(script)], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=600)
+    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
