@@ -141,15 +141,17 @@ int run_board(const RunOptions& options) {
     }
     if (image) sim::load_directly(board, *image);
     catch_interrupts();
-    sim::PseudoTerminal terminal(options.pty);
     const interface::CoreParameters& p = board.parameters();
+    const std::uint32_t baud =
+        asked ? asked->parameters.baud : p.baud;  // a core that stands for a board may have another
+    sim::PseudoTerminal terminal(baud, options.pty);
     tell_line({{"port", terminal.name()},
                {"model", options.model},
                {"configuration", board.name()},
                {"channels", p.channels},
                {"records", p.records},
                {"clock_hz", p.clock_hz},
-               {"baud", p.baud}},
+               {"baud", baud}},
               options.json, terminal.name());
     sim::Served served;
     {

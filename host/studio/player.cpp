@@ -8,6 +8,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/link/play.hpp"
 #include "haptogram/link/port.hpp"
+#include "haptogram/link/port_rates.hpp"
 #include "haptogram/link/stream.hpp"
 #include "haptogram/link/to_json.hpp"
 #include "haptogram/link/transfer.hpp"
@@ -68,8 +69,13 @@ Player::~Player() {
     thread_.join();
 }
 
-void Player::connect(const std::string& port) {
-    connect([port] { return link::open_port(port, link::PortSettings{}.baud); }, port, nullptr);
+void Player::connect(const std::string& port, std::optional<std::uint32_t> baud) {
+    const auto open = [port, baud]() mutable {
+        auto line = link::open_port({.port = port, .baud = baud});
+        if (!baud) baud = link::remembered_rate(port);  // it is not looked for again: a board that is lost is known
+        return line;
+    };
+    connect(open, {port, baud}, nullptr);
 }
 
 void Player::connect_virtual(const Core& core, const std::string& model) {
@@ -77,7 +83,7 @@ void Player::connect_virtual(const Core& core, const std::string& model) {
     connect([board] { return board->open(); }, {}, board);
 }
 
-void Player::connect(Open open, std::string port, std::shared_ptr<VirtualBoard> board) {
+void Player::connect(Open open, BoardPort port, std::shared_ptr<VirtualBoard> board) {
     disconnect();
     {
         const std::lock_guard lock(mutex_);
@@ -115,11 +121,11 @@ void Player::let_go(std::shared_ptr<link::DeviceThread> device, std::shared_ptr<
         }));
 }
 
-VirtualBoard::Port Player::lend(std::function<void()> free) {
+BoardPort Player::lend(std::function<void()> free) {
     stop();
     const std::lock_guard lock(mutex_);
     if (!device_) throw Error(ErrorCode::device, "board", "there is no connection; connect to a board first");
-    const auto found = board_ ? board_->port() : VirtualBoard::Port{port_, link::PortSettings{}.baud};
+    const auto found = board_ ? board_->port() : port_;
     if (!found) throw Error(ErrorCode::device, "board", "the virtual board is still starting; wait for it");
     let_go(std::move(device_), nullptr, std::move(free));
     return *found;

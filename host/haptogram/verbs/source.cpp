@@ -174,6 +174,16 @@ std::string open_hex(const std::string& file, const Progress& progress) {
     return open_bundle(source, kind, progress).hex;
 }
 
+std::optional<std::uint32_t> likely_rate(const std::string& file) {
+    const FileKind kind = kind_of(file);
+    try {
+        if (kind == FileKind::project) return instrument_of(load_project(file)).core.parameters.baud;
+        if (kind == FileKind::image && file != "-") return load_bundle(file).manifest.core.parameters.baud;
+    } catch (const Error&) {  // an image needs no manifest, and what is wrong with a project its compiler says
+    }
+    return {};
+}
+
 Timeline open_timeline(const Source& source, const Progress& progress) {
     const int named = (source.file.empty() ? 0 : 1) + (source.focus ? 1 : 0) + (source.pulses.empty() ? 0 : 1);
     if (named != 1)
