@@ -70,8 +70,11 @@ Player::~Player() {
 }
 
 void Player::connect(const std::string& port, std::optional<std::uint32_t> baud) {
-    const auto open = [port, baud]() mutable {
-        auto line = link::open_port({.port = port, .baud = baud});
+    disconnect();
+    given_up_ = std::make_shared<std::atomic<bool>>(false);
+    const auto open = [port, baud, over = given_up_]() mutable {
+        auto line = link::open_port({.port = port, .baud = baud, .interrupt = [over] { return *over ? 1U : 0U; }});
+        line->set_interrupt({});                        // what turns the outputs off is not to be cut short
         if (!baud) baud = link::remembered_rate(port);  // it is not looked for again: a board that is lost is known
         return line;
     };
@@ -95,6 +98,7 @@ void Player::connect(Open open, BoardPort port, std::shared_ptr<VirtualBoard> bo
 }
 
 void Player::take_back() {
+    *given_up_ = false;
     const auto listened_to = std::make_shared<std::atomic<bool>>(true);
     const auto told = [this, listened_to](const link::DeviceState& state) {
         if (*listened_to) settings_.told(state);
@@ -110,6 +114,7 @@ void Player::let_go(std::shared_ptr<link::DeviceThread> device, std::shared_ptr<
                     std::function<void()> free) {
     if (!device) return;
     *listened_to_ = false;
+    *given_up_ = true;
     std::erase_if(let_go_,
                   [](const auto& one) { return one.wait_for(std::chrono::seconds(0)) == std::future_status::ready; });
     let_go_.push_back(std::async(

@@ -115,6 +115,7 @@ private:
     BoardPort port_;                                     // of a board that is not ours
     std::shared_ptr<VirtualBoard> board_;
     std::shared_ptr<link::DeviceThread> device_;
+    std::shared_ptr<std::atomic<bool>> given_up_ = std::make_shared<std::atomic<bool>>(false);  // no rate is looked for
     std::shared_ptr<std::atomic<bool>> listened_to_;  // whether the present device is told of
     std::vector<std::future<void>> let_go_;           // boards that end, each in a thread of its own
     std::thread thread_;
