@@ -13,6 +13,7 @@
 #include <system_error>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/link/baud_rate.hpp"
 
 namespace haptogram::sim {
 namespace {
@@ -34,8 +35,8 @@ bool make_raw(const std::string& device) {
 
 }  // namespace
 
-PseudoTerminal::PseudoTerminal(const std::filesystem::path& link)
-    : descriptor_(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK)) {
+PseudoTerminal::PseudoTerminal(std::uint32_t baud, const std::filesystem::path& link)
+    : baud_(baud), descriptor_(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK)) {
     std::array<char, 128> name{};
     const bool open = descriptor_ >= 0 && ::grantpt(descriptor_) == 0 && ::unlockpt(descriptor_) == 0 &&
                       ::ptsname_r(descriptor_, name.data(), name.size()) == 0 && make_raw(name.data());
@@ -67,12 +68,21 @@ std::vector<std::uint8_t> PseudoTerminal::read(std::chrono::milliseconds patienc
                static_cast<int>(patience.count()));  // while nobody has it open, poll() returns at once, so sleep
     std::array<std::uint8_t, 4096> buffer{};
     const ssize_t count = ::read(descriptor_, buffer.data(), buffer.size());
-    if (count <= 0) return {};
+    if (count <= 0 || !same_rate()) return {};
     return {buffer.begin(), buffer.begin() + count};
 }
 
+/// 8N1 works while both ends differ by less than some 4 %.
+bool PseudoTerminal::same_rate() const {
+    const std::uint32_t theirs = link::baud_rate(descriptor_);
+    return theirs > baud_ - baud_ / 25 && theirs < baud_ + baud_ / 25;
+}
+
 void PseudoTerminal::write(std::span<const std::uint8_t> bytes) {
-    waiting_.insert(waiting_.end(), bytes.begin(), bytes.end());
+    if (same_rate())
+        waiting_.insert(waiting_.end(), bytes.begin(), bytes.end());
+    else
+        waiting_.clear();
     pollfd state{descriptor_, POLLOUT, 0};
     ::poll(&state, 1, 0);
     if ((state.revents & POLLHUP) != 0 || waiting_.size() > most_waiting) waiting_.clear();

@@ -12,9 +12,10 @@ namespace haptogram::sim {
 /// Our end of a pseudo-terminal. Any program can open the other end as a serial port.
 class PseudoTerminal {
 public:
+    /// @param baud  of the board; bytes at another rate are lost, as they are noise on a wire
     /// @param link  where to make a symbolic link to the other end, which is removed again at the end; empty for none
     /// @throws Error{device} when there are no pseudo-terminals, Error{bad_input} when `link` cannot be made
-    explicit PseudoTerminal(const std::filesystem::path& link = {});
+    explicit PseudoTerminal(std::uint32_t baud, const std::filesystem::path& link = {});
     PseudoTerminal(const PseudoTerminal&) = delete;
     PseudoTerminal& operator=(const PseudoTerminal&) = delete;
     ~PseudoTerminal();
@@ -27,6 +28,9 @@ public:
     void write(std::span<const std::uint8_t> bytes);
 
 private:
+    [[nodiscard]] bool same_rate() const;
+
+    std::uint32_t baud_;
     int descriptor_ = -1;
     std::string device_;
     std::filesystem::path link_;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 namespace haptogram::sim {
 namespace {
@@ -143,6 +144,11 @@ PulseRecorder::PulseRecorder(Board& board)
         pulses_.push_back({rise, edge.clock, edge.channel, index});
     });
     board.on_cycle_start([this](const CycleStart& start) { cycles_.push_back(start); });
+}
+
+std::vector<Pulse> PulseRecorder::take() {
+    if (cycles_.size() > 1) cycles_.erase(cycles_.begin(), cycles_.end() - 1);  // a pulse looks at the last one
+    return std::exchange(pulses_, {});
 }
 
 std::vector<Dwell> PulseRecorder::dwells() const {

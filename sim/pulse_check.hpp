@@ -36,6 +36,8 @@ public:
     explicit PulseRecorder(Board& board);
 
     [[nodiscard]] const std::vector<Pulse>& pulses() const { return pulses_; }
+    /// The pulses so far, which are forgotten, as are the cycles.
+    [[nodiscard]] std::vector<Pulse> take();
     [[nodiscard]] const std::vector<CycleStart>& cycles() const { return cycles_; }
     /// Whole cycles only: the one still under way is left out.
     [[nodiscard]] std::vector<Dwell> dwells() const;

@@ -376,6 +376,7 @@ def python(table):
     out.append(f"LONGEST_CYCLE_S = {table['image']['longest_cycle_s']}")
     out += ["", "# How a host deals with a line that loses bytes; rtl/INTERFACE.md says what each number means."]
     out += [f"LINK_{row['name'].upper()} = {row['value']}" for row in table["link"]] + [""]
+    out += [f"KNOWN_RATES = {tuple(known_rates(table))}", *(f"PROBE_{name.upper()} = {value}" for name, value in table["probe"].items()), ""]
     out += [f"CHAIN_{name.upper()} = {value}" for name, value in table["chain"].items()] + [""]
     for name, words in blocks(table).items():
         out.append(f"{name.upper()}_WORDS = {words!r}".replace("'", '"'))
@@ -495,6 +496,9 @@ def page(table):
             "it and leave its CRC right. The board then refuses the frame for its length, and the host, which knows better, sends it again. This project's hosts all use these numbers:", ""]
     out += ["| number | value | what |", "|---|---|---|"]
     out += [f"| {row['name']} | {row['value']} | {row['about']} |" for row in table["link"]]
+    rates = ", ".join(f"{rate:,}" for rate in known_rates(table))
+    out += ["", f"A host that does not know the board's rate sends IDENTIFY at {rates} baud, in this order, and waits {table['probe']['patience_ms']} ms each. Faster bytes than the",
+            "board's are noise to it. A slower one can be a break, which turns its outputs off; so the rate that answered last comes first."]  # fmt: skip
     chain = table["chain"]
     out += ["", "## A chain of tiles", "",
             "Boards with chain pass the line on: from each board's second serial port a wire leads to the next one's first, and one back. Then two bytes",
@@ -539,6 +543,20 @@ def cmake(table):
     return "\n".join(out) + "\n"
 
 
+def known_rates(table):
+    """The rates of all configurations, from the fastest on: a board then answers before it hears a slower byte, which could be a break."""
+    return sorted({values["BAUD"] for values in configurations(table).values()}, reverse=True)
+
+
+def cpp_rates(table):
+    rates, probe = known_rates(table), table["probe"]
+    return "\n".join([f"// {NOTE}", "// SPDX-License-Identifier: Apache-2.0", "#pragma once", "#include <array>", "#include <chrono>", "#include <cstdint>", "",
+                      "namespace haptogram::link {", "", "/// Those of all configurations, in the order in which a board's rate is looked for.",
+                      f"inline constexpr std::array<std::uint32_t, {len(rates)}> known_rates = {{{', '.join(map(str, rates))}}};",
+                      f"inline constexpr std::chrono::milliseconds probe_patience{{{probe['patience_ms']}}};",
+                      f"inline constexpr unsigned probe_rounds = {probe['rounds']};", "", "}  // namespace haptogram::link"]) + "\n"  # fmt: skip
+
+
 FILES = {
     "rtl/interface.vh": verilog,
     "rtl/parameters.vh": verilog_parameters,
@@ -546,6 +564,7 @@ FILES = {
     "rtl/parameter_check.vh": verilog_check,
     "rtl/command_table.v": verilog_commands,
     "host/haptogram/format/interface.hpp": cpp,
+    "host/haptogram/link/known_rates.hpp": cpp_rates,
     "tools/python/haptogram/interface.py": python,
     "rtl/INTERFACE.md": page,
     "sim/configurations.cmake": cmake,

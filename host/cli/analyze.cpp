@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/perception/skin_force.hpp"
 #include "haptogram/verbs/field_file.hpp"
 #include "haptogram/verbs/level.hpp"
 #include "progress_line.hpp"
@@ -17,6 +18,8 @@
 
 namespace haptogram::cli {
 namespace {
+
+constexpr double contact_mm = perception::default_contact_m / millimetre;
 
 struct AnalyzeOptions {
     SourceOptions what;
@@ -104,11 +107,20 @@ int analyze_source(const AnalyzeOptions& options) {
             fmt::format("the strongest focus would warm skin more than is safe in tissue from {:.0f} mN on "
                         "(Hoshi 2010, 2.4), {:.1f} times its force here",
                         hottest->heat_limit_n * 1e3, hottest->heat_limit_n / hottest->focus.force_n));
+        const auto windiest = std::ranges::max_element(analysis.points, {}, &PointAnalysis::impulse_ns);
+        report.tell(fmt::format(
+            "the flow of air behind a focus grows with its force's impulse in a dwell, {:.4g} mN·ms at most "
+            "(Hoshi 2010, eq. 8)",
+            windiest->impulse_ns * 1e6));
     }
     const nlohmann::ordered_json safe = safety(analysis.loudness);
     const Transducer& transducer = array.transducer;
     report.add("points", points)
-        .add("contact_mm", 20.0, "F is on a flat disc of 20 mm at the focus")
+        .add("contact_mm", contact_mm, fmt::format("F is on a flat disc of {:g} mm at the focus", contact_mm))
+        .add("source_of_impulse",
+             "T. Hoshi et al., IEEE Trans. Haptics 3 (2010), eq. 8: the flow of air grows with the impulse of the "
+             "force; "
+             "it gives no speed")
         .add("level", level_json(transducer), level_text(transducer))
         .add("warnings", analysis.warnings)
         .add("pressure_left_least", analysis.pressure_left.least,
@@ -174,8 +186,9 @@ void add_analyze(CLI::App& app, Action& action) {
                     "The map as .csv, .npy, .vti or .png; default CSV on standard output");
     sub->add_option(
            "--measured-mn", options->measured_mn,
-           "Instead: print the level for the array's file from a force, mN, that was measured on a flat disc of "
-           "20 mm at --focus, at full steady drive")
+           fmt::format("Instead: print the level for the array's file from a force, mN, that was measured on a flat "
+                       "disc of {:g} mm at --focus, at full steady drive",
+                       contact_mm))
         ->check(positive());
     sub->add_flag("--json", options->json, "Print the analysis as JSON");
     sub->callback([options, sub, &action] {

@@ -2,13 +2,16 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "board_run_tiles.hpp"
@@ -73,6 +76,46 @@ private:
     Clock::time_point last_{};
 };
 
+/// What a recorder saw, written while the board runs.
+class PulseFile {
+public:
+    PulseFile(const std::string& path, sim::Board& board) : path_(path), staged_(path), recorder_(board) {
+        if (!staged_.beside().empty()) beside_.open(staged_.beside(), std::ios::binary);
+    }
+    /// Writes what has come together, once that is worth it.
+    void write() {
+        if (recorder_.pulses().size() >= enough) write_all();
+    }
+    void commit() {
+        write_all();
+        if (beside_.is_open()) beside_.close();
+        require_good();
+        staged_.commit();
+    }
+
+private:
+    static constexpr std::size_t enough = 1U << 16;
+
+    void write_all() {
+        std::string text = to_csv(recorder_.take());
+        if (begun_) text.erase(0, text.find('\n') + 1);  // the header
+        begun_ = true;
+        if (!beside_.is_open()) return staged_.fill(text);
+        beside_ << text << std::flush;
+        require_good();
+    }
+    void require_good() const {
+        if (beside_.fail())
+            throw bad_input(path_, fmt::format("cannot be written: {}", std::generic_category().message(errno)));
+    }
+
+    std::string path_;
+    StagedFile staged_;
+    std::ofstream beside_;  // closed for standard output, devices and pipes
+    sim::PulseRecorder recorder_;
+    bool begun_ = false;
+};
+
 std::optional<Image> read_image(const std::string& path) {
     if (path.empty()) return {};
     Image image = from_intel_hex(open_hex(path), path);
@@ -122,43 +165,39 @@ int run_board(const RunOptions& options) {
         reference = std::make_unique<sim::ReferenceBoard>(model());
     sim::Board& board = is_rtl ? static_cast<sim::Board&>(*core) : *reference;
     std::optional<StagedFile> trace;
-    std::optional<StagedFile> pulses;
+    std::optional<PulseFile> pulses;
     if (!options.trace.empty()) {
         trace.emplace(options.trace);
         if (trace->beside().empty())
             throw bad_input(options.trace, "a trace needs a file of its own; name one that is no device or pipe");
         core->trace(trace->beside());
     }
-    std::optional<sim::PulseRecorder> recorder;
-    if (!options.pulses.empty()) {
-        pulses.emplace(options.pulses);
-        recorder.emplace(board);
-    }
+    if (!options.pulses.empty()) pulses.emplace(options.pulses, board);
     if (image) sim::load_directly(board, *image);
     catch_interrupts();
-    sim::PseudoTerminal terminal(options.pty);
     const interface::CoreParameters& p = board.parameters();
+    const std::uint32_t baud =
+        asked ? asked->parameters.baud : p.baud;  // a core that stands for a board may have another
+    sim::PseudoTerminal terminal(baud, options.pty);
     tell_line({{"port", terminal.name()},
                {"model", options.model},
                {"configuration", board.name()},
                {"channels", p.channels},
                {"records", p.records},
                {"clock_hz", p.clock_hz},
-               {"baud", p.baud}},
+               {"baud", baud}},
               options.json, terminal.name());
     sim::Served served;
     {
         StatusLine line;
         served = sim::serve(board, terminal, {options.speed == "real", options.seconds}, [&](const sim::Served& now) {
             line.show(now);
+            if (pulses) pulses->write();
             return !interrupted();
         });
     }
 
-    if (pulses) {
-        pulses->fill(to_csv(recorder->pulses()));
-        pulses->commit();
-    }
+    if (pulses) pulses->commit();
     const double playing_mclk_per_s =
         served.playing_s > 0.0 ? 1e-6 * static_cast<double>(served.playing_clocks) / served.playing_s : 0.0;
     const double times_real_time = 1e6 * playing_mclk_per_s / p.clock_hz;

@@ -43,15 +43,15 @@ int run_boards(const RunTilesOptions& options) {
     catch_interrupts();
     std::vector<std::unique_ptr<sim::PseudoTerminal>> terminals;
     nlohmann::ordered_json ports = nlohmann::ordered_json::array(), drifts = nlohmann::ordered_json::array();
+    const interface::CoreParameters& p = tiles.board(0).parameters();
     for (std::size_t i = 0; i < options.count; ++i) {
         if (!options.chain || i == 0)
             terminals.push_back(std::make_unique<sim::PseudoTerminal>(
-                options.pty.empty() || options.chain ? options.pty : fmt::format("{}-{}", options.pty, i + 1)));
+                p.baud, options.pty.empty() || options.chain ? options.pty : fmt::format("{}-{}", options.pty, i + 1)));
         const std::string port = terminals.back()->name();
         ports.push_back(options.chain ? link::name_of({port, static_cast<unsigned>(i + 1)}) : port);
         drifts.push_back(oscillators[i].offset_ppm);
     }
-    const interface::CoreParameters& p = tiles.board(0).parameters();
     tell_line({{"ports", ports},
                {"model", options.reference ? "reference" : "rtl"},
                {"configuration", tiles.board(0).name()},

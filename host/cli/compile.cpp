@@ -54,6 +54,10 @@ Project project_of(const CompileOptions& options) {
     std::vector<std::string> files = options.inputs;
     const bool in_file = files.size() == 1 && is_project(files.front());
     if (in_file) {
+        if (!options.shapes.empty())
+            throw bad_argument("--shape", fmt::format("{} says what the shape is, and would play both; leave --shape "
+                                                      "out, or write it as a [[shape]] into the project",
+                                                      files.front()));
         project = load_project(files.front());
         files.clear();
     }

@@ -98,9 +98,19 @@ int enable(const DeviceOptions& options) {
     return after_change(device, options);
 }
 
+/// The line to a board that is to be turned off: where its rate is not known, the question turns it off already. To one
+/// that answers at none, a break is left, which is one at any rate.
+std::unique_ptr<link::Transport> line_to_turn_off(const link::PortSettings& port) {
+    try {
+        return link::open_port(port, interface::Command::disable);
+    } catch (const link::LinkLost&) {
+        return link::open_port(port.port, port.baud.value_or(link::known_rates.back()));
+    }
+}
+
 /// Whatever state the board and the line are in: no session comes before it.
 int disable(const DeviceOptions& options) {
-    link::Client device(link::open_port(options.port.port, options.port.baud));
+    link::Client device(line_to_turn_off(options.port));
     if (!device.turn_off()) throw Error(ErrorCode::device, options.port.port, link::not_confirmed({}));
     if (options.json) device.identify();
     return after_change(device, options);
@@ -162,8 +172,7 @@ int sync(const DeviceOptions& options) {
 int list_chains(const DeviceOptions& options) {
     nlohmann::ordered_json found = nlohmann::ordered_json::array();
     for (const std::string& port : options.ports.ports) {
-        link::PortSettings settings{.port = port};
-        if (options.ports.baud) settings.baud = *options.ports.baud;
+        const link::PortSettings settings{.port = port, .baud = options.ports.baud, .found = tell_rate};
         for (const link::FoundDevice& device : link::devices_behind(settings)) {
             const link::Identity& identity = device.identity;
             if (!options.json)
@@ -220,8 +229,7 @@ void add_device(CLI::App& app, Action& action) {
         ->expected(1)
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    ports->add_option("--baud", options->ports.baud, "Its rate, which the board's build fixes")
-        ->check(whole(300, 12'000'000));
+    add_baud_option(*ports, options->ports.baud);
     ports->add_flag("--json", options->json, "As JSON");
     ports->callback([options, &action] { action = [options] { return list(*options); }; });
 

@@ -9,6 +9,7 @@
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/verbs/field_file.hpp"
+#include "haptogram/verbs/probe.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
 #include "source_options.hpp"
@@ -22,7 +23,7 @@ struct FieldCommand {
     bool volume = false;
     double extent_mm = 80.0, step_mm = 1.0, below_db = 6.0;
     std::string x, y, z;
-    std::optional<std::string> am, am_law;
+    std::optional<std::string> am, am_law, probe;
     std::string quantity = "radiation";
     unsigned threads = 0;
     std::string output = "-";
@@ -65,16 +66,26 @@ int field(const FieldCommand& command, const std::vector<std::string>& given) {
     check_field_path(command.output, region, quantity);
     const Source source = source_of(command.what, "field");
     require_distinct(files_of(source), {{"--output", command.output}});
-    Excitation excitation = excitation_of(open_timeline(source), source.record);
-    if (command.am) {
-        const MadeModulation made =
-            modulation_of(*command.am, law_of(command.am_law.value_or("pressure")), excitation.array.carrier_hz);
-        weaken(excitation, std::sqrt(mean_square_of(made.modulation)));
-    }
+    const std::optional<Probe> probe = command.probe ? std::optional(probe_of(*command.probe)) : std::nullopt;
+    const Timeline timeline = open_timeline(source);
+    Excitation excitation = excitation_of(timeline, source.record);
+    Modulation modulation;
+    if (command.am)
+        modulation =
+            modulation_of(*command.am, law_of(command.am_law.value_or("pressure")), excitation.array.carrier_hz)
+                .modulation;
     Field found;
     {
         ProgressLine progress("field");
-        found = haptogram::field(excitation, region, quantity, command.threads, progress.callback());
+        if (probe) {
+            found = probe_field(excitation.array, sequence_of(timeline), modulation, region, *probe, command.threads,
+                                progress.callback());
+            found.title = excitation.title;
+            found.marks = excitation.foci;
+        } else {
+            if (command.am) weaken(excitation, std::sqrt(mean_square_of(modulation)));
+            found = haptogram::field(excitation, region, quantity, command.threads, progress.callback());
+        }
     }
     const std::string surface = write_field(command.output, found, command.below_db);
     tell_how(found, surface, command.json);
@@ -112,7 +123,14 @@ void add_field(CLI::App& app, Action& action) {
         names.emplace_back(one.name);
         about += fmt::format("{}{} ({})", about.empty() ? "" : ", ", one.name, one.about);
     }
-    sub->add_option("--quantity", options->quantity, about)->check(CLI::IsMember(names))->capture_default_str();
+    auto* wanted =
+        sub->add_option("--quantity", options->quantity, about)->check(CLI::IsMember(names))->capture_default_str();
+    sub->add_option("--probe", options->probe,
+                    "What an instrument reads instead: haptogram, that paper's ultrasonic receiver (9 mm, rectified, "
+                    "averaged), or hoshi:HZ, a pressure sensor of 2 mm (radiation pressure at the modulation's "
+                    "frequency: mean, least and greatest of a minute)")
+        ->excludes(wanted)
+        ->excludes("--record");
     add_am(*sub, options->am, options->am_law);
     sub->add_option("--threads", options->threads, "0: as many as there are")
         ->check(whole(0, 1024))

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,7 +10,11 @@
 #include <cstdio>
 #include <exception>
 #include <iostream>
+#include <numeric>
+#include <string_view>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
@@ -60,6 +65,46 @@ std::string message_of(const CLI::App& app, const Error& error) {
     return message;
 }
 
+/// Whether what reads standard output has gone, as head does when it has seen enough.
+bool reader_is_gone() {
+    pollfd out{STDOUT_FILENO, 0, 0};
+    return ::poll(&out, 1, 0) > 0 && (out.revents & POLLERR) != 0;
+}
+
+/// Then there is nobody to tell; but a compiler's other files are missing, too.
+void end_quietly(const CLI::App& app) {
+    if (!reader_is_gone() || app.got_subcommand("compile")) return;
+    std::signal(SIGPIPE, SIG_DFL);
+    std::raise(SIGPIPE);
+}
+
+/// How many letters must be added, dropped or replaced to make one word of another.
+std::size_t letters_between(std::string_view a, std::string_view b) {
+    std::vector<std::size_t> row(b.size() + 1);
+    std::iota(row.begin(), row.end(), std::size_t{0});
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        std::size_t corner = std::exchange(row[0], i + 1);
+        for (std::size_t j = 0; j < b.size(); ++j) {
+            const std::size_t replaced = corner + (a[i] == b[j] ? 0 : 1);
+            corner = row[j + 1];
+            row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
+        }
+    }
+    return row.back();
+}
+
+/// "; did you mean compile?" when a command has nearly this name.
+std::string meant(const CLI::App& app, std::string_view word) {
+    std::string nearest;
+    std::size_t least = 3;
+    for (const CLI::App* command : app.get_subcommands({}))
+        if (const std::size_t letters = letters_between(word, command->get_name()); letters < least) {
+            least = letters;
+            nearest = command->get_name();
+        }
+    return nearest.empty() || least >= word.size() ? "" : fmt::format("; did you mean {}?", nearest);
+}
+
 /// Runs `work`; an exception becomes a line on stderr and an exit code.
 template <class Work>
 int guarded(const CLI::App& app, Work work) {
@@ -70,16 +115,21 @@ int guarded(const CLI::App& app, Work work) {
     try {
         const int code = work();
         std::cout.flush();
-        if (!std::cout || std::fflush(stdout) != 0)
+        if (!std::cout || std::fflush(stdout) != 0) {
+            const int reason = errno;
+            end_quietly(app);
             return fail(fmt::format("standard output: {}; what was printed is incomplete",
-                                    std::generic_category().message(errno)),
+                                    std::generic_category().message(reason)),
                         ErrorCode::bad_input);
+        }
         return code;
     } catch (const Error& error) {
+        if (error.where() == "-") end_quietly(app);
         return fail(message_of(app, error), error.code());
     } catch (const std::bad_alloc&) {
         return fail("out of memory; take fewer points or a coarser step", ErrorCode::failed);
     } catch (const std::system_error& error) {  // from {fmt}, when printing fails
+        end_quietly(app);
         return fail(fmt::format("standard output: {}; what was printed is incomplete", error.what()),
                     ErrorCode::bad_input);
     } catch (const std::exception& error) {
@@ -92,7 +142,11 @@ int parse_and_act(CLI::App& app, const Action& action, int argc, char** argv) {
         app.parse(argc, argv);
     } catch (const CLI::ExtrasError& error) {
         // CLI11 would only say that a subcommand is missing.
-        throw bad_argument("haptogram", fmt::format("{}; see haptogram --help", error.what()));
+        const CLI::App* command = &app;
+        while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
+        const std::vector<std::string> rest = command->remaining();
+        throw bad_argument("haptogram", fmt::format("{}{}; see haptogram --help", error.what(),
+                                                    rest.empty() ? "" : meant(*command, rest.front())));
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : exit_code(ErrorCode::bad_argument);
     }

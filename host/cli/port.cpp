@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "port.hpp"
 
+#include <fmt/format.h>
+
 #include "command.hpp"
 
 namespace haptogram::cli {
@@ -10,9 +12,21 @@ void add_port_options(CLI::App& sub, link::PortSettings& settings) {
                    "Serial port of the board, or of 'haptogram board run', or ftdi:[VID:PID[:SERIAL]]; #N behind it is "
                    "tile N of a chain")
         ->required();
-    sub.add_option("--baud", settings.baud, "Its rate, which the board's build fixes")
-        ->check(whole(300, 12'000'000))
-        ->capture_default_str();
+    add_baud_option(sub, settings.baud);
+    settings.found = tell_rate;
+}
+
+void add_baud_option(CLI::App& sub, std::optional<std::uint32_t>& baud) {
+    sub.add_option(
+           "--baud", baud,
+           fmt::format("Its rate, which the board's build fixes (default: that of {} at which it answers, which "
+                       "is remembered)",
+                       fmt::join(link::known_rates, ", ")))
+        ->check(whole(300, 12'000'000));
+}
+
+void tell_rate(const std::string& port, std::uint32_t baud) {
+    complain(fmt::format("{}: it answers at {} baud, which is remembered", port, baud));
 }
 
 void add_watchdog_option(CLI::App& sub, std::uint16_t& milliseconds) {

@@ -7,6 +7,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/link/rig_devices.hpp"
 #include "interrupt.hpp"
+#include "port.hpp"
 #include "report.hpp"
 
 namespace haptogram::cli {
@@ -19,14 +20,18 @@ link::PortSettings RigPorts::one() const {
                                : fmt::format("given {} times, expected once; several boards need --rig", ports.size()));
     link::PortSettings settings;
     settings.port = ports.front();
-    if (baud) settings.baud = *baud;
+    settings.baud = baud;
     settings.interrupt = interrupts;
+    settings.found = tell_rate;
     return settings;
 }
 
 std::vector<link::PortSettings> RigPorts::of(const RigBundle& bundle) const {
     std::vector<link::PortSettings> settings = link::ports_of(bundle, ports, baud);
-    for (link::PortSettings& port : settings) port.interrupt = interrupts;
+    for (link::PortSettings& port : settings) {
+        port.interrupt = interrupts;
+        port.found = tell_rate;
+    }
     return settings;
 }
 
@@ -38,9 +43,7 @@ CLI::Option* add_rig_port_options(CLI::App& sub, RigPorts& ports) {
         ->expected(1)
         ->allow_extra_args(false)  // what stands behind its value may be a file
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    sub.add_option("--baud", ports.baud, "Its rate, which the board's build fixes; of a rig, what its boards have")
-        ->check(whole(300, 12'000'000))
-        ->default_str(fmt::to_string(link::PortSettings{}.baud));
+    add_baud_option(sub, ports.baud);
     return sub.add_option("--rig", ports.rig,
                           "Several boards that play as one: the rig manifest (.json) that compile --rig has written");
 }

@@ -238,6 +238,10 @@ int simulate(const RobotOptions& options) {
                                 simulation.geometry.most_n, most));
     report.add("most_off_mm", rounded(found.most_off_m * 1e3),
                fmt::format("the handle was up to {:.1f} mm from where it was wanted", found.most_off_m * 1e3));
+    const double most_turn_deg = found.most_turn_rad / degree;
+    report.add("most_turn_deg", rounded(most_turn_deg),
+               fmt::format("and turned by up to {:.1f} degrees{}", most_turn_deg,
+                           most_turn_deg > 90.0 ? ": it turned over" : ""));
     report.add("nearest", json_of(found.nearest),
                fmt::format("least room, at {:.3f} s: {}", found.nearest_s, found.nearest.words()));
     report.add("interference_s", rounded(found.touched_s),

@@ -68,7 +68,8 @@ int upload(const UploadOptions& options) {
     const link::UploadSettings& settings = options.upload;
     if (settings.image.empty())
         throw bad_argument("image", "there is nothing to upload; name an image, or a rig with --rig");
-    const link::PortSettings port = options.ports.one();
+    link::PortSettings port = options.ports.one();
+    port.likely = likely_rate(settings.image);
     const Image image = from_intel_hex(open_hex(settings.image), settings.image);
     require_playable(image, settings.image);
     const link::UploadReport report = upload_to(port, image, settings, "upload");

@@ -285,8 +285,9 @@ Message read_message(std::string_view text) {
         return PulsesMessage{members.whole("n"), members.whole("index"), members.whole("periods")};
     }
     if (type == "connect") {
-        members.only({"n", "port", "scene"});
-        return ConnectMessage{members.whole("n"), members.text("port"), members.text("scene")};
+        members.only({"n", "port", "scene", "baud"});
+        return ConnectMessage{members.whole("n"), members.text("port"), members.text("scene"),
+                              members.has("baud") ? members.whole("baud") : 0};
     }
     if (type == "disconnect") {
         members.only({"n"});

@@ -79,6 +79,7 @@ struct PulsesMessage {
 struct ConnectMessage {
     std::uint32_t n = 0;
     std::string port, scene;
+    std::uint32_t baud = 0;  ///< 0: it is found
 };
 struct DisconnectMessage {
     std::uint32_t n = 0;

@@ -8,6 +8,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/link/play.hpp"
 #include "haptogram/link/port.hpp"
+#include "haptogram/link/port_rates.hpp"
 #include "haptogram/link/stream.hpp"
 #include "haptogram/link/to_json.hpp"
 #include "haptogram/link/transfer.hpp"
@@ -68,8 +69,16 @@ Player::~Player() {
     thread_.join();
 }
 
-void Player::connect(const std::string& port) {
-    connect([port] { return link::open_port(port, link::PortSettings{}.baud); }, port, nullptr);
+void Player::connect(const std::string& port, std::optional<std::uint32_t> baud) {
+    disconnect();
+    given_up_ = std::make_shared<std::atomic<bool>>(false);
+    const auto open = [port, baud, over = given_up_]() mutable {
+        auto line = link::open_port({.port = port, .baud = baud, .interrupt = [over] { return *over ? 1U : 0U; }});
+        line->set_interrupt({});                        // what turns the outputs off is not to be cut short
+        if (!baud) baud = link::remembered_rate(port);  // it is not looked for again: a board that is lost is known
+        return line;
+    };
+    connect(open, {port, baud}, nullptr);
 }
 
 void Player::connect_virtual(const Core& core, const std::string& model) {
@@ -77,7 +86,7 @@ void Player::connect_virtual(const Core& core, const std::string& model) {
     connect([board] { return board->open(); }, {}, board);
 }
 
-void Player::connect(Open open, std::string port, std::shared_ptr<VirtualBoard> board) {
+void Player::connect(Open open, BoardPort port, std::shared_ptr<VirtualBoard> board) {
     disconnect();
     {
         const std::lock_guard lock(mutex_);
@@ -89,6 +98,7 @@ void Player::connect(Open open, std::string port, std::shared_ptr<VirtualBoard> 
 }
 
 void Player::take_back() {
+    *given_up_ = false;
     const auto listened_to = std::make_shared<std::atomic<bool>>(true);
     const auto told = [this, listened_to](const link::DeviceState& state) {
         if (*listened_to) settings_.told(state);
@@ -104,6 +114,7 @@ void Player::let_go(std::shared_ptr<link::DeviceThread> device, std::shared_ptr<
                     std::function<void()> free) {
     if (!device) return;
     *listened_to_ = false;
+    *given_up_ = true;
     std::erase_if(let_go_,
                   [](const auto& one) { return one.wait_for(std::chrono::seconds(0)) == std::future_status::ready; });
     let_go_.push_back(std::async(
@@ -115,11 +126,11 @@ void Player::let_go(std::shared_ptr<link::DeviceThread> device, std::shared_ptr<
         }));
 }
 
-VirtualBoard::Port Player::lend(std::function<void()> free) {
+BoardPort Player::lend(std::function<void()> free) {
     stop();
     const std::lock_guard lock(mutex_);
     if (!device_) throw Error(ErrorCode::device, "board", "there is no connection; connect to a board first");
-    const auto found = board_ ? board_->port() : VirtualBoard::Port{port_, link::PortSettings{}.baud};
+    const auto found = board_ ? board_->port() : port_;
     if (!found) throw Error(ErrorCode::device, "board", "the virtual board is still starting; wait for it");
     let_go(std::move(device_), nullptr, std::move(free));
     return *found;

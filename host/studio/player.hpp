@@ -39,8 +39,8 @@ public:
     /// Outputs off, and the end of the connection; waits some two seconds for it at most.
     ~Player();
 
-    /// Connects to a port, in place of the present one.
-    void connect(const std::string& port);
+    /// Connects to a port, in place of the present one. @param baud  its rate; none: it is found
+    void connect(const std::string& port, std::optional<std::uint32_t> baud);
     /// Starts a virtual board, as VirtualBoard has it, and connects to it.
     void connect_virtual(const Core& core, const std::string& model);
     /// Outputs off, and lets go of the board; nothing of that is waited for.
@@ -50,7 +50,7 @@ public:
     /// Turns the outputs off and lets go of the port, so that another program can have it until take_back().
     /// @param free  told in some thread once it can
     /// @throws Error{device} without a connection, or while a virtual board is still starting
-    VirtualBoard::Port lend(std::function<void()> free);
+    BoardPort lend(std::function<void()> free);
     /// Connects again to the port that was lent.
     void take_back();
 
@@ -91,7 +91,7 @@ private:
         std::uint64_t stops = 0;  ///< that there had been when it was asked for
     };
     using Open = std::function<std::unique_ptr<link::Transport>()>;
-    void connect(Open open, std::string port, std::shared_ptr<VirtualBoard> board);
+    void connect(Open open, BoardPort port, std::shared_ptr<VirtualBoard> board);
     void let_go(std::shared_ptr<link::DeviceThread> device, std::shared_ptr<VirtualBoard> board,
                 std::function<void()> free);
     std::uint64_t ask(Work work);
@@ -112,9 +112,10 @@ private:
     std::shared_ptr<Scrub> scrub_;                       // what a stream under way plays
     std::shared_ptr<const Scene> playing_, modulation_;  // what plays, and whose modulation it is to have
     Open open_;                                          // of the present connection
-    std::string port_;                                   // of a board that is not ours
+    BoardPort port_;                                     // of a board that is not ours
     std::shared_ptr<VirtualBoard> board_;
     std::shared_ptr<link::DeviceThread> device_;
+    std::shared_ptr<std::atomic<bool>> given_up_ = std::make_shared<std::atomic<bool>>(false);  // no rate is looked for
     std::shared_ptr<std::atomic<bool>> listened_to_;  // whether the present device is told of
     std::vector<std::future<void>> let_go_;           // boards that end, each in a thread of its own
     std::thread thread_;

@@ -18,6 +18,7 @@
 #include "haptogram/hand/object.hpp"
 #include "haptogram/hand/touch.hpp"
 #include "haptogram/link/port.hpp"
+#include "haptogram/link/port_rates.hpp"
 #include "haptogram/link/to_json.hpp"
 #include "haptogram/shape/primitives.hpp"
 #include "haptogram/verbs/patch.hpp"
@@ -195,9 +196,10 @@ private:
                 player_.connect_virtual(instrument_of(scenes_.find(message.scene)->settings).core,
                                         message.port == "virtual" ? "reference" : "rtl");
             else
-                player_.connect(message.port);
+                player_.connect(message.port, rate_of(message));
             state_ = {};
             port_ = message.port;
+            baud_ = message.baud;
             broadcast(device_json());
         });
     }
@@ -255,6 +257,14 @@ private:
         if (studying()) throw Error(ErrorCode::device, "board", "a study plays; stop the study first");
     }
 
+    [[nodiscard]] static std::optional<std::uint32_t> rate_of(const ConnectMessage& message) {
+        if (message.baud == 0) return {};
+        if (message.baud < 300 || message.baud > 12'000'000)
+            throw bad_argument("baud",
+                               fmt::format("found {}, expected 300 to 12000000, or 0 to find it", message.baud));
+        return message.baud;
+    }
+
     void act(Visitor& visitor, const StopMessage& message) {
         driver_ = {};
         const std::optional<std::uint64_t> number = player_.stop();
@@ -296,21 +306,21 @@ private:
         tell_failure(*visitor.page, message.n, [&] {
             if (study_) throw Error(ErrorCode::failed, "study", "one is under way; stop it first");
             UnderWay next{.page = visitor.page->number(), .number = ++study_number_};
-            std::optional<StudyPort> port;
+            std::optional<BoardPort> port;
             if (!message.port.empty()) {
                 require_no_other_driver(visitor);
                 next.plays = true;
                 next.borrowed = message.port == "studio";
                 if (!next.borrowed && player_.connected() && message.port == port_)
                     throw Error(ErrorCode::device, message.port, "the studio has this port; choose the studio's board");
-                port = StudyPort{message.port, link::PortSettings{}.baud};
+                port = BoardPort{message.port, {}};
             }
             // Before the port is lent, as it may fail.
             Child::Command command = study_command(message, folder_, port);
             if (next.borrowed) {
-                const VirtualBoard::Port lent = player_.lend(
+                const BoardPort lent = player_.lend(
                     [this, number = next.number] { server_.post([this, number] { begin_study(number); }); });
-                command = study_command(message, folder_, StudyPort{lent.name, lent.baud});
+                command = study_command(message, folder_, lent);
             }
             next.command = std::move(command);
             study_ = std::move(next);
@@ -416,6 +426,8 @@ private:
         if (state_.connection != link::Connection::connecting) {
             json["identity"] = link::to_json(state_.identity);
             json["status"] = link::to_json(state_.status);
+            if (!port_.starts_with("virtual"))
+                json["baud"] = baud_ != 0 ? baud_ : link::remembered_rate(port_).value_or(0);
         }
         if (!state_.trouble.empty()) json["trouble"] = state_.trouble;
         return json;
@@ -494,7 +506,8 @@ private:
     std::vector<Stop> stops_;              // that the board has not confirmed
     link::DeviceState state_;
     std::string port_;
-    Player player_;  // after what it tells of
+    std::uint32_t baud_ = 0;  // 0: it is found
+    Player player_;           // after what it tells of
     Computing computing_{scenes_, [this](std::function<void()> work) { server_.post(std::move(work)); }};
     Worker protocols_;
     std::uint64_t study_number_ = 0;

@@ -47,15 +47,14 @@ ordered_json study_protocols(const std::filesystem::path& folder) {
 }
 
 Child::Command study_command(const StudyMessage& asked, const std::filesystem::path& folder,
-                             const std::optional<StudyPort>& port) {
+                             const std::optional<BoardPort>& port) {
     std::vector<std::string> arguments = {"run",           asked.protocol,
                                           "--participant", std::to_string(asked.participant),
                                           "--seed",        std::to_string(asked.seed),
                                           "--output",      asked.results,
                                           "--observer",    "page"};
-    if (port)
-        arguments.insert(arguments.end(), {"--port=" + port->name, "--baud", std::to_string(port->baud), "--program",
-                                           own_program().string()});
+    if (port) arguments.insert(arguments.end(), {"--port=" + port->name, "--program", own_program().string()});
+    if (port && port->baud) arguments.insert(arguments.end(), {"--baud", std::to_string(*port->baud)});
     return runner(std::move(arguments), folder);
 }
 

@@ -11,6 +11,7 @@
 
 #include "child.hpp"
 #include "messages.hpp"
+#include "virtual_board.hpp"
 
 /// Studies with people. Orders, questions, checks and results are those of Python's haptogram.study; here is only the
 /// way between its runner and a page.
@@ -20,15 +21,9 @@ namespace haptogram::studio {
 /// @throws Error{failed} with Python's own words when the runner cannot be started
 [[nodiscard]] nlohmann::ordered_json study_protocols(const std::filesystem::path& folder);
 
-/// The port that plays a study's stimuli.
-struct StudyPort {
-    std::string name;
-    std::uint32_t baud = 0;
-};
-
 /// The command that runs a participant's session in a folder. @param port  none: nothing is played
 [[nodiscard]] Child::Command study_command(const StudyMessage& asked, const std::filesystem::path& folder,
-                                           const std::optional<StudyPort>& port);
+                                           const std::optional<BoardPort>& port);
 
 /// A session under way, in a process of its own.
 class Study {

@@ -48,12 +48,12 @@ std::unique_ptr<link::Transport> VirtualBoard::open(std::chrono::milliseconds pa
         const nlohmann::json line = nlohmann::json::parse(text_.substr(0, text_.find('\n')), nullptr, false);
         if (!line.is_object() || !line.contains("port"))
             throw Error(ErrorCode::device, "virtual board", text_.substr(0, text_.find('\n')));
-        port_ = Port{line["port"], line["baud"]};
+        port_ = BoardPort{line["port"], line["baud"].get<std::uint32_t>()};
     }
-    return link::open_port(port_->name, port_->baud);
+    return link::open_port({.port = port_->name, .baud = port_->baud});
 }
 
-std::optional<VirtualBoard::Port> VirtualBoard::port() const {
+std::optional<BoardPort> VirtualBoard::port() const {
     const std::lock_guard lock(mutex_);
     return port_;
 }

@@ -13,6 +13,12 @@
 
 namespace haptogram::studio {
 
+/// Where a board is.
+struct BoardPort {
+    std::string name;
+    std::optional<std::uint32_t> baud;  ///< none: it is found
+};
+
 /// A simulated board in a process of its own: this program as 'board run'.
 class VirtualBoard {
 public:
@@ -27,17 +33,13 @@ public:
     [[nodiscard]] std::unique_ptr<link::Transport> open(
         std::chrono::milliseconds patience = std::chrono::milliseconds(200));
 
-    struct Port {
-        std::string name;
-        std::uint32_t baud;
-    };
     /// Where it is; none while it is still starting.
-    [[nodiscard]] std::optional<Port> port() const;
+    [[nodiscard]] std::optional<BoardPort> port() const;
 
 private:
     Child child_;
     mutable std::mutex mutex_;
-    std::optional<Port> port_;
+    std::optional<BoardPort> port_;
     std::string text_;
 };
 

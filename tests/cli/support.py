@@ -6,6 +6,8 @@ import json
 import os
 import re
 import subprocess
+import termios
+import tty
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +16,7 @@ from intelhex import IntelHex
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = Path(os.environ.get("HAPTOGRAM_PROGRAM", ROOT / "build/release/host/cli/haptogram")).resolve()
 
+RATE_NOTE = r"haptogram: \S+: it answers at \d+ baud, which is remembered\n"  # once, of the first command at a port
 OK, RUN_FAILED, USAGE, BAD_INPUT, DEVICE = range(5)
 
 # rtl/INTERFACE.md
@@ -52,7 +55,7 @@ def snapshot(folder):
 
 def assert_one_message(result, code, *needles):
     """Exit code, silence on stdout, and one readable message that says what `needles` (regular expressions) ask for."""
-    message = text(result.stderr)
+    message = re.sub(r"\A" + RATE_NOTE, "", text(result.stderr))
     assert result.returncode == code, f"exit {result.returncode}, expected {code}: {message}"
     assert result.stdout in (b"", None), f"stdout holds {result.stdout[:200]!r}"
     assert message.endswith("\n"), f"no message, or no whole line: {message!r}"
@@ -192,6 +195,16 @@ def path_file(folder, steps, modulation=None):
         path["modulation"] = modulation
     (folder / "path.json").write_text(json.dumps(path))
     return "path.json"
+
+
+def open_raw(port):
+    """The port of a virtual board of 1 Mbaud, for a test that speaks to it byte by byte."""
+    descriptor = os.open(port, os.O_RDWR | os.O_NOCTTY)
+    tty.setraw(descriptor)
+    settings = termios.tcgetattr(descriptor)
+    settings[4] = settings[5] = termios.B1000000
+    termios.tcsetattr(descriptor, termios.TCSANOW, settings)
+    return descriptor
 
 
 @contextlib.contextmanager

@@ -46,7 +46,9 @@ def test_warnings(centre, small):
     found = json.loads(succeed(["analyze", "image.hex", "--json"], cwd=small.folder).stdout)  # 8 points in 2 ms: 10 cycles each
     assert any("left before 90 %" in warning for warning in found["warnings"])
     table = succeed(["analyze", "image.hex"], cwd=small.folder).stdout.decode()
-    assert len(table.splitlines()) == 1 + 8 + len(found["warnings"]) + 6 and "no certification" in table
+    assert len(table.splitlines()) == 1 + 8 + len(found["warnings"]) + 7 and "no certification" in table
+    impulse = max(point["impulse_mn_ms"] for point in found["points"])
+    assert f"{impulse:.4g} mN·ms at most (Hoshi 2010, eq. 8)" in table and "eq. 8" in found["source_of_impulse"]
 
 
 def test_loudness_of_one_focus(centre):
@@ -97,3 +99,16 @@ def test_forces_are_over_one_area_and_say_what_they_rest_on(centre, tmp_path):
 def test_a_manifest_that_is_not_there(small):
     small.manifest.unlink()
     refuse(small.folder, ["analyze", "image.hex"], BAD_INPUT, "image.json", outputs=())
+
+
+@pytest.mark.parametrize("height", [400, 3000, 999_999])
+def test_a_focus_that_the_array_cannot_make_is_said_at_once(height, tmp_path):
+    found = json.loads(succeed(["analyze", "--focus", f"0,0,{height}", "--json"], cwd=tmp_path, timeout=5).stdout)
+    assert any(warning.startswith("1 of 1 points are no foci: beyond") for warning in found["warnings"])
+    # A beam that spreads: as wide as a circle of the array's area would make it, to a factor of 2.
+    assert found["points"][0]["width_mm"] == pytest.approx(height * 8.6 / 100, rel=0.5)
+
+
+def test_a_focus_in_the_near_field_is_one(tmp_path):
+    found = json.loads(succeed(["analyze", "--focus", "0,0,200", "--json"], cwd=tmp_path).stdout)
+    assert not any("no foci" in warning for warning in found["warnings"])

@@ -214,3 +214,10 @@ def test_an_unreadable_file(tmp_path):
     result = run(["compile", "loop.ply"], cwd=tmp_path)
     assert result.returncode == BAD_INPUT and b"loop.ply" in result.stderr
     assert [p.name for p in tmp_path.iterdir()] == ["loop.ply"]
+
+
+@pytest.mark.parametrize("page", ["<!DOCTYPE html>\n<html></html>", "\n  <HTML lang=en>"])
+@pytest.mark.parametrize("name", ["shape.stl", "shape.ply", "shape.obj"])
+def test_a_web_page_under_a_shape_s_name(name, page, tmp_path):
+    (tmp_path / name).write_text(page)
+    refuse(tmp_path, ["compile", name, "-o", "image.hex"], BAD_INPUT, name, "HTML", "download the file itself")

@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import time
+from pathlib import Path
 
 import pytest
 import serial
@@ -141,6 +142,7 @@ def test_pyserial_sees_a_serial_port(tmp_path):
     with virtual_board(tmp_path):
         with serial.Serial(str(tmp_path / "port"), 1_000_000, timeout=10) as port:
             port.write(bytes(100) + b"no frame at all\0")
+            time.sleep(0.5)  # until the board has heard it; what it hears after a change of the rate is noise
         assert status(tmp_path)["frames_damaged"] == 1
 
 
@@ -192,7 +194,7 @@ def test_an_image_for_another_board_is_refused_before_a_byte_is_written(tmp_path
     with virtual_board(tmp_path):
         before = status(tmp_path)["frames_good"]
         assert_one_message(run(["upload", "other.hex", "--port", "port"], cwd=tmp_path), BAD_INPUT, "other.hex", "48000000", "50000000")
-        assert status(tmp_path)["frames_good"] == before + 3  # identify; identify and status of this line
+        assert status(tmp_path)["frames_good"] == before + 5  # a question for the rate and identify; the same and status of this line
 
 
 def test_the_ports_are_a_list():
@@ -247,3 +249,23 @@ def test_a_name_that_is_taken(tmp_path):
 def test_a_board_for_so_much_simulated_time(tmp_path):
     said = succeed(["board", "run", "--seconds", "0.01", "--json"], cwd=tmp_path).stdout.splitlines()
     assert json.loads(said[1])["simulated_s"] == pytest.approx(0.01, abs=1e-4)
+
+
+def test_pulses_are_written_as_they_come(tmp_path, image):
+    with virtual_board(tmp_path, "--model", "reference", "--image", image, "--pulses", "pulses.csv") as board:
+        host = subprocess.Popen([str(PROGRAM), "play", "--loops", "0", "--port", "port"], cwd=tmp_path, stdout=subprocess.PIPE)
+        sizes, held = [], []
+        for _ in range(8):
+            time.sleep(1)
+            sizes.append(max((path.stat().st_size for path in tmp_path.glob("*pulses.csv*")), default=0))
+            held.append(int(Path(f"/proc/{board.pid}/statm").read_text().split()[1]) * os.sysconf("SC_PAGESIZE"))
+        host.send_signal(signal.SIGINT)
+        assert host.wait(30) == 0
+        begun = time.monotonic()
+        board.send_signal(signal.SIGINT)
+        board.communicate(timeout=30)
+        assert time.monotonic() - begun < 2
+    assert sizes[-1] > sizes[3] > 1 << 20
+    assert held[-1] - held[3] < 1 << 23, f"{held} bytes in memory while {sizes} were written"
+    rows = (tmp_path / "pulses.csv").read_text().splitlines()
+    assert sum(row.startswith("channel") for row in rows) == 1 and len(rows) > 1 << 16

@@ -6,7 +6,7 @@ import xml.etree.ElementTree
 
 import numpy as np
 import pytest
-from support import BAD_INPUT, USAGE, assert_one_message, read_json, refuse, run, succeed, text
+from support import BAD_INPUT, USAGE, array_for, assert_one_message, read_json, refuse, run, succeed, text
 
 
 def field_of(folder, *arguments):
@@ -154,7 +154,30 @@ def test_a_picture(arguments, small):
     assert not [path.name for path in small.folder.iterdir() if path.name.startswith(".")]
 
 
+def test_what_probes_read_of_an_image_and_of_its_pulses(tmp_path):
+    """Hoshi's measurement, on a small board: a focus under a square of 100 Hz, along x; and the other paper's."""
+    board = ["--board", "small-16-wide", "--array", array_for("small-16-wide", tmp_path)]
+    succeed(["compile", "--shape", "point", "--center", "0,0,60", *board, "--am", "square:100", "-o", "image.hex"], cwd=tmp_path)
+    succeed(["simulate", "image.hex", "--load", "direct", "--passes", 3, "--pulses", "p.csv"], cwd=tmp_path, timeout=120)
+    line = ["--line", "x@y=0,z=60", "--extent", 12, "--step", 3]
+    pins = ["--pulses", "p.csv", "--manifest", "image.json"]
+    (header, asked), (_, measured) = (field_of(tmp_path, *what, *line, "--probe", "hoshi:100") for what in (["image.hex"], pins))
+    names = [f"radiation_pressure_pa_{name}" for name in ("mean", "least", "greatest")]
+    assert header.split(",") == ["x_mm", *names] and np.allclose(asked[:, 1], asked[:, 3], rtol=1e-4)
+    assert np.allclose(measured[:, 1:], asked[:, 1:], rtol=0.03, atol=0.01 * asked[:, 1].max())
+    _, mean = field_of(tmp_path, "image.hex", *line)  # the mean of a square is half of its top, whose 2/π is at 100 Hz
+    assert np.allclose(asked[:, 1], 4 / np.pi * mean[:, 1], rtol=0.03, atol=0.01 * mean[:, 1].max())
+    heard = [field_of(tmp_path, *what, *line, "--probe", "haptogram")[1] for what in (["image.hex"], pins)]
+    assert np.allclose(*heard, rtol=0.03, atol=0.01 * heard[0][:, 1].max())
+    succeed(["field", "image.hex", *line, "--probe", "hoshi:100", "-o", "p.npy"], cwd=tmp_path)
+    succeed(["field", "image.hex", *line, "--probe", "hoshi:100", "-o", "p.png"], cwd=tmp_path)
+    assert np.allclose(np.load(tmp_path / "p.npy"), asked[:, 1:], rtol=1e-4)
+
+
 USAGES = {
+    "an unknown probe": (["--focus", "0,0,100", "--probe", "robot"], "--probe", "hoshi:100"),
+    "a probe of a quantity": (["--focus", "0,0,100", "--probe", "haptogram", "--quantity", "rms"], "exclude"),
+    "a probe of one record": (["image.hex", "--probe", "haptogram", "--record", 1], "exclude"),
     "nothing to make it of": ([], "expected an image"),
     "two at once": (["image.hex", "--focus", "0,0,100"], "exclude"),
     "a focus of two numbers": (["--focus", "0,100"], "--focus", "0,100"),

@@ -285,3 +285,12 @@ def test_a_locale_with_a_decimal_comma(tmp_path):
     succeed(arguments, cwd=tmp_path / "b", env=environment)
     assert snapshot(tmp_path / "a") == snapshot(tmp_path / "b")
     assert [0.5, 0.25, 100.5] in [r["focus_mm"] for r in read_json(tmp_path / "a" / "image.json")["records"]]
+
+
+@pytest.mark.parametrize("command", [["field", "--focus", "0,0,150"], ["analyze", "--focus", "0,0,150", "--json"]], ids=" ".join)
+def test_a_reader_that_has_seen_enough(command, tmp_path):
+    reading, writing = os.pipe()
+    os.close(reading)
+    result = run(command, cwd=tmp_path, stdout=writing)
+    os.close(writing)
+    assert (result.returncode, result.stderr) == (-signal.SIGPIPE, b"")

@@ -10,7 +10,7 @@ import threading
 import tty
 
 import pytest
-from support import BAD_INPUT, DEVICE, PROGRAM, USAGE, assert_one_message, path_file, run, succeed, text
+from support import BAD_INPUT, DEVICE, PROGRAM, USAGE, assert_one_message, open_raw, path_file, run, succeed, text
 
 PAIR = """format = "haptogram-rig-1"
 name = "pair"
@@ -112,10 +112,9 @@ class Cable:
     """A serial line from a program to a board that can be cut and mended. Its port has a name of its own."""
 
     def __init__(self, board):
-        self.board = os.open(board, os.O_RDWR | os.O_NOCTTY)
+        self.board = open_raw(board)
         self.host, self.end = os.openpty()
         tty.setraw(self.end)
-        tty.setraw(self.board)
         self.name = os.ttyname(self.end)
         self.cut, self.playing, self.over = threading.Event(), threading.Event(), threading.Event()
         self.since_enable = None

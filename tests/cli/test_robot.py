@@ -137,6 +137,13 @@ def test_an_overload_is_told_once_and_yielded_to(tmp_path):
     assert found["interference_s"] == 0
 
 
+def test_a_handle_that_turns_over_is_told():
+    arguments = ["simulate", "--push", "0:2:0,0,5", "--duration", 7, "--fault", "broken:4:5"]
+    assert asked(*arguments, code=RUN_FAILED)["most_turn_deg"] > 90
+    assert "it turned over" in text(run(["robot", *arguments], timeout=120).stdout)
+    assert asked("simulate", "--duration", 3, "--fault", "broken:4:1", code=RUN_FAILED)["most_turn_deg"] < 18
+
+
 def test_a_scene_says_what_the_cables_could_not_render():
     found = asked("explore", "cube", "--weight", 60, "--frames", 0, code=RUN_FAILED)
     assert found["most_force_n"] == 60 and found["rendered_n"] == 0 and found["missing_n"] == 60

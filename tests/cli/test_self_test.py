@@ -12,7 +12,7 @@ import tty
 
 import pytest
 from cobs import cobs
-from support import DEVICE, OK, PROGRAM, RUN_FAILED, USAGE, assert_one_message, run, status, succeed, text, virtual_board
+from support import DEVICE, OK, PROGRAM, RUN_FAILED, USAGE, assert_one_message, open_raw, run, status, succeed, text, virtual_board
 
 AUTOMATIC = "link,memories,clock,outputs,watchdog"
 WRITE, SELECT, WATCHDOG, STATUS = 0x02, 0x06, 0x0A, 0x0B
@@ -39,8 +39,7 @@ def unchanged(frame):
 def between(folder, request=unchanged, reply=unchanged):
     """A second port, `folder`/bad, that leads to the first: all frames go through `request` or `reply` without their CRC.
     What those return is sent on; None is lost."""
-    board = os.open(folder / "port", os.O_RDWR | os.O_NOCTTY)
-    tty.setraw(board)
+    board = open_raw(folder / "port")
     ours, theirs = pty.openpty()
     tty.setraw(theirs)
     (folder / "bad").symlink_to(os.ttyname(theirs))

@@ -12,7 +12,7 @@ import time
 import tty
 
 import pytest
-from support import BAD_INPUT, DEVICE, PROGRAM, USAGE, Image, ask, assert_one_message, run, status, succeed, text, virtual_board
+from support import BAD_INPUT, DEVICE, PROGRAM, USAGE, Image, ask, assert_one_message, open_raw, run, status, succeed, text, virtual_board
 
 
 class Cable:
@@ -20,8 +20,7 @@ class Cable:
 
     def __init__(self, folder, board, spoil=lambda data: data):
         self.path, self.spoil = folder / "cable", spoil
-        self.far = os.open(folder / board, os.O_RDWR | os.O_NOCTTY)
-        tty.setraw(self.far)
+        self.far = open_raw(folder / board)
         self.near = self.held = None
         self.carried = 0
         self.lock = threading.Lock()

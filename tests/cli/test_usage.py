@@ -181,3 +181,21 @@ def test_a_cloud_with_more_points_than_the_board_is_thinned(tmp_path):
     refuse(tmp_path, ["compile", "cloud.xyz", "--points", "500"], BAD_INPUT, "500 points", "400")
     succeed(["compile", "cloud.xyz", "--points", 400, "-o", "image.hex"], cwd=tmp_path)
     assert len(read_json(tmp_path / "image.json")["records"]) == 400
+
+
+@pytest.mark.parametrize(("typed", "meant"), [("complie", "compile"), ("simulat", "simulate"), ("device inof", "info"), ("play x", None), ("zzzzzzzz", None)])
+def test_a_mistyped_command(typed, meant, tmp_path):
+    result = run(typed.split(), cwd=tmp_path)
+    assert_one_message(result, USAGE, f"did you mean {meant}\\?" if meant else "haptogram")
+    assert (b"did you mean" in result.stderr) == (meant is not None)
+
+
+def test_a_project_and_a_shape_beside_it(tmp_path):
+    (tmp_path / "ring.toml").write_text('format = "haptogram-project-1"\npoints = 8\n[[shape]]\nkind = "circle"\n')
+    succeed(["compile", "ring.toml", "-o", "image.hex"], cwd=tmp_path)
+    refuse(tmp_path, ["compile", "ring.toml", "--shape", "circle"], USAGE, "--shape", r"ring\.toml", r"\[\[shape\]\]")
+
+
+@pytest.mark.parametrize("number", ["1e300", "-2e6", "1000001"])
+def test_a_place_beyond_all_bounds_is_not_printed_in_300_digits(number, tmp_path):
+    assert_one_message(run(["field", f"--focus=0,0,{number}"], cwd=tmp_path), USAGE, "--focus", r"1e\+06|1000000", "kilometre")

@@ -25,7 +25,7 @@ class Bench:
     def __init__(self, folder, *options):
         self.port, self._csv = folder / "port", folder / "pulses.csv"
         self._process = subprocess.Popen([str(PROGRAM), "board", "run", "--json", "--pty", "port", *options], cwd=folder, stdout=subprocess.PIPE)
-        json.loads(self._process.stdout.readline())
+        self.baud = json.loads(self._process.stdout.readline())["baud"]
 
     def close(self):
         if self._process.poll() is None:
@@ -44,7 +44,7 @@ def wide(tmp_path):
     """The reference board with everything, a session on it, and outputs that go off in the end."""
     bench = Bench(tmp_path, "--board", "small-16-wide", "--model", "reference", "--pulses", "pulses.csv")
     with contextlib.closing(bench):
-        line = page.Line(str(bench.port))
+        line = page.Line(str(bench.port), bench.baud)
         board = page.Board(line)
         board.ask(page.WATCHDOG, 2000)
         board.ask(page.ENABLE)
@@ -166,7 +166,7 @@ def test_a_sequence(wide):
 def test_a_chain_whose_tiles_play_in_step(tmp_path):
     bench = Bench(tmp_path, "--tiles", "2", "--chain", "--speed", "max")
     with contextlib.closing(bench):
-        line = page.Line(str(bench.port))
+        line = page.Line(str(bench.port), bench.baud)
         line.make_chain(2)
         tiles = [page.Board(line, number) for number in (1, 2)]
         for tile, role in zip(tiles, (page.MASTER, page.SLAVE), strict=True):

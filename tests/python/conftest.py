@@ -1,10 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
+import os
 import sys
 
 import boards
 import pytest
 
 sys.path.insert(0, str(boards.PACKAGE))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def own_state(tmp_path_factory):
+    """The rates that programs remember."""
+    os.environ["XDG_STATE_HOME"] = str(tmp_path_factory.mktemp("state"))
 
 
 def pytest_report_header():

@@ -4,6 +4,7 @@ import contextlib
 import os
 import random
 import select
+import termios
 import threading
 import tty
 
@@ -21,6 +22,9 @@ def lossy(port, seed):
     far = os.open(port, os.O_RDWR | os.O_NOCTTY)
     for descriptor in (theirs, far):
         tty.setraw(descriptor)
+    settings = termios.tcgetattr(far)
+    settings[4] = settings[5] = termios.B1000000
+    termios.tcsetattr(far, termios.TCSANOW, settings)
     generator, ended, harm = random.Random(seed), threading.Event(), {"dropped": 0, "damaged": 0}
 
     def survive(data):

@@ -370,3 +370,11 @@ def test_what_is_no_tracking_service_is_named(tmp_path):
     for message, code, needle in ((json.dumps({"version": 5}), DEVICE, "protocol 5"), ("hello", BAD_INPUT, "no Leap service"), ("[]", BAD_INPUT, "no Leap service")):
         with Service([message]) as service:
             refuse(run(leap("--url", service.url), tmp_path), code, needle)
+
+
+@pytest.mark.parametrize("program", ["leap", "realsense"])
+def test_a_full_disk(program, tmp_path):
+    with open("/dev/full", "w") as full:
+        result = run([sys.executable, "-m", f"haptogram.sensors.{program}", "--help"], tmp_path, stdout=full)
+    assert result.returncode == BAD_INPUT
+    assert result.stderr == f"haptogram-{program}: standard output: No space left on device; what was written is incomplete\n"

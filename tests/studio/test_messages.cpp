@@ -71,6 +71,8 @@ TEST_CASE("studio messages: every kind is read, lengths become metres") {
     CHECK(std::get<PathMessage>(read_message(R"({"t":"path","n":3,"document":{"points":9}})")).document["points"] == 9);
     CHECK(std::get<ConnectMessage>(read_message(R"({"t":"connect","n":1,"port":"virtual","scene":"s"})")).port ==
           "virtual");
+    CHECK(std::get<ConnectMessage>(read_message(R"({"t":"connect","n":1,"port":"p","scene":"","baud":115200})")).baud ==
+          115200);
     CHECK(std::get<DisconnectMessage>(read_message(R"({"t":"disconnect","n":2})")).n == 2);
     CHECK(std::get<UploadMessage>(read_message(R"({"t":"upload","n":3,"scene":"s"})")).scene == "s");
     CHECK(std::get<PlayMessage>(read_message(R"({"t":"play","n":4,"scene":"s"})")).n == 4);

@@ -107,7 +107,7 @@ TEST_CASE("studio study: the runner's command has the page's names as words of t
                                                "7",   "--output",   "out.jsonl",     "--observer", "page"};
     REQUIRE(words.size() == 4 + expected.size());
     CHECK(std::vector<std::string>(words.begin() + 4, words.end()) == expected);
-    const std::vector<std::string> playing = study_command(asked, "/folder", StudyPort{"-port", 115200}).words;
+    const std::vector<std::string> playing = study_command(asked, "/folder", BoardPort{"-port", 115200}).words;
     CHECK(std::find(playing.begin(), playing.end(), "--port=-port") != playing.end());
     CHECK(std::find(playing.begin(), playing.end(), "115200") != playing.end());
 }

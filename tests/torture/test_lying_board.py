@@ -129,6 +129,7 @@ def perform(case: Case, image: str) -> Outcome:
         fill(board)
         with board, (place / "out").open("w+") as out, (place / "err").open("w+") as err:
             command = [*PROGRAMS[case.program], *VERBS[case.verb], "--port", board.port + ("#2" if case.verb == "tile-2" else "")]
+            command += ["--baud", "1000000"]  # what is told lies is what comes after its rate was found
             if case.program == "program" and case.verb == "upload":
                 command += ["--wait", "1"]
             begun = time.monotonic()

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <random>
 
+#include "haptogram/acoustics/disc.hpp"
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/acoustics/quantities.hpp"
 #include "haptogram/acoustics/skin_pressure.hpp"
@@ -110,15 +111,13 @@ TEST_CASE("skin: the force on a disc", "[feel]") {
     const Array array = find_array("tile-10x10");
     const Vec3 focus = from_mm(0, 0, 150);
     const SkinForce felt = force_on_skin(array, steady(array, focus), {focus, {0, 0, -2}});
-    // Without the part that grazes the skin, which is little here, the force is that of another quadrature.
-    CHECK(felt.force_n.front() == Approx(force_on_disc(array, focus, 0.02)).epsilon(0.03));
-    CHECK(felt.force_n.front() < force_on_disc(array, focus, 0.02));
+    CHECK(felt.force_n.front() == Approx(steady_force(array, ideal_drives(array, focus), focus)).epsilon(1e-6));
     CHECK(felt.pressure_pa.front() ==
           Approx(radiation_pressure(pressure(array, ideal_drives(array, focus), focus), array.medium)).epsilon(1e-3));
     CHECK(felt.tilt == 1.0);
     CHECK(modulation_depth(felt.force_n) == Approx(0.0).margin(1e-9));
-    // Sums of a finer midpoint rule over the same disc.
-    double sum = 0.0;
+    // Sums of a finer midpoint rule over the same disc, and over a hand's width of skin.
+    double sum = 0.0, wide = 0.0;
     constexpr int across = 60;
     for (int i = 0; i < across; ++i)
         for (int j = 0; j < across; ++j) {
@@ -129,6 +128,17 @@ TEST_CASE("skin: the force on a disc", "[feel]") {
                    (across * across);
         }
     CHECK(felt.force_n.front() == Approx(sum).epsilon(0.005));
+    constexpr double hand_m = 0.08;
+    for (int i = 0; i < 2 * across; ++i)
+        for (int j = 0; j < 2 * across; ++j) {
+            const double step = hand_m / (2 * across), x = (i + 0.5) * step - 0.04, y = (j + 0.5) * step - 0.04;
+            if (std::hypot(x, y) > hand_m / 2) continue;
+            const auto waves = waves_at_patch(array, focus + Vec3{x, y, 0.0}, {0, 0, -1});
+            wide += radiation_pressure(sound_at_patch(waves, ideal_drives(array, focus)), array.medium) * step * step;
+        }
+    CHECK(force_on_skin(array, steady(array, focus), {focus}, hand_m).force_n.front() == Approx(wide).epsilon(0.005));
+    CHECK_THAT(message_of([&] { (void)force_on_skin(array, steady(array, focus), {focus}, 0.21); }),
+               Contains("contact") && Contains("200 mm"));
     CHECK_THAT(message_of([&] { (void)force_on_skin(array, {}, {focus}); }), Contains("nothing is played"));
     CHECK_THAT(message_of([&] { (void)force_on_skin(array, steady(array, focus), {focus}, 0.0); }),
                Contains("contact"));
@@ -136,6 +146,37 @@ TEST_CASE("skin: the force on a disc", "[feel]") {
                    (void)force_on_skin(array, steady(array, focus), {{NAN, 0, 0}});
                }),
                Contains("not finite"));
+}
+
+TEST_CASE("skin: the force over time is the sum of the pressures on the disc", "[feel]") {
+    // Foci in turn, on tilted skin that does not lie in all of them; some drives are weak.
+    const Array array = find_array("tile-10x10");
+    DriveSequence sequence;
+    for (int i = 0; i < 6; ++i) {
+        sequence.drives.push_back(ideal_drives(array, from_mm(12.0 * i - 30, 5.0 * (i % 2), 140)));
+        for (Complex& drive : sequence.drives.back()) drive *= 1.0 - 0.15 * i;
+        sequence.steps.push_back({static_cast<std::size_t>(i), i % 3 == 0 ? 1U : 7U, 1});
+    }
+    const SkinPlace place{from_mm(5, -3, 141), {0.3, 0.2, -1.0}};
+    const SkinForce felt = force_on_skin(array, sequence, place);
+    const Vec3 out = place.normal * (1.0 / norm(place.normal));
+    Vec3 along = Vec3{1.0, 0.0, 0.0} - out * out.x;
+    along = along * (1.0 / norm(along));
+    const Vec3 across = cross(out, along);
+    std::vector<double> sum(sequence.periods());
+    double area = 0.0;
+    for (const DiscNode& node : disc_nodes(default_contact_m, array.wavelength_m())) {
+        area += node.weight;
+        const auto waves = waves_at_patch(array, place.position + along * node.x + across * node.y, out);
+        std::vector<PatchSound> sounds;
+        for (const auto& drives : sequence.drives) sounds.push_back(sound_at_patch(waves, drives));
+        follow(sequence, array.transducer.bandwidth_hz, sounds, [&](std::uint64_t period, const PatchSound& sound) {
+            sum[period] += pi * 1e-4 * node.weight * radiation_pressure(sound, array.medium);
+        });
+    }
+    CHECK(area == Approx(1.0).epsilon(1e-12));
+    REQUIRE(felt.force_n.size() == sum.size());
+    for (std::size_t i = 0; i < sum.size(); ++i) CHECK(felt.force_n[i] == Approx(sum[i]).epsilon(1e-6));
 }
 
 TEST_CASE("skin: what the bandwidth leaves of a square modulation", "[feel]") {
@@ -173,7 +214,7 @@ TEST_CASE("spectrum: lines beside the plain sum", "[feel]") {
     std::mt19937_64 random(Catch::rngSeed());
     std::uniform_real_distribution<double> value(-1.0, 1.0);
     for (const std::size_t count :
-         {std::size_t{1}, std::size_t{2}, std::size_t{3}, std::size_t{97}, std::size_t{360}}) {
+         {std::size_t{1}, std::size_t{2}, std::size_t{3}, std::size_t{97}, std::size_t{202}, std::size_t{360}}) {
         std::vector<double> samples(count);
         for (double& sample : samples) sample = value(random);
         const std::vector<Line> lines = lines_of(samples, 1000.0);

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "haptogram/acoustics/propagation.hpp"
+#include "haptogram/acoustics/skin_pressure.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/robot/feature_mode.hpp"
 #include "haptogram/robot/place.hpp"
@@ -234,7 +235,7 @@ TEST_CASE("fusion: a frame's command gives the output of the magnitude, by the a
     stimulus.points = {from_mm(0, 0, 250), from_mm(30, -20, 250)};
     const Frame frame = pen.play(stimulus);
     REQUIRE(frame.points.size() == 2);
-    // Equal magnitude means equal force: p² sums over a disc are the same at both places, by sums over small cells.
+    // Equal magnitude means equal force: on a disc at both places the sums over small cells are the same.
     double forces[2] = {0.0, 0.0};
     for (std::size_t which = 0; which < 2; ++which) {
         const Vec3 focus = frame.points[which].position;
@@ -242,9 +243,11 @@ TEST_CASE("fusion: a frame's command gives the output of the magnitude, by the a
         constexpr double cell = 1e-3;
         for (double x = -9.5e-3; x < 10e-3; x += cell)
             for (double y = -9.5e-3; y < 10e-3; y += cell)
-                if (std::hypot(x, y) < 10e-3)
-                    forces[which] += std::norm(frame.points[which].setting.command *
-                                               pressure(hoshi(), drives, focus + Vec3{x, y, 0}));
+                if (std::hypot(x, y) < 10e-3) {
+                    const auto waves = waves_at_patch(hoshi(), focus + Vec3{x, y, 0}, {0, 0, -1});
+                    forces[which] += std::pow(frame.points[which].setting.command, 2) *
+                                     radiation_pressure(sound_at_patch(waves, drives), hoshi().medium);
+                }
         // The textbook formula for eq. 10 at 180 Hz gives the output of 2.
         const double g = -12.46, j = 20.88, v = -0.1070 - 2.0;
         REQUIRE(frame.points[which].setting.needed_gf == Approx((-j + std::sqrt(j * j - 4 * g * v)) / (2 * g)));

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "haptogram/acoustics/propagation.hpp"
-#include "haptogram/acoustics/quantities.hpp"
+#include "haptogram/acoustics/skin_pressure.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/process.hpp"
@@ -15,6 +15,7 @@
 #include "haptogram/perception/magnitude.hpp"
 #include "haptogram/perception/path_magnitude.hpp"
 #include "haptogram/perception/setting.hpp"
+#include "haptogram/perception/skin_force.hpp"
 #include "haptogram/perception/staircase.hpp"
 #include "haptogram/perception/tables.hpp"
 #include "haptogram/perception/threshold.hpp"
@@ -222,33 +223,21 @@ TEST_CASE("perception: from a magnitude to a pulse", "[perception]") {
     REQUIRE_THROWS_AS(pulse_duty(1.01), Error);
 }
 
-TEST_CASE("perception: the force on a disc is that of a sum over small cells", "[perception]") {
+TEST_CASE("perception: commands are of the force that analyze and feel tell", "[perception]") {
     Array array = find_array("hoshi-18x18");
     const Vec3 focus = from_mm(10, 0, 200);
-    const double force = force_on_disc(array, focus, 0.02);
-    const auto drives = ideal_drives(array, focus);
-    constexpr int cells = 60;
-    constexpr double width = 0.02 / cells;
-    double sum = 0.0;
-    for (int i = 0; i < cells; ++i)
-        for (int j = 0; j < cells; ++j) {
-            const double x = (i + 0.5) * width - 0.01, y = (j + 0.5) * width - 0.01;
-            if (x * x + y * y > 0.01 * 0.01) continue;
-            const double p = std::abs(pressure(array, drives, focus + Vec3{x, y, 0.0}));
-            const Medium& air = array.medium;
-            sum += p * p / (air.density_kg_m3 * air.speed_m_s * air.speed_m_s) * width * width;
-        }
-    REQUIRE(force == Approx(sum).epsilon(0.003));
+    const double force = full_force(array, focus);
+    REQUIRE(force == steady_force(array, ideal_drives(array, focus), focus));
     REQUIRE(position_factor(array, from_mm(0, 0, 200)) == 1.0);
     REQUIRE(position_factor(array, from_mm(0, 0, 300)) > 1.0);
     REQUIRE(position_factor(array, from_mm(0, 0, 300)) ==
-            Approx(force_on_disc(array, from_mm(0, 0, 200), 0.02) / force_on_disc(array, from_mm(0, 0, 300), 0.02)));
-    REQUIRE_THROWS_AS(force_on_disc(array, from_mm(1000, 0, 10), 0.02), Error);
+            Approx(full_force(array, from_mm(0, 0, 200)) / full_force(array, from_mm(0, 0, 300))));
+    REQUIRE_THROWS_AS(full_force(array, from_mm(1000, 0, 10)), Error);
     // A command is an amplitude: the force of the drives scaled by it is what was needed.
     Wanted wanted;
     const Tables tables = find_tables();
     const Setting setting = setting_for(tables, wanted, array, focus);
-    REQUIRE(setting.full_gf == Approx(0.5 * sum / gram_force_n).epsilon(0.003));
+    REQUIRE(setting.full_gf == Approx(0.5 * force / gram_force_n));
     REQUIRE(setting.command * setting.command * setting.full_gf == Approx(setting.needed_gf));
     REQUIRE(std::sin(pi * setting.pulse_duty) / std::sin(pi * array.duty) == Approx(setting.command));
     array.transducer.source_pa_m /= 10.0;
@@ -374,10 +363,10 @@ TEST_CASE("perception: a path whose foci feel with one magnitude", "[perception]
         double force = 0.0;
         for (double x = -radius + step / 2; x < radius; x += step)
             for (double y = -radius + step / 2; y < radius; y += step)
-                if (x * x + y * y < radius * radius)
-                    force +=
-                        step * step *
-                        radiation_pressure(pressure(array, drives, focus.position + Vec3{x, y, 0.0}), array.medium);
+                if (x * x + y * y < radius * radius) {
+                    const auto waves = waves_at_patch(array, focus.position + Vec3{x, y, 0.0}, {0, 0, -1});
+                    force += step * step * radiation_pressure(sound_at_patch(waves, drives), array.medium);
+                }
         const double command = focus.amplitude / 0.5;  // half was asked of it already
         REQUIRE(0.5 * force * command * command / gram_force_n == Approx(output).epsilon(0.01));
         REQUIRE(command >= made.least_command);
@@ -426,7 +415,7 @@ TEST_CASE("perception: commands from a lattice are those of the places", "[perce
     const Array tile = find_array("tile-10x10");
     // Where the array is just too weak, the lattice is not asked: the place itself decides.
     const double most =
-        magnitude_of_output(fit_at(tables, 180.0), 0.5 * force_on_disc(tile, {0.0, 0.0, 0.2013}, 0.02) / gram_force_n);
+        magnitude_of_output(fit_at(tables, 180.0), 0.5 * full_force(tile, {0.0, 0.0, 0.2013}) / gram_force_n);
     CommandLattice barely(tables, wanted_of(0.9999 * most, "square:180", false), tile);
     CHECK(barely.at({0.0, 0.0, 0.2013}) == Approx(1.0).epsilon(1e-3));
     CommandLattice beyond(tables, wanted_of(1.0001 * most, "square:180", false), tile);

@@ -377,6 +377,29 @@ TEST_CASE("robot: of all ways to connect the corners, the default's workspace is
     CHECK(as_near == 4);  // the default, and the three that are its mirror images
 }
 
+TEST_CASE("robot: of all near sizes that reach as far, none's workspace is nearer to the printed one", "[robot]") {
+    const Geometry shipped = find_geometry();
+    // Every 10 mm of the frame, 2 mm of the handle's width and 4 mm of its height; 172 mm is where 10 N carry the
+    // handle.
+    const auto off = [&](int edge_mm, int width_mm, int height_mm) {
+        Geometry sized = with_edge(shipped, edge_mm * 1e-3);
+        for (Vector3& end : sized.attachments)
+            end = end.cwiseSign().cwiseProduct(Vector3(width_mm, width_mm, height_mm) * 0.5e-3);
+        sized.grip_length_m = height_mm * 1e-3;
+        for (const double height : {0.172, -0.172})
+            if (!infeasible(sized, {{0, 0, height}, Matrix3::Identity()}, sized.weight()).empty()) return 1e9;
+        return std::abs(workspace(sized, 0.030, Turns::one_axis, 15 * degree).volume_m3() * 1e9 - 7.518e6);
+    };
+    const double ours = off(390, 38, 60);
+    CHECK(ours == Approx(0.015e6).margin(0.0005e6));
+    for (int edge = 360; edge <= 420; edge += 10)
+        for (int width = 34; width <= 42; width += 2)
+            for (int height = 52; height <= 68; height += 4) {
+                CAPTURE(edge, width, height);
+                CHECK(off(edge, width, height) >= ours);
+            }
+}
+
 TEST_CASE("robot: useful workspaces", "[robot]") {
     const Geometry geometry = find_geometry();
     const auto volume = [&](double edge, Turns turns) {
@@ -389,6 +412,7 @@ TEST_CASE("robot: useful workspaces", "[robot]") {
     for (const double height : {0.160, -0.160})
         CHECK(infeasible(geometry, {{0, 0, height}, Matrix3::Identity()}, geometry.weight()).empty());
     CHECK(clearance(geometry, {}).cables.distance_m * 1e3 == Approx(28.4).margin(0.05));
+    CHECK(clearance(geometry, {}).cables.words().find("cables 1 and 6 ") == 0);
     CHECK(clearance(geometry, {}).grip.distance_m * 1e3 == Approx(13.55).margin(0.05));
     const Workspace all = workspace(geometry, 0.030, Turns::all_axes, 15 * degree);
     REQUIRE(all.useful.size() == 13 * 13 * 13);

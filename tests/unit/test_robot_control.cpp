@@ -150,23 +150,33 @@ TEST_CASE("robot: the zones on the simulated plant, within half a millimetre", "
         const Simulation found = simulate(pushed("0:3:0,0," + std::to_string(row.force), 12.0));
         REQUIRE(found.events.empty());
         CHECK(height_at(found, 2.97) == Approx(row.held).margin(0.5));
-        CHECK(height_at(found, 12.0) == Approx(row.after).margin(0.75));  // it drifts in Z2
-        if (row.force > 4) CHECK(height_at(found, 4.5) == Approx(row.after).margin(0.5));
+        CHECK(height_at(found, 12.0) == Approx(row.after).margin(0.5));
+        if (row.force > 4) {
+            CHECK(height_at(found, 4.5) == Approx(row.after).margin(0.5));
+            CHECK(height_at(found, 12.0) == Approx(height_at(found, 4.5)).margin(0.03));  // no drift in Z2
+        }
         // The controller's force is the user's.
         CHECK(found.rows[90].measured.z() == Approx(row.force).margin(0.1));
     }
+    // The geometry must reach what 10 N overshoot to.
+    SimulationOptions options = pushed("0:3:0,0,10", 2.0);
+    options.record_s = 0.001;
+    double highest = 0.0;
+    for (const TraceRow& row : simulate(options).rows) highest = std::max(highest, row.position.z() * 1e3);
+    CHECK(highest == Approx(172.0).margin(0.5));
 }
 
 TEST_CASE("robot: return, break-through, coasting and snap in one run", "[robot][simulate]") {
     SimulationOptions options = pushed("", 24.0);
-    options.user = pushing_user({parse_push("1:3:0,0,3"), parse_push("5:8:0,0,8"), parse_push("12:12.6:0,0,-1")});
+    // 8.01 s are whole periods. A release two thirds into one moves the virtual body once more, and it coasts to 92.0.
+    options.user = pushing_user({parse_push("1:3:0,0,3"), parse_push("5:8.01:0,0,8"), parse_push("12:12.6:0,0,-1")});
     const Simulation found = simulate(options);
     REQUIRE(found.events.empty());
-    CHECK(height_at(found, 3.0) == Approx(20.0).margin(0.5));    // 3 N over 150 N/m: not out of Z1
-    CHECK(height_at(found, 5.0) == Approx(0.0).margin(0.5));     // and back
-    CHECK(height_at(found, 8.0) == Approx(140.0).margin(0.5));   // through Z2 into Z3
-    CHECK(height_at(found, 12.0) == Approx(91.2).margin(0.75));  // guided back, and coasting in Z2
-    CHECK(std::abs(height_at(found, 24.0)) < 0.5);               // drawn towards Z1, which catches it
+    CHECK(height_at(found, 3.0) == Approx(20.0).margin(0.5));   // 3 N over 150 N/m: not out of Z1
+    CHECK(height_at(found, 5.0) == Approx(0.0).margin(0.5));    // and back
+    CHECK(height_at(found, 8.0) == Approx(140.0).margin(0.5));  // through Z2 into Z3
+    CHECK(height_at(found, 12.0) == Approx(91.2).margin(0.5));  // guided back, and coasting in Z2
+    CHECK(std::abs(height_at(found, 24.0)) < 0.5);              // drawn towards Z1, which catches it
     double fastest = 0.0;
     for (const TraceRow& row : found.rows)
         if (row.time_s > 12.0) fastest = std::max(fastest, std::abs(row.velocity.z()));
@@ -237,14 +247,23 @@ TEST_CASE("robot: a broken cable is named, and the other seven bring the handle 
         CHECK(has(found, Event::Kind::broken, cable));
         CHECK(found.events[0].time_s < 2.01);
         CHECK(found.steadiness_m < 0.1e-3);
-        if (cable == 3 || cable == 5) {  // without these, and without a hand, the handle turns over; the motors brake
-            CHECK(has(found, Event::Kind::cannot_hold, -1));
-            CHECK(found.rows.back().position.norm() < 0.15);
-            continue;
-        }
         CHECK(found.events.size() == 2);
-        CHECK(found.rows.back().position.norm() < 0.08);  // led to where seven can hold it
-        CHECK(found.rows.back().turn.norm() < 0.05);      // upright
+        CHECK(found.rows.back().position.norm() < 0.06);  // led to where seven can hold it
+        CHECK(found.rows.back().turn.norm() < 0.01);      // upright, and on the way by no more than
+        for (const TraceRow& row : found.rows) CHECK(row.turn.norm() < 18 * std::numbers::pi / 180);
+    }
+}
+
+TEST_CASE("robot: far from home seven cables cannot hold a handle without a hand, and that is said",
+          "[robot][faults]") {
+    for (const int cable : {1, 3, 5, 7}) {
+        CAPTURE(cable);
+        SimulationOptions options = pushed("0:2:0,0,5", 9.0);  // it rests at 102 mm
+        options.faults = {parse_fault("broken:" + std::to_string(cable + 1) + ":5")};
+        const Simulation found = simulate(options);
+        CHECK(has(found, Event::Kind::cannot_hold, -1));
+        CHECK(found.most_turn_rad > 1.0);
+        CHECK(found.steadiness_m < 0.1e-3);
     }
 }
 
@@ -278,11 +297,11 @@ TEST_CASE("robot: a cable breaks under a hand that goes on moving, and the handl
         }
         INFO("turned by " << turn * 180 / std::numbers::pi << " degrees, " << fastest << " m/s, pulled " << pulled
                           << ", at rest " << at_rest);
-        CHECK(turn < 5 * std::numbers::pi / 180);
+        CHECK(turn < 3 * std::numbers::pi / 180);
         CHECK(fastest < 0.5);
         // It gives way a little while the hand pulls now more and now less, and not at all when that stands still.
         CHECK(pulled < (strong ? 0.25 : 0.06));
-        CHECK(at_rest < 0.010);
+        CHECK(at_rest < 0.005);
         CHECK(found.steadiness_m < 0.5e-3);
         CHECK(found.most_n.maxCoeff() < 30.0);  // for a moment, when it breaks
     }
@@ -397,7 +416,8 @@ TEST_CASE("robot: what seven cables hold in every direction, and where", "[robot
         const auto place = refuge(geometry, {}, without(cable), 2.5);
         REQUIRE(place);
         CHECK(force_held(geometry, *place, without(cable)).value() >= 2.5);
-        CHECK(place->position.norm() < 0.0601);
+        CHECK(place->position.norm() > 0.0399);
+        CHECK(place->position.norm() < 0.0501);
         // Away from where the lost cable pulled.
         CHECK(place->position.dot(geometry.anchors[static_cast<std::size_t>(cable)]) < 0.0);
     }
@@ -419,9 +439,10 @@ TEST_CASE("robot: motors yield to a user who is too strong, and bring the handle
     // Forces that eight cables of 10 N cannot hold: 12.5 N to the side, 21.7 N upwards.
     struct Row {
         const char* push;
-        double most_n;
+        double most_n, most_off_m;
     };
-    for (const Row& row : {Row{"1:2:20,0,0", 20.0}, Row{"1:2:0,0,30", 25.0}, Row{"1:2:0,0,-30", 25.0}}) {
+    for (const Row& row :
+         {Row{"1:2:20,0,0", 17.0, 0.15}, Row{"1:2:0,0,30", 19.0, 0.21}, Row{"1:2:0,0,-30", 22.0, 0.26}}) {
         CAPTURE(row.push);
         const Simulation heavy = simulate(pushed(row.push, 5.0));
         for (const Event& event : heavy.events) UNSCOPED_INFO(event.time_s << " s: " << event.text);
@@ -429,20 +450,34 @@ TEST_CASE("robot: motors yield to a user who is too strong, and bring the handle
         CHECK(heavy.events[0].kind == Event::Kind::overload);
         CHECK(heavy.events[0].time_s < 1.1);
         CHECK(heavy.events[0].text.find("N that way are the most") != std::string::npos);
-        CHECK(heavy.most_off_m > 0.05);
-        CHECK(heavy.most_n.maxCoeff() < row.most_n);  // the motors' 10 N, and what their inertia adds
+        CHECK(heavy.most_off_m == Approx(row.most_off_m).margin(0.01));
+        CHECK(heavy.most_n.maxCoeff() ==
+              Approx(row.most_n).margin(1.0));  // the motors' 10 N, and what their inertia adds
         CHECK(heavy.rows.back().position.norm() < 2e-3);
         CHECK(heavy.rows.back().turn.norm() < 0.02);
         CHECK(heavy.steadiness_m < 0.2e-3);
     }
-    // 30 N to the side throw the handle out of the frame, where cables hang, touch and are jerked. That is said, too.
-    const Simulation thrown = simulate(pushed("1:2:30,0,0", 5.0));
-    REQUIRE(thrown.events.size() == 1);
-    CHECK(thrown.events[0].kind == Event::Kind::overload);
-    CHECK(thrown.most_off_m > 0.2);
-    CHECK(thrown.touched_s > 0.0);
-    CHECK(thrown.nearest.room_m < 0.0);
-    CHECK(thrown.rows.back().position.norm() < 2e-3);
+    // 30 N to the side throw the handle to where no tensions hold it upright. It turns over, cables hang and are jerked
+    // by the speed v at which they are taut again: by about v·√(k·m), 60 N at 1 m/s, where the motors hold 5.
+    for (const char* push : {"1:2:30,0,0", "1:2:0,30,0", "1:1.1:30,0,0", "1:2:20,20,0"}) {
+        CAPTURE(push);
+        const Simulation thrown = simulate(pushed(push, 6.0));
+        REQUIRE(thrown.events.size() == 1);
+        CHECK(thrown.events[0].kind == Event::Kind::overload);
+        CHECK(thrown.most_off_m > 0.15);
+        CHECK(thrown.most_off_m < 0.32);
+        CHECK(thrown.most_turn_rad > 1.5);
+        CHECK(thrown.most_n.maxCoeff() < 65.0);
+        CHECK(thrown.touched_s > 0.0);
+        CHECK(thrown.nearest.room_m < 0.0);
+        CHECK(thrown.rows.back().position.norm() < 2e-3);
+        CHECK(thrown.rows.back().turn.norm() < 0.02);
+    }
+    const Geometry geometry = find_geometry();
+    const double cable_n_m = PlantOptions{}.cable_n / cable_lengths(geometry, {})[0];
+    const double motor_kg = ControllerOptions{}.drive_kg;
+    const double together_kg = geometry.mass_kg * motor_kg / (geometry.mass_kg + motor_kg);
+    CHECK(std::sqrt(cable_n_m * together_kg) == Approx(60.0).margin(3.0));
 }
 
 TEST_CASE("robot: the codes for the motors never ask for more than the largest tension", "[robot][faults]") {

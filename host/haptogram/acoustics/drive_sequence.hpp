@@ -35,23 +35,24 @@ struct DriveSequence {
 /// each carrier period. Sums over elements follow in the same way, because all elements have one bandwidth; the
 /// different times of flight, some hundredths of a millisecond, are left out.
 /// @tparam Value  with +, − and a product with a number from the left
-/// @param wanted  one a set of the sequence
+/// @param wanted  one a set of the sequence, which has one at least
 /// @param visit   called with each period's number and its value
 template <class Value, class Visit>
 void follow(const DriveSequence& sequence, double bandwidth_hz, const std::vector<Value>& wanted, Visit visit) {
     const double whole = left_of_difference(bandwidth_hz, 1.0 / sequence.carrier_hz);
     const double half = left_of_difference(bandwidth_hz, 0.5 / sequence.carrier_hz);
-    Value state{};
+    const auto left_after = [&](std::uint64_t periods) {
+        return periods == 1 ? whole
+                            : left_of_difference(bandwidth_hz, static_cast<double>(periods) / sequence.carrier_hz);
+    };
+    Value state = 0.0 * wanted.front();
     if (sequence.repeats) {
         // From rest, a pass ends with some value; for ever, with that over 1 − the rest that a pass leaves.
         for (const DriveSequence::Step& step : sequence.steps) {
-            const double left =
-                left_of_difference(bandwidth_hz, static_cast<double>(step.periods) / sequence.carrier_hz);
-            state = wanted[step.set] + left * (state - wanted[step.set]);
+            const Value difference = state - wanted[step.set];
+            state = wanted[step.set] + left_after(step.periods) * difference;
         }
-        const double left =
-            left_of_difference(bandwidth_hz, static_cast<double>(sequence.periods()) / sequence.carrier_hz);
-        state = (1.0 / (1.0 - left)) * state;
+        state = (1.0 / (1.0 - left_after(sequence.periods()))) * state;
     }
     std::uint64_t period = 0;
     for (const DriveSequence::Step& step : sequence.steps) {

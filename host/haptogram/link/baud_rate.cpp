@@ -8,6 +8,11 @@
 
 namespace haptogram::link {
 
+std::uint32_t baud_rate(int descriptor) {
+    termios2 settings{};
+    return ::ioctl(descriptor, TCGETS2, &settings) == 0 ? settings.c_ospeed : 0;
+}
+
 std::uint32_t set_baud_rate(int descriptor, std::uint32_t baud) {
     termios2 settings{};
     if (::ioctl(descriptor, TCGETS2, &settings) != 0) return 0;

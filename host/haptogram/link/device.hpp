@@ -13,10 +13,7 @@ namespace haptogram::link {
 class Device final : public Client {
 public:
     /// @throws Error{device} when the port cannot be opened or no Haptogram answers
-    explicit Device(const PortSettings& settings) : Client(open_port(settings.port, settings.baud)) {
-        set_interrupt(settings.interrupt);
-        identify();
-    }
+    explicit Device(const PortSettings& settings);
 };
 
 /// A device that has answered.

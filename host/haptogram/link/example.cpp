@@ -13,7 +13,7 @@
 int main(int argc, char** argv) try {
     using namespace haptogram;
     if (argc != 3) throw Error(ErrorCode::bad_argument, "haptogram_example", "expected a port and an image");
-    link::Device board({.port = argv[1], .baud = 1'000'000});
+    link::Device board({.port = argv[1]});
     const Image image = from_intel_hex(read_file(argv[2]), argv[2]);
     link::require_fits(image, board.identity(), argv[2]);
     link::upload(board, image);

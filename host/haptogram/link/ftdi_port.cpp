@@ -170,7 +170,7 @@ void FtdiPort::Port::set_up(std::uint32_t its_baud) {
     const std::uint32_t rate = rate_of(*ftdi, baud);
     // An 8N1 line works while the rates of both ends differ by less than some 4 %.
     if (rate < baud - baud / 50 || rate > baud + baud / 50)
-        throw error(fmt::format("it makes {} baud of {}; ask for a rate that it can do", rate, baud));
+        throw RateRefused(name, fmt::format("it makes {} baud of {}; ask for a rate that it can do", rate, baud));
     require(ftdi_set_baudrate(ftdi.get(), static_cast<int>(baud)));
     require(ftdi_tcioflush(ftdi.get()));  // answers to the questions of an earlier user
 }

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "haptogram/format/interface.hpp"
+#include "haptogram/link/known_rates.hpp"
 #include "haptogram/link/transport.hpp"
 
 namespace haptogram::link {
@@ -13,8 +17,10 @@ namespace haptogram::link {
 struct PortSettings {
     std::string port;  ///< a serial port such as /dev/ttyUSB0, or ftdi:[VID:PID[:SERIAL]]; #N behind it: tile N of the
                        ///< chain there
-    std::uint32_t baud = 1'000'000;  ///< the rate, which the build of the FPGA fixes
-    Interrupt interrupt{};           ///< as Client::set_interrupt() has it
+    std::optional<std::uint32_t> baud{};    ///< the rate, which the build of the FPGA fixes; none: it is found
+    Interrupt interrupt{};                  ///< as Client::set_interrupt() has it
+    std::optional<std::uint32_t> likely{};  ///< the rate that the image is for, to be tried before the known ones
+    std::function<void(const std::string& port, std::uint32_t baud)> found{};  ///< told a rate that was looked for
 };
 
 /// Opens the port of that name: an FTDI chip when the name begins with "ftdi:", else a serial port. With "#2" at its
@@ -22,6 +28,16 @@ struct PortSettings {
 /// @throws Error{bad_argument} when there is no such number of a tile
 /// @throws Error{device} as FtdiPort and SerialPort do, and when this build leaves FTDI out
 [[nodiscard]] std::unique_ptr<Transport> open_port(const std::string& name, std::uint32_t baud);
+
+/// The same at the rate at which a board answers, if none is given: the one that is remembered for the port is tried
+/// first, then the likely one and the known ones, from the fastest on. A board turns its outputs off when it hears
+/// bytes that are slower than its own.
+/// @param question  that is asked: IDENTIFY, or what turns the outputs off
+/// @param rounds    after which nobody is there
+/// @throws LinkLost when no board answers at any rate; Error{device} as above; Interrupted
+[[nodiscard]] std::unique_ptr<Transport> open_port(const PortSettings& settings,
+                                                   interface::Command question = interface::Command::identify,
+                                                   unsigned rounds = probe_rounds);
 
 /// A port that a device may be behind.
 struct PortInfo {

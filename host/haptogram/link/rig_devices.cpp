@@ -29,7 +29,7 @@ std::vector<PortSettings> ports_of(const RigBundle& bundle, const std::vector<st
                                                    bundle.rig, i + 1, bundle.tiles.size()));
         if (std::ranges::find(settings, port, &PortSettings::port) != settings.end())
             throw bad_argument("port", fmt::format("{} is given for two tiles; each has a port of its own", port));
-        settings.push_back({port, baud.value_or(part.core.parameters.baud)});
+        settings.push_back({.port = port, .baud = baud, .likely = part.core.parameters.baud});
     }
     return settings;
 }

@@ -14,7 +14,7 @@ namespace haptogram::link {
 
 /// Where the devices of a rig are.
 /// @param ports  one a tile, in the order of tiles; empty: those that the rig names; one alone: a chain of all tiles
-/// @param baud   of all; by default what the board of each tile has
+/// @param baud   of all; none: what the board of each tile has is likely
 /// @throws Error{bad_argument} naming "port" when there are more or fewer ports than tiles, or one port twice
 [[nodiscard]] std::vector<PortSettings> ports_of(const RigBundle& bundle, const std::vector<std::string>& ports,
                                                  std::optional<std::uint32_t> baud = {});

@@ -67,9 +67,9 @@ SerialPort::SerialPort(const std::string& path, std::uint32_t baud) : port_(std:
     const std::uint32_t rate = set_baud_rate(serial.native_handle(), baud);
     // An 8N1 line works while the rates of both ends differ by less than some 4 %.
     if (rate == 0 || rate < baud - baud / 50 || rate > baud + baud / 50)
-        throw port_->error(rate == 0
-                               ? fmt::format("it refuses {} baud: {}", baud, std::generic_category().message(errno))
-                               : fmt::format("it makes {} baud of {}; ask for a rate that it can do", rate, baud));
+        throw RateRefused(
+            path, rate == 0 ? fmt::format("it refuses {} baud: {}", baud, std::generic_category().message(errno))
+                            : fmt::format("it makes {} baud of {}; ask for a rate that it can do", rate, baud));
 }
 
 SerialPort::~SerialPort() = default;

@@ -19,6 +19,12 @@ public:
     LinkLost(const std::string& where, const std::string& message) : Error(ErrorCode::device, where, message) {}
 };
 
+/// A port cannot be set to a rate.
+class RateRefused : public Error {
+public:
+    RateRefused(const std::string& where, const std::string& message) : Error(ErrorCode::device, where, message) {}
+};
+
 /// The user has asked to end while a board was waited for. What was on is shut off by whoever turned it on.
 class Interrupted : public Error {
 public:

@@ -76,7 +76,6 @@ PathMagnitude multiply(Path& path, Command command) {
     return made;
 }
 
-constexpr double disc_m = 0.02;   // whose force the tables are taken to tell, as in setting_for()
 constexpr double pitch_m = 5e-3;  // of the lattice
 
 }  // namespace
@@ -93,7 +92,7 @@ double CommandLattice::force_at(const std::array<long, 3>& corner) {
     if (is_new) {
         const auto along = [&](std::size_t axis) { return pitch_m * static_cast<double>(corner[axis]); };
         const Vec3 place{along(0), along(1), along(2)};
-        if (array_.unreachable(place).empty()) at->second = force_on_disc(array_, place, disc_m);
+        if (array_.unreachable(place).empty()) at->second = full_force(array_, place);
     }
     return at->second;
 }

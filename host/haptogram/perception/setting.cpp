@@ -3,14 +3,13 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "haptogram/acoustics/propagation.hpp"
-#include "haptogram/acoustics/quantities.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/perception/magnitude.hpp"
+#include "haptogram/perception/skin_force.hpp"
 
 namespace haptogram::perception {
 namespace {
@@ -51,34 +50,13 @@ Error too_much(const Wanted& wanted, const Setting& setting, const std::string& 
 
 }  // namespace
 
-double force_on_disc(const Array& array, Vec3 focus, double diameter_m) {
-    if (!(diameter_m > 0.0 && std::isfinite(diameter_m)))
-        throw bad_argument("diameter", fmt::format("must be a positive length, found {:g} m", diameter_m));
+double full_force(const Array& array, Vec3 focus) {
     if (const std::string why = array.unreachable(focus); !why.empty()) throw impossible("focus", why);
-    // Gauss-Legendre with eight nodes on [−1, 1], half of them; the other half has the opposite signs.
-    constexpr std::array<double, 4> nodes = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
-                                             0.9602898564975363};
-    constexpr std::array<double, 4> weights = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
-                                               0.1012285362903763};
-    constexpr int around = 32;
-    const std::vector<std::complex<double>> drives = ideal_drives(array, focus);
-    const double radius = diameter_m / 2.0;
-    double force = 0.0;
-    for (std::size_t i = 0; i < 2 * nodes.size(); ++i) {
-        const double node = i < nodes.size() ? nodes[i] : -nodes[i - nodes.size()];
-        const double r = radius * (1.0 + node) / 2.0;
-        const double ring = weights[i % weights.size()] * radius / 2.0 * r * 2.0 * pi / around;
-        for (int j = 0; j < around; ++j) {
-            const double angle = 2.0 * pi * j / around;
-            const Vec3 point = focus + Vec3{r * std::cos(angle), r * std::sin(angle), 0.0};
-            force += ring * radiation_pressure(pressure(array, drives, point), array.medium);
-        }
-    }
-    return force;
+    return steady_force(array, ideal_drives(array, focus), focus);
 }
 
-double position_factor(const Array& array, Vec3 focus, Vec3 reference, double diameter_m) {
-    return force_on_disc(array, reference, diameter_m) / force_on_disc(array, focus, diameter_m);
+double position_factor(const Array& array, Vec3 focus, Vec3 reference) {
+    return full_force(array, reference) / full_force(array, focus);
 }
 
 double pulse_duty(double amplitude, double full_duty) {
@@ -104,13 +82,13 @@ Setting setting_for(const Tables& tables, const Wanted& wanted) {
     return setting;
 }
 
-Setting setting_for(const Tables& tables, const Wanted& wanted, const Array& array, Vec3 focus, double diameter_m) {
+Setting setting_for(const Tables& tables, const Wanted& wanted, const Array& array, Vec3 focus) {
     const FrequencyFit fit = fit_at(tables, wanted.frequency_hz);
     Setting setting = felt(tables, wanted, fit);
     // The array's force is computed where the focus is, so its place needs no factor of its own.
     setting.factor = setting.duty_factor / setting.waveform_factor;
     setting.needed_gf = setting.output_gf * setting.factor;
-    setting.full_gf = mean_output(Waveform::square) * force_on_disc(array, focus, diameter_m) / gram_force_n;
+    setting.full_gf = mean_output(Waveform::square) * full_force(array, focus) / gram_force_n;
     if (setting.needed_gf > setting.full_gf) throw too_much(wanted, setting, array.name);
     setting.command = std::sqrt(setting.needed_gf / setting.full_gf);
     setting.pulse_duty = pulse_duty(setting.command, array.duty);

@@ -30,15 +30,13 @@ struct Setting {
     double pulse_duty = 0.0;  ///< of the carrier period: how long the pulse of that command is
 };
 
-/// Force on a disc parallel to the xy plane, N: radiation pressure of a focus there with exact phases and full, steady
-/// drive, α = 2 (Hoshi eq. 1), by Gauss-Legendre quadrature along the radius and the trapezoidal rule around.
-[[nodiscard]] double force_on_disc(const Array& array, Vec3 focus, double diameter_m);
-
-/// F_pl·F_H of Multimodal eq. 13, from physics: the force on a disc around a focus at `reference`, where the tables
-/// were measured, over that around `focus`. It is below 1 where the array is stronger than at the reference.
+/// The force of a focus with exact phases and full, steady drive (steady_force()), N.
 /// @throws Error{bad_input} naming "focus" when the array cannot reach it
-[[nodiscard]] double position_factor(const Array& array, Vec3 focus, Vec3 reference = {0.0, 0.0, 0.2},
-                                     double diameter_m = 0.02);
+[[nodiscard]] double full_force(const Array& array, Vec3 focus);
+
+/// F_pl·F_H of Multimodal eq. 13, from physics: the full force at `reference`, where the tables were measured, over
+/// that at `focus`. It is below 1 where the array is stronger than at the reference. Errors as above.
+[[nodiscard]] double position_factor(const Array& array, Vec3 focus, Vec3 reference = {0.0, 0.0, 0.2});
 
 /// How long a pulse is whose carrier has `amplitude` times that of a pulse of `full_duty`, as a part of the carrier
 /// period: asin(amplitude·sin(π·full_duty))/π (Hoshi eq. 7, solved for the pulse).
@@ -56,10 +54,9 @@ struct Setting {
 [[nodiscard]] Setting setting_for(const Tables& tables, const Wanted& wanted);
 
 /// The same for a focus of an array, from physics: the command is the amplitude of the drive, the root of the needed
-/// force over the array's own on a disc of 20 mm, the tables' area being unknown.
+/// force over the array's full one.
 /// @throws Error{bad_input} naming "focus" when it cannot be reached, and {bad_argument} naming "magnitude" when the
 /// array is too weak there
-[[nodiscard]] Setting setting_for(const Tables& tables, const Wanted& wanted, const Array& array, Vec3 focus,
-                                  double diameter_m = 0.02);
+[[nodiscard]] Setting setting_for(const Tables& tables, const Wanted& wanted, const Array& array, Vec3 focus);
 
 }  // namespace haptogram::perception

@@ -3,75 +3,153 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Dense>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
+#include "haptogram/acoustics/disc.hpp"
 #include "haptogram/acoustics/skin_pressure.hpp"
 #include "haptogram/base/error.hpp"
 
 namespace haptogram::perception {
 namespace {
 
-using std::numbers::pi;
+using Matrix = Eigen::Matrix<std::complex<double>, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using Row = Eigen::RowVectorXcd;
 
-/// Adds what a sequence makes at a point to a sum, with a weight.
-void add_pressure(std::vector<double>& sum, double weight, const Array& array, const DriveSequence& sequence,
-                  Vec3 point, Vec3 normal) {
-    const std::vector<PatchSound> waves = waves_at_patch(array, point, normal);
-    std::vector<PatchSound> wanted;
-    for (const auto& drives : sequence.drives) wanted.push_back(sound_at_patch(waves, drives));
-    follow(sequence, array.transducer.bandwidth_hz, wanted, [&](std::uint64_t period, const PatchSound& sound) {
-        sum[period] += weight * radiation_pressure(sound, array.medium);
+/// Calls visit(weight, waves) for the nodes of a disc on the skin; the weights sum to its area.
+template <class Visit>
+void at_nodes(const Array& array, const SkinPlace& place, double diameter_m, Visit visit) {
+    const Vec3 out = place.normal * (1.0 / norm(place.normal));
+    const Vec3 other = std::abs(out.x) < 0.5 ? Vec3{1.0, 0.0, 0.0} : Vec3{0.0, 1.0, 0.0};
+    Vec3 along = other - out * dot(other, out);
+    along = along * (1.0 / norm(along));
+    const Vec3 across = cross(out, along);
+    const double area = std::numbers::pi * diameter_m * diameter_m / 4.0;
+    for (const DiscNode& node : disc_nodes(diameter_m, array.wavelength_m()))
+        visit(area * node.weight, waves_at_patch(array, place.position + along * node.x + across * node.y, out));
+}
+
+/// The force on a disc as Σ sign·|row·drives|²: a few rows say what hundreds of sounds at the disc's nodes do, because
+/// neighbouring places of a sound field depend on each other.
+struct ForceRows {
+    Eigen::VectorXd factors;  ///< N/(Pa·m)²
+    Matrix rows;
+};
+
+/// An orthonormal basis of some rows, but for parts below 1e-9 of the largest: Gram and Schmidt's method, which takes
+/// the row next of which most is left.
+Matrix basis_of(Matrix left) {
+    Matrix basis(std::min(left.rows(), left.cols()), left.cols());
+    const double largest = left.rowwise().squaredNorm().maxCoeff();
+    Eigen::Index count = 0;
+    for (; count < basis.rows(); ++count) {
+        Eigen::Index at = 0;
+        if (!(left.rowwise().squaredNorm().maxCoeff(&at) > 1e-18 * largest)) break;
+        Row next = left.row(at);
+        // Once more against all before, as rounding leaves some of them.
+        next -= (next * basis.topRows(count).adjoint()) * basis.topRows(count);
+        basis.row(count) = next.normalized();
+        const Eigen::VectorXcd parts = left * basis.row(count).adjoint();
+        left.noalias() -= parts * basis.row(count);
+    }
+    return basis.topRows(count);
+}
+
+ForceRows force_rows(const Array& array, const SkinPlace& place, double diameter_m) {
+    std::vector<Row> sounds, grazing;
+    const auto count = static_cast<Eigen::Index>(array.elements.size());
+    at_nodes(array, place, diameter_m, [&](double weight, const std::vector<PatchSound>& waves) {
+        Row pressure(count), along(count), across(count);
+        for (Eigen::Index m = 0; m < count; ++m) {
+            const PatchSound& wave = waves[static_cast<std::size_t>(m)];
+            pressure[m] = std::sqrt(weight) * wave.pressure;
+            along[m] = std::sqrt(weight) * wave.along;
+            across[m] = std::sqrt(weight) * wave.across;
+        }
+        sounds.push_back(std::move(pressure));
+        grazing.push_back(std::move(along));
+        grazing.push_back(std::move(across));
     });
+    const auto stacked = [count](const std::vector<Row>& rows) {
+        Matrix all(static_cast<Eigen::Index>(rows.size()), count);
+        for (std::size_t i = 0; i < rows.size(); ++i) all.row(static_cast<Eigen::Index>(i)) = rows[i];
+        return all;
+    };
+    const Matrix plus = stacked(sounds), minus = stacked(grazing);
+    Matrix all(plus.rows() + minus.rows(), count);
+    all << plus, minus;
+    const Matrix basis = basis_of(std::move(all));
+    if (basis.rows() == 0) return {};  // the skin faces away from every element
+    // In the basis the force is a Hermitian form; its eigenvectors make it a sum of squares.
+    const Matrix of_plus = plus * basis.adjoint(), of_minus = minus * basis.adjoint();
+    const Eigen::MatrixXcd form = of_plus.adjoint() * of_plus - of_minus.adjoint() * of_minus;
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> parts(form);
+    // What is left out is below 1e-10 of the largest force that drives of one power can make.
+    const Eigen::VectorXd& sizes = parts.eigenvalues();
+    const double least = 1e-10 * sizes.cwiseAbs().maxCoeff();
+    std::vector<Eigen::Index> kept;
+    for (Eigen::Index i = 0; i < sizes.size(); ++i)
+        if (std::abs(sizes[i]) > least) kept.push_back(i);
+    const PatchSound one{1.0, 0.0, 0.0};
+    return {radiation_pressure(one, array.medium) * sizes(kept),
+            parts.eigenvectors()(Eigen::all, kept).adjoint() * basis};
 }
 
 }  // namespace
 
 SkinForce force_on_skin(const Array& array, const DriveSequence& sequence, const SkinPlace& place, double diameter_m) {
     if (!is_finite(place.position)) throw bad_argument("at", "a coordinate is not finite");
-    if (!(diameter_m > 0.0 && std::isfinite(diameter_m)))
-        throw bad_argument("contact", fmt::format("must be a positive length, found {:g} mm", diameter_m / millimetre));
+    if (!(diameter_m > 0.0 && diameter_m <= widest_contact_m))
+        throw bad_argument("contact", fmt::format("must be above 0 and no more than the {:g} mm of a hand, found {:g}",
+                                                  widest_contact_m / millimetre, diameter_m / millimetre));
     const std::uint64_t periods = sequence.periods();
     if (periods == 0) throw bad_input("sequence", "nothing is played; there is nothing to feel");
+    const double bandwidth_hz = array.transducer.bandwidth_hz;
     SkinForce felt;
-    felt.pressure_pa.assign(periods, 0.0);
-    felt.force_n.assign(periods, 0.0);
-    add_pressure(felt.pressure_pa, 1.0, array, sequence, place.position, place.normal);
+    felt.pressure_pa.resize(periods);
+    felt.force_n.resize(periods);
+    const std::vector<PatchSound> waves = waves_at_patch(array, place.position, place.normal);
+    std::vector<PatchSound> sounds;
+    for (const auto& drives : sequence.drives) sounds.push_back(sound_at_patch(waves, drives));
+    follow(sequence, bandwidth_hz, sounds, [&](std::uint64_t period, const PatchSound& sound) {
+        felt.pressure_pa[period] = radiation_pressure(sound, array.medium);
+    });
     const Vec3 out = place.normal * (1.0 / norm(place.normal));
     const double range = norm(place.position);
     const double cosine = range > 0.0 ? -dot(place.position, out) / range : 0.0;
     felt.tilt = cosine > 0.0 ? cosine * cosine : 0.0;
 
-    // Gauss-Legendre with four nodes on [0, 1]; a focus is at least some millimetres wide.
-    constexpr std::array<double, 4> nodes = {0.0694318442029737, 0.3300094782075719, 0.6699905217924281,
-                                             0.9305681557970263};
-    constexpr std::array<double, 4> weights = {0.1739274225687269, 0.3260725774312731, 0.3260725774312731,
-                                               0.1739274225687269};
-    constexpr int around = 12;
-    const Vec3 other = std::abs(out.x) < 0.5 ? Vec3{1.0, 0.0, 0.0} : Vec3{0.0, 1.0, 0.0};
-    Vec3 along = other - out * dot(other, out);
-    along = along * (1.0 / norm(along));
-    const Vec3 across = cross(out, along);
-    const double radius = diameter_m / 2.0;
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-        const double r = radius * nodes[i];
-        const double area = weights[i] * radius * r * 2.0 * pi / around;
-        for (int j = 0; j < around; ++j) {
-            const double angle = 2.0 * pi * (j + 0.5 * static_cast<double>(i % 2)) / around;
-            const Vec3 point = place.position + along * (r * std::cos(angle)) + across * (r * std::sin(angle));
-            add_pressure(felt.force_n, area, array, sequence, point, out);
+    const ForceRows form = force_rows(array, place, diameter_m);
+    // Several rows at a time, their real and imaginary parts apart: the processor adds such numbers in pairs.
+    constexpr Eigen::Index at_once = 8;
+    using Some = Eigen::Array<double, 2 * at_once, 1>;
+    for (Eigen::Index first = 0; first < form.rows.rows(); first += at_once) {
+        const Eigen::Index count = std::min(at_once, form.rows.rows() - first);
+        Some factors = Some::Zero();
+        factors.segment(0, count) = factors.segment(at_once, count) = form.factors.segment(first, count).array();
+        std::vector<Some> wanted(sequence.drives.size(), Some::Zero());
+        for (std::size_t set = 0; set < wanted.size(); ++set) {
+            const auto& drives = sequence.drives[set];
+            const Eigen::Map<const Eigen::VectorXcd> of_set(drives.data(), static_cast<Eigen::Index>(drives.size()));
+            const Eigen::VectorXcd values = form.rows.middleRows(first, count) * of_set;
+            wanted[set].segment(0, count) = values.real().array();
+            wanted[set].segment(at_once, count) = values.imag().array();
         }
+        follow(sequence, bandwidth_hz, wanted, [&](std::uint64_t period, const Some& value) {
+            felt.force_n[period] += (factors * value * value).sum();
+        });
     }
     return felt;
 }
 
-double steady_force(const Array& array, std::span<const std::complex<double>> drives, Vec3 place, double diameter_m) {
-    DriveSequence steady;
-    steady.drives.emplace_back(drives.begin(), drives.end());
-    steady.steps.push_back({0, 1, 1});
-    return force_on_skin(array, steady, {place}, diameter_m).force_n.front();
+double steady_force(const Array& array, std::span<const std::complex<double>> drives, Vec3 place) {
+    double force = 0.0;
+    at_nodes(array, {place}, default_contact_m, [&](double weight, const std::vector<PatchSound>& waves) {
+        force += weight * radiation_pressure(sound_at_patch(waves, drives), array.medium);
+    });
+    return force;
 }
 
 double modulation_depth(const std::vector<double>& signal) {

@@ -9,6 +9,10 @@
 
 namespace haptogram::perception {
 
+/// Diameter of the skin that a force is of unless told otherwise: the papers do not say on what area they measured.
+inline constexpr double default_contact_m = 0.02;
+inline constexpr double widest_contact_m = 0.2;  ///< as long as a hand
+
 /// A place on the skin.
 struct SkinPlace {
     Vec3 position;                ///< metres, array frame
@@ -23,16 +27,15 @@ struct SkinForce {
 };
 
 /// Radiation pressure and force of a sequence on flat, rigid skin (acoustics/skin_pressure.hpp), with the transducers'
-/// bandwidth. The disc is integrated by Gauss-Legendre quadrature along the radius and the trapezoidal rule around.
-/// @param diameter_m  of the disc; 20 mm is what perception/setting.hpp takes for the tables' area
+/// bandwidth. The disc is integrated by disc_nodes() (acoustics/disc.hpp).
+/// @param diameter_m  of the disc
 /// @throws Error{bad_argument} for places that are not finite, normals without direction and diameters that are not
-/// positive; Error{bad_input} for a place at an element, or a sequence of nothing
+/// positive or beyond the widest; Error{bad_input} for a place at an element, or a sequence of nothing
 [[nodiscard]] SkinForce force_on_skin(const Array& array, const DriveSequence& sequence, const SkinPlace& place,
-                                      double diameter_m = 0.02);
+                                      double diameter_m = default_contact_m);
 
-/// The force of drives that do not change, on such a disc that faces the array, N.
-[[nodiscard]] double steady_force(const Array& array, std::span<const std::complex<double>> drives, Vec3 place,
-                                  double diameter_m = 0.02);
+/// The force of drives that do not change, on a disc of that default which faces the array, N.
+[[nodiscard]] double steady_force(const Array& array, std::span<const std::complex<double>> drives, Vec3 place);
 
 /// (largest − least)/(largest + least) of a signal that is not negative: 1 when it falls to 0, 0 when it is steady or
 /// silent.

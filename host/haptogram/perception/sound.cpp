@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptogram/perception/sound.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <limits>
 #include <numbers>
+#include <set>
+#include <utility>
 
 #include "haptogram/acoustics/field.hpp"
 #include "haptogram/acoustics/quantities.hpp"
@@ -34,9 +37,12 @@ double reference(const Array& array) {
 
 double largest_step(const DriveSequence& sequence) {
     double largest = 0.0;
+    std::set<std::pair<std::size_t, std::size_t>> seen;
     for (std::size_t i = sequence.repeats ? 0 : 1; i < sequence.steps.size(); ++i) {
-        const auto& before = sequence.drives[sequence.steps[i == 0 ? sequence.steps.size() - 1 : i - 1].set];
-        const auto& now = sequence.drives[sequence.steps[i].set];
+        const std::pair sets(sequence.steps[i == 0 ? sequence.steps.size() - 1 : i - 1].set, sequence.steps[i].set);
+        if (!seen.insert(sets).second) continue;
+        const auto& before = sequence.drives[sets.first];
+        const auto& now = sequence.drives[sets.second];
         for (std::size_t m = 0; m < now.size(); ++m)
             if (now[m] != 0.0 && before[m] != 0.0)
                 largest = std::max(largest, std::abs(std::arg(now[m] * std::conj(before[m]))));
@@ -61,11 +67,18 @@ Noise noise_of(const Array& array, const DriveSequence& sequence) {
     const std::uint64_t periods = sequence.periods();
     if (periods == 0) throw bad_input("sequence", "nothing is played; there is nothing to hear");
     std::vector<double> squares(periods);
-    std::vector<std::complex<double>> wanted(sequence.drives.size());
-    for (std::size_t m = 0; m < array.elements.size(); ++m) {
-        for (std::size_t set = 0; set < wanted.size(); ++set) wanted[set] = sequence.drives[set][m];
+    // Several elements at a time, which the processor does in about the time of one.
+    constexpr std::size_t at_once = 8;
+    using Some = Eigen::Array<double, 2 * at_once, 1>;
+    for (std::size_t first = 0; first < array.elements.size(); first += at_once) {
+        std::vector<Some> wanted(sequence.drives.size(), Some::Zero());
+        for (std::size_t set = 0; set < wanted.size(); ++set)
+            for (std::size_t i = 0; i < at_once && first + i < array.elements.size(); ++i) {
+                wanted[set][static_cast<Eigen::Index>(2 * i)] = sequence.drives[set][first + i].real();
+                wanted[set][static_cast<Eigen::Index>(2 * i + 1)] = sequence.drives[set][first + i].imag();
+            }
         follow(sequence, array.transducer.bandwidth_hz, wanted,
-               [&](std::uint64_t period, std::complex<double> carrier) { squares[period] += std::norm(carrier); });
+               [&](std::uint64_t period, const Some& carriers) { squares[period] += carriers.square().sum(); });
     }
     Noise noise;
     noise.largest_step_deg = largest_step(sequence);
@@ -112,7 +125,9 @@ Exposure loudest_around(const Array& array, const DriveSequence& sequence, doubl
             points.push_back(
                 {radius_m * std::sin(a) * std::cos(b), radius_m * std::sin(a) * std::sin(b), radius_m * std::cos(a)});
         }
-    const std::vector<float> means = mean_square_pressure_at(array, weighted(sequence), points);
+    FieldOptions options;
+    options.threads = 0;
+    const std::vector<float> means = mean_square_pressure_at(array, weighted(sequence), points, options);
     const auto at = static_cast<std::size_t>(std::max_element(means.begin(), means.end()) - means.begin());
     return exposure(array, sequence, {&points[at], 1}).front();
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptogram/perception/spectrum.hpp"
 
-#include <bit>
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <cstdint>
@@ -13,10 +13,22 @@ namespace {
 
 using Complex = std::complex<double>;
 
+/// The next number that has no factors but 2, 3 and 5.
+std::size_t without_large_factors(std::size_t least) {
+    std::size_t best = SIZE_MAX;
+    for (std::size_t fives = 1; fives < 5 * least; fives *= 5)
+        for (std::size_t threes = fives; threes < 3 * least; threes *= 3) {
+            std::size_t number = threes;
+            while (number < least) number *= 2;
+            best = std::min(best, number);
+        }
+    return best;
+}
+
 /// Σ samples[n]·e^{−2πjkn/N} for all k, by Bluestein's chirp: with kn = (k² + n² − (k − n)²)/2 the sum is a
-/// convolution, which transforms of a power of two do. So every number of samples takes about as long.
-std::vector<Complex> transformed(std::span<const double> samples) {
-    const std::size_t count = samples.size(), padded = std::bit_ceil(2 * count);
+/// convolution, which transforms of numbers without large factors do. So every number of samples takes about as long.
+std::vector<Complex> transformed(std::span<const Complex> samples) {
+    const std::size_t count = samples.size(), padded = without_large_factors(2 * count);
     std::vector<Complex> chirp(count), signal(padded), kernel(padded), a, b;
     for (std::size_t n = 0; n < count; ++n) {
         // n² modulo 2N, so that the angle stays small and exact.
@@ -34,6 +46,22 @@ std::vector<Complex> transformed(std::span<const double> samples) {
     b.resize(count);
     for (std::size_t k = 0; k < count; ++k) b[k] *= chirp[k];
     return b;
+}
+
+/// The same of real samples, for k ≤ N/2. An even number of them goes in as half as many complex ones.
+std::vector<Complex> transformed(std::span<const double> samples) {
+    if (samples.size() % 2 != 0) return transformed(std::vector<Complex>(samples.begin(), samples.end()));
+    const std::size_t half = samples.size() / 2;
+    std::vector<Complex> pairs(half), found(half + 1);
+    for (std::size_t n = 0; n < half; ++n) pairs[n] = {samples[2 * n], samples[2 * n + 1]};
+    const std::vector<Complex> sums = transformed(pairs);
+    for (std::size_t k = 0; k <= half; ++k) {
+        const Complex here = sums[k % half], mirrored = std::conj(sums[(half - k) % half]);
+        const Complex turn =
+            std::polar(0.5, -std::numbers::pi * (static_cast<double>(k) / static_cast<double>(half) + 0.5));
+        found[k] = 0.5 * (here + mirrored) + turn * (here - mirrored);
+    }
+    return found;
 }
 
 }  // namespace

@@ -121,8 +121,16 @@ void Controller::lead_by_tensions() {
             "the cables that are left have lost the handle, which turns over; the motors wind in and let out no more");
     }
     if (braking_) return brake();
+    if (tumbles()) {
+        led_ = here.position;
+        led_m_s_ = 0.0;
+        pulls_ = PerCable::Constant((geometry_.least_n + geometry_.most_n) / 2.0);
+        keeping_up_ = options_.loose_n_s_m * speeds_;
+        return;
+    }
     if (!refuge_) {
         led_ = here.position;
+        alone_ = time_ - felt_s_ > options_.alone_s;
         refuge_ = refuge(geometry_, here, cable_good_, options_.refuge_n);
         if (!refuge_) {
             refuge_ = Pose{here.position, Matrix3::Identity()};
@@ -149,12 +157,25 @@ void Controller::lead_by_tensions() {
             speeds[i] = 0.0;
         }
     const Wrench velocity = lengthening.colPivHouseholderQr().solve(speeds);
-    Wrench wanted = -geometry_.weight();
-    wanted.head<3>() +=
-        options_.rest_n_m * (led_ - here.position) + options_.rest_n_s_m * (stride / dt - Vector3(velocity.head<3>()));
-    wanted.tail<3>() +=
-        -options_.rest_n_m_rad * vector_of(here.rotation) - options_.rest_n_m_s_rad * Vector3(velocity.tail<3>());
-    pulls_ = nearest_tensions(structure, wanted, geometry_.least_n, geometry_.most_n, cable_good_, pulls_);
+    // Where it is not at rest anyway it is damped more, because it may have to be stopped.
+    const double damping = yielding_ && way.norm() > 0.0 ? 2.0 : 1.0;
+    Wrench wanted;
+    wanted << options_.rest_n_m * (led_ - here.position) +
+                  damping * options_.rest_n_s_m * (stride / dt - Vector3(velocity.head<3>())),
+        -options_.rest_n_m_rad * vector_of(here.rotation) -
+            damping * options_.rest_n_m_s_rad * Vector3(velocity.tail<3>());
+    Wrench weight = geometry_.weight();
+    Structure effect = structure;
+    if (alone_) {
+        const Eigen::Matrix<double, 6, 6> moved = moved_by(structure);
+        weight = moved * weight;
+        effect = moved * effect;
+        // A handle that turns over cannot be brought back, one that moves can.
+        constexpr double turns_count = 10.0 / 3.0;  // more than they do anyway
+        for (Wrench* one : {&wanted, &weight}) one->tail<3>() *= turns_count;
+        effect.bottomRows<3>() *= turns_count;
+    }
+    pulls_ = nearest_tensions(effect, wanted - weight, geometry_.least_n, geometry_.most_n, cable_good_, pulls_);
     // The motors go along with the handle, so that no cable hangs and then is jerked.
     if (yielding_) keeping_up_ = options_.damping_n_s_m * (speeds - lengthening * velocity);
 
@@ -166,6 +187,30 @@ void Controller::lead_by_tensions() {
             fmt::format("the user is stronger than the cables that are left, which hold {:.1f} N in every direction; "
                         "they slow the handle down",
                         force_held(geometry_, *refuge_, cable_good_).value_or(0.0)));
+}
+
+/// The accelerations that a wrench causes, as the wrenches that would cause each of them alone. The motors go along
+/// with a handle, and their inertia makes a force turn it. (A hand, whose mass is not known, keeps it from that.)
+Eigen::Matrix<double, 6, 6> Controller::moved_by(const Structure& structure) const {
+    Eigen::Matrix<double, 6, 6> inertia = Eigen::Matrix<double, 6, 6>::Zero();
+    inertia.diagonal().head<3>().setConstant(geometry_.mass_kg);
+    inertia.bottomRightCorner<3, 3>() =
+        pose_.rotation * geometry_.inertia_kg_m2.asDiagonal() * pose_.rotation.transpose();
+    for (int i = 0; i < cable_count; ++i)
+        if (cable_good_[static_cast<std::size_t>(i)])
+            inertia += options_.drive_kg * structure.col(i) * structure.col(i).transpose();
+    return inertia.diagonal().asDiagonal() * inertia.inverse();
+}
+
+/// Far outside no tensions keep a handle upright, and a wrench that is wanted in vain makes cables hang, which are
+/// jerked when they are taut again. Each cable for itself keeps the middle of the limits then, and is damped.
+bool Controller::tumbles() {
+    const double fastest = speeds_.cwiseAbs().maxCoeff();
+    if (yielding_ && fastest > options_.tumbling_m_s && vector_of(pose_.rotation).norm() > options_.turned_rad)
+        tumbling_ = true;
+    calm_ticks_ = fastest < options_.calm_m_s ? calm_ticks_ + 1 : 0;
+    if (static_cast<double>(calm_ticks_) * options_.servo_period_s > options_.calm_s) tumbling_ = false;
+    return tumbling_;
 }
 
 /// The last resort, which needs no pose: the motors take in what a cable gives, and let out nothing, up to the limit of
@@ -271,11 +316,14 @@ void Controller::period() {
     cable_sum_.setZero();
     Wrench inertia = Wrench::Zero();
     inertia.head<3>() = geometry_.mass_kg * wanted_.acceleration.head<3>();
+    if (user_.head<3>().norm() > options_.hand_n) felt_s_ = time_;  // a period late: a cable that breaks is no hand
     user_ = all_tensions ? Wrench(inertia - cables - geometry_.weight()) : Wrench::Zero();
 
     AdmittanceState next = wanted_;
     if (!resting_) {
-        next = admit(wanted_, user_ + scene_, options_.admittance);
+        Wrench felt = user_;
+        if (felt.head<3>().norm() < options_.unfelt_n) felt.head<3>().setZero();
+        next = admit(wanted_, felt + scene_, options_.admittance);
         if (const std::string why = infeasible(geometry_, next.pose(), geometry_.weight()); !why.empty()) {
             report(Event::Kind::out_of_reach, -1,
                    fmt::format("({:.1f}, {:.1f}, {:.1f}) mm is out of reach: {}", next.place[0] * 1e3,

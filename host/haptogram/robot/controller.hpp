@@ -21,8 +21,13 @@ struct ControllerOptions {
     double reserve_n = 3.0;      ///< asked on top of the least tension, so that none falls below it in motion
     double drive_kg = 0.21;      ///< a motor's inertia, seen at the cable
     double tension_gain = 0.05;  ///< of the tension controller: part of an error that it takes back in one period
+    double unfelt_n = 0.03;      ///< a force below it is nobody's. The mean of a period has 6 mN of the sensors' noise,
+                                 ///< and the stretch of the cables looks like 1 mN: in Z2 these would add up to a way
     // Faults.
-    double turned_rad = 0.35;  ///< seven cables have lost a handle that is turned by so much: the motors brake
+    double turned_rad = 0.35;  ///< a handle that is turned by so much is lost to seven cables: the motors brake
+    double tumbling_m_s = 0.5, calm_m_s = 0.1, calm_s = 0.1;  ///< and to eight at such a speed of a cable: until they
+                                                              ///< are calm for so long, each motor damps its own cable
+    double loose_n_s_m = 20.0;                                ///< by this
     double slack_n = 0.1, slack_s = 0.003;  ///< a sensor below the one for the other: the cable is slack
     double kicked_s = 0.050;                ///< and so long when the user pushes hard
     double leash_m = 0.004;                 ///< that far ahead of a handle that is pushed away goes what leads it back
@@ -31,11 +36,13 @@ struct ControllerOptions {
     double mismatch_m = 0.001;              ///< of lengths that no pose has: an encoder has slipped
     double refuge_n = 2.5;  ///< force that the place where seven cables hold the handle shall bear in every direction.
                             ///< More is found farther away, where a hand that stays behind pulls more
-    double refuge_m_s = 0.3, refuge_m_s2 = 3.0;        ///< speed and acceleration with which they lead it there
-    double rest_n_m = 3000.0, rest_n_s_m = 100.0;      ///< of the handle about that place
-    double rest_n_m_rad = 12.0, rest_n_m_s_rad = 0.1;  ///< the same of its turns
-    double carried_m = 0.010, carried_s = 0.25;        ///< that far from it for so long: the user is stronger
-    double silent_s = 0.005, frozen_s = 0.050;         ///< a sensor that does not answer, or always the same
+    double refuge_m_s = 0.3, refuge_m_s2 = 3.0;   ///< speed and acceleration with which they lead it there
+    double rest_n_m = 3000.0, rest_n_s_m = 50.0;  ///< of the handle about that place. Twice these dampings, and
+    double rest_n_m_rad = 12.0,
+           rest_n_m_s_rad = 0.05;                ///< servo and cables shake at 141 Hz; the second is of its turns
+    double hand_n = 0.1, alone_s = 1.0;          ///< no force above the one for the other: no hand is at the handle
+    double carried_m = 0.010, carried_s = 0.25;  ///< that far from it for so long: the user is stronger
+    double silent_s = 0.005, frozen_s = 0.050;   ///< a sensor that does not answer, or always the same
 };
 
 /// Something that the controller noticed. After a fault the handle is brought to rest.
@@ -85,9 +92,11 @@ private:
     [[nodiscard]] bool whole() const;
     [[nodiscard]] bool by_tensions() const { return resting_ && (yielding_ || !whole()); }
     void lead_by_tensions();
+    [[nodiscard]] bool tumbles();
     void find_pose();
     [[nodiscard]] PerCable servo_pulls();
     [[nodiscard]] std::array<std::int16_t, cable_count> codes_of(const PerCable& pulls);
+    [[nodiscard]] Eigen::Matrix<double, 6, 6> moved_by(const Structure& structure) const;
     void brake();
     void believe_lengths();
 
@@ -111,10 +120,12 @@ private:
     std::optional<Pose> refuge_;     ///< where the cables that are left shall hold the handle
     Vector3 led_ = Vector3::Zero();  ///< where they are to hold it now, on the way there
     double led_m_s_ = 0.0;
-    long carried_ticks_ = 0;
+    long carried_ticks_ = 0, calm_ticks_ = 0;
     PerCable braked_ = PerCable::Zero();      ///< lengths that the brakes hold
     PerCable keeping_up_ = PerCable::Zero();  ///< pull with which the motors follow a handle that is pushed away
-    bool braking_ = false;
+    bool braking_ = false, tumbling_ = false;
+    bool alone_ = false;     ///< without a hand, when a cable was lost
+    double felt_s_ = -1e9;   ///< when a hand was felt last
     bool yielding_ = false;  ///< to a user who is stronger than eight cables
     bool resting_ = false;
     long saturated_ = 0;

@@ -160,6 +160,7 @@ Simulation simulate(const SimulationOptions& options, const Progress& progress) 
         result.most_n = result.most_n.cwiseMax(plant.tensions());
         result.most_off_m =
             std::max(result.most_off_m, (plant.pose().position - Vector3(controller.wanted().place.head<3>())).norm());
+        result.most_turn_rad = std::max(result.most_turn_rad, vector_of(plant.pose().rotation).norm());
         watch_room(result, clearance(options.geometry, plant.pose()).least(), plant.time_s(), tick_s);
         if (tick >= last_second) {
             result.fastest_end_m_s = std::max(result.fastest_end_m_s, plant.velocity().norm());

@@ -63,6 +63,7 @@ struct Simulation {
     double steadiness_m = 0.0;           ///< largest distance between two of the handle's places in the last second
     long saturated = 0;                  ///< codes beyond the converter
     double most_off_m = 0.0;             ///< largest distance of the handle from the virtual body
+    double most_turn_rad = 0.0;          ///< by which the handle was turned
     Nearness nearest;                    ///< where cables had the least room among themselves or beside the grip,
     double nearest_s = 0.0;              ///< when that was,
     double touched_s = 0.0;              ///< and for how long in all there was interference

@@ -66,6 +66,12 @@ Shape load_shape(const std::filesystem::path& path, double metres_per_unit, std:
     if (std::filesystem::is_directory(path, ignored)) throw bad_input(name, "is a directory; name a shape file in it");
     const ShapeFormat format = shape_format(name);
     const std::string content = read_file(path);
+    const std::string begin = lower_case(std::string_view(content).substr(0, 200));
+    const std::size_t first = begin.find_first_not_of(" \t\r\n\xef\xbb\xbf");
+    if (first != std::string::npos &&
+        (begin.compare(first, 9, "<!doctype") == 0 || begin.compare(first, 5, "<html") == 0))
+        throw bad_input(name,
+                        "found a web page (HTML), expected a shape; download the file itself, not the page about it");
     if (content_sha256 != nullptr) *content_sha256 = sha256(content);
     return load_shape(content, format, name, metres_per_unit);
 }

@@ -3,7 +3,33 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <numbers>
+
 namespace haptogram {
+namespace {
+
+/// How far from its middle an array can make a focus: its near field, the square of its width over four wavelengths.
+/// Beyond it, whatever the phases are, the sound is strongest nearer to the array.
+double farthest_focus(const Array& array) {
+    Vec3 low = array.elements.front().position, high = low;
+    for (const Element& element : array.elements) {
+        const Vec3& p = element.position;
+        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+    // Across a square; the way from corner to corner is longer.
+    const double width = norm(high - low) / std::numbers::sqrt2 + 2.0 * array.transducer.radius_m;
+    return width * width / 4.0 / array.wavelength_m();
+}
+
+Vec3 middle_of(const Array& array) {
+    Vec3 sum{};
+    for (const Element& element : array.elements) sum = sum + element.position;
+    return sum * (1.0 / static_cast<double>(array.elements.size()));
+}
+
+}  // namespace
 
 ImageAnalysis analyze(const Timeline& timeline, double least_force_n, const Progress& progress) {
     const Manifest& manifest = timeline.manifest;
@@ -14,6 +40,9 @@ ImageAnalysis analyze(const Timeline& timeline, double least_force_n, const Prog
     std::size_t weak = 0;
     std::size_t short_dwells = 0;
     std::size_t unheard = 0;
+    std::size_t far = 0;
+    const double farthest = farthest_focus(manifest.array);
+    const Vec3 middle = middle_of(manifest.array);
     for (std::size_t i = 0; i < sets.size(); ++i) {
         if (sets[i].drives.empty()) ++unheard;
         for (const Focus& focus : sets[i].foci) {
@@ -26,6 +55,7 @@ ImageAnalysis analyze(const Timeline& timeline, double least_force_n, const Prog
             point.impulse_ns =
                 point.focus.force_n * static_cast<double>(point.dwell_cycles) / manifest.array.carrier_hz;
             point.too_weak = point.focus.force_n < least_force_n;
+            far += norm(focus.position - middle) > farthest ? 1 : 0;
             weak += point.too_weak ? 1 : 0;
             short_dwells += !rests && point.dwell_cycles < point.focus.dwell_cycles ? 1 : 0;
             result.points.push_back(point);
@@ -36,6 +66,11 @@ ImageAnalysis analyze(const Timeline& timeline, double least_force_n, const Prog
     if (unheard > 0)
         result.warnings.push_back(fmt::format(
             "{} of {} sets of foci have no pulse in what was measured; simulate a whole pass", unheard, sets.size()));
+    if (far > 0)
+        result.warnings.push_back(fmt::format(
+            "{} of {} points are no foci: beyond {:.0f} mm, the near field of an array of this width, the sound is "
+            "strongest nearer to it; bring them closer, or take a wider array",
+            far, points, farthest / millimetre));
     if (weak > 0)
         result.warnings.push_back(fmt::format("{} of {} points may be too weak to feel: less than {} mN in their focus",
                                               weak, points, least_force_n * 1e3));

@@ -178,7 +178,7 @@ Feeling feel(const Timeline& timeline, const FeelOptions& options, const Progres
     const Array& array = timeline.manifest.array;
     const DriveSequence sequence = sequence_of(timeline);
     const Path places = places_of(timeline.manifest, sequence);
-    if (sequence.periods() == 0) throw bad_input(timeline.name, "nothing is timeline; there is nothing to feel");
+    if (sequence.periods() == 0) throw bad_input(timeline.name, "nothing is played; there is nothing to feel");
     if (options.most_places == 0) throw bad_argument("places", "found 0, expected at least 1");
     const std::vector<Vec3> foci = different_places(places);
     const std::vector<Vec3> at = options.at.empty() ? evenly_chosen(foci, options.most_places) : options.at;

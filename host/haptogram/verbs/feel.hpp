@@ -21,8 +21,8 @@ struct FeelOptions {
     std::vector<SkinRegion> skin;  ///< of a hand: each place moves to the nearest one on it, and has its normal and its
                                    ///< region, instead of those given here
     std::size_t most_places = 8;   ///< of the foci, evenly chosen
-    double contact_m = 0.02;       ///< diameter of the skin that a force is of
-    std::vector<Vec3> ears;        ///< of listeners
+    double contact_m = perception::default_contact_m;  ///< diameter of the skin that a force is of
+    std::vector<Vec3> ears;                            ///< of listeners
     perception::Region region = perception::Region::palm;
     double grip_n = 1.0;  ///< that the hand holds at the same time; of a bare hand 1 N is an upper bound
     perception::Tables tables;

@@ -73,6 +73,7 @@ Field field(const Excitation& excitation, const Region& region, Quantity quantit
                                {"record"});
         found.quantity = "pressure_pa";
         found.parts.resize(2);
+        found.names = {"real", "imag"};
         const PressureField pressure = pressure_field(array, excitation.drives.front(), region.grid, options);
         found.method = pressure.method;
         found.error = pressure.error;

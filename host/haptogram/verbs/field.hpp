@@ -39,7 +39,7 @@ struct Field {
     Region region;
     std::string quantity;                   ///< its name in files, such as "radiation_pressure_pa"
     std::string label;                      ///< its name in pictures, such as "radiation pressure / Pa"
-    std::vector<std::vector<float>> parts;  ///< one, or the real and the imaginary part; a value a point each
+    std::vector<std::vector<float>> parts;  ///< one, or one a name; a value a point each
     std::vector<Vec3> marks;                ///< focal points that were asked for, metres
     std::string title;
     FieldMethod method = FieldMethod::sums;  ///< how it was computed
@@ -47,6 +47,7 @@ struct Field {
     /// at any of the points.
     double error = 0.0;
     Quantity kind = Quantity::rms;
+    std::vector<std::string> names{};  ///< of several parts, such as real and imag
 };
 
 /// The field of an excitation over a region.

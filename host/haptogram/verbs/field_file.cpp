@@ -35,6 +35,16 @@ std::string direction_of(const Pose& pose) {
                        y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z);
 }
 
+std::string name_of(const Field& field, std::size_t part) {
+    return field.names.empty() ? field.quantity : fmt::format("{}_{}", field.quantity, field.names[part]);
+}
+
+/// The one value of a point that a picture or a surface shows: of several readings the greatest.
+Field shown(Field field) {
+    if (field.parts.size() > 1) field.parts = {field.parts.back()};
+    return field;
+}
+
 template <class Value>
 void append(std::string& bytes, const Value& value) {
     bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
@@ -46,10 +56,9 @@ std::string to_csv(const Field& field) {
     fmt::memory_buffer text;
     for (const char axis : field.region.axes) fmt::format_to(std::back_inserter(text), "{}_mm,", axis);
     if (field.region.pose) fmt::format_to(std::back_inserter(text), "x_mm,y_mm,z_mm,");
-    if (field.parts.size() == 1)
-        fmt::format_to(std::back_inserter(text), "{}\n", field.quantity);
-    else
-        fmt::format_to(std::back_inserter(text), "{0}_real,{0}_imag\n", field.quantity);
+    for (std::size_t part = 0; part < field.parts.size(); ++part)
+        fmt::format_to(std::back_inserter(text), "{}{}", part == 0 ? "" : ",", name_of(field, part));
+    text.push_back('\n');
     for (std::size_t i = 0; i < field.region.grid.size(); ++i) {
         for (const char axis : field.region.axes)
             fmt::format_to(std::back_inserter(text), "{:.4f},", along(field.region.grid.point(i), axis) / millimetre);
@@ -58,8 +67,8 @@ std::string to_csv(const Field& field) {
             fmt::format_to(std::back_inserter(text), "{:.4f},{:.4f},{:.4f},", p.x / millimetre, p.y / millimetre,
                            p.z / millimetre);
         }
-        fmt::format_to(std::back_inserter(text), "{:.6g}", field.parts.front()[i]);
-        if (field.parts.size() > 1) fmt::format_to(std::back_inserter(text), ",{:.6g}", field.parts[1][i]);
+        for (std::size_t part = 0; part < field.parts.size(); ++part)
+            fmt::format_to(std::back_inserter(text), "{}{:.6g}", part == 0 ? "" : ",", field.parts[part][i]);
         text.push_back('\n');
     }
     return fmt::to_string(text);
@@ -69,8 +78,9 @@ std::string to_npy(const Field& field) {
     std::string shape;
     for (auto axis = field.region.axes.rbegin(); axis != field.region.axes.rend(); ++axis)
         shape += fmt::format("{},", axis_of(field.region.grid, *axis).size());
+    if (field.parts.size() > 2) shape += fmt::format("{},", field.parts.size());
     std::string header = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}",
-                                     field.parts.size() == 1 ? "<f4" : "<c8", shape);
+                                     field.parts.size() == 2 ? "<c8" : "<f4", shape);
     constexpr std::size_t before = 10;
     header.append(63 - (before + header.size()) % 64, ' ');
     header += '\n';
@@ -98,12 +108,8 @@ std::string to_vti(const Field& field) {
         spacing(grid.z), field.quantity, field.region.pose ? direction_of(*field.region.pose) : std::string());
     const std::uint64_t bytes = field.parts.front().size() * sizeof(float);
     for (std::size_t part = 0; part < field.parts.size(); ++part)
-        text += fmt::format("<DataArray type=\"Float32\" Name=\"{}{}\" format=\"appended\" offset=\"{}\"/>\n",
-                            field.quantity,
-                            field.parts.size() == 1 ? ""
-                            : part == 0             ? "_real"
-                                                    : "_imag",
-                            part * (bytes + sizeof bytes));
+        text += fmt::format("<DataArray type=\"Float32\" Name=\"{}\" format=\"appended\" offset=\"{}\"/>\n",
+                            name_of(field, part), part * (bytes + sizeof bytes));
     text += "</PointData>\n</Piece>\n</ImageData>\n<AppendedData encoding=\"raw\">\n_";
     for (const auto& part : field.parts) {
         append(text, bytes);
@@ -169,9 +175,9 @@ std::string description_of(const Field& field) {
 std::string write_field(const std::string& path, const Field& field, double below_db) {
     const std::string kind = ending(path);
     if (kind == ".png") {
-        draw(path, field);
+        draw(path, shown(field));
     } else if (kind == ".stl") {
-        const IsoSurface surface = surface_below(field, below_db);
+        const IsoSurface surface = surface_below(shown(field), below_db);
         write_file(path, to_stl(surface));
         return description_of(surface);
     } else {

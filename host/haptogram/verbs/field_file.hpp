@@ -12,7 +12,8 @@ void check_field_path(const std::string& path, const Region& region, Quantity qu
 
 /// CSV: a column an axis in millimetres, of an oblique plane then x, y and z, and then the value.
 [[nodiscard]] std::string to_csv(const Field& field);
-/// NumPy's format 1.0: float32 or complex64, C order, axes (z, y, x) without those of one coordinate, or (v, u).
+/// NumPy's format 1.0: float32 or complex64, C order, axes (z, y, x) without those of one coordinate, or (v, u); and
+/// behind them, of a probe, mean, least and greatest.
 [[nodiscard]] std::string to_npy(const Field& field);
 /// VTK image data in millimetres, for ParaView.
 [[nodiscard]] std::string to_vti(const Field& field);

@@ -12,9 +12,11 @@
 namespace haptogram {
 namespace {
 
-constexpr double step_m = 0.1e-3;
+/// Of the lines on which a focus is measured: it grows with the focus's distance, so that there are so many steps at
+/// most.
+double step_to(Vec3 focus) { return std::max(0.1e-3, focus.z / 20'000.0); }
 
-std::vector<double> steps(double from, double to) {
+std::vector<double> steps(double from, double to, double step_m) {
     std::vector<double> values;
     const auto count = static_cast<std::size_t>(std::max(0.0, std::floor((to - from) / step_m))) + 1;
     for (std::size_t i = 0; i < count; ++i) values.push_back(from + static_cast<double>(i) * step_m);
@@ -46,7 +48,7 @@ Lobe main_lobe(const std::vector<float>& line, std::size_t start) {
 }
 
 /// The distance between the two places of half the peak, interpolated between the points of the line.
-double width(const std::vector<float>& line, const Lobe& lobe) {
+double width(const std::vector<float>& line, const Lobe& lobe, double step_m) {
     const auto crossing = [&](std::size_t below, std::size_t above) {
         const float half = line[lobe.peak] / 2;
         return line[above] == line[below] ? 0.0
@@ -69,24 +71,25 @@ FocusAnalysis analyze(const Array& array, const Core& core, Drives drives, Vec3 
     const std::complex<double> p = pressure(array, drives, focus);
     result.pressure_pa = std::abs(p);
     result.radiation_pa = radiation_pressure(p, array.medium);
+    const double step_m = step_to(focus);
     // Wide enough for the first grating lobes of half a wavelength's pitch or more.
     const double reach = 0.6 * focus.z + 20e-3;
     for (const bool along_x : {true, false}) {
         const std::vector<double> axis =
-            steps((along_x ? focus.x : focus.y) - reach, (along_x ? focus.x : focus.y) + reach);
+            steps((along_x ? focus.x : focus.y) - reach, (along_x ? focus.x : focus.y) + reach, step_m);
         const Grid line = along_x ? Grid{axis, {focus.y}, {focus.z}} : Grid{{focus.x}, axis, {focus.z}};
         const std::vector<float> values = squares(array, drives, line);
         const Lobe lobe = main_lobe(values, values.size() / 2);
-        result.width_m = std::max(result.width_m, width(values, lobe));
+        result.width_m = std::max(result.width_m, width(values, lobe, step_m));
         const auto begin = values.begin();
         const float beside = std::max(*std::max_element(begin, begin + static_cast<std::ptrdiff_t>(lobe.low) + 1),
                                       *std::max_element(begin + static_cast<std::ptrdiff_t>(lobe.high), values.end()));
         result.side_lobe = std::max(result.side_lobe, static_cast<double>(beside / values[lobe.peak]));
     }
-    const std::vector<double> z = steps(array.wavelength_m(), 3.0 * focus.z);
+    const std::vector<double> z = steps(array.wavelength_m(), 3.0 * focus.z, step_m);
     const std::vector<float> values = squares(array, drives, {{focus.x}, {focus.y}, z});
     const auto at = static_cast<std::size_t>(std::lower_bound(z.begin(), z.end(), focus.z) - z.begin());
-    result.depth_m = width(values, main_lobe(values, std::min(at, values.size() - 1)));
+    result.depth_m = width(values, main_lobe(values, std::min(at, values.size() - 1)), step_m);
     result.force_n = perception::steady_force(array, drives, focus);
     result.dwell_cycles = static_cast<std::uint32_t>(std::ceil(result.formation.with_ring_up_s() * array.carrier_hz));
     return result;

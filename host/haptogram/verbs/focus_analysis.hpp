@@ -20,7 +20,7 @@ struct FocusAnalysis {
     double depth_m =
         0.0;  ///< the same along z, within what is looked at: from λ above the array to three times the height
     double side_lobe = 0.0;  ///< highest radiation pressure beside the main lobe, along x and y, over that at the peak
-    double force_n = 0.0;  ///< on a flat disc of 20 mm around it, as every force by default (perception/skin_force.hpp)
+    double force_n = 0.0;    ///< on a disc around it, by steady_force() (perception/skin_force.hpp)
     std::uint32_t dwell_cycles = 0;  ///< carrier periods until 90 % of the pressure is there: spread, load and ring-up
 };
 

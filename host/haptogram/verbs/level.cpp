@@ -17,7 +17,7 @@ std::string level_text(const Transducer& transducer) {
         return fmt::format("calibrated level: {:g} Pa·m, {}", transducer.source_pa_m, transducer.measured);
     return fmt::format(
         "nominal level: {:g} Pa·m of {} was not measured on this array; measured devices made {:g} to {:g} "
-        "times less force (Hoshi 2010: 16 of 134 mN; Multimodal: 0.540 of 5.48 gf)",
+        "times less force (Hoshi 2010: 16 of 134 mN; Multimodal: 0.540 of 5.15 gf)",
         transducer.source_pa_m, transducer.name, nominal_excess_least, nominal_excess_most);
 }
 
@@ -34,9 +34,9 @@ std::string calibrated_keys(const Array& array, Vec3 focus, double force_n) {
     const double computed_n = perception::steady_force(array, ideal_drives(array, focus), focus);
     // Forces go with the square of the source strength.
     return fmt::format(
-        "source_pa_m = {:.4g}\nmeasured = \"{:g} mN on a disc of 20 mm at ({:g},{:g},{:g}) mm, full steady drive\"\n",
-        array.transducer.source_pa_m * std::sqrt(force_n / computed_n), force_n * 1e3, focus.x / millimetre,
-        focus.y / millimetre, focus.z / millimetre);
+        "source_pa_m = {:.4g}\nmeasured = \"{:g} mN on a disc of {:g} mm at ({:g},{:g},{:g}) mm, full steady drive\"\n",
+        array.transducer.source_pa_m * std::sqrt(force_n / computed_n), force_n * 1e3,
+        perception::default_contact_m / millimetre, focus.x / millimetre, focus.y / millimetre, focus.z / millimetre);
 }
 
 }  // namespace haptogram

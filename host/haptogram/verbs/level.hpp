@@ -8,7 +8,7 @@
 namespace haptogram {
 
 /// Measured devices made about so much less force than nominal source strengths say, least and most: Hoshi et al. 2010
-/// measured 16 of 134 mN on a disc of 20 mm, and the paper “Multimodal” 0.540 of 5.48 gf (docs/references.md).
+/// measured 16 of 134 mN on a disc of 20 mm, and the paper “Multimodal” 0.540 of 5.15 gf (docs/references.md).
 inline constexpr double nominal_excess_least = 8.0, nominal_excess_most = 10.0;
 
 /// What an array's absolute pressures and forces rest on, in a sentence: how its source strength was measured, or that
@@ -20,7 +20,7 @@ inline constexpr double nominal_excess_least = 8.0, nominal_excess_most = 10.0;
 
 /// The keys of an array file for an array whose focus was measured: the source strength with which the computed force
 /// is the measured one.
-/// @param force_n     that was measured on a flat disc of 20 mm around the focus, at full steady drive
+/// @param force_n     that was measured on a disc as steady_force() has it, at full steady drive
 /// @throws Error{bad_argument} when the force is not positive, or the array cannot reach the focus
 [[nodiscard]] std::string calibrated_keys(const Array& array, Vec3 focus, double force_n);
 

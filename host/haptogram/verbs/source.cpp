@@ -174,6 +174,16 @@ std::string open_hex(const std::string& file, const Progress& progress) {
     return open_bundle(source, kind, progress).hex;
 }
 
+std::optional<std::uint32_t> likely_rate(const std::string& file) {
+    const FileKind kind = kind_of(file);
+    try {
+        if (kind == FileKind::project) return instrument_of(load_project(file)).core.parameters.baud;
+        if (kind == FileKind::image && file != "-") return load_bundle(file).manifest.core.parameters.baud;
+    } catch (const Error&) {  // an image needs no manifest, and what is wrong with a project its compiler says
+    }
+    return {};
+}
+
 Timeline open_timeline(const Source& source, const Progress& progress) {
     const int named = (source.file.empty() ? 0 : 1) + (source.focus ? 1 : 0) + (source.pulses.empty() ? 0 : 1);
     if (named != 1)
@@ -196,6 +206,7 @@ Timeline open_timeline(const Source& source, const Progress& progress) {
 }
 
 Vec3 parse_point_mm(const std::string& setting, const std::string& text) {
+    constexpr double farthest_mm = 1e6;
     Vec3 point{};
     const char* at = text.data();
     const char* const end = at + text.size();
@@ -203,6 +214,9 @@ Vec3 parse_point_mm(const std::string& setting, const std::string& text) {
         double value = 0.0;
         const auto [next, error] = std::from_chars(at, end, value);
         const bool last = axis == &point.z;
+        if (error == std::errc() && std::abs(value) > farthest_mm)
+            throw bad_argument(setting,
+                               fmt::format("found {} mm, expected at most {} mm, a kilometre", value, farthest_mm));
         if (error != std::errc() || !std::isfinite(value) || (last ? next != end : next == end || *next != ','))
             throw bad_argument(setting, fmt::format("expected x,y,z in mm, found '{}'", text));
         *axis = value * millimetre;

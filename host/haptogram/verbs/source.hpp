@@ -44,6 +44,9 @@ struct Source {
 /// The bytes of the Intel HEX image that a file is, or is compiled to, for verbs that need no manifest.
 [[nodiscard]] std::string open_hex(const std::string& file, const Progress& progress = {});
 
+/// The rate of the board that a project, or an image with its manifest beside it, is for.
+[[nodiscard]] std::optional<std::uint32_t> likely_rate(const std::string& file);
+
 /// @throws Error{bad_argument} when nothing or more than one thing is named; Error{bad_input} for files that cannot be
 /// used, and for an array or a board that they are not for
 [[nodiscard]] Timeline open_timeline(const Source& source, const Progress& progress = {});

@@ -24,7 +24,7 @@ def timings(focus: npt.NDArray[np.float64], elements: npt.NDArray[np.float64]) -
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--port", required=True)
-    parser.add_argument("--baud", type=int, default=1_000_000)
+    parser.add_argument("--baud", type=int, help="default: the one at which the board answers")
     parser.add_argument("--seconds", type=float, default=10.0)
     parser.add_argument("--rate", type=float, default=100.0, help="positions per second")
     parser.add_argument("--rows", type=int, default=10)

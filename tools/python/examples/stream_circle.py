@@ -15,7 +15,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("image", help="Intel HEX file, as from 'haptogram compile --shape circle'")
     parser.add_argument("--port", required=True)
-    parser.add_argument("--baud", type=int, default=1_000_000)
+    parser.add_argument("--baud", type=int, help="default: the one at which the board answers")
     parser.add_argument("--seconds", type=float, default=10.0)
     parser.add_argument("--rate", type=float, default=7.0, help="turns per second")
     options = parser.parse_args()

@@ -14,7 +14,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("image", help="Intel HEX file, from 'haptogram compile'")
     parser.add_argument("--port", required=True)
-    parser.add_argument("--baud", type=int, default=1_000_000)
+    parser.add_argument("--baud", type=int, help="default: the one at which the board answers")
     parser.add_argument("--seconds", type=float, default=10.0, help="to play, at most")
     parser.add_argument("--loops", type=int, help="passes over the sequence (default: as the image says)")
     options = parser.parse_args()

@@ -9,6 +9,7 @@ from typing import NoReturn
 
 from . import __version__, commands
 from .errors import ErrorCode, HaptogramError
+from .interface import KNOWN_RATES
 
 
 class Parser(argparse.ArgumentParser):
@@ -43,7 +44,8 @@ def parser() -> Parser:
     json.add_argument("--json", action="store_true", help="print the outcome as JSON")
     port = Parser(add_help=False, parents=[json])
     port.add_argument("--port", required=True, help="serial port of the board, or of 'haptogram board run'")
-    port.add_argument("--baud", type=whole(300, 12_000_000), default=1_000_000, help="its rate, which the board's build fixes")
+    port.add_argument("--baud", type=whole(300, 12_000_000),
+                      help=f"its rate, which the board's build fixes (default: that of {', '.join(map(str, KNOWN_RATES))} at which it answers, which is remembered)")  # fmt: skip
     watchdog = Parser(add_help=False)
     watchdog.add_argument("--watchdog", type=whole(0, 65535), default=500, metavar="MS",
                           help="outputs go off when this program is silent for so long (500); 0: never, they may stay on when it dies")  # fmt: skip

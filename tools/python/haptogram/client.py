@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from types import TracebackType
 from typing import Self
 
+from . import rates
 from .board import Identity, Status
 from .chain import ChainedLine, split
 from .errors import HaptogramError, Interrupted, bad_input, device_error
@@ -16,6 +17,7 @@ from .foci import FOCUS_BYTES, Focus
 from .frame import Reply, Request
 from .image import Image, Piece
 from .interface import (
+    KNOWN_RATES,
     PARAMETERS_BASE,
     PARAMETERS_FIELDS,
     PARAMETERS_WORDS,
@@ -39,8 +41,12 @@ GATE_AT_END = (1 << 48) - 1  # a period that means the end of what plays
 DIGEST_BYTES = 4
 
 
-def open_line(port: str, baud: int = 1_000_000, stopped: Callable[[], bool] = never) -> Line:
-    """`port` is a serial port, with "#2" behind it the second tile of a chain there."""
+def open_line(port: str, baud: int | None = None, stopped: Callable[[], bool] = never, question: Command = Command.IDENTIFY,
+              found: Callable[[int], None] = lambda baud: None) -> Line:  # fmt: skip
+    """`port` is a serial port, with "#2" behind it the second tile of a chain there. Without `baud`, its rate is found as
+    rates.find() says, and `found` is told it."""
+    if baud is None:
+        return rates.find(port, lambda rate: open_line(port, rate, stopped), stopped, question, found)
     path, tile = split(port)
     line = Port(path, baud, stopped)
     try:
@@ -63,13 +69,17 @@ class Client:
         self.identify()
 
     @classmethod
-    def open(cls, port: str, baud: int = 1_000_000, stopped: Callable[[], bool] = never) -> Self:
-        """`port` is as in open_line(). Once `stopped` says true, everything but turning the outputs off raises Interrupted."""
-        line = open_line(port, baud, stopped)
+    def open(cls, port: str, baud: int | None = None, stopped: Callable[[], bool] = never,
+             found: Callable[[int], None] = lambda baud: None) -> Self:  # fmt: skip
+        """All as in open_line(). Once `stopped` says true, everything but turning the outputs off raises Interrupted."""
+        line = open_line(port, baud, stopped, found=found)
         try:
             return cls(line, stopped)
-        except BaseException:
+        except BaseException as error:
             line.close()
+            if baud and isinstance(error, HaptogramError) and "no answer to identify" in error.message:
+                tried = f"only {baud} baud was tried, as asked; without a rate, {', '.join(map(str, KNOWN_RATES))} are"
+                raise device_error(error.where, f"{error.message}; {tried}") from error
             raise
 
     def __enter__(self) -> Self:

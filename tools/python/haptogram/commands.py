@@ -5,19 +5,21 @@ import contextlib
 import dataclasses
 import json
 import signal
+import sys
 import time
 from collections.abc import Mapping
 from io import FileIO
 
 from serial.tools import list_ports
 
+from . import rates
 from .client import Client, open_line
 from .driving import play, stream
 from .errors import ErrorCode, HaptogramError, bad_input, device_error
 from .image import Image
-from .interface import Command, Feature, Role
+from .interface import KNOWN_RATES, Command, Feature, Role
 from .lines import batches
-from .session import Session, shut_off
+from .session import Line, Session, shut_off
 
 TOGETHER_S = 0.3  # signals within it are one: a terminal that closes sends several
 
@@ -55,7 +57,19 @@ def show(values: Mapping[str, object], as_json: bool, sentence: str = "") -> Non
 
 
 def connect(options: argparse.Namespace, interrupt: Interrupt | None = None) -> Client:
-    return Client.open(options.port, options.baud, interrupt or Interrupt())
+    return Client.open(options.port, options.baud, interrupt or Interrupt(), lambda baud: tell_rate(options.port, baud))
+
+
+def tell_rate(port: str, baud: int) -> None:
+    print(f"haptogram-py: {port}: it answers at {baud} baud, which is remembered", file=sys.stderr)
+
+
+def line_to_turn_off(options: argparse.Namespace, question: Command) -> Line:
+    """Where the rate is not known, the question turns off already. To a board that answers at none, a break is left, which is one at any rate."""
+    try:
+        return open_line(options.port, options.baud, question=question, found=lambda baud: tell_rate(options.port, baud))
+    except rates.NoAnswer:
+        return open_line(options.port, KNOWN_RATES[-1])
 
 
 def device_list(options: argparse.Namespace) -> None:
@@ -91,13 +105,13 @@ def device_enable(options: argparse.Namespace) -> None:
 def device_disable(options: argparse.Namespace) -> None:
     """Asks for no session, which a bad line or another state of the board may not allow."""
     Interrupt()
-    with contextlib.closing(open_line(options.port, options.baud)) as line:
+    with contextlib.closing(line_to_turn_off(options, Command.DISABLE)) as line:
         shut_off(Session(line))
 
 
 def device_stop(options: argparse.Namespace) -> None:
     Interrupt()
-    with contextlib.closing(open_line(options.port, options.baud)) as line:
+    with contextlib.closing(line_to_turn_off(options, Command.STOP)) as line:
         Session(line).urge(Command.STOP)
 
 

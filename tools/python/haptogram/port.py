@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import serial
 
-from .errors import HaptogramError, Interrupted, device_error
+from .errors import HaptogramError, Interrupted, RateRefused, device_error
 
 MOST_WAIT_S = 10.0  # for the other end to take bytes
 URGENT_WAIT_S = 0.1  # for what is urgent: it is sent again soon
@@ -28,7 +28,7 @@ class Port:
     program. TIOCEXCL would not do: on a pseudo-terminal it stays until the virtual board ends. Once `stopped` says true,
     write() raises Interrupted; urge() and send_break() do not ask it."""
 
-    def __init__(self, path: str, baud: int = 1_000_000, stopped: Callable[[], bool] = never) -> None:
+    def __init__(self, path: str, baud: int, stopped: Callable[[], bool] = never) -> None:
         self.path = path
         self._baud = baud
         self._stopped = stopped
@@ -38,6 +38,8 @@ class Port:
             number = getattr(error, "errno", None)
             if number in (errno.EAGAIN, errno.EWOULDBLOCK):
                 raise device_error(path, "another program is using it; end that one first") from error
+            if isinstance(error, ValueError):
+                raise RateRefused(path, f"it refuses {baud} baud: {error}") from error
             reason = os.strerror(number) if number else str(error)
             raise device_error(path, f"cannot be opened: {reason}; 'haptogram-py device list' shows the ports") from error
 

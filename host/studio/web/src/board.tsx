@@ -19,6 +19,9 @@ export function Board({ actions }: { actions: Actions }) {
   const scene = state.scene.value;
   const work = state.work.value;
   const [port, setPort] = useState("");
+  const [rate, setRate] = useState("find");
+  const baud = rate === "find" || rate === "" ? 0 : Number(rate);
+  const known = Number.isInteger(baud) && (baud === 0 || (baud >= 300 && baud <= 12_000_000));
   const id = useId();
   const connected = device.connection === "connected";
   const busy = work?.t === "progress";
@@ -51,12 +54,17 @@ export function Board({ actions }: { actions: Actions }) {
             <label for={id}>Port</label>
             <input id={id} type="text" list="ports" value={port} placeholder="/dev/ttyUSB0" onInput={(e) => setPort(e.currentTarget.value)} />
             <datalist id="ports">{state.hello.value?.ports.map((each) => <option key={each.port} value={each.port}>{each.name}</option>)}</datalist>
-            <button type="button" disabled={port === ""} onClick={() => actions.send("connect", { port, scene: scene?.name ?? "" })}>Connect</button>
+            <button type="button" disabled={port === "" || !known} onClick={() => actions.send("connect", { port, baud, scene: scene?.name ?? "" })}>Connect</button>
+          </div>
+          <div class="field">
+            <label for={`${id}-rate`}>Rate</label>
+            <input id={`${id}-rate`} type="text" inputMode="numeric" value={rate} onInput={(e) => setRate(e.currentTarget.value.trim())} />
+            <span class="unit">baud</span>
           </div>
         </>
       ) : (
         <>
-          <p>{boardWords(device)}{device.identity && connected && `; ${device.identity.channels} channels, ${device.identity.records} records`}{on && device.status && `; plays record ${device.status.index}`}</p>
+          <p>{boardWords(device)}{device.identity && connected && `; ${device.identity.channels} channels, ${device.identity.records} records`}{device.baud && connected && `; ${device.baud} baud`}{on && device.status && `; plays record ${device.status.index}`}</p>
           {device.trouble && <p class="warning">▲ {device.trouble}</p>}
           <div class="buttons">
             <button type="button" disabled={!ready} onClick={() => actions.send("upload", { scene: scene?.name ?? "" })}>Upload</button>

@@ -144,6 +144,7 @@ export interface Device {
   t: "device";
   connection: "none" | "connecting" | "connected" | "lost" | "lent";
   port?: string;
+  baud?: number;
   intensity?: number;
   identity?: { name: string; channels: number; records: number };
   status?: { outputs: "on" | "off"; mode: string; index: number; watchdog_trips: number; underruns: number };

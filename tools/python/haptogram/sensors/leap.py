@@ -68,6 +68,10 @@ def main() -> int:
         return error.code
     except BrokenPipeError:  # nobody wants more
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+    except OSError as error:  # all else is told by HaptogramError
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        print(f"haptogram-leap: standard output: {error.strerror}; what was written is incomplete", file=sys.stderr)
+        return ErrorCode.BAD_INPUT
     except KeyboardInterrupt:
         pass
     return 0

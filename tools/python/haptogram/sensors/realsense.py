@@ -209,6 +209,7 @@ def main() -> int:
         if options.list:
             for device in rs.context().query_devices():
                 print(device.get_info(rs.camera_info.serial_number), device.get_info(rs.camera_info.name))
+            sys.stdout.flush()
             return 0
         if sys.stdout.isatty():
             raise HaptogramError(ErrorCode.USAGE, "standard output", "these are pictures; pipe them: haptogram-realsense | haptogram live --from depth-pipe:-")
@@ -220,6 +221,10 @@ def main() -> int:
         return error.code
     except BrokenPipeError:  # nobody wants more
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+    except OSError as error:  # all else is told by HaptogramError
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        print(f"haptogram-realsense: standard output: {error.strerror}; what was written is incomplete", file=sys.stderr)
+        return ErrorCode.BAD_INPUT
     except KeyboardInterrupt:
         pass
     return 0

@@ -201,7 +201,7 @@ def parser() -> Parser:
     run.add_argument("-o", "--output", required=True, help="results, JSON lines; an unfinished session in it goes on")
     run.add_argument("--observer", default="keyboard", help="keyboard, page (lines of JSON, for a program that shows them), simulated:protocol, simulated:chance or simulated:FILE.toml")
     run.add_argument("--port", help="serial port of the board that plays the stimuli; without one nothing is played")
-    run.add_argument("--baud", type=whole(300, 12_000_000), default=1_000_000, help="its rate")
+    run.add_argument("--baud", type=whole(300, 12_000_000), help="its rate (default: the one at which it answers)")
     run.add_argument("--images", help="folder of the stimuli's images (with --port: study-images); without a port they are compiled only")
     run.add_argument("--program", help="the C++ program (HAPTOGRAM_PROGRAM, or haptogram)")
     analyse = add("analyse", analyse_command, "the statistics that a protocol asks for, of results")

@@ -155,7 +155,7 @@ class Compiler(Presenter):
 class Board(Compiler):
     """Plays the images on a board: from start() to stop(), or to the image's end."""
 
-    def __init__(self, protocol: Protocol, folder: Path, program: str, port: str, baud: int) -> None:
+    def __init__(self, protocol: Protocol, folder: Path, program: str, port: str, baud: int | None) -> None:
         super().__init__(protocol, folder, program)
         self._client = Client.open(port, baud)
         self._thread: threading.Thread | None = None

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The rate of a board: found, remembered, fixed; and a virtual board that hears no other one."""
+import json
+import os
+import subprocess
+import sys
+import termios
+import time
+
+import pytest
+from support import DEVICE, ROOT, assert_one_message, run, succeed, text, virtual_board
+
+BOARDS = [path.stem for path in sorted((ROOT / "constraints").glob("*.toml"))]
+WRONG = 9600
+
+
+@pytest.fixture
+def state(tmp_path):
+    """A place of its own for the rates that are remembered."""
+    return {"XDG_STATE_HOME": str(tmp_path / "state")}
+
+
+def by_python(*args):
+    return [sys.executable, "-m", "haptogram.cli", "device", *args, "--port", "port"]
+
+
+def ask_python(folder, state, *args):
+    environment = {**os.environ, **state, "PYTHONPATH": str(ROOT / "tools/python"), "PYTHONDONTWRITEBYTECODE": "1"}
+    return subprocess.run(by_python(*args), cwd=folder, env=environment, capture_output=True, timeout=60, check=False)
+
+
+def remembered(folder):
+    return (folder / "state/haptogram/ports").read_text().splitlines()
+
+
+@pytest.mark.parametrize("board", BOARDS)
+def test_the_rate_of_each_shipped_board_is_found(board, tmp_path, state):
+    with virtual_board(tmp_path, "--model", "reference", "--board", board) as running:
+        baud = running.says["baud"]
+        first = succeed(["device", "info", "--json", "--port", "port"], cwd=tmp_path, env=state)
+        assert text(first.stderr) == f"haptogram: port: it answers at {baud} baud, which is remembered\n"
+        assert json.loads(first.stdout)["channels"] == running.says["channels"]
+        assert remembered(tmp_path) == [f"{baud} {tmp_path / 'port'}"]
+        begun = time.monotonic()
+        assert succeed(["device", "info", "--port", "port"], cwd=tmp_path, env=state).stderr == b""
+        assert ask_python(tmp_path, state, "info").stderr == b""  # both programs remember in one place
+        assert time.monotonic() - begun < 5
+        (tmp_path / "state/haptogram/ports").unlink()
+        said = ask_python(tmp_path, state, "info", "--json")
+        assert text(said.stderr) == f"haptogram-py: port: it answers at {baud} baud, which is remembered\n"
+        assert json.loads(said.stdout)["channels"] == running.says["channels"]
+        assert remembered(tmp_path) == [f"{baud} {tmp_path / 'port'}"]
+
+
+def test_a_wrong_rate_is_named(tmp_path, state):
+    with virtual_board(tmp_path, "--model", "reference"):
+        assert_one_message(run(["device", "info", "--port", "port", "--baud", WRONG], cwd=tmp_path, env=state), DEVICE,
+                           "no answer to identify", f"only {WRONG} baud was tried", "3000000, 1000000, 115200")  # fmt: skip
+        said = ask_python(tmp_path, state, "info", "--baud", str(WRONG))
+        assert said.returncode == DEVICE and f"only {WRONG} baud was tried" in text(said.stderr) and "3000000, 1000000, 115200" in text(said.stderr)
+
+
+def test_a_rate_that_is_remembered_and_wrong_is_replaced(tmp_path, state):
+    (tmp_path / "state/haptogram").mkdir(parents=True)
+    note = tmp_path / "state/haptogram/ports"
+    note.write_text(f"3000000 /dev/elsewhere\n115200 {tmp_path / 'port'}\nrubbish\n")
+    with virtual_board(tmp_path, "--model", "reference"):
+        succeed(["device", "info", "--port", "port"], cwd=tmp_path, env=state)
+    assert remembered(tmp_path) == ["3000000 /dev/elsewhere", "rubbish", f"1000000 {tmp_path / 'port'}"]
+
+
+@pytest.mark.parametrize("blocked", ["no folder", "no home"])
+def test_nothing_can_be_remembered(blocked, tmp_path):
+    (tmp_path / "file").write_text("in the way")
+    state = {"XDG_STATE_HOME": str(tmp_path / "file")} if blocked == "no folder" else {"XDG_STATE_HOME": "", "HOME": ""}
+    with virtual_board(tmp_path, "--model", "reference"):
+        for _ in range(2):
+            assert b"1000000" in succeed(["device", "info", "--port", "port"], cwd=tmp_path, env=state).stderr
+            said = ask_python(tmp_path, state, "info")
+            assert said.returncode == 0 and b"1000000" in said.stderr
+
+
+def test_a_board_of_an_unknown_rate_is_turned_off(tmp_path, state):
+    with virtual_board(tmp_path, "--model", "reference", "--board", "colorlight-5a-75e-v7.1"):
+        for turn_off in (lambda: run(["device", "disable", "--port", "port"], cwd=tmp_path, env=state), lambda: ask_python(tmp_path, state, "disable")):
+            succeed(["device", "enable", "--watchdog", 0, "--port", "port"], cwd=tmp_path, env=state)
+            (tmp_path / "state/haptogram/ports").unlink()
+            assert turn_off().returncode == 0
+            assert json.loads(succeed(["device", "status", "--json", "--port", "port"], cwd=tmp_path, env=state).stdout)["outputs"] == "off"
+
+
+def test_several_boards_behind_ports_of_their_own(tmp_path, state):
+    with virtual_board(tmp_path, "--model", "reference", "--tiles", "2"):
+        for tile in (1, 2):
+            assert json.loads(succeed(["device", "info", "--json", "--port", f"port-{tile}"], cwd=tmp_path, env=state).stdout)["channels"] == 100
+    assert [line.split()[0] for line in remembered(tmp_path)] == ["1000000", "1000000"]
+
+
+def test_bytes_at_another_rate_are_lost(tmp_path, state):
+    with virtual_board(tmp_path, "--model", "reference"):
+        before = json.loads(succeed(["device", "status", "--json", "--port", "port"], cwd=tmp_path, env=state).stdout)
+        port = os.open(tmp_path / "port", os.O_RDWR | os.O_NOCTTY)
+        settings = termios.tcgetattr(port)
+        settings[4] = settings[5] = termios.B115200
+        termios.tcsetattr(port, termios.TCSANOW, settings)
+        os.write(port, b"no frame at all\0" * 10)
+        time.sleep(0.5)
+        os.close(port)
+        after = json.loads(succeed(["device", "status", "--json", "--port", "port"], cwd=tmp_path, env=state).stdout)
+        assert after["frames_damaged"] == before["frames_damaged"]
