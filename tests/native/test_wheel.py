@@ -2,6 +2,7 @@
 """The distribution as pip builds it from the checkout, without network: the program with its page, the packages, the commands.
 It is compiled as the build under test, so that ccache has what that compiled."""
 import os
+import shutil
 import subprocess
 import sys
 
@@ -18,9 +19,10 @@ def place(tmp_path_factory):
         pytest.skip("builds the program again; ctest asks for it")
     folder = tmp_path_factory.mktemp("wheel")
     pip = [sys.executable, "-m", "pip"]
-    settings = [f"--config-settings=cmake.define.{name}={value}" for name, value in OPTIONS.items()]
+    settings = [f"--config-settings=cmake.define.{name}={value}" for name, value in OPTIONS.items()] + ["--config-settings=build-dir=build/wheel-test"]
     build = [*pip, "wheel", "-q", "--no-index", "--no-deps", "--no-build-isolation", "-w", str(folder), *settings, str(ROOT)]
-    subprocess.run(build, check=True, timeout=1500)
+    compilers = {"CC": shutil.which("cc"), "CXX": shutil.which("c++")}  # as CMake finds them
+    subprocess.run(build, check=True, timeout=1500, env={**os.environ, **compilers})
     (wheel,) = folder.glob("haptogram-*.whl")
     place = folder / "place"
     subprocess.run([*pip, "install", "-q", "--no-index", "--no-deps", "--target", str(place), str(wheel)], check=True, timeout=120)
