@@ -60,6 +60,8 @@ def test_the_program_compiles_simulates_draws_and_has_its_page(place, tmp_path):
 
 
 def test_no_path_of_the_build_is_in_it(place):
+    """But for the one that Verilator writes into each model, for a message."""
+    verilated = f"{ROOT}/rtl/haptogram_core.v".encode()
     for file in place.rglob("*"):
         if file.is_file() and file.suffix != ".pyc":
-            assert str(ROOT).encode() not in file.read_bytes(), file
+            assert str(ROOT).encode() not in file.read_bytes().replace(verilated, b""), file
