@@ -3,6 +3,7 @@
 import contextlib
 import json
 import os
+import re
 import select
 import signal
 import subprocess
@@ -10,7 +11,7 @@ import threading
 import tty
 
 import pytest
-from support import BAD_INPUT, DEVICE, PROGRAM, USAGE, assert_one_message, open_raw, path_file, run, succeed, text
+from support import BAD_INPUT, DEVICE, PROGRAM, RATE_NOTE, USAGE, assert_one_message, open_raw, path_file, run, succeed, text
 
 PAIR = """format = "haptogram-rig-1"
 name = "pair"
@@ -226,7 +227,8 @@ def test_a_stream_goes_on_without_a_tile_that_falls_silent(pair, boards):
     (pair / "long.txt").write_text("401 60\n402 60\n" * 20000)
     stream = ["stream", "long.txt", "--rig", "wall.json", *ports, "--on-loss", "rest", "--json"]
     with cut_while(pair, cables, stream) as process:
-        warning = text(process.stderr.readline())
+        # The first command at a port may say its rate.
+        warning = next(line for line in map(text, process.stderr) if not re.fullmatch(RATE_NOTE, line))
         assert "tile 2" in warning and "the others go on" in warning
         assert process.poll() is None
         process.send_signal(signal.SIGINT)
