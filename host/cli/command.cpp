@@ -91,6 +91,10 @@ AmplitudeLaw law_of(const std::string& name) {
     return name == "radiation" ? AmplitudeLaw::radiation : AmplitudeLaw::pressure;
 }
 
+void add_number(CLI::App& command, const std::string& name, double& value, const std::string& about) {
+    command.add_option(name, value, about)->check(positive())->capture_default_str();
+}
+
 CLI::Validator positive() {
     return {[](std::string& text) {
                 double value = 0.0;

@@ -44,6 +44,9 @@ void add_studio(CLI::App& app, Action& action);
 void add_completion(CLI::App& app, Action& action);
 void add_bitstream(CLI::App& app, Action& action);
 
+/// @return what --version says: the release, the commit of the sources, and what this build has
+[[nodiscard]] std::string about_this_build();
+
 /// A line on stderr, with the program's name in front; never throws for want of a stderr.
 void complain(const std::string& message);
 
@@ -77,6 +80,9 @@ void add_am(CLI::App& command, std::optional<std::string>& am, std::optional<std
 
 /// The option --quantise.
 CLI::Option* add_quantise(CLI::App& command, std::optional<std::string>& quantise);
+
+/// An option for a positive number, whose default is `value`.
+void add_number(CLI::App& command, const std::string& name, double& value, const std::string& about);
 
 /// Checks of option values that say what was found.
 [[nodiscard]] CLI::Validator positive();

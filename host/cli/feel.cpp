@@ -33,9 +33,9 @@ struct FeelCommand {
     bool json = false;
 };
 
-ordered_json in_mm(Vec3 p) { return {p.x / millimetre, p.y / millimetre, p.z / millimetre}; }
+ordered_json numbers_mm(Vec3 p) { return {p.x / millimetre, p.y / millimetre, p.z / millimetre}; }
 
-std::string words_of(Vec3 p) {
+std::string words_mm(Vec3 p) {
     return fmt::format("{:.1f}, {:.1f}, {:.1f}", p.x / millimetre, p.y / millimetre, p.z / millimetre);
 }
 
@@ -47,7 +47,7 @@ ordered_json to_json(const FeltPlace& place) {
                          {"least_mn", line.least_n * 1e3},
                          {"over_db", line.over_db},
                          {"threshold_by", perception::name_of(line.basis)}});
-    ordered_json json = {{"at_mm", in_mm(place.place.position)}};
+    ordered_json json = {{"at_mm", numbers_mm(place.place.position)}};
     if (!place.part.empty()) {
         json["normal"] = {place.place.normal.x, place.place.normal.y, place.place.normal.z};
         json["part"] = place.part;
@@ -74,7 +74,7 @@ ordered_json to_json(const FeltPlace& place) {
 
 std::string line_of(const FeltPlace& place, std::size_t number) {
     std::string text =
-        fmt::format("{:>5} {:>22} {:>5.2f} {:>8.1f} {:>8.1f} {:>8.3f} {:>6.2f}", number, words_of(place.place.position),
+        fmt::format("{:>5} {:>22} {:>5.2f} {:>8.1f} {:>8.1f} {:>8.3f} {:>6.2f}", number, words_mm(place.place.position),
                     place.force.tilt, place.mean_pa, place.most_pa, place.mean_n * 1e3, place.depth);
     const std::string part =
         place.part.empty() ? "" : fmt::format("  {}, {:.1f} mm off", place.part, place.off_skin_m / millimetre);
@@ -151,19 +151,19 @@ void report_sound(Report& report, const Feeling& feeling) {
                                     "{:.0f} Hz; phases step by {:.1f} degrees at most",
                                     noise.relative_db, noise.loudest_hz, noise.largest_step_deg));
     const auto json_of = [](const perception::Exposure& ear) {
-        return ordered_json{{"at_mm", in_mm(ear.ear)}, {"mean_db_spl", ear.mean_db}, {"most_db_spl", ear.most_db}};
+        return ordered_json{{"at_mm", numbers_mm(ear.ear)}, {"mean_db_spl", ear.mean_db}, {"most_db_spl", ear.most_db}};
     };
     ordered_json ears = ordered_json::array();
     for (const perception::Exposure& ear : feeling.ears) {
         ears.push_back(json_of(ear));
-        report.tell(fmt::format("ultrasound at an ear at ({}) mm: {:.1f} dB SPL, {:.1f} dB at most", words_of(ear.ear),
+        report.tell(fmt::format("ultrasound at an ear at ({}) mm: {:.1f} dB SPL, {:.1f} dB at most", words_mm(ear.ear),
                                 ear.mean_db, ear.most_db));
     }
     report.add("ears", ears)
         .add(
             "loudest_at_500_mm", json_of(feeling.loudest),
             fmt::format("loudest on a hemisphere of 500 mm: {:.1f} dB SPL at ({}) mm; {:g} dB are recommended for ears",
-                        feeling.loudest.mean_db, words_of(feeling.loudest.ear), recommended_for_ears_db))
+                        feeling.loudest.mean_db, words_mm(feeling.loudest.ear), recommended_for_ears_db))
         .add("recommended_for_ears_db_spl", recommended_for_ears_db);
 }
 

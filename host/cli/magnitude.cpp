@@ -84,9 +84,9 @@ int print_setting(const MagnitudeOptions& options, const Tables& tables) {
                         waveform_of(options.waveform),
                         options.duty,
                         weighing_of(options.weighing)};
-    const Setting setting = options.array.empty() ? setting_for(tables, wanted)
-                                                  : setting_for(tables, wanted, find_array(options.array),
-                                                                parse_point_mm("focus", options.focus));
+    const perception::Setting setting = options.array.empty() ? setting_for(tables, wanted)
+                                                              : setting_for(tables, wanted, find_array(options.array),
+                                                                            parse_point_mm("focus", options.focus));
     Report report;
     report.add("tables", tables.name, fmt::format("{}: {}", tables.name, tables.source));
     report.add("device", options.array.empty() ? tables.name : options.array);

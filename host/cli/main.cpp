@@ -161,7 +161,7 @@ int run(int argc, char** argv) {
     CLI::App app(
         "Mid-air tactile shapes by focused ultrasound: compile shapes to images, simulate the FPGA that plays them.",
         "haptogram");
-    app.set_version_flag("--version", "haptogram " + version());
+    app.set_version_flag("--version", about_this_build());
     app.footer("Exit codes: 0 ok, 1 run failed, 2 usage, 3 bad input, 4 device or link.");
     Action action;
     for (const auto add : commands) add(app, action);

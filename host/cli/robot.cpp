@@ -208,7 +208,7 @@ int simulate(const RobotOptions& options) {
     simulation.duration_s = options.duration_s;
     simulation.plant.seed = options.seed;
     for (const std::string& fault : options.faults) simulation.faults.push_back(parse_fault(fault));
-    std::vector<Push> pushes;
+    std::vector<robot::Push> pushes;
     for (const std::string& push : options.pushes) pushes.push_back(parse_push(push));
     simulation.user = options.wander_mm > 0.0 ? wandering_user({}, options.wander_mm * 1e-3, options.seed)
                                               : pushing_user(std::move(pushes));

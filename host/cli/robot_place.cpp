@@ -120,10 +120,6 @@ int place(PlaceCommand command) {
     return placed.placed && all_good ? 0 : 1;
 }
 
-void add_number(CLI::App& sub, const std::string& name, double& value, const std::string& about) {
-    sub.add_option(name, value, about)->check(positive())->capture_default_str();
-}
-
 }  // namespace
 
 void add_robot_place(CLI::App& robot, Action& action) {

@@ -187,10 +187,6 @@ int tell_value(TellCommand command) {
         command, title, [&](const SharedClock&) { return scene_of(command.scene); }, command.scene.weight_n);
 }
 
-CLI::Option* add_number(CLI::App& sub, const std::string& name, double& value, const std::string& about) {
-    return sub.add_option(name, value, about)->check(positive())->capture_default_str();
-}
-
 void add_common(CLI::App& sub, SceneCommand& command) {
     sub.add_option("--way", command.way,
                    "x,y,z, mm above the array: places of the palm, one after the other, straight from each to the next")

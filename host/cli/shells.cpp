@@ -80,7 +80,7 @@ std::vector<CommandText> commands_of(const CLI::App& app) {
     return found;
 }
 
-std::vector<std::string> words_of(const CommandText& command) {
+std::vector<std::string> shell_words_of(const CommandText& command) {
     std::vector<std::string> words;
     for (const auto& [name, about] : command.subcommands) words.push_back(name);
     for (const OptionText& option : command.options) {
@@ -121,7 +121,7 @@ std::string bash_script(const std::vector<CommandText>& commands) {
     for (const CommandText& command : commands)
         text += fmt::format("        {}) COMPREPLY=($(compgen -W {} -- \"$word\")) ;;\n",
                             quoted(fmt::format("{}{}", command.path.empty() ? "" : "/", fmt::join(command.path, "/"))),
-                            quoted(fmt::format("{}", fmt::join(words_of(command), " "))));
+                            quoted(fmt::format("{}", fmt::join(shell_words_of(command), " "))));
     return text +
            "    esac\n    [[ $word == -* ]] || COMPREPLY+=($(compgen -f -- \"$word\"))\n}\n"
            "complete -o filenames -F _haptogram haptogram\n";

@@ -76,10 +76,10 @@ Report report_of(const Bundle& bundle, const sim::Simulation& s) {
         .add("records", records);
 }
 
-const std::vector<OptionOf> options_of_kinds = {{"--manifest", {"one board"}}, {"--array", {"one board"}},
-                                                {"--board", {"one board"}},    {"--duration", {"one board"}},
-                                                {"--load", {"one board"}},     {"--trace", {"one board"}},
-                                                {"--drift-ppm", {"a rig"}},    {"--seed", {"a rig"}}};
+const std::vector<OptionOf> options_of_one_or_rig = {{"--manifest", {"one board"}}, {"--array", {"one board"}},
+                                                     {"--board", {"one board"}},    {"--duration", {"one board"}},
+                                                     {"--load", {"one board"}},     {"--trace", {"one board"}},
+                                                     {"--drift-ppm", {"a rig"}},    {"--seed", {"a rig"}}};
 
 int simulate_board(const SimulateOptions& options) {
     std::vector<NamedPath> outputs;
@@ -116,7 +116,7 @@ int simulate_board(const SimulateOptions& options) {
 
 int simulate(const SimulateOptions& options, const std::vector<std::string>& given) {
     const bool is_rig = is_rig_file(options.source.file);
-    require_effect(given, options_of_kinds, is_rig ? "a rig" : "one board", "what is simulated");
+    require_effect(given, options_of_one_or_rig, is_rig ? "a rig" : "one board", "what is simulated");
     if (!is_rig) return simulate_board(options);
     SimulateRigOptions rig = options.rig;
     rig.rig = options.source.file;

@@ -11,7 +11,8 @@ CIRCLE = ["compile", "--shape", "circle", "-o", "image.hex"]
 
 def test_version_and_help_are_data():
     result = succeed(["--version"])
-    assert re.fullmatch(r"haptogram \d+\.\d+\.\d+\n", text(result.stdout)) and result.stderr == b""
+    said = r"haptogram \d+\.\d+\.\d+\ncommit: ([0-9a-f]{7,}(-dirty)?|unknown)\nbuilt with: scattering live robot .*\btile-100 .*\n"
+    assert re.fullmatch(said, text(result.stdout)) and result.stderr == b""
     for command in ([], ["compile"], ["inspect"], ["simulate"], ["field"]):
         result = succeed([*command, "--help"])
         assert b"Exit codes: 0 ok, 1 run failed, 2 usage, 3 bad input, 4 device or link." in result.stdout and result.stderr == b""

@@ -15,6 +15,7 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/shipped.hpp"
+#include "haptogram/base/text.hpp"
 
 namespace haptogram {
 namespace {
@@ -56,6 +57,8 @@ Error cannot_write(const std::filesystem::path& path) {
 }
 
 }  // namespace
+
+std::string ending_of(const std::filesystem::path& path) { return lower_case(path.extension().string()); }
 
 StagedFile::StagedFile(std::filesystem::path path) : path_(std::move(path)) {
     struct stat status = {};

@@ -12,6 +12,9 @@ namespace haptogram {
 /// @throws Error{bad_input} naming the path and the system's reason
 [[nodiscard]] std::string read_file(const std::filesystem::path& path);
 
+/// @return ".png" of "a/b.png": what a file's name says that it is, in small letters; empty without one
+[[nodiscard]] std::string ending_of(const std::filesystem::path& path);
+
 /// A file that is written beside its final place. commit() renames it into that place; without commit(), it is removed.
 /// Standard output ("-"), devices and pipes, which cannot be renamed onto, are written directly.
 class StagedFile {

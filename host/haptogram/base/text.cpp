@@ -18,6 +18,11 @@ constexpr double largest_coordinate = 1e12;
 
 }  // namespace
 
+void require_positive(const char* setting, double value) {
+    if (!(value > 0.0) || !std::isfinite(value))
+        throw bad_argument(setting, fmt::format("found {}, expected a positive number", value));
+}
+
 bool Lines::next() {
     if (rest_.empty()) return false;
     const std::size_t end = rest_.find(end_);

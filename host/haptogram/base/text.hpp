@@ -10,6 +10,9 @@
 
 namespace haptogram {
 
+/// @throws Error{bad_argument} unless `value` is positive and finite
+void require_positive(const char* setting, double value);
+
 /// Walks over the lines of a text. A line ends with LF or CRLF, which are not part of it. Lines count from 1.
 class Lines {
 public:

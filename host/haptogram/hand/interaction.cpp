@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/base/text.hpp"
 
 namespace haptogram {
 namespace {
@@ -39,8 +40,7 @@ Interaction::Interaction(Content content, const InteractionOptions& options)
          {std::pair("palm_radius", options.palm_radius_m), std::pair("ball_height", options.ball_height_m),
           std::pair("ball_contact", options.ball_contact_s), std::pair("rain", options.rain_hz),
           std::pair("drop", options.drop_s), std::pair("creature", options.creature_m_s)})
-        if (!(value > 0.0) || !std::isfinite(value))
-            throw bad_argument(setting, fmt::format("found {}, expected a positive number", value));
+        require_positive(setting, value);
 }
 
 std::optional<Vec3> Interaction::advance(double seconds, Vec3 palm) {

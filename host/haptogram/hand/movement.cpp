@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/base/text.hpp"
 #include "haptogram/hand/random.hpp"
 
 namespace haptogram {
@@ -57,11 +58,6 @@ Vec3 place_at(Movement movement, const MovementOptions& o, double length) {
     const double a = 0.5 * o.size_m / (2.0 * pi * o.turns);
     const double angle = spiral_angle(a, length);
     return turned(a * angle, angle);
-}
-
-void require_positive(const char* setting, double value) {
-    if (!(value > 0.0) || !std::isfinite(value))
-        throw bad_argument(setting, fmt::format("found {}, expected a positive number", value));
 }
 
 /// Adds a step, or makes the last one longer when the focus stays.

@@ -11,6 +11,7 @@
 
 #include "haptogram/array/rig.hpp"
 #include "haptogram/base/error.hpp"
+#include "haptogram/base/text.hpp"
 #include "haptogram/hand/mesh_solid.hpp"
 
 namespace haptogram {
@@ -84,8 +85,7 @@ TouchObject built_in_object(std::string_view kind, const ObjectMeasures& measure
         throw bad_argument("object",
                            fmt::format("found \"{}\", expected {} or a mesh file", kind, fmt::join(kinds, ", ")));
     for (const auto& [name, value] : {std::pair("size", measures.size), std::pair("height", measures.height)})
-        if (!(value > 0.0) || !std::isfinite(value))
-            throw bad_argument(name, fmt::format("found {}, expected a positive number; correct it", value));
+        require_positive(name, value);
     if (!is_finite(measures.centre) || !is_finite(measures.angles_deg))
         throw bad_argument("center", "a number is not finite; correct it");
     TouchObject object = standing(kind, measures.size, measures.height);

@@ -182,7 +182,7 @@ std::filesystem::path bones_file(const std::filesystem::path& file, const std::f
 HandRecording load_hands(const std::filesystem::path& file, const std::filesystem::path& model, double rate_hz,
                          const FileReader& read) {
     const auto content = [&](const std::filesystem::path& path) { return read ? read(path) : read_file(path); };
-    const std::string ending = file.extension().string();
+    const std::string ending = ending_of(file);
     if (ending == ".json" || ending == ".lz") return recording_from_leap(content(file), file.string());
     if (ending != ".pose")
         throw bad_input(file.string(),

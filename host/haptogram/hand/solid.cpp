@@ -12,14 +12,10 @@
 
 #include "haptogram/array/rig.hpp"
 #include "haptogram/base/error.hpp"
+#include "haptogram/base/text.hpp"
 
 namespace haptogram {
 namespace {
-
-void require_positive(const char* name, double value) {
-    if (!(value > 0.0) || !std::isfinite(value))
-        throw bad_argument(name, fmt::format("found {}, expected a positive number; correct it", value));
-}
 
 /// A point of the half-plane in which a solid of revolution has its profile.
 struct Profile {

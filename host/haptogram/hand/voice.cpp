@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/base/text.hpp"
 
 namespace haptogram {
 namespace {
@@ -56,10 +57,7 @@ double Voice::seconds() const {
 Voice drawn(const std::vector<SkinLine>& lines, const Pace& pace, Jump jump) {
     if (pace.speed_m_s.has_value() == pace.frequency_hz.has_value())
         throw bad_argument("speed", "give either a speed or a frequency", {"speed", "frequency"});
-    const double asked = pace.speed_m_s ? *pace.speed_m_s : *pace.frequency_hz;
-    if (!(asked > 0.0) || !std::isfinite(asked))
-        throw bad_argument(pace.speed_m_s ? "speed" : "frequency",
-                           fmt::format("found {}, expected a positive number", asked));
+    require_positive(pace.speed_m_s ? "speed" : "frequency", pace.speed_m_s ? *pace.speed_m_s : *pace.frequency_hz);
     Voice voice;
     double way = 0.0;
     const auto add = [&](const SkinPoint& from, const SkinPoint& to, bool silent, std::size_t line) {

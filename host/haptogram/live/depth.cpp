@@ -7,21 +7,18 @@
 #include <numbers>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/base/text.hpp"
 
 namespace haptogram {
 
 void require_sound(const DepthCamera& camera) {
-    const auto positive = [](const char* name, double value) {
-        if (!(value > 0.0 && std::isfinite(value)))
-            throw bad_argument(name, fmt::format("found {}, expected a positive number", value));
-    };
     if (camera.width < 1 || camera.height < 1 || camera.width > 65535 || camera.height > 65535)
         throw bad_argument("camera", fmt::format("a picture of {} x {}; expected 1 to 65535 pixels in each direction",
                                                  camera.width, camera.height));
-    positive("focal length", camera.focal_x_px);
-    positive("focal length", camera.focal_y_px);
-    positive("unit", camera.unit_m);
-    positive("baseline", camera.baseline_m);
+    require_positive("focal length", camera.focal_x_px);
+    require_positive("focal length", camera.focal_y_px);
+    require_positive("unit", camera.unit_m);
+    require_positive("baseline", camera.baseline_m);
     if (!std::isfinite(camera.centre_x_px) || !std::isfinite(camera.centre_y_px) || !is_finite(camera.pose.origin))
         throw bad_argument("camera", "its principal point or its place is not finite");
 }

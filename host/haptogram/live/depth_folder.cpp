@@ -22,16 +22,15 @@ namespace {
 
 namespace fs = std::filesystem;
 using section::number_text;
-using section::Section;
 
 constexpr const char* format_name = "haptogram-depth-1";
 
-Vec3 direction(const Section& keys, const char* key) {
+Vec3 direction(const section::Section& keys, const char* key) {
     const auto numbers = keys.required(keys.numbers(key, 3), key, "a list of 3 numbers");
     return {numbers[0], numbers[1], numbers[2]};
 }
 
-DepthCamera read_camera(const Section& keys) {
+DepthCamera read_camera(const section::Section& keys) {
     keys.only({"folder", "width", "height", "focal_px", "centre_px", "unit_mm", "baseline_mm", "position_mm", "right",
                "forward"});
     DepthCamera camera;
@@ -76,7 +75,7 @@ std::optional<std::uint64_t> number_of(const fs::path& file) {
 
 DepthCameras cameras_from_toml(std::string_view text, const std::string& where) {
     const toml::table root = section::parse_text(text, where);
-    const Section keys(where, root);
+    const section::Section keys(where, root);
     keys.only({"format", "rate_hz", "camera"});
     const auto format = keys.required(keys.text("format"), "format", fmt::format("\"{}\"", format_name));
     if (format != format_name)
@@ -87,7 +86,7 @@ DepthCameras cameras_from_toml(std::string_view text, const std::string& where) 
     if (list == nullptr || list->empty() || !list->is_array_of_tables())
         throw bad_input(where, "there is no camera; expected a table [[camera]] for each");
     for (const toml::node& entry : *list) {
-        const Section camera(where, *entry.as_table());
+        const section::Section camera(where, *entry.as_table());
         found.cameras.push_back(read_camera(camera));
         found.folders.emplace_back(camera.required(camera.text("folder"), "folder", "the camera's folder of pictures"));
         found.lines.push_back(camera.at("folder"));

@@ -13,11 +13,11 @@
 namespace haptogram::live {
 namespace {
 
-constexpr double radius_m = 8e-3, length_m = 60e-3;  ///< of a finger
-constexpr double floor_m = 0.1, room_m = 0.1;        ///< half of the room's width
-constexpr double above_middle_m = 3e-3;              ///< so high it is grasped, so that it hangs from the fingers
-constexpr double blind_width_m = 15e-3;              ///< from the middle, of half of the smallest cube
-constexpr double rise_m = 65e-3;                     ///< higher than asked for, as a person would
+constexpr double lifted_radius_m = 8e-3, lifted_length_m = 60e-3;  ///< of a finger
+constexpr double floor_m = 0.1, room_m = 0.1;                      ///< half of the room's width
+constexpr double above_middle_m = 3e-3;  ///< so high it is grasped, so that it hangs from the fingers
+constexpr double blind_width_m = 15e-3;  ///< from the middle, of half of the smallest cube
+constexpr double rise_m = 65e-3;         ///< higher than asked for, as a person would
 
 /// The hand: two fingers that point at each other.
 struct Pinch {
@@ -32,8 +32,10 @@ struct Pinch {
         std::vector<RoundedBody> fingers;
         for (const std::size_t side : {0U, 1U}) {
             const Vec3 along = way(side);
-            fingers.push_back(
-                {middle + (out_m.at(side) + radius_m + 0.5 * length_m) * along, 0.5 * length_m * along, {}, radius_m});
+            fingers.push_back({middle + (out_m.at(side) + lifted_radius_m + 0.5 * lifted_length_m) * along,
+                               0.5 * lifted_length_m * along,
+                               {},
+                               lifted_radius_m});
         }
         return fingers;
     }

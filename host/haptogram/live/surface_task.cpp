@@ -12,9 +12,9 @@
 namespace haptogram::live {
 namespace {
 
-constexpr double radius_m = 8e-3, length_m = 50e-3;  ///< of the finger
-constexpr double above_m = 25e-3;                    ///< the middle, from which the fingertip comes down
-constexpr double deepest_m = 35e-3;                  ///< below the middle, where it gives up a place
+constexpr double pointing_radius_m = 8e-3, pointing_length_m = 50e-3;  ///< of the finger
+constexpr double above_m = 25e-3;    ///< the middle, from which the fingertip comes down
+constexpr double deepest_m = 35e-3;  ///< below the middle, where it gives up a place
 constexpr double degree = std::numbers::pi / 180.0;
 
 SurfaceOptions placed(SurfaceOptions options) {
@@ -43,7 +43,10 @@ public:
 
     [[nodiscard]] std::vector<RoundedBody> bodies() const {
         const Vec3 tip{x_m_, middle_.y, middle_.z + height_m_};
-        return {{tip + Vec3{0, 0, radius_m + 0.5 * length_m}, {0, 0, 0.5 * length_m}, {}, radius_m}};
+        return {{tip + Vec3{0, 0, pointing_radius_m + 0.5 * pointing_length_m},
+                 {0, 0, 0.5 * pointing_length_m},
+                 {},
+                 pointing_radius_m}};
     }
     [[nodiscard]] bool ended() const { return place_ == options_.places; }
 

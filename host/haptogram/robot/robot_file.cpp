@@ -14,8 +14,6 @@
 namespace haptogram::robot {
 namespace {
 
-std::string ending(const std::string& path) { return std::filesystem::path(path).extension().string(); }
-
 /// Has the shipped script draw a CSV. @param words  what else the script takes
 void draw(const std::string& path, const std::string& kind, const std::string& csv,
           const std::vector<std::string>& words) {
@@ -61,7 +59,7 @@ std::string to_csv(const Simulation& simulation) {
 }
 
 void check_output_path(const std::string& path) {
-    const std::string kind = ending(path);
+    const std::string kind = ending_of(path);
     if (!kind.empty() && kind != ".csv" && kind != ".png")
         throw bad_argument("output",
                            fmt::format("'{}' is no ending that is known; .csv and .png are, and none means CSV", kind));
@@ -69,7 +67,7 @@ void check_output_path(const std::string& path) {
 
 void write_workspace(const std::string& path, const Workspace& workspace, const std::string& title) {
     check_output_path(path);
-    if (ending(path) == ".png")
+    if (ending_of(path) == ".png")
         draw(path, "workspace", to_csv(workspace), {title});
     else
         write_file(path, to_csv(workspace));
@@ -77,7 +75,7 @@ void write_workspace(const std::string& path, const Workspace& workspace, const 
 
 void write_trace(const std::string& path, const Simulation& simulation, const Zones& zones) {
     check_output_path(path);
-    if (ending(path) != ".png") {
+    if (ending_of(path) != ".png") {
         write_file(path, to_csv(simulation));
         return;
     }

@@ -21,8 +21,6 @@ ordered_json in_mm(Vec3 p) { return {p.x / millimetre, p.y / millimetre, p.z / m
 
 ordered_json newtons(Vec3 f) { return {f.x * 1e3, f.y * 1e3, f.z * 1e3}; }
 
-std::string ending(const std::string& path) { return std::filesystem::path(path).extension().string(); }
-
 /// What the picture needs beside the report.
 std::string surface_json(const Scattered& scattered) {
     ordered_json json = {{"title", scattered.title},
@@ -131,19 +129,19 @@ std::string to_vtp(const Scattered& s) {
 }
 
 void check_scattered_path(const std::string& path) {
-    const std::string kind = ending(path);
+    const std::string kind = ending_of(path);
     if (path != "-" && kind != ".csv" && kind != ".vtp" && kind != ".png")
         throw bad_argument("output", fmt::format("'{}' is no ending that is known; .csv, .vtp and .png are", kind));
 }
 
 void write_scattered(const std::string& path, const Scattered& scattered) {
     check_scattered_path(path);
-    if (ending(path) == ".png") {
+    if (ending_of(path) == ".png") {
         Picture picture("shipped:tools/plot_scatter.py");
         picture.add("surface.json", surface_json(scattered));
         picture.draw(path, ".csv and .vtp");
     } else
-        write_file(path, ending(path) == ".vtp" ? to_vtp(scattered) : to_csv(scattered));
+        write_file(path, ending_of(path) == ".vtp" ? to_vtp(scattered) : to_csv(scattered));
 }
 
 }  // namespace haptogram

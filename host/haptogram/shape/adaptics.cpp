@@ -44,9 +44,9 @@ struct Keyframes {
     double turn_deg = 0.0, intensity_factor = 1.0, speed = 1.0;
 };
 
-class Reader {
+class PatternReader {
 public:
-    explicit Reader(const JsonMember& root) : root_(root) {}
+    explicit PatternReader(const JsonMember& root) : root_(root) {}
 
     Keyframes read() {
         if (root_.at("$DATA_FORMAT").text() != "MidAirHapticsAnimationFileFormat")
@@ -246,7 +246,7 @@ Focus focus_at(const Keyframes& pattern, double pattern_ms, double played_s) {
 Path path_from_adaptics(std::string_view text, const std::string& where, double carrier_hz, std::size_t samples) {
     const nlohmann::ordered_json document = parse_json(text, where);
     const JsonMember root(document, where);
-    const Keyframes pattern = Reader(root).read();
+    const Keyframes pattern = PatternReader(root).read();
     const double begin_ms = pattern.frames.front().first;
     const double length_s = (pattern.frames.back().first - begin_ms) * 1e-3 / pattern.speed;
     if (samples == 0) throw bad_argument("points", "found 0, expected at least 1 sample of the pattern", {"points"});

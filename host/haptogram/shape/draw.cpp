@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/base/text.hpp"
 #include "haptogram/shape/sample.hpp"
 
 namespace haptogram {
@@ -17,10 +18,7 @@ namespace {
 void require_pace(const Pace& pace) {
     if (pace.speed_m_s.has_value() == pace.frequency_hz.has_value())
         throw bad_argument("speed", "give either a speed or a frequency", {"speed", "frequency"});
-    const double value = pace.speed_m_s ? *pace.speed_m_s : *pace.frequency_hz;
-    if (!(value > 0.0) || !std::isfinite(value))
-        throw bad_argument(pace.speed_m_s ? "speed" : "frequency",
-                           fmt::format("found {}, expected a positive number", value));
+    require_positive(pace.speed_m_s ? "speed" : "frequency", pace.speed_m_s ? *pace.speed_m_s : *pace.frequency_hz);
 }
 
 /// Carrier periods in which the focus travels a metre.

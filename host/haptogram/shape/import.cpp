@@ -36,7 +36,7 @@ ShapeFormat shape_format(const std::string& file_name) {
                                                                                {".ply", ShapeFormat::ply},
                                                                                {".stl", ShapeFormat::stl},
                                                                                {".xyz", ShapeFormat::xyz}}};
-    const std::string extension = lower_case(std::filesystem::path(file_name).extension().string());
+    const std::string extension = ending_of(file_name);
     for (const auto& [known, format] : formats)
         if (extension == known) return format;
     throw bad_input(

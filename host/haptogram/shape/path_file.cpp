@@ -196,7 +196,7 @@ bool is_path_csv(std::string_view text) {
 }
 
 Path load_path(const std::filesystem::path& file, double carrier_hz, std::size_t samples, std::string* hash) {
-    const std::string ending = lower_case(file.extension().string());
+    const std::string ending = ending_of(file);
     if (ending != ".json" && ending != ".csv" && ending != ".adaptics")
         throw bad_input(file.string(), "the name of a path ends in .json, .csv or .adaptics; rename or convert it");
     const std::string text = read_file(file);

@@ -26,8 +26,6 @@ double along(Vec3 point, char axis) {
     return axis == 'x' || axis == 'u' ? point.x : axis == 'y' || axis == 'v' ? point.y : point.z;
 }
 
-std::string ending(const std::string& path) { return std::filesystem::path(path).extension().string(); }
-
 /// VTK's attribute for images that are turned: a matrix row by row, whose columns are the image's axes.
 std::string direction_of(const Pose& pose) {
     const auto& [o, x, y, z] = pose;
@@ -147,7 +145,7 @@ void draw(const std::string& path, const Field& field) {
 }  // namespace
 
 void check_field_path(const std::string& path, const Region& region, Quantity quantity) {
-    const std::string kind = ending(path);
+    const std::string kind = ending_of(path);
     if (!kind.empty() && kind != ".csv" && kind != ".npy" && kind != ".vti" && kind != ".png" && kind != ".stl")
         throw bad_argument(
             "output",
@@ -173,7 +171,7 @@ std::string description_of(const Field& field) {
 }
 
 std::string write_field(const std::string& path, const Field& field, double below_db) {
-    const std::string kind = ending(path);
+    const std::string kind = ending_of(path);
     if (kind == ".png") {
         draw(path, shown(field));
     } else if (kind == ".stl") {

@@ -17,23 +17,23 @@
 namespace haptogram {
 namespace {
 
-constexpr std::uint64_t most_periods = 10'000'000;  ///< that a sequence and a modulation meet again after
+constexpr std::uint64_t longest_observation = 10'000'000;  ///< that a sequence and a modulation meet again after
 
 /// A stretch of one set of drives with one factor on its pressure.
-struct Stretch {
+struct Held {
     std::size_t set = 0;
     double factor = 1.0;
     std::uint64_t periods = 0;
 };
 
-std::vector<Stretch> stretches_of(const DriveSequence& sequence, const Modulation& modulation) {
-    std::vector<Stretch> found;
+std::vector<Held> stretches_of(const DriveSequence& sequence, const Modulation& modulation) {
+    std::vector<Held> found;
     const std::uint64_t round = modulation.samples.size() * modulation.periods_a_sample;
     const std::uint64_t end = round > 0 ? std::lcm(sequence.periods(), round) : sequence.periods();
-    if (end > most_periods)
+    if (end > longest_observation)
         throw bad_argument("am", fmt::format("it and what plays meet again after {} carrier periods only, of at most "
                                              "{}; take a rate that divides the modulation's frequency",
-                                             end, most_periods));
+                                             end, longest_observation));
     for (std::uint64_t now = 0; now < end;)
         for (const DriveSequence::Step& step : sequence.steps)
             for (const std::uint64_t until = now + step.periods; now < until;) {
@@ -58,14 +58,14 @@ struct Windows {
     std::vector<double> times;
 };
 
-Windows windows_of(const std::vector<Stretch>& stretches, double carrier_hz, const Probe& probe) {
+Windows windows_of(const std::vector<Held>& stretches, double carrier_hz, const Probe& probe) {
     if (!(probe.hz <= carrier_hz / 2.0))
         throw bad_argument("probe", fmt::format("{:g} Hz lie above half the carrier's {:g} Hz", probe.hz, carrier_hz));
     const double turns = std::max(1.0, std::round(probe.window_s * probe.hz));
     const auto length = static_cast<std::uint64_t>(std::round(turns / probe.hz * carrier_hz));
     std::vector<std::uint64_t> begins;  // of the stretches, and the end of all
     std::uint64_t all = 0;
-    for (const Stretch& stretch : stretches) {
+    for (const Held& stretch : stretches) {
         begins.push_back(all);
         all += stretch.periods;
     }
@@ -86,7 +86,7 @@ Windows windows_of(const std::vector<Stretch>& stretches, double carrier_hz, con
             static_cast<std::size_t>(std::upper_bound(begins.begin(), begins.end(), begin) - begins.begin()) - 1;
         std::uint64_t now = begin;  // within the sequence
         for (std::uint64_t n = 0; n < length; ++n) {
-            const Stretch& stretch = stretches[where];
+            const Held& stretch = stretches[where];
             const double angle = -2.0 * std::numbers::pi *
                                  std::fmod(turns * static_cast<double>(n), static_cast<double>(length)) /
                                  static_cast<double>(length);
@@ -100,10 +100,10 @@ Windows windows_of(const std::vector<Stretch>& stretches, double carrier_hz, con
 }
 
 /// Shares of the time by sets, times the factor on the pressure.
-Parts shares_of(const std::vector<Stretch>& stretches) {
+Parts shares_of(const std::vector<Held>& stretches) {
     Parts found;
     double all = 0.0;
-    for (const Stretch& stretch : stretches) {
+    for (const Held& stretch : stretches) {
         found[stretch.set] += stretch.factor * static_cast<double>(stretch.periods);
         all += static_cast<double>(stretch.periods);
     }
@@ -133,7 +133,7 @@ Field probe_field(const Array& array, const DriveSequence& sequence, const Modul
         throw bad_input("sequence",
                         "fewer than two whole passes were measured; a probe reads what repeats, so simulate "
                         "more passes");
-    const std::vector<Stretch> stretches = stretches_of(sequence, modulation);
+    const std::vector<Held> stretches = stretches_of(sequence, modulation);
     const Windows windows = probe.receives_ultrasound ? Windows{{shares_of(stretches)}, {1.0}}
                                                       : windows_of(stretches, sequence.carrier_hz, probe);
     std::vector<bool> used(sequence.drives.size());

@@ -100,8 +100,6 @@ ordered_json to_json(const Solved& solved) {
     return json;
 }
 
-std::string ending(const std::string& path) { return std::filesystem::path(path).extension().string(); }
-
 /// Pressure in the plane at the foci's mean height, wide enough to show all of them and the array.
 Field field_around(const Solved& solved, const SolvedStep& step) {
     double height = 0.0, reach = 0.0;
@@ -247,7 +245,7 @@ std::string to_csv(const Solved& solved) {
 }
 
 void check_solved_path(const std::string& path) {
-    const std::string kind = ending(path);
+    const std::string kind = ending_of(path);
     if (path != "-" && kind != ".csv" && kind != ".json" && kind != ".png" && kind != ".hex")
         throw bad_argument("output",
                            fmt::format("'{}' is no ending that is known; .csv, .json, .png and .hex are", kind));
@@ -255,7 +253,7 @@ void check_solved_path(const std::string& path) {
 
 void write_solved(const std::string& path, const Solved& solved, double rate_hz) {
     check_solved_path(path);
-    const std::string kind = ending(path);
+    const std::string kind = ending_of(path);
     if (kind == ".hex") {
         write_files(image_files(solved, rate_hz, path));
     } else if (kind == ".png")

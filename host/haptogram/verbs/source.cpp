@@ -25,8 +25,6 @@ namespace {
 
 enum class FileKind { image, rig, project, path, shape, manifest };
 
-std::string ending_of(const std::string& file) { return lower_case(std::filesystem::path(file).extension().string()); }
-
 bool is_shape_ending(const std::string& ending) {
     return ending == ".ply" || ending == ".obj" || ending == ".stl" || ending == ".xyz";
 }
