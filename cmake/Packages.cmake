@@ -36,6 +36,13 @@ Upstream-Name: haptogram
 Files: *
 Copyright: The Haptogram authors
 License: Apache-2.0
+
+Files: usr/share/haptogram/studio/*
+Copyright: see notices.html there, which has the texts of all packages of the page
+License: Expat
+ See notices.html beside the page.
+
+License: Apache-2.0
  On Debian systems the license is in /usr/share/common-licenses/Apache-2.0.
 ")
 # The date of the last commit, so that the same sources make the same package.

@@ -27,7 +27,7 @@ struct CompileOptions {
     std::vector<std::string> inputs;  ///< shape files, or one project file
     std::vector<std::string> shapes;
     PrimitiveSpec primitive;  ///< the measures of every --shape, in mm; its kind is not used
-    std::optional<std::string> board, array, rig, unit;
+    std::optional<std::string> board, array, rig, unit, up;
     std::optional<std::size_t> points;
     std::optional<std::uint64_t> seed;
     std::optional<double> rate_hz, speed_m_s, frequency_hz, size_mm, scale;
@@ -66,6 +66,7 @@ Project project_of(const CompileOptions& options) {
         ShapeSource source;
         source.file = file;
         source.unit = options.unit.value_or(source.unit);
+        source.up = options.up;
         project.shapes.push_back(source);
     }
     for (const std::string& kind : options.shapes) {
@@ -78,10 +79,11 @@ Project project_of(const CompileOptions& options) {
         project.shapes.push_back(source);
     }
     if (!options.path.empty()) project.path = in_file ? std::filesystem::absolute(options.path).string() : options.path;
-    if (options.unit && (in_file || options.inputs.empty()))
-        throw bad_argument("--unit",
-                           "is of shape files on the command line, and there is none; a project file says it "
-                           "for each of its shapes");
+    for (const auto& [option, given] : {std::pair("--unit", &options.unit), std::pair("--up", &options.up)})
+        if (*given && (in_file || options.inputs.empty()))
+            throw bad_argument(option,
+                               "is of shape files on the command line, and there is none; a project file says it "
+                               "for each of its shapes");
     const auto put = [](auto& target, const auto& given) {
         if (given) target = *given;
     };
@@ -298,6 +300,8 @@ void add_compile(CLI::App& app, Action& action) {
     sub->add_option("--unit", options->unit, "Unit of the coordinates in the files")
         ->check(CLI::IsMember({"mm", "cm", "m"}))
         ->default_str(ShapeSource{}.unit);
+    sub->add_option("--up", options->up, "Axis of the files that points upwards; z when it is not given")
+        ->check(CLI::IsMember({"y", "z"}));
     sub->add_option("--points", options->points, "Focal points to take from a surface, a curve or a larger cloud")
         ->check(whole(1, 65535))
         ->default_str(fmt::to_string(standard.points));

@@ -94,6 +94,34 @@ def test_unit(cloud):
     assert as_set(foci_of(cloud, "cm.xyz", "--unit", "cm")) == expected
 
 
+def test_a_shape_from_standard_input(cloud):
+    expected = foci_of(cloud, "cloud.xyz")
+    with open(cloud / "cloud.xyz", "rb") as piped:
+        succeed(["compile", "-", "-o", "piped.hex"], cwd=cloud, stdin=piped)
+    assert np.allclose(foci_mm(read_json(cloud / "piped.json")), expected)
+    refuse(cloud, ["compile", "-"], BAD_INPUT, "-: is empty")
+
+
+def test_files_with_y_upwards_are_stood_up(cloud):
+    corners = b"v 0 100 0\nv 20 100 0\nv 0 100 -10\nf 1 2 3\n"
+    (cloud / "up.obj").write_bytes(corners)
+    (cloud / "habit.obj").write_bytes(b"# Blender v2.80 OBJ File\n" + corners)
+    (cloud / "up.toml").write_text('format = "haptogram-project-1"\n[[shape]]\nfile = "up.obj"\nup = "y"\n', encoding="utf-8")
+    expected = foci_of(cloud, "up.obj", "--up", "y", "--points", "20")
+    assert np.allclose(expected[:, 2], 100) and np.all(expected[:, 1] > -1e-3)
+    assert np.allclose(foci_of(cloud, "up.toml", "--points", "20"), expected)
+    refuse(cloud, ["compile", "--shape", "circle", "--up", "y"], USAGE, "--up", "shape files")
+    for more, told in (([], True), (["--up", "z"], False)):
+        said = text(run(["compile", "habit.obj", "--center", "0,0,120", *more, "-o", "h.hex"], cwd=cloud).stderr)
+        assert ("y upwards" in said) is told
+
+
+def test_a_face_that_crosses_itself_is_told(cloud):
+    (cloud / "tie.obj").write_bytes(b"v 0 0 100\nv 20 0 100\nv 20 20 100\nv 0 20 100\nf 1 3 2 4\n")
+    told = text(succeed(["compile", "tie.obj", "--points", "20", "-o", "tie.hex"], cwd=cloud).stderr)
+    assert "tie.obj: 1 of its 1 faces cross themselves, face 1 first" in told
+
+
 def test_center_moves_the_middle_of_the_box(cloud):
     points = foci_of(cloud, "cloud.xyz", "--center", "5,-6,120")
     assert np.allclose(centre(points), [5, -6, 120], atol=1e-3) and np.allclose(extent(points), [20, 10, 4], atol=1e-3)

@@ -258,12 +258,34 @@ TEST_CASE("polygons with holes, straight corners and many corners are cut rightl
     CHECK(area(mesh) == Approx(expected).epsilon(1e-12));
 }
 
-TEST_CASE("a polygon that crosses itself is refused by its number", "[shape][forms]") {
+TEST_CASE("a polygon that crosses itself is cut as it is, and told by its number", "[shape][forms]") {
     const std::string square = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nf 1 2 3 4\n";
-    const std::string crossing = GENERATE("f 1 3 2 4\n",                                          // a bow tie
-                                          "v 1 5 0\nv 3 0 0\nv 0 3 0\nv 3 3 0\nf 1 6 7 5 8 3\n",  // no ear is left
-                                          "v 0 10 0\nv 6 -8 0\nv -9 3 0\nv 9 3 0\nv -6 -8 0\nf 5 6 7 8 9\n");  // a star
-    CHECK_THAT(refusal(square + crossing, ShapeFormat::obj).what(), Contains("face 2 of 2") && Contains("crossing"));
+    const auto [crossing, corners] = GENERATE(table<std::string, std::size_t>({
+        {"f 1 3 2 4\n", 4},                                                      // a bow tie
+        {"v 1 5 0\nv 3 0 0\nv 0 3 0\nv 3 3 0\nf 1 6 7 5 8 3\n", 6},              // no ear is left
+        {"v 0 10 0\nv 6 -8 0\nv -9 3 0\nv 9 3 0\nv -6 -8 0\nf 5 6 7 8 9\n", 5},  // a star
+    }));
+    const Mesh mesh = read_mesh(square + crossing, ShapeFormat::obj);
+    CHECK_THAT(mesh.flaw, Contains("1 of its 2 faces") && Contains("face 2 first"));
+    CHECK(mesh.triangles.size() == 2 + corners - 2);
+    CHECK(read_mesh(square, ShapeFormat::obj).flaw.empty());
+}
+
+TEST_CASE("a content without a name tells its format", "[shape][forms]") {
+    for (const char* const name :
+         {"trimesh_little.ply", "trimesh.obj", "trimesh_binary.stl", "trimesh_cloud.xyz", "numpy_header.csv"}) {
+        CAPTURE(name);
+        CHECK(shape_format(read_file(data / name), "-") == shape_format(name));
+    }
+    CHECK_THROWS_WITH(shape_format("a shopping list", "-"), Contains("-: found nothing"));
+    CHECK_THAT(refusal("\n<!DOCTYPE html>\n", ShapeFormat::stl).what(), Contains("web page"));
+}
+
+TEST_CASE("a shape with y upwards is stood up", "[shape][forms]") {
+    CHECK(has_y_up_by_habit("# Blender v2.80 (sub 75) OBJ File\nv 0 0 0\n"));
+    CHECK_FALSE(has_y_up_by_habit("# by hand\no Blender\nv 0 0 0\n"));
+    const Shape lying = load_shape("v 1 2 3\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", ShapeFormat::obj, "a shape", 1.0);
+    CHECK(std::get<Mesh>(stood_up(lying).pieces.front()).vertices.front() == Vec3{1, -3, 2});
 }
 
 TEST_CASE("shapes are read from memory under a name of the caller's", "[shape][forms]") {

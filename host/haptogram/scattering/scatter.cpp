@@ -149,6 +149,7 @@ Body open_body(const BodySource& source, double wavelength_m) {
         const Mesh* const found = std::get_if<Mesh>(&shape.pieces.front());
         if (found == nullptr)
             throw bad_input(source.name, "has points but no faces; a body needs a closed surface of triangles");
+        if (!found->flaw.empty()) throw bad_input(source.name, found->flaw);
         mesh = *found;
     }
     const Shape placed = place(Shape{{mesh}}, source.placement);

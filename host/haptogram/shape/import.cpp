@@ -28,7 +28,57 @@ Piece read_piece(std::string_view content, ShapeFormat format, const std::string
     throw bad_argument("format", "is none of the shape formats; choose one of ShapeFormat");
 }
 
+/// The beginning of a text, in small letters, without what is blank before it.
+std::string first_words(std::string_view content) {
+    const std::string begin = lower_case(content.substr(0, 200));
+    const std::size_t first = begin.find_first_not_of(" \t\r\n\xef\xbb\xbf");
+    return first == std::string::npos ? "" : begin.substr(first);
+}
+
+bool is_binary_stl(std::string_view content) {
+    constexpr std::size_t header = 80, count = 4, facet = 50;
+    if (content.size() < header + count) return false;
+    std::size_t facets = 0;
+    for (std::size_t i = 0; i < count; ++i)
+        facets |= std::size_t{static_cast<unsigned char>(content[header + i])} << (8 * i);
+    return content.size() == header + count + facets * facet;
+}
+
+/// Whether a line of the text begins with the word "v", as those of an OBJ file's vertices do.
+bool has_vertices_of_obj(std::string_view content) {
+    return content.starts_with("v ") || content.find("\nv ") != std::string_view::npos;
+}
+
 }  // namespace
+
+ShapeFormat shape_format(std::string_view content, const std::string& name) {
+    const std::string begin = first_words(content);
+    if (begin.starts_with("ply")) return ShapeFormat::ply;
+    if (is_binary_stl(content) || begin.starts_with("solid")) return ShapeFormat::stl;
+    if (has_vertices_of_obj(content)) return ShapeFormat::obj;
+    if (begin.find(',') != std::string::npos || begin.starts_with('x')) return ShapeFormat::csv;
+    if (begin.find_first_of("0123456789#") != std::string::npos) return ShapeFormat::xyz;
+    throw bad_input(name,
+                    "found nothing that begins as PLY, STL, OBJ, CSV or XYZ does; save it as a file and name that");
+}
+
+bool has_y_up_by_habit(std::string_view obj) {
+    for (Lines lines(obj.substr(0, 2000)); lines.next();)
+        for (const std::string_view program : {"Blender", "Maya"})
+            if (lines.line().starts_with('#') && lines.line().find(program) != std::string_view::npos) return true;
+    return false;
+}
+
+Shape stood_up(Shape shape) {
+    const auto stand = [](std::vector<Vec3>& points) {
+        for (Vec3& p : points) p = {p.x, -p.z, p.y};
+    };
+    for (Piece& piece : shape.pieces) {
+        if (auto* const mesh = std::get_if<Mesh>(&piece)) stand(mesh->vertices);
+        if (auto* const cloud = std::get_if<Cloud>(&piece)) stand(cloud->points);
+    }
+    return shape;
+}
 
 ShapeFormat shape_format(const std::string& file_name) {
     constexpr std::array<std::pair<std::string_view, ShapeFormat>, 5> formats{{{".csv", ShapeFormat::csv},
@@ -51,6 +101,9 @@ Shape load_shape(std::string_view content, ShapeFormat format, const std::string
         throw bad_argument("metres_per_unit",
                            fmt::format("found {}, expected a positive number; correct it", metres_per_unit));
     if (content.empty()) throw bad_input(name, "is empty, expected a shape; export it again");
+    if (const std::string begin = first_words(content); begin.starts_with("<!doctype") || begin.starts_with("<html"))
+        throw bad_input(name,
+                        "found a web page (HTML), expected a shape; download the file itself, not the page about it");
     Piece piece = read_piece(content, format, name);
     std::vector<Vec3>& points =
         std::holds_alternative<Mesh>(piece) ? std::get<Mesh>(piece).vertices : std::get<Cloud>(piece).points;
@@ -60,20 +113,12 @@ Shape load_shape(std::string_view content, ShapeFormat format, const std::string
     return shape;
 }
 
-Shape load_shape(const std::filesystem::path& path, double metres_per_unit, std::string* content_sha256) {
+Shape load_shape(const std::filesystem::path& path, double metres_per_unit) {
     const std::string name = path.string();
     std::error_code ignored;  // what else is wrong with the path, read_file says
     if (std::filesystem::is_directory(path, ignored)) throw bad_input(name, "is a directory; name a shape file in it");
     const ShapeFormat format = shape_format(name);
-    const std::string content = read_file(path);
-    const std::string begin = lower_case(std::string_view(content).substr(0, 200));
-    const std::size_t first = begin.find_first_not_of(" \t\r\n\xef\xbb\xbf");
-    if (first != std::string::npos &&
-        (begin.compare(first, 9, "<!doctype") == 0 || begin.compare(first, 5, "<html") == 0))
-        throw bad_input(name,
-                        "found a web page (HTML), expected a shape; download the file itself, not the page about it");
-    if (content_sha256 != nullptr) *content_sha256 = sha256(content);
-    return load_shape(content, format, name, metres_per_unit);
+    return load_shape(read_file(path), format, name, metres_per_unit);
 }
 
 }  // namespace haptogram

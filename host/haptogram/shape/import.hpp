@@ -14,22 +14,30 @@ enum class ShapeFormat { csv, obj, ply, stl, xyz };
 /// @throws Error{bad_input} for any other extension, naming those that are known
 [[nodiscard]] ShapeFormat shape_format(const std::string& file_name);
 
+/// The format that the content tells, for what has no name of its own, such as standard input.
+/// @throws Error{bad_input} for content that is of none, naming `name`
+[[nodiscard]] ShapeFormat shape_format(std::string_view content, const std::string& name);
+
+/// @return whether a comment of an OBJ file names a program that writes such files with y upwards
+[[nodiscard]] bool has_y_up_by_habit(std::string_view obj);
+
+/// The shape of a file with y upwards, standing: x, y, z become x, -z, y.
+[[nodiscard]] Shape stood_up(Shape shape);
+
 /// Reads a shape from memory, for example one that a browser sent. Files with faces become one Mesh: several objects
-/// are joined and polygons are cut into triangles. Files without faces become one Cloud. Numbers keep double precision.
+/// are joined and polygons are cut into triangles; Mesh::flaw tells of those that cross themselves. Files without faces
+/// become one Cloud. Numbers keep double precision.
 /// @param content          the bytes of the file
 /// @param name             what messages call the shape
 /// @param metres_per_unit  what a 1 in the file means, for example 1e-3; positive and finite
 /// @throws Error{bad_input} naming the shape and the line or record, for content that is empty, cut short or garbled,
-///         has no points, a coordinate that is not finite, a corner that is no vertex, faces without area, or a face
-///         that crosses itself
+///         has no points, a coordinate that is not finite, a corner that is no vertex, or faces without area
 /// @throws Error{bad_argument} for a `metres_per_unit` that makes no sense
 [[nodiscard]] Shape load_shape(std::string_view content, ShapeFormat format, const std::string& name,
                                double metres_per_unit);
 
 /// Reads a shape file; its extension tells the format, and its path is its name in messages.
-/// @param content_sha256  when given, receives the hash of what was read, because a pipe can be read only once
 /// @throws Error{bad_input} for a path that cannot be read, too
-[[nodiscard]] Shape load_shape(const std::filesystem::path& path, double metres_per_unit,
-                               std::string* content_sha256 = nullptr);
+[[nodiscard]] Shape load_shape(const std::filesystem::path& path, double metres_per_unit);
 
 }  // namespace haptogram

@@ -97,8 +97,7 @@ Piece as_piece(Polygons polygons, const std::string& name) {
     Mesh mesh{std::move(polygons.vertices), {}};
     mesh.triangles.reserve(polygons.corners.size() - 2 * polygons.face_ends.size());
     double crossed_area = 0.0;
-    double worst_area = 0.0;
-    std::size_t worst_face = 0;
+    std::vector<std::size_t> crossed;  // numbers of faces
     std::size_t begin = 0;
     for (std::size_t i = 0; i < polygons.face_ends.size(); ++i) {
         const auto face = std::span(polygons.corners).subspan(begin, polygons.face_ends[i] - begin);
@@ -109,10 +108,7 @@ Piece as_piece(Polygons polygons, const std::string& name) {
         }
         const double upside_down = EarClipper(mesh.vertices, face).cut(mesh.triangles);
         crossed_area += upside_down;
-        if (upside_down > worst_area) {
-            worst_area = upside_down;
-            worst_face = i + 1;
-        }
+        if (upside_down > 0.0) crossed.push_back(i + 1);
     }
     double area = 0.0;
     for (const auto& [a, b, c] : mesh.triangles)
@@ -126,9 +122,10 @@ Piece as_piece(Polygons polygons, const std::string& name) {
                 polygons.face_ends.size()));
     constexpr double rounding = 1e-6;  // corners rounded by the exporting program may cross by this much
     if (crossed_area > rounding * area)
-        throw bad_input(name, fmt::format("found face {} of {} crossing itself, expected faces that can be cut into "
-                                          "triangles; export the shape as triangles",
-                                          worst_face, polygons.face_ends.size()));
+        mesh.flaw = fmt::format(
+            "{} of its {} faces cross themselves, face {} first, and were cut into triangles as they "
+            "are, {:.2g} % of the area upside down; export the shape as triangles",
+            crossed.size(), polygons.face_ends.size(), crossed.front(), 100.0 * crossed_area / area);
     return mesh;
 }
 

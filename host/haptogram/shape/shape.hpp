@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct Curve {
 struct Mesh {
     std::vector<Vec3> vertices;
     std::vector<std::array<std::uint32_t, 3>> triangles;
+    std::string flaw{};  ///< what is wrong with the faces that it was cut from, as a sentence; empty for a sound one
 };
 
 /// Points without order, metres.

@@ -29,24 +29,36 @@ namespace {
 constexpr std::uint32_t most_dwell = interface::sequence_entry_field::dwell.most();
 constexpr std::size_t most_record_samples = 4096;  // of a modulation that becomes records
 
+/// A shape file's shape, standing.
+/// @param name  of the file, "-" for standard input @param warnings  gets what is odd about it and does no harm
+Shape load(const ShapeSource& source, const std::string& name, const std::string& content,
+           std::vector<std::string>& warnings) {
+    const ShapeFormat format = name == "-" ? shape_format(content, name) : shape_format(name);
+    Shape shape = load_shape(content, format, name, metres_per_unit(source.unit));
+    if (const auto* const mesh = std::get_if<Mesh>(&shape.pieces.front()); mesh != nullptr && !mesh->flaw.empty())
+        warnings.push_back(fmt::format("{}: {}", name, mesh->flaw));
+    if (!source.up && format == ShapeFormat::obj && has_y_up_by_habit(content))
+        warnings.push_back(
+            fmt::format("{}: the program that wrote it mostly has y upwards, and z is taken to be; say "
+                        "--up y if the shape lies on its back, or --up z",
+                        name));
+    return source.up == "y" ? stood_up(std::move(shape)) : shape;
+}
+
 /// The union of a project's shapes.
 /// @param hashes  gets the hash of every file's content
-Shape gather(const Project& project, std::string& hashes) {
+Shape gather(const Project& project, std::string& hashes, std::vector<std::string>& warnings) {
     Shape shape;
     for (const ShapeSource& source : project.shapes) {
         Shape part;
         if (source.file.empty() && !source.content) {
             part = make_primitive(source.primitive);
         } else {
-            const double metres = metres_per_unit(source.unit);
-            std::string hash;
-            if (source.content) {
-                part = load_shape(*source.content, shape_format(source.file), source.file, metres);
-                hash = sha256(*source.content);
-            } else {
-                part = load_shape(project.folder / source.file, metres, &hash);
-            }
-            hashes += hash;
+            const bool here = source.content || source.file == "-";
+            const std::string name = here ? source.file : (project.folder / source.file).string();
+            const std::string content = source.content ? *source.content : read_file(name);
+            hashes += sha256(content);
+            part = load(source, name, content, warnings);
         }
         if (source.placement != Placement{}) part = place(part, source.placement);
         std::move(part.pieces.begin(), part.pieces.end(), std::back_inserter(shape.pieces));
@@ -468,7 +480,8 @@ Compiled compile_on(const ProjectInstrument& instrument, const Project& project,
         progress(1.0, "focusing");
         return compiled;
     }
-    Shape shape = place(gather(project, hashes), placement(project));
+    std::vector<std::string> warnings;
+    Shape shape = place(gather(project, hashes, warnings), placement(project));
     progress(0.3, "sampling");
     const interface::CoreParameters& core = instrument.core.parameters;
     const std::uint32_t held = kind == ImageKind::foci ? instrument.core.most_focus_records() : core.records;
@@ -506,6 +519,7 @@ Compiled compile_on(const ProjectInstrument& instrument, const Project& project,
     Compiled compiled = compile_path(std::move(path), instrument, project.loops, name, settings_text(project) + hashes,
                                      Method::gauss_newton, project.quantise, kind);
     if (placed != nullptr) *placed = std::move(shape);
+    compiled.warnings.insert(compiled.warnings.begin(), warnings.begin(), warnings.end());
     compiled.points = std::move(points);
     compiled.pace = pace;
     compiled.evened = evened;
@@ -569,7 +583,8 @@ ProjectInstrument instrument_of(const Project& project) {
 Shape shape_of(const Project& project) {
     if (!project.is_of_shapes()) return {};
     std::string hashes;
-    return place(gather(project, hashes), placement(project));
+    std::vector<std::string> warnings;  // compile tells them
+    return place(gather(project, hashes, warnings), placement(project));
 }
 
 Compiled compile(const Project& project, const std::string& name, const Progress& progress, Shape* shape) {

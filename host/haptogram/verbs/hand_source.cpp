@@ -35,6 +35,8 @@ Mesh mesh_of(const ObjectSource& source, const FileReader& read) {
         place(load_shape(read ? read(source.name) : read_file(source.name), format, source.name, metres), placement);
     if (shape.pieces.size() != 1 || !std::holds_alternative<Mesh>(shape.pieces.front()))
         throw bad_input(source.name, "it has points without faces, and so no volume; give a closed mesh");
+    if (const std::string& flaw = std::get<Mesh>(shape.pieces.front()).flaw; !flaw.empty())
+        throw bad_input(source.name, flaw);
     return std::get<Mesh>(std::move(shape.pieces.front()));
 }
 

@@ -23,6 +23,8 @@ using section::Section;
 constexpr std::string_view format_name = "haptogram-project-1";
 constexpr double longest_mm = 1e6;
 
+bool is_up(const std::string& text) { return text == "y" || text == "z"; }
+
 bool is_unit(const std::string& text) { return text == "mm" || text == "cm" || text == "m"; }
 
 std::optional<double> length(const Section& section, std::string_view key) {
@@ -41,8 +43,8 @@ void read_placement(Placement& placement, const Section& section) {
 
 ShapeSource read_shape(const std::string& file, const toml::table& table) {
     const Section section(file, table);
-    section.only({"file", "unit", "kind", "diameter_mm", "length_mm", "height_mm", "sides", "turns", "scale", "size_mm",
-                  "rotate_deg", "center_mm"});
+    section.only({"file", "unit", "up", "kind", "diameter_mm", "length_mm", "height_mm", "sides", "turns", "scale",
+                  "size_mm", "rotate_deg", "center_mm"});
     ShapeSource source;
     assign(source.file, section.text("file"));
     assign(source.primitive.kind, section.text("kind"));
@@ -50,12 +52,15 @@ ShapeSource read_shape(const std::string& file, const toml::table& table) {
     if (source.file.empty() == source.primitive.kind.empty())
         throw bad_input(where, "a [[shape]] has either 'file', a shape file, or 'kind', a built-in shape");
     assign(source.unit, section.text("unit", "\"mm\", \"cm\" or \"m\"", is_unit));
+    source.up = section.text("up", "\"y\" or \"z\"", is_up);
     source.primitive.diameter = length(section, "diameter_mm");
     source.primitive.length = length(section, "length_mm");
     source.primitive.height = length(section, "height_mm");
     source.primitive.sides = section.whole("sides", 3, 1000);
     source.primitive.turns = section.number("turns", 1e-3, 1e3);
     const PrimitiveSpec& p = source.primitive;
+    if (source.file.empty() && source.up)
+        throw bad_input(where, "'up' is of shape files; turn built-in shapes by rotate_deg");
     if (!source.file.empty() && (p.diameter || p.length || p.height || p.sides || p.turns))
         throw bad_input(where, "diameter_mm, length_mm, height_mm, sides and turns measure built-in shapes, not files");
     if (source.file.empty() && section.find("unit") != nullptr)
@@ -128,6 +133,7 @@ std::string to_toml(const ShapeSource& source) {
     if (!source.file.empty()) {
         text += fmt::format("file = {}\n", quoted_text(source.file));
         if (source.unit != ShapeSource{}.unit) text += fmt::format("unit = {}\n", quoted_text(source.unit));
+        if (source.up) text += fmt::format("up = {}\n", quoted_text(*source.up));
         return text + to_toml(source.placement);
     }
     const PrimitiveSpec& p = source.primitive;

@@ -20,6 +20,7 @@ struct ShapeSource {
     std::string file;                    ///< path; with `content`, a name for messages whose ending tells the format
     std::optional<std::string> content;  ///< takes the place of reading the file
     std::string unit = "mm";             ///< of the file's coordinates: mm, cm or m
+    std::optional<std::string> up{};     ///< which of the file's axes points upwards, y or z; z when it is not said
     PrimitiveSpec primitive;             ///< when `file` is empty; metres
     Placement placement{};               ///< of this shape alone, before that of the whole
 };
