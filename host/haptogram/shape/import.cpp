@@ -52,6 +52,7 @@ bool has_vertices_of_obj(std::string_view content) {
 }  // namespace
 
 ShapeFormat shape_format(std::string_view content, const std::string& name) {
+    if (content.empty()) throw bad_input(name, "is empty, expected a shape; export it again");
     const std::string begin = first_words(content);
     if (begin.starts_with("ply")) return ShapeFormat::ply;
     if (is_binary_stl(content) || begin.starts_with("solid")) return ShapeFormat::stl;

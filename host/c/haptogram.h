@@ -1,0 +1,153 @@
+/* SPDX-License-Identifier: Apache-2.0
+   Haptogram for other languages: compile shapes, compute fields, drive a board. Plain C.
+
+   Lengths are metres in the array's frame: x right, y forward, z up from the transducers, right-handed. Text is UTF-8.
+   A function that can fail returns a haptogram_code. After one that is not HAPTOGRAM_OK, haptogram_error() says in words what is
+   wrong, in this thread, until its next call. Nothing calls back, and no exception leaves the library. Every struct begins with
+   its size, which the caller sets, so that later versions can append to it; what the caller leaves zero has its default.
+
+   A board has a thread of its own in the library, which connects again after a loss. Functions of a board may be called from
+   any thread. haptogram_set_focus never waits. Closing a board, or the end of the program, turns its outputs off; if the
+   program is killed, the board's watchdog does. */
+#ifndef HAPTOGRAM_H
+#define HAPTOGRAM_H
+#include <stddef.h>
+#include <stdint.h>
+#define HAPTOGRAM_API __attribute__((visibility("default")))
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Goes up when something that was there changes; haptogram_abi() is the library's. */
+#define HAPTOGRAM_ABI 1
+
+typedef struct haptogram_board haptogram_board; /* an open port */
+typedef struct haptogram_image haptogram_image; /* the contents of a board's memories, and what they mean */
+
+typedef enum haptogram_code {
+    HAPTOGRAM_OK = 0,
+    HAPTOGRAM_FAILED = 1,       /* the result is not good */
+    HAPTOGRAM_BAD_ARGUMENT = 2, /* what the caller asked for makes no sense */
+    HAPTOGRAM_BAD_INPUT = 3,    /* a file, a text, or an image that does not suit the board */
+    HAPTOGRAM_DEVICE = 4,       /* the board, or the line to it */
+    HAPTOGRAM_CANCELLED = 5     /* the outputs were shut off, and with them this work */
+} haptogram_code;
+
+HAPTOGRAM_API int32_t haptogram_abi(void);
+HAPTOGRAM_API const char* haptogram_version(void);
+HAPTOGRAM_API const char* haptogram_error(void);
+/* The settings that could mend the last error, as a project file calls them, separated by commas; may be empty. */
+HAPTOGRAM_API const char* haptogram_remedies(void);
+
+/* Images. */
+
+typedef struct haptogram_project {
+    uint32_t size;
+    const char* toml;   /* the text of a project file; needed */
+    const char* folder; /* where names in it begin; default: the working folder */
+    const char* shape_name; /* the `file` of one of its shapes that is not read, because its bytes are here; default: none */
+    const void* shape;
+    size_t shape_bytes;
+} haptogram_project;
+HAPTOGRAM_API haptogram_code haptogram_compile(const haptogram_project* project, haptogram_image** image);
+
+typedef struct haptogram_focus {
+    double x_m, y_m, z_m;
+    double amplitude; /* of the pressure, 0 to 1 of the most that the array can make there */
+} haptogram_focus;
+
+typedef struct haptogram_path {
+    uint32_t size;
+    const char* board;          /* a board file, or a shipped board; default: a core that suits the array */
+    const char* array;          /* an array file, or a shipped array; default: the board's, or tile-10x10 */
+    const haptogram_focus* foci; /* `each` for the first step, then those of the second */
+    const uint32_t* periods;    /* of the carrier, for which each step lasts; default: 1 */
+    size_t steps;
+    uint32_t each;  /* foci at the same time; default: 1 */
+    uint16_t loops; /* passes when it is played by itself; 0: for ever */
+    int32_t board_computes; /* not 0: an image of foci, for boards that compute their phases; needed for live foci */
+} haptogram_path;
+HAPTOGRAM_API haptogram_code haptogram_compile_path(const haptogram_path* path, haptogram_image** image);
+
+/* An image file, with the manifest beside it. */
+HAPTOGRAM_API haptogram_code haptogram_read_image(const char* hex_file, haptogram_image** image);
+HAPTOGRAM_API haptogram_code haptogram_save_image(const haptogram_image* image, const char* hex_file);
+/* The Intel HEX text, and the manifest's JSON. Both return how many bytes there are, and copy at most `room` of them. */
+HAPTOGRAM_API size_t haptogram_image_hex(const haptogram_image* image, char* to, size_t room);
+HAPTOGRAM_API size_t haptogram_image_manifest(const haptogram_image* image, char* to, size_t room);
+/* What is odd about it and does no harm, a sentence a line. */
+HAPTOGRAM_API size_t haptogram_image_warnings(const haptogram_image* image, char* to, size_t room);
+HAPTOGRAM_API void haptogram_free_image(haptogram_image* image);
+
+/* The amplitude of the pressure, Pa, at points of three coordinates each, when a record plays; records count from 1. Record 0 is
+   the whole sequence: the root of the mean square over its time. */
+HAPTOGRAM_API haptogram_code haptogram_pressure(const haptogram_image* image, uint32_t record, const double* points_m, size_t points,
+                                                double* pressure_pa);
+/* Drives that make several foci at the same time: for each of the array's elements a real and an imaginary part, at most 1 in
+   magnitude. `elements` says how many there is room for, and then how many there are. method: "gauss-newton" and the others
+   of the program; NULL: that one. */
+HAPTOGRAM_API haptogram_code haptogram_solve(const char* array, const haptogram_focus* foci, size_t count, const char* method,
+                                             double* drives, size_t* elements);
+
+/* Boards. */
+
+typedef struct haptogram_port {
+    uint32_t size;
+    const char* port; /* /dev/ttyUSB0, ftdi:…, or reference:NAME, a simulated board of that configuration in this process; needed */
+    uint32_t baud;    /* default: found */
+    uint32_t patience_ms; /* for the first answer; default: 3000 */
+} haptogram_port;
+HAPTOGRAM_API haptogram_code haptogram_open(const haptogram_port* port, haptogram_board** board);
+/* Turns the outputs off, and waits some two seconds at most for the board to confirm it. NULL is allowed. */
+HAPTOGRAM_API void haptogram_close(haptogram_board* board);
+
+typedef struct haptogram_identity {
+    uint32_t size;
+    uint32_t version_major, version_minor, channels, records, sequence_depth, clock_hz;
+    uint32_t foci;               /* most at the same time that it computes by itself; 0: it computes none */
+    uint32_t modulation_samples; /* 0: it has no modulation */
+} haptogram_identity;
+HAPTOGRAM_API haptogram_code haptogram_identify(haptogram_board* board, haptogram_identity* identity);
+
+typedef struct haptogram_status {
+    uint32_t size;
+    int32_t connected, enabled, stopped; /* stopped: by its stop input */
+    int32_t busy;                        /* something that was begun here plays */
+    uint32_t present_index, underruns, refused_records, watchdog_trips, guard_trips, frames_damaged;
+    uint64_t foci_sent; /* live, since it began */
+    double lead_s;      /* what the board has in hand meanwhile */
+} haptogram_status;
+/* What was heard last; nothing is waited for. */
+HAPTOGRAM_API haptogram_code haptogram_get_status(haptogram_board* board, haptogram_status* status);
+
+/* Writes what the board does not hold already. */
+HAPTOGRAM_API haptogram_code haptogram_upload(haptogram_board* board, const haptogram_image* image);
+
+typedef struct haptogram_playing {
+    uint32_t size;
+    int32_t loops;        /* passes; default: as the image says; −1: for ever */
+    uint32_t watchdog_ms; /* outputs go off when this program is silent for so long, up to 65535; default: 500 */
+    double seconds;       /* not longer than this; default: no limit */
+    const char* am;       /* a waveform for all amplitudes, such as "sine:200"; default: the image's own */
+    double step_s;        /* live: how long a focus stays before a newer one can follow; default: 0.2 ms, and longer on a line that is too slow */
+} haptogram_playing;
+/* Begins, and returns; NULL is all defaults. The outputs are on until it ends. One at a time. */
+HAPTOGRAM_API haptogram_code haptogram_play(haptogram_board* board, const haptogram_playing* playing);
+/* The same with a focus that stays where it was put until it is put elsewhere; silent before it was put. An image of foci
+   must have been uploaded, which says where the channels are. */
+HAPTOGRAM_API haptogram_code haptogram_play_live(haptogram_board* board, const haptogram_playing* playing);
+/* Never waits for anything; the newest wins. May be called before haptogram_play_live. */
+HAPTOGRAM_API haptogram_code haptogram_set_focus(haptogram_board* board, double x_m, double y_m, double z_m, double amplitude);
+/* Waits until what was begun has ended, at most so long; says how it ended. `busy` gets whether it goes on. */
+HAPTOGRAM_API haptogram_code haptogram_wait(haptogram_board* board, uint32_t milliseconds, int32_t* busy);
+/* Ends what was begun in good order, and turns the outputs off. */
+HAPTOGRAM_API haptogram_code haptogram_stop(haptogram_board* board);
+/* Turns the outputs off ahead of everything, and waits two seconds at most for the board to confirm it. */
+HAPTOGRAM_API haptogram_code haptogram_shut_off(haptogram_board* board);
+/* Of all that the uploaded image plays, 0 to 1; also while it plays. */
+HAPTOGRAM_API haptogram_code haptogram_set_intensity(haptogram_board* board, double factor);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,332 @@
+// SPDX-License-Identifier: Apache-2.0
+// The C interface: each function converts its arguments, calls what the program calls, and turns what is thrown into a
+// code and words.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <complex>
+#include <cstring>
+#include <exception>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "board.hpp"
+#include "haptogram.h"
+#include "haptogram/acoustics/field.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/base/file.hpp"
+#include "haptogram/format/bundle.hpp"
+#include "haptogram/solve/solver.hpp"
+#include "haptogram/verbs/compile.hpp"
+#include "haptogram/verbs/timeline.hpp"
+
+using haptogram::bad_argument;
+using haptogram::Error;
+using haptogram::ErrorCode;
+using haptogram::Vec3;
+
+struct haptogram_image {
+    haptogram::Bundle bundle;
+    std::string manifest, warnings;
+};
+
+struct haptogram_board {
+    haptogram::c::Board board;
+};
+
+namespace {
+
+thread_local std::string last_error, last_remedies;
+
+haptogram_code code_of(ErrorCode code) {
+    switch (code) {
+        case ErrorCode::failed: return HAPTOGRAM_FAILED;
+        case ErrorCode::bad_argument: return HAPTOGRAM_BAD_ARGUMENT;
+        case ErrorCode::bad_input: return HAPTOGRAM_BAD_INPUT;
+        case ErrorCode::device: return HAPTOGRAM_DEVICE;
+        case ErrorCode::cancelled: return HAPTOGRAM_CANCELLED;
+    }
+    return HAPTOGRAM_FAILED;
+}
+
+/// Does some work, and keeps what it throws for haptogram_error().
+template <class Work>
+haptogram_code guarded(const Work& work) noexcept {
+    try {
+        last_error.clear();
+        last_remedies.clear();
+        work();
+        return HAPTOGRAM_OK;
+    } catch (const Error& error) {
+        last_error = error.what();
+        last_remedies = fmt::format("{}", fmt::join(error.remedies(), ","));
+        return code_of(error.code());
+    } catch (const std::exception& error) {
+        last_error = error.what();
+    } catch (...) {
+        last_error = "an unknown exception";
+    }
+    return HAPTOGRAM_FAILED;
+}
+
+template <class T>
+T& required(T* given, const char* name) {
+    if (given == nullptr) throw bad_argument(name, "is NULL");
+    return *given;
+}
+
+const char* required_text(const char* given, const char* name) { return &required(given, name); }
+
+/// A struct as its caller knows it: what a later version appended is zero.
+template <class Struct>
+Struct known_part(const Struct* given, const char* name) {
+    Struct known{};
+    const std::uint32_t size = required(given, name).size;
+    if (size < sizeof size)
+        throw bad_argument(name, fmt::format("its size is {}; set it to sizeof of the struct", size));
+    std::memcpy(&known, given, std::min<std::size_t>(size, sizeof known));
+    return known;
+}
+
+/// Fills a caller's struct, no more of it than the caller has.
+template <class Struct>
+void give(Struct* to, Struct filled, const char* name) {
+    const std::uint32_t size = required(to, name).size;
+    if (size < sizeof size)
+        throw bad_argument(name, fmt::format("its size is {}; set it to sizeof of the struct", size));
+    filled.size = size;
+    std::memcpy(to, &filled, std::min<std::size_t>(size, sizeof filled));
+}
+
+std::size_t copy(const std::string& text, char* to, std::size_t room) {
+    if (to != nullptr) std::memcpy(to, text.data(), std::min(room, text.size()));
+    return text.size();
+}
+
+haptogram_image* image_of(haptogram::Bundle bundle, const std::vector<std::string>& warnings) {
+    auto image = std::make_unique<haptogram_image>();
+    image->manifest = to_text(bundle.manifest);
+    image->bundle = std::move(bundle);
+    image->warnings = fmt::format("{}", fmt::join(warnings, "\n"));
+    return image.release();
+}
+
+haptogram::Focus focus_of(const haptogram_focus& given) { return {{given.x_m, given.y_m, given.z_m}, given.amplitude}; }
+
+haptogram::ProjectInstrument instrument_for(const haptogram_path& path) {
+    haptogram::Project project;
+    if (path.board != nullptr) project.board = path.board;
+    if (path.array != nullptr) project.array = path.array;
+    return instrument_of(project);
+}
+
+/// The shape whose bytes are given.
+haptogram::ShapeSource& shape_in(haptogram::Project& project, const haptogram_project& given) {
+    const std::string name = required_text(given.shape_name, "shape_name");
+    for (haptogram::ShapeSource& source : project.shapes)
+        if (source.file == name) return source;
+    throw bad_argument("shape_name", fmt::format("no [[shape]] of the project has the file '{}'", name));
+}
+
+haptogram::Path path_for(const haptogram_path& given) {
+    const std::size_t each = std::max(1U, given.each);
+    const haptogram_focus* const foci = &required(given.foci, "foci");
+    haptogram::Path path;
+    for (std::size_t i = 0; i < given.steps; ++i) {
+        haptogram::PathStep& step = path.steps.emplace_back();
+        step.periods = given.periods != nullptr ? given.periods[i] : 1;
+        for (std::size_t k = i * each; k < (i + 1) * each; ++k) step.foci.push_back(focus_of(foci[k]));
+    }
+    return path;
+}
+
+std::vector<Vec3> points_of(const double* numbers, std::size_t count) {
+    const double* const xyz = &required(numbers, "points_m");
+    std::vector<Vec3> points;
+    for (std::size_t i = 0; i < count; ++i) points.push_back({xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]});
+    return points;
+}
+
+haptogram::c::Playing playing_of(const haptogram_playing* given) {
+    if (given == nullptr) return {};
+    const haptogram_playing known = known_part(given, "playing");
+    haptogram::c::Playing playing;
+    if (known.loops > 65535) throw bad_argument("loops", fmt::format("found {}, expected at most 65535", known.loops));
+    if (known.loops != 0) playing.loops = static_cast<std::uint16_t>(std::max(0, known.loops));
+    if (known.watchdog_ms > 65535)
+        throw bad_argument("watchdog_ms", fmt::format("found {}, expected at most 65535", known.watchdog_ms));
+    if (known.watchdog_ms != 0) playing.watchdog_ms = static_cast<std::uint16_t>(known.watchdog_ms);
+    playing.seconds = known.seconds;
+    if (known.am != nullptr) playing.am = known.am;
+    if (known.step_s != 0.0) playing.step_s = known.step_s;
+    return playing;
+}
+
+}  // namespace
+
+extern "C" {
+
+int32_t haptogram_abi(void) { return HAPTOGRAM_ABI; }
+
+const char* haptogram_version(void) {
+    static const std::string text = haptogram::version();
+    return text.c_str();
+}
+
+const char* haptogram_error(void) { return last_error.c_str(); }
+const char* haptogram_remedies(void) { return last_remedies.c_str(); }
+
+haptogram_code haptogram_compile(const haptogram_project* project, haptogram_image** image) {
+    return guarded([&] {
+        const haptogram_project given = known_part(project, "project");
+        required(image, "image") = nullptr;
+        haptogram::Project wanted = haptogram::project_from_toml(required_text(given.toml, "toml"), "project");
+        if (given.folder != nullptr) wanted.folder = given.folder;
+        if (given.shape != nullptr)
+            shape_in(wanted, given).content = std::string(static_cast<const char*>(given.shape), given.shape_bytes);
+        haptogram::Compiled compiled = haptogram::compile(wanted, "image");
+        *image = image_of(std::move(compiled.bundle), compiled.warnings);
+    });
+}
+
+haptogram_code haptogram_compile_path(const haptogram_path* path, haptogram_image** image) {
+    return guarded([&] {
+        const haptogram_path given = known_part(path, "path");
+        required(image, "image") = nullptr;
+        haptogram::Compiled compiled = haptogram::compile(
+            path_for(given), instrument_for(given), given.loops, "image", haptogram::Method::gauss_newton, {},
+            given.board_computes != 0 ? haptogram::ImageKind::foci : haptogram::ImageKind::records);
+        *image = image_of(std::move(compiled.bundle), compiled.warnings);
+    });
+}
+
+haptogram_code haptogram_read_image(const char* hex_file, haptogram_image** image) {
+    return guarded([&] {
+        required(image, "image") = nullptr;
+        *image = image_of(haptogram::load_bundle(required_text(hex_file, "hex_file")), {});
+    });
+}
+
+haptogram_code haptogram_save_image(const haptogram_image* image, const char* hex_file) {
+    return guarded([&] {
+        const std::string file = required_text(hex_file, "hex_file");
+        haptogram::write_files(
+            {{file, required(image, "image").bundle.hex}, {haptogram::manifest_path(file), image->manifest}});
+    });
+}
+
+size_t haptogram_image_hex(const haptogram_image* image, char* to, size_t room) {
+    return image == nullptr ? 0 : copy(image->bundle.hex, to, room);
+}
+size_t haptogram_image_manifest(const haptogram_image* image, char* to, size_t room) {
+    return image == nullptr ? 0 : copy(image->manifest, to, room);
+}
+size_t haptogram_image_warnings(const haptogram_image* image, char* to, size_t room) {
+    return image == nullptr ? 0 : copy(image->warnings, to, room);
+}
+void haptogram_free_image(haptogram_image* image) { delete image; }
+
+haptogram_code haptogram_pressure(const haptogram_image* image, uint32_t record, const double* points_m, size_t points,
+                                  double* pressure_pa) {
+    return guarded([&] {
+        const haptogram::Excitation played = excitation_of(timeline_of(required(image, "image").bundle), record);
+        double* const to = &required(pressure_pa, "pressure_pa");
+        const std::vector<float> found =
+            mean_square_pressure_at(played.array, played.sequence(), points_of(points_m, points));
+        std::ranges::transform(found, to, [](float mean_square) { return std::sqrt(2.0 * mean_square); });
+    });
+}
+
+haptogram_code haptogram_solve(const char* array, const haptogram_focus* foci, size_t count, const char* method,
+                               double* drives, size_t* elements) {
+    return guarded([&] {
+        const haptogram::Array driven = haptogram::find_array(required_text(array, "array"));
+        const std::size_t room = std::exchange(required(elements, "elements"), driven.elements.size());
+        if (room < driven.elements.size())
+            throw bad_argument("elements", fmt::format("there is room for {}, and {} has {}", room, driven.name,
+                                                       driven.elements.size()));
+        std::vector<haptogram::Focus> wanted;
+        for (std::size_t i = 0; i < count; ++i) wanted.push_back(focus_of((&required(foci, "foci"))[i]));
+        haptogram::SolveOptions options;
+        if (method != nullptr) options.method = haptogram::method_of(method, "method");
+        double* const to = &required(drives, "drives");
+        const std::vector<std::complex<double>> found = solve(driven, wanted, options);
+        std::memcpy(to, found.data(), found.size() * sizeof found.front());
+    });
+}
+
+haptogram_code haptogram_open(const haptogram_port* port, haptogram_board** board) {
+    return guarded([&] {
+        const haptogram_port given = known_part(port, "port");
+        required(board, "board") = nullptr;
+        const std::chrono::milliseconds patience(given.patience_ms != 0 ? given.patience_ms : 3000);
+        *board = new haptogram_board{haptogram::c::Board(required_text(given.port, "port"), given.baud, patience)};
+    });
+}
+
+void haptogram_close(haptogram_board* board) { delete board; }
+
+haptogram_code haptogram_identify(haptogram_board* board, haptogram_identity* identity) {
+    return guarded([&] {
+        const haptogram::link::Identity found = required(board, "board").board.state().identity;
+        give(identity,
+             {0, found.version_major, found.version_minor, found.channels, found.records, found.sequence_depth,
+              found.clock_hz, found.foci, 2 * found.modulation_words},
+             "identity");
+    });
+}
+
+haptogram_code haptogram_get_status(haptogram_board* board, haptogram_status* status) {
+    return guarded([&] {
+        haptogram::c::Board& asked = required(board, "board").board;
+        const haptogram::link::DeviceState state = asked.state();
+        const haptogram::link::Status& said = state.status;
+        const auto [busy, sent, lead_s] = asked.work();
+        give(status,
+             {0, state.connection == haptogram::link::Connection::connected ? 1 : 0, said.enabled ? 1 : 0,
+              said.stopped ? 1 : 0, busy ? 1 : 0, said.present_index, said.underruns, said.refused_records,
+              said.watchdog_trips, said.guard_trips, said.frames_damaged, sent, lead_s},
+             "status");
+    });
+}
+
+haptogram_code haptogram_upload(haptogram_board* board, const haptogram_image* image) {
+    return guarded([&] { required(board, "board").board.upload(required(image, "image").bundle); });
+}
+
+haptogram_code haptogram_play(haptogram_board* board, const haptogram_playing* playing) {
+    return guarded([&] { required(board, "board").board.play(playing_of(playing)); });
+}
+
+haptogram_code haptogram_play_live(haptogram_board* board, const haptogram_playing* playing) {
+    return guarded([&] { required(board, "board").board.play_live(playing_of(playing)); });
+}
+
+haptogram_code haptogram_set_focus(haptogram_board* board, double x_m, double y_m, double z_m, double amplitude) {
+    return guarded([&] { required(board, "board").board.set_focus({{x_m, y_m, z_m}, amplitude}); });
+}
+
+haptogram_code haptogram_wait(haptogram_board* board, uint32_t milliseconds, int32_t* busy) {
+    return guarded([&] {
+        const bool goes_on = required(board, "board").board.wait(std::chrono::milliseconds(milliseconds));
+        if (busy != nullptr) *busy = goes_on ? 1 : 0;
+    });
+}
+
+haptogram_code haptogram_stop(haptogram_board* board) {
+    return guarded([&] { required(board, "board").board.stop(); });
+}
+
+haptogram_code haptogram_shut_off(haptogram_board* board) {
+    return guarded([&] { required(board, "board").board.shut_off(); });
+}
+
+haptogram_code haptogram_set_intensity(haptogram_board* board, double factor) {
+    return guarded([&] { required(board, "board").board.set_intensity(factor); });
+}
+
+}  // extern "C"

@@ -1,0 +1,254 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The C interface as another language meets it: through its header and its shared library, against the program's own answers."""
+import ctypes
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import LIBRARY, PROGRAM, ROOT
+
+SYMBOLS = ROOT / "tests/c/symbols.txt"
+DOME = '''format = "haptogram-project-1"
+points = 30
+[[shape]]
+kind = "hemisphere"
+diameter_mm = 60
+center_mm = [0, 0, 150]
+'''
+
+
+def project(c, toml=DOME, **more):
+    return c.struct("project", toml=toml.encode(), **more)
+
+
+@pytest.fixture
+def dome(c):
+    image = c.made(c.compile, project(c))
+    yield image
+    c.free_image(image)
+
+
+def path_of_foci(c, places, **more):
+    return c.struct("path", foci=c.foci(*places), steps=len(places), **more)
+
+
+@pytest.fixture
+def live_image(c):
+    image = c.made(c.compile_path, path_of_foci(c, [(0, 0, 0.15)], board=b"tile-100-wide", array=b"tile-10x10", board_computes=1))
+    yield image
+    c.free_image(image)
+
+
+@pytest.fixture
+def board(c, request):
+    handle = c.made(c.open, c.struct("port", port=getattr(request, "param", b"reference:tile-100-wide")))
+    yield handle
+    c.close(handle)
+
+
+def status_of(c, board):
+    found = c.struct("status")
+    c.ok(c.get_status(board, ctypes.byref(found)))
+    return found
+
+
+def until(condition, seconds=5.0):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "it did not happen in time"
+        time.sleep(0.01)
+
+
+def test_the_library_shows_what_the_header_has_and_nothing_else(c):
+    shown = subprocess.run(["nm", "-D", "--defined-only", LIBRARY], capture_output=True, text=True, check=True).stdout
+    names = {line.split()[2].split("@")[0] for line in shown.splitlines() if line.split()[1] == "T"}
+    assert names == set(c.header.functions)
+    assert not [line for line in shown.splitlines() if line.split()[1] in "BDRW"], "something of ours can be seen"
+    assert c.abi() == c.header.abi
+
+
+def test_what_was_released_is_still_there(c):
+    """symbols.txt has each struct's fields and each function's parameters of interface 1. What is there may not change; at the
+    end of a struct, and beside the functions, more may come: then add the lines."""
+    def words(p):
+        return f"{'const ' if p.const else ''}{p.type}{'*' * p.stars} {p.name}".strip()
+
+    now = {f"{name}.{i}": words(p) for name, members in c.header.structs.items() for i, p in enumerate(members)}
+    now |= {name: f"{words(returns)}({', '.join(map(words, given))})" for name, (returns, given) in c.header.functions.items()}
+    now |= {name: str(value) for name, value in c.header.codes.items()}
+    recorded = dict(line.split(": ", 1) for line in SYMBOLS.read_text(encoding="utf-8").splitlines())
+    changed = {name: now.get(name) for name, was in recorded.items() if now.get(name) != was}
+    assert not changed, "HAPTOGRAM_ABI has to go up"
+    assert set(now) == set(recorded), f"add to {SYMBOLS.name}: " + "\n".join(f"{n}: {w}" for n, w in now.items() if n not in recorded)
+
+
+def test_an_image_is_the_programs(c, dome, tmp_path):
+    (tmp_path / "dome.toml").write_text(DOME, encoding="utf-8")
+    subprocess.run([PROGRAM, "compile", "dome.toml", "-o", "dome.hex"], cwd=tmp_path, check=True, capture_output=True)
+    assert c.text(c.image_hex, dome) == (tmp_path / "dome.hex").read_bytes()
+    ours, theirs = (json.loads(text) for text in (c.text(c.image_manifest, dome), (tmp_path / "dome.json").read_bytes()))
+    assert ours == theirs
+    c.ok(c.save_image(dome, str(tmp_path / "saved.hex").encode()))
+    assert (tmp_path / "saved.hex").read_bytes() == (tmp_path / "dome.hex").read_bytes()
+    again = ctypes.c_void_p()
+    c.ok(c.read_image(str(tmp_path / "saved.hex").encode(), ctypes.byref(again)))
+    assert c.text(c.image_hex, again) == c.text(c.image_hex, dome)
+    c.free_image(again)
+
+
+def test_a_shape_from_memory(c, tmp_path):
+    cloud = b"0 0 100\n20 0 100\n0 10 100\n0 0 104\n"
+    image = c.made(c.compile, project(c, 'format = "haptogram-project-1"\n[[shape]]\nfile = "cloud.xyz"\n', shape_name=b"cloud.xyz", shape=ctypes.cast(cloud, ctypes.c_void_p), shape_bytes=len(cloud)))
+    places = [record["focus_mm"] for record in json.loads(c.text(c.image_manifest, image))["records"]]
+    assert sorted(map(tuple, np.round(places, 2))) == [(0, 0, 100), (0, 0, 104), (0, 10, 100), (20, 0, 100)]
+    c.free_image(image)
+
+
+def test_pressure_is_that_of_the_field(c, dome, tmp_path):
+    c.ok(c.save_image(dome, str(tmp_path / "dome.hex").encode()))
+    points = np.array([[0.01 * i, 0.0, 0.15] for i in range(-2, 3)])
+    for record in (0, 3):
+        found = np.zeros(len(points))
+        c.ok(c.pressure(dome, record, points.ctypes.data_as(ctypes.POINTER(ctypes.c_double)), len(points), found.ctypes.data_as(ctypes.POINTER(ctypes.c_double))))
+        subprocess.run([PROGRAM, "field", "dome.hex", "--line", "x@y=0,z=150", "--x=-20:20", "--step", "10", "--quantity", "rms",
+                        *(["--record", str(record)] if record else []), "-o", "line.csv"], cwd=tmp_path, check=True, capture_output=True)
+        rows = [line.split(",") for line in (tmp_path / "line.csv").read_text().splitlines() if line and (line[0] in "-0123456789")]
+        assert np.allclose(found, np.sqrt(2) * np.array([float(row[-1]) for row in rows]), rtol=1e-4)
+
+
+def test_drives_are_those_of_the_solver(c):
+    room = ctypes.c_size_t(100)
+    drives = np.zeros(200)
+    c.ok(c.solve(b"tile-10x10", c.foci((0.01, 0, 0.15), (-0.01, 0, 0.15)), 2, None, drives.ctypes.data_as(ctypes.POINTER(ctypes.c_double)), ctypes.byref(room)))
+    assert room.value == 100 and np.allclose(np.abs(drives[::2] + 1j * drives[1::2]).max(), 1.0, atol=1e-6)
+    few = ctypes.c_size_t(10)
+    c.fails(c.solve(b"tile-10x10", c.foci((0, 0, 0.15)), 1, None, drives.ctypes.data_as(ctypes.POINTER(ctypes.c_double)), ctypes.byref(few)),
+            "BAD_ARGUMENT", "room for 10", "has 100")
+    assert few.value == 100
+
+
+def test_what_is_wrong_is_said(c, dome, tmp_path):
+    handle = ctypes.c_void_p(1)
+    c.fails(c.compile(None, ctypes.byref(handle)), "BAD_ARGUMENT", "project: is NULL")
+    c.fails(c.compile(ctypes.byref(c.structs["haptogram_project"]()), ctypes.byref(handle)), "BAD_ARGUMENT", "its size is 0")
+    c.fails(c.compile(ctypes.byref(c.struct("project")), ctypes.byref(handle)), "BAD_ARGUMENT", "toml: is NULL")
+    assert handle.value is None, "a failure gives no handle"
+    c.fails(c.compile(ctypes.byref(project(c, DOME.replace("points = 30", "points = 0"))), ctypes.byref(handle)), "BAD_INPUT", "points")
+    c.fails(c.compile(ctypes.byref(project(c, DOME.replace("150", "-50"))), ctypes.byref(handle)), "BAD_INPUT", "point")
+    assert b"center" in c.remedies()
+    c.fails(c.read_image(str(tmp_path / "none.hex").encode(), ctypes.byref(handle)), "BAD_INPUT", "none.hex")
+    c.fails(c.open(ctypes.byref(c.struct("port", port=b"reference:none")), ctypes.byref(handle)), "BAD_ARGUMENT", "none")
+    c.fails(c.open(ctypes.byref(c.struct("port", port=b"/dev/null", patience_ms=300)), ctypes.byref(handle)), "DEVICE", "/dev/null")
+    c.fails(c.pressure(dome, 31, (ctypes.c_double * 3)(), 1, (ctypes.c_double * 1)()), "BAD_ARGUMENT", "31")
+    c.ok(c.save_image(dome, str(tmp_path / "dome.hex").encode()))
+    assert c.error() == b"" and c.abi() == 1
+    c.close(None)
+    c.free_image(None)
+
+
+def test_a_later_struct_is_cut_where_this_library_ends_and_an_earlier_one_is_filled_up(c, dome, board):
+    early = (ctypes.c_uint32 * 4)(ctypes.sizeof(ctypes.c_uint32) * 3, 7, 7, 7)
+    c.ok(c.identify(board, ctypes.cast(early, ctypes.POINTER(c.structs["haptogram_identity"]))))
+    assert list(early)[1:] != [7, 7, 7] and early[3] == 7, "beyond its size nothing is written"
+    longer = type("longer", (c.structs["haptogram_identity"],), {"_fields_": [("more", ctypes.c_uint32)]})()
+    longer.size, longer.more = ctypes.sizeof(longer), 7
+    c.ok(c.identify(board, ctypes.cast(ctypes.byref(longer), ctypes.POINTER(c.structs["haptogram_identity"]))))
+    assert longer.channels == 100 and longer.more == 7
+
+
+@pytest.mark.parametrize("board", [b"reference:tile-100"], indirect=True)
+def test_a_sequence_plays_to_its_end(c, dome, board):
+    c.ok(c.upload(board, dome))
+    c.ok(c.play(board, ctypes.byref(c.struct("playing", loops=5))))
+    c.fails(c.play(board, None), "BAD_ARGUMENT", "plays already")
+    until(lambda: status_of(c, board).enabled)
+    c.ok(c.set_intensity(board, 0.5))
+    c.fails(c.set_intensity(board, 1.5), "BAD_ARGUMENT", "0 to 1")
+    busy = ctypes.c_int32(7)
+    c.ok(c.wait(board, 5000, ctypes.byref(busy)))
+    assert busy.value == 0 and not status_of(c, board).enabled
+
+
+@pytest.mark.parametrize("ends", ["stop", "shut_off"])
+def test_a_live_focus(c, live_image, board, ends):
+    c.fails(c.play_live(board, None), "OK")  # it begins, and finds that there is no image of foci
+    busy = ctypes.c_int32()
+    c.fails(c.wait(board, 5000, ctypes.byref(busy)), "DEVICE", "foci")
+    c.ok(c.upload(board, live_image))
+    c.ok(c.play_live(board, ctypes.byref(c.struct("playing", am=b"sine:200"))))
+    c.fails(c.set_focus(board, 0, 0, 0.15, 2.0), "BAD_INPUT", "amplitude")
+    c.fails(c.set_focus(board, 5, 0, 0.15, 1.0), "BAD_INPUT", "5")
+    for i in range(200):
+        c.ok(c.set_focus(board, 1e-4 * i, 0, 0.15, 1.0))
+        c.ok(c.wait(board, 2, ctypes.byref(busy)))
+        assert busy.value == 1
+    found = status_of(c, board)
+    assert found.connected and found.enabled and found.foci_sent > 400 and 0.001 < found.lead_s <= 0.05
+    c.ok(getattr(c, ends)(board))
+    found = status_of(c, board)
+    assert not found.enabled and not found.busy
+    c.ok(c.wait(board, 0, None))
+    c.ok(c.play_live(board, ctypes.byref(c.struct("playing", seconds=0.2))))  # and again
+    until(lambda: not status_of(c, board).busy)
+    c.ok(c.wait(board, 0, None))
+
+
+def test_setting_a_focus_costs_its_caller_nothing(c, tmp_path):
+    """A million calls while it plays. The target is 5 µs in the median; the longest is the scheduler's."""
+    source = ROOT / "tests/c/set_focus_cost.c"
+    subprocess.run(["cc", "-O2", "-std=c11", "-Wall", "-Wextra", "-Werror", f"-I{ROOT}/host/c", source, "-o", "cost", LIBRARY], cwd=tmp_path, check=True)
+    done = subprocess.run(["./cost"], cwd=tmp_path, capture_output=True, text=True, timeout=120, env={**os.environ, "LD_LIBRARY_PATH": str(LIBRARY.parent)})
+    assert done.returncode == 0, done.stderr
+    median_us, longest_us = map(float, done.stdout.split())
+    print(f"set_focus: median {median_us} us, longest {longest_us} us")
+    assert median_us < 5.0
+
+
+@pytest.mark.parametrize("example", sorted((ROOT / "host/c/examples").glob("*.c")), ids=lambda path: path.stem)
+def test_the_examples_compile_and_run(example, tmp_path):
+    assert len(example.read_text(encoding="utf-8").splitlines()) <= 36
+    subprocess.run(["cc", "-std=c11", "-Wall", "-Wextra", "-Werror", f"-I{ROOT}/host/c", example, "-o", "example", LIBRARY, "-lm"], cwd=tmp_path, check=True)
+    done = subprocess.run(["./example"], cwd=tmp_path, capture_output=True, text=True, timeout=60, env={**os.environ, "LD_LIBRARY_PATH": str(LIBRARY.parent)})
+    assert done.returncode == 0 and done.stdout, done.stderr
+
+
+KILLED = """
+import ctypes, sys, time
+sys.path.insert(0, sys.argv[1])
+from conftest import Haptogram
+c = Haptogram()
+image = c.made(c.compile_path, c.struct("path", foci=c.foci((0, 0, 0.15)), steps=1, board=b"tile-100-wide", array=b"tile-10x10", board_computes=1))
+board = c.made(c.open, c.struct("port", port=sys.argv[2].encode()))
+c.ok(c.upload(board, image))
+c.ok(c.set_focus(board, 0, 0, 0.15, 1.0))
+c.ok(c.play_live(board, None))
+while True:
+    c.ok(c.wait(board, 10, None))
+    status = c.struct("status")
+    c.ok(c.get_status(board, ctypes.byref(status)))
+    if status.enabled and status.foci_sent > 100:
+        print("playing", flush=True)
+"""
+
+
+def test_a_killed_program_leaves_the_board_to_its_watchdog(tmp_path):
+    served = subprocess.Popen([PROGRAM, "board", "run", "--model", "reference", "--board", "tile-100-wide", "--pty", "board"], cwd=tmp_path,
+                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        until(lambda: (tmp_path / "board").exists())
+        host = subprocess.Popen([sys.executable, "-c", KILLED, str(Path(__file__).parent), str(tmp_path / "board")], stdout=subprocess.PIPE)
+        assert host.stdout.readline() == b"playing\n"
+        host.send_signal(signal.SIGKILL)
+        host.wait()
+        time.sleep(0.8)  # the watchdog has 500 ms
+        said = json.loads(subprocess.run([PROGRAM, "device", "status", "--port", "board", "--json"], cwd=tmp_path, capture_output=True, check=True).stdout)
+        assert said["outputs"] == "off" and said["watchdog_trips"] == 1
+    finally:
+        served.send_signal(signal.SIGINT)
+        served.wait()

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The C# classes under mono, and the Unity package as far as a compiler without Unity can read it."""
+import os
+import re
+import shutil
+import subprocess
+import sys
+
+import pytest
+from conftest import LIBRARY, ROOT
+from test_c_interface import DOME
+
+UNITY = ROOT / "host/c/unity"
+pytestmark = pytest.mark.skipif(shutil.which("mcs") is None, reason="mono is not installed; tools/setup installs it")
+
+
+def test_the_generated_file_is_fresh():
+    subprocess.run([sys.executable, ROOT / "tools/c_header.py", "--check"], check=True)
+
+
+def test_images_and_boards_from_csharp(c, tmp_path):
+    sources = [*sorted((UNITY / "Runtime").glob("*.cs")), *sorted((UNITY / "Samples~").rglob("*.cs")), *sorted((ROOT / "tests/c").glob("*.cs"))]
+    subprocess.run(["mcs", "-langversion:7.2", "-warnaserror", "-nowarn:0649", "-out:tries.exe", *sources], cwd=tmp_path, check=True)
+    environment = {**os.environ, "LD_LIBRARY_PATH": str(LIBRARY.parent)}
+    done = subprocess.run(["mono", "tries.exe", DOME], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stdout + done.stderr
+    said = dict(line.split(" ", 1) for line in done.stdout.splitlines())
+    assert said["version"] == c.version().decode()
+    image = c.made(c.compile, c.struct("project", toml=DOME.encode()))
+    assert (tmp_path / "csharp.hex").read_bytes() == c.text(c.image_hex, image)
+    assert said["hex"] == f"{len(c.text(c.image_hex, image))} manifest {len(c.text(c.image_manifest, image))}"
+    c.free_image(image)
+    assert float(said["pressure"]) > 100 and said["solved"] == "200"
+    assert re.match(r"3 project.*points", said["error"])  # the words that any other language hears
+    moved = re.match(r"([0-9.]+) enabled True channels 100", said["moved"])
+    print(f"live foci from C#: {float(moved[1]):.0f} a second")
+    assert float(moved[1]) > 1000, "targets are measured on an idle machine"
+    assert said["busy"] == "False" and said["axes"] == "0.01 0.02 0.15"
+
+
+def test_the_package_has_what_unity_looks_for():
+    assert {path.name for path in UNITY.iterdir()} >= {"package.json", "Runtime", "Samples~", "README.md"}
+    cmake = (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
+    assert re.search(r'"version": "([0-9.]+)"', (UNITY / "package.json").read_text(encoding="utf-8"))[1] == re.search(r"VERSION ([0-9.]+) D", cmake)[1]

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Reads host/c/haptogram.h, which is plain enough for a few patterns, and writes from it what C# needs to call the library.
+
+`tools/c_header.py` writes the C# file; with --check it only says whether that file is fresh."""
+import re
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+HEADER = ROOT / "host/c/haptogram.h"
+CSHARP = ROOT / "host/c/unity/Runtime/Native.cs"
+NUMBERS = {"int32_t": "int", "uint32_t": "uint", "uint16_t": "ushort", "uint64_t": "ulong", "double": "double", "size_t": "UIntPtr"}
+
+
+@dataclass
+class Parameter:
+    type: str  # without const
+    stars: int
+    name: str
+    const: bool
+
+
+@dataclass
+class Header:
+    abi: int
+    codes: dict  # name: value
+    structs: dict  # name: [Parameter]
+    functions: dict  # name: (Parameter of what it returns, [Parameter])
+
+
+def parameter(text):
+    found = re.fullmatch(r"(const )?(\w+)\s*(\**)\s*(\w*)", text.strip())
+    if not found:
+        raise ValueError(f"{HEADER.name}: cannot read '{text}'")
+    return Parameter(found[2], len(found[3]), found[4], bool(found[1]))
+
+
+def fields(text):
+    for line in filter(None, (part.strip() for part in text.split(";"))):
+        first, *more = line.split(",")
+        head = parameter(first)
+        yield head
+        yield from (Parameter(head.type, head.stars, name.strip(), head.const) for name in more)
+
+
+def read(path=HEADER):
+    text = re.sub(r"/\*.*?\*/", "", path.read_text(encoding="utf-8"), flags=re.DOTALL)
+    codes = {name: int(value) for name, value in re.findall(r"(HAPTOGRAM_\w+) = (\d+)", text)}
+    structs = {name: list(fields(body)) for body, name in re.findall(r"typedef struct \w+ \{(.*?)\} (\w+);", text, re.DOTALL)}
+    functions = {}
+    for returns, name, arguments in re.findall(r"HAPTOGRAM_API ([\w ]+\**)\s*(haptogram_\w+)\((.*?)\);", text, re.DOTALL):
+        given = [] if arguments == "void" else [parameter(re.sub(r"\s+", " ", one)) for one in arguments.split(",")]
+        functions[name] = (parameter(returns), given)
+    return Header(int(re.search(r"#define HAPTOGRAM_ABI (\d+)", text)[1]), codes, structs, functions)
+
+
+def camel(name):
+    return "".join(word.capitalize() for word in name.removeprefix("haptogram_").split("_"))
+
+
+def csharp_type(p, structs, in_struct=False):
+    if p.stars == 0:
+        return NUMBERS.get(p.type) or ("Code" if p.type == "haptogram_code" else "Native" + camel(p.type))
+    if p.stars == 2:
+        return "out IntPtr"
+    if not in_struct and p.type in structs and structs[p.type][0].name == "size":  # the others come in rows
+        return f"ref Native{camel(p.type)}"
+    if not in_struct and not p.const and p.type in NUMBERS and p.type != "double":
+        return f"ref {NUMBERS[p.type]}"
+    return "IntPtr"
+
+
+def csharp(header):
+    lines = ["// SPDX-License-Identifier: Apache-2.0", "// Written by tools/c_header.py from host/c/haptogram.h.", "using System;",
+             "using System.Runtime.InteropServices;", "", "namespace Haptogram", "{", "    public enum Code", "    {"]
+    lines += [f"        {camel(name.removeprefix('HAPTOGRAM_').lower())} = {value}," for name, value in header.codes.items()]
+    lines += ["    }", ""]
+    for name, members in header.structs.items():
+        lines += ["    [StructLayout(LayoutKind.Sequential)]", f"    internal struct Native{camel(name)}", "    {"]
+        lines += [f"        public {csharp_type(p, header.structs, True)} {p.name};" for p in members]
+        lines += ["    }", ""]
+    lines += ["    internal static class Native", "    {", f"        internal const int Abi = {header.abi};", '        private const string Library = "haptogram";']
+    for name, (returns, given) in header.functions.items():
+        kind = "void" if returns.type == "void" and not returns.stars else csharp_type(returns, header.structs)
+        lines += ["", "        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]",
+                  f"        internal static extern {kind} {name}({', '.join(f'{csharp_type(p, header.structs)} {p.name}' for p in given)});"]
+    return "\n".join([*lines, "    }", "}", ""])
+
+
+def main():
+    fresh = csharp(read())
+    if "--check" in sys.argv[1:]:
+        if CSHARP.read_text(encoding="utf-8") != fresh:
+            print(f"{CSHARP.relative_to(ROOT)} is not what tools/c_header.py writes; run it")
+            return 1
+        return 0
+    CSHARP.write_text(fresh, encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
