@@ -14,6 +14,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tools/docs"))
 import commands  # noqa: E402
 import links  # noqa: E402
+import notebooks  # noqa: E402
 
 PAGES, SITE = ROOT / "build/docs/pages", ROOT / "build/site"
 LANGUAGES = {".cpp": "cpp", ".hpp": "cpp", ".py": "python", ".v": "verilog", ".vh": "verilog", ".toml": "toml", ".json": "json"}
@@ -49,7 +50,7 @@ class Stage:
 
     def target(self, file: Path) -> str:
         """The page of a file; a picture is itself, and any other source gets a page."""
-        if str(file) in self.pages:
+        if str(file) in self.pages or (PAGES / file).exists():
             return str(file)
         if file.suffix in (".svg", ".png", ".css"):
             (PAGES / file).parent.mkdir(parents=True, exist_ok=True)
@@ -83,6 +84,18 @@ def cpp_pages() -> bool:
     return subprocess.run(["doxygen", "-"], input=settings, text=True, check=False, cwd=ROOT).returncode == 0
 
 
+def notebook_pages(stage: Stage, build: Path) -> None:
+    for path in notebooks.all_notebooks():
+        print(f"docs: running {path.name}", file=sys.stderr)
+        name = str(path.relative_to(ROOT))
+        text, pictures = notebooks.page(notebooks.run(path, build / "host/cli/haptogram", build / "tools/python-native"), path.stem)
+        for picture, content in pictures.items():
+            (PAGES / name).parent.mkdir(parents=True, exist_ok=True)
+            (PAGES / name).with_name(picture).write_bytes(content)
+        shutil.copy(path, PAGES / name)
+        stage.page(name.replace(".ipynb", ".md"), text)
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--build", type=Path, default=ROOT / "build/release", help="what `make build` made: program and native module")
@@ -93,6 +106,7 @@ def main() -> int:
     for name in pages:
         stage.page(name, (ROOT / name).read_text(encoding="utf-8"))
     stage.target(Path("tools/docs/site.css"))
+    notebook_pages(stage, build)
     put("reference/commands.md", commands.write(str(build / "host/cli/haptogram")))
     put("reference/python.md", python_page())
     if not cpp_pages():
