@@ -421,7 +421,7 @@ def page(lines: list[Line]) -> str:
         "answers on the scale, can give the printed number. *Not printed*: it follows from what is printed. *No data*: nothing to compute it from.",
         "",
         f"{len(lines)} numbers. {counts}. `haptogram-study printed` prints all.",
-        "Of those that agree, are possible or follow, this page has what wants a remark.",
+        "Tables have those that differ or are impossible; of the others, this page has what wants a remark.",
     ]
     for paper in dict.fromkeys(line.paper for line in lines):
         rows = [line for line in lines if line.paper == paper]
@@ -429,7 +429,7 @@ def page(lines: list[Line]) -> str:
         shared = [note for note in dict.fromkeys(line.note for line in rows if line.verdict in BAD) if note and notes.count(note) > 1]
         parts += ["", f"## {paper}"]
         if any(line.verdict in BAD for line in rows):
-            parts += ["", "| where | what | printed | ours | verdict |", "|---|---|---|---|---|"]
+            parts += ["", "| where | what | printed | ours |", "|---|---|---|---|"]
             parts += ["| " + " | ".join(cell.replace("|", "\\|") for cell in _cells(line, shared)) + " |" for line in rows if line.verdict in BAD]
         for verdict in (AGREES, POSSIBLE, NOT_PRINTED, NO_DATA):
             if found := [line for line in rows if line.verdict == verdict and line.note and notes.count(line.note) == 1]:
@@ -443,7 +443,8 @@ def _note(line: Line, shared: list[str]) -> str:
 
 
 def _cells(line: Line, shared: list[str]) -> tuple[str, ...]:
-    return (line.where, line.what + _note(line, shared), *with_units(line), f"**{line.verdict}**")
+    printed, ours = with_units(line)
+    return (line.where, line.what + _note(line, shared), printed, ours + (f", **{IMPOSSIBLE}**" if line.verdict == IMPOSSIBLE else ""))
 
 
 def _items(lines: list[Line], shared: list[str]) -> list[str]:
