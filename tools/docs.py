@@ -37,7 +37,8 @@ class Stage:
         for number, line in lines.items():
             line = links.LINK.sub(lambda found: found[0].replace(found[1] or found[2], self.link(name, found[1] or found[2])), line)
             lines[number] = re.sub(r"^( +)(?=\S)", r"\1\1", line)
-        rest = {number: re.sub(r"^```(\w+) .*", r"```\1", line) for number, line in enumerate(text.splitlines(), 1)}
+        titled = {number: re.sub(r"^```(toml) (\S+)", r'```\1 title="\2"', line) for number, line in enumerate(text.splitlines(), 1)}
+        rest = {number: line.replace("```sh board", "```sh") for number, line in titled.items()}
         put(name, re.sub(r"<!-- SPDX.*-->\n", "", "\n".join((rest | lines).values()) + "\n"))
 
     def link(self, name: str, link: str) -> str:
@@ -73,7 +74,7 @@ def python_page() -> str:
     """Names that the packages export; what mkdocstrings reads in the sources of the client, and in the native module itself."""
     page = "# Python\n\n## haptogram\n\nThe client of boards: [how to use it](../tools/python/README.md).\n\n"
     page += "".join(f"::: haptogram.{name}\n\n" for name in CLIENT)
-    page += "## haptogram_native\n\nThe C++ libraries for numpy: [how to use them](../tools/python-native/README.md).\n\n::: haptogram_native._native\n"
+    page += "## haptogram_native\n\nThe C++ libraries for numpy: [how to use them](../tools/python-native/README.md). `Array`,\n`Compiled` and `Field` also have `plot(axes=None)`, by matplotlib.\n\n::: haptogram_native._native\n"
     return page
 
 
