@@ -8,6 +8,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -17,6 +18,7 @@ import links  # noqa: E402
 import notebooks  # noqa: E402
 
 PAGES, SITE = ROOT / "build/docs/pages", ROOT / "build/site"
+PICTURE = re.compile(r"<!-- picture (\S+): (.+) -->")
 LANGUAGES = {".cpp": "cpp", ".hpp": "cpp", ".py": "python", ".v": "verilog", ".vh": "verilog", ".toml": "toml", ".json": "json"}
 
 
@@ -28,11 +30,12 @@ def put(name: str, text: str) -> None:
 class Stage:
     """Lays pages out as they lie in the repository, and with them what they link to."""
 
-    def __init__(self, pages: list[str]) -> None:
-        self.pages = set(pages)
+    def __init__(self, pages: list[str], program: Path) -> None:
+        self.pages, self.program = set(pages), program
 
     def page(self, name: str, text: str) -> None:
         """Links lead to pages of the site; fences and lists are written as Python's Markdown wants them."""
+        text = PICTURE.sub(lambda found: self.picture(name, found[1], found[2]), text)
         lines = dict(links.prose(text))
         for number, line in lines.items():
             line = links.LINK.sub(lambda found: found[0].replace(found[1] or found[2], self.link(name, found[1] or found[2])), line)
@@ -40,6 +43,16 @@ class Stage:
         titled = {number: re.sub(r"^```(toml) (\S+)", r'```\1 title="\2"', line) for number, line in enumerate(text.splitlines(), 1)}
         rest = {number: line.replace("```sh board", "```sh") for number, line in titled.items()}
         put(name, re.sub(r"<!-- SPDX.*-->\n", "", "\n".join((rest | lines).values()) + "\n"))
+
+    def picture(self, page: str, name: str, command: str) -> str:
+        """What a command of the program draws, in the place of a comment that says it."""
+        with tempfile.TemporaryDirectory() as folder:
+            Path(folder, "haptogram").symlink_to(self.program)
+            environment = {**os.environ, "PATH": f"{folder}:{os.environ['PATH']}", "HAPTOGRAM_PYTHON": sys.executable}
+            subprocess.run(["bash", "-ec", command], cwd=folder, check=True, env=environment, stdout=subprocess.DEVNULL)
+            (PAGES / page).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(Path(folder, name), (PAGES / page).with_name(name))
+        return f"![{command.replace('[', '(').replace(']', ')')}]({name})"
 
     def link(self, name: str, link: str) -> str:
         path, _, anchor = link.partition("#")
@@ -103,7 +116,7 @@ def main() -> int:
     build = parser.parse_args().build.resolve()
     shutil.rmtree(PAGES, ignore_errors=True)
     pages = links.tracked("*.md")
-    stage = Stage(pages)
+    stage = Stage(pages, build / "host/cli/haptogram")
     for name in pages:
         stage.page(name, (ROOT / name).read_text(encoding="utf-8"))
     stage.target(Path("tools/docs/site.css"))
