@@ -49,7 +49,8 @@ class Stage:
         with tempfile.TemporaryDirectory() as folder:
             Path(folder, "haptogram").symlink_to(self.program)
             environment = {**os.environ, "PATH": f"{folder}:{os.environ['PATH']}", "HAPTOGRAM_PYTHON": sys.executable}
-            subprocess.run(["bash", "-ec", command], cwd=folder, check=True, env=environment, stdout=subprocess.DEVNULL)
+            if subprocess.run(["bash", "-ec", command], cwd=folder, check=False, env=environment, stdout=subprocess.DEVNULL).returncode:
+                sys.exit(f"docs: {page}: the command of the picture {name} failed: {command}")
             (PAGES / page).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(Path(folder, name), (PAGES / page).with_name(name))
         return f"![{command.replace('[', '(').replace(']', ')')}]({name})"
@@ -60,6 +61,8 @@ class Stage:
             return link
         target = (ROOT / name).parent.joinpath(path).resolve().relative_to(ROOT)
         target = target / "README.md" if (ROOT / target).is_dir() else target
+        if not (ROOT / target).exists() and not (PAGES / target).exists():
+            sys.exit(f"docs: {name}: {link}: there is no such file")
         return os.path.relpath(self.target(target), Path(name).parent) + (f"#{anchor}" if anchor else "")
 
     def target(self, file: Path) -> str:

@@ -9,7 +9,9 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools/docs"))
+sys.path.insert(0, str(ROOT / "tools"))
 import commands  # noqa: E402
+import docs  # noqa: E402
 import links  # noqa: E402
 
 MARKDOWN = "# One, `two`\n\n[here](#one-two) [there](other.md#three-1)\n\n```sh\n[code](nowhere)\n```\n"
@@ -36,6 +38,40 @@ def test_a_dead_link_of_the_site_is_found(tmp_path):
     (tmp_path / "index.html").write_text('<h1 id="top">a</h1><a href="in/page.html?x#">a</a>', encoding="utf-8")
     found = [message.split(": ")[1] for message in links.dead_in_site(tmp_path)]
     assert found == ["../index.html#no", "no.png"]
+
+
+@pytest.fixture
+def stage(tmp_path, monkeypatch, program):
+    monkeypatch.setattr(docs, "PAGES", tmp_path)
+    return docs.Stage(["docs/tour.md", "rtl/README.md", "host/cli/README.md"], Path(program))
+
+
+def staged(stage, folder, text):
+    stage.page("docs/page.md", text)
+    return (folder / "docs/page.md").read_text(encoding="utf-8")
+
+
+def test_a_page_is_laid_out_for_the_site(stage, tmp_path):
+    text = "<!-- SPDX-License-Identifier: Apache-2.0 -->\n# A\n\n- a\n  - b\n\n```sh board\n  x [a](b)\n```\n```toml ring.toml\n```\n"
+    made = '# A\n\n- a\n    - b\n\n```sh\n  x [a](b)\n```\n```toml title="ring.toml"\n```\n'
+    assert staged(stage, tmp_path, text) == made
+
+
+def test_links_lead_to_pages_folders_to_their_readme_and_sources_become_pages(stage, tmp_path):
+    text = "[a](tour.md#boards) [b](../rtl/) [c](../host/cli/inspect.cpp) [d](https://example.org) ![e](cycle.svg)\n"
+    assert staged(stage, tmp_path, text) == "[a](tour.md#boards) [b](../rtl/README.md) [c](../host/cli/inspect.cpp.md) [d](https://example.org) ![e](cycle.svg)\n"
+    assert (tmp_path / "docs/cycle.svg").exists()
+    assert "````cpp\n// SPDX" in (tmp_path / "host/cli/inspect.cpp.md").read_text(encoding="utf-8")
+    with pytest.raises(SystemExit, match="docs/page.md: nowhere.md: there is no such file"):
+        staged(stage, tmp_path, "[a](nowhere.md)\n")
+
+
+def test_a_picture_is_what_its_command_draws(stage, tmp_path):
+    made = staged(stage, tmp_path, "<!-- picture w.svg: haptogram board pinout ulx3s-85f -o w.svg -->\n")
+    assert made == "![haptogram board pinout ulx3s-85f -o w.svg](w.svg)\n"
+    assert "</svg>" in (tmp_path / "docs/w.svg").read_text(encoding="utf-8")
+    with pytest.raises(SystemExit, match="the command of the picture w.svg failed"):
+        staged(stage, tmp_path, "<!-- picture w.svg: haptogram board pinout nothing -o w.svg -->\n")
 
 
 def test_the_page_of_commands_has_every_command_and_option(program):
