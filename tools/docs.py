@@ -18,7 +18,7 @@ import links  # noqa: E402
 import notebooks  # noqa: E402
 
 PAGES, SITE = ROOT / "build/docs/pages", ROOT / "build/site"
-PICTURE = re.compile(r"<!-- picture (\S+): (.+) -->")
+PICTURE = re.compile(r"^<!-- picture (\S+): (.+) -->$", re.MULTILINE)
 LANGUAGES = {".cpp": "cpp", ".hpp": "cpp", ".py": "python", ".v": "verilog", ".vh": "verilog", ".toml": "toml", ".json": "json"}
 
 
