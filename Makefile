@@ -11,7 +11,7 @@ HOME := $(or $(HOME),$(shell { getent passwd $$(id -u) | cut -d: -f6; } 2>/dev/n
 export PATH HOME
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build deep deep-build demo test browser mutants sanitize bitstream bitstreams flash soak formal bench figures lint format install dist fresh clean
+.PHONY: help setup build deep deep-build demo test browser mutants sanitize bitstream bitstreams flash soak formal bench figures docs lint format install dist fresh clean
 
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -110,6 +110,12 @@ bench: build build/peers/installed ## the project's numbers beside their targets
 
 figures: build ## the papers' figures, computed, beside the papers' numbers: build/figures/index.html
 	@$(PYTHON) tools/figures.py --program $(BUILD)/host/cli/haptogram --tool $(BUILD)/tools/figures/haptogram_figures --output build/figures
+
+docs: ## the site of all pages, with its reference, in build/site; dead links and warnings are errors
+	@$(call need,doxygen mkdocs,dev )
+	@$(call configure,$(PRESET))
+	@cmake --build --preset $(PRESET) --target haptogram haptogram_native_module
+	@$(PYTHON) tools/docs.py --build $(BUILD)
 
 lint: build ## RTL lint, formatting, generated files, clang-tidy
 	@$(call need,clang-tidy,dev )

@@ -4,6 +4,7 @@
 HAPTOGRAM_RECORD=1 writes the table of docs/sources.md anew; otherwise it must be what comes out here.
 """
 import json
+import itertools
 import math
 import os
 import re
@@ -158,9 +159,8 @@ def test_the_table_in_the_docs(matrix):
     cells, _ = matrix
     notes = sorted({cell for cell in cells.values() if cell != "yes"})
     lines = ["| | " + " | ".join(VERBS) + " |", "|---" * (len(VERBS) + 1) + "|"]
-    for name, *_ in rows():
-        told = [cells[name, verb] for verb in VERBS]
-        lines.append(f"| {name} | " + " | ".join("yes" if cell == "yes" else f"({notes.index(cell) + 1})" for cell in told) + " |")
+    for told, alike in itertools.groupby((name for name, *_ in rows()), key=lambda name: [cells[name, verb] for verb in VERBS]):
+        lines.append(f"| {', '.join(alike)} | " + " | ".join("yes" if cell == "yes" else f"({notes.index(cell) + 1})" for cell in told) + " |")
     table = "\n".join([*lines, "", *(f"{i}. {note}" for i, note in enumerate(notes, 1))])
     page = PAGE.read_text()
     marks = r"(?s)(<!-- matrix -->\n).*(<!-- end of matrix -->)"

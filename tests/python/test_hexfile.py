@@ -26,6 +26,13 @@ def test_a_saved_image_is_the_same_to_both_programs(folder, image):
     assert boards.haptogram(folder, "inspect", "saved.hex") == boards.haptogram(folder, "inspect", "image.hex")
 
 
+def test_bytes_are_read_as_a_file_is(compiled, image):
+    assert Image.from_bytes(compiled.read_bytes()) == image
+    assert repr(image) == "<Image: 8 records, 8 entries, 100 channels at 50 MHz>"
+    with pytest.raises(HaptogramError, match="^what was sent: no end record"):
+        Image.from_bytes(compiled.read_bytes()[:-20], "what was sent")
+
+
 def test_a_record_goes_round():
     record = Record(0x123456, 0x345678, 0x9A, [1, 2, 0xFFFF])
     assert record.pack() == bytes.fromhex("5634129a7856340001000200ffff")

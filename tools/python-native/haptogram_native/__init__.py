@@ -6,6 +6,7 @@ strengths in Pa m, as in the C++ libraries. The interpreter's lock is released w
 the work. Errors are HaptogramError and its subclasses.
 """
 
+from haptogram_native import pictures
 from haptogram_native._native import (
     Array,
     Compiled,
@@ -69,3 +70,5 @@ __all__ = [
     "solve",
     "workspace",
 ]
+
+pictures.attach()

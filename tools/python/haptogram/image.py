@@ -62,7 +62,7 @@ class Record(NamedTuple):
         return cls(**header, timings=list(struct.unpack_from(f"<{len(data) // 2 - RECORD_HEADER_WORDS}H", data, HEADER_BYTES)))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Image:
     channels: int
     clock_hz: int
@@ -73,6 +73,10 @@ class Image:
     foci: FocusRecords | None = None  # for boards that compute foci
     modulation: Modulation | None = None  # for boards that modulate
     min_pulse_clocks: int = 1  # of a pulse with an amplitude; the board's MIN_PULSE_CLOCKS
+
+    def __repr__(self) -> str:
+        foci = f", {self.foci.count} of foci" if self.foci else ""
+        return f"<Image: {len(self.records)} records{foci}, {len(self.entries)} entries, {self.channels} channels at {self.clock_hz / 1e6:g} MHz>"
 
     @property
     def record_bytes(self) -> int:
@@ -160,8 +164,13 @@ class Image:
     @classmethod
     def load(cls, path: str) -> "Image":
         """Reads an Intel HEX file and checks all that can be checked without knowing the board. `-` is standard input."""
-        image = _from_regions(hexfile.parse(hexfile.read_file(path), path), path)
-        image.require_playable(path)
+        return cls.from_bytes(hexfile.read_file(path), path)
+
+    @classmethod
+    def from_bytes(cls, content: bytes, where: str = "image") -> "Image":
+        """The same of an Intel HEX file's content, such as `hex` of what haptogram_native has compiled; `where` is for messages."""
+        image = _from_regions(hexfile.parse(content, where), where)
+        image.require_playable(where)
         return image
 
     def save(self, path: str) -> None:

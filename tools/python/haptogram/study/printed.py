@@ -406,7 +406,7 @@ def text(lines: list[Line], differing: bool = False) -> str:
 
 
 def page(lines: list[Line]) -> str:
-    """docs/printed-numbers.md. Each number stands there once, those that do not agree first. A note that several numbers have stands below the table."""
+    """docs/printed-numbers.md: numbers that do not agree first, then others that there is something to say of. A note that several have stands below."""
     counts = ", ".join(f"{verdict}: {count}" for verdict in (AGREES, POSSIBLE, DIFFERS, IMPOSSIBLE, NOT_PRINTED, NO_DATA)
                        if (count := len([1 for line in lines if line.verdict == verdict])))  # fmt: skip
     parts = [
@@ -420,18 +420,19 @@ def page(lines: list[Line]) -> str:
         "*Agrees* and *differs*: ours rounds to the printed digits, or does not. *Possible* and *impossible*: whether whole numbers of answers, or any",
         "answers on the scale, can give the printed number. *Not printed*: it follows from what is printed. *No data*: nothing to compute it from.",
         "",
-        f"{len(lines)} numbers. {counts}. Of each paper, what does not agree stands first.",
+        f"{len(lines)} numbers. {counts}. `haptogram-study printed` prints all.",
+        "Tables have those that differ or are impossible; of the others, this page has what wants a remark.",
     ]
     for paper in dict.fromkeys(line.paper for line in lines):
         rows = [line for line in lines if line.paper == paper]
         notes = [line.note for line in rows]
-        shared = [note for note in dict.fromkeys(notes) if note and notes.count(note) > 1]
+        shared = [note for note in dict.fromkeys(line.note for line in rows if line.verdict in BAD) if note and notes.count(note) > 1]
         parts += ["", f"## {paper}"]
         if any(line.verdict in BAD for line in rows):
-            parts += ["", "| where | what | printed | ours | verdict |", "|---|---|---|---|---|"]
+            parts += ["", "| where | what | printed | ours |", "|---|---|---|---|"]
             parts += ["| " + " | ".join(cell.replace("|", "\\|") for cell in _cells(line, shared)) + " |" for line in rows if line.verdict in BAD]
         for verdict in (AGREES, POSSIBLE, NOT_PRINTED, NO_DATA):
-            if found := [line for line in rows if line.verdict == verdict]:
+            if found := [line for line in rows if line.verdict == verdict and line.note and notes.count(line.note) == 1]:
                 parts += ["", f"*{verdict[0].upper()}{verdict[1:]}:*", "", *_items(found, shared)]
         parts += ["", *(f"- ({number}) {note[0].upper()}{note[1:]}." for number, note in enumerate(shared, 1))] if shared else []
     return "\n".join(parts) + "\n"
@@ -442,7 +443,8 @@ def _note(line: Line, shared: list[str]) -> str:
 
 
 def _cells(line: Line, shared: list[str]) -> tuple[str, ...]:
-    return (line.where, line.what + _note(line, shared), *with_units(line), f"**{line.verdict}**")
+    printed, ours = with_units(line)
+    return (line.where, line.what + _note(line, shared), printed, ours + (f", **{IMPOSSIBLE}**" if line.verdict == IMPOSSIBLE else ""))
 
 
 def _items(lines: list[Line], shared: list[str]) -> list[str]:
