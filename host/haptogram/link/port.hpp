@@ -15,8 +15,8 @@ namespace haptogram::link {
 
 /// Where a device is.
 struct PortSettings {
-    std::string port;  ///< a serial port such as /dev/ttyUSB0, or ftdi:[VID:PID[:SERIAL]]; #N behind it: tile N of the
-                       ///< chain there
+    std::string port;  ///< a serial port such as /dev/ttyUSB0, or ftdi:[VID:PID[:SERIAL]]; with `#2` behind it, the
+                       ///< second tile of the chain there
     std::optional<std::uint32_t> baud{};    ///< the rate, which the build of the FPGA fixes; none: it is found
     Interrupt interrupt{};                  ///< as Client::set_interrupt() has it
     std::optional<std::uint32_t> likely{};  ///< the rate that the image is for, to be tried before the known ones

@@ -16,9 +16,9 @@ namespace haptogram::robot {
 void check_output_path(const std::string& path);
 
 /// Writes a workspace or a trace as CSV, or draws it as .png with the shipped script and Python's matplotlib.
-/// @param zones  whose balls the trace's picture shows
 /// @throws Error{bad_input} naming the path when it cannot be written or drawn
 void write_workspace(const std::string& path, const Workspace& workspace, const std::string& title);
+/// The same. @param zones  whose balls the trace's picture shows
 void write_trace(const std::string& path, const Simulation& simulation, const Zones& zones);
 
 }  // namespace haptogram::robot
