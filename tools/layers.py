@@ -36,9 +36,10 @@ LAYERS = {
     "robot":      {"on": ["hand", "perception"], "at": (3, 1), "knows": "a handle on eight cables"},
     "sim":        {"on": ["verbs"], "at": (2, 1), "knows": "boards without hardware"},
     "studio":     {"on": ["verbs"], "at": (1, 1), "knows": "the page in the browser"},
+    "c":          {"on": ["sim"], "at": (3, 0), "knows": "the interface for other languages"},
     "cli":        {"on": ["scattering", "live", "robot", "sim", "studio"], "at": (2, 0), "knows": "the program: parse, call, print"},
 }  # fmt: skip
-FOLDERS = {name: f"host/haptogram/{name}" for name in LAYERS} | {"sim": "sim", "studio": "host/studio", "cli": "host/cli"}
+FOLDERS = {name: f"host/haptogram/{name}" for name in LAYERS} | {"sim": "sim", "studio": "host/studio", "cli": "host/cli", "c": "host/c"}
 ROW, GAP = 44, 32  # of the picture, pixels
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^">]+)[">]')
 
@@ -49,7 +50,7 @@ def layer_of(included, file):
         return found[1]
     if (file.parent / included).exists():
         return None
-    return next((name for name in ("sim", "studio", "cli") if (ROOT / FOLDERS[name] / included).exists()), None)
+    return next((name for name in ("sim", "studio", "c", "cli") if (ROOT / FOLDERS[name] / included).exists()), None)
 
 
 def read_includes():
