@@ -14,15 +14,19 @@
 #include <utility>
 #include <vector>
 
-#include "board.hpp"
 #include "haptogram.h"
 #include "haptogram/acoustics/field.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/format/bundle.hpp"
+#include "haptogram/link/background_player.hpp"
+#include "haptogram/link/port.hpp"
 #include "haptogram/solve/solver.hpp"
 #include "haptogram/verbs/compile.hpp"
 #include "haptogram/verbs/timeline.hpp"
+#ifdef HAPTOGRAM_HAS_SIMULATION
+#include "reference_port.hpp"
+#endif
 
 using haptogram::bad_argument;
 using haptogram::Error;
@@ -35,7 +39,7 @@ struct haptogram_image {
 };
 
 struct haptogram_board {
-    haptogram::c::Board board;
+    haptogram::link::BackgroundPlayer board;
 };
 
 namespace {
@@ -151,10 +155,26 @@ std::vector<Vec3> points_of(const double* numbers, std::size_t count) {
     return points;
 }
 
-haptogram::c::Playing playing_of(const haptogram_playing* given) {
+/// What opens a port, again after a loss.
+std::function<std::unique_ptr<haptogram::link::Transport>()> opener_of(const std::string& port, std::uint32_t baud) {
+    constexpr std::string_view simulated = "reference:";
+    if (!port.starts_with(simulated))
+        return [=] {
+            return haptogram::link::open_port({.port = port, .baud = baud != 0 ? std::optional(baud) : std::nullopt});
+        };
+#ifdef HAPTOGRAM_HAS_SIMULATION
+    const std::string configuration = port.substr(simulated.size());
+    static_cast<void>(haptogram::sim::open_reference(configuration));  // a wrong name is said here
+    return [=] { return haptogram::sim::open_reference(configuration); };
+#else
+    throw bad_argument("port", "this build has no simulated board; name a serial port");
+#endif
+}
+
+haptogram::link::BackgroundPlay playing_of(const haptogram_playing* given) {
     if (given == nullptr) return {};
     const haptogram_playing known = known_part(given, "playing");
-    haptogram::c::Playing playing;
+    haptogram::link::BackgroundPlay playing;
     if (known.loops > 65535) throw bad_argument("loops", fmt::format("found {}, expected at most 65535", known.loops));
     if (known.loops != 0) playing.loops = static_cast<std::uint16_t>(std::max(0, known.loops));
     if (known.watchdog_ms > 65535)
@@ -264,7 +284,9 @@ haptogram_code haptogram_open(const haptogram_port* port, haptogram_board** boar
         const haptogram_port given = known_part(port, "port");
         required(board, "board") = nullptr;
         const std::chrono::milliseconds patience(given.patience_ms != 0 ? given.patience_ms : 3000);
-        *board = new haptogram_board{haptogram::c::Board(required_text(given.port, "port"), given.baud, patience)};
+        const std::function<std::unique_ptr<haptogram::link::Transport>()> open =
+            opener_of(required_text(given.port, "port"), given.baud);
+        *board = new haptogram_board{haptogram::link::BackgroundPlayer(open, patience)};
     });
 }
 
@@ -282,7 +304,7 @@ haptogram_code haptogram_identify(haptogram_board* board, haptogram_identity* id
 
 haptogram_code haptogram_get_status(haptogram_board* board, haptogram_status* status) {
     return guarded([&] {
-        haptogram::c::Board& asked = required(board, "board").board;
+        haptogram::link::BackgroundPlayer& asked = required(board, "board").board;
         const haptogram::link::DeviceState state = asked.state();
         const haptogram::link::Status& said = state.status;
         const auto [busy, sent, lead_s] = asked.work();
