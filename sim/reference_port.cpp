@@ -27,4 +27,12 @@ std::unique_ptr<link::Transport> open_reference(const std::string& configuration
     return std::make_unique<ReferencePort>(configuration);
 }
 
+std::function<std::unique_ptr<link::Transport>()> opener_of(const link::PortSettings& settings) {
+    constexpr std::string_view simulated = "reference:";
+    if (!settings.port.starts_with(simulated)) return [settings] { return link::open_port(settings); };
+    const std::string configuration = settings.port.substr(simulated.size());
+    static_cast<void>(ReferenceBoard(configuration));  // a wrong name is said here
+    return [configuration] { return open_reference(configuration); };
+}
+
 }  // namespace haptogram::sim

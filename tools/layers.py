@@ -36,10 +36,11 @@ LAYERS = {
     "robot":      {"on": ["hand", "perception"], "at": (3, 1), "knows": "a handle on eight cables"},
     "sim":        {"on": ["verbs"], "at": (2, 1), "knows": "boards without hardware"},
     "studio":     {"on": ["verbs"], "at": (1, 1), "knows": "the page in the browser"},
+    "serve":      {"on": ["verbs"], "at": (5, 1), "knows": "the service for other programs"},
     "c":          {"on": ["sim"], "at": (3, 0), "knows": "the interface for other languages"},
-    "cli":        {"on": ["scattering", "live", "robot", "sim", "studio"], "at": (2, 0), "knows": "the program: parse, call, print"},
+    "cli":        {"on": ["scattering", "live", "robot", "sim", "studio", "serve"], "at": (2, 0), "knows": "the program: parse, call, print"},
 }  # fmt: skip
-FOLDERS = {name: f"host/haptogram/{name}" for name in LAYERS} | {"sim": "sim", "studio": "host/studio", "cli": "host/cli", "c": "host/c"}
+FOLDERS = {name: f"host/haptogram/{name}" for name in LAYERS} | {"sim": "sim", "studio": "host/studio", "cli": "host/cli", "c": "host/c", "serve": "host/serve"}
 ROW, GAP = 44, 32  # of the picture, pixels
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^">]+)[">]')
 
@@ -50,7 +51,7 @@ def layer_of(included, file):
         return found[1]
     if (file.parent / included).exists():
         return None
-    return next((name for name in ("sim", "studio", "c", "cli") if (ROOT / FOLDERS[name] / included).exists()), None)
+    return next((name for name in ("sim", "studio", "serve", "c", "cli") if (ROOT / FOLDERS[name] / included).exists()), None)
 
 
 def read_includes():

@@ -155,22 +155,6 @@ std::vector<Vec3> points_of(const double* numbers, std::size_t count) {
     return points;
 }
 
-/// What opens a port, again after a loss.
-std::function<std::unique_ptr<haptogram::link::Transport>()> opener_of(const std::string& port, std::uint32_t baud) {
-    constexpr std::string_view simulated = "reference:";
-    if (!port.starts_with(simulated))
-        return [=] {
-            return haptogram::link::open_port({.port = port, .baud = baud != 0 ? std::optional(baud) : std::nullopt});
-        };
-#ifdef HAPTOGRAM_HAS_SIMULATION
-    const std::string configuration = port.substr(simulated.size());
-    static_cast<void>(haptogram::sim::open_reference(configuration));  // a wrong name is said here
-    return [=] { return haptogram::sim::open_reference(configuration); };
-#else
-    throw bad_argument("port", "this build has no simulated board; name a serial port");
-#endif
-}
-
 haptogram::link::BackgroundPlay playing_of(const haptogram_playing* given) {
     if (given == nullptr) return {};
     const haptogram_playing known = known_part(given, "playing");
@@ -284,8 +268,13 @@ haptogram_code haptogram_open(const haptogram_port* port, haptogram_board** boar
         const haptogram_port given = known_part(port, "port");
         required(board, "board") = nullptr;
         const std::chrono::milliseconds patience(given.patience_ms != 0 ? given.patience_ms : 3000);
-        const std::function<std::unique_ptr<haptogram::link::Transport>()> open =
-            opener_of(required_text(given.port, "port"), given.baud);
+        haptogram::link::PortSettings settings{.port = required_text(given.port, "port")};
+        if (given.baud != 0) settings.baud = given.baud;
+#ifdef HAPTOGRAM_HAS_SIMULATION
+        const auto open = haptogram::sim::opener_of(settings);
+#else
+        const auto open = [settings] { return haptogram::link::open_port(settings); };
+#endif
         *board = new haptogram_board{haptogram::link::BackgroundPlayer(open, patience)};
     });
 }

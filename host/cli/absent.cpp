@@ -29,6 +29,7 @@ namespace {
 
 #ifndef HAPTOGRAM_HAS_STUDIO
 void add_studio(CLI::App& app, Action& action) { add_absent(app, action, "studio", "studio", "HAPTOGRAM_STUDIO=ON"); }
+void add_serve(CLI::App& app, Action& action) { add_absent(app, action, "serve", "service", "HAPTOGRAM_STUDIO=ON"); }
 #endif
 
 #ifndef HAPTOGRAM_HAS_SIMULATION

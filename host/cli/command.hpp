@@ -41,6 +41,7 @@ void add_download(CLI::App& app, Action& action);
 void add_play(CLI::App& app, Action& action);
 void add_stream(CLI::App& app, Action& action);
 void add_studio(CLI::App& app, Action& action);
+void add_serve(CLI::App& app, Action& action);
 void add_completion(CLI::App& app, Action& action);
 void add_bitstream(CLI::App& app, Action& action);
 

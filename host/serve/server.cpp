@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server.hpp"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <array>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ip/udp.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+#include <chrono>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "haptogram/base/error.hpp"
+
+namespace haptogram::serve {
+namespace {
+
+namespace net = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+using net::ip::tcp;
+using net::ip::udp;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t most_clients = 16, most_message_bytes = 16 << 20, most_header_bytes = 8192;
+constexpr std::chrono::seconds handshake_time{5};
+constexpr int look_ms = 100;           // between two looks whether it is the end
+constexpr double most_a_second = 200;  // requests of one client, but for foci; a second's worth may come at once
+
+/// Lets through so many a second.
+class Allowance {
+public:
+    bool take() {
+        const auto now = Clock::now();
+        left_ = std::min(most_a_second, left_ + most_a_second * std::chrono::duration<double>(now - last_).count());
+        last_ = now;
+        if (left_ < 1.0) return false;
+        left_ -= 1.0;
+        return true;
+    }
+
+private:
+    double left_ = most_a_second;
+    Clock::time_point last_ = Clock::now();
+};
+
+void limit_time(tcp::socket& socket, std::chrono::seconds most) {
+    const timeval time{most.count(), 0};
+    ::setsockopt(socket.native_handle(), SOL_SOCKET, SO_RCVTIMEO, &time, sizeof time);
+    ::setsockopt(socket.native_handle(), SOL_SOCKET, SO_SNDTIMEO, &time, sizeof time);
+}
+
+/// In a time that does not tell how much of it is right.
+bool same(std::string_view found, std::string_view expected) {
+    unsigned char difference = found.size() != expected.size() ? 1 : 0;
+    for (std::size_t i = 0; i < std::min(found.size(), expected.size()); ++i)
+        difference = static_cast<unsigned char>(difference | (found[i] ^ expected[i]));
+    return difference == 0;
+}
+
+/// Why a handshake is refused: a name of another site that leads to us, a page of another site, or no token.
+std::optional<std::pair<http::status, std::string>> refusal(const http::request<http::string_body>& request,
+                                                            const std::string& token, std::uint16_t port) {
+    const auto field = [&](http::field name) { return std::string(request[name].data(), request[name].size()); };
+    const std::string host = field(http::field::host);
+    const std::string names[] = {fmt::format("127.0.0.1:{}", port), fmt::format("localhost:{}", port)};
+    if (request.count(http::field::host) != 1 || std::find(std::begin(names), std::end(names), host) == std::end(names))
+        return {{http::status::misdirected_request, "this is no name of this service; use 127.0.0.1"}};
+    if (request.count(http::field::origin) != 0)
+        return {{http::status::forbidden, "pages in a browser are not served; haptogram studio is for them"}};
+    if (!websocket::is_upgrade(request)) return {{http::status::upgrade_required, "this is a WebSocket"}};
+    if (!token.empty() && !same(field(http::field::authorization), "Bearer " + token))
+        return {{http::status::unauthorized, "the header Authorization needs 'Bearer' and the service's token"}};
+    return std::nullopt;
+}
+
+/// A client and its thread.
+class Session {
+public:
+    Session(tcp::socket socket, Verbs& verbs, const ServerOptions& options, std::uint16_t port, Verbs::Client client)
+        : verbs_(verbs), token_(options.token), port_(port), client_(client), stream_(std::move(socket)) {
+        thread_ = std::thread([this] {
+            try {
+                talk();
+            } catch (const std::exception&) {  // the client went, or sent what is no WebSocket
+            }
+            verbs_.leave(client_);
+            over_ = true;
+        });
+    }
+    Session(const Session&) = delete;
+    Session& operator=(const Session&) = delete;
+    ~Session() {
+        ::shutdown(stream_.next_layer().native_handle(), SHUT_RDWR);
+        thread_.join();
+    }
+
+    [[nodiscard]] bool over() const { return over_; }
+
+private:
+    void talk() {
+        tcp::socket& socket = stream_.next_layer();
+        socket.set_option(tcp::no_delay(true));
+        limit_time(socket, handshake_time);
+        beast::flat_buffer buffer;
+        http::request_parser<http::string_body> parser;
+        parser.header_limit(most_header_bytes);
+        parser.body_limit(most_header_bytes);
+        http::read(socket, buffer, parser);
+        const http::request<http::string_body> request = parser.release();
+        if (const auto refused = refusal(request, token_, port_)) {
+            http::response<http::string_body> response{refused->first, request.version()};
+            response.body() = refused->second + "\n";
+            response.prepare_payload();
+            response.keep_alive(false);
+            http::write(socket, response);
+            return;
+        }
+        stream_.read_message_max(most_message_bytes);
+        stream_.accept(request);
+        limit_time(socket, std::chrono::seconds(0));
+        for (Allowance allowance;;) {
+            beast::flat_buffer message;
+            stream_.read(message);
+            take(message, allowance);
+        }
+    }
+
+    void take(const beast::flat_buffer& message, Allowance& allowance) {
+        const auto* const data = static_cast<const char*>(message.data().data());
+        if (stream_.got_binary()) {
+            try {
+                verbs_.focus({reinterpret_cast<const std::uint8_t*>(data), message.size()}, client_);
+            } catch (const std::exception& error) {
+                if (allowance.take()) send(failure(error));
+            }
+            return;
+        }
+        const std::string request(data, message.size());
+        // A stop is never too much.
+        if (!allowance.take() && request.find("shut_off") == std::string::npos)
+            send(failure(bad_argument("request", fmt::format("more than {:.0f} a second; foci as binary messages are "
+                                                             "not counted",
+                                                             most_a_second))));
+        else
+            send(verbs_.answer(request, client_));
+    }
+
+    void send(const nlohmann::ordered_json& said) {
+        stream_.text(true);
+        stream_.write(net::buffer(said.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)));
+    }
+
+    Verbs& verbs_;
+    std::string token_;
+    std::uint16_t port_;
+    Verbs::Client client_;
+    websocket::stream<tcp::socket> stream_;
+    std::atomic<bool> over_ = false;
+    std::thread thread_;
+};
+
+/// Takes what datagrams wait. What is wrong with one is counted, as nobody can be told.
+void take_datagrams(udp::socket& socket, Verbs& verbs) {
+    std::array<std::uint8_t, 65536> bytes{};
+    for (boost::system::error_code error;;) {
+        udp::endpoint from;
+        const std::size_t count = socket.receive_from(net::buffer(bytes), from, 0, error);
+        if (error) return;
+        try {
+            for (const OscMessage& message : parse_osc({bytes.data(), count})) verbs.act(message);
+        } catch (const std::exception& trouble) {
+            fmt::print(stderr, "haptogram: a datagram from {}: {}\n", from.port(), trouble.what());
+        }
+    }
+}
+
+template <class Socket, class Protocol>
+void bind_loopback(Socket& socket, std::uint16_t port, const char* setting) {
+    try {
+        socket.open(Protocol::v4());
+        if constexpr (std::is_same_v<Socket, tcp::acceptor>) socket.set_option(net::socket_base::reuse_address(true));
+        socket.bind({net::ip::address_v4::loopback(), port});
+    } catch (const boost::system::system_error& error) {
+        throw bad_argument(setting, fmt::format("port {}: {}; take another", port, error.code().message()));
+    }
+}
+
+}  // namespace
+
+void run(Verbs& verbs, const ServerOptions& options, const std::function<void(std::uint16_t)>& listening,
+         const std::function<bool()>& go_on) {
+    net::io_context context;
+    tcp::acceptor door(context);
+    bind_loopback<tcp::acceptor, tcp>(door, options.port, "port");
+    door.listen();
+    door.non_blocking(true);
+    udp::socket datagrams(context);
+    if (options.osc_port != 0) {
+        bind_loopback<udp::socket, udp>(datagrams, options.osc_port, "osc");
+        datagrams.non_blocking(true);
+    }
+    const std::uint16_t port = door.local_endpoint().port();
+    listening(port);
+    std::list<Session> sessions;
+    std::array<pollfd, 2> waits{
+        {{door.native_handle(), POLLIN, 0}, {options.osc_port != 0 ? datagrams.native_handle() : -1, POLLIN, 0}}};
+    for (Verbs::Client next = Verbs::osc + 1; go_on();) {
+        ::poll(waits.data(), waits.size(), look_ms);
+        if (options.osc_port != 0) take_datagrams(datagrams, verbs);
+        sessions.remove_if([](const Session& session) { return session.over(); });
+        boost::system::error_code error;
+        tcp::socket socket(context);
+        door.accept(socket, error);
+        if (error) continue;
+        socket.non_blocking(false);
+        if (sessions.size() < most_clients) sessions.emplace_back(std::move(socket), verbs, options, port, next++);
+    }
+}
+
+}  // namespace haptogram::serve

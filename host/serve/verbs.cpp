@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "verbs.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cstring>
+#include <utility>
+
+#include "haptogram/base/error.hpp"
+#include "haptogram/verbs/compile.hpp"
+
+namespace haptogram::serve {
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr std::chrono::seconds osc_owns{1};  // after its last datagram
+
+const char* name_of(ErrorCode code) {
+    switch (code) {
+        case ErrorCode::failed: return "failed";
+        case ErrorCode::bad_argument: return "bad_argument";
+        case ErrorCode::bad_input: return "bad_input";
+        case ErrorCode::device: return "device";
+        case ErrorCode::cancelled: return "cancelled";
+    }
+    return "failed";
+}
+
+double number_of(const Json& request, const char* key, double standard) {
+    if (!request.contains(key)) return standard;
+    if (!request[key].is_number()) throw bad_argument(key, "expected a number, found " + request[key].dump());
+    return request[key].get<double>();
+}
+
+std::uint16_t whole_of(const Json& request, const char* key, std::uint16_t standard) {
+    if (!request.contains(key)) return standard;
+    if (!request[key].is_number_unsigned() || request[key].get<std::uint64_t>() > 65535)
+        throw bad_argument(key, "expected a whole number from 0 to 65535, found " + request[key].dump());
+    return request[key].get<std::uint16_t>();
+}
+
+std::string text_of(const Json& request, const char* key, const std::string& standard = {}) {
+    if (!request.contains(key)) return standard;
+    if (!request[key].is_string()) throw bad_argument(key, "expected a text, found " + request[key].dump());
+    return request[key].get<std::string>();
+}
+
+Vec3 place_of(const Json& request) {
+    const Json& place = request.contains("at_m") ? request["at_m"] : Json();
+    if (!place.is_array() || place.size() != 3 || !place[0].is_number() || !place[1].is_number() ||
+        !place[2].is_number())
+        throw bad_argument("at_m", "expected [x, y, z] in metres, found " + place.dump());
+    return {place[0].get<double>(), place[1].get<double>(), place[2].get<double>()};
+}
+
+link::BackgroundPlay how_of(const Json& request) {
+    link::BackgroundPlay how;
+    if (request.contains("loops")) how.loops = whole_of(request, "loops", 0);
+    how.watchdog_ms = whole_of(request, "watchdog_ms", how.watchdog_ms);
+    how.seconds = number_of(request, "seconds", 0.0);
+    how.am = text_of(request, "am");
+    return how;
+}
+
+Compiled compiled_of(const Json& request) {
+    Project project = project_from_toml(text_of(request, "project"), "project");
+    // A client that may drive the array need not be one that may read this machine's files.
+    for (const ShapeSource& source : project.shapes)
+        if (!source.file.empty()) throw bad_argument("project", "takes built-in shapes only; send an image for others");
+    if (!project.path.empty() || project.hand)
+        throw bad_argument("project", "takes shapes only; send an image for others");
+    for (const auto& name : {project.array, project.board})
+        if (name && name->find('/') != std::string::npos)
+            throw bad_argument("project", "takes shipped arrays and boards only, by their names");
+    return compile(project, "image");
+}
+
+}  // namespace
+
+Json failure(const std::exception& error) {
+    const auto* const known = dynamic_cast<const Error*>(&error);
+    Json found = {{"code", known != nullptr ? name_of(known->code()) : "failed"}, {"message", error.what()}};
+    if (known != nullptr && !known->remedies().empty()) found["remedies"] = known->remedies();
+    return {{"error", std::move(found)}};
+}
+
+void Verbs::own(Client client) {
+    const std::lock_guard lock(mutex_);
+    const auto now = std::chrono::steady_clock::now();
+    if (owner_ == osc && now - last_osc_ > osc_owns) owner_.reset();
+    if (!owner_) owner_ = client;
+    if (owner_ != client)
+        throw Error(ErrorCode::device, "board", "another client drives it; it is free when that one goes");
+    if (client == osc) last_osc_ = now;
+}
+
+void Verbs::leave(Client client) {
+    {
+        const std::lock_guard lock(mutex_);
+        if (owner_ != client) return;
+    }
+    // Nobody else can begin anything before the outputs are off.
+    try {
+        board_.stop();
+    } catch (const Error&) {  // whoever asks next is told by the status
+    }
+    const std::lock_guard lock(mutex_);
+    owner_.reset();
+}
+
+void Verbs::set_focus(Client client, const Focus& focus) {
+    own(client);
+    board_.set_focus(focus);
+}
+
+void Verbs::focus(std::span<const std::uint8_t> bytes, Client client) {
+    std::array<double, 4> numbers{};
+    if (bytes.size() != sizeof numbers)
+        throw bad_input("focus",
+                        fmt::format("found {} bytes, expected 32: x, y, z, amplitude as doubles", bytes.size()));
+    std::memcpy(numbers.data(), bytes.data(), sizeof numbers);
+    set_focus(client, {{numbers[0], numbers[1], numbers[2]}, numbers[3]});
+}
+
+void Verbs::act(const OscMessage& message) {
+    const std::vector<double>& numbers = message.numbers;
+    const auto need = [&](std::size_t least, std::size_t most) {
+        if (numbers.size() < least || numbers.size() > most)
+            throw bad_argument(message.address, fmt::format("found {} numbers, expected {}{}", numbers.size(), least,
+                                                            most > least ? fmt::format(" to {}", most) : ""));
+    };
+    if (message.address == "/haptogram/focus") {
+        need(3, 4);
+        set_focus(osc, {{numbers[0], numbers[1], numbers[2]}, numbers.size() == 4 ? numbers[3] : 1.0});
+    } else if (message.address == "/haptogram/intensity") {
+        need(1, 1);
+        own(osc);
+        board_.set_intensity(numbers[0]);
+    } else if (message.address == "/haptogram/play") {
+        need(0, 0);
+        own(osc);
+        board_.play({});
+    } else if (message.address == "/haptogram/live") {
+        need(0, 0);
+        own(osc);
+        board_.play_live({});
+    } else if (message.address == "/haptogram/stop") {
+        board_.shut_off();
+    } else {
+        throw bad_argument(message.address,
+                           "is no address here; expected /haptogram/focus, intensity, play, live or stop");
+    }
+}
+
+Json Verbs::status() const {
+    const link::DeviceState state = board_.state();
+    const auto [busy, sent, lead_s] = board_.work();
+    const std::lock_guard lock(mutex_);
+    return {{"connected", state.connection == link::Connection::connected},
+            {"enabled", state.status.enabled},
+            {"stopped", state.status.stopped},
+            {"busy", busy},
+            {"owned", owner_.has_value()},
+            {"index", state.status.present_index},
+            {"underruns", state.status.underruns},
+            {"watchdog_trips", state.status.watchdog_trips},
+            {"guard_trips", state.status.guard_trips},
+            {"foci_sent", sent},
+            {"lead_ms", 1e3 * lead_s},
+            {"trouble", state.trouble}};
+}
+
+Json Verbs::act(const Json& request, Client client) {
+    const std::string verb = text_of(request, "do");
+    if (verb == "status") return status();
+    if (verb == "identify") {
+        const link::Identity identity = board_.state().identity;
+        return {{"channels", identity.channels}, {"records", identity.records}, {"foci", identity.foci}};
+    }
+    if (verb == "shut_off") {
+        board_.shut_off();
+        return Json::object();
+    }
+    if (verb == "leave") {
+        leave(client);
+        return Json::object();
+    }
+    if (verb != "compile" && verb != "image" && verb != "play" && verb != "live" && verb != "focus" &&
+        verb != "intensity" && verb != "stop")
+        throw bad_argument("do", fmt::format("found '{}', expected compile, image, play, live, focus, intensity, stop, "
+                                             "shut_off, status, identify or leave",
+                                             verb));
+    own(client);
+    Json said = Json::object();
+    if (verb == "compile") {
+        Compiled compiled = compiled_of(request);
+        board_.upload(compiled.bundle);
+        said = {{"records", compiled.bundle.image.records.size()}, {"warnings", compiled.warnings}};
+    } else if (verb == "image") {
+        Bundle bundle;
+        bundle.name = "image";
+        bundle.image = from_intel_hex(text_of(request, "hex"), bundle.name);
+        board_.upload(bundle);
+    } else if (verb == "play") {
+        board_.play(how_of(request));
+    } else if (verb == "live") {
+        board_.play_live(how_of(request));
+    } else if (verb == "focus") {
+        board_.set_focus({place_of(request), number_of(request, "amplitude", 1.0)});
+    } else if (verb == "intensity") {
+        board_.set_intensity(number_of(request, "factor", 1.0));
+    } else {
+        board_.stop();
+    }
+    return said;
+}
+
+Json Verbs::answer(const std::string& request, Client client) {
+    Json id;
+    Json said;
+    try {
+        const Json parsed = Json::parse(request, nullptr, false);
+        if (!parsed.is_object()) throw bad_input("request", "expected a JSON object such as {\"do\": \"status\"}");
+        if (parsed.contains("id")) id = parsed["id"];
+        said = act(parsed, client);
+        said["ok"] = true;
+    } catch (const std::exception& error) {
+        said = failure(error);
+    }
+    if (!id.is_null()) said["id"] = id;
+    return said;
+}
+
+}  // namespace haptogram::serve

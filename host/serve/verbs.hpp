@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "haptogram/format/bundle.hpp"
+#include "haptogram/link/background_player.hpp"
+#include "osc.hpp"
+
+namespace haptogram::serve {
+
+/// What clients ask the service for, whatever way they come. One client at a time drives the board: the first that asks
+/// for something that plays, until it goes. Everybody may ask how it is, and stop it.
+class Verbs {
+public:
+    /// A client, by a number that no other has.
+    using Client = std::uint64_t;
+    static constexpr Client osc = 0;  ///< all that come by datagrams, which say no more than that they come
+
+    explicit Verbs(link::BackgroundPlayer& board) : board_(board) {}
+
+    /// Answers {"do": VERB, …}; docs/service.md has them. What fails is an answer, too.
+    [[nodiscard]] nlohmann::ordered_json answer(const std::string& request, Client client);
+    /// Four doubles: x, y, z in metres, and the amplitude. @throws Error
+    void focus(std::span<const std::uint8_t> bytes, Client client);
+    /// @throws Error
+    void act(const OscMessage& message);
+    /// When the one that drives goes, the outputs go off.
+    void leave(Client client);
+
+private:
+    using Json = nlohmann::ordered_json;
+
+    Json act(const Json& request, Client client);
+    void own(Client client);
+    void set_focus(Client client, const Focus& focus);
+    [[nodiscard]] Json status() const;
+
+    link::BackgroundPlayer& board_;
+    mutable std::mutex mutex_;
+    std::optional<Client> owner_;
+    std::chrono::steady_clock::time_point last_osc_{};
+    std::optional<Bundle> image_;
+};
+
+/// An error as an answer: its code, its words, and the settings that could mend it.
+[[nodiscard]] nlohmann::ordered_json failure(const std::exception& error);
+
+}  // namespace haptogram::serve

@@ -1,0 +1,301 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The service for other programs, as programs in other languages meet it: a WebSocket and OSC datagrams."""
+import asyncio
+import json
+import os
+import random
+import socket
+import struct
+import subprocess
+import threading
+import time
+from pathlib import Path
+
+import pytest
+import websockets
+from websockets.exceptions import InvalidStatusCode
+
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAM = Path(os.environ.get("HAPTOGRAM_PROGRAM", ROOT / "build/release/host/cli/haptogram")).resolve()
+PROJECT = 'format = "haptogram-project-1"\nboard = "tile-100-wide"\narray = "tile-10x10"\nimage = "foci"\npoints = 20\n[[shape]]\nkind = "circle"\ndiameter_mm = 40\n'
+
+
+class connect:
+    """A WebSocket whose calls wait."""
+
+    def __init__(self, address, additional_headers=None):
+        self.loop = asyncio.new_event_loop()
+        self.socket = self.loop.run_until_complete(self.open(address, additional_headers))
+
+    @staticmethod
+    async def open(address, headers):
+        return await websockets.connect(address, extra_headers=headers, ping_interval=None)
+
+    def send(self, message):
+        self.loop.run_until_complete(self.socket.send(message))
+
+    def recv(self, timeout):
+        return self.loop.run_until_complete(asyncio.wait_for(self.socket.recv(), timeout))
+
+    def close(self):
+        self.loop.run_until_complete(self.socket.close())
+
+
+def free_port():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as s:
+        s.bind(("127.0.0.1", 0))
+        return s.getsockname()[1]
+
+
+class Service:
+    def __init__(self, *options):
+        self.osc_port = free_port()
+        self.process = subprocess.Popen([PROGRAM, "serve", "--port", "reference:tile-100-wide", "--osc", str(self.osc_port), "--json", *options],
+                                        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        said = json.loads(self.process.stdout.readline())
+        self.address, self.token = said["address"], said["token"]
+        self.clients = []
+
+    def client(self):
+        self.clients.append(Client(connect(self.address, additional_headers={"Authorization": f"Bearer {self.token}"})))
+        return self.clients[-1]
+
+    def osc(self, address, *numbers):
+        def text(s):
+            return s.encode() + b"\0" * (4 - len(s) % 4)
+
+        self.datagram(text(address) + text("," + "f" * len(numbers)) + struct.pack(f">{len(numbers)}f", *numbers))
+
+    def datagram(self, content):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as s:
+            s.sendto(content, ("127.0.0.1", self.osc_port))
+
+    def end(self):
+        for client in self.clients:
+            client.close()
+        self.process.terminate()
+        assert self.process.wait(timeout=10) == 0
+
+
+class Client:
+    def __init__(self, socket):
+        self.socket = socket
+
+    def ask(self, do, **more):
+        self.socket.send(json.dumps({"do": do, **more}))
+        return json.loads(self.socket.recv(timeout=20))
+
+    def ok(self, do, **more):
+        said = self.ask(do, **more)
+        assert said.get("ok") is True, said
+        return said
+
+    def fails(self, code, word, do, **more):
+        error = self.ask(do, **more)["error"]
+        assert error["code"] == code and word in error["message"], error
+
+    def until(self, **wanted):
+        end = time.monotonic() + 5
+        while any((said := self.ok("status"))[key] != value for key, value in wanted.items()):
+            assert time.monotonic() < end, said
+            time.sleep(0.05)
+        return said
+
+    def close(self):
+        self.socket.close()
+
+
+@pytest.fixture
+def service():
+    running = Service()
+    yield running
+    running.end()
+
+
+def test_a_sequence_and_a_live_focus(service):
+    client = service.client()
+    assert client.ok("identify")["channels"] == 100
+    assert client.ok("compile", project=PROJECT, id=7)["id"] == 7
+    client.ok("play", loops=3)
+    client.until(enabled=True)
+    client.until(enabled=False, busy=False)
+    client.ok("live", am="sine:200")
+    for k in range(100):
+        client.socket.send(struct.pack("<4d", 1e-4 * k, 0.0, 0.15, 1.0))
+    said = client.until(enabled=True, busy=True)
+    client.ok("focus", at_m=[0.0, 0.01, 0.15], amplitude=0.5)
+    client.ok("intensity", factor=0.5)
+    time.sleep(0.2)
+    assert client.ok("status")["foci_sent"] > said["foci_sent"]
+    client.ok("stop")
+    client.until(enabled=False, busy=False)
+
+
+def test_what_is_wrong_is_said(service):
+    client = service.client()
+    client.fails("bad_argument", "found 'fly'", "fly")
+    client.fails("bad_argument", "at_m", "focus", at_m=[1, 2])
+    client.fails("bad_input", "5", "focus", at_m=[5, 0, 0.1])
+    client.fails("bad_argument", "amplitude", "focus", at_m=[0, 0, 0.1], amplitude="much")
+    client.fails("bad_argument", "loops", "play", loops=-1)
+    client.fails("bad_input", "Intel HEX", "image", hex="no image")
+    client.fails("bad_argument", "built-in", "compile", project=PROJECT + '[[shape]]\nfile = "/etc/passwd"\n')
+    client.fails("bad_argument", "shipped", "compile", project=PROJECT.replace("tile-10x10", "/etc/passwd"))
+    for wrong in ("", "[]", "{", '{"do": 3}', "\u0000", "9" * 10000):
+        client.socket.send(wrong)
+        assert "error" in json.loads(client.socket.recv(timeout=5))
+    client.socket.send(b"\x00" * 31)
+    assert "32" in json.loads(client.socket.recv(timeout=5))["error"]["message"]
+
+
+def test_the_page_of_messages_is_what_is_taken(service):
+    page = json.loads((ROOT / "host/serve/asyncapi.json").read_text(encoding="utf-8"))
+    verbs = [name for name in page["components"]["messages"] if name not in ("done", "failure")]
+    client = service.client()
+    taken = client.ask("?")["error"]["message"].split("expected ")[1].replace(" or ", ", ").split(", ")
+    assert taken == verbs
+    for name in verbs:
+        needs = page["components"]["messages"][name]["payload"]["required"][1:]
+        assert ("error" if needs else "ok") in client.ask(name), name
+        client.ask("leave")
+
+
+def test_one_drives_and_everybody_may_stop_it(service):
+    first, second = service.client(), service.client()
+    first.ok("compile", project=PROJECT)
+    first.ok("live")
+    first.until(enabled=True)
+    second.fails("device", "another client", "live")
+    second.fails("device", "another client", "stop")
+    assert second.ok("status")["owned"]
+    second.ok("shut_off")
+    second.until(enabled=False)
+    first.ok("live")
+    first.until(enabled=True)
+    first.close()  # and the outputs go off
+    second.until(enabled=False, owned=False)
+    second.ok("live")
+    second.ok("leave")
+    second.until(enabled=False, owned=False)
+
+
+def test_osc(service):
+    client = service.client()
+    client.ok("compile", project=PROJECT)
+    client.ok("leave")
+    service.osc("/haptogram/focus", 0.0, 0.0, 0.15)
+    service.osc("/haptogram/live")
+    before = client.until(enabled=True, busy=True)
+    service.osc("/haptogram/focus", 0.01, 0.0, 0.15, 0.5)
+    client.fails("device", "another client", "live")
+    service.osc("/haptogram/stop")
+    client.until(enabled=False)
+    time.sleep(1.1)  # whose turn it was lapses
+    client.ok("live")
+    assert client.until(enabled=True)["connected"] and before["connected"]
+
+
+@pytest.mark.parametrize("headers, status", [({}, 401), ({"Authorization": "Bearer no"}, 401), ({"Origin": "http://evil.example"}, 403)])
+def test_strangers_stay_outside(service, headers, status):
+    with pytest.raises(InvalidStatusCode) as refused:
+        connect(service.address, additional_headers={"Authorization": f"Bearer {service.token}", **headers} if "Origin" in headers else headers)
+    assert refused.value.status_code == status
+
+
+def test_another_name_is_no_name_of_ours(service):
+    port = int(service.address.rsplit(":", 1)[1])
+    with socket.create_connection(("127.0.0.1", port), timeout=5) as s:
+        s.sendall(f"GET / HTTP/1.1\r\nHost: evil.example:{port}\r\nAuthorization: Bearer {service.token}\r\n\r\n".encode())
+        assert s.recv(100).startswith(b"HTTP/1.1 421")
+
+
+def test_half_open_strangers_do_not_keep_a_stop_away(service):
+    client = service.client()
+    client.ok("compile", project=PROJECT)
+    client.ok("live")
+    port = int(service.address.rsplit(":", 1)[1])
+    strangers = [socket.create_connection(("127.0.0.1", port)) for _ in range(40)]
+    begin = time.monotonic()
+    client.ok("shut_off")
+    assert time.monotonic() - begin < 0.5
+    for s in strangers:
+        s.close()
+
+
+def test_too_many_requests_are_refused_but_a_stop_is_not(service):
+    client = service.client()
+    for _ in range(1000):
+        client.socket.send('{"do": "status"}')
+    answers = [json.loads(client.socket.recv(timeout=10)) for _ in range(1000)]
+    assert 200 <= sum("ok" in answer for answer in answers) < 1000
+    assert client.ok("shut_off")
+
+
+def test_random_datagrams_and_messages_do_no_harm(service):
+    """Ten thousand of each; the seed is shown, and HAPTOGRAM_SEED repeats it."""
+    seed = int(os.environ.get("HAPTOGRAM_SEED", random.randrange(1 << 32)))
+    print("seed", seed)
+    rng = random.Random(seed)
+    pieces = [b"/haptogram/focus\0\0\0\0", b",fff\0\0\0\0", b"#bundle\0", b"\0\0\0\0", b",b\0\0", b"\xff\xff\xff\xff", struct.pack(">f", 0.1)]
+    for _ in range(10_000):
+        service.datagram(b"".join(rng.choice(pieces) if rng.random() < 0.8 else rng.randbytes(rng.randrange(9)) for _ in range(rng.randrange(8))))
+    client = service.client()
+    words = ["{", "}", '"do"', ":", '"focus"', '"at_m"', "[1,2,3]", ",", "1e999", "null", '"compile"', '"project"', '"\\ud800"', "[" * 50]
+    for k in range(10_000):
+        if k % 150 == 149:
+            client.close()
+            client = service.client()
+        if rng.random() < 0.9:
+            client.socket.send("".join(rng.choice(words) for _ in range(rng.randrange(12))))
+            client.socket.recv(timeout=10)
+        else:
+            client.socket.send(rng.randbytes(rng.randrange(31)))
+    client.close()
+    assert service.client().ok("status")["connected"]
+
+
+def test_four_clients_at_once(service):
+    """Ten minutes of it with HAPTOGRAM_SOAK=1."""
+    seconds = 600 if os.environ.get("HAPTOGRAM_SOAK") else 3
+    driver = service.client()
+    driver.ok("compile", project=PROJECT)
+    driver.ok("live")
+    end, wrong = time.monotonic() + seconds, []
+
+    def watch():
+        try:
+            client = service.client()
+            while time.monotonic() < end:
+                client.ok("status")
+                time.sleep(0.02)
+        except Exception as error:  # noqa: BLE001: told below
+            wrong.append(error)
+
+    watchers = [threading.Thread(target=watch) for _ in range(3)]
+    for watcher in watchers:
+        watcher.start()
+    while time.monotonic() < end:
+        driver.socket.send(struct.pack("<4d", random.uniform(-0.02, 0.02), 0.0, 0.15, 1.0))
+        time.sleep(0.001)
+    for watcher in watchers:
+        watcher.join()
+    assert not wrong and driver.ok("status")["enabled"]
+    driver.ok("stop")
+
+
+def test_its_end_turns_the_outputs_off(tmp_path):
+    board = subprocess.Popen([PROGRAM, "board", "run", "--model", "reference", "--board", "tile-100-wide", "--pty", "board"], cwd=tmp_path,
+                             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    while not (tmp_path / "board").exists():
+        time.sleep(0.05)
+    served = subprocess.Popen([PROGRAM, "serve", "--port", "board", "--no-token", "--json"], cwd=tmp_path, stdout=subprocess.PIPE, text=True)
+    client = Client(connect(json.loads(served.stdout.readline())["address"]))
+    client.ok("compile", project=PROJECT)
+    client.ok("live")
+    client.until(enabled=True)
+    served.terminate()
+    assert served.wait(timeout=10) == 0
+    said = json.loads(subprocess.run([PROGRAM, "device", "status", "--port", "board", "--json"], cwd=tmp_path, capture_output=True, check=True).stdout)
+    assert said["outputs"] == "off" and said["watchdog_trips"] == 0
+    board.terminate()
+    board.wait()
