@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """The distribution as pip builds it from the checkout, without network: the program with its page, the packages, the commands.
 It is compiled as the build under test, so that ccache has what that compiled."""
+import json
 import os
 import shutil
 import subprocess
 import sys
 
 import pytest
-from conftest import ROOT
+from conftest import PROGRAM, ROOT
 
 OPTIONS = {"HAPTOGRAM_QUICK": "OFF", "HAPTOGRAM_WERROR": "ON", "Python3_EXECUTABLE": sys.executable}
 COMMANDS = ("haptogram", "haptogram-py", "haptogram-realsense", "haptogram-leap", "haptogram-study", "haptogram-sweep")
@@ -57,6 +58,21 @@ def test_the_program_compiles_simulates_draws_and_has_its_page(place, tmp_path):
     run(place, program, "field", tmp_path / "point.hex", "--plane", "xy@z=130", "--step", "2", "-o", tmp_path / "point.png")
     assert (tmp_path / "point.png").read_bytes().startswith(b"\x89PNG")
     assert (place / "haptogram/_program/share/haptogram/studio/page.json").exists()
+
+
+def test_without_openblas_it_solves_the_same(place):
+    """The wheel solves by Eigen, the build under test by OpenBLAS."""
+    command = ["scatter", "sphere", "--radius", "6", "--center", "0,0,150", "--focus", "0,0,142", "--edge", "1.2", "--json"]
+    ours, theirs = (numbers_of(json.loads(run(place, program, *command))) for program in (place / "bin/haptogram", PROGRAM))
+    assert len(ours) > 10 and ours == pytest.approx(theirs, rel=1e-3, abs=2e-3)
+
+
+def numbers_of(report):
+    if isinstance(report, dict):
+        return [number for key, value in report.items() if key not in ("rounds", "residual") for number in numbers_of(value)]
+    if isinstance(report, list):
+        return [number for value in report for number in numbers_of(value)]
+    return [report] if isinstance(report, (int, float)) else []
 
 
 def test_no_path_of_the_build_is_in_it(place):
