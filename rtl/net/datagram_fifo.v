@@ -4,7 +4,7 @@
 // a datagram is good is known at its very end, so this is what makes a damaged one vanish whole.
 //
 // A byte that is written while o_full is high is lost; then the writer has to drop the datagram. The other side is a valid/take stream. Both
-// take a byte a clock. BITS: there is room for 2^BITS bytes; 11 is one block RAM of an ECP5.
+// take a byte a clock; i_flush there forgets what waits. BITS: there is room for 2^BITS bytes; 11 is one block RAM of an ECP5.
 `default_nettype none
 module datagram_fifo #(
     parameter BITS = 12
@@ -18,7 +18,8 @@ module datagram_fifo #(
     input  wire       o_clk,
     output reg        o_valid,
     output reg  [7:0] o_byte,
-    input  wire       i_take
+    input  wire       i_take,
+    input  wire       i_flush
 );
     localparam [BITS:0] ONE = {{BITS{1'b0}}, 1'b1};
     (* no_rw_check *) reg [7:0] bytes [0:(1<<BITS)-1];  // none is read before it has been committed
@@ -37,7 +38,7 @@ module datagram_fifo #(
         if (i_commit) start_q <= place_q;
     end
 
-    wire [BITS:0] read_d = o_valid && i_take ? read_q + ONE : read_q;
+    wire [BITS:0] read_d = i_flush ? committed : o_valid && i_take ? read_q + ONE : read_q;
     always @(posedge o_clk) begin
         o_byte  <= bytes[read_d[BITS-1:0]];
         o_valid <= read_d != committed;

@@ -4,7 +4,7 @@
 //
 // i_reply_length bytes wait in the reply memory from i_reply_place on; when they are sent, o_sent strobes and o_sent_length says how many they were.
 // Each memory gives the byte of its place two clocks later. i_about_byte is byte o_about_place of what the open port answers.
-// o_en and o_data are GMII; preamble, padding, FCS and the gap of 12 bytes are made here. A frame begins 12 clocks after it is decided on.
+// o_en and o_data are GMII; preamble, padding, FCS and the gap of 12 bytes are made here. A frame begins 14 clocks after it is decided on.
 `default_nettype none
 `include "interface.vh"
 `include "answers.vh"
@@ -51,44 +51,44 @@ module eth_transmitter #(
 
     reg [2:0]  state_q;
     reg [1:0]  kind_q;
+    reg [10:0] payload_q;
     reg [10:0] n_q, length_q, end_q;  // length_q without the padding; end_q is the last place before the FCS
     reg [5:0]  low_q;                 // n_q, up to 63
     reg [3:0]  step_q;
-    reg [15:0] total_q, datagram_q;
+    reg [15:0] total_q, datagram_q, addend_q;
     reg [16:0] sum_q;
     initial {state_q, o_answered, o_sent} = {IDLE, 2'b00};
     wire        replies  = i_held && i_reply_length != {(REPLY_BITS+1){1'b0}};
-    wire [10:0] payload  = replies ? {{(10-REPLY_BITS){1'b0}}, i_reply_length} : `HG_NET_ABOUT_LENGTH - `HG_NET_HEADERS;
     wire        begins   = state_q == IDLE;
-    wire        restarts = begins || state_q == SUM || (state_q == PREAMBLE && n_q == 11'd7) || (state_q == BODY && n_q == end_q)
+    wire        restarts = begins || (state_q == SUM && step_q == 4'd8) || (state_q == PREAMBLE && n_q == 11'd7) || (state_q == BODY && n_q == end_q)
                            || (state_q == CHECK && n_q == 11'd3);
-    wire [3:0]  header_place;
     assign o_keeps_peer  = begins ? replies : kind_q == `HG_NET_REPLIES && state_q != GAP;
     assign o_reads_asker = kind_q == `HG_NET_ABOUT;
-    // While the sum is made, the receiver's IP address is read: places 6 to 9.
-    assign o_peer_place  = state_q == SUM ? step_q + 4'd5 : header_place;
-    wire [15:0] addend   = step_q == 4'd0 ? total_q : step_q[0] ? {i_peer_byte, 8'd0} : {8'd0, i_peer_byte};
 
     always @(posedge clk) begin
         {o_answered, o_sent} <= 2'b00;
         n_q   <= restarts ? 11'd0 : n_q + 11'd1;
-        low_q <= restarts ? 6'd0 : low_q == 6'd63 ? 6'd63 : low_q + 6'd1;
+        // While the sum is made, it names the receiver's IP address.
+        low_q <= begins ? 6'd30 : restarts ? 6'd0 : low_q == 6'd63 ? 6'd63 : low_q + 6'd1;
         end_q <= length_q < 11'd60 ? 11'd59 : length_q - 11'd1;
+        // Of the byte that was asked for a clock before; it is added in the next one.
+        addend_q <= step_q == 4'd5 ? total_q : step_q[0] ? {i_peer_byte, 8'd0} : {8'd0, i_peer_byte};
         case (state_q)
             IDLE: begin
                 if (replies || i_answer) state_q <= SUM;
                 kind_q     <= replies ? `HG_NET_REPLIES : i_answer_kind;
-                length_q   <= replies ? payload + `HG_NET_HEADERS : i_answer_length;
-                total_q    <= {5'd0, payload} + 16'd28;
-                datagram_q <= {5'd0, payload} + 16'd8;
+                payload_q  <= replies ? {{(10-REPLY_BITS){1'b0}}, i_reply_length} : `HG_NET_ABOUT_LENGTH - HEADERS;
                 sum_q      <= {1'b0, FIXED_SUM[15:0]} + {16'd0, FIXED_SUM[16]};
                 step_q     <= 4'd0;
                 o_sent_length <= i_reply_length;
             end
-            SUM: begin  // the length, four bytes of an address, and what is carried twice
+            SUM: begin  // four bytes of an address, the length, and what is carried twice
+                length_q   <= kind_q == `HG_NET_REPLIES ? payload_q + HEADERS : i_answer_length;
+                total_q    <= {5'd0, payload_q} + 16'd28;
+                datagram_q <= {5'd0, payload_q} + 16'd8;
                 step_q <= step_q + 4'd1;
-                sum_q  <= {1'b0, sum_q[15:0]} + (step_q < 4'd5 ? {1'b0, addend} : 17'd0) + {16'd0, sum_q[16]};
-                if (step_q == 4'd6) state_q <= PREAMBLE;
+                sum_q  <= {1'b0, sum_q[15:0]} + (step_q > 4'd1 && step_q < 4'd7 ? {1'b0, addend_q} : 17'd0) + {16'd0, sum_q[16]};
+                if (step_q == 4'd8) state_q <= PREAMBLE;
             end
             PREAMBLE: if (n_q == 11'd7) state_q <= BODY;
             BODY:     if (n_q == end_q) state_q <= CHECK;
@@ -108,7 +108,7 @@ module eth_transmitter #(
     wire [7:0] header;
     answer_header #(.MAC(MAC), .IP(IP), .PORT(PORT)) headers (
         .clk(clk), .i_kind(kind_q), .i_n(low_q), .i_total(total_q), .i_datagram(datagram_q), .i_header_sum(~sum_q[15:0]),
-        .i_icmp_sum(i_answer_sum), .o_peer_place(header_place), .i_peer_byte(i_peer_byte), .o_known(known), .o_byte(header));
+        .i_icmp_sum(i_answer_sum), .o_peer_place(o_peer_place), .i_peer_byte(i_peer_byte), .o_known(known), .o_byte(header));
 
     // Where in the frame that is answered the next byte stands: our target is its sender.
     reg signed [4:0] shift;

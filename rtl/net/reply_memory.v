@@ -3,7 +3,8 @@
 // Gathers replies in the instrument's clock domain, until they are worth a datagram, for the sender in the PHY's.
 //
 // i_byte is a valid/ready stream; a zero ends a reply, and only whole ones count. o_length bytes are to be sent from o_place on, as soon as
-// GATHER_BYTES wait or the first has waited for GATHER_CLOCKS of o_clk; 0 until then. i_sent and i_sent_length say what was.
+// GATHER_BYTES wait or the first has waited for GATHER_CLOCKS of o_clk; 0 until then. i_sent and i_sent_length say what was,
+// after which o_length counts again in five clocks.
 // o_byte is that of i_place two clocks later. While i_forget is high there is nobody to send to, and whole replies are thrown away.
 // BITS: there is room for 2^BITS bytes, and a reply must not be longer than that.
 `default_nettype none
@@ -31,10 +32,11 @@ module reply_memory #(
     (* no_rw_check *) reg [7:0] bytes [0:(1<<BITS)-1];  // none is read before its reply is whole
     reg  [BITS:0] place_q, whole_q, gone_q;             // gone_q: what was sent
     reg  [7:0]    byte_q;                               // a block RAM's own output takes most of 8 ns
+    reg  [BITS:0] waiting_q;
     reg  [AGE_BITS-1:0] age_q;
+    reg                 some_q, enough_q, old_q;
     wire [BITS:0] whole, gone;
-    wire [BITS:0] waiting = whole - gone_q;
-    initial {place_q, whole_q, gone_q, o_length, age_q} = {4*(BITS+1)+AGE_BITS{1'b0}};
+    initial {place_q, whole_q, gone_q, waiting_q, o_length, age_q, some_q, enough_q, old_q} = {5*(BITS+1)+AGE_BITS+3{1'b0}};
     number_crossing #(.BITS(BITS+1)) forward (.i_clk(i_clk), .i_number(whole_q), .o_clk(o_clk), .o_number(whole));
     number_crossing #(.BITS(BITS+1)) back    (.i_clk(o_clk), .i_number(gone_q), .o_clk(i_clk), .o_number(gone));
     assign o_place = gone_q[BITS-1:0];
@@ -50,9 +52,14 @@ module reply_memory #(
         o_byte <= byte_q;
         if (i_sent) gone_q <= gone_q + i_sent_length;
         else if (i_forget) gone_q <= whole;
-        if (i_sent || waiting == NONE) age_q <= {AGE_BITS{1'b0}};
+        // A step a clock, because 8 ns are short. All of it has settled when the gap behind a frame is over.
+        waiting_q <= whole - gone_q;
+        some_q    <= waiting_q != NONE;
+        enough_q  <= waiting_q >= ENOUGH;
+        old_q     <= age_q == OLD;
+        if (i_sent || !some_q) age_q <= {AGE_BITS{1'b0}};
         else if (age_q != OLD) age_q <= age_q + 1'b1;
-        o_length <= !i_sent && !i_forget && (age_q == OLD || waiting >= ENOUGH) ? waiting : NONE;
+        o_length <= old_q || enough_q ? waiting_q : NONE;
     end
 endmodule
 `default_nettype wire

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // An Ethernet port in the place of the serial line: what one peer sends by UDP comes out as bytes in the instrument's clock domain, and the
-// bytes of replies go back to it. The modules beside this one do it; INTERFACE.md says what a host sees. The picture in README.md shows them.
+// bytes of replies go back to it. The modules beside this one do it; README.md shows them, INTERFACE.md says what a host sees.
 //
 // eth_clk is the PHY's 125 MHz; i_dv to o_data are GMII. i_link is high while there is a link of 1 Gbit/s. In clk's domain o_byte is a
 // valid/take stream of whole, checked datagrams, and i_byte a valid/ready stream of replies that end with a zero each. o_break strobes when the
@@ -65,9 +65,10 @@ module udp_link #(
         .o_answer(answer), .o_answer_kind(answer_kind), .o_answer_length(answer_length), .o_answer_sum(answer_sum), .o_asked(asked),
         .i_answered(answered), .o_disable(disable_asked), .o_stop(stop_asked),
         .o_accepted(accepted), .o_refused(refused), .o_damaged(damaged));
+    // What was sent before a break switches nothing on afterwards, so it is forgotten where it waits.
     datagram_fifo #(.BITS(RX_BITS)) arrived (
         .i_clk(eth_clk), .i_write(write), .i_byte(data), .i_commit(commit), .i_drop(drop), .o_full(full),
-        .o_clk(clk), .o_valid(o_valid), .o_byte(o_byte), .i_take(i_take));
+        .o_clk(clk), .o_valid(o_valid), .o_byte(o_byte), .i_take(i_take), .i_flush(o_break));
 
     wire disable_crossed;
     strobe_crossing off (.i_clk(eth_clk), .i_strobe(disable_asked), .o_clk(clk), .o_strobe(disable_crossed));
@@ -84,7 +85,7 @@ module udp_link #(
         .i_taken(taken), .o_may(may), .o_held(held), .i_keeps_asker(answer), .i_keeps_peer(keeps_peer),
         .i_reads_asker(reads_asker), .i_read_place(peer_place), .o_read_byte(peer_byte));
 
-    // ---- Out
+    // ---- Out; what the core says before its reset is nothing
 
     (* no_rw_check *) reg [7:0] kept [0:2047];  // the frame that may have to be answered
     reg  [7:0]  kept_q, kept_2_q;
@@ -109,7 +110,7 @@ module udp_link #(
     wire [REPLY_BITS-1:0] reply_start, reply_place;
     wire [7:0]            reply_byte;
     reply_memory #(.BITS(REPLY_BITS), .GATHER_CLOCKS(GATHER_CLOCKS)) replies (
-        .i_clk(clk), .i_valid(i_valid), .o_ready(o_ready), .i_byte(i_byte), .o_clk(eth_clk), .i_forget(!held && !keeps_peer),
+        .i_clk(clk), .i_valid(i_valid && !rst), .o_ready(o_ready), .i_byte(i_byte), .o_clk(eth_clk), .i_forget(!held && !keeps_peer),
         .o_length(reply_length), .o_place(reply_start), .i_place(reply_place), .o_byte(reply_byte),
         .i_sent(sent), .i_sent_length(sent_length));
     eth_transmitter #(.MAC(MAC), .IP(IP), .PORT(PORT), .REPLY_BITS(REPLY_BITS)) transmitter (

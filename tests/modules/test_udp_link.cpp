@@ -49,6 +49,7 @@ public:
         bench->rst = 0;
         bench->i_link = 1;
         idle(100);
+        sent.clear();  // what its registers held at power-up
     }
 
     /// A clock of the PHY with this on its pins.
@@ -223,6 +224,9 @@ std::vector<Bytes> frames(Port& port) {
     all.push_back(with_ip(good, 14, 0x65));
     all.push_back(with_ip(good, 15, 0xb8));
     all.push_back(with_ip(good, 22, 1));
+    for (int bit = 0; bit < 8; ++bit)  // other protocols, each a bit off
+        for (const Bytes& one : {good, ping(host, board, Bytes(30, 2))})
+            all.push_back(with_ip(one, 23, static_cast<std::uint8_t>(one[23] ^ 1 << bit)));
     all.push_back(with_ip(good, 23, 6));
     for (const unsigned total : {0U, 5U, 20U, 27U, 28U, 87U, 88U, 89U, 90U, 91U, 92U, 93U, 100U, 2000U, 65535U})
         all.push_back(wrong_length(good, total, total - 20));
@@ -397,6 +401,23 @@ TEST_CASE("replies that come within a short time go in one datagram, and without
     CHECK(got == many);
 }
 
+TEST_CASE("replies that gather while another frame is sent go in one long datagram") {
+    Port port;
+    port.answers = false;
+    port.check(net::whole(net::udp_frame(net::host, net::board, Bytes(10, 1))));
+    port.sent.clear();
+    port.send(net::whole(net::ping(net::host, net::board, Bytes(1472, 5))));
+    const Bytes reply = Bytes(199, 7) + Bytes{0};
+    Bytes all;
+    for (int k = 0; k < 5; ++k) all = all + reply;
+    port.reply(all);
+    port.settle();
+    REQUIRE(port.sent.size() >= 2);
+    const Bytes frame = port.rules.to_peer(net::cut(all, 0, net::at(port.sent[1], 46) - 8));
+    CHECK(port.sent[1] == preamble + frame + net::fcs(frame));
+    CHECK(frame.size() > 42 + 512);
+}
+
 TEST_CASE("a line that is full of others' frames loses none of the peer's") {
     using namespace net;
     Port port;
@@ -422,6 +443,20 @@ TEST_CASE("a line that is full of others' frames loses none of the peer's") {
     }
     port.settle();
     CHECK(port.core == wanted);
+    // What it answers meanwhile is what it would answer alone, or nothing.
+    net::Rules rules(identity(), peer_clocks);
+    unsigned known = 0;
+    for (const Bytes& frame : port.sent) {
+        CHECK(net::fcs(net::cut(frame, 8, frame.size() - 4)) == net::cut(frame, frame.size() - 4, frame.size()));
+        const bool about = frame[8 + 12 + 1] == 0 && frame[8 + 23] == 17;  // which tells counters of the moment
+        for (const Bytes& each : noise) {
+            const auto answer = rules.take(whole(each), 0).answer;
+            known += !about && answer && preamble + *answer + net::fcs(*answer) == frame;
+        }
+        known += about;
+    }
+    CHECK(known == port.sent.size());
+    CHECK(known > 300);
 }
 
 TEST_CASE("at the line's full rate what finds no room is dropped whole, and counted") {
@@ -456,7 +491,7 @@ TEST_CASE("at the line's full rate what finds no room is dropped whole, and coun
 }
 
 // HAPTOGRAM_NET_FRAMES: how many instead, such as a million for a night.
-TEST_CASE("frames that were changed at random are taken as the rules say") {
+TEST_CASE("frames that were changed at random are taken as the rules say", "[long]") {
     const char* const asked = std::getenv("HAPTOGRAM_NET_FRAMES");
     const long count = asked != nullptr ? std::atol(asked) : 100'000;
     REQUIRE(count > 0);
