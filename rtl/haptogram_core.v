@@ -5,7 +5,7 @@
 //
 // A pin rises one tick and two clocks after the tick that its timing names. o_index and o_cycle_start are delayed alike: a pulse
 // that rises in the clock in which o_index changes is the new record's.
-// What switches outputs off: DISABLE, a watchdog or guard trip, a break on the serial line, i_stop, loss of SYNC, and reset.
+// What switches outputs off: DISABLE, a watchdog or guard trip, a break on the line to the host, i_stop, loss of SYNC, and reset.
 // INTERFACE.md describes the parameters of parameters.vh, with their ranges and the reason for each; it also lists the named
 // configurations of them. Values out of range do not elaborate.
 `default_nettype none
@@ -25,6 +25,15 @@ module haptogram_core #(
     output wire                o_tx,
     input  wire                i_next,         // the next tile's o_tx, not synchronous to clk; high where there is none
     output wire                o_next,         // to the next tile's i_rx
+    input  wire                i_net_valid,    // with NET, bytes of a network port in the place of i_rx, at most one a clock
+    input  wire [7:0]          i_net_byte,
+    input  wire                i_net_break,    // strobe: its link was lost, or somebody there asked for outputs to be off
+    input  wire                i_net_stop,     // strobe: somebody there asked for a STOP
+    output wire                o_net_valid,    // bytes of replies, which end with a zero
+    input  wire                i_net_ready,
+    output wire [7:0]          o_net_byte,
+    input  wire [4:0]          i_identity_place,  // a word of the identity block for who only asks, combinational and constant
+    output wire [15:0]         o_identity_word,
     output wire [CHANNELS-1:0] o_pins,
     output wire                o_enabled,      // for the drivers' enable input
     output wire                o_alive,        // changes all the time, as long as there is a clock
@@ -65,10 +74,12 @@ module haptogram_core #(
     wire [15:0] frame_word, reply_word;
 
     link #(
-        .CHANNELS(CHANNELS), .RING_BITS(RING_BITS), .CLOCK_HZ(CLOCK_HZ), .BAUD(BAUD), .CHAIN(CHAIN)
+        .CHANNELS(CHANNELS), .RING_BITS(RING_BITS), .CLOCK_HZ(CLOCK_HZ), .BAUD(BAUD), .CHAIN(CHAIN), .NET(NET)
     ) serial (
         .clk(clk), .rst(rst),
         .i_rx(i_rx), .o_tx(o_tx), .i_next(i_next), .o_next(o_next),
+        .i_net_valid(i_net_valid), .i_net_byte(i_net_byte), .i_net_break(i_net_break), .i_net_stop(i_net_stop),
+        .o_net_valid(o_net_valid), .i_net_ready(i_net_ready), .o_net_byte(o_net_byte),
         .o_valid(frame_valid), .o_word(frame_word), .i_take(frame_take),
         .o_good(frame_good), .o_damaged(frame_damaged),
         .i_done(execute || repeated || refused), .i_off(stopped || expired || guard_trip || sync_lost),
@@ -303,15 +314,32 @@ module haptogram_core #(
         .i_set(does_watchdog), .i_milliseconds(autostart ? 16'd0 : argument_0), .o_milliseconds(watchdog_ms),
         .o_expired(expired));
 
-    register_file #(
+    wire [15:0] identity_word;
+    identity_block #(
         .CHANNELS(CHANNELS), .RECORDS(RECORDS), .SEQUENCE_DEPTH(SEQUENCE_DEPTH), .LIVE_DEPTH(LIVE_DEPTH),
         .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS), .CLOCK_HZ(CLOCK_HZ), .MIN_PULSE_CLOCKS(MIN_PULSE_CLOCKS),
         .MAX_PULSE_CLOCKS(MAX_PULSE_CLOCKS), .MAX_DUTY_256(MAX_DUTY_256), .MAX_CYCLE_CLOCKS(MAX_CYCLE_CLOCKS),
-        .WIDTH_BITS(WIDTH_BITS), .MODULATION_DEPTH(MODULATION_DEPTH), .SLEW(SLEW), .FOCI(FOCI), .SCHEDULE(SCHEDULE), .SYNC(SYNC), .CHAIN(CHAIN),
+        .WIDTH_BITS(WIDTH_BITS), .MODULATION_DEPTH(MODULATION_DEPTH), .SLEW(SLEW), .FOCI(FOCI), .SCHEDULE(SCHEDULE), .SYNC(SYNC), .CHAIN(CHAIN), .NET(NET),
         .FRAME_BYTES(FRAME_BYTES)
-    ) registers (
+    ) identity (.i_address(reply_address[4:0]), .o_word(identity_word));
+    generate
+        if (NET != 0) begin : asked_by_anybody
+            identity_block #(
+                .CHANNELS(CHANNELS), .RECORDS(RECORDS), .SEQUENCE_DEPTH(SEQUENCE_DEPTH), .LIVE_DEPTH(LIVE_DEPTH),
+                .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS), .CLOCK_HZ(CLOCK_HZ), .MIN_PULSE_CLOCKS(MIN_PULSE_CLOCKS),
+                .MAX_PULSE_CLOCKS(MAX_PULSE_CLOCKS), .MAX_DUTY_256(MAX_DUTY_256), .MAX_CYCLE_CLOCKS(MAX_CYCLE_CLOCKS),
+                .WIDTH_BITS(WIDTH_BITS), .MODULATION_DEPTH(MODULATION_DEPTH), .SLEW(SLEW), .FOCI(FOCI), .SCHEDULE(SCHEDULE), .SYNC(SYNC), .CHAIN(CHAIN), .NET(NET),
+                .FRAME_BYTES(FRAME_BYTES)
+            ) identity_again (.i_address(i_identity_place), .o_word(o_identity_word));
+        end else begin : asked_by_the_host
+            assign o_identity_word = 16'd0;
+            wire unused_place = &{1'b0, i_identity_place};
+        end
+    endgenerate
+
+    register_file #(.SCHEDULE(SCHEDULE)) registers (
         .clk(clk), .rst(play_rst),
-        .i_read(read), .i_is_identity(region == `HG_REGION_IDENTITY), .i_address(reply_address[4:0]), .o_word(register_word),
+        .i_read(read), .i_is_identity(region == `HG_REGION_IDENTITY), .i_address(reply_address[4:0]), .i_identity_word(identity_word), .o_word(register_word),
         .i_enabled(o_enabled), .i_stopped(stopped), .i_modulated(modulated), .i_mode(mode), .i_present_index(o_index), .i_live_level(live_level), .i_watchdog_ms(watchdog_ms),
         .i_sync({numbered, in_step, role}),
         .i_underrun(underrun), .i_record_refused(record_refused),

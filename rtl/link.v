@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The serial line: bytes in and out at one end, words of good frames at the other.
+// The line to the host: bytes in and out at one end, words of good frames at the other.
 //
 // In: synchronizer, uart_rx, cobs_decoder, frame_receiver. Out: frame_transmitter, cobs_encoder, uart_tx. With CHAIN, chain_down and
-// chain_up stand between these and the lines, and other tiles behind this one share them. Frames come out on
+// chain_up stand between these and the lines, and other tiles behind this one share them. With NET, bytes come and go at a network port
+// (net/udp_link.v) instead: at most one a clock in, and a valid/ready stream out. Frames come out on
 // the valid/take stream o_valid, o_word, i_take; replies go in on a valid/ready stream. o_good and o_damaged strobe once a
 // frame.
 // CHANNELS is the core's: a reply can carry one record. RING_BITS sets the room for what arrives, 2^RING_BITS words, at least
@@ -16,7 +17,8 @@ module link #(
     parameter RING_BITS = 8,
     parameter CLOCK_HZ  = 50000000,
     parameter BAUD      = 1000000,
-    parameter CHAIN     = 0
+    parameter CHAIN     = 0,
+    parameter NET       = 0
 ) (
     input  wire        clk,
     input  wire        rst,
@@ -24,6 +26,13 @@ module link #(
     output wire        o_tx,
     input  wire        i_next,       // from the next tile's o_tx
     output wire        o_next,       // to its i_rx
+    input  wire        i_net_valid,  // a byte
+    input  wire [7:0]  i_net_byte,
+    input  wire        i_net_break,  // strobes
+    input  wire        i_net_stop,
+    output wire        o_net_valid,
+    input  wire        i_net_ready,
+    output wire [7:0]  o_net_byte,
     output wire        o_valid,
     output wire [15:0] o_word,
     input  wire        i_take,
@@ -53,16 +62,12 @@ module link #(
 
     generate
         if (BAUD < CLOCK_HZ / 20000 || CLOCK_HZ / BAUD < 8) baud_out_of_range error();
+        if (NET != 0 && CHAIN != 0) net_with_chain error();  // tiles of a network have ports of their own
+        if (NET != 0 && REPLY_BYTES > 1024) net_with_too_many_channels error();  // a reply must fit into a datagram
     endgenerate
 
-    wire       line, own_line, rx_valid, data_valid, data_end, data_intact, data_right;
+    wire       rx_valid, data_valid, data_end, data_intact, data_right;
     wire [7:0] rx_byte, data_byte;
-    wire       unused_sample;
-    wire [3:0] unused_bits;
-    synchronizer #(.RESET_VALUE(1'b1)) rx_synchronizer (.clk(clk), .rst(rst), .i_foreign(i_rx), .o_synchronous(line));
-    uart_rx #(.STEP(STEP_64[19:0])) receiver (
-        .clk(clk), .rst(rst), .i_line(own_line), .o_byte(rx_byte), .o_valid(rx_valid), .o_sample(unused_sample), .o_bits_left(unused_bits));
-    wire       unused = &{1'b0, unused_sample, unused_bits};
     cobs_decoder decoder (
         .clk(clk), .rst(rst), .i_valid(rx_valid), .i_byte(rx_byte),
         .o_valid(data_valid), .o_byte(data_byte), .o_end(data_end), .o_intact(data_intact));
@@ -72,36 +77,51 @@ module link #(
     // A frame takes two words of the ring or more.
     urgent_commands #(.FRAMES(1 << (RING_BITS - 1))) urgency (
         .clk(clk), .rst(rst), .i_arrives(rx_valid), .i_valid(data_valid), .i_byte(data_byte), .i_end(data_end),
-        .i_right(data_right), .i_good(o_good), .i_done(i_done), .i_off(i_off || o_break),
+        .i_right(data_right), .i_good(o_good), .i_done(i_done), .i_off(i_off || o_break), .i_stops(NET != 0 && i_net_stop),
         .o_disable(o_disable), .o_stop(o_stop), .o_stops(o_stops), .o_heard(o_heard));
-    line_break #(.BIT_CLOCKS(CLOCK_HZ / BAUD)) silence (.clk(clk), .rst(rst), .i_line(line), .o_break(o_break));
 
-    wire       plain_valid, plain_ready, plain_last, own_valid, own_ready, tx_valid, tx_ready;
-    wire [7:0] plain_byte, own_byte, tx_byte;
+    wire       plain_valid, plain_ready, plain_last, own_valid, own_ready;
+    wire [7:0] plain_byte, own_byte;
     frame_transmitter replies (
         .clk(clk), .rst(rst), .i_valid(i_reply_valid), .o_ready(o_reply_ready), .i_word(i_reply_word), .i_last(i_reply_last),
         .o_valid(plain_valid), .i_ready(plain_ready), .o_byte(plain_byte), .o_last(plain_last));
     cobs_encoder #(.BYTES(REPLY_BYTES)) encoder (
         .clk(clk), .rst(rst), .i_valid(plain_valid), .o_ready(plain_ready), .i_byte(plain_byte), .i_last(plain_last),
         .o_valid(own_valid), .i_ready(own_ready), .o_byte(own_byte));
-    uart_tx #(.STEP(STEP_64[19:0])) transmitter (
-        .clk(clk), .rst(rst), .i_valid(tx_valid), .o_ready(tx_ready), .i_byte(tx_byte), .o_line(o_tx));
 
     generate
-        if (CHAIN != 0) begin : in_chain
-            wire chained, next_line;
-            chain_down #(.STEP(STEP_64[19:0])) down (
-                .clk(clk), .rst(rst), .i_line(line), .i_break(o_break), .o_line(own_line), .o_next(o_next), .o_chained(chained));
-            synchronizer #(.RESET_VALUE(1'b1)) next_synchronizer (.clk(clk), .rst(rst), .i_foreign(i_next), .o_synchronous(next_line));
-            chain_up #(.STEP(STEP_64[19:0]), .BIT_CLOCKS(CLOCK_HZ / BAUD), .BYTES(2 * REPLY_BYTES)) up (
-                .clk(clk), .rst(rst), .i_chained(chained), .i_next(next_line),
-                .i_valid(own_valid), .o_ready(own_ready), .i_byte(own_byte),
-                .o_valid(tx_valid), .i_ready(tx_ready), .o_byte(tx_byte));
-        end else begin : alone
-            assign own_line = line;
-            assign {tx_valid, own_ready, tx_byte} = {own_valid, tx_ready, own_byte};
-            assign o_next = 1'b1;
-            wire unused_next = &{1'b0, i_next};
+        if (NET != 0) begin : over_network
+            assign {rx_valid, rx_byte, o_break} = {i_net_valid, i_net_byte, i_net_break};
+            assign {o_net_valid, own_ready, o_net_byte} = {own_valid, i_net_ready, own_byte};
+            assign {o_tx, o_next} = 2'b11;
+            wire unused = &{1'b0, i_rx, i_next, STEP_64};
+        end else begin : over_wires
+            wire       line, own_line, unused_sample, tx_valid, tx_ready;
+            wire [3:0] unused_bits;
+            wire [7:0] tx_byte;
+            synchronizer #(.RESET_VALUE(1'b1)) rx_synchronizer (.clk(clk), .rst(rst), .i_foreign(i_rx), .o_synchronous(line));
+            uart_rx #(.STEP(STEP_64[19:0])) receiver (
+                .clk(clk), .rst(rst), .i_line(own_line), .o_byte(rx_byte), .o_valid(rx_valid), .o_sample(unused_sample), .o_bits_left(unused_bits));
+            line_break #(.BIT_CLOCKS(CLOCK_HZ / BAUD)) silence (.clk(clk), .rst(rst), .i_line(line), .o_break(o_break));
+            uart_tx #(.STEP(STEP_64[19:0])) transmitter (
+                .clk(clk), .rst(rst), .i_valid(tx_valid), .o_ready(tx_ready), .i_byte(tx_byte), .o_line(o_tx));
+            assign {o_net_valid, o_net_byte} = 9'd0;
+            wire unused = &{1'b0, unused_sample, unused_bits, i_net_valid, i_net_byte, i_net_break, i_net_stop, i_net_ready};
+            if (CHAIN != 0) begin : in_chain
+                wire chained, next_line;
+                chain_down #(.STEP(STEP_64[19:0])) down (
+                    .clk(clk), .rst(rst), .i_line(line), .i_break(o_break), .o_line(own_line), .o_next(o_next), .o_chained(chained));
+                synchronizer #(.RESET_VALUE(1'b1)) next_synchronizer (.clk(clk), .rst(rst), .i_foreign(i_next), .o_synchronous(next_line));
+                chain_up #(.STEP(STEP_64[19:0]), .BIT_CLOCKS(CLOCK_HZ / BAUD), .BYTES(2 * REPLY_BYTES)) up (
+                    .clk(clk), .rst(rst), .i_chained(chained), .i_next(next_line),
+                    .i_valid(own_valid), .o_ready(own_ready), .i_byte(own_byte),
+                    .o_valid(tx_valid), .i_ready(tx_ready), .o_byte(tx_byte));
+            end else begin : alone
+                assign own_line = line;
+                assign {tx_valid, own_ready, tx_byte} = {own_valid, tx_ready, own_byte};
+                assign o_next = 1'b1;
+                wire unused_next = &{1'b0, i_next};
+            end
         end
     endgenerate
 endmodule

@@ -19,3 +19,4 @@ generate if (FOCI != 0 && (FOCI < 8 || FOCI > 8 || WIDTH_BITS == 0)) foci_out_of
 generate if (SCHEDULE < 0 || SCHEDULE > 1) schedule_out_of_range error(); endgenerate
 generate if (SYNC < 0 || SYNC > 1) sync_out_of_range error(); endgenerate
 generate if (CHAIN < 0 || CHAIN > 1) chain_out_of_range error(); endgenerate
+generate if (NET < 0 || NET > 1) net_out_of_range error(); endgenerate

@@ -8,7 +8,7 @@
 // guard, loss of SYNC. In each of these cases the frames that wait, and one that is still arriving, count as answered and not as done:
 // o_disable is high from the next clock on until the last of them has been carried out or refused. o_stop is the same for STOP alone,
 // and o_stops strobes when that begins and when it ends, because a GATE in between may have been carried out. o_heard strobes at each
-// DISABLE or STOP.
+// DISABLE or STOP. i_stops is a STOP that came another way.
 // FRAMES is how many frames can wait at most.
 `default_nettype none
 `include "interface.vh"
@@ -25,6 +25,7 @@ module urgent_commands #(
     input  wire       i_good,      // and it has been kept
     input  wire       i_done,      // strobe from command_unit: one more frame was carried out or refused
     input  wire       i_off,       // outputs are switched off
+    input  wire       i_stops,     // strobe
     output reg        o_disable,
     output reg        o_stop,
     output reg        o_stops,     // strobe
@@ -42,7 +43,7 @@ module urgent_commands #(
     wire [BITS-1:0] waiting_d = waiting_q + {{(BITS-1){1'b0}}, i_good} - {{(BITS-1){1'b0}}, i_done};
     wire acts  = i_right && count_q == 3'd4 && (disables_q || stops_q);
     wire off   = i_off || (acts && disables_q) || (i_good && old_q);
-    wire stops = acts && stops_q;
+    wire stops = i_stops || (acts && stops_q);
     wire [BITS-1:0] disable_left_d = off ? waiting_d : disable_left_q - {{(BITS-1){1'b0}}, i_done && disable_left_q != NONE};
     // Whether none will be left, without the sum that waiting_d is.
     wire disable_ends = disable_left_q == NONE || (disable_left_q == ONE && i_done);
@@ -65,8 +66,8 @@ module urgent_commands #(
             stop_left_q    <= stop_left_d;
             o_disable <= off || !disable_ends;
             o_stop    <= stops || !stop_ends;
-            o_stops   <= stops || (o_stop && stop_ends);
-            o_heard   <= acts;
+            o_stops   <= stops || (stop_left_q == ONE && i_done);
+            o_heard   <= acts || i_stops;
         end
     end
 

@@ -19,7 +19,8 @@ public:
     struct Outputs {
         bool tx = true, enabled = false, alive = false, playing = false, fault = false, cycle_start = false,
              sync = false,
-             next = true;  ///< the serial line to the next tile of a chain
+             next = true;                 ///< the serial line to the next tile of a chain
+        std::optional<std::uint8_t> net;  ///< a byte for the network port, which takes it in this clock
         std::uint16_t index = 0;
         std::vector<std::uint32_t> pins;  ///< channel k is bit k % 32 of word k / 32
     };
@@ -32,7 +33,9 @@ public:
     /// What is at the ports before it.
     struct Inputs {
         bool reset = false, rx = true, stop = false, sync = false;
-        bool next = true;  ///< the serial line from the next tile
+        bool next = true;                   ///< the serial line from the next tile
+        std::optional<std::uint8_t> net{};  ///< a byte from the network port
+        bool net_break = false, net_stop = false;
     };
 
     /// One rising clock edge with these inputs; `outputs` is what follows it.

@@ -41,6 +41,8 @@ std::size_t ReferenceBoard::received() const { return core_->arrived.size(); }
 bool ReferenceBoard::line_idle() const { return core_->line_in.idle(); }
 void ReferenceBoard::force_line(std::optional<bool> level) { core_->line_in.force(core_->now, level); }
 void ReferenceBoard::unplug() { core_->line_in.unplug(core_->now); }
+void ReferenceBoard::network_break() { core_->line_in.break_network(core_->now); }
+void ReferenceBoard::network_stop() { core_->line_in.stop_network(core_->now); }
 void ReferenceBoard::drive_sync(bool level) { core_->drive_sync(level); }
 void ReferenceBoard::press_stop(bool pressed) { core_->press_stop(pressed); }
 void ReferenceBoard::on_edge(std::function<void(const Edge&)> callback) { core_->on_edge(std::move(callback)); }

@@ -38,6 +38,8 @@ public:
     [[nodiscard]] bool line_idle() const override;
     void force_line(std::optional<bool> level) override;
     void unplug() override;
+    void network_break() override;
+    void network_stop() override;
     void press_stop(bool pressed) override;
     void drive_sync(bool level) override;
     void on_edge(std::function<void(const Edge&)> callback) override;

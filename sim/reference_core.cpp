@@ -71,7 +71,11 @@ void ReferenceCore::edge(Clock clock) {
         const LineIn::Event event = line_in.at(clock);
         if (event.byte) byte_arrives(clock, *event.byte);
         disable_ = event.broken;
-        if (event.broken) source_.host_takes_over();
+        if (event.broken || event.stops) source_.host_takes_over();
+        if (event.stops) {
+            unplayed_.begin(clock, input_.frames);
+            stops_at_ = clock + 1;
+        }
         if (event.chained) line_out_.chain(clock, *event.chained);
     }
     if (clock == stops_at_) {

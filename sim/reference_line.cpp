@@ -76,7 +76,15 @@ void LineIn::force(Clock now, std::optional<bool> level) {
     ask_at_ = now;
 }
 
+void LineIn::send(std::span<const std::uint8_t> bytes) {
+    if (has_net_)
+        net_.insert(net_.end(), bytes.begin(), bytes.end());
+    else
+        sender_.send(bytes);
+}
+
 void LineIn::unplug(Clock now) {
+    net_.clear();
     sender_.drop();
     ask_at_ = now;
 }
@@ -84,6 +92,8 @@ void LineIn::unplug(Clock now) {
 void LineIn::reset(Clock last) {
     deaf_to_ = last;
     ask_at_ = last + 1;
+    net_from_ = last + 1;
+    net_break_at_ = net_stop_at_ = never;
     level_ = true;
     connected_ = false;
     byte_at_ = break_at_ = look_at_ = never;
@@ -95,11 +105,26 @@ void LineIn::reset(Clock last) {
 }
 
 Clock LineIn::next() const {
+    if (has_net_) return std::min({net_.empty() ? never : net_from_, net_break_at_, net_stop_at_});
     return std::min({ask_at_, sender_.next_change(), shared_.next(), own_.next(), byte_at_, break_at_, look_at_,
                      chains_at_, unchains_at_, tells_chain_at_, tells_no_chain_at_});
 }
 
+LineIn::Event LineIn::at_network(Clock clock) {
+    Event event;
+    if (!net_.empty() && clock >= net_from_) {
+        event.byte = net_.front();
+        net_.pop_front();
+        net_from_ = clock + 1;
+    }
+    event.broken = clock >= net_break_at_;
+    event.stops = clock >= net_stop_at_;
+    net_break_at_ = net_stop_at_ = never;
+    return event;
+}
+
 LineIn::Event LineIn::at(Clock clock) {
+    if (has_net_) return at_network(clock);
     Event event;
     if (clock == chains_at_ || clock == unchains_at_) {
         chained_ = clock != unchains_at_;
@@ -211,6 +236,11 @@ void LineOut::plan(Clock ready, std::span<const std::uint8_t> line) {
 }
 
 void LineOut::send(Clock begin, std::uint8_t byte, bool heads) {
+    if (has_net_) {  // the port takes a byte a clock, and is seen to have it before that clock
+        sent_.push_back({begin, begin - 1, byte, heads});
+        sends_from_ = begin + 1;
+        return;
+    }
     sent_.push_back({begin, static_cast<Clock>(static_cast<double>(begin) + 9.5 * bits_.host_clocks), byte, heads});
     sends_from_ = begin + bits_.begin[10] + 1;
 }
@@ -234,6 +264,7 @@ void LineOut::reset(Clock clock) {
     run_ = 1;
     collects_from_ = sends_from_ = 0;
     silent_from_ = clock;
+    if (has_net_) return std::erase_if(sent_, [clock](const Sent& sent) { return sent.arrives >= clock; }), void();
     while (!sent_.empty() && sent_.back().begin >= clock) sent_.pop_back();
     if (sent_.empty()) return;
     // What the host makes of a byte whose rest is high.
@@ -256,6 +287,7 @@ std::uint8_t LineOut::arrive() {
 }
 
 bool LineOut::level(Clock clock) const {
+    if (has_net_) return true;
     if (clock >= silent_from_ && sent_.empty()) return true;
     const auto level_of = [&](const Sent& sent) -> std::optional<bool> {
         if (clock < sent.begin || clock >= sent.begin + bits_.begin[10]) return {};

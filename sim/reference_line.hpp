@@ -72,12 +72,20 @@ private:
 class LineIn {
 public:
     explicit LineIn(const interface::CoreParameters& p)
-        : bits_(p), has_chain_(p.chain != 0), sender_(bits_.host_clocks), shared_(bits_), own_(bits_) {}
+        : bits_(p),
+          has_chain_(p.chain != 0),
+          has_net_(p.net != 0),
+          sender_(bits_.host_clocks),
+          shared_(bits_),
+          own_(bits_) {}
     LineIn(const LineIn&) = delete;
     LineIn& operator=(const LineIn&) = delete;
 
-    void send(std::span<const std::uint8_t> bytes) { sender_.send(bytes); }
-    [[nodiscard]] bool idle() const { return sender_.idle(); }
+    void send(std::span<const std::uint8_t> bytes);
+    [[nodiscard]] bool idle() const { return sender_.idle() && net_.empty(); }
+    /// In this clock, of a board with a network port.
+    void break_network(Clock now) { net_break_at_ = has_net_ ? now : never; }
+    void stop_network(Clock now) { net_stop_at_ = has_net_ ? now : never; }
     /// From this clock on.
     void force(Clock now, std::optional<bool> level);
     void unplug(Clock now);
@@ -89,19 +97,24 @@ public:
     struct Event {
         std::optional<std::uint8_t> byte;  ///< its good stop bit was seen three clocks ago
         bool broken = false;               ///< the line has been low for too long
+        bool stops = false;                ///< a STOP came beside it
         std::optional<bool> chained;       ///< from this clock on the board is one of a chain, or is not
     };
     /// What the board learns in this clock; to be asked at every clock that next() says, in turn.
     Event at(Clock clock);
 
 private:
+    Event at_network(Clock clock);
     void level_is(Clock clock, bool level);
     void read_shared(Clock clock);
 
     BitClock bits_;
-    bool has_chain_;
+    bool has_chain_, has_net_;
     SerialSender sender_;
     std::optional<bool> forced_;
+    // Bytes of a network port wait there for the end of a reset, and then for each other.
+    std::deque<std::uint8_t> net_;
+    Clock net_from_ = 0, net_break_at_ = never, net_stop_at_ = never;
     Clock ask_at_ = 0;  // the host has done something
     // The board's side. Clocks are those at the pin, which the board sees two later.
     Clock deaf_to_ = 0;  // last clock of reset
@@ -121,7 +134,7 @@ private:
 /// The line from the board: frames as bytes with their clocks at the host's end.
 class LineOut {
 public:
-    explicit LineOut(const interface::CoreParameters& p) : bits_(p) {}
+    explicit LineOut(const interface::CoreParameters& p) : bits_(p), has_net_(p.net != 0) {}
 
     /// The board collects a reply byte by byte, one a clock, and sends it when it is whole. A byte that is offered from
     /// this clock on is taken in the clock that is returned.
@@ -150,7 +163,7 @@ private:
     void plan(Clock ready, std::span<const std::uint8_t> line);
 
     BitClock bits_;
-    bool chained_ = false;
+    bool has_net_, chained_ = false;
     Clock ready_ = 0;  // from which on the encoder has the present frame for the line
     std::vector<std::uint8_t> frame_;
     unsigned run_ = 1;          // bytes since the last zero, and one; COBS needs a clock more after 254 of them

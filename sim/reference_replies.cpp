@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 
+#include "identity.hpp"
 #include "reference_core.hpp"
 
 namespace haptogram::sim {
@@ -93,48 +94,7 @@ std::uint16_t ReferenceCore::memory_word() const {
     if (region_ == parameters_region) return frames_->settings.at(now)[address_];
     if (region_ == modulation_region) return frames_->modulation.word(address_);
     if (region_ == ring_region) return ring_.words()[address_];
-    std::array<std::uint16_t, interface::identity_words> identity{};
-    for (std::size_t i = 0; i < interface::name.size(); ++i)
-        identity[i / 2] =
-            static_cast<std::uint16_t>(identity[i / 2] | static_cast<unsigned char>(interface::name[i]) << i % 2 * 8);
-    namespace field = interface::identity_field;
-    using interface::Feature;
-    std::uint32_t features = 0;
-    const auto has = [&features](Feature feature, bool is_there = true) {
-        if (is_there) features |= 1U << static_cast<unsigned>(feature);
-    };
-    has(Feature::sequence);
-    has(Feature::live);
-    has(Feature::watchdog);
-    has(Feature::guard);
-    has(Feature::amplitude, p_.width_bits != 0);
-    has(Feature::slew, p_.slew != 0);
-    has(Feature::modulation, p_.modulation_depth != 0);
-    has(Feature::foci, p_.foci != 0);
-    has(Feature::live_foci, p_.foci != 0);
-    has(Feature::sync, p_.sync != 0);
-    has(Feature::schedule, p_.schedule != 0);
-    has(Feature::chain, p_.chain != 0);
-    field::version_minor.set(identity, interface::version_minor);
-    field::version_major.set(identity, interface::version_major);
-    field::channels.set(identity, p_.channels);
-    field::records.set(identity, p_.records);
-    field::sequence_depth.set(identity, p_.sequence_depth);
-    field::live_depth.set(identity, p_.live_depth);
-    field::timing_bits.set(identity, p_.timing_bits);
-    field::pulse_bits.set(identity, p_.pulse_bits);
-    field::clock_hz.set(identity, p_.clock_hz);
-    field::features.set(identity, features);
-    field::frame_bytes.set(identity, longest_frame(p_));
-    field::min_pulse_clocks.set(identity, p_.min_pulse_clocks);
-    // More than the field holds is said as its largest value: what a host then keeps to, the board plays.
-    field::max_pulse_clocks.set(identity, std::min(longest_pulse_clocks(p_), field::max_pulse_clocks.most()));
-    field::max_duty_256.set(identity, p_.max_duty_256);
-    field::max_cycle_clocks.set(identity, p_.clock_hz);
-    field::width_bits.set(identity, p_.width_bits);
-    field::foci.set(identity, p_.foci);
-    field::modulation_words.set(identity, p_.modulation_depth / 2);
-    return identity[address_];
+    return identity_block(p_)[address_];
 }
 
 std::uint16_t ReferenceCore::status_word(std::uint32_t word) const {

@@ -32,7 +32,7 @@ void LinkCounters::out(std::span<const std::uint8_t> bytes) {
                                                          : refused);
 }
 
-Served serve(Board& board, PseudoTerminal& terminal, const ServeOptions& options,
+Served serve(Board& board, HostLine& line, const ServeOptions& options,
              const std::function<bool(const Served&)>& watch) {
     using Clock = std::chrono::steady_clock;
     constexpr std::uint64_t slice = 2000;  // clocks, less than one byte at 115,200 baud
@@ -53,7 +53,7 @@ Served serve(Board& board, PseudoTerminal& terminal, const ServeOptions& options
         const double ahead_s = served.simulated_s + given_up_s - wall();
         if (ahead_s < -most_behind_s) given_up_s -= ahead_s + most_behind_s;
         const bool waits = options.real_time && ahead_s > 1e-3;
-        const auto arrived = terminal.read(std::chrono::milliseconds(waits ? static_cast<int>(1e3 * ahead_s) : 0));
+        const auto arrived = line.read(std::chrono::milliseconds(waits ? static_cast<int>(1e3 * ahead_s) : 0));
         board.send(arrived);
         const double before_s = wall();
         board.run(slice);
@@ -62,7 +62,7 @@ Served serve(Board& board, PseudoTerminal& terminal, const ServeOptions& options
             served.playing_s += wall() - before_s;
         }
         const auto answer = board.receive();
-        terminal.write(answer);
+        line.write(answer);
         served.link.in(arrived);
         served.link.out(answer);
     }
@@ -78,6 +78,14 @@ std::string_view model_with_channels(std::uint32_t channels, std::span<const int
     throw bad_argument("channels", fmt::format("no simulated board has {}; there are {}", channels, known));
 }
 
+std::vector<interface::CoreConfiguration> models_of(bool network,
+                                                    std::span<const interface::CoreConfiguration> models) {
+    std::vector<interface::CoreConfiguration> able;
+    for (const interface::CoreConfiguration& model : models)
+        if ((model.parameters.net != 0) == network) able.push_back(model);
+    return able;
+}
+
 std::string_view model_like(const Core& core, std::span<const interface::CoreConfiguration> models) {
     const interface::CoreParameters& asked = core.parameters;
     const auto stands_for_it = [&asked](const interface::CoreParameters& p) {
@@ -86,7 +94,8 @@ std::string_view model_like(const Core& core, std::span<const interface::CoreCon
                same_indices && p.sequence_depth >= asked.sequence_depth && p.live_depth >= asked.live_depth &&
                p.timing_bits >= asked.timing_bits && p.pulse_bits >= asked.pulse_bits &&
                p.width_bits >= asked.width_bits && p.modulation_depth >= asked.modulation_depth &&
-               p.slew >= asked.slew && p.foci >= asked.foci && p.schedule >= asked.schedule && p.sync >= asked.sync;
+               p.slew >= asked.slew && p.foci >= asked.foci && p.schedule >= asked.schedule && p.sync >= asked.sync &&
+               p.net == asked.net;
     };
     std::string known;
     for (const auto& [name, parameters, about] : models) {

@@ -3,11 +3,12 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <vector>
 
 #include "board.hpp"
 #include "haptogram/format/core.hpp"
 #include "haptogram/link/frame.hpp"
-#include "pseudo_terminal.hpp"
+#include "host_line.hpp"
 
 namespace haptogram::sim {
 
@@ -46,15 +47,19 @@ struct Served {
     bool enabled = false;              ///< its outputs
 };
 
-/// Runs a simulated board behind a pseudo-terminal: what others write there reaches its line, and the other way round.
+/// Runs a simulated board behind a line that others can reach: what they write reaches it, and the other way round.
 /// @param watch  told many times a second what was done so far; false ends the serving
-Served serve(Board& board, PseudoTerminal& terminal, const ServeOptions& options,
+Served serve(Board& board, HostLine& line, const ServeOptions& options,
              const std::function<bool(const Served&)>& watch);
 
 /// The first of these configurations with so many channels, by its name.
 /// @throws Error{bad_argument} for "channels" when there is none; the message lists those that there are
 [[nodiscard]] std::string_view model_with_channels(
     std::uint32_t channels, std::span<const interface::CoreConfiguration> models = available_models());
+
+/// Those of these configurations whose boards have a network port, or have a serial line.
+[[nodiscard]] std::vector<interface::CoreConfiguration> models_of(bool network,
+                                                                  std::span<const interface::CoreConfiguration> models);
 
 /// The first of these configurations that can stand for a core: as many channels at the same clock, and all that it has
 /// of memory and features.

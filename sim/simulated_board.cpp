@@ -32,7 +32,14 @@ void SimulatedBoard::reset(unsigned clocks) {
 
 void SimulatedBoard::clock() {
     const bool line = sender_.level(now_), was_sync = outputs_.sync;
-    model_->clock({.reset = in_reset_, .rx = forced_line_.value_or(line), .stop = stop_, .sync = sync_, .next = next_},
+    model_->clock({.reset = in_reset_,
+                   .rx = forced_line_.value_or(line),
+                   .stop = stop_,
+                   .sync = sync_,
+                   .next = next_,
+                   .net = next_net(),
+                   .net_break = std::exchange(net_break_, false),
+                   .net_stop = std::exchange(net_stop_, false)},
                   outputs_);
     if (outputs_.cycle_start && on_cycle_start_) on_cycle_start_({now_, outputs_.index, outputs_.enabled});
     for (std::size_t word = 0; word < last_pins_.size(); ++word) {
@@ -47,11 +54,32 @@ void SimulatedBoard::clock() {
         }
     }
     if (outputs_.sync != was_sync && on_sync_) on_sync_({now_, outputs_.sync});
-    if (const auto byte = receiver_.sample(now_, outputs_.tx)) {
+    const auto serial = receiver_.sample(now_, outputs_.tx);
+    if (const auto byte = has_net() ? outputs_.net : serial) {
         arrived_.push_back(*byte);
         if (on_arrival_) on_arrival_({now_, *byte});
     }
     ++now_;
+}
+
+void SimulatedBoard::send(std::span<const std::uint8_t> bytes) {
+    if (has_net())
+        net_.insert(net_.end(), bytes.begin(), bytes.end());
+    else
+        sender_.send(bytes);
+}
+
+void SimulatedBoard::unplug() {
+    sender_.drop();
+    net_.clear();
+}
+
+/// What comes from a network waits there for the end of a reset.
+std::optional<std::uint8_t> SimulatedBoard::next_net() {
+    if (net_.empty() || in_reset_) return {};
+    const std::uint8_t byte = net_.front();
+    net_.pop_front();
+    return byte;
 }
 
 void SimulatedBoard::run(std::uint64_t clocks) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -33,12 +34,14 @@ public:
     [[nodiscard]] const Model::Outputs& outputs() const override { return outputs_; }
     [[nodiscard]] Present present() const override { return {outputs_.index, outputs_.enabled}; }
 
-    void send(std::span<const std::uint8_t> bytes) override { sender_.send(bytes); }
+    void send(std::span<const std::uint8_t> bytes) override;
     [[nodiscard]] std::vector<std::uint8_t> receive() override;
     [[nodiscard]] std::size_t received() const override { return arrived_.size(); }
-    [[nodiscard]] bool line_idle() const override { return sender_.idle(); }
+    [[nodiscard]] bool line_idle() const override { return sender_.idle() && net_.empty(); }
     void force_line(std::optional<bool> level) override { forced_line_ = level; }
-    void unplug() override { sender_.drop(); }
+    void unplug() override;
+    void network_break() override { net_break_ = true; }
+    void network_stop() override { net_stop_ = true; }
     void press_stop(bool pressed) override { stop_ = pressed; }
     void drive_sync(bool level) override { sync_ = level; }
     /// The level at the serial line from the next tile of a chain.
@@ -59,6 +62,8 @@ public:
 
 private:
     void clock();
+    [[nodiscard]] bool has_net() const { return parameters().net != 0; }
+    [[nodiscard]] std::optional<std::uint8_t> next_net();
 
     std::unique_ptr<Model> model_;
     Model::Outputs outputs_;
@@ -66,6 +71,7 @@ private:
     SerialSender sender_;
     SerialReceiver receiver_;
     std::optional<bool> forced_line_;
+    std::deque<std::uint8_t> net_;  // for the network port
     std::vector<std::uint8_t> arrived_;
     std::function<void(const Edge&)> on_edge_;
     std::function<void(const CycleStart&)> on_cycle_start_;
@@ -73,7 +79,7 @@ private:
     std::function<void(const SyncChange&)> on_sync_;
     std::uint64_t now_ = 0;
     bool in_reset_ = true;
-    bool stop_ = false, sync_ = false, next_ = true;
+    bool stop_ = false, sync_ = false, next_ = true, net_break_ = false, net_stop_ = false;
 };
 
 /// Name of the first of these configurations that has this clock and these channels, and enough records, sequence words

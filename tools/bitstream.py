@@ -27,6 +27,7 @@ VENV = ROOT / "build" / "venv" / "bin"
 RECORD_HEADER_WORDS = configurations.load()["record"]["header_words"]
 AUTOSTART = sum(1 << f["low"] for f in configurations.load()["sequence_header"]["fields"] if f["name"] == "autostart")
 BLOCK_WORDS = 256  # of icebram
+NETWORK_MHZ = 125  # of a gigabit PHY
 
 
 class Failed(Exception):
@@ -91,6 +92,11 @@ def defines(board):
     result += [f"-DHG_{key.upper()}" for key in ("sync_in", "sync_out") if key in pins]
     result += ["-DHG_CHAIN"] if "next_rx" in pins else []
     result += [f"-DHG_HIGH={len(pins['high'])}"] if pins.get("high") else []
+    if "network" in board:
+        net = board["network"]
+        ip = "".join(f"{int(part):02x}" for part in net["ip"].split("."))
+        result += ["-DHG_NET", f"-DHG_NET_MAC={net['mac'].replace(':', '')}", f"-DHG_NET_IP={ip}"]
+        result += [f"-DHG_NET_{key.upper()}={net[key]}" for key in ("rx_delay", "tx_delay")]
     return result
 
 
@@ -98,8 +104,9 @@ def synthesise(folder, board):
     """Writes TOP.json for nextpnr and core.v, and returns the seconds that took."""
     family, top = board["fpga"]["family"], board["fpga"]["top"]
     sources = sorted(ROOT.glob("rtl/*.v"))
+    sources += sorted(ROOT.glob("rtl/net/*.v")) if "network" in board else []
     if top != "haptogram_core":
-        with_ecp5 = [top, "ecp5_50mhz", "clock_watch"] if family == "ecp5" else [top]
+        with_ecp5 = [top, "ecp5_50mhz", "clock_watch", "ecp5_rgmii"] if family == "ecp5" else [top]
         sources += [ROOT / "rtl" / "boards" / f"{name}.v" for name in with_ecp5]
     sets = " ".join(f"-set {k} {v}" for k, v in board["parameters"].items())
     files = " ".join(f'-set {n.upper()}_FILE "{n}_init.hex"' for n in memories(board))
@@ -107,7 +114,7 @@ def synthesise(folder, board):
     synth = "synth_ice40" if family == "ice40" else "synth_ecp5" if board["parameters"]["WIDTH_BITS"] else "synth_ecp5 -nodsp"
     # The core stays a module of its own, so that what is tested is what is placed.
     apart = f"delete {top}\nhierarchy -auto-top\nrename -top haptogram_core\n" if top != "haptogram_core" else ""
-    (folder / "synth.ys").write_text(f"""read_verilog {' '.join(defines(board))} -I{ROOT}/rtl {' '.join(map(str, sources))}
+    (folder / "synth.ys").write_text(f"""read_verilog {' '.join(defines(board))} -I{ROOT}/rtl -I{ROOT}/rtl/net {' '.join(map(str, sources))}
 chparam {sets} {files} {top}
 hierarchy -top {top}
 setattr -mod -set keep_hierarchy 1 *haptogram_core
@@ -129,10 +136,18 @@ def state_cells(folder, board):
     return sum(1 for cell in core["cells"].values() if ("DFF" in cell["type"] or cell["type"] == "TRELLIS_FF") and cell["connections"]["Q"][0] in nets)
 
 
+def network_sites(net):
+    """Ports and balls of the PHY."""
+    ways = {"i_net_rx": "rx", "o_net_tx": "tx"}
+    return [(f"{port}_{what}", net[f"{key}_{what}"]) for port, key in ways.items() for what in ("clk", "ctl")] + [
+        (f"{port}[{k}]", ball) for port, key in ways.items() for k, ball in enumerate(net[key])]
+
+
 def constraints(board):
     """The pin file of nextpnr: .pcf for the iCE40, .lpf for the ECP5."""
     pins, channels = board["pins"], board["parameters"]["CHANNELS"]
-    sites = [("i_clk", pins["clk"]), ("i_rx", pins["rx"]), ("o_tx", pins["tx"])]
+    sites = [("i_clk", pins["clk"])]
+    sites += [("i_rx", pins["rx"]), ("o_tx", pins["tx"])] if "network" not in board else network_sites(board["network"])
     sites += [(port, pins[key]) for port, key in [("o_led", "led"), ("i_stop", "stop"), ("o_driver_enable", "driver_enable"),
                                                   ("o_alive", "alive"), ("i_sync", "sync_in"), ("o_sync", "sync_out"),
                                                   ("i_next", "next_rx"), ("o_next", "next_tx")] if key in pins]
@@ -148,11 +163,13 @@ def constraints(board):
         return f" PULLMODE={pulls[port]}" if port in pulls else outputs if port.startswith("o_pins") else ""
 
     text = "".join(f'LOCATE COMP "{port}" SITE "{ball}";\nIOBUF PORT "{port}" IO_TYPE=LVCMOS33{attributes(port)};\n' for port, ball in sites)
+    text += f'FREQUENCY PORT "i_net_rx_clk" {NETWORK_MHZ} MHz;\n' if "network" in board else ""
     return "pins.lpf", text + 'FREQUENCY PORT "i_clk" 25 MHz;\n'
 
 
 def place(folder, board, seed, goal_mhz):
-    """Places and routes; returns the lowest Fmax in MHz, the file with the placed design and nextpnr's report."""
+    """Places and routes; returns the lowest Fmax in MHz, the file with the placed design and nextpnr's report, in which network_mhz is
+    that of the PHY's clock, if there is one."""
     fpga, placed, report = board["fpga"], f"placed_{seed}.{'asc' if board['fpga']['family'] == 'ice40' else 'config'}", f"nextpnr_{seed}.json"
     command = [tool(f"nextpnr-{fpga['family']}"), f"--{fpga['device']}", "--package", fpga["package"], "--json", f"{fpga['top']}.json",
                "--freq", f"{goal_mhz:.1f}", "--seed", seed, "--report", report, "--timing-allow-fail"]
@@ -165,8 +182,13 @@ def place(folder, board, seed, goal_mhz):
         command += [f"--{name.split('.')[1]}", name, "--asc" if fpga["family"] == "ice40" else "--textcfg", placed]
     seconds = run(folder, f"nextpnr_{seed}.log", *command)
     outcome = json.loads((folder / report).read_text())
-    fmax = min(v["achieved"] for v in outcome["fmax"].values())
-    print(f"{folder.name}: seed {seed} placed and routed in {seconds:.0f} s, {fmax:.1f} MHz", file=sys.stderr, flush=True)
+    of_network = [v["achieved"] for name, v in outcome["fmax"].items() if "net_" in name]
+    if bool(of_network) != ("network" in board):
+        raise Failed(f"nextpnr names the clocks {', '.join(outcome['fmax'])}; the PHY's is expected to be called net_something")
+    fmax = min(v["achieved"] for name, v in outcome["fmax"].items() if "net_" not in name)
+    outcome["network_mhz"] = min(of_network, default=None)
+    beside = f", network {outcome['network_mhz']:.1f} MHz" if of_network else ""
+    print(f"{folder.name}: seed {seed} placed and routed in {seconds:.0f} s, {fmax:.1f} MHz{beside}", file=sys.stderr, flush=True)
     return fmax, placed, outcome
 
 
@@ -176,17 +198,22 @@ def cells(utilisation, family):
     return tuple(utilisation[kind][key] for kind in (logic, ram) for key in ("used", "available"))
 
 
+def budget_of(board):
+    return "_with_network" if "network" in board else "_with_amplitudes" if board["parameters"]["WIDTH_BITS"] else ""
+
+
 def build(name, options):
     board, start = load(name), time.monotonic()
     folder = options.output.resolve() / name
     alone = options.configuration is not None
     if alone:
         board["fpga"]["top"] = "haptogram_core"
+        board.pop("network", None)
         board["parameters"] = configurations.configuration(options.configuration)
         folder = folder.with_name(f"{name}-{options.configuration}")
     folder.mkdir(parents=True, exist_ok=True)
     family, clock_mhz = board["fpga"]["family"], board["parameters"]["CLOCK_HZ"] / 1e6
-    budget = tomllib.loads((ROOT / "tools" / "budgets.toml").read_text())[family + ("_with_amplitudes" if board["parameters"]["WIDTH_BITS"] else "")]
+    budget = tomllib.loads((ROOT / "tools" / "budgets.toml").read_text())[family + budget_of(board)]
     goal = clock_mhz * (1.0 if alone else budget["clock_margin"])  # of size only, not of a board's margin
     fingerprint(folder, board)
     print(f"{folder.name}: synthesised in {synthesise(folder, board):.0f} s", file=sys.stderr, flush=True)
@@ -202,10 +229,12 @@ def build(name, options):
             options.output.resolve(), "--empty", "-o", f"{name}.{'bin' if family == 'ice40' else 'bit'}")
     used, available, rams, ram_available = cells(best["utilization"], family)
     channels = board["parameters"]["CHANNELS"]
+    network = [outcome[2]["network_mhz"] for outcome in outcomes if "network" in board]
     result = {"board": name, "core_alone": alone, "fpga": board["fpga"], "parameters": board["parameters"], "cells": used,
               "cells_available": available, "state_cells_per_channel": state_cells(folder, board) / channels,
               "block_rams": rams, "block_rams_available": ram_available, "clock_mhz": clock_mhz,
               "fmax_mhz": {"lowest": min(outcome[0] for outcome in outcomes), "highest": fmax, "seeds": options.seeds, "goal": goal},
+              "network_mhz": min(network, default=None),
               "seconds": time.monotonic() - start}
     (folder / "report.json").write_text(json.dumps(result, indent=2) + "\n")
     problems = []
@@ -213,18 +242,21 @@ def build(name, options):
         problems.append(f"{used} cells, the budget is {budget['cells']}")
     if result["fmax_mhz"]["lowest"] < goal:
         problems.append(f"{result['fmax_mhz']['lowest']:.1f} MHz, the budget is {goal:.1f} MHz")
+    if network and min(network) < budget["network_mhz"]:
+        problems.append(f"network {min(network):.1f} MHz, the budget is {budget['network_mhz']} MHz")
     return result, problems
 
 
 def table(results):
-    lines = ["| board | channels | records | timing bits | cells | flip-flops a channel | block RAMs | lowest MHz (seeds) | goal MHz | seconds |",
-             "|---|---|---|---|---|---|---|---|---|---|"]
+    lines = ["| board | channels | records | timing bits | cells | flip-flops a channel | block RAMs | lowest MHz (seeds) | goal MHz | network MHz | seconds |",
+             "|---|---|---|---|---|---|---|---|---|---|---|"]
     for r in results:
         p, fmax = r["parameters"], r["fmax_mhz"]
         lines.append(
             f"| {r['board']}{', core alone' if r['core_alone'] else ''} | {p['CHANNELS']} | {p['RECORDS']} | {p['TIMING_BITS']} "
             f"| {r['cells']:,} of {r['cells_available']:,} ({100 * r['cells'] / r['cells_available']:.1f} %) | {r['state_cells_per_channel']:.1f} "
-            f"| {r['block_rams']} of {r['block_rams_available']} | {fmax['lowest']:.1f} ({fmax['seeds']}) | {fmax['goal']:.1f} | {r['seconds']:.0f} |")
+            f"| {r['block_rams']} of {r['block_rams_available']} | {fmax['lowest']:.1f} ({fmax['seeds']}) | {fmax['goal']:.1f} "
+            f"| {format(r['network_mhz'], '.1f') if r.get('network_mhz') else '–'} | {r['seconds']:.0f} |")
     return "\n".join(lines) + "\n"
 
 

@@ -272,6 +272,8 @@ def cpp(table):
     out += [f"inline constexpr unsigned {row['name']} = {row['value']};" for row in table["link"]] + ["}  // namespace link_policy"]
     out += ["", "/// What stands before each frame in a chain of tiles; rtl/INTERFACE.md says how it is used.", "namespace chain {"]
     out += [f"inline constexpr unsigned {name} = {value};" for name, value in table["chain"].items()] + ["}  // namespace chain"]
+    out += ["", "/// Boards with a network port; rtl/INTERFACE.md says how they are spoken to.", "namespace network {"]
+    out += [f"inline constexpr unsigned {name} = {value};" for name, value in table["network"].items()] + ["}  // namespace network"]
     for name, words in blocks(table).items():
         out += ["", f"enum class {name.capitalize()}Word : unsigned {{"]
         out += [f"    {word} = {position}," for position, word in enumerate(words)]
@@ -377,7 +379,8 @@ def python(table):
     out += ["", "# How a host deals with a line that loses bytes; rtl/INTERFACE.md says what each number means."]
     out += [f"LINK_{row['name'].upper()} = {row['value']}" for row in table["link"]] + [""]
     out += [f"KNOWN_RATES = {tuple(known_rates(table))}", *(f"PROBE_{name.upper()} = {value}" for name, value in table["probe"].items()), ""]
-    out += [f"CHAIN_{name.upper()} = {value}" for name, value in table["chain"].items()] + [""]
+    out += [f"CHAIN_{name.upper()} = {value}" for name, value in table["chain"].items()]
+    out += [f"NETWORK_{name.upper()} = {value}" for name, value in table["network"].items()] + [""]
     for name, words in blocks(table).items():
         out.append(f"{name.upper()}_WORDS = {words!r}".replace("'", '"'))
     out += ["", "# Lowest and highest value of the core's parameters; whether it is a power of two; whether it may also be 0.", "PARAMETER_RANGES = {"]
@@ -512,6 +515,7 @@ def page(table):
             "zero, to end what may be on the line, then the three bytes, and asks the first tile; sends them again and asks the second; until one has not",
             "answered in 0.3 s, which is not there. To a board without chain they are a damaged frame. A break of the line, which must be half a bit longer",
             "for each tile, ends the chain and turns all outputs off.", "",
+            *network_page(table["network"], table),
             "## Boards in step", "",
             "SYNC makes one board the master and the others slaves. A slave is in step 13 to 20 ms after the master has begun (512 carrier periods in a row),",
             "and numbered within 128 periods more; its status says so. Until it is in step it refuses ENABLE.", ""]
@@ -540,6 +544,25 @@ def told_beside(values, told, default):
     nearest = min(apart, key=lambda name: len(apart[name]) + (3 if name else 0))
     other = ", ".join(f"{key} {value}" for key, value in apart[nearest].items())
     return f"as {nearest}, but {other}" if nearest else other or "the defaults"
+
+
+def network_page(net, table):
+    codes = {row["name"]: f"0x{row['code']:02x}" for row in table["command"]}
+    return [
+        "## Over Ethernet", "",
+        f"A board with net has an address of IPv4, answers ARP and ping, and takes UDP at port {net['port']}, at 1 Gbit/s only. A datagram, of at most",
+        f"{net['datagram_bytes']} bytes, is a stretch of the line with whole frames; so are those with its answers, which gather for 50 µs. All else stays as on a line, but",
+        f"for two numbers: the window is {net['window']}, and patience_ms {net['patience_ms']}, with as many tries as fill the same time.", "",
+        "- A datagram is dropped whole and counted as damaged when its FCS is wrong, or when there is no room for it. Dropped without a count are a wrong sum of",
+        "  IP or UDP (0 is none), lengths that contradict each other, fragments, IP options, VLAN tags, and what is for another address, to all, or to a group.",
+        f"- The **peer** is the first sender of a good datagram, by MAC, IP and port, until it has been silent for {net['silence_ms']} ms. Datagrams of others are refused and",
+        "  counted; they can neither drive the board nor keep its watchdog quiet.",
+        "- Loss of the link is a break. Nothing that waited in the port is carried out afterwards.",
+        "- There is **no authentication**: use a private wire or switch.", "",
+        f"The open port, {net['open_port']}, takes four bytes from anybody: `H`, `G`, a command, 0. IDENTIFY ({codes['identify']}) only asks, and alone may be sent to all (broadcast).",
+        f"DISABLE ({codes['disable']}) acts as a break does, and STOP ({codes['stop']}) as that command. The answer is `H`, `G`, the command | 0x80, a byte of flags (bit 0: there is a",
+        "peer; bit 1: outputs were on), the identity block, and three counters of 16 bits: datagrams taken, refused, damaged.", "",
+    ]
 
 
 def cmake(table):

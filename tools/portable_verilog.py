@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Reads all Verilog of rtl/ and tests/ by slang, which holds it to Verilog-2005 where Yosys, Icarus and Verilator let things pass:
-above all a net that is used before its declaration. Each way to build is read: the core in every named configuration, the top of every
+above all a net that is used before its declaration. Each way to build is read: the core in every named configuration, the network port, the top of every
 board, every proof with its assertions, and the benches. Prints each error once; exit code 1 when there is any.
 """
 import re
@@ -20,6 +20,7 @@ except ImportError:
 
 ROOT = bitstream.ROOT
 RTL = sorted(ROOT.glob("rtl/*.v"))
+NET = sorted(ROOT.glob("rtl/net/*.v"))
 BOARDS = sorted(ROOT.glob("rtl/boards/*.v"))
 BENCHES = sorted(set(ROOT.glob("tests/**/*.v")) - set(ROOT.glob("tests/formal/*.v")))
 ERROR = re.compile(r"(\S+:\d+:\d+: )?(fatal )?error: ")
@@ -30,7 +31,7 @@ PLAIN, WITH_ASSERTIONS = ["--std", "1364-2005"], ["--std", "1800-2017", "-DFORMA
 def said_of(top, parameters, options, sources):
     """What slang says of a top with these parameters, a line an error."""
     values = [f"-G{name}={value}" for name, value in parameters.items()]
-    command = ["slang", "--error-limit=0", "-I", ROOT / "rtl", "--top", top, *values, *options, *sources]
+    command = ["slang", "--error-limit=0", "-I", ROOT / "rtl", "-I", ROOT / "rtl/net", "--top", top, *values, *options, *sources]
     driver = Driver()
     driver.addStandardArgs()
     # The driver splits its command line as a shell does.
@@ -46,16 +47,17 @@ def readings():
     for parameters in configurations.configurations().values():
         yield "haptogram_core", parameters, PLAIN, RTL
         yield "haptogram_core", parameters, WITH_ASSERTIONS, RTL
+    yield "udp_link", {}, PLAIN, [*RTL, *NET]
     for name in boards.names():
         board = bitstream.load(name)
         # The vendors' primitives are in no file of ours.
-        yield board["fpga"]["top"], board["parameters"], [*PLAIN, *bitstream.defines(board), "--ignore-unknown-modules"], [*RTL, *BOARDS]
+        yield board["fpga"]["top"], board["parameters"], [*PLAIN, *bitstream.defines(board), "--ignore-unknown-modules"], [*RTL, *NET, *BOARDS]
     for proof in tomllib.loads((ROOT / "tests/formal/proofs.toml").read_text(encoding="utf-8"))["proof"]:
         sources = [ROOT / source for key in ("sources", "plain") for source in proof.get(key, [])]
         yield proof["top"], proof.get("parameters", {}), [*WITH_ASSERTIONS, *(f"-D{name}" for name in proof.get("defines", []))], sources
     for bench in BENCHES:
         if not bench.stem.isupper():  # the stand-in of a vendor's primitive, read below its bench
-            yield bench.stem, {}, [*PLAIN, "--timescale", "1ns/1ps"], [*RTL, *BOARDS, *BENCHES]
+            yield bench.stem, {}, [*PLAIN, "--timescale", "1ns/1ps"], [*RTL, *NET, *BOARDS, *BENCHES]
 
 
 def main():

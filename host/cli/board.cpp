@@ -59,8 +59,8 @@ ordered_json or_null(const std::optional<T>& value) {
 
 ordered_json to_json(const Board::Pins& pins) {
     return {{"clk", pins.clk},
-            {"rx", pins.rx},
-            {"tx", pins.tx},
+            {"rx", or_null(pins.rx)},
+            {"tx", or_null(pins.tx)},
             {"led", or_null(pins.led)},
             {"stop", or_null(pins.stop)},
             {"stop_level", pins.stop_level},
@@ -75,6 +75,20 @@ ordered_json to_json(const Board::Pins& pins) {
             {"drive_ma", or_null(pins.drive_ma)},
             {"slew", or_null(pins.slew)},
             {"high", pins.high}};
+}
+
+ordered_json to_json(const std::optional<Board::Network>& net) {
+    if (!net) return nullptr;
+    return {{"mac", net->mac},
+            {"ip", net->ip},
+            {"rx_delay", net->rx_delay},
+            {"tx_delay", net->tx_delay},
+            {"rx_clk", net->rx_clk},
+            {"rx_ctl", net->rx_ctl},
+            {"rx", net->rx},
+            {"tx_clk", net->tx_clk},
+            {"tx_ctl", net->tx_ctl},
+            {"tx", net->tx}};
 }
 
 ordered_json to_json(const Pinout& pinout) {
@@ -92,6 +106,7 @@ ordered_json to_json(const Pinout& pinout) {
         {"parameters", ordered_json::object()},
         {"flash", {{"load", board.flash.load}, {"write", board.flash.write}, {"note", board.flash.note}}},
         {"pins", to_json(board.pins)},
+        {"network", to_json(board.network)},
         {"array", pinout.array.name},
         {"outputs", ordered_json::array()}};
     for (const auto& one : interface::core_parameters) json["parameters"][one.name] = board.parameters.*one.member;
@@ -134,7 +149,11 @@ std::string to_text(const Pinout& pinout) {
     const Board::Pins& pins = board.pins;
     std::string text = fmt::format("board  {}, {}\nFPGA   {}\n", board.name, board.description, fpga_name(board.fpga));
     text += fmt::format("clock  ball {}; the instrument runs at {} MHz\n", pins.clk, board.parameters.clock_hz / 1e6);
-    text += fmt::format("UART   rx ball {}, tx ball {}, {} baud\n", pins.rx, pins.tx, board.parameters.baud);
+    if (pins.rx)
+        text += fmt::format("UART   rx ball {}, tx ball {}, {} baud\n", *pins.rx, *pins.tx, board.parameters.baud);
+    if (board.network)
+        text += fmt::format("net    {}, MAC {}, UDP port {}; 1 Gbit/s\n", board.network->ip, board.network->mac,
+                            interface::network::port);
     if (pins.led) text += fmt::format("LED    ball {}\n", *pins.led);
     if (pins.stop)
         text += fmt::format("stop   ball {}; outputs are off while it is {}\n", *pins.stop, level(pins.stop_level));

@@ -23,6 +23,7 @@
 #include "haptogram/format/intel_hex.hpp"
 #include "haptogram/verbs/source.hpp"
 #include "interrupt.hpp"
+#include "network_port.hpp"
 #include "playback.hpp"
 #include "pseudo_terminal.hpp"
 #include "pulse_check.hpp"
@@ -38,6 +39,10 @@ using Clock = std::chrono::steady_clock;
 struct RunOptions {
     std::string image;
     std::string pty;
+    bool net = false;
+    std::string net_address = "127.0.0.1";
+    std::uint16_t net_port = interface::network::port;
+    sim::NetworkFaults net_faults;
     std::string speed = "real";
     std::string model = "rtl";
     std::string trace;
@@ -145,10 +150,17 @@ int run_board(const RunOptions& options) {
     const bool is_rtl = options.model == "rtl";
     if (!is_rtl && !options.trace.empty())
         throw bad_argument("trace", "the reference board has no signals; give --model rtl, or leave out the trace");
-    const std::span<const interface::CoreConfiguration> models =
+    const std::span<const interface::CoreConfiguration> all =
         is_rtl ? std::span<const interface::CoreConfiguration>(sim::available_models())
                : interface::core_configurations;
+    const std::vector<interface::CoreConfiguration> models = sim::models_of(options.net, all);
     const std::optional<Core> asked = options.board.empty() ? std::nullopt : std::optional(find_core(options.board));
+    if (asked && (asked->parameters.net != 0) != options.net)
+        throw bad_argument("board",
+                           fmt::format("{} is reached {}", asked->name,
+                                       options.net ? "by a serial line; leave out --net, or name a board with a "
+                                                     "network port, such as colorlight-5a-75e-v7.1-net"
+                                                   : "over Ethernet; give --net as well"));
     const auto model = [&] {
         if (asked) return sim::model_like(*asked, models);
         return image ? sim::model_for(*image, options.image, models)
@@ -178,19 +190,23 @@ int run_board(const RunOptions& options) {
     const interface::CoreParameters& p = board.parameters();
     const std::uint32_t baud =
         asked ? asked->parameters.baud : p.baud;  // a core that stands for a board may have another
-    sim::PseudoTerminal terminal(baud, options.pty);
-    tell_line({{"port", terminal.name()},
+    std::unique_ptr<sim::HostLine> host;
+    if (options.net)
+        host = std::make_unique<sim::NetworkPort>(board, options.net_address, options.net_port, options.net_faults);
+    else
+        host = std::make_unique<sim::PseudoTerminal>(baud, options.pty);
+    tell_line({{"port", host->name()},
                {"model", options.model},
                {"configuration", board.name()},
                {"channels", p.channels},
                {"records", p.records},
                {"clock_hz", p.clock_hz},
                {"baud", baud}},
-              options.json, terminal.name());
+              options.json, host->name());
     sim::Served served;
     {
         StatusLine line;
-        served = sim::serve(board, terminal, {options.speed == "real", options.seconds}, [&](const sim::Served& now) {
+        served = sim::serve(board, *host, {options.speed == "real", options.seconds}, [&](const sim::Served& now) {
             line.show(now);
             if (pulses) pulses->write();
             return !interrupted();
@@ -231,7 +247,7 @@ void add_board_run(CLI::App& board, Action& action) {
     auto options = std::make_shared<RunOptions>();
     CLI::App* sub = board.add_subcommand("run",
                                          "Run a board without hardware behind a pseudo-terminal, which any program can "
-                                         "open as its serial port; prints the port");
+                                         "open as its serial port, or behind UDP; prints the port");
     auto* image = sub->add_option("--image", options->image,
                                   "Intel HEX image, or a project (.toml), that is in its memories from the start");
     auto* channels = sub->add_option("--channels", options->channels, "Channels of the board, without an image")
@@ -247,7 +263,29 @@ void add_board_run(CLI::App& board, Action& action) {
                     "The Verilated FPGA, or the reference board, which does the same in real time")
         ->check(CLI::IsMember({"rtl", "reference"}))
         ->capture_default_str();
-    sub->add_option("--pty", options->pty, "A name for the port: a link to it, removed at the end");
+    auto* pty = sub->add_option("--pty", options->pty, "A name for the port: a link to it, removed at the end");
+    auto* net =
+        sub->add_flag("--net", options->net,
+                      "Behind UDP, as a board on a network, and not behind a pseudo-terminal; --board names one "
+                      "with a network port")
+            ->excludes(pty);
+    sub->add_option("--net-address", options->net_address, "Own address of this machine")
+        ->needs(net)
+        ->capture_default_str();
+    sub->add_option("--net-port", options->net_port, "UDP port; the next one is the open port; 0: two that are free")
+        ->needs(net)
+        ->check(CLI::Range(0, 65534))
+        ->capture_default_str();
+    sub->add_option("--loss", options->net_faults.loss, "Share of the datagrams that are lost, each way")
+        ->needs(net)
+        ->check(CLI::Range(0.0, 1.0));
+    sub->add_option("--duplicates", options->net_faults.duplicates, "Share that comes twice")
+        ->needs(net)
+        ->check(CLI::Range(0.0, 1.0));
+    sub->add_option("--jitter-ms", options->net_faults.jitter_ms,
+                    "Each is late by up to so much, so that they come in another order, too")
+        ->needs(net)
+        ->check(CLI::Range(0.0, 1000.0));
     sub->add_option("--speed", options->speed, "No faster than a real board, or as fast as this machine can")
         ->check(CLI::IsMember({"real", "max"}))
         ->capture_default_str();
@@ -263,6 +301,7 @@ void add_board_run(CLI::App& board, Action& action) {
                       ->excludes(like)
                       ->excludes(trace)
                       ->excludes(pulses)
+                      ->excludes(net)
                       ->check(whole(1, 64));
     sub->add_flag("--chain", options->tiles.chain,
                   "One pseudo-terminal for all of them: each passes the serial line on to the next; --pty names it")

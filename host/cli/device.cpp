@@ -14,6 +14,7 @@
 #include "haptogram/link/rig_devices.hpp"
 #include "haptogram/link/to_json.hpp"
 #include "haptogram/link/transfer.hpp"
+#include "haptogram/link/udp_port.hpp"
 #include "interrupt.hpp"
 #include "port.hpp"
 #include "report.hpp"
@@ -35,6 +36,8 @@ struct DeviceOptions {
     bool after = false;
     bool once = false, off = false;
     std::string role;
+    bool net = false;
+    std::vector<std::string> at;
     bool json = false;
 };
 
@@ -187,7 +190,34 @@ int list_chains(const DeviceOptions& options) {
     return 0;
 }
 
+/// Who answers a question to all.
+int list_networks(const DeviceOptions& options) {
+    nlohmann::ordered_json found = nlohmann::ordered_json::array();
+    constexpr std::chrono::milliseconds patience{300};
+    std::vector<link::AboutBoard> boards = link::boards_of_networks(patience);
+    for (const std::string& port : options.at)
+        if (const auto board = link::UdpPort(port).ask(patience)) boards.push_back(*board);
+    for (const link::AboutBoard& board : boards) {
+        const link::Identity& identity = board.identity;
+        if (!options.json)
+            fmt::print("{} {} channels, {} records, {} MHz, {}, outputs {}\n", board.port, identity.channels,
+                       identity.records, identity.clock_hz / 1e6, board.held ? "held by a peer" : "free",
+                       board.enabled ? "on" : "off");
+        nlohmann::ordered_json row{{"port", board.port},
+                                   {"held", board.held},
+                                   {"enabled", board.enabled},
+                                   {"datagrams_taken", board.accepted},
+                                   {"datagrams_refused", board.refused},
+                                   {"datagrams_damaged", board.damaged}};
+        row.update(to_json(identity));
+        found.push_back(std::move(row));
+    }
+    if (options.json) tell(found, true);
+    return 0;
+}
+
 int list(const DeviceOptions& options) {
+    if (options.net) return list_networks(options);
     if (!options.ports.ports.empty()) return list_chains(options);
     const bool as_json = options.json;
     const std::vector<link::PortInfo> ports = link::available_ports();
@@ -230,6 +260,17 @@ void add_device(CLI::App& app, Action& action) {
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     add_baud_option(*ports, options->ports.baud);
+    auto* net = ports
+                    ->add_flag("--net", options->net,
+                               "Ask all networks of this machine, and virtual boards on it, which boards there are")
+                    ->excludes(ports->get_option("--port"));
+    ports
+        ->add_option("--at", options->at,
+                     "Ask udp:ADDRESS[:PORT], too, where no question to all arrives; again for each")
+        ->needs(net)
+        ->expected(1)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     ports->add_flag("--json", options->json, "As JSON");
     ports->callback([options, &action] { action = [options] { return list(*options); }; });
 

@@ -37,7 +37,8 @@ std::vector<link::PortSettings> RigPorts::of(const RigBundle& bundle) const {
 
 CLI::Option* add_rig_port_options(CLI::App& sub, RigPorts& ports) {
     sub.add_option("--port", ports.ports,
-                   "Serial port of the board, or of 'haptogram board run', or ftdi:[VID:PID[:SERIAL]]; #N behind it is "
+                   "Serial port of the board, or of 'haptogram board run', ftdi:[VID:PID[:SERIAL]], or "
+                   "udp:ADDRESS[:PORT]; #N behind it is "
                    "tile N of a chain; with --rig one for each tile, in their order, or one that leads to a chain of "
                    "them, unless the rig's file names them")
         ->expected(1)

@@ -11,6 +11,7 @@
 //   HG_CHAIN          when it has two for the serial line of the next tile
 //   HG_ALIVE          when it has a pin that changes as long as there is a clock
 //   HG_ACTIVE_LOW     when a transducer's driver is on while its pin is low
+//   HG_NET            when a gigabit PHY is in the place of the serial line, with HG_NET_MAC, HG_NET_IP, HG_NET_RX_DELAY, HG_NET_TX_DELAY
 // The enable is taken away by clock_watch, which has a clock of its own, when this one stops.
 `default_nettype none
 module ecp5_board #(
@@ -19,7 +20,17 @@ module ecp5_board #(
     parameter SEQUENCE_FILE = ""
 ) (
     input  wire                i_clk,
+`ifdef HG_NET
+    input  wire                i_net_rx_clk,
+    input  wire                i_net_rx_ctl,
+    input  wire [3:0]          i_net_rx,
+    output wire                o_net_tx_clk,
+    output wire                o_net_tx_ctl,
+    output wire [3:0]          o_net_tx,
+`else
     input  wire                i_rx,
+    output wire                o_tx,
+`endif
 `ifdef HG_STOP
     input  wire                i_stop,
 `endif
@@ -29,7 +40,6 @@ module ecp5_board #(
 `ifdef HG_SYNC_OUT
     output wire                o_sync,
 `endif
-    output wire                o_tx,
 `ifdef HG_CHAIN
     input  wire                i_next,
     output wire                o_next,
@@ -63,7 +73,7 @@ module ecp5_board #(
 `else
     wire next_in = 1'b1;
 `endif
-    wire sync_out, next_out;
+    wire sync_out, next_out, rx, tx;
 `ifdef HG_CHAIN
     assign o_next = next_out;
 `endif
@@ -79,11 +89,34 @@ module ecp5_board #(
     initial rst = 1'b1;
     always @(posedge clk) rst <= starting;
 
+    wire       net_valid, net_break, net_stop, reply_valid, reply_ready;
+    wire [7:0] net_byte, reply_byte;
+    wire [4:0] identity_place;
+    wire [15:0] identity_word;
+`ifdef HG_NET
+    wire       net_clk, net_link, net_dv, net_er, net_en;
+    wire [7:0] net_data, net_sent;
+    ecp5_rgmii #(.RX_DELAY(`HG_NET_RX_DELAY), .TX_DELAY(`HG_NET_TX_DELAY)) phy (
+        .i_rx_clk(i_net_rx_clk), .i_rx_ctl(i_net_rx_ctl), .i_rx(i_net_rx), .o_tx_clk(o_net_tx_clk), .o_tx_ctl(o_net_tx_ctl), .o_tx(o_net_tx),
+        .clk(net_clk), .o_link(net_link), .o_dv(net_dv), .o_er(net_er), .o_data(net_data), .i_en(net_en), .i_data(net_sent));
+    udp_link #(.MAC(48'h`HG_NET_MAC), .IP(32'h`HG_NET_IP)) network (
+        .eth_clk(net_clk), .i_link(net_link), .i_dv(net_dv), .i_er(net_er), .i_data(net_data), .o_en(net_en), .o_data(net_sent),
+        .clk(clk), .rst(rst), .o_valid(net_valid), .o_byte(net_byte), .i_take(net_valid), .i_valid(reply_valid), .o_ready(reply_ready),
+        .i_byte(reply_byte), .o_break(net_break), .o_stop(net_stop), .i_enabled(enabled),
+        .o_identity_place(identity_place), .i_identity_word(identity_word));
+    assign rx = 1'b1;
+`else
+    assign {net_valid, net_byte, net_break, net_stop, reply_ready, identity_place} = 17'd0;
+    assign rx = i_rx;
+    assign o_tx = tx;
+`endif
     haptogram_core #(
         `include "parameter_connections.vh"
         .PRIMARY_FILE(PRIMARY_FILE), .SEQUENCE_FILE(SEQUENCE_FILE)
     ) core (
-        .clk(clk), .rst(rst), .i_rx(i_rx), .i_stop(stop), .i_sync(sync_in), .o_sync(sync_out), .o_tx(o_tx), .i_next(next_in), .o_next(next_out), .o_pins(pins), .o_enabled(enabled), .o_alive(alive),
+        .clk(clk), .rst(rst), .i_rx(rx), .i_stop(stop), .i_sync(sync_in), .o_sync(sync_out), .o_tx(tx), .i_next(next_in), .o_next(next_out),
+        .i_net_valid(net_valid), .i_net_byte(net_byte), .i_net_break(net_break), .i_net_stop(net_stop), .o_net_valid(reply_valid),
+        .i_net_ready(reply_ready), .o_net_byte(reply_byte), .i_identity_place(identity_place), .o_identity_word(identity_word), .o_pins(pins), .o_enabled(enabled), .o_alive(alive),
         .o_playing(playing), .o_fault(fault), .o_index(), .o_cycle_start(cycle_start));
     clock_watch watch (.i_alive(alive), .o_running(running));
 `ifdef HG_DRIVER_ENABLE

@@ -17,7 +17,7 @@ reg              f_begun_q, f_old_q, f_reset_seen_q;
 initial {f_reset_seen_q, f_state_q} = 3'b000;
 wire f_acts    = i_right && f_bytes_q == 8'd4;
 wire f_disable = f_acts && f_second_q == `HG_COMMAND_DISABLE;
-wire f_stop    = f_acts && f_second_q == `HG_COMMAND_STOP;
+wire f_stop    = i_stops || (f_acts && f_second_q == `HG_COMMAND_STOP);
 wire f_off     = i_off || f_disable;
 wire [BITS-1:0]   f_kept  = f_waiting_q - {{(BITS-1){1'b0}}, i_done};
 wire [BITS-1:0]   f_waiting_d = f_kept + {{(BITS-1){1'b0}}, i_good};
@@ -42,7 +42,7 @@ always @(posedge clk) begin
             F_NONE: if (f_first) {f_state_q, f_off_since_q, f_stop_since_q} <= {F_ARRIVES, f_off, 1'b0};
             F_ARRIVES: begin
                 f_off_since_q  <= f_off_since_q || f_off;
-                f_stop_since_q <= f_stop;
+                f_stop_since_q <= f_stop && i_end;
                 if (i_end) {f_state_q, f_ahead_q} <= {i_good ? F_WAITS : F_NONE, f_kept};
             end
             F_WAITS: begin
@@ -70,7 +70,7 @@ always @(posedge clk) begin
         if (!$past(rst)) assert (o_disable == (f_stale_q != {FRAMES{1'b0}} || $past(f_off)));
         if (!$past(rst)) assert (o_stop == (f_unplayed_q != {FRAMES{1'b0}} || $past(f_stop)));
         if (!$past(rst) && !$past(o_stop) && o_stop) assert (o_stops);
-        if (!$past(rst) && $past(o_stop) && !o_stop) assert (o_stops);
+        if (!$past(rst) && $past(f_unplayed_q) != {FRAMES{1'b0}} && f_unplayed_q == {FRAMES{1'b0}}) assert (o_stops);
         if (!$past(rst)) assert (o_heard == $past(f_disable || f_stop));
         assert (f_waiting_q <= FRAMES[BITS-1:0] && waiting_q == f_waiting_q);
 `ifdef FORMAL_URGENT_COMMANDS

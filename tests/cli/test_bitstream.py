@@ -102,7 +102,9 @@ def board(request):
 
 @pytest.fixture
 def image(board, tmp_path):
-    run("compile", "--shape", "circle", "--points", "20", "--board", board, "-o", tmp_path / "image.hex")
+    shown = json.loads(support.succeed(["board", "pinout", board, "--json"]).stdout)
+    records = ["--records"] if shown["parameters"]["FOCI"] else []  # a bitstream holds no foci
+    run("compile", "--shape", "circle", "--points", "20", "--board", board, *records, "-o", tmp_path / "image.hex")
     return tmp_path / "image.hex"
 
 

@@ -122,8 +122,10 @@ def test_a_shipped_board_drives_its_array(board):
         assert output["x_mm"] == pytest.approx((column - (columns - 1) / 2) * pitch)
         assert output["y_mm"] == pytest.approx((row - (rows - 1) / 2) * pitch)
     pins = file["pins"]
-    balls = [o["ball"] for o in outputs] + [pins["clk"], pins["rx"], pins["tx"], *pins["high"]]
-    balls += [pins[key] for key in ("led", "stop", "driver_enable", "alive", "sync_in", "sync_out", "next_rx", "next_tx") if key in pins]
+    balls = [o["ball"] for o in outputs] + [pins["clk"], *pins["high"]]
+    balls += [pins[key] for key in ("rx", "tx", "led", "stop", "driver_enable", "alive", "sync_in", "sync_out", "next_rx", "next_tx") if key in pins]
+    network = file.get("network", {"rx": [], "tx": []})
+    balls += [network[key] for key in ("rx_clk", "rx_ctl", "tx_clk", "tx_ctl") if key in network] + network["rx"] + network["tx"]
     assert len(set(balls)) == len(balls)
     assert len({(o["connector"], o["pin"]) for o in outputs}) == len(outputs)
 
@@ -136,9 +138,10 @@ def test_the_pinout_says_what_the_file_says(board):
     assert shown["parameters"] == parameters(board)
     assert shown["board"] == board
     assert shown["fpga"] == {"speed": None, **file["fpga"]}
-    unsaid = {"led": None, "stop": None, "stop_level": 0, "driver_enable": None, "driver_enable_level": 1, "alive": None, "sync_in": None, "sync_out": None, "next_rx": None, "next_tx": None, "active": "high",
+    unsaid = {"rx": None, "tx": None, "led": None, "stop": None, "stop_level": 0, "driver_enable": None, "driver_enable_level": 1, "alive": None, "sync_in": None, "sync_out": None, "next_rx": None, "next_tx": None, "active": "high",
               "drive_ma": None, "slew": None}  # fmt: skip
     assert shown["pins"] == unsaid | file["pins"]
+    assert shown["network"] == file.get("network")
 
 
 @pytest.mark.parametrize("board", BOARDS)
@@ -155,7 +158,7 @@ def test_a_shipped_board_makes_its_carrier(board, tmp_path):
         assert record["pulse_length"] * record["prescaler"] < p["MAX_HIGH_CLOCKS"]
     succeed(["inspect", "image.hex"], cwd=tmp_path)
     manifest = read_json(tmp_path / "image.json")
-    unsaid = {"LIVE_DEPTH", "WATCHDOG_MS", "MAX_HIGH_CLOCKS", "MAX_DUTY_256", "SCHEDULE", "SYNC", "CHAIN"}
+    unsaid = {"LIVE_DEPTH", "WATCHDOG_MS", "MAX_HIGH_CLOCKS", "MAX_DUTY_256", "SCHEDULE", "SYNC", "CHAIN", "NET"}
     if p["WIDTH_BITS"] == 0:
         unsaid |= {"MIN_PULSE_CLOCKS", "WIDTH_BITS", "MODULATION_DEPTH", "SLEW", "FOCI"}
     assert manifest["board"] == {"name": board, **{key.lower(): p[key] for key in p if key not in unsaid}}
@@ -304,7 +307,7 @@ def test_files_that_are_not_there(folder):
 
 
 REQUIRED = ["description", "sources", "array", *(f"fpga.{k}" for k in ("family", "device", "package", "speed", "top")),
-            *(f"parameters.{k}" for k in parameters(LARGE) if k not in ("WIDTH_BITS", "MODULATION_DEPTH", "SLEW", "FOCI", "SCHEDULE", "SYNC", "CHAIN")), *(f"flash.{k}" for k in ("load", "write", "note")),
+            *(f"parameters.{k}" for k in parameters(LARGE) if k not in ("WIDTH_BITS", "MODULATION_DEPTH", "SLEW", "FOCI", "SCHEDULE", "SYNC", "CHAIN", "NET")), *(f"flash.{k}" for k in ("load", "write", "note")),
             *(f"pins.{k}" for k in ("clk", "rx", "tx", "high"))]  # fmt: skip
 
 
@@ -382,6 +385,57 @@ def test_a_bad_board_file(case, folder):
     line = line_of("PULSE_BITS") if case == "more pulse bits than timing bits" else line_of(there)
     refuse(folder, ["board", "pinout", "board.toml"], BAD_INPUT, rf"board\.toml:{line}\b", *needles)
     refuse(folder, ["compile", "--shape", "point", "--board", "board.toml", "-o", "image.hex"], BAD_INPUT, rf"board\.toml:{line}\b")
+
+
+NETWORK = """[network]
+mac = "02:48:47:00:00:01"
+ip = "169.254.71.1"
+rx_delay = 80
+tx_delay = 0
+rx_clk = "N1"
+rx_ctl = "N2"
+rx = ["N3", "N4", "N5", "N6"]
+tx_clk = "N7"
+tx_ctl = "N8"
+tx = ["N9", "N10", "N11", "N12"]
+"""
+OVER_NETWORK = GOOD.replace("[flash]", "NET = 1\n[flash]").replace('rx = "P2"\ntx = "P3"\n', "") + NETWORK
+BAD_NETWORK = {
+    "group": ("02:48", "03:48", [r"network\.mac", "address of one board"]),
+    "short MAC": ("02:48:47:00:00:01", "02:48:47:00:00", [r"network\.mac"]),
+    "one digit": ("02:48:47:00:00:01", "2:48:47:00:00:01", [r"network\.mac"]),
+    "number of an address": ("169.254.71.1", "169.254.71.256", [r"network\.ip", "IPv4"]),
+    "three numbers": ("169.254.71.1", "169.254.71", [r"network\.ip"]),
+    "delay": ("rx_delay = 80", "rx_delay = 128", [r"network\.rx_delay", "0 to 127"]),
+    "no delay": ("tx_delay = 0\n", "", [r"network\.tx_delay is missing"]),
+    "three balls": ('"N5", "N6"]', '"N5"]', [r"network\.rx", "four balls"]),
+    "unknown": ("rx_ctl", "rx_dv", [r"network\.rx_dv", "rx_ctl"]),
+    "used twice": ('"N12"', '"P1"', ["ball P1", r"pins\.clk", "network"]),
+    "serial line, too": ('clk = "P1"\n', 'clk = "P1"\nrx = "P2"\n', [r"pins\.rx", "no serial line"]),
+    "none": (NETWORK, "", ["network is missing"]),
+    "for none": ("NET = 1\n", 'MIN = 1\n', ["MIN"]),
+    "without NET": ("NET = 1\n", "", [r"pins\.rx is missing"]),
+}
+
+
+def test_a_board_over_ethernet_has_no_serial_line(folder):
+    (folder / "board.toml").write_text(OVER_NETWORK)
+    shown = pinout("board.toml", cwd=folder)
+    assert shown["network"]["tx"] == ["N9", "N10", "N11", "N12"] and shown["pins"]["rx"] is None
+    assert "169.254.71.1, MAC 02:48:47:00:00:01" in text(succeed(["board", "pinout", "board.toml"], cwd=folder).stdout)
+
+
+@pytest.mark.parametrize("case", BAD_NETWORK)
+def test_a_bad_network(case, folder):
+    there, instead, needles = BAD_NETWORK[case]
+    assert there in OVER_NETWORK
+    (folder / "board.toml").write_text(OVER_NETWORK.replace(there, instead, 1))
+    refuse(folder, ["board", "pinout", "board.toml"], BAD_INPUT, r"board\.toml", *needles)
+
+
+def test_a_network_that_the_core_does_not_have(folder):
+    (folder / "board.toml").write_text(GOOD + NETWORK)
+    refuse(folder, ["board", "pinout", "board.toml"], BAD_INPUT, r"board\.toml", "found a network", r"parameters\.NET = 1")
 
 
 SHARED = {

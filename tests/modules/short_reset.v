@@ -15,7 +15,9 @@ module short_reset;
         .CHANNELS(CHANNELS), .RECORDS(40), .SEQUENCE_DEPTH(64), .LIVE_DEPTH(16), .TIMING_BITS(11), .WIDTH_BITS(WIDE ? 10 : 0),
         .MODULATION_DEPTH(WIDE ? 64 : 0), .SLEW(WIDE), .FOCI(WIDE ? 8 : 0), .SCHEDULE(MANY), .SYNC(MANY), .CHAIN(MANY)
     ) core (
-        .clk(clk), .rst(rst), .i_rx(1'b1), .i_stop(1'b0), .i_sync(1'b0), .o_sync(sync), .o_tx(tx), .i_next(1'b1), .o_next(next), .o_pins(pins),
+        .clk(clk), .rst(rst), .i_rx(1'b1), .i_stop(1'b0), .i_sync(1'b0), .o_sync(sync), .o_tx(tx), .i_next(1'b1), .o_next(next),
+        .i_net_valid(1'b0), .i_net_byte(8'd0), .i_net_break(1'b0), .i_net_stop(1'b0), .o_net_valid(), .i_net_ready(1'b0), .o_net_byte(), .i_identity_place(5'd0), .o_identity_word(),
+        .o_pins(pins),
         .o_enabled(enabled), .o_alive(alive), .o_playing(playing), .o_fault(fault), .o_index(index), .o_cycle_start(cycle_start));
     integer n;
     initial begin

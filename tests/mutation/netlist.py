@@ -47,16 +47,27 @@ def yosys(script, folder, name):
         raise Wrong(f"yosys failed, see {folder / name}.log\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
 
 
-def elaborate(modules, model, whole, folder):
-    """Leaves the core's netlist in all.il. Returns what yosys calls each module, and the module. `whole` says that all that is below
+def port_of(t, model):
+    """What mutation.toml says of a model that is not a configuration of the core; None of one that is."""
+    return next((port for port in t.get("port", []) if port["model"] == model), None)
+
+
+def sources_of(port):
+    """The Verilog of the core, or of such a port, which takes one module from beside it."""
+    return sorted((ROOT / "rtl").glob("*.v")) if port is None else [*sorted((ROOT / "rtl/net").glob("*.v")), ROOT / "rtl/synchronizer.v"]
+
+
+def elaborate(modules, model, whole, folder, port):
+    """Leaves the netlist of the core, or of a port, in all.il. Returns what yosys calls each module, and the module. `whole` says that all that is below
     the modules becomes a part of them."""
-    chparam = " ".join(f"-chparam {k} {v}" for k, v in configurations.configuration(model).items())
-    yosys([f"read_verilog -defer -I{ROOT}/rtl {' '.join(str(f) for f in sorted((ROOT / 'rtl').glob('*.v')))}",
-           f"hierarchy -check -top haptogram_core {chparam}",
+    chparam = " ".join(f"-chparam {k} {v}" for k, v in (port["parameters"] if port else configurations.configuration(model)).items())
+    small = "*serial_product* *record_header*" if port is None else "*_crossing* *synchronizer* *answer_header*"
+    yosys([f"read_verilog -defer -I{ROOT}/rtl -I{ROOT}/rtl/net {' '.join(map(str, sources_of(port)))}",
+           f"hierarchy -check -top {model if port else 'haptogram_core'} {chparam}",
            "prep",
            # What is below a module that is mutated becomes a part of it.
            *([f"flatten {' '.join(f'*{m}' for m in modules)}"] if whole else
-             ["setattr -mod -set keep_hierarchy 1 *", "setattr -mod -unset keep_hierarchy *serial_product* *record_header*", "flatten"]),
+             ["setattr -mod -set keep_hierarchy 1 *", f"setattr -mod -unset keep_hierarchy {small}", "flatten"]),
            # Registers with enable and reset as the source has them, and nothing that no mutant could change anything in.
            "opt_dff", "opt_expr -fine t:$lt t:$le t:$gt t:$ge t:$and t:$or", "opt_clean -purge", "wreduce", "opt_clean -purge",
            "write_json all.json",
@@ -186,7 +197,8 @@ def choose(places, number, seed):
 
 def stand_in(module, width):
     """The module with its own header, and the mutants' netlist within."""
-    header = found(rf"(\bmodule\s+{module}\b.*?\);)", ROOT / "rtl" / f"{module}.v")
+    source = next(f for folder in ("rtl", "rtl/net") if (f := ROOT / folder / f"{module}.v").exists())
+    header = found(rf"(\bmodule\s+{module}\b.*?\);)", source)
     return f"{header}\n    bit [{width - 1}:0] mutant = {width}'(mutation::haptogram_mutant());\n    {module}_mutants mutants (.*);\nendmodule\n"
 
 
@@ -201,7 +213,8 @@ def write_model(t, model, first, top):
     groups = [g for g in t["group"] if g["model"] == model]
     whole = [g["within"] for g in groups if "within" in g]
     modules = list(dict.fromkeys(m for g in groups for m in ([g["within"]] if "within" in g else g["modules"])))
-    named = elaborate(modules, model, bool(whole), folder)
+    port = port_of(t, model)
+    named = elaborate(modules, model, bool(whole), folder, port)
     script = ["read_rtlil all.il"]
     for module, (name, _) in named.items():
         script.append(f"rename {name} {module}")
@@ -227,9 +240,9 @@ def write_model(t, model, first, top):
     yosys(script, folder, "mutate")
 
     text = ["// SPDX-License-Identifier: Apache-2.0", "// Written by tests/mutation/netlist.py.", 
-            '`include "interface.vh"', 'package mutation; import "DPI-C" function int haptogram_mutant(); endpackage',
+            '`include "interface.vh"', *(['`include "answers.vh"'] if port else []), 'package mutation; import "DPI-C" function int haptogram_mutant(); endpackage',
             *[stand_in(m, width) for m in modules], (folder / "netlist.v").read_text(),
-            *[f'`include "{f.name}"' for f in sorted((ROOT / "rtl").glob("*.v")) if f.stem not in modules], ""]
+            *[f'`include "{f.name}"' for f in sources_of(port) if f.stem not in modules], ""]
     (top / f"mutants_{model}.v").write_text("\n".join(text))
     return mutants
 

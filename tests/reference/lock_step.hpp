@@ -735,6 +735,11 @@ private:
             boards_.both([](sim::Board& board) { board.unplug(); });
             return;
         }
+        if (p_.net != 0) {
+            // Rarely enough that something plays between them.
+            if (one_in(6)) boards_.both([](sim::Board& board) { board.network_break(); });
+            return;
+        }
         const bool level = one_in(4);
         boards_.both([level](sim::Board& board) { board.force_line(level); });
         forced_for_ = one_in(2) ? between(1, 60) : between(1, 30 * p_.clock_hz / p_.baud);
@@ -746,6 +751,9 @@ private:
             boards_.both([](sim::Board& board) { board.force_line({}); });
             if (!difference.empty()) return difference;
         }
+        // A network brings a byte a clock: frames come one at a time, with the pause that a datagram of their own would
+        // have.
+        if (p_.net != 0) return run(between(400, one_in(4) ? 20'000 : 4'000));
         const std::uint32_t byte_clocks = 10 * p_.clock_hz / p_.baud;
         switch (below(6)) {
             case 0: return {};  // the next frame follows at once

@@ -89,6 +89,38 @@ TEST_CASE("reference: no reply and no pulse differs from the small core's") {
     compare("small-16", size(100'000, 10'000), Catch::rngSeed());
 }
 
+TEST_CASE("reference: no reply and no pulse differs from the small core's behind a network port") {
+    compare("small-16-net", size(100'000, 3'000), Catch::rngSeed());
+}
+
+TEST_CASE("reference: a STOP and a break of the network act at the same clock") {
+    std::mt19937 random(Catch::rngSeed());
+    for (int round = 0; round < 300; ++round) {
+        sim::SimulatedBoard core("small-16-net");
+        sim::ReferenceBoard reference("small-16-net");
+        LockStep boards(core, reference, false);
+        std::vector<std::uint16_t> record(20, 0);
+        interface::record_field::cycle_length.set(record, 1250);
+        interface::record_field::prescaler.set(record, 1);
+        interface::record_field::kind.set(record, 1);
+        boards.both([&](sim::Board& board) { std::ranges::copy(record, board.primary_memory().begin()); });
+        const bool on = random() % 2 != 0, breaks = random() % 2 != 0, stops = random() % 2 != 0;
+        send(boards, 0, interface::Command::identify, {});
+        if (on) send(boards, 1, interface::Command::enable, {});
+        send(boards, on ? 2 : 1, interface::Command::select, {1, 0, 0, 0});
+        std::string difference = boards.run(3000 + random() % 4000);
+        boards.both([&](sim::Board& board) {
+            if (breaks) board.network_break();
+            if (stops) board.network_stop();
+        });
+        if (random() % 2 != 0) send(boards, on ? 3 : 2, interface::Command::stop, {});
+        if (difference.empty()) difference = boards.run(4000);
+        INFO(difference);
+        INFO(fmt::format("on {}, breaks {}, stops {}, round {}", on, breaks, stops, round));
+        REQUIRE(difference.empty());
+    }
+}
+
 TEST_CASE("reference: no reply and no pulse differs from the tile's") {
     compare("tile-100", size(100'000, 300), Catch::rngSeed());
 }

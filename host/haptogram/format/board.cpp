@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -102,8 +103,13 @@ Board::Pins read_pins(const Section& section, const Board::Fpga& fpga, const int
                   "sync_in", "sync_out", "next_rx", "next_tx", "active", "drive_ma", "slew", "high"});
     Board::Pins pins;
     pins.clk = ball(section, "clk");
-    pins.rx = ball(section, "rx");
-    pins.tx = ball(section, "tx");
+    pins.rx = section.text("rx", a_ball, is_word);
+    pins.tx = section.text("tx", a_ball, is_word);
+    for (const char* key : {"rx", "tx"}) {
+        if (parameters.net == 0 && section.find(key) == nullptr) throw section.missing(key, a_ball);
+        if (parameters.net != 0 && section.find(key) != nullptr)
+            throw section.wrong(*section.find(key), key, "no such key: with parameters.NET there is no serial line");
+    }
     pins.led = section.text("led", a_ball, is_word);
     pins.stop = section.text("stop", a_ball, is_word);
     pins.stop_level = section.whole("stop_level", 0, 1).value_or(0);
@@ -142,9 +148,52 @@ Board::Pins read_pins(const Section& section, const Board::Fpga& fpga, const int
     return pins;
 }
 
+/// Whether a text is `count` numbers with `mark` between them, of these digits and this base, none above 255.
+bool is_address(const std::string& text, std::size_t count, char mark, int base) {
+    std::size_t numbers = 0;
+    const char *at = text.data(), *const end = at + text.size();
+    while (at <= end) {
+        unsigned value = 256;
+        const auto [next, error] = std::from_chars(at, end, value, base);
+        if (error != std::errc() || value > 255 || (base == 16 && next != at + 2)) return false;
+        ++numbers;
+        if (next == end) return numbers == count;
+        if (*next != mark) return false;
+        at = next + 1;
+    }
+    return false;
+}
+
+Board::Network read_network(const Section& section) {
+    section.only({"mac", "ip", "rx_delay", "tx_delay", "rx_clk", "rx_ctl", "rx", "tx_clk", "tx_ctl", "tx"});
+    constexpr std::string_view a_mac = "an address of one board, such as \"02:48:47:00:00:01\"";
+    constexpr std::string_view an_ip = "an address of IPv4, such as \"169.254.71.1\"";
+    Board::Network network;
+    // The lowest bit of the first number is of groups.
+    const auto is_mac = [](const std::string& text) {
+        return is_address(text, 6, ':', 16) && std::string_view("02468aceACE").find(text[1]) != std::string_view::npos;
+    };
+    network.mac = section.required(section.text("mac", a_mac, is_mac), "mac", a_mac);
+    const auto is_ip = [](const std::string& text) { return is_address(text, 4, '.', 10); };
+    network.ip = section.required(section.text("ip", an_ip, is_ip), "ip", an_ip);
+    constexpr std::string_view a_delay = "a whole number from 0 to 127, in steps of 25 ps";
+    network.rx_delay = section.required(section.whole("rx_delay", 0, 127), "rx_delay", a_delay);
+    network.tx_delay = section.required(section.whole("tx_delay", 0, 127), "tx_delay", a_delay);
+    network.rx_clk = ball(section, "rx_clk");
+    network.rx_ctl = ball(section, "rx_ctl");
+    network.tx_clk = ball(section, "tx_clk");
+    network.tx_ctl = ball(section, "tx_ctl");
+    network.rx = list(section, "rx", is_word);
+    network.tx = list(section, "tx", is_word);
+    for (const auto* key : {"rx", "tx"})
+        if (section.texts(key, is_word)->size() != 4)
+            throw section.wrong(*section.find(key), key, "a list of four balls, that of bit 0 first");
+    return network;
+}
+
 /// Reads the outputs, and checks that no ball has two uses. The other pins may use the balls of spare outputs.
 std::vector<Board::Output> read_outputs(const Section& root, const std::string& file, std::uint32_t channels,
-                                        const Board::Pins& pins) {
+                                        const Board::Pins& pins, const std::optional<Board::Network>& network) {
     constexpr const char* expected = "a list of [connector, pin, net, ball]";
     constexpr const char* row_expected =
         "[connector, pin, net, ball], four texts in quotes without spaces, commas or quotes";
@@ -178,8 +227,14 @@ std::vector<Board::Output> read_outputs(const Section& root, const std::string& 
                                                        outputs.size(), channels));
     for (std::size_t k = channels; k < outputs.size(); ++k) used.erase(outputs[k].ball);
     use(file, pins.clk, "pins.clk");
-    use(file, pins.rx, "pins.rx");
-    use(file, pins.tx, "pins.tx");
+    if (pins.rx) use(file, *pins.rx, "pins.rx");
+    if (pins.tx) use(file, *pins.tx, "pins.tx");
+    if (network) {
+        for (const auto* one : {&network->rx_clk, &network->rx_ctl, &network->tx_clk, &network->tx_ctl})
+            use(file, *one, "in network");
+        for (const auto* several : {&network->rx, &network->tx})
+            for (const std::string& ball : *several) use(file, ball, "in network");
+    }
     if (pins.led) use(file, *pins.led, "pins.led");
     if (pins.stop) use(file, *pins.stop, "pins.stop");
     if (pins.driver_enable) use(file, *pins.driver_enable, "pins.driver_enable");
@@ -203,7 +258,7 @@ struct BoardFile {
 BoardFile read_file_of(const std::filesystem::path& path) {
     BoardFile file{path, section::parse(path)};
     Section(path.string(), file.tables)
-        .only({"description", "like", "sources", "array", "outputs", "fpga", "parameters", "flash", "pins"});
+        .only({"description", "like", "sources", "array", "outputs", "fpga", "parameters", "flash", "pins", "network"});
     return file;
 }
 
@@ -247,8 +302,12 @@ Board read_board(const std::filesystem::path& path) {
     board.parameters = read_core(table_of("parameters"));
     board.flash = read_flash(table_of("flash"));
     board.pins = read_pins(table_of("pins"), board.fpga, board.parameters);
-    board.outputs =
-        read_outputs(root("outputs"), holder("outputs").path.string(), board.parameters.channels, board.pins);
+    const bool has_network = holder("network").tables.get("network") != nullptr;
+    if (has_network && board.parameters.net == 0)
+        throw bad_input(root("network").at("network"), "found a network, expected none, or parameters.NET = 1");
+    if (board.parameters.net != 0) board.network = read_network(table_of("network"));
+    board.outputs = read_outputs(root("outputs"), holder("outputs").path.string(), board.parameters.channels,
+                                 board.pins, board.network);
     return board;
 }
 

@@ -24,7 +24,8 @@ struct Board {
         std::string note;                ///< what a person must connect first
     };
     struct Pins {
-        std::string clk, rx, tx;
+        std::string clk;
+        std::optional<std::string> rx, tx;  ///< the serial line, of boards without a network
         std::optional<std::string> led;
         std::optional<std::string> stop;           ///< input of a switch that disables the outputs
         std::uint32_t stop_level = 0;              ///< at which it does so
@@ -40,6 +41,13 @@ struct Board {
         std::optional<std::string> slew;           ///< "slow" or "fast"; only an ecp5 has a choice
         std::vector<std::string> high;             ///< held high, which the rest of the board needs in order to work
     };
+    /// A gigabit PHY (RGMII), and what the board is called on its network.
+    struct Network {
+        std::string mac, ip;                         ///< such as "02:48:47:00:00:01", "169.254.71.1"
+        std::uint32_t rx_delay = 0, tx_delay = 0;    ///< steps of 25 ps
+        std::string rx_clk, rx_ctl, tx_clk, tx_ctl;  ///< balls; rx is from the PHY
+        std::vector<std::string> rx, tx;             ///< four each, bit 0 first
+    };
     struct Output {
         std::string connector, pin, net, ball;
     };
@@ -53,7 +61,8 @@ struct Board {
     interface::CoreParameters parameters;
     Flash flash;
     Pins pins;
-    std::vector<Output> outputs;  ///< output k is channel k; those beyond CHANNELS are spare
+    std::optional<Network> network;  ///< in the place of the serial line
+    std::vector<Output> outputs;     ///< output k is channel k; those beyond CHANNELS are spare
 
     /// What the compiler must know of it.
     [[nodiscard]] Core core() const { return {name, parameters}; }

@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <vector>
+
 #include "haptogram/base/shipped.hpp"
 #include "haptogram/base/toml_section.hpp"
 #include "haptogram/format/board.hpp"
@@ -26,6 +29,15 @@ bool is_board(const std::string& name) {
            std::find(shipped.begin(), shipped.end(), name) != shipped.end();
 }
 
+/// Those that are no board's: a board's has its name.
+std::vector<std::string> boardless_configurations() {
+    const std::vector<std::string> boards = shipped_boards();
+    std::vector<std::string> names;
+    for (const auto& one : interface::core_configurations)
+        if (std::ranges::find(boards, one.name) == boards.end()) names.emplace_back(one.name);
+    return names;
+}
+
 }  // namespace
 
 Core find_configuration(const std::string& name) {
@@ -37,10 +49,10 @@ Core find_configuration(const std::string& name) {
 Core find_core(const std::string& name) {
     if (is_board(name)) return load_board(name).core();
     if (const auto* one = interface::find_configuration(name)) return {name, one->parameters};
-    throw bad_input(name,
-                    fmt::format("no shipped board has this name (shipped are {}), nor has a configuration of the core "
-                                "({}); give the path of a .toml file",
-                                fmt::join(shipped_boards(), ", "), configuration_names()));
+    throw bad_input(
+        name, fmt::format("no shipped board has this name (shipped are {}), nor has another configuration of the core "
+                          "({}); give the path of a .toml file",
+                          fmt::join(shipped_boards(), ", "), fmt::join(boardless_configurations(), ", ")));
 }
 
 Core core_of_array(const std::string& name) {
@@ -67,7 +79,8 @@ Core core_of_array(const std::string& name) {
                   "foci",
                   "schedule",
                   "sync",
-                  "chain"});
+                  "chain",
+                  "net"});
     Core core = find_configuration("tile-100");
     if (const auto configuration = section.text("configuration")) {
         try {

@@ -95,7 +95,7 @@ void Client::transmit() {
     std::size_t asking = 0;
     for (std::size_t i = 0; i < sent_; ++i) asking += asks(queue_[i]) ? 1 : 0;
     if (shutting_off()) return;
-    for (; sent_ < std::min<std::size_t>(queue_.size(), policy::window); ++sent_) {
+    for (; sent_ < std::min<std::size_t>(queue_.size(), transport_.window()); ++sent_) {
         if (!heeded_ && interrupts() > 0) return;
         if (queue_[sent_].reply) continue;
         const Request& request = queue_[sent_].request;
@@ -116,7 +116,7 @@ void Client::transmit() {
 /// would do: what follows a frame that was lost shows the loss, and time is left to send again.
 void Client::say_alive() {
     if (keep_alive_pause_.count() == 0 || transport_.now() - said_ < keep_alive_pause_ / 2) return;
-    if (queue_.size() >= policy::window || farthest_ < queue_.size()) return;  // the next to be sent is new, too
+    if (queue_.size() >= transport_.window() || farthest_ < queue_.size()) return;  // the next to be sent is new, too
     if (!queue_.empty() && acts_at_once(queue_.back().request.command)) return;
     // A slow board must not have to answer to this alone.
     if (std::ranges::count_if(queue_, [](const Pending& p) { return p.keeps_alive && !p.reply; }) >= most_alive) return;
@@ -151,7 +151,7 @@ void Client::take(const Reply& reply) {
     // An answer to a frame that has been sent again because none came shows that this was too early.
     if (applied(reply) && !of_this_round && round_is_late_) patience_ = std::min(2 * patience_, most_patience_);
     const auto place = static_cast<std::uint8_t>(reply.sequence - next_);
-    if (place >= std::min<std::size_t>(queue_.size(), policy::window) || queue_[place].reply ||
+    if (place >= std::min<std::size_t>(queue_.size(), transport_.window()) || queue_[place].reply ||
         reply.command != queue_[place].request.command)
         return;
     if (reply.status == interface::Status::out_of_order) {
@@ -251,16 +251,14 @@ void Client::begin_round(bool late) {
     waited_ = std::chrono::microseconds(0);
     sent_again_ = false;
     const Command command = queue_.front().request.command;
-    const unsigned most_tries = heeded_                        ? tries_when_interrupted
-                                : command == Command::identify ? policy::first_tries
-                                                               : policy::tries;
+    const unsigned most_tries = transport_.rounds() * (heeded_                        ? tries_when_interrupted
+                                                       : command == Command::identify ? policy::first_tries
+                                                                                      : policy::tries);
     if (++tries_ > most_tries) {
         given_up_ = heeded_;
-        lose(fmt::format(
-            "no answer to {} after {} tries{}; check the cable, the baud rate and that the board runs Haptogram; a "
-            "tile of a chain is named by a # and its number behind the port",
-            to_string(command), most_tries,
-            heard_ == 0 ? "" : fmt::format(", only {} bytes of something else", heard_)));
+        lose(fmt::format("no answer to {} after {} tries{}; {}", to_string(command), most_tries,
+                         heard_ == 0 ? "" : fmt::format(", only {} bytes of something else", heard_),
+                         transport_.why_silent()));
     }
     sent_ = 0;
     ++round_;
@@ -358,7 +356,7 @@ std::optional<bool> Client::is_off() const {
     if (off_->disabled && off_->stopped) return true;
     const unsigned wishes = interrupts();
     const unsigned most = wishes == 0 ? policy::first_tries : wishes == 1 ? rounds_when_interrupted : 0;
-    return off_->rounds < most ? std::nullopt : std::optional(false);
+    return off_->rounds < most * transport_.rounds() ? std::nullopt : std::optional(false);
 }
 
 /// Any answer to a disable says that it has acted, whatever else it says.
@@ -371,6 +369,7 @@ void Client::listen_for_off(std::chrono::microseconds at_most) {
         off_->stopped |=
             reply.command == Command::stop && reply.sequence == static_cast<std::uint8_t>(off_->number + 1);
     }
+    if (off_->broken && transport_.break_has_acted()) off_->disabled = off_->stopped = true;
     if (waited_ < patience || !shutting_off()) return;
     waited_ = std::chrono::microseconds(0);
     if (++off_->rounds >= rounds_before_break) send_break();

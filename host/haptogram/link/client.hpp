@@ -44,7 +44,10 @@ public:
     void submit(Request request, std::function<void(const Reply&)> done = {}) override;
     /// The same, but a refusal is told to `refused` instead of thrown, and what is queued behind is still carried out.
     void submit(Request request, std::function<void(const Reply&)> done, std::function<void(const Error&)> refused);
-    void flush() override { transmit(); }
+    void flush() override {
+        transmit();
+        transport_.flush();
+    }
     void wait(std::size_t most_unanswered = 0) override;
     /// One step of wait(): sends what the window allows, and takes what arrives within `at_most`.
     void exchange(std::chrono::microseconds at_most);
@@ -54,6 +57,8 @@ public:
     /// How many times longer than usual the device may take, as its answers have shown: 1 for a real one.
     [[nodiscard]] unsigned slowness() const { return static_cast<unsigned>(patience_ / least_patience_); }
     void drop() override;
+    /// How many frames may be under way.
+    [[nodiscard]] unsigned window() const { return transport_.window(); }
 
     [[nodiscard]] std::uint64_t retransmissions() const override { return retransmissions_; }
     void keep_alive_every(std::chrono::milliseconds pause) override { keep_alive_pause_ = pause; }

@@ -249,7 +249,7 @@ private:
         for (bool found = true; found && !urgent_;) {
             found = false;
             for (const auto& box : boxes_) {
-                if (client.unanswered() >= interface::link_policy::window) return;
+                if (client.unanswered() >= client.window()) return;
                 if (box->queued.empty()) continue;
                 found = true;
                 Item item = std::move(box->queued.front());

@@ -16,6 +16,7 @@
 #include "haptogram/link/frame.hpp"
 #include "haptogram/link/port_rates.hpp"
 #include "haptogram/link/serial_port.hpp"
+#include "haptogram/link/udp_port.hpp"
 #if HAPTOGRAM_FTDI
 #include "haptogram/link/ftdi_port.hpp"
 #endif
@@ -113,12 +114,14 @@ bool answers(Transport& line, interface::Command question, std::chrono::microsec
 }  // namespace
 
 std::unique_ptr<Transport> open_port(const std::string& name, std::uint32_t baud) {
+    if (names_udp(name)) return std::make_unique<UdpPort>(name);
     if (const auto chained = chained_port(name)) return open_chain(chained->port, baud)->tile(chained->tile);
     if (name.starts_with("ftdi:")) return open_ftdi(name, baud);
     return std::make_unique<SerialPort>(name, baud);
 }
 
 std::unique_ptr<Transport> open_port(const PortSettings& settings, interface::Command question, unsigned rounds) {
+    if (names_udp(settings.port)) return std::make_unique<UdpPort>(settings.port);  // it has no rate
     if (const auto rate = settings.baud ? settings.baud : rate_in_use(settings.port))
         return open_port(settings.port, *rate);
     std::vector<std::uint32_t> rates = rates_to_try(settings);

@@ -34,7 +34,7 @@ public:
 /// How often the user has asked to end: the second time means at once.
 using Interrupt = std::function<unsigned()>;
 
-/// A stream of bytes to a board and back: a serial port, or the simulated line of a Verilated board.
+/// A stream of bytes to a board and back: a serial port, datagrams, or the simulated line of a Verilated board.
 class Transport {
 public:
     Transport() = default;
@@ -44,6 +44,8 @@ public:
 
     /// @throws LinkLost when the port is gone, or takes no bytes
     virtual void write(std::span<const std::uint8_t> bytes) = 0;
+    /// What was written may wait for more until something is read; this sends it now.
+    virtual void flush() {}
     /// What has arrived. Waits at most `patience`, in the board's time, for the first byte; empty when nothing came.
     [[nodiscard]] virtual std::vector<std::uint8_t> read(std::chrono::microseconds patience) = 0;
     /// Takes back as much as possible of what was written and has not gone out yet, so that what is written next goes
@@ -52,6 +54,8 @@ public:
     /// Holds the line low for longer than any frame does, by which a board turns its outputs off and drops what it has
     /// half received. A line that knows no such thing does nothing.
     virtual void send_break() {}
+    /// Whether the board has said that the break has turned its outputs off, which a line cannot.
+    [[nodiscard]] virtual bool break_has_acted() { return false; }
     /// While this says so, a port that takes no bytes is not waited for.
     virtual void set_interrupt(const Interrupt&) {}
     /// The line's own time, which is not the machine's when the board is simulated.
@@ -61,6 +65,15 @@ public:
     /// How long an answer may take on this line before the request is sent again.
     [[nodiscard]] virtual std::chrono::microseconds patience() const {
         return std::chrono::milliseconds(interface::link_policy::patience_ms);
+    }
+    /// How many times as often as the policy says something is sent again before the link is lost.
+    [[nodiscard]] virtual unsigned rounds() const { return 1; }
+    /// How many frames may be under way, in the place of the policy's.
+    [[nodiscard]] virtual unsigned window() const { return interface::link_policy::window; }
+    /// What to look at when nothing answers.
+    [[nodiscard]] virtual std::string why_silent() {
+        return "check the cable, the baud rate and that the board runs Haptogram; a tile of a chain is named by a # "
+               "and its number behind the port";
     }
 };
 

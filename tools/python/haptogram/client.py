@@ -36,6 +36,7 @@ from .interface import (
 )
 from .port import Port, never
 from .session import Line, Session, keep_alive_pause, shut_off
+from .udp import UdpLine, names_udp
 
 GATE_AT_END = (1 << 48) - 1  # a period that means the end of what plays
 DIGEST_BYTES = 4
@@ -43,8 +44,10 @@ DIGEST_BYTES = 4
 
 def open_line(port: str, baud: int | None = None, stopped: Callable[[], bool] = never, question: Command = Command.IDENTIFY,
               found: Callable[[int], None] = lambda baud: None) -> Line:  # fmt: skip
-    """`port` is a serial port, with "#2" behind it the second tile of a chain there. Without `baud`, its rate is found as
+    """`port` is a serial port, with "#2" behind it the second tile of a chain there, or "udp:ADDRESS[:PORT]". Without `baud`, its rate is found as
     rates.find() says, and `found` is told it."""
+    if names_udp(port):
+        return UdpLine(port)
     if baud is None:
         return rates.find(port, lambda rate: open_line(port, rate, stopped), stopped, question, found)
     path, tile = split(port)

@@ -38,6 +38,12 @@ PROBE_ROUNDS = 4
 
 CHAIN_ALL = 2
 CHAIN_MOST_TILES = 126
+NETWORK_PORT = 4807
+NETWORK_OPEN_PORT = 4808
+NETWORK_DATAGRAM_BYTES = 1472
+NETWORK_SILENCE_MS = 1000
+NETWORK_PATIENCE_MS = 10
+NETWORK_WINDOW = 24
 
 IDENTITY_WORDS = ["name_0", "name_1", "name_2", "name_3", "name_4", "name_5", "name_6", "name_7", "version", "channels", "records", "sequence_depth", "live_depth", "bits", "clock_hz_low", "clock_hz_high", "features", "frame_bytes", "min_pulse_clocks", "max_pulse_clocks", "max_duty_256", "max_cycle_low", "max_cycle_high", "width_bits", "foci", "modulation_words"]
 STATUS_WORDS = ["flags", "present_index", "underruns", "refused_records", "frames_good", "frames_damaged", "frames_repeated", "watchdog_trips", "guard_trips", "live_level", "watchdog_ms", "frames_refused", "bent_periods", "far_foci", "sync", "sync_misses", "sync_losses", "late_changes", "period_low", "period_middle", "period_high"]
@@ -66,6 +72,7 @@ PARAMETER_RANGES = {
     "schedule": (0, 1, False, False),
     "sync": (0, 1, False, False),
     "chain": (0, 1, False, False),
+    "net": (0, 1, False, False),
 }
 
 STATUS_UNTIMED_WORDS = 17  # of boards without schedule
@@ -213,6 +220,7 @@ class Feature(enum.IntEnum):
     LIVE_FOCI = 9
     SYNC = 12
     CHAIN = 13
+    NET = 14
 
 
 class Mode(enum.IntEnum):

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Says when the network's link is lost, for which the PHY may as well stop its clock: o_lost strobes, once it has been there.
+//
+// In eth_clk's domain o_beat changes every 32 clocks while i_link is high. In clk's it has to change within 128 clocks: eth_clk must be at least a
+// quarter as fast as clk, or the link counts as lost.
+`default_nettype none
+module link_watch (
+    input  wire eth_clk,
+    input  wire i_link,
+    input  wire clk,
+    input  wire rst,
+    output reg  o_lost
+);
+    reg [5:0] count_q;
+    reg       beat_q, seen_q;
+    reg [7:0] quiet_q;
+    wire      beat;
+    initial {count_q, beat_q} = 7'd0;
+    always @(posedge eth_clk) begin
+        count_q <= i_link ? count_q + 6'd1 : 6'd0;
+        beat_q  <= count_q[5];
+    end
+    synchronizer #(.RESET_VALUE(1'b0)) crossing (.clk(clk), .rst(rst), .i_foreign(beat_q), .o_synchronous(beat));
+    always @(posedge clk) begin
+        seen_q  <= beat;
+        quiet_q <= rst ? 8'd128 : beat != seen_q ? 8'd0 : quiet_q[7] ? quiet_q : quiet_q + 8'd1;
+        o_lost  <= !rst && quiet_q == 8'd127 && beat == seen_q;
+    end
+endmodule
+`default_nettype wire

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Who the peer is: the first sender of a good datagram, until it has been silent for PEER_CLOCKS. And who asks: the sender of the frame
+// that is to be answered.
+//
+// Both addresses have 12 bytes: MAC, IP, port. Bytes of a frame's sender come by i_address while the frame does. With i_taken, o_may says
+// that the sender is the peer, or that there was none; then it is from the next clock on. o_read_byte is that of i_read_place in the same clock.
+`default_nettype none
+module peers #(
+    parameter PEER_CLOCKS = 125000000
+) (
+    input  wire       clk,
+    input  wire       rst,
+    input  wire       i_address,
+    input  wire [3:0] i_place,
+    input  wire [7:0] i_byte,
+    input  wire       i_come,        // a byte of a frame: from the first one on the peer is not forgotten, because the frame may be its own
+    input  wire       i_gone,        // the frame is over
+    input  wire       i_taken,
+    output wire       o_may,
+    output reg        o_held,        // there is a peer
+    input  wire       i_keeps_asker, // an answer to the asker waits: do not take another one
+    input  wire       i_keeps_peer,  // a frame to the peer is being sent: do not forget it now
+    input  wire       i_reads_asker,
+    input  wire [3:0] i_read_place,
+    output wire [7:0] o_read_byte
+);
+    localparam BITS = $clog2(PEER_CLOCKS + 1);
+    localparam [BITS-1:0] LIMIT = PEER_CLOCKS[BITS-1:0];
+    (* ram_style = "distributed" *) reg [7:0] peer  [0:15];
+    (* ram_style = "distributed" *) reg [7:0] asker [0:15];
+    reg [BITS-1:0] silence_q;
+    reg            same_q, within_q;
+    initial {o_held, same_q, within_q} = 3'b010;
+    assign o_may       = same_q || !o_held;
+    assign o_read_byte = i_reads_asker ? asker[i_read_place] : peer[i_read_place];
+
+    always @(posedge clk) begin
+        if (i_address && !o_held) peer[i_place] <= i_byte;
+        if (i_address && !i_keeps_asker) asker[i_place] <= i_byte;
+        if (i_gone || rst) same_q <= 1'b1;
+        else if (i_address && i_byte != peer[i_place]) same_q <= 1'b0;
+        within_q <= !rst && !i_gone && (within_q || i_come);
+        if (i_taken && o_may) silence_q <= {BITS{1'b0}};
+        else if (silence_q != LIMIT) silence_q <= silence_q + 1'b1;
+        if (rst) o_held <= 1'b0;
+        else if (i_taken) o_held <= 1'b1;  // if it was another one, there is one already
+        else if (silence_q == LIMIT && !i_keeps_peer && !within_q && !i_come) o_held <= 1'b0;
+    end
+endmodule
+`default_nettype wire

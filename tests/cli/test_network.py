@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Boards over UDP: virtual ones, their sessions, their open port, and what a network does to datagrams."""
+import contextlib
+import json
+import random
+import signal
+import socket
+import subprocess
+import sys
+import time
+
+import pytest
+from support import DEVICE, OK, PROGRAM, ROOT, USAGE, assert_one_message, run, succeed, text
+
+BOARD = "colorlight-5a-75e-v7.1-net"
+IDENTIFY, DISABLE, STOP = 1, 5, 9
+
+
+class NetBoard:
+    """A virtual board over UDP; its outcome is there once it has ended."""
+
+    def __init__(self, folder, *options, model="reference"):
+        command = [str(PROGRAM), "board", "run", "--json", "--model", model, "--board", BOARD, "--net", "--net-port", "0", *map(str, options)]
+        self.process = subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE)
+        self.port = json.loads(self.process.stdout.readline())["port"]
+        self.address = ("127.0.0.1", int(self.port.rpartition(":")[2]))
+        self.outcome = None
+
+    def end(self):
+        self.process.send_signal(signal.SIGINT)
+        rest, _ = self.process.communicate(timeout=30)
+        self.outcome = json.loads(rest)
+        assert self.process.returncode == OK
+
+    def asks(self, question, patience=1.0):
+        """What the open port answers, or None."""
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asker:
+            asker.connect((self.address[0], self.address[1] + 1))
+            asker.settimeout(patience)
+            asker.send(question)
+            with contextlib.suppress(TimeoutError):
+                return asker.recv(2048)
+
+    def flags(self):
+        return self.asks(b"HG\x01\0")[3]
+
+    @property
+    def held(self):
+        return bool(self.flags() & 1)
+
+    @property
+    def enabled(self):
+        return bool(self.flags() & 2)
+
+    def until(self, state, value, seconds):
+        end = time.monotonic() + seconds
+        while getattr(self, state) != value:
+            assert time.monotonic() < end, f"not {state} = {value} within {seconds} s"
+            time.sleep(0.01)
+
+
+@contextlib.contextmanager
+def net_board(folder, *options, **more):
+    board = NetBoard(folder, *options, **more)
+    try:
+        yield board
+        board.end()
+    finally:
+        board.process.kill()
+        board.process.wait()
+
+
+@pytest.fixture(scope="module")
+def image(tmp_path_factory):
+    path = tmp_path_factory.mktemp("net") / "dome.hex"
+    succeed(["compile", "--shape", "hemisphere", "--diameter", "80", "--center", "0,0,150", "--rate", "7", "--board", BOARD, "-o", path])
+    return path
+
+
+@contextlib.contextmanager
+def playing(board, image, *options):
+    """A program that plays for ever, and has outputs on."""
+    player = subprocess.Popen([str(PROGRAM), "play", "--port", board.port, "--loops", "0", *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    try:
+        board.until("enabled", True, 10)
+        yield player
+    finally:
+        player.kill()
+        player.wait()
+
+
+def test_an_image_goes_up_and_plays(tmp_path, image):
+    with net_board(tmp_path) as board:
+        assert json.loads(succeed(["device", "info", "--port", board.port, "--json"]).stdout)["channels"] == 100
+        succeed(["upload", image, "--port", board.port])
+        succeed(["play", "--port", board.port, "--loops", 2])
+        assert not board.enabled
+    assert board.outcome["frames_refused"] == 0
+    assert board.outcome["frames_repeated"] == 0
+
+
+def test_a_network_that_loses_doubles_and_delays_changes_nothing(tmp_path, image):
+    with net_board(tmp_path, "--loss", 0.05, "--duplicates", 0.05, "--jitter-ms", 2) as board:
+        succeed(["upload", image, "--port", board.port], timeout=60)
+        again = succeed(["upload", image, "--port", board.port], timeout=60)  # reads digests: all is there already
+        assert "0" in text(again.stderr + again.stdout)
+        succeed(["play", "--port", board.port, "--loops", 1], timeout=60)
+    assert board.outcome["frames_repeated"] > 0
+    assert not board.outcome["enabled"]
+
+
+def test_the_watchdog_sees_a_host_that_was_killed(tmp_path, image):
+    with net_board(tmp_path) as board:
+        succeed(["upload", image, "--port", board.port])
+        with playing(board, image) as player:
+            assert board.held
+            player.kill()
+            board.until("enabled", False, 1.0)  # 500 ms, and this machine's own delays
+            board.until("held", False, 2.0)
+            succeed(["device", "status", "--port", board.port])
+
+
+def test_one_peer_holds_it_and_anybody_turns_it_off(tmp_path, image):
+    with net_board(tmp_path) as board:
+        succeed(["upload", image, "--port", board.port])
+        with playing(board, image):
+            assert_one_message(run(["device", "info", "--port", board.port]), DEVICE, "another program holds it", "device disable")
+            assert_one_message(run(["device", "enable", "--port", board.port]), DEVICE, "another program holds it")
+            assert board.enabled
+            succeed(["device", "disable", "--port", board.port])
+            assert not board.enabled
+            about = board.asks(b"HG\x01\0")
+            assert int.from_bytes(about[58:60], "little") > 0  # refused
+
+
+@pytest.mark.parametrize("question, answered", [(b"HG\x01\0", True), (b"HG\x05\0", True), (b"HG\x09\0", True), (b"HG\x04\0", False), (b"HG\x01\1", False),
+                                                (b"HG\x01", False), (b"HG\x01\0\0", False), (b"hG\x01\0", False), (b"", False)])  # fmt: skip
+def test_the_open_port_takes_three_questions(tmp_path, question, answered):
+    with net_board(tmp_path) as board:
+        answer = board.asks(question, 1.0 if answered else 0.2)
+        assert (answer is not None) == answered
+        if answered:
+            assert answer[:3] == b"HG" + bytes([question[2] | 0x80]) and len(answer) == 62
+            assert answer[4:13] == b"Haptogram"
+
+
+def test_noise_of_the_peer_is_counted_and_nothing_more(tmp_path):
+    with net_board(tmp_path) as board, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as peer:
+        peer.connect(board.address)
+        noise = random.Random(3)
+        for _ in range(200):
+            peer.send(noise.randbytes(noise.randint(0, 1472)))
+        time.sleep(1.3)  # it is the peer for a second
+        status = json.loads(succeed(["device", "status", "--port", board.port, "--json"]).stdout)
+        assert status["frames_damaged"] > 100
+        assert status["outputs"] == "off"
+
+
+def test_it_is_found_by_a_question(tmp_path):
+    with net_board(tmp_path) as board:
+        found = json.loads(succeed(["device", "list", "--net", "--at", board.port, "--json"]).stdout)
+        mine = [row for row in found if row["port"] == board.port]
+        assert len(mine) == 1 and mine[0]["channels"] == 100 and not mine[0]["held"] and not mine[0]["enabled"]
+        assert f"{board.port} 100 channels" in text(succeed(["device", "list", "--net", "--at", board.port]).stdout)
+
+
+def test_the_verilated_board_is_reached_the_same_way(tmp_path):
+    with net_board(tmp_path, "--speed", "max", model="rtl") as board:
+        assert json.loads(succeed(["device", "info", "--port", board.port, "--json"]).stdout)["channels"] == 100
+        succeed(["device", "enable", "--port", board.port])
+        board.until("enabled", True, 5)
+        succeed(["device", "disable", "--port", board.port])
+        assert not board.enabled
+
+
+def test_the_python_client_speaks_to_it(tmp_path):
+    script = """
+import sys
+from haptogram.client import Client
+with Client.open(sys.argv[1]) as board:
+    assert board.identity.channels == 100
+    board.enable()
+    assert board.status().enabled
+    board.shut_off()
+    assert not board.status().enabled
+"""
+    with net_board(tmp_path) as board:
+        done = subprocess.run([sys.executable, "-c", script, board.port], env={"PYTHONPATH": str(ROOT / "tools/python")}, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("name", ["udp:", "udp::4807", "udp:127.0.0.1:0", "udp:127.0.0.1:65535", "udp:127.0.0.1:99999", "udp:127.0.0.1:4x", "udp:127.0.0.1#2"])
+def test_a_name_that_is_none_is_told(name):
+    assert_one_message(run(["device", "info", "--port", name]), USAGE, "udp:ADDRESS")
+
+
+def test_nobody_there_is_told_soon(tmp_path):
+    with net_board(tmp_path) as board:
+        pass
+    begun = time.monotonic()
+    assert_one_message(run(["device", "info", "--port", board.port]), DEVICE, "no answer to identify", "device list --net")
+    assert time.monotonic() - begun < 6
+
+
+@pytest.mark.parametrize("options, needles", [(["--board", "tile-100", "--net"], ["serial line", "--net"]), (["--board", BOARD], ["over Ethernet", "--net"]),
+                                              (["--board", BOARD, "--net", "--pty", "p"], ["--pty"]), (["--loss", "0.1"], ["--net"]),
+                                              (["--board", BOARD, "--net", "--net-address", "nowhere"], ["nowhere", "IPv4"])])  # fmt: skip
+def test_options_that_contradict_each_other(tmp_path, options, needles):
+    assert_one_message(run(["board", "run", "--model", "reference", *options], cwd=tmp_path), USAGE, *needles)
+
+
+def test_a_port_in_use_is_told(tmp_path):
+    with net_board(tmp_path) as board:
+        said = run(["board", "run", "--model", "reference", "--board", BOARD, "--net", "--net-port", board.address[1]], cwd=tmp_path)
+        assert_one_message(said, DEVICE, "cannot be had", "--net-port")

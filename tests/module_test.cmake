@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: Apache-2.0
+# haptogram_module_test(NAME MODULE CASES FILE [SOURCES FILE …] [PARAMETERS P=V …] [LIBRARIES …])
+# The executable test_module_NAME: the cases in FILE on rtl/MODULE.v, or on the module of that name in SOURCES, Verilated as the class
+# VMODULE with these parameters, which the cases know as PARAMETER_P. Each case is a test of ctest, module_NAME/CASE, with the label "modules". What the module's proof asserts is
+# checked in every clock. MUTANTS PROGRAM: the sources have mutants (tests/mutation), so it becomes that program and no test.
+function(haptogram_module_test name module)
+  cmake_parse_arguments(PARSE_ARGV 2 ARG "" "CASES;MUTANTS" "SOURCES;PARAMETERS;LIBRARIES")
+  if(NOT ARG_SOURCES)
+    set(ARG_SOURCES ${PROJECT_SOURCE_DIR}/rtl/${module}.v)
+  endif()
+  list(TRANSFORM ARG_PARAMETERS PREPEND -G OUTPUT_VARIABLE generics)
+  list(TRANSFORM ARG_PARAMETERS PREPEND PARAMETER_)
+  set(checks -Wall --assert -DFORMAL)
+  if(ARG_MUTANTS)
+    set(checks -Wno-lint)
+  endif()
+  # The Verilated code is not held to our warnings: it is a library of its own, and a system's for those who include it.
+  add_library(module_${name} STATIC)
+  set_target_properties(module_${name} PROPERTIES SYSTEM ON)
+  if(HAPTOGRAM_SANITIZE)
+    target_compile_options(module_${name} PRIVATE -fno-sanitize=all -O1 -g0)
+  endif()
+  verilate(module_${name} SOURCES ${ARG_SOURCES} TOP_MODULE ${module} PREFIX V${module}
+    INCLUDE_DIRS ${PROJECT_SOURCE_DIR}/rtl ${PROJECT_SOURCE_DIR}/rtl/net DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/${name} OPT_FAST -O2 OPT_SLOW -O1
+    VERILATOR_ARGS ${checks} -O3 --x-assign fast --x-initial unique ${generics})
+  set(sources ${CMAKE_CURRENT_SOURCE_DIR}/${ARG_CASES})
+  add_executable(test_module_${name} ${sources})
+  target_link_libraries(test_module_${name} PRIVATE haptogram_test_main module_${name} ${ARG_LIBRARIES})
+  target_compile_definitions(test_module_${name} PRIVATE ${ARG_PARAMETERS})
+  # Not all of haptogram_warnings: the types of the module's ports follow from its parameters.
+  target_compile_options(test_module_${name} PRIVATE -O2 -Wall -Wextra)
+  if(ARG_MUTANTS)
+    target_sources(test_module_${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests/mutation/select.cpp)
+    set_target_properties(test_module_${name} PROPERTIES OUTPUT_NAME ${ARG_MUTANTS})
+  else()
+    haptogram_discover(module_${name} modules "${sources}" 300)
+  endif()
+endfunction()

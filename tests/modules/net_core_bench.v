@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The instrument behind its Ethernet port, from GMII to the pins, as a board's top wires it.
+`default_nettype none
+module net_core_bench #(
+    `include "parameters.vh"
+    parameter PEER_CLOCKS = 125000000
+) (
+    input  wire                eth_clk,
+    input  wire                i_link,
+    input  wire                i_dv,
+    input  wire [7:0]          i_data,
+    output wire                o_en,
+    output wire [7:0]          o_data,
+    input  wire                clk,
+    input  wire                rst,
+    output wire [CHANNELS-1:0] o_pins,
+    output wire                o_enabled,
+    output wire [15:0]         o_index,
+    output wire                o_cycle_start
+);
+    wire        valid, network_break, network_stop, reply_valid, reply_ready;
+    wire [7:0]  data, reply;
+    wire [4:0]  identity_place;
+    wire [15:0] identity_word;
+    wire        sync, tx, next, alive, playing, fault;
+    wire        unused = &{1'b0, sync, tx, next, alive, playing, fault};
+    udp_link #(.PEER_CLOCKS(PEER_CLOCKS)) network (
+        .eth_clk(eth_clk), .i_link(i_link), .i_dv(i_dv), .i_er(1'b0), .i_data(i_data), .o_en(o_en), .o_data(o_data),
+        .clk(clk), .rst(rst), .o_valid(valid), .o_byte(data), .i_take(valid), .i_valid(reply_valid), .o_ready(reply_ready), .i_byte(reply),
+        .o_break(network_break), .o_stop(network_stop), .i_enabled(o_enabled),
+        .o_identity_place(identity_place), .i_identity_word(identity_word));
+    haptogram_core #(
+        `include "parameter_connections.vh"
+        .PRIMARY_FILE(""), .SEQUENCE_FILE("")
+    ) core (
+        .clk(clk), .rst(rst), .i_rx(1'b1), .o_tx(tx), .i_stop(1'b0), .i_sync(1'b0), .o_sync(sync), .i_next(1'b1), .o_next(next),
+        .i_net_valid(valid), .i_net_byte(data), .i_net_break(network_break), .i_net_stop(network_stop),
+        .o_net_valid(reply_valid), .i_net_ready(reply_ready), .o_net_byte(reply),
+        .i_identity_place(identity_place), .o_identity_word(identity_word),
+        .o_pins(o_pins), .o_enabled(o_enabled), .o_alive(alive), .o_playing(playing), .o_fault(fault), .o_index(o_index),
+        .o_cycle_start(o_cycle_start));
+endmodule
+`default_nettype wire
