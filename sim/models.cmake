@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# The configurations of the core (tools/interface.toml) that are Verilated; HAPTOGRAM_MODELS names fewer, and the tests need all. An image runs on the first one with its clock and
-# channels, and enough of all else.
+# The configurations of the core (tools/interface.toml) that are Verilated; HAPTOGRAM_MODELS names fewer, and the tests need all. An image
+# runs on the first one with its clock and channels, and enough of all else.
 include(${CMAKE_CURRENT_LIST_DIR}/configurations.cmake)
 if(NOT DEFINED HAPTOGRAM_MODELS)  # not in the cache, which would keep an older list than this
   set(HAPTOGRAM_MODELS tile-100 small-16 small-16-sync hoshi-324 small-16-wide tile-100-wide tile-100-sync unit-36 amplitudes-256
