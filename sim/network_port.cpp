@@ -23,8 +23,8 @@ namespace {
 using interface::Command;
 
 constexpr std::chrono::milliseconds silence{interface::network::silence_ms};
-constexpr std::size_t reply_bytes = 1024;   // of a datagram of replies, at most
-constexpr std::size_t most_waiting = 4096;  // datagrams
+constexpr std::size_t reply_bytes = 1024;     // of a datagram of replies, at most
+constexpr std::size_t most_datagrams = 4096;  // datagrams
 
 bool same(const sockaddr_in& a, const sockaddr_in& b) {
     return a.sin_addr.s_addr == b.sin_addr.s_addr && a.sin_port == b.sin_port;
@@ -104,7 +104,7 @@ void NetworkPort::hear(int socket, const std::function<void(Datagram)>& take) {
 void NetworkPort::delay(std::deque<Datagram>& line, Datagram datagram) {
     std::uniform_real_distribution<double> part(0.0, 1.0);
     const int copies = (part(random_) < faults_.loss ? 0 : 1) + (part(random_) < faults_.duplicates ? 1 : 0);
-    for (int k = 0; k < copies && line.size() < most_waiting; ++k) {
+    for (int k = 0; k < copies && line.size() < most_datagrams; ++k) {
         const std::chrono::duration<double, std::milli> late(faults_.jitter_ms * part(random_));
         datagram.due = Clock::now() + std::chrono::duration_cast<Clock::duration>(late);
         const auto after = std::ranges::upper_bound(line, datagram.due, {}, &Datagram::due);
