@@ -65,7 +65,8 @@ void add_serve(CLI::App& app, Action& action) {
                                        "WebSocket, foci by OSC, on this machine alone. Prints the address and the "
                                        "token; Ctrl-C ends it, and the outputs are off");
     sub->add_option("--port", options->port.port,
-                    "Where the board is: a serial port, ftdi:…, or reference:NAME for a simulated one")
+                    "Serial port of the board, ftdi:[VID:PID[:SERIAL]], udp:ADDRESS[:PORT], or reference:NAME for a "
+                    "simulated one")
         ->required();
     add_baud_option(*sub, options->port.baud);
     sub->add_option("--listen", options->server.port, "Port of the WebSocket (default: one that is free)")
