@@ -17,6 +17,7 @@ set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME haptogram)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "python3-matplotlib, python3-serial")
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "command line, simulated board and studio for mid-air haptics
@@ -30,11 +31,13 @@ set(CPACK_COMPONENT_DEVEL_DESCRIPTION "C++ libraries of haptogram
  Static libraries, headers, CMake and pkg-config files.")
 
 set(DEBIAN ${PROJECT_BINARY_DIR}/debian)
+file(WRITE ${DEBIAN}/triggers "activate-noawait ldconfig\n")  # for libhaptogram.so
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_CONTROL_EXTRA ${DEBIAN}/triggers)
 file(WRITE ${DEBIAN}/copyright "Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/
 Upstream-Name: haptogram
 
 Files: *
-Copyright: The Haptogram authors
+Copyright: 2026 The Haptogram authors
 License: Apache-2.0
 
 Files: usr/share/haptogram/studio/*
