@@ -2,17 +2,13 @@
 #pragma once
 #include <functional>
 #include <memory>
-#include <string>
 
 #include "haptogram/link/port.hpp"
 
 namespace haptogram::sim {
 
-/// A reference board of a configuration in this process, which keeps real time, and its line.
-/// @throws Error{bad_argument} when there is no such configuration
-[[nodiscard]] std::unique_ptr<link::Transport> open_reference(const std::string& configuration);
-
-/// What opens a port, or "reference:NAME", again after a loss.
+/// What opens a port, again after a loss. "reference:NAME" is a reference board of that configuration in this process:
+/// it keeps real time, but stands still while nobody reads from its line, and then catches up.
 /// @throws Error{bad_argument} when there is no such configuration
 [[nodiscard]] std::function<std::unique_ptr<link::Transport>()> opener_of(const link::PortSettings& settings);
 

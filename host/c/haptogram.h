@@ -93,7 +93,7 @@ HAPTOGRAM_API haptogram_code haptogram_solve(const char* array, const haptogram_
 
 typedef struct haptogram_port {
     uint32_t size;
-    const char* port; /* /dev/ttyUSB0, ftdi:…, or reference:NAME, a simulated board of that configuration in this process; needed */
+    const char* port; /* /dev/ttyUSB0, ftdi:…, udp:ADDRESS, or reference:NAME, a simulated board of that configuration here; needed */
     uint32_t baud;    /* default: found */
     uint32_t patience_ms; /* for the first answer; default: 3000 */
 } haptogram_port;

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <sys/random.h>
 
-#include <array>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
-#include "haptogram/base/error.hpp"
+#include "haptogram/base/token.hpp"
 #include "haptogram/link/background_player.hpp"
 #include "interrupt.hpp"
 #include "port.hpp"
@@ -26,17 +24,10 @@ struct ServeOptions {
     bool no_token = false, json = false;
 };
 
-std::string random_token() {
-    std::array<std::uint8_t, 16> bytes{};
-    if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
-        throw Error(ErrorCode::failed, "token", "the system has no random numbers");
-    return fmt::format("{:02x}", fmt::join(bytes, ""));
-}
-
 int run(const ServeOptions& given) {
     catch_interrupts();
     serve::ServerOptions server = given.server;
-    if (!given.no_token && server.token.empty()) server.token = random_token();
+    if (!given.no_token && server.token.empty()) server.token = make_token();
 #ifdef HAPTOGRAM_HAS_SIMULATION
     const auto open = sim::opener_of(given.port);
 #else

@@ -21,6 +21,7 @@
 #include <thread>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/base/token.hpp"
 
 namespace haptogram::serve {
 namespace {
@@ -61,14 +62,6 @@ void limit_time(tcp::socket& socket, std::chrono::seconds most) {
     ::setsockopt(socket.native_handle(), SOL_SOCKET, SO_SNDTIMEO, &time, sizeof time);
 }
 
-/// In a time that does not tell how much of it is right.
-bool same(std::string_view found, std::string_view expected) {
-    unsigned char difference = found.size() != expected.size() ? 1 : 0;
-    for (std::size_t i = 0; i < std::min(found.size(), expected.size()); ++i)
-        difference = static_cast<unsigned char>(difference | (found[i] ^ expected[i]));
-    return difference == 0;
-}
-
 /// Why a handshake is refused: a name of another site that leads to us, a page of another site, or no token.
 std::optional<std::pair<http::status, std::string>> refusal(const http::request<http::string_body>& request,
                                                             const std::string& token, std::uint16_t port) {
@@ -80,7 +73,7 @@ std::optional<std::pair<http::status, std::string>> refusal(const http::request<
     if (request.count(http::field::origin) != 0)
         return {{http::status::forbidden, "pages in a browser are not served; haptogram studio is for them"}};
     if (!websocket::is_upgrade(request)) return {{http::status::upgrade_required, "this is a WebSocket"}};
-    if (!token.empty() && !same(field(http::field::authorization), "Bearer " + token))
+    if (!token.empty() && !is_token(field(http::field::authorization), "Bearer " + token))
         return {{http::status::unauthorized, "the header Authorization needs 'Bearer' and the service's token"}};
     return std::nullopt;
 }
@@ -171,8 +164,8 @@ private:
     std::thread thread_;
 };
 
-/// Takes what datagrams wait. What is wrong with one is counted, as nobody can be told.
-void take_datagrams(udp::socket& socket, Verbs& verbs) {
+/// Takes what datagrams wait. What is wrong with one is printed, a line a second at most: its sender cannot be told.
+void take_datagrams(udp::socket& socket, Verbs& verbs, Clock::time_point& told) {
     std::array<std::uint8_t, 65536> bytes{};
     for (boost::system::error_code error;;) {
         udp::endpoint from;
@@ -181,7 +174,9 @@ void take_datagrams(udp::socket& socket, Verbs& verbs) {
         try {
             for (const OscMessage& message : parse_osc({bytes.data(), count})) verbs.act(message);
         } catch (const std::exception& trouble) {
-            fmt::print(stderr, "haptogram: a datagram from {}: {}\n", from.port(), trouble.what());
+            if (Clock::now() - told < std::chrono::seconds(1)) continue;
+            fmt::print(stderr, "haptogram: a datagram from port {}: {}\n", from.port(), trouble.what());
+            told = Clock::now();
         }
     }
 }
@@ -216,9 +211,10 @@ void run(Verbs& verbs, const ServerOptions& options, const std::function<void(st
     std::list<Session> sessions;
     std::array<pollfd, 2> waits{
         {{door.native_handle(), POLLIN, 0}, {options.osc_port != 0 ? datagrams.native_handle() : -1, POLLIN, 0}}};
+    Clock::time_point told{};
     for (Verbs::Client next = Verbs::osc + 1; go_on();) {
         ::poll(waits.data(), waits.size(), look_ms);
-        if (options.osc_port != 0) take_datagrams(datagrams, verbs);
+        if (options.osc_port != 0) take_datagrams(datagrams, verbs, told);
         sessions.remove_if([](const Session& session) { return session.over(); });
         boost::system::error_code error;
         tcp::socket socket(context);

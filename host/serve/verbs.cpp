@@ -5,6 +5,8 @@
 
 #include <array>
 #include <cstring>
+#include <functional>
+#include <string_view>
 #include <utility>
 
 #include "haptogram/base/error.hpp"
@@ -171,49 +173,55 @@ Json Verbs::status() const {
             {"trouble", state.trouble}};
 }
 
+Json Verbs::compile(const Json& request) {
+    Compiled compiled = compiled_of(request);
+    board_.upload(compiled.bundle);
+    return {{"records", compiled.bundle.image.records.size()}, {"warnings", compiled.warnings}};
+}
+
+Json Verbs::identify() const {
+    const link::Identity identity = board_.state().identity;
+    return {{"channels", identity.channels}, {"records", identity.records}, {"foci", identity.foci}};
+}
+
 Json Verbs::act(const Json& request, Client client) {
-    const std::string verb = text_of(request, "do");
-    if (verb == "status") return status();
-    if (verb == "identify") {
-        const link::Identity identity = board_.state().identity;
-        return {{"channels", identity.channels}, {"records", identity.records}, {"foci", identity.foci}};
+    struct Verb {
+        std::string_view name;
+        bool drives;  ///< only the client whose turn it is may ask for it
+        std::function<Json()> act;
+    };
+    const auto quietly = [](auto act) {
+        return [act = std::move(act)] {
+            act();
+            return Json::object();
+        };
+    };
+    const Verb verbs[] = {
+        {"compile", true, [&] { return compile(request); }},
+        {"image", true, quietly([&] {
+             board_.upload({from_intel_hex(text_of(request, "hex"), "image"), {}, {}, "image"});
+         })},
+        {"play", true, quietly([&] { board_.play(how_of(request)); })},
+        {"live", true, quietly([&] { board_.play_live(how_of(request)); })},
+        {"focus", true, quietly([&] {
+             board_.set_focus({place_of(request), number_of(request, "amplitude", 1.0)});
+         })},
+        {"intensity", true, quietly([&] { board_.set_intensity(number_of(request, "factor", 1.0)); })},
+        {"stop", true, quietly([&] { board_.stop(); })},
+        {"shut_off", false, quietly([&] { board_.shut_off(); })},
+        {"status", false, [&] { return status(); }},
+        {"identify", false, [&] { return identify(); }},
+        {"leave", false, quietly([&] { leave(client); })},
+    };
+    const std::string wanted = text_of(request, "do");
+    std::vector<std::string_view> names;
+    for (const Verb& verb : verbs) {
+        names.push_back(verb.name);
+        if (verb.name != wanted) continue;
+        if (verb.drives) own(client);
+        return verb.act();
     }
-    if (verb == "shut_off") {
-        board_.shut_off();
-        return Json::object();
-    }
-    if (verb == "leave") {
-        leave(client);
-        return Json::object();
-    }
-    if (verb != "compile" && verb != "image" && verb != "play" && verb != "live" && verb != "focus" &&
-        verb != "intensity" && verb != "stop")
-        throw bad_argument("do", fmt::format("found '{}', expected compile, image, play, live, focus, intensity, stop, "
-                                             "shut_off, status, identify or leave",
-                                             verb));
-    own(client);
-    Json said = Json::object();
-    if (verb == "compile") {
-        Compiled compiled = compiled_of(request);
-        board_.upload(compiled.bundle);
-        said = {{"records", compiled.bundle.image.records.size()}, {"warnings", compiled.warnings}};
-    } else if (verb == "image") {
-        Bundle bundle;
-        bundle.name = "image";
-        bundle.image = from_intel_hex(text_of(request, "hex"), bundle.name);
-        board_.upload(bundle);
-    } else if (verb == "play") {
-        board_.play(how_of(request));
-    } else if (verb == "live") {
-        board_.play_live(how_of(request));
-    } else if (verb == "focus") {
-        board_.set_focus({place_of(request), number_of(request, "amplitude", 1.0)});
-    } else if (verb == "intensity") {
-        board_.set_intensity(number_of(request, "factor", 1.0));
-    } else {
-        board_.stop();
-    }
-    return said;
+    throw bad_argument("do", fmt::format("found '{}', expected one of {}", wanted, fmt::join(names, ", ")));
 }
 
 Json Verbs::answer(const std::string& request, Client client) {

@@ -25,7 +25,7 @@ public:
 
     explicit Verbs(link::BackgroundPlayer& board) : board_(board) {}
 
-    /// Answers {"do": VERB, …}; docs/service.md has them. What fails is an answer, too.
+    /// Answers {"do": VERB, …}; asyncapi.json has them. What fails is an answer, too.
     [[nodiscard]] nlohmann::ordered_json answer(const std::string& request, Client client);
     /// Four doubles: x, y, z in metres, and the amplitude. @throws Error
     void focus(std::span<const std::uint8_t> bytes, Client client);
@@ -38,6 +38,8 @@ private:
     using Json = nlohmann::ordered_json;
 
     Json act(const Json& request, Client client);
+    Json compile(const Json& request);
+    [[nodiscard]] Json identify() const;
     void own(Client client);
     void set_focus(Client client, const Focus& focus);
     [[nodiscard]] Json status() const;

@@ -2,25 +2,15 @@
 #include "guard.hpp"
 
 #include <fmt/format.h>
-#include <sys/random.h>
 
 #include <algorithm>
 #include <array>
 #include <charconv>
 
-#include "haptogram/base/error.hpp"
+#include "haptogram/base/token.hpp"
 
 namespace haptogram::studio {
 namespace {
-
-/// In a time that does not tell how much of it is right.
-bool same(std::string_view found, std::string_view expected) {
-    if (found.size() != expected.size()) return false;
-    unsigned char difference = 0;
-    for (std::size_t i = 0; i < found.size(); ++i)
-        difference = static_cast<unsigned char>(difference | (found[i] ^ expected[i]));
-    return difference == 0;
-}
 
 /// The members of a header field that is a list.
 std::vector<std::string_view> members(std::string_view list) {
@@ -39,7 +29,7 @@ std::vector<std::string_view> members(std::string_view list) {
 bool has_token(const RequestHead& head, const Access& access) {
     constexpr std::string_view bearer = "Bearer ";
     const std::string_view given = head.authorization;
-    return given.starts_with(bearer) && same(given.substr(bearer.size()), access.token);
+    return given.starts_with(bearer) && is_token(given.substr(bearer.size()), access.token);
 }
 
 bool offers_token(const RequestHead& head, const Access& access) {
@@ -47,7 +37,7 @@ bool offers_token(const RequestHead& head, const Access& access) {
     bool protocol = false, token = false;
     for (const std::string_view offered : members(head.protocols)) {
         protocol = protocol || offered == subprotocol;
-        token = token || (offered.starts_with(prefix) && same(offered.substr(prefix.size()), access.token));
+        token = token || (offered.starts_with(prefix) && is_token(offered.substr(prefix.size()), access.token));
     }
     return protocol && token;
 }
@@ -56,15 +46,6 @@ const char* const no_token =
     "the token is missing or is not that of this server; open the address that 'haptogram studio' printed";
 
 }  // namespace
-
-std::string make_token() {
-    std::array<unsigned char, 16> bytes{};
-    if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
-        throw Error(ErrorCode::failed, "token", "the system gives no random numbers");
-    std::string token;
-    for (const unsigned char byte : bytes) token += fmt::format("{:02x}", byte);
-    return token;
-}
 
 Access access_for(std::uint16_t port, std::string token) {
     return {{fmt::format("127.0.0.1:{}", port), fmt::format("localhost:{}", port)}, std::move(token)};

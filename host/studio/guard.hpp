@@ -21,9 +21,6 @@ struct Access {
     std::string token;
 };
 
-/// 128 bits from the system's random source, as 32 hexadecimal digits. @throws Error{failed} when there is none
-[[nodiscard]] std::string make_token();
-
 /// For a server on the loopback interface at this port.
 [[nodiscard]] Access access_for(std::uint16_t port, std::string token);
 

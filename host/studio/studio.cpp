@@ -14,6 +14,7 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/process.hpp"
 #include "haptogram/base/shipped.hpp"
+#include "haptogram/base/token.hpp"
 #include "haptogram/format/board.hpp"
 #include "haptogram/hand/object.hpp"
 #include "haptogram/hand/touch.hpp"

@@ -2,16 +2,13 @@
 """The C# classes under mono, and the Unity package as far as a compiler without Unity can read it."""
 import os
 import re
-import shutil
 import subprocess
 import sys
 
-import pytest
 from conftest import LIBRARY, ROOT
 from test_c_interface import DOME
 
 UNITY = ROOT / "host/c/unity"
-pytestmark = pytest.mark.skipif(shutil.which("mcs") is None, reason="mono is not installed; tools/setup installs it")
 
 
 def test_the_generated_file_is_fresh():

@@ -152,12 +152,18 @@ def test_the_page_of_messages_is_what_is_taken(service):
     page = json.loads((ROOT / "host/serve/asyncapi.json").read_text(encoding="utf-8"))
     verbs = [name for name in page["components"]["messages"] if name not in ("done", "failure")]
     client = service.client()
-    taken = client.ask("?")["error"]["message"].split("expected ")[1].replace(" or ", ", ").split(", ")
+    taken = client.ask("?")["error"]["message"].split("expected one of ")[1].split(", ")
     assert taken == verbs
     for name in verbs:
         needs = page["components"]["messages"][name]["payload"]["required"][1:]
         assert ("error" if needs else "ok") in client.ask(name), name
         client.ask("leave")
+
+
+def test_a_port_that_is_taken_is_named(service):
+    taken = service.address.rsplit(":", 1)[1]
+    done = subprocess.run([PROGRAM, "serve", "--port", "reference:tile-100-wide", "--listen", taken], capture_output=True, text=True, timeout=20)
+    assert done.returncode == 2 and taken in done.stderr and "take another" in done.stderr
 
 
 def test_one_drives_and_everybody_may_stop_it(service):

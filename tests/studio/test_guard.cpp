@@ -4,8 +4,10 @@
 #include <set>
 
 #include "guard.hpp"
+#include "haptogram/base/token.hpp"
 
 using namespace haptogram::studio;
+using haptogram::make_token;
 
 namespace {
 

@@ -64,4 +64,10 @@ FocusRing make_ring(Commands& device) {
     return ring;
 }
 
+void add_record(std::vector<std::uint16_t>& words, FocusWords focus, std::size_t each) {
+    words.insert(words.end(), focus.begin(), focus.end());
+    focus[3] &= 0x003fU;
+    for (std::size_t i = 1; i < each; ++i) words.insert(words.end(), focus.begin(), focus.end());
+}
+
 }  // namespace haptogram::link

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
+#include "haptogram/format/focus_engine.hpp"
 #include "haptogram/link/commands.hpp"
 
 namespace haptogram::link {
@@ -20,5 +23,8 @@ struct FocusRing {
 /// @throws Error{device} when the device takes no foci while it plays, holds no image of foci, or has no room for a
 /// ring
 FocusRing make_ring(Commands& device);
+
+/// Appends a record of the ring that plays one focus: the others of it are the same one at amplitude 0.
+void add_record(std::vector<std::uint16_t>& words, FocusWords focus, std::size_t each);
 
 }  // namespace haptogram::link

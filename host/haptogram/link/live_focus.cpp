@@ -21,15 +21,6 @@ constexpr std::chrono::milliseconds between_statuses{20};  // which tell whether
 constexpr double growth = 1.5;                             // of the lead, each time that it has
 constexpr double most_step_periods = 1024;                 // 26 ms
 
-/// Records of several foci are filled up with the same one at amplitude 0.
-std::vector<std::uint16_t> record_of(std::uint64_t packed, std::size_t each) {
-    auto focus = std::bit_cast<FocusWords>(packed);
-    std::vector<std::uint16_t> words(focus.begin(), focus.end());
-    focus[3] &= 0x003fU;
-    for (std::size_t i = 1; i < each; ++i) words.insert(words.end(), focus.begin(), focus.end());
-    return words;
-}
-
 /// How far ahead of the board the host keeps, and in which steps: as much as host and line need, found by trying.
 class Pace {
 public:
@@ -88,8 +79,8 @@ Played play_live_focus(Commands& device, const LiveFocusSettings& settings, cons
             const std::size_t count = std::min(fifo.room(), wanted - std::min(wanted, level));
             if (count > 0) {
                 std::vector<std::uint16_t> words;
-                const std::vector<std::uint16_t> record = record_of(mailbox.newest(), each);
-                for (std::size_t i = 0; i < count; ++i) words.insert(words.end(), record.begin(), record.end());
+                const auto focus = std::bit_cast<FocusWords>(mailbox.newest());
+                for (std::size_t i = 0; i < count; ++i) add_record(words, focus, each);
                 fifo.push_foci(words, pace.dwell());
                 now.sent += count;
             } else if (device.unanswered() == 0) {

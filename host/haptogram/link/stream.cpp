@@ -117,13 +117,7 @@ Played stream(Commands& device, const StreamSettings& settings, FocusSource& sou
     const std::size_t each = make_ring(device).each;
     const auto push = [each](LiveFeed& fifo, const std::vector<FocusEntry>& entries) {
         std::vector<std::uint16_t> words;
-        for (const FocusEntry& entry : entries) {
-            // Records of several foci are filled up with the same one at amplitude 0.
-            FocusWords silent = entry.focus;
-            silent[3] &= 0x003fU;
-            words.insert(words.end(), entry.focus.begin(), entry.focus.end());
-            for (std::size_t i = 1; i < each; ++i) words.insert(words.end(), silent.begin(), silent.end());
-        }
+        for (const FocusEntry& entry : entries) add_record(words, entry.focus, each);
         fifo.push_foci(words, entries[0].dwell);
     };
     return feed(device, settings, source, each, push, watch);
