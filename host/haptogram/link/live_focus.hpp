@@ -22,7 +22,7 @@ private:
 struct LiveFocusSettings {
     std::uint16_t watchdog_ms = 500;  ///< outputs go off when this host is silent for so long; 0: never
     double step_s = 0.2e-3;           ///< for so long a focus stays before a newer one can follow, at first
-    double lead_s = 2e-3;             ///< what the board has in hand at first
+    double lead_s = 0.6e-3;           ///< what the board has in hand at first
     double most_lead_s = 50e-3;       ///< while the board runs dry, the lead grows up to this, and then the step
 };
 
