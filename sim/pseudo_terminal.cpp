@@ -13,7 +13,7 @@
 #include <system_error>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/link/baud_rate.hpp"
+#include "haptogram/link/serial_line.hpp"
 
 namespace haptogram::sim {
 namespace {

@@ -2,7 +2,6 @@
 #include "haptogram/acoustics/region.hpp"
 
 #include <fmt/core.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <charconv>
@@ -11,6 +10,7 @@
 #include <map>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/base/system.hpp"
 
 namespace haptogram {
 namespace {
@@ -102,8 +102,7 @@ std::optional<Pose> oblique_pose(const Values& named) {
 }
 
 void require_room(double points) {
-    const double memory =
-        static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGE_SIZE));
+    const double memory = system::memory_bytes();
     if (!(points * bytes_a_point < 0.8 * memory))
         throw bad_argument(
             "step",

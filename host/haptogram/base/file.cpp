@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptogram/base/file.hpp"
 
-#include <fcntl.h>
 #include <fmt/core.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <array>
 #include <cerrno>
@@ -15,21 +12,25 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/shipped.hpp"
+#include "haptogram/base/system.hpp"
 #include "haptogram/base/text.hpp"
 
 namespace haptogram {
 namespace {
 
+namespace fs = std::filesystem;
+constexpr int standard_input = 0, standard_output = 1, standard_error = 2;
+
 std::string reason() { return std::generic_category().message(errno); }
 
-/// Owns a POSIX descriptor; `std::ofstream` would lose the reason of a failure, and cannot sync.
+/// Owns a descriptor; `std::ofstream` would lose the reason of a failure, and cannot sync.
 class Descriptor {
 public:
     explicit Descriptor(int number) : number_(number) {}
     Descriptor(const Descriptor&) = delete;
     Descriptor& operator=(const Descriptor&) = delete;
     ~Descriptor() {
-        if (number_ > STDERR_FILENO) ::close(number_);
+        if (number_ > standard_error) system::close(number_);
     }
     [[nodiscard]] int get() const { return number_; }
 
@@ -40,7 +41,7 @@ private:
 /// False, with errno set, when not everything could be written.
 bool write_all(int descriptor, std::string_view content) {
     while (!content.empty()) {
-        const ssize_t count = ::write(descriptor, content.data(), content.size());
+        const std::ptrdiff_t count = system::write(descriptor, content.data(), content.size());
         if (count < 0) {
             if (errno == EINTR) continue;
             return false;
@@ -60,36 +61,36 @@ Error cannot_write(const std::filesystem::path& path) {
 
 std::string ending_of(const std::filesystem::path& path) { return lower_case(path.extension().string()); }
 
-StagedFile::StagedFile(std::filesystem::path path) : path_(std::move(path)) {
-    struct stat status = {};
-    const bool exists = ::stat(path_.c_str(), &status) == 0;
-    if (path_ == "-" || (exists && !S_ISREG(status.st_mode))) {
-        descriptor_ = path_ == "-" ? STDOUT_FILENO : ::open(path_.c_str(), O_WRONLY | O_CLOEXEC);
+StagedFile::StagedFile(fs::path path) : path_(std::move(path)) {
+    std::error_code ignored;
+    const fs::file_status status = fs::status(path_, ignored);
+    const bool exists = fs::exists(status);
+    if (path_ == "-" || (exists && !fs::is_regular_file(status))) {
+        descriptor_ = path_ == "-" ? system::standard(standard_output) : system::open_to_write(path_);
         if (descriptor_ < 0) throw cannot_write(path_);
         return;
     }
-    target_ = exists ? std::filesystem::canonical(path_) : path_;  // keep a symbolic link
-    std::string beside = target_.string() + ".XXXXXX";
-    descriptor_ = ::mkstemp(beside.data());
-    if (descriptor_ < 0) throw cannot_write(path_);
+    target_ = exists ? fs::canonical(path_) : path_;  // keep a symbolic link
+    const auto [descriptor, beside] = system::create_beside(target_);
+    if (descriptor < 0) throw cannot_write(path_);
+    descriptor_ = descriptor;
     beside_ = beside;
-    const mode_t mask = ::umask(0);
-    ::umask(mask);
-    if (::fchmod(descriptor_, exists ? status.st_mode & 07777 : 0666 & ~mask) != 0) fail();
 }
 
 StagedFile::~StagedFile() {
-    if (descriptor_ > STDERR_FILENO) ::close(descriptor_);
-    if (!beside_.empty()) ::unlink(beside_.c_str());
+    if (descriptor_ > standard_error) system::close(descriptor_);
+    std::error_code ignored;
+    if (!beside_.empty()) fs::remove(beside_, ignored);
 }
 
 void StagedFile::fill(std::string_view content) {
-    if (!write_all(descriptor_, content) || (!beside_.empty() && ::fsync(descriptor_) != 0)) fail();
+    if (!write_all(descriptor_, content) || (!beside_.empty() && !system::sync(descriptor_))) fail();
 }
 
 void StagedFile::commit() {
     if (beside_.empty()) return;
-    if (::rename(beside_.c_str(), target_.c_str()) != 0) fail();
+    system::close(std::exchange(descriptor_, -1));  // Windows renames no file that is open
+    if (!system::rename(beside_, target_)) fail();
     beside_.clear();
 }
 
@@ -97,16 +98,14 @@ void StagedFile::fail() const { throw cannot_write(path_); }
 
 std::string read_file(const std::filesystem::path& path) {
     if (const auto shipped = shipped_file(path.string())) return std::string(*shipped);
-    const bool standard = path == "-";
-    const Descriptor file(standard ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+    const Descriptor file(path == "-" ? system::standard(standard_input) : system::open_to_read(path));
     if (file.get() < 0) throw bad_input(path.string(), fmt::format("cannot be opened: {}; check the path", reason()));
     std::string content;
-    struct stat status = {};
-    if (::fstat(file.get(), &status) == 0 && S_ISREG(status.st_mode))
-        content.reserve(static_cast<std::size_t>(status.st_size));
+    std::error_code no_file;
+    if (const std::uintmax_t size = fs::file_size(path, no_file); !no_file) content.reserve(size);
     std::array<char, 1 << 16> buffer{};
     for (;;) {
-        const ssize_t count = ::read(file.get(), buffer.data(), buffer.size());
+        const std::ptrdiff_t count = system::read(file.get(), buffer.data(), buffer.size());
         if (count < 0 && errno == EINTR) continue;
         if (count < 0) throw bad_input(path.string(), fmt::format("cannot be read: {}", reason()));
         if (count == 0) return content;

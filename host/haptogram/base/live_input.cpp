@@ -1,44 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptogram/base/live_input.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <poll.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <system_error>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/base/system.hpp"
 
 namespace haptogram {
 
 LiveInput::LiveInput(const std::string& path)
     : name_(path == "-" ? "standard input" : path),
-      descriptor_(path == "-" ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
-    struct stat state {};
-    if (descriptor_ < 0 || ::fstat(descriptor_, &state) != 0)
+      descriptor_(path == "-" ? system::standard(0) : system::open_to_read(path)) {
+    if (descriptor_ < 0)
         throw bad_input(path,
                         fmt::format("cannot be opened: {}; check the path", std::generic_category().message(errno)));
-    is_file_ = S_ISREG(state.st_mode);
-    // Pictures are larger than the 64 KiB that a pipe usually holds. Where the system allows no more, it takes more
-    // calls.
-    if (S_ISFIFO(state.st_mode)) ::fcntl(descriptor_, F_SETPIPE_SZ, 1 << 20);
+    is_file_ = system::is_file(descriptor_);
+    system::widen_pipe(descriptor_);  // pictures are larger than the 64 KiB that a pipe usually holds
 }
 
 LiveInput::~LiveInput() {
-    if (descriptor_ != STDIN_FILENO) ::close(descriptor_);
+    if (descriptor_ != 0) system::close(descriptor_);
 }
 
 bool LiveInput::read(std::string& to, std::chrono::milliseconds patience) {
     if (ended_) return true;
-    pollfd wait{descriptor_, POLLIN, 0};
-    if (::poll(&wait, 1, static_cast<int>(patience.count())) <= 0) return false;
+    if (!system::wait_to_read(descriptor_, patience)) return false;
     constexpr std::size_t most = std::size_t{1} << 18U;
     const std::size_t before = to.size();
     to.resize(before + most);
-    const ssize_t count = ::read(descriptor_, to.data() + before, most);
+    const std::ptrdiff_t count = system::read(descriptor_, to.data() + before, most);
     const int error = errno;
     to.resize(before + (count > 0 ? static_cast<std::size_t>(count) : 0));
     if (count < 0 && error == EINTR) return false;

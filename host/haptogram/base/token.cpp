@@ -2,19 +2,14 @@
 #include "haptogram/base/token.hpp"
 
 #include <fmt/format.h>
-#include <sys/random.h>
 
-#include <array>
-
-#include "haptogram/base/error.hpp"
+#include <random>
 
 namespace haptogram {
 
 std::string make_token() {
-    std::array<unsigned char, 16> bytes{};
-    if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
-        throw Error(ErrorCode::failed, "token", "the system gives no random numbers");
-    return fmt::format("{:02x}", fmt::join(bytes, ""));
+    std::random_device random;  // of the processor or the system, no sequence
+    return fmt::format("{:08x}{:08x}{:08x}{:08x}", random(), random(), random(), random());
 }
 
 bool is_token(std::string_view found, std::string_view expected) {

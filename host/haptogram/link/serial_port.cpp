@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptogram/link/serial_port.hpp"
 
-#include <fcntl.h>
 #include <fmt/core.h>
-#include <poll.h>
-#include <sys/file.h>
-#include <sys/ioctl.h>
-#include <termios.h>
 
 #include <array>
 #include <boost/asio/io_context.hpp>
@@ -16,7 +11,7 @@
 #include <thread>
 
 #include "haptogram/base/error.hpp"
-#include "haptogram/link/baud_rate.hpp"
+#include "haptogram/link/serial_line.hpp"
 
 namespace haptogram::link {
 namespace asio = boost::asio;
@@ -49,11 +44,7 @@ SerialPort::SerialPort(const std::string& path, std::uint32_t baud) : port_(std:
     if (error)
         throw port_->error(
             fmt::format("cannot be opened: {}; 'haptogram device list' shows the ports", error.message()));
-    // A program that this one starts would have the port, and the lock, for as long as it runs.
-    ::fcntl(serial.native_handle(), F_SETFD, FD_CLOEXEC);
-    // The lock lasts until the port is closed or this process ends, in whatever way.
-    if (::flock(serial.native_handle(), LOCK_EX | LOCK_NB) != 0)
-        throw port_->error("another program is using it; end that one first");
+    if (!keep_to_us(serial.native_handle())) throw port_->error("another program is using it; end that one first");
     using Base = asio::serial_port_base;
     try {
         serial.set_option(Base::character_size(8));
@@ -63,7 +54,7 @@ SerialPort::SerialPort(const std::string& path, std::uint32_t baud) : port_(std:
     } catch (const boost::system::system_error& refused) {
         throw port_->error(fmt::format("it cannot be set to 8N1: {}; is it a serial port?", refused.code().message()));
     }
-    ::tcflush(serial.native_handle(), TCIOFLUSH);  // answers to the questions of an earlier user
+    forget(serial.native_handle(), true);  // answers to the questions of an earlier user
     const std::uint32_t rate = set_baud_rate(serial.native_handle(), baud);
     // An 8N1 line works while the rates of both ends differ by less than some 4 %.
     if (rate == 0 || rate < baud - baud / 50 || rate > baud + baud / 50)
@@ -85,22 +76,21 @@ void SerialPort::write(std::span<const std::uint8_t> bytes) {
         if (std::chrono::steady_clock::now() > deadline || (port_->interrupt && port_->interrupt() > 0))
             throw LinkLost(port_->path,
                            fmt::format("it takes no bytes, not within {} s; is a board behind it?", most_wait.count()));
-        pollfd wait{port_->serial.native_handle(), POLLOUT, 0};
-        ::poll(&wait, 1, 100);
+        wait_to_write(port_->serial.native_handle(), std::chrono::milliseconds(100));
     }
 }
 
 /// A pseudo-terminal has no line, so nothing comes of it there.
 void SerialPort::send_break() {
-    const int port = port_->serial.native_handle();
-    if (::ioctl(port, TIOCSBRK) != 0) return;
+    const SerialHandle port = port_->serial.native_handle();
+    if (!hold_break(port, true)) return;
     std::this_thread::sleep_for(break_time(port_->baud));
-    ::ioctl(port, TIOCCBRK);
+    hold_break(port, false);
 }
 
 void SerialPort::set_interrupt(const Interrupt& interrupt) { port_->interrupt = interrupt; }
 
-void SerialPort::discard_output() { ::tcflush(port_->serial.native_handle(), TCOFLUSH); }
+void SerialPort::discard_output() { forget(port_->serial.native_handle(), false); }
 
 std::vector<std::uint8_t> SerialPort::read(std::chrono::microseconds patience) {
     std::array<std::uint8_t, 4096> buffer{};

@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptogram/link/udp_port.hpp"
 
-#include <arpa/inet.h>
 #include <fmt/format.h>
-#include <ifaddrs.h>
-#include <net/if.h>
-#include <netdb.h>
-#include <netinet/in.h>
-#include <poll.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/udp.hpp>
 #include <charconv>
-#include <system_error>
+#include <thread>
 #include <utility>
+#ifndef _WIN32
+#include <ifaddrs.h>
+#include <net/if.h>
+#endif
 
 #include "haptogram/base/error.hpp"
 
 namespace haptogram::link {
+namespace asio = boost::asio;
+using asio::ip::udp;
+using boost::system::error_code;
 namespace {
 
 using interface::Command;
@@ -28,8 +28,6 @@ using interface::Command;
 constexpr std::string_view scheme = "udp:";
 constexpr std::array<std::uint8_t, 2> letters = {'H', 'G'};
 constexpr std::size_t identity_bytes = 2 * std::size_t{interface::identity_words};
-
-std::string reason() { return std::generic_category().message(errno); }
 
 Error wrong_name(const std::string& name) {
     return {ErrorCode::bad_argument, name,
@@ -55,57 +53,62 @@ Target target_of(const std::string& name) {
     return target;
 }
 
-sockaddr_in address_of(const std::string& name, const Target& target) {
-    addrinfo hints{};
-    hints.ai_family = AF_INET;
-    hints.ai_socktype = SOCK_DGRAM;
-    addrinfo* found = nullptr;
-    if (const int error = ::getaddrinfo(target.host.c_str(), nullptr, &hints, &found); error != 0)
-        throw Error(ErrorCode::device, name,
-                    fmt::format("there is no address {}: {}; 'haptogram device list --net' shows the boards",
-                                target.host, ::gai_strerror(error)));
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr = reinterpret_cast<const sockaddr_in*>(found->ai_addr)->sin_addr;
-    address.sin_port = htons(target.port);
-    ::freeaddrinfo(found);
-    return address;
-}
-
-int connected_socket(const std::string& name, sockaddr_in address, std::uint16_t port) {
-    address.sin_port = htons(port);
-    const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    if (socket < 0 || ::connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
-        const std::string why = reason();
-        if (socket >= 0) ::close(socket);
-        throw Error(ErrorCode::device, name, fmt::format("there is no way to it: {}", why));
-    }
-    return socket;
-}
-
-bool readable(int socket, std::chrono::microseconds patience) {
-    pollfd wait{socket, POLLIN, 0};
-    const timespec most{patience.count() / 1'000'000, patience.count() % 1'000'000 * 1'000};
-    return ::ppoll(&wait, 1, &most, nullptr) > 0;
-}
-
 using Datagram = std::array<std::uint8_t, 65536>;
 
+/// What a port that nobody listens at is told by its own machine; a board may start there yet.
+bool means_nobody(const error_code& error) {
+    return error == asio::error::connection_refused || error == asio::error::connection_reset;
+}
+
 /// Networks to which a question to all can go, and this machine.
-std::vector<in_addr> everybody() {
-    std::vector<in_addr> found(1);
-    found.front().s_addr = htonl(INADDR_LOOPBACK);
+std::vector<asio::ip::address_v4> everybody() {
+    std::vector<asio::ip::address_v4> found = {asio::ip::address_v4::loopback()};
+#ifdef _WIN32
+    found.push_back(asio::ip::address_v4::broadcast());
+#else
     ifaddrs* all = nullptr;
     if (::getifaddrs(&all) != 0) return found;
     for (const ifaddrs* one = all; one != nullptr; one = one->ifa_next)
         if (one->ifa_addr != nullptr && one->ifa_addr->sa_family == AF_INET && (one->ifa_flags & IFF_BROADCAST) != 0 &&
             (one->ifa_flags & IFF_UP) != 0 && one->ifa_broadaddr != nullptr)
-            found.push_back(reinterpret_cast<const sockaddr_in*>(one->ifa_broadaddr)->sin_addr);
+            found.emplace_back(ntohl(reinterpret_cast<const sockaddr_in*>(one->ifa_broadaddr)->sin_addr.s_addr));
     ::freeifaddrs(all);
+#endif
     return found;
 }
 
 }  // namespace
+
+/// A socket that waits only where it is asked to.
+struct UdpPort::Socket {
+    asio::io_context context;
+    udp::socket socket{context};
+    udp::endpoint from;
+
+    void open() {
+        socket.open(udp::v4());
+        socket.non_blocking(true);
+    }
+    /// The next datagram's bytes, into `to`; none when an error says why.
+    [[nodiscard]] std::size_t receive(Datagram& to, error_code& error) {
+        return socket.receive_from(asio::buffer(to), from, 0, error);
+    }
+    [[nodiscard]] bool wait(std::chrono::microseconds patience) {
+        if (socket.available() > 0) return true;
+        bool ready = false;
+        context.restart();
+        socket.async_wait(udp::socket::wait_read, [&ready](const error_code& error) { ready = !error; });
+        context.run_for(patience);
+        if (context.stopped()) return ready;
+        socket.cancel();
+        context.run();
+        return ready;
+    }
+};
+
+struct UdpPort::Sockets {
+    Socket frames, open;
+};
 
 bool names_udp(std::string_view name) { return name.starts_with(scheme); }
 
@@ -131,15 +134,24 @@ std::optional<AboutBoard> to_about(std::span<const std::uint8_t> answer, Command
                       word(counted + 4)};
 }
 
-UdpPort::UdpPort(const std::string& name) : name_(name) {
+UdpPort::UdpPort(const std::string& name) : name_(name), sockets_(std::make_unique<Sockets>()) {
     const Target target = target_of(name);
-    const sockaddr_in address = address_of(name, target);
-    socket_ = connected_socket(name, address, target.port);
+    error_code error;
+    const auto found = udp::resolver(sockets_->frames.context).resolve(udp::v4(), target.host, "", error);
+    if (error)
+        throw Error(ErrorCode::device, name,
+                    fmt::format("there is no address {}: {}; 'haptogram device list --net' shows the boards",
+                                target.host, error.message()));
     try {
-        open_socket_ = connected_socket(name, address, static_cast<std::uint16_t>(target.port + 1));
-    } catch (...) {
-        ::close(socket_);
-        throw;
+        udp::endpoint to = *found.begin();
+        to.port(target.port);
+        sockets_->frames.open();
+        sockets_->frames.socket.connect(to);
+        to.port(static_cast<std::uint16_t>(target.port + 1));
+        sockets_->open.open();
+        sockets_->open.socket.connect(to);
+    } catch (const boost::system::system_error& no) {
+        throw Error(ErrorCode::device, name, fmt::format("there is no way to it: {}", no.code().message()));
     }
 }
 
@@ -148,20 +160,20 @@ UdpPort::~UdpPort() {
         flush();
     } catch (const Error&) {  // nobody can be told any more
     }
-    ::close(open_socket_);
-    ::close(socket_);
 }
 
 /// A datagram that does not go out is lost like any other. Nobody listening, which only this machine tells, may be a
 /// board that starts yet: the session finds out.
-void UdpPort::send(int socket, std::span<const std::uint8_t> bytes) {
-    if (::send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL) >= 0) return;
-    if (errno != ECONNREFUSED && errno != EAGAIN && errno != ENOBUFS && errno != EINTR)
-        throw LinkLost(name_, fmt::format("nothing can be sent: {}; is the network's cable in?", reason()));
+void UdpPort::send(Socket& to, std::span<const std::uint8_t> bytes) {
+    error_code error;
+    to.socket.send(asio::buffer(bytes.data(), bytes.size()), 0, error);
+    if (error && !means_nobody(error) && error != asio::error::would_block && error != asio::error::no_buffer_space &&
+        error != asio::error::interrupted)
+        throw LinkLost(name_, fmt::format("nothing can be sent: {}; is the network's cable in?", error.message()));
 }
 
 void UdpPort::flush() {
-    if (!waiting_.empty()) send(socket_, std::exchange(waiting_, {}));
+    if (!waiting_.empty()) send(sockets_->frames, std::exchange(waiting_, {}));
 }
 
 void UdpPort::write(std::span<const std::uint8_t> bytes) {
@@ -171,16 +183,20 @@ void UdpPort::write(std::span<const std::uint8_t> bytes) {
 
 std::vector<std::uint8_t> UdpPort::read(std::chrono::microseconds patience) {
     flush();
-    if (!readable(socket_, patience)) return {};
+    if (!sockets_->frames.wait(patience)) return {};
     Datagram datagram;
     std::vector<std::uint8_t> all;
-    for (ssize_t count = 0; (count = ::recv(socket_, datagram.data(), datagram.size(), 0)) >= 0;)
-        all.insert(all.end(), datagram.begin(), datagram.begin() + count);
-    if (errno != EAGAIN && errno != ECONNREFUSED && errno != EINTR)
-        throw LinkLost(name_, fmt::format("nothing can be received: {}", reason()));
-    // Nobody listens on this machine: poll() says so at once, so the patience is waited for here.
-    if (all.empty() && errno == ECONNREFUSED)
-        ::usleep(static_cast<useconds_t>(std::min<long>(patience.count(), 20'000)));
+    error_code error;
+    for (;;) {
+        const std::size_t count = sockets_->frames.receive(datagram, error);
+        if (error) break;
+        all.insert(all.end(), datagram.begin(), datagram.begin() + static_cast<std::ptrdiff_t>(count));
+    }
+    if (error != asio::error::would_block && !means_nobody(error) && error != asio::error::interrupted)
+        throw LinkLost(name_, fmt::format("nothing can be received: {}", error.message()));
+    // Nobody listens on this machine, which is known at once, so the patience is waited for here.
+    if (all.empty() && means_nobody(error))
+        std::this_thread::sleep_for(std::min<std::chrono::microseconds>(patience, std::chrono::milliseconds(20)));
     return all;
 }
 
@@ -188,14 +204,14 @@ void UdpPort::send_break() {
     flush();
     off_asked_ = true;
     off_ = false;
-    send(open_socket_, open_question(Command::disable));
-    send(open_socket_, open_question(Command::stop));
+    send(sockets_->open, open_question(Command::disable));
+    send(sockets_->open, open_question(Command::stop));
 }
 
 bool UdpPort::break_has_acted() {
     if (!off_asked_ || off_) return off_;
     off_ = open_answer(Command::disable, std::chrono::microseconds(0)).has_value();
-    if (!off_) send(open_socket_, open_question(Command::disable));
+    if (!off_) send(sockets_->open, open_question(Command::disable));
     return off_;
 }
 
@@ -203,11 +219,12 @@ std::optional<AboutBoard> UdpPort::open_answer(Command command, std::chrono::mic
     const auto until = now() + patience;
     do {
         const auto left = std::chrono::duration_cast<std::chrono::microseconds>(until - now());
-        if (!readable(open_socket_, std::max(left, std::chrono::microseconds(0)))) return {};
+        if (!sockets_->open.wait(std::max(left, std::chrono::microseconds(0)))) return {};
         Datagram datagram;
-        const ssize_t count = ::recv(open_socket_, datagram.data(), datagram.size(), 0);
-        if (count < 0) return {};
-        if (auto about = to_about({datagram.data(), static_cast<std::size_t>(count)}, command)) {
+        error_code error;
+        const std::size_t count = sockets_->open.receive(datagram, error);
+        if (error) return {};
+        if (auto about = to_about({datagram.data(), count}, command)) {
             about->port = name_;
             return about;
         }
@@ -215,7 +232,7 @@ std::optional<AboutBoard> UdpPort::open_answer(Command command, std::chrono::mic
 }
 
 std::optional<AboutBoard> UdpPort::ask(std::chrono::microseconds patience) {
-    send(open_socket_, open_question(Command::identify));
+    send(sockets_->open, open_question(Command::identify));
     return open_answer(Command::identify, patience);
 }
 
@@ -229,37 +246,31 @@ std::string UdpPort::why_silent() {
 }
 
 std::vector<AboutBoard> boards_of_networks(std::chrono::milliseconds patience) {
-    const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    const int on = 1;
-    if (socket < 0 || ::setsockopt(socket, SOL_SOCKET, SO_BROADCAST, &on, sizeof on) != 0)
-        throw Error(ErrorCode::device, "udp", fmt::format("the system gives no socket: {}", reason()));
+    UdpPort::Socket socket;
+    try {
+        socket.open();
+        socket.socket.set_option(asio::socket_base::broadcast(true));
+    } catch (const boost::system::system_error& no) {
+        throw Error(ErrorCode::device, "udp", fmt::format("the system gives no socket: {}", no.code().message()));
+    }
     const std::vector<std::uint8_t> question = open_question(Command::identify);
-    for (const in_addr& to : everybody()) {
-        sockaddr_in address{};
-        address.sin_family = AF_INET;
-        address.sin_addr = to;
-        address.sin_port = htons(interface::network::open_port);
-        static_cast<void>(::sendto(socket, question.data(), question.size(), 0,
-                                   reinterpret_cast<const sockaddr*>(&address), sizeof address));
+    for (const asio::ip::address_v4& to : everybody()) {
+        error_code ignored;
+        socket.socket.send_to(asio::buffer(question), {to, interface::network::open_port}, 0, ignored);
     }
     std::vector<AboutBoard> boards;
     const auto until = std::chrono::steady_clock::now() + patience;
     for (auto now = until - patience; now < until; now = std::chrono::steady_clock::now()) {
-        if (!readable(socket, std::chrono::duration_cast<std::chrono::microseconds>(until - now))) break;
+        if (!socket.wait(std::chrono::duration_cast<std::chrono::microseconds>(until - now))) break;
         Datagram datagram;
-        sockaddr_in from{};
-        socklen_t size = sizeof from;
-        const ssize_t count =
-            ::recvfrom(socket, datagram.data(), datagram.size(), 0, reinterpret_cast<sockaddr*>(&from), &size);
-        if (count < 0) continue;
-        auto about = to_about({datagram.data(), static_cast<std::size_t>(count)}, Command::identify);
+        error_code error;
+        const std::size_t count = socket.receive(datagram, error);
+        if (error) continue;
+        auto about = to_about({datagram.data(), count}, Command::identify);
         if (!about) continue;
-        std::array<char, INET_ADDRSTRLEN> text{};
-        ::inet_ntop(AF_INET, &from.sin_addr, text.data(), text.size());
-        about->port = fmt::format("udp:{}", text.data());
+        about->port = fmt::format("udp:{}", socket.from.address().to_string());
         if (std::ranges::find(boards, about->port, &AboutBoard::port) == boards.end()) boards.push_back(*about);
     }
-    ::close(socket);
     std::ranges::sort(boards, {}, &AboutBoard::port);
     return boards;
 }

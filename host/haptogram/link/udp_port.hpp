@@ -2,6 +2,7 @@
 #pragma once
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -58,12 +59,16 @@ public:
     [[nodiscard]] std::optional<AboutBoard> ask(std::chrono::microseconds patience);
     [[nodiscard]] std::string why_silent() override;
 
+    struct Socket;
+
 private:
-    void send(int socket, std::span<const std::uint8_t> bytes);
+    struct Sockets;
+
+    void send(Socket& socket, std::span<const std::uint8_t> bytes);
     [[nodiscard]] std::optional<AboutBoard> open_answer(interface::Command command, std::chrono::microseconds patience);
 
     std::string name_;
-    int socket_ = -1, open_socket_ = -1;
+    std::unique_ptr<Sockets> sockets_;
     std::vector<std::uint8_t> waiting_;  // whole frames of the next datagram
     bool off_asked_ = false, off_ = false;
 };
