@@ -13,7 +13,13 @@
 #define HAPTOGRAM_H
 #include <stddef.h>
 #include <stdint.h>
+#if defined _WIN32 && defined HAPTOGRAM_INSIDE
+#define HAPTOGRAM_API __declspec(dllexport)
+#elif defined _WIN32
+#define HAPTOGRAM_API __declspec(dllimport)
+#else
 #define HAPTOGRAM_API __attribute__((visibility("default")))
+#endif
 #ifdef __cplusplus
 extern "C" {
 #endif

@@ -24,9 +24,7 @@
 #include "haptogram/solve/solver.hpp"
 #include "haptogram/verbs/compile.hpp"
 #include "haptogram/verbs/timeline.hpp"
-#ifdef HAPTOGRAM_HAS_SIMULATION
 #include "reference_port.hpp"
-#endif
 
 using haptogram::bad_argument;
 using haptogram::Error;
@@ -270,11 +268,7 @@ haptogram_code haptogram_open(const haptogram_port* port, haptogram_board** boar
         const std::chrono::milliseconds patience(given.patience_ms != 0 ? given.patience_ms : 3000);
         haptogram::link::PortSettings settings{.port = required_text(given.port, "port")};
         if (given.baud != 0) settings.baud = given.baud;
-#ifdef HAPTOGRAM_HAS_SIMULATION
         const auto open = haptogram::sim::opener_of(settings);
-#else
-        const auto open = [settings] { return haptogram::link::open_port(settings); };
-#endif
         *board = new haptogram_board{haptogram::link::BackgroundPlayer(open, patience)};
     });
 }
