@@ -48,6 +48,7 @@ class Stage:
         """What a command of the program draws, in the place of a comment that says it."""
         with tempfile.TemporaryDirectory() as folder:
             Path(folder, "haptogram").symlink_to(self.program)
+            Path(folder, "tools").symlink_to(ROOT / "tools")
             environment = {**os.environ, "PATH": f"{folder}:{os.environ['PATH']}", "HAPTOGRAM_PYTHON": sys.executable}
             if subprocess.run(["bash", "-ec", command], cwd=folder, check=False, env=environment, stdout=subprocess.DEVNULL).returncode:
                 sys.exit(f"docs: {page}: the command of the picture {name} failed: {command}")

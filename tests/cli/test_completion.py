@@ -8,7 +8,7 @@ import pytest
 
 from support import USAGE, refuse, succeed, text
 
-COMMANDS = ["compile", "inspect", "simulate", "solve", "render", "field", "scatter", "analyze", "magnitude", "robot", "movement", "interact",
+COMMANDS = ["compile", "inspect", "simulate", "solve", "render", "field", "scatter", "analyze", "calibrate", "magnitude", "robot", "movement", "interact",
             "board", "bitstream", "device", "upload", "download",
             "play", "stream", "studio", "completion"]  # fmt: skip
 

@@ -39,8 +39,9 @@ std::vector<float> mean_square(const Array& array, std::span<const WeightedDrive
         weights[r] = static_cast<float>(played[r].weight / total / 2.0);
         for (std::size_t m = 0; m < elements; ++m) {
             DrivePair& pair = drives[r / 2 * elements + m];
-            pair.re[r % 2] = static_cast<float>(played[r].drives[m].real());
-            pair.im[r % 2] = static_cast<float>(played[r].drives[m].imag());
+            const std::complex<double> radiated = played[r].drives[m] * array.elements[m].response;
+            pair.re[r % 2] = static_cast<float>(radiated.real());
+            pair.im[r % 2] = static_cast<float>(radiated.imag());
         }
     }
     const FieldSources sources(array, array.elements, fitted_pattern(array, options));

@@ -82,8 +82,9 @@ FieldSources::FieldSources(const Array& array, std::vector<Element> at, const Fi
 
 void FieldSources::play(Drives drives) {
     for (std::size_t m = 0; m < elements.size(); ++m) {
-        half_turns[m] = std::arg(drives[m]) / std::numbers::pi;
-        amplitudes[m] = static_cast<float>(std::abs(drives[m]));
+        const std::complex<double> radiated = drives[m] * elements[m].response;
+        half_turns[m] = std::arg(radiated) / std::numbers::pi;
+        amplitudes[m] = static_cast<float>(std::abs(radiated));
     }
 }
 

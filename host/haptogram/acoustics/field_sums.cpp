@@ -38,11 +38,13 @@ struct SharesOfRows {
     std::vector<ShiftedShare> shares;  ///< each begins at a column, in a row that is not yet known
     std::vector<std::size_t> ends;     ///< behind those in the first of the rows, in the second, …
 
-    SharesOfRows(Drives drives, const ShiftedGrid& shifted, std::size_t columns) {
+    SharesOfRows(const Array& array, Drives drives, const ShiftedGrid& shifted) {
+        const std::size_t columns = array.columns;
         const std::size_t rows = shifted.last_row + 1;
         const auto drive = [&](std::size_t of_row, std::size_t column) {
             const std::size_t m = of_row * columns + column;
-            return of_row < rows && m < drives.size() ? std::complex<float>(drives[m]) : std::complex<float>();
+            return of_row < rows && m < drives.size() ? std::complex<float>(drives[m] * array.elements[m].response)
+                                                      : std::complex<float>();
         };
         for (std::size_t i = 0; i <= rows; ++i) {
             for (std::size_t column = 0; column <= shifted.last_column; ++column) {
@@ -84,7 +86,7 @@ void add_shifted(const Array& array, const FittedPattern& pattern, Drives drives
     // direct sum instead, or the result would depend on the number of threads.
     const auto threads =
         static_cast<unsigned>(std::clamp<std::size_t>(most_lattice_points(grid) / lattice, 1, workers(options)));
-    const SharesOfRows shares(drives, shifted, array.columns);
+    const SharesOfRows shares(array, drives, shifted);
     std::vector<std::vector<float>> fields(threads);
     std::vector<std::vector<ShiftedShare>> placed(threads, shares.shares);
     const auto places = workplaces(threads);

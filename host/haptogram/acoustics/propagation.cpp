@@ -52,8 +52,9 @@ std::complex<double> propagation(const Array& array, const Element& element, Vec
     if (range == 0.0) throw coincidence();
     const double k = wave_number(array);
     const double cosine = dot(ray, element.normal) / range;
-    return std::polar(
-        directivity(array.transducer, k, cosine) / range * std::exp(-array.medium.absorption_np_m * range), -k * range);
+    return element.response * std::polar(directivity(array.transducer, k, cosine) / range *
+                                             std::exp(-array.medium.absorption_np_m * range),
+                                         -k * range);
 }
 
 std::vector<std::complex<double>> propagation_matrix(const Array& array, std::span<const Vec3> points) {
@@ -69,7 +70,7 @@ std::vector<std::complex<double>> ideal_drives(const Array& array, Vec3 focus) {
     std::vector<std::complex<double>> drives;
     drives.reserve(array.elements.size());
     for (const Element& element : array.elements)
-        drives.push_back(std::polar(array.transducer.source_pa_m, k * distance(element, focus)));
+        drives.push_back(element.aligning() * std::polar(array.transducer.source_pa_m, k * distance(element, focus)));
     return drives;
 }
 

@@ -30,9 +30,9 @@ namespace haptogram {
 /// @param cosine  of the angle
 [[nodiscard]] double directivity(const Transducer& transducer, double k, double cosine);
 
-/// Pressure at a point that one of the array's elements makes with a drive of 1 Pa·m, 1/m: D(θ)/R · e^{−αR} · e^{−jkR}.
-/// D is the transducer's directivity, θ the angle to the element's normal, R the distance and α the medium's
-/// absorption.
+/// Pressure at a point that one of the array's elements makes with a drive of 1 Pa·m, 1/m: g · D(θ)/R · e^{−αR} ·
+/// e^{−jkR}. g is the element's response, D the transducer's directivity, θ the angle to the element's normal, R the
+/// distance and α the medium's absorption.
 /// @throws Error{bad_input} when the point coincides with the element
 [[nodiscard]] std::complex<double> propagation(const Array& array, const Element& element, Vec3 point);
 
@@ -40,7 +40,8 @@ namespace haptogram {
 /// drives are to be summed at the same points.
 [[nodiscard]] std::vector<std::complex<double>> propagation_matrix(const Array& array, std::span<const Vec3> points);
 
-/// Drives that focus on a point with full strength and exact phases: source strength · e^{+jkR} for each element.
+/// Drives that focus on a point with full strength and exact phases: source strength · e^{+jkR} for each element, less
+/// the phase of its response; 0 of a dead one.
 [[nodiscard]] std::vector<std::complex<double>> ideal_drives(const Array& array, Vec3 focus);
 
 /// Complex pressure at a point, Pa: the sum over the elements of drive · propagation, in double precision.

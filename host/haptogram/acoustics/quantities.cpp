@@ -97,7 +97,7 @@ ComplexVec3 pressure_gradient(const Array& array, std::span<const std::complex<d
         const Vec3 aside = ray - height * element.normal;
         const double lateral = norm(aside);
         const double cosine = height / range;
-        const std::complex<double> wave = drives[m] * std::exp(-decay * range) / range;
+        const std::complex<double> wave = drives[m] * element.response * std::exp(-decay * range) / range;
         // Along the ray, the wave changes by d/dR of e^{−(α+jk)R}/R; across it, by dD/dθ over R.
         const std::complex<double> along =
             -wave * directivity(array.transducer, k, cosine) * (decay + 1.0 / range) / range;

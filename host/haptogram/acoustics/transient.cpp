@@ -169,6 +169,11 @@ std::vector<double> output(const Resonator& resonator, std::span<const DrivePuls
     return found;
 }
 
+/// How much earlier an element's wave is than its kind's.
+static double lead_s(const Array& array, const Element& element) {
+    return std::arg(element.response) / (2.0 * pi * array.carrier_hz);
+}
+
 std::vector<double> pressure_over_time(const Array& array, const Resonator& resonator,
                                        std::span<const std::vector<DrivePulse>> trains, Vec3 point,
                                        const Sampling& sampling) {
@@ -178,12 +183,13 @@ std::vector<double> pressure_over_time(const Array& array, const Resonator& reso
     const double k = 2.0 * pi / array.wavelength_m();
     std::vector<double> sum(sampling.count);
     for (std::size_t m = 0; m < trains.size(); ++m) {
-        const double range = distance(array.elements[m], point);
-        // The delay stands for the phase of propagation(). Without it propagation() is real, and negative where the
-        // directivity is.
-        const Complex wave = propagation(array, array.elements[m], point) * std::polar(1.0, k * range);
+        const Element& element = array.elements[m];
+        const double range = distance(element, point);
+        // Delays stand for the phases of propagation() and of the response. Without them propagation() is real, and
+        // negative where the directivity is.
+        const Complex wave = propagation(array, element, point) * element.aligning() * std::polar(1.0, k * range);
         Sampling earlier = sampling;
-        earlier.start_s -= range / array.medium.speed_m_s;
+        earlier.start_s += lead_s(array, element) - range / array.medium.speed_m_s;
         add_output(resonator, trains[m], earlier, array.transducer.source_pa_m * wave.real(), sum);
     }
     return sum;
@@ -212,9 +218,9 @@ std::vector<std::vector<DrivePulse>> focal_trains(const Array& array, Vec3 focus
     const double period_s = 1.0 / array.carrier_hz;
     std::vector<std::vector<DrivePulse>> trains;
     for (const Element& element : array.elements) {
-        const double lead = distance(element, focus) / array.medium.speed_m_s;
+        const double flight_s = distance(element, focus) / array.medium.speed_m_s;
         // The pulse's middle comes before the start of a period, by the time that its wave takes to the focus.
-        const double into = -lead / period_s - array.duty / 2.0;
+        const double into = (lead_s(array, element) - flight_s) / period_s - array.duty / 2.0;
         const double rise = (into - std::floor(into)) * period_s;
         auto& train = trains.emplace_back();
         for (std::size_t i = 0; i < periods; ++i) {

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "haptogram/array/calibration.hpp"
 #include "haptogram/array/transducer_keys.hpp"
 #include "haptogram/base/shipped.hpp"
 
@@ -170,6 +171,8 @@ std::string Array::unreachable(Vec3 focus) const {
 Array load_array(const std::filesystem::path& path) {
     const std::string file = path.string();
     const toml::table root = section::parse(path);
+    if (root["format"].value<std::string>() == calibration_format)
+        return calibrated(load_array(array_file_of(path)), load_calibration(path), file);
     const Section whole(file, root);
     whole.only({"name", "array", "medium", "transducer", "board"});
     Array array;

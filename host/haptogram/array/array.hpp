@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <complex>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -12,10 +13,18 @@
 
 namespace haptogram {
 
-/// One transducer's place, and the way it faces. A normal has length 1.
+/// One transducer's place, the way it faces, and how it differs from its kind. A normal has length 1.
 struct Element {
     Vec3 position;
     Vec3 normal{0.0, 0.0, 1.0};
+    std::complex<double> response =
+        1.0;  ///< what it radiates of its drive: a gain and a phase that leads; 0: it is dead
+
+    /// A drive of length 1 whose wave has the phase of an element that is as its kind; 0 of a dead one.
+    [[nodiscard]] std::complex<double> aligning() const {
+        const double gain = std::abs(response);
+        return gain > 0.0 ? std::conj(response) / gain : 0.0;
+    }
     friend constexpr bool operator==(const Element&, const Element&) = default;
 };
 
@@ -44,7 +53,7 @@ struct Array {
 };
 
 /// Reads an array file (TOML); host/arrays/README.md describes its keys. If it has a table [board], format/core.hpp
-/// reads that.
+/// reads that. Of a calibration (calibration.hpp) it is the array that was measured, as it was measured.
 /// @throws Error{bad_input} naming the file, the line and the key, also for unknown keys
 [[nodiscard]] Array load_array(const std::filesystem::path& path);
 

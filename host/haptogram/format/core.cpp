@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "haptogram/array/calibration.hpp"
 #include "haptogram/base/shipped.hpp"
 #include "haptogram/base/toml_section.hpp"
 #include "haptogram/format/board.hpp"
@@ -56,7 +57,7 @@ Core find_core(const std::string& name) {
 }
 
 Core core_of_array(const std::string& name) {
-    const std::string path = path_or_shipped(name, "arrays", ".toml", "array");
+    const std::string path = array_file_of(path_or_shipped(name, "arrays", ".toml", "array"));
     const toml::table root = section::parse(path);
     const Section section(path, root, "board");
     section.only({"name",

@@ -174,9 +174,11 @@ Focus unpack_focus(const FocusWords& words) {
 std::vector<std::complex<double>> summed_drives(const Array& array, std::span<const Focus> foci) {
     const double k = turn / array.wavelength_m();
     std::vector<std::complex<double>> sums(array.elements.size());
-    for (std::size_t m = 0; m < sums.size(); ++m)
+    for (std::size_t m = 0; m < sums.size(); ++m) {
+        const Element& element = array.elements[m];
         for (const Focus& focus : foci)
-            sums[m] += std::polar(focus.amplitude, k * distance(array.elements[m].position, focus.position));
+            sums[m] += std::polar(focus.amplitude, k * distance(element, focus.position) - std::arg(element.response));
+    }
     return sums;
 }
 
@@ -203,7 +205,8 @@ std::uint16_t gain_word(double full) {
 FocusEngine focus_engine(const Array& array, double full) {
     FocusEngine engine{{}, wave_number_word(array.wavelength_m()), gain_word(full)};
     engine.geometry.reserve(array.elements.size());
-    for (const Element& element : array.elements) engine.geometry.push_back(pack_geometry(element.position));
+    for (const Element& element : array.elements)
+        engine.geometry.push_back(pack_geometry(element.position, std::arg(element.response) / turn));
     return engine;
 }
 

@@ -62,10 +62,11 @@ struct ChannelDrive {
 [[nodiscard]] Focus unpack_focus(const FocusWords& words);
 
 /// The sums that the engine rounds: Σ amplitude · e^{jkR} over the foci, one an element, R being an element's distance
-/// from a focus. Where a sum has the length of the gain's `full`, the amplitude is full.
+/// from a focus, less the phase of the element's response. The engine leaves no channel out, so a dead element has one.
+/// Where a sum has the length of the gain's `full`, the amplitude is full.
 [[nodiscard]] std::vector<std::complex<double>> summed_drives(const Array& array, std::span<const Focus> foci);
 
-/// The engine for an array, element k on channel k, without offsets.
+/// The engine for an array, element k on channel k; offsets take the phases of the elements' responses away.
 /// @throws Error{bad_input} when an element is too far from the array's origin, or as gain_word and wave_number_word do
 [[nodiscard]] FocusEngine focus_engine(const Array& array, double full = 1.0);
 

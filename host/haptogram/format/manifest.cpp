@@ -68,6 +68,13 @@ Error bad_member(const std::string& where, const char* key, const char* expected
                      fmt::format("{} must be {}, found {}; compile the image again", key, expected, found.dump()));
 }
 
+void read_responses(Array& array, const ordered_json& json, const std::string& where) {
+    if (json.size() != array.elements.size())
+        throw bad_member(where, "array.responses", "a list of [real, imaginary], one an element", json);
+    for (std::size_t m = 0; m < array.elements.size(); ++m)
+        array.elements[m].response = {json.at(m).at(0).get<double>(), json.at(m).at(1).get<double>()};
+}
+
 double positive(const ordered_json& json, const char* key, const std::string& where) {
     const ordered_json& member = json.at(key);
     if (!member.is_number() || !(member.get<double>() > 0.0)) throw bad_member(where, key, "a positive number", member);
@@ -215,6 +222,9 @@ ordered_json to_json(const Manifest& m) {
     json["image_sha256"] = m.image_sha256;
     json["array"] = {{"name", m.array.name}, {"carrier_hz", m.array.carrier_hz}, {"duty", m.array.duty}};
     for (const Element& element : m.array.elements) json["array"]["elements_mm"].push_back(element_to_json(element));
+    if (std::ranges::any_of(m.array.elements, [](const Element& e) { return e.response != 1.0; }))
+        for (const Element& element : m.array.elements)
+            json["array"]["responses"].push_back({element.response.real(), element.response.imag()});
     json["medium"] = {{"speed_m_s", m.array.medium.speed_m_s},
                       {"density_kg_m3", m.array.medium.density_kg_m3},
                       {"absorption_np_m", m.array.medium.absorption_np_m}};
@@ -266,6 +276,7 @@ Manifest manifest_from_json(std::string_view text, const std::string& where) {
         m.array.duty = positive(json.at("array"), "duty", where);
         for (const auto& element : json.at("array").at("elements_mm"))
             m.array.elements.push_back(element_from_json(element));
+        if (json.at("array").contains("responses")) read_responses(m.array, json.at("array").at("responses"), where);
         const auto& medium = json.at("medium");
         m.array.medium.speed_m_s = positive(medium, "speed_m_s", where);
         m.array.medium.density_kg_m3 = positive(medium, "density_kg_m3", where);

@@ -74,8 +74,10 @@ Noise noise_of(const Array& array, const DriveSequence& sequence) {
         std::vector<Some> wanted(sequence.drives.size(), Some::Zero());
         for (std::size_t set = 0; set < wanted.size(); ++set)
             for (std::size_t i = 0; i < at_once && first + i < array.elements.size(); ++i) {
-                wanted[set][static_cast<Eigen::Index>(2 * i)] = sequence.drives[set][first + i].real();
-                wanted[set][static_cast<Eigen::Index>(2 * i + 1)] = sequence.drives[set][first + i].imag();
+                const std::complex<double> radiated =
+                    sequence.drives[set][first + i] * array.elements[first + i].response;
+                wanted[set][static_cast<Eigen::Index>(2 * i)] = radiated.real();
+                wanted[set][static_cast<Eigen::Index>(2 * i + 1)] = radiated.imag();
             }
         follow(sequence, array.transducer.bandwidth_hz, wanted,
                [&](std::uint64_t period, const Some& carriers) { squares[period] += carriers.square().sum(); });

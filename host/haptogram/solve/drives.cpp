@@ -37,7 +37,8 @@ std::vector<std::complex<double>> superposed_drives(const Array& array, std::spa
     double strongest = 0.0;
     for (const std::complex<double>& drive : drives) strongest = std::max(strongest, std::abs(drive));
     if (strongest > 0.0)
-        for (std::complex<double>& drive : drives) drive *= wanted / strongest;
+        for (std::size_t m = 0; m < drives.size(); ++m)
+            drives[m] *= array.elements[m].aligning() * (wanted / strongest);
     return drives;
 }
 

@@ -137,6 +137,7 @@ CrossTalk::CrossTalk(const Array& array, std::span<const Vec3> points)
     const double k = 2.0 * std::numbers::pi / array.wavelength_m();
     const FastDirectivity directivity(array.transducer, k);
     // A wave is amplitude·e^{−jkR}, and the drive that focuses on its point e^{+jkR}: one sine and cosine make both.
+    // The drive takes the phase of the element's response away, so that of the response its gain stays.
     std::vector<float> drives_re(elements * padded_), drives_im(elements * padded_), amplitudes(count_ * elements);
     for (std::size_t j = 0; j < count_; ++j) {
         for (std::size_t m = 0; m < elements; ++m) {
@@ -145,7 +146,8 @@ CrossTalk::CrossTalk(const Array& array, std::span<const Vec3> points)
             if (range == 0.0) throw coincidence();
             drives_re[m * padded_ + j] = static_cast<float>(std::cos(k * range));
             drives_im[m * padded_ + j] = static_cast<float>(std::sin(k * range));
-            amplitudes[j * elements + m] = static_cast<float>(directivity(dot(ray, array.elements[m].normal) / range) /
+            amplitudes[j * elements + m] = static_cast<float>(std::abs(array.elements[m].response) *
+                                                              directivity(dot(ray, array.elements[m].normal) / range) /
                                                               range * std::exp(-array.medium.absorption_np_m * range));
         }
     }

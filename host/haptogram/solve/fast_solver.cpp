@@ -460,6 +460,13 @@ struct FastSolver::State {
             sum_waves(model, *blocks[b], {&source, 1}, re + first, im + first);
             first += blocks[b]->count;
         }
+        for (std::size_t m = 0; m < array.elements.size(); ++m) {
+            if (array.elements[m].response == 1.0) continue;
+            const std::complex<float> wave =
+                std::complex<float>(re[m], im[m]) * std::complex<float>(array.elements[m].response);
+            re[m] = wave.real();
+            im[m] = wave.imag();
+        }
         // The sums go on to whole vectors, with points that are no elements.
         std::fill(re + first, re + problem.stride, 0.0F);
         std::fill(im + first, im + problem.stride, 0.0F);
@@ -537,7 +544,9 @@ void FastSolver::ticks(const Timer& timer, std::span<std::uint16_t> ticks) const
     if (ticks.size() != elements)
         throw bad_argument("ticks", fmt::format("room for {}, expected {}: one an element", ticks.size(), elements));
     HWY_DYNAMIC_DISPATCH(ticks_of_drives)(state_->problem, static_cast<float>(timer.cycle_ticks), state_->ticks.get());
-    for (std::size_t m = 0; m < elements; ++m) ticks[m] = static_cast<std::uint16_t>(state_->ticks[m]);
+    for (std::size_t m = 0; m < elements; ++m)
+        ticks[m] = state_->array.elements[m].response == 0.0 ? interface::silent_timing
+                                                             : static_cast<std::uint16_t>(state_->ticks[m]);
 }
 
 const char* fast_solver_target() { return HWY_DYNAMIC_DISPATCH(target_name)(); }

@@ -389,9 +389,11 @@ HWY_AFTER_NAMESPACE();
 #include <fmt/core.h>
 #include <hwy/aligned_allocator.h>
 
+#include <numbers>
 #include <numeric>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/format/interface.hpp"
 
 namespace haptogram {
 
@@ -441,6 +443,27 @@ std::vector<std::uint32_t> outermost_of(const std::vector<Element>& elements, bo
     return outermost;
 }
 
+/// The law for elements that differ: a wave that leads by a phase starts later by as much. All in double precision.
+void corrected_law(const Array& array, const Timer& timer, std::span<const Vec3> foci, std::span<std::uint16_t> ticks) {
+    const double ticks_per_m = 1.0 / (array.medium.speed_m_s * timer.tick_s());
+    std::vector<double> later_m;
+    for (const Element& e : array.elements) {
+        const double turns = std::arg(e.response) / (2.0 * std::numbers::pi);
+        later_m.push_back((turns - std::floor(turns)) * timer.cycle_ticks / ticks_per_m);
+    }
+    auto tick = ticks.begin();
+    for (const Vec3 focus : foci) {
+        double farthest = 0.0;
+        for (const Element& e : array.elements) farthest = std::max(farthest, distance(e, focus));
+        for (std::size_t m = 0; m < array.elements.size(); ++m) {
+            const Element& e = array.elements[m];
+            *tick++ = e.response == 0.0
+                          ? interface::silent_timing
+                          : tick_of(farthest + later_m[m], distance(e, focus), ticks_per_m, timer.cycle_ticks);
+        }
+    }
+}
+
 }  // namespace
 
 void focal_law(const Array& array, const Timer& timer, std::span<const Vec3> foci, std::span<std::uint16_t> ticks) {
@@ -451,6 +474,10 @@ void focal_law(const Array& array, const Timer& timer, std::span<const Vec3> foc
         throw bad_argument("ticks", fmt::format("room for {}, expected {}: one for each of {} elements and {} foci",
                                                 ticks.size(), foci.size() * elements, elements, foci.size()));
     if (ticks.empty()) return;
+    if (std::ranges::any_of(array.elements, [](const Element& e) { return e.response != 1.0; })) {
+        corrected_law(array, timer, foci, ticks);
+        return;
+    }
 
     FocalLaw law;
     law.elements = elements;

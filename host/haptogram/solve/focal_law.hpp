@@ -13,6 +13,7 @@ namespace haptogram {
 /// R = |F − E|, √((dx² + dy²) + dz²), and the greatest range R_max of a focus, the tick is
 /// (R_max − R)·ticks_per_m, rounded to the nearest whole number, halves up, modulo timer.cycle_ticks;
 /// ticks_per_m = 1/(c·tick). Every tick is exactly what this formula gives in double precision, on every processor.
+/// Where an element's response is not 1, its wave's phase delays its tick; a dead one's tick is silent_timing.
 /// @param foci   metres, array frame, within 1 km of the origin, as the elements are
 /// @param ticks  foci.size() rows of elements.size() ticks, each in [0, timer.cycle_ticks)
 /// @throws Error{bad_input} naming the focus or the element that is not finite or too far away, or Error{bad_argument}

@@ -334,7 +334,7 @@ Vector distance_weighted(const Array& array, std::span<const Focus> foci) {
     for (const Focus& focus : foci)
         for (std::size_t m = 0; m < drives.size(); ++m) {
             const double range = distance(array.elements[m], focus.position);
-            drives[m] += std::polar(focus.amplitude * range, k * range);
+            drives[m] += array.elements[m].aligning() * std::polar(focus.amplitude * range, k * range);
         }
     return drives;
 }
@@ -360,7 +360,7 @@ Vector inverse_transform(const Array& array, std::span<const Focus> foci) {
             const Vec3 aside = focus.position - middle;
             drives[m] += std::polar(focus.amplitude, -k * (aside.x * from_middle.x + aside.y * from_middle.y) / r);
         }
-        drives[m] *= std::polar(1.0, k * distance(array.elements[m], middle));
+        drives[m] *= array.elements[m].aligning() * std::polar(1.0, k * distance(array.elements[m], middle));
     }
     return drives;
 }

@@ -27,16 +27,21 @@ nlohmann::ordered_json level_json(const Transducer& transducer) {
             {"note", level_text(transducer)}};
 }
 
-std::string calibrated_keys(const Array& array, Vec3 focus, double force_n) {
+MeasuredLevel measured_level(const Array& array, Vec3 focus, double force_n) {
     if (!(force_n > 0.0 && std::isfinite(force_n)))
         throw bad_argument("measured-mn", fmt::format("must be a positive force, found {:g}", force_n * 1e3));
     if (const std::string why = array.unreachable(focus); !why.empty()) throw bad_argument("focus", why);
     const double computed_n = perception::steady_force(array, ideal_drives(array, focus), focus);
     // Forces go with the square of the source strength.
-    return fmt::format(
-        "source_pa_m = {:.4g}\nmeasured = \"{:g} mN on a disc of {:g} mm at ({:g},{:g},{:g}) mm, full steady drive\"\n",
-        array.transducer.source_pa_m * std::sqrt(force_n / computed_n), force_n * 1e3,
-        perception::default_contact_m / millimetre, focus.x / millimetre, focus.y / millimetre, focus.z / millimetre);
+    return {array.transducer.source_pa_m * std::sqrt(force_n / computed_n),
+            fmt::format("{:g} mN on a disc of {:g} mm at ({:g},{:g},{:g}) mm, full steady drive", force_n * 1e3,
+                        perception::default_contact_m / millimetre, focus.x / millimetre, focus.y / millimetre,
+                        focus.z / millimetre)};
+}
+
+std::string calibrated_keys(const Array& array, Vec3 focus, double force_n) {
+    const MeasuredLevel level = measured_level(array, focus, force_n);
+    return fmt::format("source_pa_m = {:.4g}\nmeasured = \"{}\"\n", level.source_pa_m, level.measured);
 }
 
 }  // namespace haptogram

@@ -18,10 +18,17 @@ inline constexpr double nominal_excess_least = 8.0, nominal_excess_most = 10.0;
 /// The same for programs: calibrated, source_pa_m, note.
 [[nodiscard]] nlohmann::ordered_json level_json(const Transducer& transducer);
 
-/// The keys of an array file for an array whose focus was measured: the source strength with which the computed force
-/// is the measured one.
+/// A level that was measured, and how.
+struct MeasuredLevel {
+    double source_pa_m = 0.0;
+    std::string measured;
+};
+
+/// The source strength with which the computed force is the measured one.
 /// @param force_n     that was measured on a disc as steady_force() has it, at full steady drive
 /// @throws Error{bad_argument} when the force is not positive, or the array cannot reach the focus
+[[nodiscard]] MeasuredLevel measured_level(const Array& array, Vec3 focus, double force_n);
+/// The same as keys of an array file.
 [[nodiscard]] std::string calibrated_keys(const Array& array, Vec3 focus, double force_n);
 
 }  // namespace haptogram

@@ -1,0 +1,550 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/verbs/calibrate.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <cmath>
+#include <complex>
+#include <map>
+#include <numbers>
+#include <numeric>
+
+#include "haptogram/acoustics/propagation.hpp"
+#include "haptogram/base/error.hpp"
+
+namespace haptogram {
+namespace {
+
+using Complex = std::complex<double>;
+using std::numbers::pi;
+
+/// What transducers of one kind differ by, which is what the fit expects; and what no model has: the rms of a room's
+/// echoes, over the direct sound, where one place alone cannot tell it.
+constexpr double gain_spread = 0.15, phase_spread = 0.3, unmodelled = 0.07;
+constexpr double unlikely = 1e-5;  ///< of a test: what it calls wrong is right so often
+
+double wrapped(double angle) { return std::remainder(angle, 2.0 * pi); }
+
+double median(std::vector<double> values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+/// The fit's state. Channel j is driven as channel j; `wired[j]` is the element that hangs on it.
+class Fit {
+public:
+    Fit(const Array& array, std::span<const HeardAt> heard, const CalibrateOptions& options)
+        : array_(array),
+          heard_(heard),
+          options_(options),
+          channels_(array.elements.size()),
+          wired_(channels_),
+          alive_(channels_, true),
+          trusted_(channels_, true),
+          reversed_(channels_, false),
+          gain_(channels_, 0.0),
+          phase_(channels_, 0.0),
+          mic_gain_(heard.size()),
+          mic_phase_(heard.size()),
+          agreement_(heard.size()) {
+        std::iota(wired_.begin(), wired_.end(), std::size_t{0});
+        for (const HeardAt& one : heard) places_.push_back(one.place);
+    }
+
+    Calibrated run() {
+        begin();
+        find_dead();
+        begin_elements();
+        refine();
+        if (heard_.size() >= 3) exchange_channels();
+        return result();
+    }
+
+private:
+    [[nodiscard]] Complex sound(std::size_t k, std::size_t j) const { return heard_[k].heard.sounds[j]; }
+    [[nodiscard]] double wave_number() const {
+        return 2.0 * pi * array_.carrier_hz / (array_.medium.speed_m_s * (1.0 + speed_));
+    }
+    /// What the element makes at a place, and the microphone hears of it.
+    [[nodiscard]] Complex wave(std::size_t element, Vec3 place) const {
+        const Element& e = array_.elements[element];
+        const double range = distance(e, place);
+        // The array's own wave number is in propagation(); the rest is that of another speed.
+        Complex found =
+            propagation(array_, e, place) * std::polar(1.0, (2.0 * pi / array_.wavelength_m() - wave_number()) * range);
+        if (options_.microphone)
+            found *= directivity(*options_.microphone, wave_number(), (place - e.position).z / range);
+        return found;
+    }
+
+    /// An element is dead when its sound is nearer to none than to that of its kind, both in their own spread.
+    void find_dead() {
+        std::vector<double> ratios(channels_), errors(channels_);
+        for (std::size_t j = 0; j < channels_; ++j) {
+            double weight = 0.0;
+            for (std::size_t k = 0; k < heard_.size(); ++k) {
+                const double scale = scale_at(k), expected = scale * std::abs(wave(wired_[j], places_[k]));
+                const double noise = std::max(heard_[k].heard.noise, 1e-9 * expected);
+                const double certain = expected * expected / (noise * noise);
+                ratios[j] += certain * std::norm(sound(k, j)) / (expected * expected);
+                weight += certain;
+            }
+            ratios[j] = std::sqrt(ratios[j] / weight);
+            errors[j] = std::sqrt(static_cast<double>(heard_.size()) / weight);
+        }
+        for (std::size_t j = 0; j < channels_; ++j)
+            alive_[j] =
+                ratios[j] / std::hypot(errors[j], 0.03) > (1.0 - ratios[j]) / std::hypot(errors[j], gain_spread);
+        const auto count = static_cast<std::size_t>(std::ranges::count(alive_, true));
+        if (2 * count <= channels_)
+            throw bad_input("calibration", fmt::format("only {} of {} elements are heard; see that the array file is "
+                                                       "this array's and the place where the microphone was right",
+                                                       count, channels_));
+    }
+
+    /// The microphone's gain at a place: what most elements agree on.
+    [[nodiscard]] double scale_at(std::size_t k) const {
+        std::vector<double> ratios;
+        for (std::size_t j = 0; j < channels_; ++j)
+            ratios.push_back(std::abs(sound(k, j)) / std::abs(wave(wired_[j], places_[k])));
+        return median(std::move(ratios));
+    }
+
+    /// Places near those that were named. A cable that was put on the other way round turns or mirrors the whole array,
+    /// so all such ways are tried where three places can tell them apart.
+    void begin() {
+        const std::vector<std::size_t> straight = wired_;
+        constexpr double surely = 20.0;
+        double best = fit_of_places() + surely;
+        if (heard_.size() >= 3)
+            for (int way = 1; way < 8; ++way) {
+                const auto turned = turned_wires(way);
+                if (!turned) continue;
+                wired_ = *turned;
+                const double fits = fit_of_places();
+                if (fits <= best) continue;
+                best = fits;
+                mirrored_ = turned;
+            }
+        wired_ = mirrored_.value_or(straight);
+        (void)fit_of_places();
+        for (std::size_t k = 0; k < heard_.size(); ++k)
+            if (!(agreement_[k] > 0.4))
+                throw bad_input(
+                    fmt::format("recording {}", k + 1),
+                    fmt::format(
+                        "its phases fit no place within {:g} mm of the one that was named; see that the place is "
+                        "right, that the array file is this array's, and that nothing stood in the way",
+                        2.5 * options_.place_error_m / millimetre));
+    }
+
+    double fit_of_places() {
+        double sum = 0.0;
+        for (std::size_t k = 0; k < heard_.size(); ++k) sum += begin_at(k);
+        return sum;
+    }
+
+    /// The element that is where each one comes to lie when the array is mirrored (bits 0 and 1: in x and in y) and its
+    /// axes are exchanged (bit 2); none when there is none.
+    [[nodiscard]] std::optional<std::vector<std::size_t>> turned_wires(int way) const {
+        constexpr double same_m = 1e-6;
+        std::vector<std::size_t> wires;
+        for (const Element& e : array_.elements) {
+            Vec3 to = e.position;
+            if ((way & 4) != 0) std::swap(to.x, to.y);
+            if ((way & 1) != 0) to.x = -to.x;
+            if ((way & 2) != 0) to.y = -to.y;
+            const auto there = std::ranges::find_if(array_.elements,
+                                                    [&](const Element& other) { return distance(other, to) < same_m; });
+            if (there == array_.elements.end()) return {};
+            wires.push_back(static_cast<std::size_t>(there - array_.elements.begin()));
+        }
+        return wires;
+    }
+
+    /// A place near the given one from which the phases agree best but for half turns, which are reversed elements.
+    /// @return how well it fits, as the logarithm of a likelihood
+    double begin_at(std::size_t k) {
+        const double k_m = wave_number(), error = options_.place_error_m;
+        const auto agreement = [&](Vec3 place) {
+            Complex sum = 0.0;
+            double weight = 0.0;
+            for (std::size_t j = 0; j < channels_; ++j) {
+                if (!alive_[j]) continue;
+                const double angle = std::arg(sound(k, j)) + k_m * distance(array_.elements[wired_[j]], place);
+                sum += std::abs(sound(k, j)) * std::polar(1.0, 2.0 * angle);
+                weight += std::abs(sound(k, j));
+            }
+            return sum / weight;
+        };
+        const Vec3 given = heard_[k].place;
+        constexpr double across_m = 1.2e-3, along_m = 4e-3, reach = 2.5;
+        const int steps = static_cast<int>(std::ceil(reach * error / across_m)),
+                  up = static_cast<int>(std::ceil(reach * error / along_m));
+        double best = -1e300;
+        for (int x = -steps; x <= steps; ++x)
+            for (int y = -steps; y <= steps; ++y)
+                for (int z = -up; z <= up; ++z) {
+                    const Vec3 off{x * across_m, y * across_m, z * along_m};
+                    const double fits = 2.0 * static_cast<double>(channels_) * std::abs(agreement(given + off)) -
+                                        0.5 * dot(off, off) / (error * error);
+                    if (fits <= best) continue;
+                    best = fits;
+                    places_[k] = given + off;
+                }
+        mic_phase_[k] = 0.5 * std::arg(agreement(places_[k]));
+        mic_gain_[k] = std::log(scale_at(k));
+        agreement_[k] = std::abs(agreement(places_[k]));
+        if (k == 0) return best;
+        double same = 0.0;  // the phase is known but for half a turn, which the first place decides
+        for (std::size_t j = 0; j < channels_; ++j)
+            if (alive_[j]) same += std::cos(phase_off(k, j) - phase_off(0, j));
+        if (same < 0.0) mic_phase_[k] += pi;
+        return best;
+    }
+
+    /// Phase of a channel's sound over what its element, as its kind, would make.
+    [[nodiscard]] double phase_off(std::size_t k, std::size_t j) const {
+        return std::arg(sound(k, j) / wave(wired_[j], places_[k])) - mic_phase_[k];
+    }
+
+    void begin_elements() {
+        std::size_t turned = 0, count = 0;
+        for (std::size_t j = 0; j < channels_; ++j) {
+            if (!alive_[j]) continue;
+            Complex sum = 0.0;
+            for (std::size_t k = 0; k < heard_.size(); ++k) sum += std::polar(std::abs(sound(k, j)), phase_off(k, j));
+            phase_[j] = std::arg(sum);
+            reversed_[j] = std::abs(phase_[j]) > pi / 2.0;
+            turned += reversed_[j] ? 1 : 0;
+            ++count;
+        }
+        if (2 * turned > count) {  // which of the two ways is right is not to be heard; that of most is
+            for (double& phase : mic_phase_) phase += pi;
+            for (std::size_t j = 0; j < channels_; ++j) {
+                phase_[j] = wrapped(phase_[j] + pi);
+                reversed_[j] = !reversed_[j];
+            }
+        }
+        for (std::size_t j = 0; j < channels_; ++j)
+            if (reversed_[j]) phase_[j] = wrapped(phase_[j] - pi);
+    }
+
+    /// Standard deviation of the logarithm of a sound, in each of its parts.
+    [[nodiscard]] double error_of(std::size_t k, std::size_t j) const {
+        return std::hypot(heard_[k].heard.noise / std::abs(sound(k, j)), model_error_) / std::sqrt(2.0);
+    }
+
+    /// What is left of a sound's logarithm: of its gain, and of its phase.
+    [[nodiscard]] Complex left(std::size_t k, std::size_t j) const {
+        const Complex ratio = sound(k, j) / wave(wired_[j], places_[k]);
+        return {std::log(std::abs(ratio)) - mic_gain_[k] - gain_[j],
+                wrapped(std::arg(ratio) - mic_phase_[k] - phase_[j] - (reversed_[j] ? pi : 0.0))};
+    }
+
+    void refine() {
+        constexpr int rounds = 12;
+        for (int round = 0; round < rounds; ++round) step();
+        if (heard_.size() < 2) return;
+        // What the places contradict each other by is the model's error; a median, so that exchanged channels do not
+        // count.
+        std::vector<double> squares;
+        for (std::size_t j = 0; j < channels_; ++j)
+            if (alive_[j] && trusted_[j]) squares.push_back(contradiction(j, wired_[j]));
+        const double free = 2.0 * static_cast<double>(heard_.size() - 1);
+        const double factor = median(std::move(squares)) / boost::math::quantile(boost::math::chi_squared(free), 0.5);
+        model_error_ *= std::clamp(std::sqrt(factor), 0.1, 10.0);
+        for (int round = 0; round < rounds; ++round) step();
+    }
+
+    /// The order of the unknowns: three of each place, the speed, gain and phase of each place, gain and phase of each
+    /// channel.
+    [[nodiscard]] Eigen::Index of_place(std::size_t k) const { return static_cast<Eigen::Index>(3 * k); }
+    [[nodiscard]] Eigen::Index of_speed() const { return static_cast<Eigen::Index>(3 * heard_.size()); }
+    [[nodiscard]] Eigen::Index of_microphone(std::size_t k) const {
+        return of_speed() + 1 + static_cast<Eigen::Index>(2 * k);
+    }
+    [[nodiscard]] Eigen::Index of_channel(std::size_t j) const {
+        return of_microphone(heard_.size()) + static_cast<Eigen::Index>(2 * j);
+    }
+
+    /// One step of Gauss and Newton's method; `normal_` is kept for the errors.
+    void step() {
+        const Eigen::Index unknowns = of_channel(channels_);
+        normal_ = Eigen::MatrixXd::Zero(unknowns, unknowns);
+        Eigen::VectorXd pull = Eigen::VectorXd::Zero(unknowns);
+        const auto expect = [&](Eigen::Index at, double is, double error) {
+            normal_(at, at) += 1.0 / (error * error);
+            pull[at] -= is / (error * error);
+        };
+        for (std::size_t k = 0; k < heard_.size(); ++k) {
+            const Vec3 off = places_[k] - heard_[k].place;
+            expect(of_place(k), off.x, options_.place_error_m);
+            expect(of_place(k) + 1, off.y, options_.place_error_m);
+            expect(of_place(k) + 2, off.z, options_.place_error_m);
+        }
+        expect(of_speed(), speed_, options_.speed_error);
+        for (std::size_t j = 0; j < channels_; ++j) {
+            expect(of_channel(j), gain_[j], gain_spread);
+            expect(of_channel(j) + 1, phase_[j], phase_spread);
+        }
+        for (std::size_t k = 0; k < heard_.size(); ++k)
+            for (std::size_t j = 0; j < channels_; ++j)
+                if (alive_[j] && trusted_[j]) add_sound(k, j, pull);
+        const Eigen::VectorXd by = normal_.ldlt().solve(pull);
+        for (std::size_t k = 0; k < heard_.size(); ++k) {
+            places_[k] = places_[k] + Vec3{by[of_place(k)], by[of_place(k) + 1], by[of_place(k) + 2]};
+            mic_gain_[k] += by[of_microphone(k)];
+            mic_phase_[k] += by[of_microphone(k) + 1];
+        }
+        speed_ += by[of_speed()];
+        for (std::size_t j = 0; j < channels_; ++j) {
+            gain_[j] += by[of_channel(j)];
+            phase_[j] += by[of_channel(j) + 1];
+        }
+    }
+
+    void add_sound(std::size_t k, std::size_t j, Eigen::VectorXd& pull) {
+        const double weight = 1.0 / (error_of(k, j) * error_of(k, j));
+        const Complex rest = left(k, j);
+        const Element& e = array_.elements[wired_[j]];
+        const Vec3 ray = places_[k] - e.position;
+        const double range = norm(ray);
+        constexpr double step_m = 1e-5;
+        const double here = std::log(std::abs(wave(wired_[j], places_[k])));
+        const auto slope = [&](Vec3 off) {
+            return (std::log(std::abs(wave(wired_[j], places_[k] + off))) - here) / step_m;
+        };
+        const std::array<double, 3> along{ray.x / range, ray.y / range, ray.z / range};
+        const std::array<double, 3> slopes{slope({step_m, 0, 0}), slope({0, step_m, 0}), slope({0, 0, step_m})};
+        for (const bool phase : {false, true}) {
+            std::array<std::pair<Eigen::Index, double>, 6> row;
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                row[axis] = {of_place(k) + static_cast<Eigen::Index>(axis),
+                             phase ? -wave_number() * along[axis] : slopes[axis]};
+            row[3] = {of_speed(), phase ? wave_number() * range : 0.0};
+            row[4] = {of_microphone(k) + (phase ? 1 : 0), 1.0};
+            row[5] = {of_channel(j) + (phase ? 1 : 0), 1.0};
+            for (const auto& [a, at_a] : row) {
+                pull[a] += weight * at_a * (phase ? rest.imag() : rest.real());
+                for (const auto& [b, at_b] : row) normal_(a, b) += weight * at_a * at_b;
+            }
+        }
+    }
+
+    /// How much a channel's sounds at the places contradict that an element makes them, as a sum of squares over their
+    /// errors: 2 (places − 1) when nothing is wrong.
+    [[nodiscard]] double contradiction(std::size_t channel, std::size_t element) const {
+        Complex mean = 0.0;
+        double weights = 0.0;
+        std::vector<Complex> turns;
+        for (std::size_t k = 0; k < heard_.size(); ++k) {
+            const double weight = 1.0 / std::pow(error_of(k, channel), 2.0);
+            turns.push_back(sound(k, channel) / wave(element, places_[k]) *
+                            std::polar(std::exp(-mic_gain_[k]), -mic_phase_[k]));
+            mean += weight * turns.back();
+            weights += weight;
+        }
+        mean /= weights;
+        double sum = 0.0;
+        for (std::size_t k = 0; k < heard_.size(); ++k)
+            sum += std::norm(turns[k] / mean - 1.0) / std::pow(error_of(k, channel), 2.0);
+        return sum;
+    }
+
+    [[nodiscard]] std::vector<std::size_t> contradicting() const {
+        const double most = boost::math::quantile(
+            boost::math::complement(boost::math::chi_squared(2.0 * static_cast<double>(heard_.size() - 1)), unlikely));
+        std::vector<std::size_t> found;
+        for (std::size_t j = 0; j < channels_; ++j)
+            if (alive_[j] && contradiction(j, wired_[j]) > most) found.push_back(j);
+        return found;
+    }
+
+    /// Channels that contradict their elements are left out, the rest is fitted again, and each of them takes the
+    /// element, of those that are free, that it contradicts least.
+    void exchange_channels() {
+        std::vector<std::size_t> wrong = contradicting();
+        for (int round = 0; round < 3 && !wrong.empty(); ++round) {
+            for (std::size_t j = 0; j < channels_; ++j) trusted_[j] = std::ranges::find(wrong, j) == wrong.end();
+            refine();
+            wrong = contradicting();
+        }
+        std::vector<std::size_t> open, free;  // channels, and their elements
+        for (std::size_t j = 0; j < channels_; ++j)
+            if (!alive_[j] || std::ranges::find(wrong, j) != wrong.end()) {
+                open.push_back(j);
+                free.push_back(wired_[j]);
+            }
+        const double most = boost::math::quantile(
+            boost::math::complement(boost::math::chi_squared(2.0 * static_cast<double>(heard_.size() - 1)), unlikely));
+        std::map<std::size_t, std::size_t> element_of;
+        std::vector<std::size_t> taken;
+        for (const std::size_t j : wrong) {
+            const auto best = std::ranges::min_element(free, {}, [&](std::size_t e) { return contradiction(j, e); });
+            if (best == free.end() || contradiction(j, *best) > most) continue;
+            if (std::ranges::find(taken, *best) != taken.end()) continue;
+            element_of[j] = *best;
+            taken.push_back(*best);
+        }
+        // Channels that are left, dead ones among them, keep their element, or take one that is left.
+        std::vector<std::size_t> rest;
+        for (const std::size_t e : free)
+            if (std::ranges::find(taken, e) == taken.end()) rest.push_back(e);
+        for (const std::size_t j : open) {
+            if (element_of.contains(j)) continue;
+            auto at = std::ranges::find(rest, wired_[j]);
+            if (at == rest.end()) at = rest.begin();
+            element_of[j] = *at;
+            rest.erase(at);
+        }
+        for (const auto& [j, e] : element_of) wired_[j] = e;
+        for (std::size_t j = 0; j < channels_; ++j) trusted_[j] = true;
+        wrong = contradicting();
+        for (const std::size_t j : wrong) trusted_[j] = false;
+        doubtful_ = wrong;
+        begin_elements();
+        refine();
+    }
+
+    [[nodiscard]] double residual() const {
+        double rest = 0.0, all = 0.0;
+        for (std::size_t k = 0; k < heard_.size(); ++k)
+            for (std::size_t j = 0; j < channels_; ++j) {
+                if (!alive_[j] || !trusted_[j]) continue;
+                const Complex of_log = left(k, j);
+                const Complex model = sound(k, j) * std::polar(std::exp(-of_log.real()), -of_log.imag());
+                rest += std::norm(sound(k, j) - model);
+                all += std::norm(sound(k, j));
+            }
+        return std::sqrt(rest / all);
+    }
+
+    [[nodiscard]] Calibrated result() const {
+        const Eigen::MatrixXd covariance =
+            normal_.ldlt().solve(Eigen::MatrixXd::Identity(normal_.rows(), normal_.cols()));
+        const auto error = [&](Eigen::Index at) { return std::sqrt(covariance(at, at)); };
+        double mean = 0.0, count = 0.0;
+        for (std::size_t j = 0; j < channels_; ++j)
+            if (alive_[j]) {
+                mean += std::exp(gain_[j]);
+                count += 1.0;
+            }
+        mean /= count;
+        Calibrated found;
+        Calibration& calibration = found.calibration;
+        calibration.speed_m_s = array_.medium.speed_m_s * (1.0 + speed_);
+        calibration.residual = residual();
+        calibration.elements.resize(channels_);
+        Complex before = 0.0;
+        double ideal = 0.0;
+        for (std::size_t j = 0; j < channels_; ++j) {
+            MeasuredElement& element = calibration.elements[wired_[j]];
+            element.channel = static_cast<std::uint32_t>(j);
+            element.dead = !alive_[j];
+            if (element.dead) continue;
+            element.gain = std::exp(gain_[j]) / mean;
+            element.phase_rad = wrapped(phase_[j]);
+            element.reversed = reversed_[j];
+            element.gain_error = element.gain * error(of_channel(j));
+            element.phase_error_rad = error(of_channel(j) + 1);
+            const Complex made = wave(wired_[j], places_[0]);
+            before += std::polar(std::abs(made) * element.gain,
+                                 std::arg(made) + element.phase_rad + (element.reversed ? pi : 0.0) +
+                                     wave_number() * distance(array_.elements[j], places_[0]));
+            ideal += std::abs(made) * element.gain;
+            const double own = normal_(of_channel(j) + 1, of_channel(j) + 1);  // its error once the places are known
+            found.focus_after += std::abs(made) * element.gain * std::exp(-0.5 / own);
+        }
+        found.focus_before = std::abs(before) / ideal;
+        found.focus_after /= ideal;
+        found.places = places_;
+        found.speed_error_m_s = array_.medium.speed_m_s * error(of_speed());
+        for (std::size_t k = 0; k < heard_.size(); ++k)
+            found.place_errors_m.push_back(
+                std::max({error(of_place(k)), error(of_place(k) + 1), error(of_place(k) + 2)}));
+        found.faults = faults(calibration.elements);
+        return found;
+    }
+
+    [[nodiscard]] std::vector<CalibrationFault> faults(const std::vector<MeasuredElement>& elements) const {
+        std::vector<std::size_t> dead, weak, reversed, exchanged, contradicting;
+        std::string wires;
+        for (std::size_t m = 0; m < elements.size(); ++m) {
+            const MeasuredElement& e = elements[m];
+            if (e.dead) dead.push_back(m);
+            if (!e.dead && e.gain + 3.0 * e.gain_error.value_or(0.0) < 0.6) weak.push_back(m);
+            if (e.reversed) reversed.push_back(m);
+            if (mirrored_ ? (*mirrored_)[e.channel] == m : e.channel == m) continue;
+            exchanged.push_back(m);
+            wires += fmt::format("{}{} on channel {}", wires.empty() ? "" : ", ", m, e.channel);
+        }
+        for (const std::size_t j : doubtful_) contradicting.push_back(wired_[j]);
+        std::ranges::sort(contradicting);
+        std::vector<CalibrationFault> found;
+        const auto add = [&](const char* cause, const std::vector<std::size_t>& which, const std::string& what,
+                             const char* advice) {
+            if (!which.empty()) found.push_back({cause, which, what, advice});
+        };
+        const auto list = [](const char* what, const std::vector<std::size_t>& which) {
+            return fmt::format("{}: {}", what, fmt::join(which, ", "));
+        };
+        add("dead", dead, list("dead", dead),
+            "see its solder joints and its driver's output; exchange it with a neighbour to tell which");
+        add("weak", weak, list("weaker than others of its kind", weak),
+            "see that nothing covers it, its joints, and its driver's supply");
+        add("reversed", reversed, list("reversed", reversed),
+            "exchange its legs, or leave it: the calibration turns it");
+        add("exchanged", exchanged, "on another channel: " + wires,
+            "exchange the wires or connectors, or leave them: the calibration does");
+        add("contradicting", contradicting, list("heard otherwise from place to place than any element", contradicting),
+            "see that nothing stood between it and the microphone, and record again");
+        if (mirrored_)
+            found.push_back({"mirrored",
+                             {},
+                             "the array is mirrored or turned: its cable is the other way round",
+                             "turn the connector, or leave it: the calibration does"});
+        constexpr double loud = 0.15;
+        if (heard_.size() >= 2 && model_error_ > loud)
+            found.push_back(
+                {"echo",
+                 {},
+                 fmt::format("the places disagree by {:.0f} % of the sound: something reflects it",
+                             100.0 * model_error_),
+                 "move the array away from walls and the table's edge, or hang cloth there, and record again"});
+        return found;
+    }
+
+    const Array& array_;
+    std::span<const HeardAt> heard_;
+    const CalibrateOptions& options_;
+    std::size_t channels_;
+    std::vector<std::size_t> wired_;
+    std::vector<bool> alive_, trusted_, reversed_;
+    std::vector<double> gain_, phase_;  ///< the gain's logarithm; the phase without a reversed one's half turn
+    std::vector<double> mic_gain_, mic_phase_;
+    std::vector<double> agreement_;  ///< of the phases at each place, 1 when all are as their kind's
+    std::optional<std::vector<std::size_t>> mirrored_;
+    std::vector<Vec3> places_;
+    double speed_ = 0.0;  ///< over the array file's, less 1
+    double model_error_ = unmodelled;
+    Eigen::MatrixXd normal_;
+    std::vector<std::size_t> doubtful_;
+};
+
+}  // namespace
+
+Calibrated calibrate(const Array& array, std::span<const HeardAt> heard, const CalibrateOptions& options) {
+    if (heard.empty()) throw bad_argument("recordings", "there is none; give at least one");
+    for (const HeardAt& one : heard)
+        if (one.heard.sounds.size() != array.elements.size())
+            throw bad_argument(
+                "recordings", fmt::format("{} sounds for {} elements", one.heard.sounds.size(), array.elements.size()));
+    return Fit(array, heard, options).run();
+}
+
+}  // namespace haptogram

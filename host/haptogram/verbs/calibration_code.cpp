@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/verbs/calibration_code.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <random>
+
+#include "haptogram/acoustics/propagation.hpp"
+#include "haptogram/base/error.hpp"
+#include "haptogram/format/timer.hpp"
+#include "haptogram/solve/focal_law.hpp"
+
+namespace haptogram {
+namespace {
+
+using Complex = std::complex<double>;
+using Complexes = std::vector<Complex>;
+
+constexpr double turn = 2.0 * std::numbers::pi;
+/// Of a pattern, what is not listened to: transducers and the nearest echoes settle in its beginning, and its end may
+/// come early by the clock.
+constexpr double settling = 0.25, margin = 0.05;
+
+/// Any part of the recording at the carrier, as a mean: sums from the beginning make that two look-ups.
+class Baseband {
+public:
+    Baseband(const Recording& recording, double carrier_hz) : rate_hz_(recording.rate_hz), sums_{Complex(0.0)} {
+        const double mean = std::accumulate(recording.samples.begin(), recording.samples.end(), 0.0) /
+                            static_cast<double>(recording.samples.size());
+        sums_.reserve(recording.samples.size() + 1);
+        for (std::size_t i = 0; i < recording.samples.size(); ++i) {
+            const double turns = std::fmod(static_cast<double>(i) * carrier_hz / rate_hz_, 1.0);
+            sums_.push_back(sums_.back() + (recording.samples[i] - mean) * std::polar(2.0, -turn * turns));
+        }
+    }
+    [[nodiscard]] double seconds() const { return static_cast<double>(sums_.size() - 1) / rate_hz_; }
+    [[nodiscard]] Complex mean(double begin_s, double end_s) const {
+        const std::size_t begin = at(begin_s), end = std::max(at(end_s), begin + 1);
+        return (sums_[end] - sums_[begin]) / static_cast<double>(end - begin);
+    }
+
+private:
+    [[nodiscard]] std::size_t at(double time_s) const {
+        return static_cast<std::size_t>(
+            std::clamp(std::lround(time_s * rate_hz_), 0L, static_cast<long>(sums_.size()) - 2L));
+    }
+    double rate_hz_;
+    Complexes sums_;
+};
+
+/// Where patterns change, as a time after the beginning that is less than a pattern long: where the sound jumps most.
+double first_change_s(const Baseband& sound, double pattern_s) {
+    constexpr std::size_t steps = 64;
+    const double step_s = pattern_s / steps;
+    std::vector<double> jumps(steps);
+    for (std::size_t i = 2; static_cast<double>(i + 2) * step_s < sound.seconds(); ++i) {
+        const double at_s = static_cast<double>(i) * step_s;
+        jumps[i % steps] += std::norm(sound.mean(at_s, at_s + 2.0 * step_s) - sound.mean(at_s - 2.0 * step_s, at_s));
+    }
+    return static_cast<double>(std::ranges::max_element(jumps) - jumps.begin()) * step_s;
+}
+
+/// The carrier's error from how phases move within patterns, Hz.
+double rough_error_hz(const Baseband& sound, double first_s, double pattern_s) {
+    const double half_s = 0.5 * (1.0 - settling - margin) * pattern_s;
+    Complex sum = 0.0;
+    for (double begin_s = first_s; begin_s + pattern_s < sound.seconds(); begin_s += pattern_s) {
+        const double from_s = begin_s + settling * pattern_s;
+        sum += sound.mean(from_s + half_s, from_s + 2.0 * half_s) * std::conj(sound.mean(from_s, from_s + half_s));
+    }
+    return std::arg(sum) / (turn * half_s);
+}
+
+/// One pass of the code, as it would be heard from a time on with the carrier off by a frequency.
+struct Pass {
+    Complexes columns;
+    double silent_share = 1.0;  ///< of the power, in columns that have no element; by chance their share of the columns
+};
+
+Pass pass_at(const CalibrationCode& code, std::size_t elements, const Baseband& sound, double begin_s, double error_hz,
+             double carrier_hz) {
+    const double pattern_s = CalibrationCode::periods / (carrier_hz + error_hz);
+    Complexes sounds;
+    for (std::size_t i = 0; i < code.patterns(); ++i) {
+        const double at_s = begin_s + static_cast<double>(i) * pattern_s;
+        const double from_s = at_s + settling * pattern_s, to_s = at_s + (1.0 - margin) * pattern_s;
+        sounds.push_back(sound.mean(from_s, to_s) * std::polar(1.0, -turn * error_hz * 0.5 * (from_s + to_s)));
+    }
+    Pass pass{code.columns(sounds)};
+    double all = 0.0, silent = 0.0;
+    for (std::size_t j = 0; j < pass.columns.size(); ++j) {
+        all += std::norm(pass.columns[j]);
+        if (j >= elements) silent += std::norm(pass.columns[j]);
+    }
+    if (all > 0.0) pass.silent_share = silent / all;
+    return pass;
+}
+
+/// The elements that always play while others step: nine around the middle, so that one may be dead.
+std::vector<bool> steady_elements(const Array& array) {
+    constexpr std::size_t most = 9;
+    std::vector<std::size_t> order(array.elements.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, {}, [&](std::size_t m) { return norm(array.elements[m].position); });
+    std::vector<bool> steady(order.size());
+    for (std::size_t i = 0; i < std::min(most, order.size()); ++i) steady[order[i]] = true;
+    return steady;
+}
+
+Image empty_image(const Core& core) {
+    Image image;
+    image.channels = core.parameters.channels;
+    image.clock_hz = core.parameters.clock_hz;
+    image.timing_bits = core.parameters.timing_bits;
+    image.pulse_bits = core.parameters.pulse_bits;
+    return image;
+}
+
+Record silent_record(const Timer& timer, const Core& core) {
+    return {timer.cycle_ticks, timer.prescaler, static_cast<std::uint8_t>(timer.pulse_ticks),
+            std::vector<std::uint16_t>(core.parameters.channels, interface::silent_timing)};
+}
+
+void require_held(std::size_t records, const Array& array, const Core& core) {
+    require_channels(array, core);
+    if (records <= core.parameters.records && records < core.parameters.sequence_depth) return;
+    throw bad_input(
+        core.name,
+        fmt::format("for {} elements it takes {} records, and the board holds {} (and {} sequence "
+                    "entries); calibrate the array on a board that holds more",
+                    array.elements.size(), records, core.parameters.records, core.parameters.sequence_depth - 1));
+}
+
+/// A sound card that is driven too hard has its largest value again and again.
+void refuse_clipped(const Recording& recording) {
+    const auto [low, high] = std::ranges::minmax_element(recording.samples);
+    for (const double extreme : {*low, *high}) {
+        const auto count = std::ranges::count(recording.samples, extreme);
+        if (extreme != 0.0 && count >= 16)
+            throw bad_input(recording.name, fmt::format("it has its extreme value {:g} at {} samples: it was clipped; "
+                                                        "lower the recording level, or move the microphone away",
+                                                        extreme, count));
+    }
+}
+
+}  // namespace
+
+CalibrationCode::CalibrationCode(std::size_t elements) {
+    if (elements == 0) throw bad_input("calibration", "the array has no elements");
+    // At least an eighth of the columns have no element, and at least eight.
+    negated_.resize(std::bit_ceil(elements + std::max<std::size_t>(8, elements / 8)));
+    std::mt19937 random(39);
+    for (std::size_t i = 0; i < negated_.size(); ++i) negated_[i] = (random() >> 31U) != 0;
+}
+
+bool CalibrationCode::turned(std::size_t pattern, std::size_t element) const {
+    return (std::popcount(pattern & element) % 2 != 0) != negated_[pattern];
+}
+
+std::vector<Complex> CalibrationCode::columns(std::span<const Complex> sounds) const {
+    Complexes values(sounds.begin(), sounds.end());
+    for (std::size_t i = 0; i < values.size(); ++i)
+        values[i] *= (negated_[i] ? -1.0 : 1.0) / static_cast<double>(values.size());
+    // The fast Hadamard transform, in Sylvester's order.
+    for (std::size_t step = 1; step < values.size(); step *= 2)
+        for (std::size_t i = 0; i < values.size(); ++i)
+            if ((i & step) == 0) {
+                const Complex a = values[i], b = values[i + step];
+                values[i] = a + b;
+                values[i + step] = a - b;
+            }
+    return values;
+}
+
+Image calibration_image(const Array& array, const Core& core) {
+    const CalibrationCode code(array.elements.size());
+    require_held(code.patterns(), array, core);
+    const Timer timer = choose_timer(array, core);
+    Image image = empty_image(core);
+    for (std::size_t i = 0; i < code.patterns(); ++i) {
+        Record record = silent_record(timer, core);
+        for (std::size_t j = 0; j < array.elements.size(); ++j)
+            record.timings[j] =
+                code.turned(i, j) ? static_cast<std::uint16_t>(timer.cycle_ticks / 2) : std::uint16_t{0};
+        image.records.push_back(std::move(record));
+        image.sequence.push_back({static_cast<std::uint16_t>(i + 1), CalibrationCode::periods});
+    }
+    return image;
+}
+
+Image steps_image(const Array& array, const Core& core, Vec3 microphone) {
+    require_held(4 * array.elements.size(), array, core);
+    const Timer timer = choose_timer(array, core);
+    const std::vector<std::uint16_t> focused = focal_law(array, timer, {&microphone, 1});
+    const std::vector<bool> steady = steady_elements(array);
+    Image image = empty_image(core);
+    for (std::size_t j = 0; j < array.elements.size(); ++j)
+        for (std::uint32_t step = 0; step < 4; ++step) {
+            Record record = silent_record(timer, core);
+            for (std::size_t m = 0; m < array.elements.size(); ++m)
+                if (steady[m]) record.timings[m] = focused[m];
+            const std::uint32_t ahead = (step * timer.cycle_ticks + 2) / 4;
+            record.timings[j] =
+                static_cast<std::uint16_t>((focused[j] + timer.cycle_ticks - ahead) % timer.cycle_ticks);
+            image.records.push_back(std::move(record));
+            image.sequence.push_back({static_cast<std::uint16_t>(image.records.size()), CalibrationCode::periods});
+        }
+    return image;
+}
+
+ElementSounds from_steps(const Array& array, std::span<const double> readings, Vec3 microphone,
+                         const std::string& name) {
+    const std::size_t elements = array.elements.size();
+    if (readings.size() != 4 * elements)
+        throw bad_input(name, fmt::format("{} readings, expected {}: one of each record, four an element",
+                                          readings.size(), 4 * elements));
+    const std::vector<bool> steady = steady_elements(array);
+    const auto square = [&](std::size_t j, std::size_t step) {
+        return readings[4 * j + step] * readings[4 * j + step];
+    };
+    double together = 0.0, count = 0.0;  // the steady ones', squared
+    for (std::size_t j = 0; j < elements; ++j)
+        if (steady[j]) {
+            together += square(j, 0);
+            count += 1.0;
+        }
+    const double sum = std::sqrt(together / count);
+    if (!(sum > 0.0)) throw bad_input(name, "the microphone heard nothing of the elements in the middle");
+    const std::vector<Complex> focused = ideal_drives(array, microphone);
+    ElementSounds found;
+    double rest = 0.0;
+    for (std::size_t j = 0; j < elements; ++j) {
+        // Of the squares |R + h·jˢ|² of the others' sound R and the element's h, differences are 4·Re and −4·Im of
+        // R*·h.
+        const Complex product((square(j, 0) - square(j, 2)) / 4.0, (square(j, 3) - square(j, 1)) / 4.0);
+        Complex own = product / sum;
+        for (int round = 0; steady[j] && round < 20; ++round) own = (product + std::norm(own)) / sum;  // R is less by h
+        found.sounds.push_back(own * std::conj(focused[j]) / std::abs(focused[j]));
+        rest += std::pow(square(j, 0) + square(j, 2) - square(j, 1) - square(j, 3), 2.0);
+    }
+    found.noise = std::sqrt(rest / static_cast<double>(elements)) / (4.0 * sum);
+    return found;
+}
+
+ElementSounds decode(const Recording& recording, std::size_t elements, double carrier_hz) {
+    constexpr double least_rate = 2.2;  // of the carrier: a sound card's filter ends before half of its rate
+    if (!(recording.rate_hz >= least_rate * carrier_hz))
+        throw bad_input(recording.name, fmt::format("{:g} samples a second cannot hold {:g} Hz; record at {:g} Hz or "
+                                                    "more",
+                                                    recording.rate_hz, carrier_hz, 96e3 * carrier_hz / 40e3));
+    const CalibrationCode code(elements);
+    const double pattern_s = CalibrationCode::periods / carrier_hz;
+    const double pass_s = pattern_s * static_cast<double>(code.patterns());
+    const double seconds = static_cast<double>(recording.samples.size()) / recording.rate_hz;
+    if (seconds < pass_s)
+        throw bad_input(recording.name, fmt::format("it is {:.2f} s long, and one pass of the code {:.2f} s; record "
+                                                    "twice that, so that it has a whole one",
+                                                    seconds, pass_s));
+    refuse_clipped(recording);
+    const Baseband sound(recording, carrier_hz);
+    const double first_s = first_change_s(sound, pattern_s);
+    const double rough_hz = rough_error_hz(sound, first_s, pattern_s);
+    // The share of the silent columns is least where the code begins, if the carrier is right to a part of a turn a
+    // pass.
+    const double step_hz = 0.25 / pass_s;
+    constexpr double range_hz = 4.0;
+    ElementSounds found;
+    double least = 1.0, error_hz = rough_hz;
+    const auto try_at = [&](double begin_s, double hz) {
+        const double share = pass_at(code, elements, sound, begin_s, hz, carrier_hz).silent_share;
+        if (share >= least) return;
+        least = share;
+        found.start_s = begin_s;
+        error_hz = hz;
+    };
+    for (double begin_s = first_s - pattern_s; begin_s + pass_s < seconds + margin * pattern_s; begin_s += pattern_s)
+        if (begin_s > -settling * pattern_s)
+            for (double hz = rough_hz - range_hz; hz <= rough_hz + range_hz; hz += step_hz) try_at(begin_s, hz);
+    const double by_chance = static_cast<double>(code.patterns() - elements) / static_cast<double>(code.patterns());
+    if (!(least < 0.5 * by_chance))
+        throw bad_input(recording.name,
+                        fmt::format("the code for {} elements is not in it: what sounds at {:g} Hz is {}; see that the "
+                                    "board played this array's code, and that the microphone hears 40 kHz",
+                                    elements, carrier_hz, least == 1.0 ? "nothing" : "something else, or noise"));
+    for (double step = step_hz / 2.0; step > 1e-3 * step_hz; step /= 2.0)
+        for (const double hz : {error_hz - step, error_hz + step}) try_at(found.start_s, hz);
+    // Further passes are turned to the first before they are added.
+    const double pass_there_s = pass_s * carrier_hz / (carrier_hz + error_hz);
+    const Pass first = pass_at(code, elements, sound, found.start_s, error_hz, carrier_hz);
+    Complexes sum = first.columns;
+    found.passes = 1;
+    for (double begin_s = found.start_s + pass_there_s; begin_s + pass_there_s < seconds; begin_s += pass_there_s) {
+        const Pass next = pass_at(code, elements, sound, begin_s, error_hz, carrier_hz);
+        if (!(next.silent_share < 0.5 * by_chance)) break;  // it was stopped there
+        Complex both = 0.0;
+        for (std::size_t j = 0; j < elements; ++j) both += first.columns[j] * std::conj(next.columns[j]);
+        for (std::size_t j = 0; j < sum.size(); ++j) sum[j] += next.columns[j] * both / std::abs(both);
+        ++found.passes;
+    }
+    double silent = 0.0;
+    for (std::size_t j = 0; j < sum.size(); ++j) {
+        sum[j] /= static_cast<double>(found.passes);
+        if (j >= elements) silent += std::norm(sum[j]);
+    }
+    found.noise = std::sqrt(silent / static_cast<double>(sum.size() - elements));
+    found.clock_ppm = error_hz / carrier_hz * 1e6;
+    sum.resize(elements);
+    found.sounds = std::move(sum);
+    return found;
+}
+
+}  // namespace haptogram
