@@ -195,7 +195,7 @@ module command_unit #(
                 o_repeated <= o_status == `HG_REPLY_REPEATED;
                 o_refused  <= o_status > `HG_REPLY_REPEATED;
                 if (o_status == `HG_REPLY_OK && !message) {session_q, o_expected} <= {1'b1, o_sequence + 8'd1};
-                if (STREAM != 0 && command_q == `HG_COMMAND_IDENTIFY) session_number_q <= o_sequence;
+                if (o_status == `HG_REPLY_OK && command_q == `HG_COMMAND_IDENTIFY) session_number_q <= o_sequence;
                 o_answer <= !message;
                 state_q  <= message ? LENGTH : ANSWER;
             end

@@ -151,5 +151,9 @@ module pattern_slots #(
     end
 
     wire unused = &{1'b0, focus_word, record_q, last_focus_word};
+
+`ifdef FORMAL
+    `include "formal/pattern_slots.vh"
+`endif
 endmodule
 `default_nettype wire

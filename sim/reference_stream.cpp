@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reference_stream.hpp"
 
-#include <algorithm>
 
 namespace haptogram::sim {
 namespace {
@@ -103,7 +102,7 @@ void PatternStream::forget(Clock clock) {
 void PatternStream::pass(Clock clock) {
     if (forgotten_ || clock <= forget_at_) return;
     forgotten_ = true;
-    std::ranges::fill(waits_, false);
+    waits_.assign(waits_.size(), false);
     if (turn_at_ <= forget_at_ + 1) turn_at_ = never;
     refused_ = {};
     keeps_ = false;
