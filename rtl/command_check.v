@@ -17,6 +17,7 @@ module command_check #(
     parameter FOCI           = 0,
     parameter SCHEDULE       = 0,
     parameter SYNC           = 0,
+    parameter STREAM         = 0,
     parameter WORD_BITS      = 16
 ) (
     input  wire        clk,
@@ -35,6 +36,7 @@ module command_check #(
     input  wire        i_at_end,
     input  wire        i_ring_usable,   // from focus_ring
     input  wire        i_ring_fits,
+    input  wire        i_stream_usable, // from pattern_stream
     output reg  [7:0]  o_status
 );
     localparam RECORD_WORDS = CHANNELS + `HG_RECORD_HEADER_WORDS;
@@ -44,7 +46,8 @@ module command_check #(
     localparam GEOMETRY_WORDS = FOCI != 0 ? 4 * CHANNELS : 0;
     localparam SAMPLE_WORDS = MODULATION_DEPTH / 2;
     localparam [16:0] SAMPLES = MODULATION_DEPTH[16:0];
-    localparam STATUS_WORDS = SCHEDULE != 0 ? `HG_STATUS_WORDS : `HG_STATUS_UNTIMED_WORDS;
+    localparam STATUS_WORDS = STREAM != 0 ? `HG_STATUS_WORDS : SCHEDULE != 0 ? `HG_STATUS_UNSTREAMED_WORDS : `HG_STATUS_UNTIMED_WORDS;
+    localparam STREAM_WORDS = STREAM != 0 ? `HG_STREAM_WORDS : 0;
     localparam RING_WORDS = FOCI != 0 ? `HG_RING_WORDS : 0;
     localparam ENTRY_BITS = $clog2(SEQUENCE_DEPTH + 1);
     localparam [ENTRY_BITS:0] ENTRIES = SEQUENCE_DEPTH[ENTRY_BITS:0];
@@ -91,6 +94,7 @@ module command_check #(
             `HG_REGION_GEOMETRY:   region_words = writes ? GEOMETRY_WORDS[WORD_BITS:0] : NO_WORDS;
             `HG_REGION_MODULATION: region_words = SAMPLE_WORDS[WORD_BITS:0];
             `HG_REGION_RING:       region_words = RING_WORDS[WORD_BITS:0];
+            `HG_REGION_STREAM:   region_words = STREAM_WORDS[WORD_BITS:0];
             default:             region_words = NO_WORDS;
         endcase
         o_status = `HG_REPLY_OK;
@@ -123,6 +127,9 @@ module command_check #(
                 if (FOCI == 0) o_status = `HG_REPLY_UNKNOWN_COMMAND;
                 else if (!i_ring_usable || (SCHEDULE != 0 && i_at_end)) o_status = `HG_REPLY_BAD_RANGE;
                 else if (!i_ring_fits) o_status = `HG_REPLY_FIFO_FULL;
+            `HG_COMMAND_STREAM:
+                if (STREAM == 0) o_status = `HG_REPLY_UNKNOWN_COMMAND;
+                else if (!i_stream_usable) o_status = `HG_REPLY_BAD_RANGE;
             default: ;
         endcase
     end

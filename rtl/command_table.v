@@ -27,6 +27,7 @@ module command_table (
             8'h0f: o_shape = {1'b1, 2'd3, 1'b0, 2'd0};  // modulate
             8'h10: o_shape = {1'b1, 2'd3, 1'b0, 2'd0};  // gate
             8'h11: o_shape = {1'b1, 2'd1, 1'b1, 2'd0};  // push_foci
+            8'h12: o_shape = {1'b1, 2'd3, 1'b1, 2'd0};  // stream
             8'h18: o_shape = {1'b1, 2'd1, 1'b0, 2'd0};  // sync
             default: o_shape = 6'd0;
         endcase

@@ -9,14 +9,17 @@
 // o_keep or o_take_back; so do those of PUSH_FOCI, whose words are written to where focus_ring says. Writes go out one word a clock and pause only for i_hold; memory_controller.v relies on that.
 // Frames arrive on a valid/take stream from frame_receiver: the length in bytes, then the words. An answer starts with the
 // o_answer strobe, and what it is about stays until i_answered.
+// STREAM is a message: it has no place among the frames, but the number of its session, and is not answered. Its words are written
+// to where pattern_stream says.
 // i_top_index is the highest index that PUSH may name. WORD_BITS is as wide as the address of a 16-bit word in the
-// largest region. STATUS_WORDS is the length of the status block. FOCI is the core's. LENGTH_BITS is as wide as the length of a frame in bytes.
+// largest region. STATUS_WORDS is the length of the status block. FOCI and STREAM are the core's. LENGTH_BITS is as wide as the length of a frame in bytes.
 `default_nettype none
 `include "interface.vh"
 module command_unit #(
     parameter WORD_BITS   = 16,
     parameter STATUS_WORDS = `HG_STATUS_UNTIMED_WORDS,
     parameter FOCI        = 0,
+    parameter STREAM      = 0,
     parameter LENGTH_BITS = 10
 ) (
     input  wire        clk,
@@ -49,6 +52,14 @@ module command_unit #(
     input  wire        i_ring_wraps,
     input  wire        i_ring_complete,
     input  wire        i_ring_split,
+    // From and to pattern_stream
+    output wire        o_streams,           // strobe: a word of it is taken
+    output wire        o_close,             // strobe: the frame has ended
+    input  wire        i_stream_wait,
+    input  wire        i_stream_place,      // strobe: the next one goes to
+    input  wire [WORD_BITS-1:0] i_stream_address,
+    input  wire        i_stream_keeps,
+    input  wire        i_stream_split,
     // PUSH and PUSH_FOCI: indices for the live FIFO, and what becomes of them
     output wire        o_push,
     output wire        o_keep,
@@ -76,6 +87,7 @@ module command_unit #(
     reg [1:0]  count_q;                     // arguments taken
     reg        bad_index_q;                 // a PUSH has named an index above RECORDS
     reg        session_q;
+    reg [7:0]  session_number_q;            // that of the IDENTIFY which began it
 
     // What command_table says of this command.
     wire [5:0] shape_d;
@@ -99,9 +111,10 @@ module command_unit #(
     wire [26:0] argument_address = {argument_q[1][11:0], argument_q[0][15:1]};  // of a word; command_check checks the other bits
     wire unused = &{1'b0, argument_address};
     wire foci  = FOCI != 0 && command_q == `HG_COMMAND_PUSH_FOCI;
-    wire puts  = command_q == `HG_COMMAND_WRITE || foci;
+    wire message = STREAM != 0 && command_q == `HG_COMMAND_STREAM;
+    wire puts  = command_q == `HG_COMMAND_WRITE || foci || message;
     wire pushes = command_q == `HG_COMMAND_PUSH || foci;
-    wire hold = i_hold && puts;
+    wire hold = message ? i_stream_wait || (i_hold && i_stream_keeps) : i_hold && puts;
     wire reads = reply_q != 2'd0 && o_status <= `HG_REPLY_REPEATED;
     wire takes_argument = state_q == ARGUMENTS && !bad_length && count_q != args_q;
     wire takes_rest     = (state_q == TAIL && !hold) || state_q == DRAIN;
@@ -110,7 +123,9 @@ module command_unit #(
     assign o_settle      = state_q == SETTLE;
     assign o_tail_words  = {{(16-LENGTH_BITS){1'b0}}, tail_words_q};
     assign o_take        = i_valid && (state_q == LENGTH || state_q == HEADER || (!done && (takes_rest || takes_argument)));
-    assign o_write       = state_q == TAIL && !done && !hold && puts;
+    assign o_write       = state_q == TAIL && !done && !hold && puts && (!message || i_stream_keeps);
+    assign o_streams     = state_q == TAIL && !done && !hold && message;
+    assign o_close       = state_q == CLOSE;
     assign o_push        = state_q == TAIL && !done && (command_q == `HG_COMMAND_PUSH || (foci && !hold && i_ring_complete));
     assign o_keep        = state_q == CLOSE && pushes && o_status == `HG_REPLY_OK;
     assign o_take_back   = state_q == CLOSE && pushes && o_status != `HG_REPLY_OK;
@@ -127,6 +142,7 @@ module command_unit #(
         tail_words_q <= payload_words_q - arg_words;
         if (o_take && state_q != LENGTH && state_q != HEADER) words_q <= words_q - 1'b1;
         if (o_write) o_address <= foci && i_ring_wraps ? i_ring_start : o_address + 1'b1;
+        if (message && i_stream_place) o_address <= i_stream_address;
 
         case (state_q)
             LENGTH: if (i_valid) begin
@@ -153,7 +169,7 @@ module command_unit #(
 
             SETTLE: begin  // the blocks that IDENTIFY and STATUS answer with have no address among their arguments
                 o_region  <= reply_q == 2'd1 ? `HG_REGION_IDENTITY : reply_q == 2'd2 ? `HG_REGION_STATUS
-                           : foci ? `HG_REGION_PRIMARY : argument_q[1][15:12];
+                           : foci || message ? `HG_REGION_PRIMARY : argument_q[1][15:12];
                 o_address <= reply_q == 2'd1 || reply_q == 2'd2 ? {WORD_BITS{1'b0}}
                            : foci ? i_ring_address : argument_address[WORD_BITS-1:0];
                 bad_index_q <= 1'b0;
@@ -161,15 +177,15 @@ module command_unit #(
             end
 
             JUDGE:
-                if (!in_order && !repeated) finish(`HG_REPLY_OUT_OF_ORDER);
-                else if (repeated && reply_q == 2'd0) finish(`HG_REPLY_REPEATED);
+                if (message ? !session_q || o_sequence != session_number_q : !in_order && !repeated) finish(`HG_REPLY_OUT_OF_ORDER);
+                else if (!message && repeated && reply_q == 2'd0) finish(`HG_REPLY_REPEATED);
                 else if (i_status != `HG_REPLY_OK) finish(i_status);
                 else if (tail_q) state_q <= TAIL;
                 else finish(repeated ? `HG_REPLY_REPEATED : `HG_REPLY_OK);
 
             TAIL: begin
                 if (o_push && !foci && i_word > i_top_index) bad_index_q <= 1'b1;
-                if (done) finish(bad_index_q ? `HG_REPLY_BAD_INDEX : foci && i_ring_split ? `HG_REPLY_BAD_LENGTH : `HG_REPLY_OK);
+                if (done) finish(bad_index_q ? `HG_REPLY_BAD_INDEX : (foci && i_ring_split) || (message && i_stream_split) ? `HG_REPLY_BAD_LENGTH : `HG_REPLY_OK);
             end
 
             DRAIN: if (done) state_q <= CLOSE;  // what is left of a refused frame
@@ -178,9 +194,10 @@ module command_unit #(
                 o_execute  <= o_status == `HG_REPLY_OK;
                 o_repeated <= o_status == `HG_REPLY_REPEATED;
                 o_refused  <= o_status > `HG_REPLY_REPEATED;
-                if (o_status == `HG_REPLY_OK) {session_q, o_expected} <= {1'b1, o_sequence + 8'd1};
-                o_answer <= 1'b1;
-                state_q  <= ANSWER;
+                if (o_status == `HG_REPLY_OK && !message) {session_q, o_expected} <= {1'b1, o_sequence + 8'd1};
+                if (o_status == `HG_REPLY_OK && command_q == `HG_COMMAND_IDENTIFY) session_number_q <= o_sequence;
+                o_answer <= !message;
+                state_q  <= message ? LENGTH : ANSWER;
             end
 
             default: if (i_answered) state_q <= LENGTH;  // ANSWER

@@ -49,6 +49,7 @@ module frame_player #(
     output wire [15:0]         o_parameter_word,
     output wire [15:0]         o_sample_word,
     output wire                o_fetching,
+    output wire [15:0]         o_foci_base,
     output wire [15:0]         o_foci_count,
     output wire [2:0]          o_foci_last,
     input  wire                i_modulate,       // strobe: settings of the modulation
@@ -57,6 +58,10 @@ module frame_player #(
     input  wire [15:0]         i_form,           // bit 0: over and over; the others: half the number of the first sample
     input  wire                i_modulates,      // strobe, not before that: they take effect
     input  wire                i_at_pass_end,    // with it: when the present pass has ended
+    input  wire                i_streams,        // pattern_stream's, whose turns follow o_go
+    output wire                o_go,
+    input  wire                i_fades,          // all amplitudes change by at most i_fade a period
+    input  wire [15:0]         i_fade,
     input  wire                i_enable,
     input  wire                i_disable,
     input  wire                i_together,       // with other boards: cycles have IDLE_CLOCKS clocks, and changes wait for their end
@@ -88,7 +93,7 @@ module frame_player #(
 
     // ---- Settings
 
-    wire [15:0] foci_base, foci_cycle, gain, phase_rate, amplitude_rate;
+    wire [15:0] foci_cycle, gain, phase_rate, amplitude_rate;
     wire [17:0] wave_number;
     wire [11:0] arrival_periods;
     wire [1:0]  slew;
@@ -98,7 +103,7 @@ module frame_player #(
         .clk(clk),
         .i_write(i_set_parameter), .i_write_address(i_set_address[4:0]), .i_write_word(i_set_word),
         .i_read_address(i_read_address[4:0]), .o_word(o_parameter_word),
-        .o_foci_base(foci_base), .o_foci_count(o_foci_count), .o_foci_last(o_foci_last), .o_foci_whole(foci_whole),
+        .o_foci_base(o_foci_base), .o_foci_count(o_foci_count), .o_foci_last(o_foci_last), .o_foci_whole(foci_whole),
         .o_foci_cycle(foci_cycle), .o_wave_number(wave_number), .o_gain(gain),
         .o_slew(slew), .o_phase_rate(phase_rate), .o_amplitude_rate(amplitude_rate), .o_arrival_periods(arrival_periods));
 
@@ -122,7 +127,7 @@ module frame_player #(
         .i_preempt(i_preempt || i_drop), .i_entry(i_entry), .i_common(i_together), .o_take(o_take), .i_index(i_index), .i_dwell(i_dwell),
         .o_reading(o_reading), .o_address(o_address), .i_word(i_word),
         .i_set_geometry(i_set_geometry), .i_set_address(i_set_address[CHANNEL_BITS+1:0]), .i_set_word(i_set_word),
-        .i_foci_base(foci_base), .i_foci_count(o_foci_count), .i_foci_last(o_foci_last), .i_foci_whole(foci_whole), .i_foci_cycle(foci_cycle),
+        .i_foci_base(o_foci_base), .i_foci_count(o_foci_count), .i_foci_last(o_foci_last), .i_foci_whole(foci_whole), .i_foci_cycle(foci_cycle),
         .i_wave_number(wave_number), .i_gain(gain),
         .i_take_over(take_over), .o_ready(loaded), .o_silent(silent), .o_amplitudes(amplitudes),
         .o_index(next_index), .o_dwell(next_dwell), .o_cycle_length(next_cycle_length), .o_prescaler(next_prescaler),
@@ -145,7 +150,7 @@ module frame_player #(
     period_controller #(
         .CHANNELS(CHANNELS), .TIMING_BITS(TIMING_BITS), .WIDTH_BITS(WIDTH_BITS), .LEAD(LEAD), .IDLE_CLOCKS(IDLE_CLOCKS)
     ) periods (
-        .clk(clk), .rst(rst), .i_allow(allow || i_together), .i_preempt(i_preempt),
+        .clk(clk), .rst(rst), .i_allow(allow || i_together), .i_preempt(i_preempt), .i_streams(i_streams),
         .i_tick(tick), .i_cycle_start(cycle_start), .i_settled(settled), .i_follows(follows), .i_asked(asked),
         .i_commit(commit), .i_refresh(refresh), .o_preempt(asks), .o_ready(ready), .o_refresh(refreshes), .o_words(words), .o_centred(centred),
         .o_index(index), .o_dwell(dwell), .o_silent(still), .o_cycle_length(cycle_length), .o_prescaler(prescaler), .o_longest(longest),
@@ -155,7 +160,7 @@ module frame_player #(
         .o_bank(bank), .o_channel(channel), .o_mute(mute), .o_begin(begins), .o_new_target(new_target), .o_raw(raw),
         .o_raw_width(raw_width), .o_cycle(cycle_ticks), .o_drop(drop), .i_ready(emission_ready), .o_valid(valid), .o_last(last),
         .i_word(word_valid), .i_word_last(word_last), .i_width(width), .i_bent(bent),
-        .o_period(period), .o_busy(busy), .o_bent(bent_words), .o_missed(missed));
+        .o_period(period), .o_go(o_go), .o_busy(busy), .o_bent(bent_words), .o_missed(missed));
 
     modulator #(.DEPTH(MODULATION_DEPTH)) samples (
         .clk(clk), .rst(rst),
@@ -169,7 +174,8 @@ module frame_player #(
     reg [15:0] phase_rate_q, amplitude_rate_q;
     reg [11:0] arrival_periods_q;
     always @(posedge clk) if (!busy)
-        {slew_q, phase_rate_q, amplitude_rate_q, arrival_periods_q} <= {slew, phase_rate, amplitude_rate, arrival_periods};
+        {slew_q, phase_rate_q, amplitude_rate_q, arrival_periods_q}
+            <= i_fades ? {2'd1, 16'hffff, i_fade, arrival_periods} : {slew, phase_rate, amplitude_rate, arrival_periods};
 
     emission #(
         .CHANNELS(CHANNELS), .TIMING_BITS(TIMING_BITS), .WIDTH_BITS(WIDTH_BITS), .LEAST_WIDTH(MIN_PULSE_CLOCKS), .SLEW(SLEW)

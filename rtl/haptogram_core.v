@@ -95,20 +95,23 @@ module haptogram_core #(
     wire [WORD_BITS-1:0] command_address, ring_address, ring_start;
     wire        gate_busy, at_end, ring_usable, ring_fits, ring_wraps, ring_complete, ring_split;
     wire [3:0]  region;
+    wire        stream_usable, stream_waits, stream_takes, stream_place, stream_keeps, stream_split, closes;
+    wire [WORD_BITS-1:0] stream_address;
 
     command_check #(
         .CHANNELS(CHANNELS), .RECORDS(RECORDS), .SEQUENCE_DEPTH(SEQUENCE_DEPTH), .WIDTH_BITS(WIDTH_BITS),
-        .MODULATION_DEPTH(MODULATION_DEPTH), .FOCI(FOCI), .SCHEDULE(SCHEDULE), .SYNC(SYNC), .WORD_BITS(WORD_BITS)
+        .MODULATION_DEPTH(MODULATION_DEPTH), .FOCI(FOCI), .SCHEDULE(SCHEDULE), .SYNC(SYNC), .STREAM(STREAM), .WORD_BITS(WORD_BITS)
     ) check (
         .clk(clk),
         .i_settle(settle), .i_command(command),
         .i_argument_0(argument_0), .i_argument_1(argument_1), .i_argument_2(argument_2), .i_tail_words(tail_words),
         .i_live_free(live_free), .i_stopped(stopped), .i_out_of_step(out_of_step), .i_top_index(top_index), .i_header_valid(header_valid),
         .i_gate_busy(gate_busy), .i_at_end(at_end), .i_ring_usable(ring_usable), .i_ring_fits(ring_fits),
-        .o_status(verdict));
+        .i_stream_usable(stream_usable), .o_status(verdict));
 
     command_unit #(
-        .WORD_BITS(WORD_BITS), .STATUS_WORDS(SCHEDULE != 0 ? `HG_STATUS_WORDS : `HG_STATUS_UNTIMED_WORDS), .FOCI(FOCI),
+        .WORD_BITS(WORD_BITS), .STATUS_WORDS(STREAM != 0 ? `HG_STATUS_WORDS : SCHEDULE != 0 ? `HG_STATUS_UNSTREAMED_WORDS : `HG_STATUS_UNTIMED_WORDS),
+        .FOCI(FOCI), .STREAM(STREAM),
         .LENGTH_BITS(RING_BITS + 2)
     ) commands (
         .clk(clk), .rst(rst),
@@ -118,7 +121,8 @@ module haptogram_core #(
         .o_execute(execute), .o_repeated(repeated), .o_refused(refused),
         .o_write(write), .i_hold(hold), .o_address(command_address), .o_region(region),
         .i_ring_address(ring_address), .i_ring_start(ring_start), .i_ring_wraps(ring_wraps), .i_ring_complete(ring_complete),
-        .i_ring_split(ring_split), .o_push(push), .o_keep(keep), .o_take_back(take_back),
+        .i_ring_split(ring_split), .o_streams(stream_takes), .o_close(closes), .i_stream_wait(stream_waits), .i_stream_place(stream_place), .i_stream_address(stream_address),
+        .i_stream_keeps(stream_keeps), .i_stream_split(stream_split), .o_push(push), .o_keep(keep), .o_take_back(take_back),
         .o_answer(answer), .o_status(status), .o_sequence(sequence_number), .o_expected(expected), .o_read_words(read_words),
         .i_answered(answered));
 
@@ -177,7 +181,13 @@ module haptogram_core #(
     wire [47:0] period;
     wire [31:0] live_entry;
     wire [15:0] next_index, next_dwell;
-    wire [1:0]  mode;
+    wire [15:0] source_index, source_dwell, stream_index;
+    wire [1:0]  mode, source_mode;
+    wire        source_entry, source_drop, streams, stream_begins, stream_entry, stream_drop;
+    wire [3:0]  stream_counts;
+    wire        supplants = does_select || starts || plays_live;  // something else than a stream begins
+    assign {entry, next_index, next_dwell} = streams ? {stream_entry, stream_index, 16'd0} : {source_entry, source_index, source_dwell};
+    assign {mode, drop} = {streams ? `HG_MODE_LIVE : source_mode, source_drop || stream_drop};
 
     live_fifo #(.DEPTH(LIVE_DEPTH)) live (
         .clk(clk), .rst(play_rst), .i_clear(live_clear),
@@ -188,20 +198,20 @@ module haptogram_core #(
 
     index_source #(.SEQUENCE_DEPTH(SEQUENCE_DEPTH)) source (
         .clk(clk), .rst(play_rst),
-        .i_select(does_select), .i_start(starts), .i_stop(stops), .i_live(plays_live),
-        .i_follow(follow), .o_followed(followed), .i_host((execute && !asks) || heard || line_broken),
+        .i_select(does_select), .i_start(starts), .i_stop(stops || (stream_begins && !supplants)), .i_live(plays_live),
+        .i_follow(follow && !streams), .o_followed(followed), .i_host((execute && !asks) || heard || line_broken),
         .i_header(write && region == `HG_REGION_SEQUENCE && command_address == {WORD_BITS{1'b0}}), .i_header_word(frame_word[14:0]),
         .o_header_valid(header_valid),
         .i_argument_0(start_0), .i_argument_1(start_1), .i_argument_2(start_2),
         .o_fetching(fetching), .o_sequence_address(sequence_address), .i_sequence_word(sequence_word),
         .i_live_valid(live_valid), .i_live_empty(live_level == 16'd0), .i_live_entry(live_entry), .o_live_take(live_take), .o_live_clear(live_clear),
-        .o_preempt(preempt), .o_drop(drop), .o_entry(entry), .i_take(take), .o_index(next_index), .o_dwell(next_dwell),
-        .o_mode(mode), .o_autostart(autostart));
+        .o_preempt(preempt), .o_drop(source_drop), .o_entry(source_entry), .i_take(take && !streams), .o_index(source_index), .o_dwell(source_dwell),
+        .o_mode(source_mode), .o_autostart(autostart));
 
     generate
         if (SCHEDULE != 0) begin : keeps_time
             schedule times (
-                .clk(clk), .rst(play_rst), .i_count(period), .i_mode(mode),
+                .clk(clk), .rst(play_rst), .i_count(period), .i_mode(source_mode),
                 .i_gate(execute && command == `HG_COMMAND_GATE), .i_select(does_select), .i_start(does_start), .i_stop(stops),
                 .i_modulate(does_modulate), .i_forget((execute && command == `HG_COMMAND_IDENTIFY) || ((starts_now || keep) && unplayed)),
                 .i_argument_0(argument_0), .i_argument_1(argument_1), .i_argument_2(argument_2), .o_busy(gate_busy), .o_at_end(at_end),
@@ -254,8 +264,12 @@ module haptogram_core #(
             assign {ring_usable, ring_fits, ring_wraps, ring_complete, ring_split, ring_index, ring_address, ring_start} = 0;
             wire   unused = &{1'b0, at_pass_end, modulates, drop};
             assign {sample_word, sampling, modulated, bent_period, far_foci} = 20'd0;
+            assign {stream_usable, stream_waits, stream_place, stream_keeps, stream_split, stream_address, stream_counts} = 0;
+            assign {streams, stream_begins, stream_entry, stream_drop, stream_index} = 20'd0;
+            wire   unused_stream = &{1'b0, stream_takes, closes};
         end else begin : own_widths
-            wire [15:0] parameter_word, ring_word, foci_count;
+            wire [15:0] parameter_word, ring_word, stream_word, foci_base, foci_count, fade;
+            wire        go, fades;
             wire [2:0]  foci_last;
             wire [31:0] set_address = {{(32-WORD_BITS){1'b0}}, command_address}, read_address = {{(32-WORD_BITS){1'b0}}, reply_address};
             wire        unused = &{1'b0, set_address[31:16], read_address[31:16]};
@@ -271,7 +285,8 @@ module haptogram_core #(
                 .i_set_parameter(write && region == `HG_REGION_PARAMETERS), .i_set_geometry(write && region == `HG_REGION_GEOMETRY),
                 .i_set_sample(write && region == `HG_REGION_MODULATION), .i_set_address(set_address[15:0]), .i_set_word(frame_word),
                 .i_read_address(read_address[15:0]), .o_parameter_word(parameter_word), .o_sample_word(sample_word),
-                .o_fetching(sampling), .o_foci_count(foci_count), .o_foci_last(foci_last),
+                .o_fetching(sampling), .o_foci_base(foci_base), .o_foci_count(foci_count), .o_foci_last(foci_last),
+                .i_streams(streams), .o_go(go), .i_fades(fades), .i_fade(fade),
                 .i_modulate(does_modulate), .i_divider(argument_0), .i_length(argument_1), .i_form(argument_2),
                 .i_modulates(modulates), .i_at_pass_end(at_pass_end),
                 .i_enable(does_enable), .i_disable(disables),
@@ -280,7 +295,8 @@ module haptogram_core #(
                 .o_refused(record_refused), .o_underrun(underrun), .o_guard_trip(guard_trip),
                 .o_modulated(modulated), .o_bent(bent_period), .o_far(far_foci));
             assign block_word = region == `HG_REGION_PARAMETERS ? parameter_word
-                              : FOCI != 0 && region == `HG_REGION_RING ? ring_word : register_word;
+                              : FOCI != 0 && region == `HG_REGION_RING ? ring_word
+                              : STREAM != 0 && region == `HG_REGION_STREAM ? stream_word : register_word;
             // An index has 16 bits; focus records above that cannot be named.
             if (FOCI != 0) begin : with_foci
                 wire [16:0] top = RECORDS[16:0] + {1'b0, foci_count};
@@ -299,7 +315,30 @@ module haptogram_core #(
             end else begin : without_foci
                 assign top_index = RECORDS[15:0];
                 assign {ring_usable, ring_fits, ring_wraps, ring_complete, ring_split, ring_index, ring_address, ring_start, ring_word} = 0;
-                wire unused_count = &{1'b0, foci_count, foci_last};
+                wire unused_count = &{1'b0, foci_base, foci_count, foci_last};
+            end
+            if (STREAM != 0) begin : with_stream
+                // Whatever else is to play or switches outputs off ends a stream, and so does another session.
+                wire sets    = write && region == `HG_REGION_STREAM;
+                reg  forgets_q;
+                always @(posedge clk) forgets_q <= supplants || followed || stops || unplayed || disables || guard_trip || play_rst
+                                                   || (execute && command == `HG_COMMAND_IDENTIFY);
+                pattern_stream #(
+                    .SLOTS(STREAM), .CHANNELS(CHANNELS), .RECORDS(RECORDS), .FOCI(FOCI), .WORD_BITS(WORD_BITS)
+                ) patterns (
+                    .clk(clk), .i_forget(forgets_q),
+                    .i_set(sets), .i_set_address(set_address[4:0]), .i_set_word(frame_word), .i_read_address(read_address[4:0]), .o_word(stream_word),
+                    .i_foci_base(foci_base), .i_foci_count(foci_count), .i_foci_last(foci_last),
+                    .o_usable(stream_usable), .i_settle(settle && command == `HG_COMMAND_STREAM), .i_period({argument_2, argument_1, argument_0}),
+                    .i_take(stream_takes), .i_close(closes), .o_wait(stream_waits), .o_place(stream_place), .o_address(stream_address),
+                    .o_keeps(stream_keeps), .o_split(stream_split),
+                    .o_late(stream_counts[0]), .o_lost(stream_counts[1]), .o_early(stream_counts[2]), .o_repeated(stream_counts[3]),
+                    .i_go(go), .i_count(period), .o_begins(stream_begins), .o_streams(streams), .o_drop(stream_drop),
+                    .o_entry(stream_entry), .o_index(stream_index), .i_take_entry(take && streams), .o_fades(fades), .o_fade(fade));
+            end else begin : without_stream
+                assign {stream_usable, stream_waits, stream_place, stream_keeps, stream_split, stream_address, stream_counts} = 0;
+                assign {streams, stream_begins, stream_entry, stream_drop, stream_index, stream_word, fades, fade} = 53'd0;
+                wire unused_stream = &{1'b0, stream_takes, closes, go, foci_base};
             end
         end
     endgenerate
@@ -319,7 +358,7 @@ module haptogram_core #(
         .CHANNELS(CHANNELS), .RECORDS(RECORDS), .SEQUENCE_DEPTH(SEQUENCE_DEPTH), .LIVE_DEPTH(LIVE_DEPTH),
         .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS), .CLOCK_HZ(CLOCK_HZ), .MIN_PULSE_CLOCKS(MIN_PULSE_CLOCKS),
         .MAX_PULSE_CLOCKS(MAX_PULSE_CLOCKS), .MAX_DUTY_256(MAX_DUTY_256), .MAX_CYCLE_CLOCKS(MAX_CYCLE_CLOCKS),
-        .WIDTH_BITS(WIDTH_BITS), .MODULATION_DEPTH(MODULATION_DEPTH), .SLEW(SLEW), .FOCI(FOCI), .SCHEDULE(SCHEDULE), .SYNC(SYNC), .CHAIN(CHAIN), .NET(NET),
+        .WIDTH_BITS(WIDTH_BITS), .MODULATION_DEPTH(MODULATION_DEPTH), .SLEW(SLEW), .FOCI(FOCI), .SCHEDULE(SCHEDULE), .SYNC(SYNC), .CHAIN(CHAIN), .NET(NET), .STREAM(STREAM),
         .FRAME_BYTES(FRAME_BYTES)
     ) identity (.i_address(reply_address[4:0]), .o_word(identity_word));
     generate
@@ -328,7 +367,7 @@ module haptogram_core #(
                 .CHANNELS(CHANNELS), .RECORDS(RECORDS), .SEQUENCE_DEPTH(SEQUENCE_DEPTH), .LIVE_DEPTH(LIVE_DEPTH),
                 .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS), .CLOCK_HZ(CLOCK_HZ), .MIN_PULSE_CLOCKS(MIN_PULSE_CLOCKS),
                 .MAX_PULSE_CLOCKS(MAX_PULSE_CLOCKS), .MAX_DUTY_256(MAX_DUTY_256), .MAX_CYCLE_CLOCKS(MAX_CYCLE_CLOCKS),
-                .WIDTH_BITS(WIDTH_BITS), .MODULATION_DEPTH(MODULATION_DEPTH), .SLEW(SLEW), .FOCI(FOCI), .SCHEDULE(SCHEDULE), .SYNC(SYNC), .CHAIN(CHAIN), .NET(NET),
+                .WIDTH_BITS(WIDTH_BITS), .MODULATION_DEPTH(MODULATION_DEPTH), .SLEW(SLEW), .FOCI(FOCI), .SCHEDULE(SCHEDULE), .SYNC(SYNC), .CHAIN(CHAIN), .NET(NET), .STREAM(STREAM),
                 .FRAME_BYTES(FRAME_BYTES)
             ) identity_again (.i_address(i_identity_place), .o_word(o_identity_word));
         end else begin : asked_by_the_host
@@ -337,7 +376,7 @@ module haptogram_core #(
         end
     endgenerate
 
-    register_file #(.SCHEDULE(SCHEDULE)) registers (
+    register_file #(.SCHEDULE(SCHEDULE), .STREAM(STREAM)) registers (
         .clk(clk), .rst(play_rst),
         .i_read(read), .i_is_identity(region == `HG_REGION_IDENTITY), .i_address(reply_address[4:0]), .i_identity_word(identity_word), .o_word(register_word),
         .i_enabled(o_enabled), .i_stopped(stopped), .i_modulated(modulated), .i_mode(mode), .i_present_index(o_index), .i_live_level(live_level), .i_watchdog_ms(watchdog_ms),
@@ -346,7 +385,7 @@ module haptogram_core #(
         .i_frame_good(frame_good), .i_frame_damaged(frame_damaged), .i_frame_repeated(repeated), .i_frame_refused(refused),
         .i_watchdog_trip(expired), .i_guard_trip(guard_trip), .i_bent_period(bent_period), .i_far_foci(far_foci),
         .i_sync_missed(sync_missed), .i_sync_lost(sync_lost),
-        .i_late_change(late_change), .i_waiting(waiting), .i_answer(answer), .i_period(period));
+        .i_late_change(late_change), .i_stream(stream_counts), .i_waiting(waiting), .i_streaming(streams), .i_answer(answer), .i_period(period));
 
     reg fault_q;
     initial fault_q = 1'b0;

@@ -27,6 +27,7 @@ module period_controller #(
     input  wire                    rst,
     input  wire                    i_allow,        // from output_guard
     input  wire                    i_preempt,      // strobe
+    input  wire                    i_streams,      // records of timings wait for the go point, too
     // From and to cycle_controller
     input  wire                    i_tick,
     input  wire                    i_cycle_start,
@@ -74,6 +75,7 @@ module period_controller #(
     input  wire [WIDTH_BITS-1:0]   i_width,
     input  wire                    i_bent,
     output wire                    o_period,
+    output wire                    o_go,           // strobe: the go point; in the next clock nothing waits to be taken over that may be
     output wire                    o_busy,         // the settings of the slew limiter must stay
     output reg                     o_bent,         // strobe: a word of this period was bent
     output reg                     o_missed        // strobe
@@ -103,7 +105,8 @@ module period_controller #(
     wire       forced = !i_allow && i_asked && wanted;
     wire       near   = left_q == 24'd0 && !given_q;
     wire       go     = quiet && (near || forced);
-    assign o_period = (go && !given_q) || (owed_q && given_before_q == 3'd0);
+    assign o_go     = go && !given_q;
+    assign o_period = o_go || (owed_q && given_before_q == 3'd0);
 
     // With ticks of one clock a quarter of the cycle earlier, because there early pulses begin.
     wire        short_ticks = o_prescaler == 24'd1;
@@ -127,7 +130,7 @@ module period_controller #(
     // ---- What the next cycle plays
 
     wire idle     = !busy_q && i_settled;
-    wire promptly = idle && !plays_q && wanted && (i_next_silent || !i_next_amplitudes);
+    wire promptly = idle && !plays_q && !i_streams && wanted && (i_next_silent || !i_next_amplitudes);
     wire renews   = idle && go && plays_q && !wanted;
     assign o_take_over = promptly || (idle && go && wanted);
     assign o_drop      = i_preempt && taken_q && o_raw && !plays_q && !i_commit;

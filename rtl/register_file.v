@@ -4,11 +4,12 @@
 //
 // A host reads them to learn what it may send, and to see what went wrong. o_word follows i_read by one clock. The counters run
 // modulo 65,536 and start at 0 after reset.
-// SCHEDULE is the core's.
+// SCHEDULE and STREAM are the core's.
 `default_nettype none
 `include "interface.vh"
 module register_file #(
-    parameter SCHEDULE = 0
+    parameter SCHEDULE = 0,
+    parameter STREAM   = 0
 ) (
     input  wire        clk,
     input  wire        rst,
@@ -38,13 +39,25 @@ module register_file #(
     input  wire        i_sync_missed,
     input  wire        i_sync_lost,
     input  wire        i_late_change,
+    input  wire [3:0]  i_stream,    // repeated, early, lost, late
     input  wire        i_waiting,
+    input  wire        i_streaming,
     input  wire        i_answer,    // strobe: a reply begins, and the period that it tells is the present one
     input  wire [47:0] i_period
 );
     reg [15:0] underruns_q, records_refused_q, good_q, damaged_q, repeated_q, refused_q, watchdog_q, guard_q, bent_q, far_q, missed_q, lost_q, late_q;
     reg [47:0] period_q;
     always @(posedge clk) if (i_answer) period_q <= i_period;
+    reg [15:0] stream_late_q, stream_lost_q, stream_early_q, stream_repeated_q;
+    always @(posedge clk) begin
+        if (rst) {stream_late_q, stream_lost_q, stream_early_q, stream_repeated_q} <= 64'd0;
+        else if (i_stream != 4'd0) begin
+            stream_late_q     <= stream_late_q + {15'd0, i_stream[0]};
+            stream_lost_q     <= stream_lost_q + {15'd0, i_stream[1]};
+            stream_early_q    <= stream_early_q + {15'd0, i_stream[2]};
+            stream_repeated_q <= stream_repeated_q + {15'd0, i_stream[3]};
+        end
+    end
     wire counts = i_underrun || i_record_refused || i_frame_good || i_frame_damaged || i_frame_repeated || i_frame_refused
                   || i_watchdog_trip || i_guard_trip || i_bent_period || i_far_foci || i_sync_missed || i_sync_lost || i_late_change;
     // `counts` in front spares a simulator eight tests in most clocks.
@@ -73,7 +86,7 @@ module register_file #(
     always @(posedge clk) if (i_read) begin
         if (i_is_identity) o_word <= i_identity_word;
         else case (i_address)
-            `HG_STATUS_FLAGS:            o_word <= {10'd0, i_waiting, i_modulated, i_stopped, i_mode, i_enabled};
+            `HG_STATUS_FLAGS:            o_word <= {9'd0, i_streaming, i_waiting, i_modulated, i_stopped, i_mode, i_enabled};
             `HG_STATUS_PRESENT_INDEX:    o_word <= i_present_index;
             `HG_STATUS_UNDERRUNS:        o_word <= underruns_q;
             `HG_STATUS_REFUSED_RECORDS:  o_word <= records_refused_q;
@@ -94,6 +107,10 @@ module register_file #(
             `HG_STATUS_PERIOD_LOW:       o_word <= SCHEDULE != 0 ? period_q[15:0] : refused_q;
             `HG_STATUS_PERIOD_MIDDLE:    o_word <= SCHEDULE != 0 ? period_q[31:16] : refused_q;
             `HG_STATUS_PERIOD_HIGH:      o_word <= SCHEDULE != 0 ? period_q[47:32] : refused_q;
+            `HG_STATUS_STREAM_LATE:      o_word <= STREAM != 0 ? stream_late_q : refused_q;
+            `HG_STATUS_STREAM_LOST:      o_word <= STREAM != 0 ? stream_lost_q : refused_q;
+            `HG_STATUS_STREAM_EARLY:     o_word <= STREAM != 0 ? stream_early_q : refused_q;
+            `HG_STATUS_STREAM_REPEATED:  o_word <= STREAM != 0 ? stream_repeated_q : refused_q;
             default:                     o_word <= refused_q;
         endcase
     end

@@ -22,6 +22,7 @@ std::optional<ReferenceCore::Shape> ReferenceCore::shape_of(Command command) {
         case Command::watchdog: return Shape{1, false, Carries::nothing};
         case Command::modulate:
         case Command::gate: return Shape{3, false, Carries::nothing};
+        case Command::stream: return Shape{3, true, Carries::nothing};
         case Command::push_foci: return Shape{1, true, Carries::nothing};
         case Command::sync: return Shape{1, false, Carries::nothing};
         case Command::status: return Shape{0, false, Carries::status};
@@ -79,6 +80,7 @@ void ReferenceCore::go_on(Clock clock) {
         case Step::begin: return begin(clock);
         case Step::settle:
             live_free_ = source_.live_free();
+            if (is_message()) stream_.begin(clock, argument_period());
             step_ = Step::judge;
             step_at_ = clock + 1;
             return;
@@ -120,6 +122,7 @@ void ReferenceCore::begin(Clock clock) {
         ring_.begin();
         address_ = ring_.address();
     }
+    if (is_message()) region_ = primary_region;
     step_ = Step::settle;
     step_at_ = clock + 3 + shape_.arguments;
 }
@@ -137,8 +140,9 @@ void ReferenceCore::judge(Clock clock) {
     const std::uint8_t ahead = static_cast<std::uint8_t>(number_ - expected_);
     const bool in_order = (ahead == 0 && session_) || command_ == Command::identify;
     const bool repeated = !in_order && ahead >= 0x80 && session_;
-    if (!in_order && !repeated) return refuse(clock, Status::out_of_order);
-    if (repeated && shape_.carries == Carries::nothing) return refuse(clock, Status::repeated);
+    if (is_message() ? !session_ || number_ != session_number_ : !in_order && !repeated)
+        return refuse(clock, Status::out_of_order);
+    if (!is_message() && repeated && shape_.carries == Carries::nothing) return refuse(clock, Status::repeated);
     const Status found = verdict();
     if (found != Status::ok || !shape_.tail)
         return refuse(clock, found != Status::ok ? found : repeated ? Status::repeated : Status::ok);
@@ -146,7 +150,7 @@ void ReferenceCore::judge(Clock clock) {
     second_run_ = clock + 1;
     cut_ = false;
     foci_pushed_.clear();
-    if (command_ == Command::write || command_ == Command::push_foci) {
+    if (command_ == Command::write || command_ == Command::push_foci || is_message()) {
         step_ = Step::write;
         step_at_ = clock + 1;
         return;
@@ -191,6 +195,9 @@ interface::Status ReferenceCore::verdict() const {
             if (p_.foci == 0) return Status::unknown_command;
             if (!ring_.usable(record_foci(), top_index()) || schedule_.for_the_end()) return Status::bad_range;
             return word_.size() - data_ > std::size_t{4} * live_free_ * record_foci() ? Status::fifo_full : Status::ok;
+        case Command::stream:
+            if (p_.stream == 0) return Status::unknown_command;
+            return stream_.usable(frames_->settings.at(now), top_index()) ? Status::ok : Status::bad_range;
         default: return Status::ok;
     }
 }
@@ -214,6 +221,7 @@ std::size_t ReferenceCore::region_words(bool writes) const {
     if (region_ == geometry_region && writes && p_.foci != 0) return std::size_t{4} * p_.channels;
     if (region_ == modulation_region) return p_.modulation_depth / 2;
     if (region_ == ring_region && p_.foci != 0) return interface::ring_words;
+    if (region_ == stream_region && p_.stream != 0) return interface::stream_words;
     return 0;
 }
 
@@ -237,6 +245,7 @@ bool ReferenceCore::held(Clock clock) const {
 /// One word a clock, but none in a clock in which the player reads it.
 void ReferenceCore::write(Clock clock) {
     step_at_ = clock + 1;
+    if (is_message()) return write_pattern(clock);
     if (held(clock)) return;
     put(clock, word_[data_ + written_]);
     ++address_;
@@ -246,6 +255,28 @@ void ReferenceCore::write(Clock clock) {
     }
     if (data_ + ++written_ < word_.size()) return;
     if (command_ == Command::push_foci && ring_.split()) status_ = Status::bad_length;
+    written(clock);
+}
+
+/// Likewise, but those of a pattern that is not kept are only taken.
+void ReferenceCore::write_pattern(Clock clock) {
+    if (!stream_.ready(clock)) return;
+    const auto parameters = frames_->settings.at(clock);
+    if (const auto place = stream_.place(parameters)) {
+        address_ = *place;
+        if (held(clock)) return;
+        put(clock, word_[data_ + written_]);
+    }
+    const PatternStream::Counted counted = stream_.take(clock, parameters);
+    count_.stream_late = static_cast<std::uint16_t>(count_.stream_late + counted.late);
+    count_.stream_early = static_cast<std::uint16_t>(count_.stream_early + counted.early);
+    count_.stream_repeated = static_cast<std::uint16_t>(count_.stream_repeated + counted.repeated);
+    if (data_ + ++written_ < word_.size()) return;
+    if (stream_.split()) status_ = Status::bad_length;
+    written(clock);
+}
+
+void ReferenceCore::written(Clock clock) {
     second_words_ = written_;
     second_run_ = clock + 1 - written_;
     step_ = Step::close;
@@ -270,13 +301,15 @@ void ReferenceCore::put(Clock clock, std::uint16_t value) {
         case geometry_region: frames_->geometry[address_ / 4][address_ % 4] = value; return;
         case modulation_region: frames_->modulation.write(address_, value); return;
         case ring_region: ring_.set(address_, value); return;
+        case stream_region: stream_.set(clock, address_, value); return;
         default: return;
     }
 }
 
 void ReferenceCore::close(Clock clock) {
-    if (status_ == Status::ok) {
+    if (status_ == Status::ok && !is_message()) {
         session_ = true;
+        if (command_ == Command::identify) session_number_ = number_;
         expected_ = static_cast<std::uint8_t>(number_ + 1);
         if (command_ == Command::push_foci) ring_.keep();
         const bool pushes = command_ == Command::push || command_ == Command::push_foci;
@@ -372,6 +405,7 @@ void ReferenceCore::execute(Clock clock) {
     stale_.done(clock, frame);
     if (unplayed_.done(clock, frame)) stops_at_ = clock + 1;
     input_.frames.pop_front();
+    if (is_message()) return await_frame(clock);
     step_ = Step::answered;
     step_at_ = never;
     begin_reply(clock);
@@ -385,7 +419,10 @@ void ReferenceCore::apply(Clock clock) {
     switch (command_) {
         case Command::enable: enable_ = !stale_.active(clock); break;
         case Command::watchdog: guard_.set_watchdog(clock, word(0)); break;
-        case Command::identify: schedule_.forget(); break;
+        case Command::identify:
+            schedule_.forget();
+            identified_ = true;
+            break;
         case Command::gate: schedule_.gate(argument_period()); break;
         case Command::modulate: modulate(clock); break;
         case Command::select:

@@ -18,6 +18,7 @@ ReferenceCore::ReferenceCore(const interface::CoreConfiguration& asked, unsigned
       source_(p_, sequence),
       sync_(carrier_period(p_)),
       ring_(p_),
+      stream_(p_),
       train_(p_.channels, p_.width_bits != 0 ? PulseTrain::Gaps::all : PulseTrain::Gaps::at_changes, 2 * window_),
       guard_(p_) {
     if (p_.width_bits != 0) {
@@ -41,7 +42,8 @@ ReferenceCore::ReferenceCore(const interface::CoreConfiguration& asked, unsigned
 Clock ReferenceCore::next() const {
     return std::min({step_at_, reply_at_, line_in.next(), line_out_.next(), source_.next(), schedule_.next(),
                      player_->next(guard_.allows() || sync_.together()), sync_.next(), guard_.next(), stops_at_,
-                     reset_at_, judge_at_, stop_changes_.empty() ? never : stop_changes_.front().clock});
+                     reset_at_, judge_at_, stream_.next(), stream_wakes_,
+                     stop_changes_.empty() ? never : stop_changes_.front().clock});
 }
 
 void ReferenceCore::run(std::uint64_t clocks) {
@@ -82,7 +84,7 @@ void ReferenceCore::edge(Clock clock) {
         stops_at_ = never;
         stop(clock);
     }
-    if (clock == step_at_) go_on(clock);
+    while (clock == step_at_) go_on(clock);  // what is not answered ends in the clock in which the next frame begins
     if (clock == reset_at_)
         reset_play(reset_last_);
     else if (clock > began_)
@@ -98,6 +100,9 @@ void ReferenceCore::play(Clock clock) {
         judge_at_ += window_;
     }
     if (schedule_.opens(clock)) open_gate(clock);
+    const bool unplayed = unplayed_.active(clock), stale = stale_.active(clock),
+               identified = std::exchange(identified_, false);
+    if (p_.stream != 0) stream_turn(clock);
     const bool starts = source_.at(clock);
     if (starts) {
         guard_.set_watchdog(clock, 0);
@@ -116,9 +121,19 @@ void ReferenceCore::play(Clock clock) {
 
     const bool was_off = std::exchange(off_, off());
     const Player::Counted counted =
-        player_->at(clock, {.waits = guard_.allows() || together, .off = off_, .hold = step.holds, .common = together});
-    if (waits_for_memory_ && source_.drops(clock)) reply_at_ = clock + 1;
-    if (source_.followed()) schedule_.drop_starts();
+        player_->at(clock, {.waits = guard_.allows() || together,
+                            .off = off_,
+                            .hold = step.holds,
+                            .common = together,
+                            .streams = source_.streams(clock),
+                            .fade = fades_from_ <= clock ? std::optional(stream_.fade()) : std::nullopt});
+    if (waits_for_memory_ && (source_.drops(clock) || source_.drops_silence(clock))) reply_at_ = clock + 1;
+    const bool followed = source_.followed();
+    if (followed) schedule_.drop_starts();
+    if (p_.stream != 0)
+        stream(clock, counted.goes,
+               source_.supplanted(clock) || followed || unplayed || disable_ || stale || verdict.expired ||
+                   verdict.tripped || identified);
     source_.passed(clock);
     count_.underruns = static_cast<std::uint16_t>(count_.underruns + counted.underrun);
     count_.refused_records = static_cast<std::uint16_t>(count_.refused_records + counted.refused);
@@ -147,6 +162,38 @@ void ReferenceCore::play(Clock clock) {
     if (!off_ && was_off) train_.resume(clock);
 }
 
+/// What the period plays whose turn it is.
+void ReferenceCore::stream_turn(Clock clock) {
+    const bool plays = source_.streams(clock);
+    const PatternStream::Turn turn = stream_.turn(clock, plays);
+    count_.stream_lost = static_cast<std::uint16_t>(count_.stream_lost + turn.lost);
+    if (turn.index && !plays) {
+        if (!source_.supplanted(clock)) {
+            cut_ = cut_ || pushing(clock);
+            schedule_.drop_pushed();
+        }
+        source_.stream_begins(clock);
+        fades_from_ = never;
+    }
+    if (turn.index) source_.stream_offers(clock, *turn.index);
+    if (turn.ends) {
+        source_.stream_ends(clock);
+        fades_from_ = clock + 1;
+    }
+}
+
+/// @param forgets  something happens in this clock that ends a stream in the next one
+void ReferenceCore::stream(Clock clock, bool goes, bool forgets) {
+    if (goes) stream_.go(clock, schedule_.period(clock));
+    const bool ends = stream_.forgets(clock);
+    if (source_.streams(clock) && (goes || ends)) source_.stream_withdraws(clock);
+    if (source_.streams(clock) && ends) source_.stream_ends(clock);
+    if (ends) fades_from_ = never;
+    const bool held = stopped_ || sync_.out_of_step();
+    stream_.end(clock, forgets, held);
+    stream_wakes_ = forgets || (held && (source_.streams(clock) || fades_from_ != never)) ? clock + 1 : never;
+}
+
 /// With amplitudes, the pins are let go a clock earlier.
 bool ReferenceCore::off() const { return frames_ != nullptr ? !guard_.allows() : guard_.off(); }
 
@@ -161,6 +208,11 @@ void ReferenceCore::reset_play(Clock last) {
     source_.reset(last);
     schedule_.reset();
     const Clock first = reset_at_ == never ? last : reset_at_;
+    if (p_.stream != 0) {
+        stream_.end(last, true, stopped_);
+        stream_wakes_ = last + 1;
+        if (last > first && source_.streams(last)) source_.stream_ends(last);
+    }
     sync_.reset(first, last, std::exchange(next_role_, interface::Role::alone));
     player_->reset(first, last);
     reset_at_ = never;

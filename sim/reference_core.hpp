@@ -19,6 +19,7 @@
 #include "reference_ring.hpp"
 #include "reference_schedule.hpp"
 #include "reference_source.hpp"
+#include "reference_stream.hpp"
 #include "reference_sync.hpp"
 
 namespace haptogram::sim {
@@ -106,10 +107,13 @@ private:
     static constexpr std::uint32_t geometry_region = region_of(interface::geometry_base);
     static constexpr std::uint32_t modulation_region = region_of(interface::modulation_base);
     static constexpr std::uint32_t ring_region = region_of(interface::ring_base);
+    static constexpr std::uint32_t stream_region = region_of(interface::stream_base);
 
     [[nodiscard]] Clock next() const;
     void edge(Clock clock);
     void play(Clock clock);
+    void stream(Clock clock, bool goes, bool forgets);
+    void stream_turn(Clock clock);
     void reset_play(Clock last);
     [[nodiscard]] Clock next_judgement(Clock from) const;
     void byte_arrives(Clock clock, std::uint8_t byte);
@@ -126,6 +130,8 @@ private:
     [[nodiscard]] Status verdict() const;
     [[nodiscard]] Status verdict_on_memory() const;
     void write(Clock clock);
+    void write_pattern(Clock clock);
+    void written(Clock clock);
     void close(Clock clock);
     void execute(Clock clock);
     void apply(Clock clock);
@@ -136,8 +142,12 @@ private:
         return argument(0) | std::uint64_t{argument(1)} << 16 | std::uint64_t{argument(2)} << 32;
     }
     [[nodiscard]] std::uint32_t status_words() const {
-        return p_.schedule != 0 ? interface::status_words : interface::status_untimed_words;
+        return p_.stream != 0     ? interface::status_words
+               : p_.schedule != 0 ? interface::status_unstreamed_words
+                                  : interface::status_untimed_words;
     }
+    /// Whether the present command is STREAM, which is not answered.
+    [[nodiscard]] bool is_message() const { return p_.stream != 0 && command_ == Command::stream; }
     [[nodiscard]] bool pushing(Clock clock) const {
         if (command_ == Command::push_foci) return !foci_pushed_.empty();
         return step_ == Step::close && command_ == Command::push && second_run_ <= clock;
@@ -171,6 +181,8 @@ private:
     Schedule schedule_;
     CarrierSync sync_;
     FocusRing ring_;
+    PatternStream stream_;
+    Clock stream_wakes_ = never, fades_from_ = never;
     PulseTrain train_;
     std::unique_ptr<Player> player_;
     FramePlayer* frames_ = nullptr;  // the same, of boards with amplitudes
@@ -202,6 +214,8 @@ private:
     Status status_{};
     std::uint8_t number_ = 0, expected_ = 0;
     bool session_ = false;
+    std::uint8_t session_number_ = 0;         // of the IDENTIFY that began it
+    bool identified_ = false;                 // in the present clock
     std::uint32_t region_ = 0, address_ = 0;  // of a 16-bit word
     bool cut_ = false;                        // what the present PUSH has written so far is gone
     std::uint64_t told_period_ = 0;           // by the present reply
@@ -220,7 +234,7 @@ private:
     // Supervision.
     struct Counters {
         std::uint16_t underruns, refused_records, good, damaged, repeated, refused, watchdog, guard, missed, lost, late,
-            bent, far;
+            bent, far, stream_late, stream_lost, stream_early, stream_repeated;
     } count_{};
     Clock reset_at_ = never, reset_last_ = 0;  // of what plays and supervises: when it begins, and its last clock
     Clock began_ = 0;                          // the last clock of the reset before

@@ -85,6 +85,7 @@ Clock FramePlayer::next(bool waits) const {
 
 Player::Counted FramePlayer::at(Clock clock, const Now& now) {
     Counted counted;
+    fade_ = now.fade;
     go_on_loading(clock, now.common, counted);
     if (sweep_ && sweep_->begins == clock && std::exchange(quiet_pins_, false)) model_.start_from_silence();
     if (now.off) quiet_pins_ = true;
@@ -108,7 +109,8 @@ Player::Counted FramePlayer::at(Clock clock, const Now& now) {
     const bool goes = quiet && ((go_ <= clock && !given_) || (!now.waits && asked && wanted));
     const bool period = (goes && !given_) || (owed_ && clock >= quiet_from_);
     const bool idle = !busy_ && settled;
-    const bool promptly = idle && !plays_ && wanted && (next_.silent || !next_.amplitudes);
+    counted.goes = goes && !given_;
+    const bool promptly = idle && !plays_ && !now.streams && wanted && (next_.silent || !next_.amplitudes);
     const bool takes_over = promptly || (idle && goes && wanted);
     const bool renews = idle && goes && plays_ && !wanted;
     const bool drops = preempt && taken_ && raw_ && !plays_ && !commits;
@@ -308,17 +310,19 @@ void FramePlayer::begin_sweep(Clock clock, bool new_target) {
     sweep.begins = raw_ ? never : clock + sample_clocks;
     if (!raw_) sweep.first += sample_clocks + (p_.slew != 0 ? slew_clocks : 0);
     sweep.prepared = sweep.first + p_.channels + word_clocks;
-    const std::uint32_t mode = field::slew.get(set);
+    const std::uint32_t mode = fade_ ? static_cast<unsigned>(Slew::rate) : field::slew.get(set);
     const bool limits = p_.slew != 0 && mode <= static_cast<unsigned>(Slew::arrive);
-    sweep.period = {.cycle_ticks = lengths_.cycle,
-                    .modulation = 255,  // the sample of each channel is the one of its own clock
-                    .new_target = new_target,
-                    .raw = raw_,
-                    .raw_ticks = raw_pulse_,
-                    .slew = {.mode = limits ? static_cast<Slew>(mode) : Slew::none,
-                             .phase_rate = static_cast<std::uint16_t>(field::phase_rate.get(set)),
-                             .amplitude_rate = static_cast<std::uint16_t>(field::amplitude_rate.get(set)),
-                             .arrival_periods = static_cast<std::uint16_t>(std::max(field::arrival.get(set), 1U))}};
+    sweep.period = {
+        .cycle_ticks = lengths_.cycle,
+        .modulation = 255,  // the sample of each channel is the one of its own clock
+        .new_target = new_target,
+        .raw = raw_,
+        .raw_ticks = raw_pulse_,
+        .slew = {
+            .mode = limits ? static_cast<Slew>(mode) : Slew::none,
+            .phase_rate = static_cast<std::uint16_t>(fade_ ? field::phase_rate.most() : field::phase_rate.get(set)),
+            .amplitude_rate = fade_.value_or(static_cast<std::uint16_t>(field::amplitude_rate.get(set))),
+            .arrival_periods = static_cast<std::uint16_t>(std::max(field::arrival.get(set), 1U))}};
 }
 
 std::vector<EmissionWord> FramePlayer::words_of(const Sweep& sweep) {

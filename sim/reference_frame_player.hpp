@@ -82,17 +82,18 @@ private:
     void end_sweep(Clock clock);
     [[nodiscard]] std::vector<EmissionWord> words_of(const Sweep& sweep);
 
-    Clock go_ = never;       // the go point of the present cycle
-    Clock wait_ticks_ = 0;   // from the cycle's start to it
-    bool given_ = false;     // the modulation has been told of the next period
-    bool owed_ = false;      // or must be, late, of the present one
-    Clock quiet_from_ = 0;   // it can take another period from here on
-    bool busy_ = false;      // words are being made, or wait to be put to use
-    bool taken_ = false;     // they are of a record that was taken over
-    bool plays_ = false;     // the record at the pins has amplitudes, or is the silence after one
-    bool again_ = false;     // a change that was asked for meanwhile is asked for once more
-    Clock changed_ = never;  // the last clock in which words were put to use
-    Clock missed_ = never;   // a period without words of its own is counted
+    std::optional<std::uint16_t> fade_;  // of a stream that has ended
+    Clock go_ = never;                   // the go point of the present cycle
+    Clock wait_ticks_ = 0;               // from the cycle's start to it
+    bool given_ = false;                 // the modulation has been told of the next period
+    bool owed_ = false;                  // or must be, late, of the present one
+    Clock quiet_from_ = 0;               // it can take another period from here on
+    bool busy_ = false;                  // words are being made, or wait to be put to use
+    bool taken_ = false;                 // they are of a record that was taken over
+    bool plays_ = false;                 // the record at the pins has amplitudes, or is the silence after one
+    bool again_ = false;                 // a change that was asked for meanwhile is asked for once more
+    Clock changed_ = never;              // the last clock in which words were put to use
+    Clock missed_ = never;               // a period without words of its own is counted
     // What was taken over last.
     bool raw_ = true;     // a record of timings
     bool silent_ = true;  // nothing, after one of timings

@@ -32,13 +32,16 @@ public:
     /// What else is known in a clock.
     struct Now {
         bool waits;
-        bool off;     ///< the pins are cleared
-        bool hold;    ///< the cycle does not end in this clock; its last one is repeated
-        bool common;  ///< cycles have one length, a carrier period's; other records are refused
+        bool off;                           ///< the pins are cleared
+        bool hold;                          ///< the cycle does not end in this clock; its last one is repeated
+        bool common;                        ///< cycles have one length, a carrier period's; other records are refused
+        bool streams = false;               ///< a stream plays
+        std::optional<std::uint16_t> fade;  ///< one has ended: amplitudes change by at most this a period
     };
     /// What is to be counted of a clock.
     struct Counted {
         bool refused = false, underrun = false, bent = false, far = false;
+        bool goes = false;  ///< the go point of boards with amplitudes (rtl/period_controller.v)
     };
     /// To be called in each clock that next() says, and in which something is changed from outside.
     [[nodiscard]] virtual Counted at(Clock clock, const Now& now) = 0;

@@ -94,6 +94,7 @@ std::uint16_t ReferenceCore::memory_word() const {
     if (region_ == parameters_region) return frames_->settings.at(now)[address_];
     if (region_ == modulation_region) return frames_->modulation.word(address_);
     if (region_ == ring_region) return ring_.words()[address_];
+    if (region_ == stream_region) return stream_.words()[address_];
     return identity_block(p_)[address_];
 }
 
@@ -101,7 +102,12 @@ std::uint16_t ReferenceCore::status_word(std::uint32_t word) const {
     std::array<std::uint16_t, interface::status_words> block{};
     namespace field = interface::status_field;
     field::enabled.set(block, guard_.enabled() ? 1 : 0);
-    field::mode.set(block, static_cast<unsigned>(source_.mode()));
+    field::mode.set(block, static_cast<unsigned>(source_.streams(now) ? interface::Mode::live : source_.mode()));
+    field::streaming.set(block, source_.streams(now) ? 1 : 0);
+    field::stream_late.set(block, count_.stream_late);
+    field::stream_lost.set(block, count_.stream_lost);
+    field::stream_early.set(block, count_.stream_early);
+    field::stream_repeated.set(block, count_.stream_repeated);
     field::stopped.set(block, stopped_ ? 1 : 0);
     field::modulated.set(block, frames_ != nullptr && frames_->modulation.running(now) ? 1 : 0);
     field::bent_periods.set(block, count_.bent);

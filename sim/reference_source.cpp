@@ -44,12 +44,14 @@ void EntrySource::fetch(Clock clock, bool header) {
 }
 
 void EntrySource::select(Clock clock, Entry entry) {
+    supplanted_at_ = clock;
     live_.clear();
     command(clock, interface::Mode::single);
     offer(clock, entry);
 }
 
 void EntrySource::start(Clock clock, std::uint16_t first, std::uint16_t length, std::uint16_t loops) {
+    supplanted_at_ = clock;
     live_.clear();
     command(clock, interface::Mode::sequence);
     begin_sequence(clock, {first, length, loops});
@@ -86,14 +88,36 @@ void EntrySource::stop(Clock clock) {
 void EntrySource::push(Clock clock, std::span<const Entry> entries, bool closed) {
     for (const Entry& entry : entries) live_.push_back({entry, closed ? never : clock + live_clocks});
     if (closed) return;
+    supplanted_at_ = clock;
     ended_ = never;
     if (mode_ != interface::Mode::live) command(clock, interface::Mode::live);
 }
 
 void EntrySource::open(Clock clock) {
+    supplanted_at_ = clock;
     for (Live& live : live_)
         if (live.visible == never) live.visible = clock + live_clocks;
     if (mode_ != interface::Mode::live) command(clock, interface::Mode::live);
+}
+
+void EntrySource::stream_begins(Clock clock) {
+    if (!supplanted(clock)) stop(clock);
+    stream_ = Stream{clock + 1};
+}
+
+void EntrySource::stream_ends(Clock clock) {
+    stream_->to = clock;
+    stream_->offered = never;
+}
+
+void EntrySource::stream_offers(Clock clock, std::uint16_t index) {
+    stream_->offered = clock + 1;
+    stream_->index = index;
+}
+
+void EntrySource::stream_withdraws(Clock clock) {
+    stream_->offered = never;
+    drop_silence_ = clock + 1;
 }
 
 void EntrySource::header_written(Clock clock, std::uint16_t half) {
@@ -114,11 +138,16 @@ void EntrySource::reset(Clock clock) {
 }
 
 Clock EntrySource::offered() const {
+    if (stream_) return stream_->offered;
     if (mode_ != interface::Mode::live) return offered_;
     return live_.empty() ? never : live_.front().visible;
 }
 
 EntrySource::Entry EntrySource::take(Clock clock) {
+    if (stream_) {
+        stream_->offered = never;
+        return {stream_->index, 0};
+    }
     if (mode_ == interface::Mode::live) {
         const Entry entry = live_.front().entry;
         live_.pop_front();
@@ -155,7 +184,8 @@ EntrySource::Entry EntrySource::take(Clock clock) {
 
 Clock EntrySource::next() const {
     const Clock followed = follower_ && ended_ != never ? std::max(follow_from_, ended_) : never;
-    return std::min({fetch_at_, fetched_at_, drop_first_, drop_silence_, followed});
+    const Clock stream_ended = stream_ ? stream_->to : never;
+    return std::min({fetch_at_, fetched_at_, drop_first_, drop_silence_, followed, stream_ended});
 }
 
 bool EntrySource::look_at_header(Clock clock) {
@@ -197,6 +227,11 @@ bool EntrySource::at(Clock clock) {
 
 void EntrySource::passed(Clock clock) {
     if (drop_silence_ <= clock) drop_silence_ = never;
+    if (stream_ && stream_->to <= clock) {
+        stream_.reset();
+        if (offered_ != never) offered_ = std::max(offered_, clock + 1);
+        if (ended_ != never) ended_ = std::max(ended_, clock + 1);
+    }
     if (clock < drop_first_) return;
     drop_first_ = clock == drop_last_ ? never : clock + 1;
 }

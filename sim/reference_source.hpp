@@ -38,6 +38,18 @@ public:
     };
     void follow(Clock clock, Start start);
     void drop_follower() { follower_.reset(); }
+
+    /// A stream (PatternStream) plays from the next clock on, in the place of all entries from here, which end.
+    void stream_begins(Clock clock);
+    /// It plays in this clock for the last time.
+    void stream_ends(Clock clock);
+    /// Its next entry can be taken from the next clock on.
+    void stream_offers(Clock clock, std::uint16_t index);
+    /// From the next clock on there is none; what was loaded of it is dropped then.
+    void stream_withdraws(Clock clock);
+    [[nodiscard]] bool streams(Clock clock) const { return stream_ && stream_->from <= clock && clock <= stream_->to; }
+    /// Whether a command has begun something else in this clock.
+    [[nodiscard]] bool supplanted(Clock clock) const { return clock == supplanted_at_; }
     /// Whether one began since the last call.
     [[nodiscard]] bool followed() { return std::exchange(followed_, false); }
     /// The lower half of the sequence header is written.
@@ -78,7 +90,7 @@ private:
     void fetch(Clock clock, bool header);
     bool look_at_header(Clock clock);
     void begin_sequence(Clock clock, Start start);
-    [[nodiscard]] bool follows(Clock clock) const { return follower_ && follow_from_ <= clock; }
+    [[nodiscard]] bool follows(Clock clock) const { return follower_ && follow_from_ <= clock && !streams(clock); }
     void follow_now(Clock clock);
 
     std::uint32_t live_depth_;
@@ -100,6 +112,12 @@ private:
     Clock follow_from_ = never, ended_ = never;  // from which on it may begin, and nothing is left of what plays
     Clock drop_silence_ = never;
     bool followed_ = false;
+    struct Stream {
+        Clock from, to = never, offered = never;
+        std::uint16_t index = 0;
+    };
+    std::optional<Stream> stream_;
+    Clock supplanted_at_ = never;
 };
 
 }  // namespace haptogram::sim

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-# haptogram_module_test(NAME MODULE CASES FILE [SOURCES FILE …] [PARAMETERS P=V …] [LIBRARIES …])
-# The executable test_module_NAME: the cases in FILE on rtl/MODULE.v, or on the module of that name in SOURCES, Verilated as the class
+# haptogram_module_test(NAME MODULE CASES FILE… [SOURCES FILE …] [PARAMETERS P=V …] [LIBRARIES …])
+# The executable test_module_NAME: the cases in these files on rtl/MODULE.v, or on the module of that name in SOURCES, Verilated as the class
 # VMODULE with these parameters, which the cases know as PARAMETER_P. Each case is a test of ctest, module_NAME/CASE, with the label "modules". What the module's proof asserts is
 # checked in every clock. MUTANTS PROGRAM: the sources have mutants (tests/mutation), so it becomes that program and no test.
 function(haptogram_module_test name module)
-  cmake_parse_arguments(PARSE_ARGV 2 ARG "" "CASES;MUTANTS" "SOURCES;PARAMETERS;LIBRARIES")
+  cmake_parse_arguments(PARSE_ARGV 2 ARG "" "MUTANTS" "CASES;SOURCES;PARAMETERS;LIBRARIES")
   if(NOT ARG_SOURCES)
     set(ARG_SOURCES ${PROJECT_SOURCE_DIR}/rtl/${module}.v)
   endif()
@@ -23,7 +23,7 @@ function(haptogram_module_test name module)
   verilate(module_${name} SOURCES ${ARG_SOURCES} TOP_MODULE ${module} PREFIX V${module}
     INCLUDE_DIRS ${PROJECT_SOURCE_DIR}/rtl ${PROJECT_SOURCE_DIR}/rtl/net DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/${name} OPT_FAST -O2 OPT_SLOW -O1
     VERILATOR_ARGS ${checks} -O3 --x-assign fast --x-initial unique ${generics})
-  set(sources ${CMAKE_CURRENT_SOURCE_DIR}/${ARG_CASES})
+  list(TRANSFORM ARG_CASES PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/ OUTPUT_VARIABLE sources)
   add_executable(test_module_${name} ${sources})
   target_link_libraries(test_module_${name} PRIVATE haptogram_test_main module_${name} ${ARG_LIBRARIES})
   target_compile_definitions(test_module_${name} PRIVATE ${ARG_PARAMETERS})

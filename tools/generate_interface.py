@@ -55,9 +55,10 @@ def name_words(table):
     return [raw[i] | raw[i + 1] << 8 for i in range(0, 16, 2)]
 
 
-def untimed_end(table):
-    """The status block's first word that only boards with the parameter SCHEDULE have."""
-    return next(block["timed_from"] for block in table["block"] if block["region"] == "status")
+def status_ends(table):
+    """Lengths of the status block on boards without SCHEDULE, and on those with it that have no STREAM."""
+    status = next(block for block in table["block"] if block["region"] == "status")
+    return {"untimed": (status["words"].index(status["timed_from"]), "schedule"), "unstreamed": (status["words"].index(status["streamed_from"]), "stream")}
 
 
 def verilog(table):
@@ -81,8 +82,9 @@ def verilog(table):
         if name == "description":  # the board never sees it
             continue
         define(f"{name}_WORDS", len(words))
-        if name == "status":  # of boards that keep no time
-            define("STATUS_UNTIMED_WORDS", words.index(untimed_end(table)))
+        if name == "status":
+            for end, (length, _) in status_ends(table).items():
+                define(f"STATUS_{end}_WORDS", length)
         for position, word in enumerate(words):
             define(f"{name}_{word}", f"5'd{position}")
     # What every core has, and what it has when one of its parameters is not 0.
@@ -279,7 +281,7 @@ def cpp(table):
         out += [f"    {word} = {position}," for position, word in enumerate(words)]
         out += ["};", f"inline constexpr unsigned {name}_words = {len(words)};"]
         if name == "status":
-            out += [f"inline constexpr unsigned status_untimed_words = {words.index(untimed_end(table))};  // of boards without schedule"]
+            out += [f"inline constexpr unsigned status_{end}_words = {length};  // of boards without {lacks}" for end, (length, lacks) in status_ends(table).items()]
     out += ["", "/// Bits of the identity block's features.", "enum class Feature : unsigned {"]
     out += [f"    {row['name']} = {row['bit']},  // {row['about']}" for row in table["feature"]] + ["};"]
     out += ["[[nodiscard]] constexpr bool has(std::uint32_t features, Feature feature) {"]
@@ -386,8 +388,7 @@ def python(table):
     out += ["", "# Lowest and highest value of the core's parameters; whether it is a power of two; whether it may also be 0.", "PARAMETER_RANGES = {"]
     out += [f'    "{p["name"].lower()}": ({p["low"]}, {p["high"]}, {p.get("power_of_two", False)}, {p.get("optional", False)}),' for p in table["parameter"]]
     out += ["}", ""]
-    status = blocks(table)["status"]
-    out.append(f"STATUS_UNTIMED_WORDS = {status.index(untimed_end(table))}  # of boards without schedule")
+    out += [f"STATUS_{end.upper()}_WORDS = {length}  # of boards without {lacks}" for end, (length, lacks) in status_ends(table).items()]
     out += ["", "", PYTHON_TYPES, ""]
     for name, rows, _ in layouts(table):
         out += [f"{name.upper()}_FIELDS = {{"] + [f'    "{field}": BitField({first}, {width}),' for field, first, width, _ in rows] + ["}"]
@@ -516,6 +517,7 @@ def page(table):
             "answered in 0.3 s, which is not there. To a board without chain they are a damaged frame. A break of the line, which must be half a bit longer",
             "for each tile, ends the chain and turns all outputs off.", "",
             *network_page(table["network"], table),
+            *STREAM_PAGE,
             "## Boards in step", "",
             "SYNC makes one board the master and the others slaves. A slave is in step 13 to 20 ms after the master has begun (512 carrier periods in a row),",
             "and numbered within 128 periods more; its status says so. Until it is in step it refuses ENABLE.", ""]
@@ -544,6 +546,25 @@ def told_beside(values, told, default):
     nearest = min(apart, key=lambda name: len(apart[name]) + (3 if name else 0))
     other = ", ".join(f"{key} {value}" for key, value in apart[nearest].items())
     return f"as {nearest}, but {other}" if nearest else other or "the defaults"
+
+
+STREAM_PAGE = [
+    "## A stream of patterns", "",
+    "On boards with stream a host can send a new pattern for every carrier period. Frames of STREAM are never answered and never sent again: a",
+    "pattern that is lost is lost. Its sequence number is that of the IDENTIFY which began the session; in no other session is it taken. It changes no",
+    "number of the session, and starts the watchdog's time anew.", "",
+    "The stream block names 2^slot_bits records, the slots, which a host prepares: their headers say what their words are, and a cycle of one carrier",
+    "period. A pattern is the words of a record behind its header, CHANNELS of them, or a whole focus record. The first of a frame is for the period that it",
+    "names, each other one for the period after. That for period p goes into slot p mod 2^slot_bits, and plays in period p alone; which record",
+    "plays then is decided 1.4 periods before p begins, or earlier by up to half a period where cycles are shorter than that of 40 kHz.", "",
+    "- **Late**: that decision was made already. **Early**: 2^slot_bits periods or more behind the last decision. **Repeated**: the slot has that period's",
+    "  pattern already. None of these changes anything but its counter. Whatever is left of a pattern at a frame's end is refused, those before it hold.",
+    "- A stream begins when the first pattern's time has come; then it ends what else plays, as SELECT does. A period without a pattern is **lost**: the last",
+    "  pattern plays on. After `hold` of them the stream ends: amplitudes fall by `fade` a period, and the mode is idle. A later pattern begins a new one.",
+    "- SELECT, START, PUSH and STOP end it, and so does all that switches outputs off, IDENTIFY, a word written to the stream block, and a",
+    "  period number that does not follow the one before (of a slave that gets the master's). Then all slots are empty. Patterns that were sent before a",
+    "  DISABLE or STOP, or come while a stop input or a missing SYNC keeps outputs off, are dropped without a count.", "",
+]
 
 
 def network_page(net, table):

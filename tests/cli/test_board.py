@@ -158,7 +158,7 @@ def test_a_shipped_board_makes_its_carrier(board, tmp_path):
         assert record["pulse_length"] * record["prescaler"] < p["MAX_HIGH_CLOCKS"]
     succeed(["inspect", "image.hex"], cwd=tmp_path)
     manifest = read_json(tmp_path / "image.json")
-    unsaid = {"LIVE_DEPTH", "WATCHDOG_MS", "MAX_HIGH_CLOCKS", "MAX_DUTY_256", "SCHEDULE", "SYNC", "CHAIN", "NET"}
+    unsaid = {"LIVE_DEPTH", "WATCHDOG_MS", "MAX_HIGH_CLOCKS", "MAX_DUTY_256", "SCHEDULE", "SYNC", "CHAIN", "NET", "STREAM"}
     if p["WIDTH_BITS"] == 0:
         unsaid |= {"MIN_PULSE_CLOCKS", "WIDTH_BITS", "MODULATION_DEPTH", "SLEW", "FOCI"}
     assert manifest["board"] == {"name": board, **{key.lower(): p[key] for key in p if key not in unsaid}}
@@ -307,7 +307,7 @@ def test_files_that_are_not_there(folder):
 
 
 REQUIRED = ["description", "sources", "array", *(f"fpga.{k}" for k in ("family", "device", "package", "speed", "top")),
-            *(f"parameters.{k}" for k in parameters(LARGE) if k not in ("WIDTH_BITS", "MODULATION_DEPTH", "SLEW", "FOCI", "SCHEDULE", "SYNC", "CHAIN", "NET")), *(f"flash.{k}" for k in ("load", "write", "note")),
+            *(f"parameters.{k}" for k in parameters(LARGE) if k not in ("WIDTH_BITS", "MODULATION_DEPTH", "SLEW", "FOCI", "SCHEDULE", "SYNC", "CHAIN", "NET", "STREAM")), *(f"flash.{k}" for k in ("load", "write", "note")),
             *(f"pins.{k}" for k in ("clk", "rx", "tx", "high"))]  # fmt: skip
 
 

@@ -284,6 +284,8 @@ public:
         if (!keeps_role && one_in(300)) reset();
         if (p_.width_bits != 0 && !chained_ && one_in(80))
             if (std::string difference = still_plays(); !difference.empty()) return difference;
+        if (p_.stream != 0 && one_in(15))
+            if (std::string difference = stream(); !difference.empty()) return difference;
         if (one_in(60)) press_stop();
         // Who leaves a chain, or begins one, waits for the answers before; the reference board's may come late
         // otherwise.
@@ -304,6 +306,7 @@ public:
     std::uint64_t commands = 0, images = 0, replies = 0, applied = 0, waits = 0;
     std::uint64_t in_step = 0, numbered = 0, losses = 0, modulated = 0, bent = 0, far = 0;  // of replies to STATUS
     std::uint64_t pushed_foci = 0;                                                          // frames
+    std::uint64_t streaming = 0, late = 0, lost = 0, early = 0, repeated = 0;               // of replies to STATUS
     std::uint64_t quick_records = 0;  // behind which another one was asked for
     bool keeps_role = false;          // nothing is reset
 
@@ -648,6 +651,33 @@ private:
              word(one_in(10) ? below(2 * p_.modulation_depth) : below(most)), word(one_in(3) ? first : first | 1U)}};
     }
 
+    /// Patterns for about now, of this session or another one, among other commands.
+    std::string stream() {
+        if (one_in(2)) {
+            const std::uint32_t first =
+                foci_ != 0 && one_in(2) ? p_.records + 1 + below(focus_records()) : 1 + below(30);
+            say(writes(interface::stream_base,
+                       {word(one_in(20) ? any_word() : first), word(one_in(20) ? below(7) : between(1, 4)),
+                        word(below(6)), word(one_in(20) ? 0 : between(1, 30'000))}));
+            stream_words_ = first > p_.records ? 4 * foci_ : p_.channels;
+        }
+        if (one_in(2)) say({Command::enable, {}});
+        for (std::uint32_t round = between(2, 12); round > 0; --round) {
+            if (!one_in(3)) say({Command::status, {}});
+            if (std::string difference = run(between(500, 3000)); !difference.empty()) return difference;
+            const std::uint64_t period = period_ + below(16) - 2;
+            Request request{Command::stream,
+                            {word(period & 0xffffU), word(period >> 16 & 0xffffU), word(period >> 32 & 0xffffU)}};
+            const std::uint32_t most = (484 - 8) / 2 / stream_words_;
+            std::uint32_t words = stream_words_ * between(1, most) - (one_in(10) ? between(1, 3) : 0);
+            while (words-- > 0) request.words.push_back(stream_words_ != p_.channels && one_in(4) ? 0 : any_word());
+            send(encoded(static_cast<std::uint8_t>(session_ + (one_in(20) ? 1 : 0)), request));
+            if (one_in(30)) send_frame();
+            if (std::string difference = run(between(100, 3000)); !difference.empty()) return difference;
+        }
+        return {};
+    }
+
     /// For soon, the end, or nothing; on some boards there is no such command.
     Request gate() {
         std::uint64_t period = period_ + below(200);
@@ -785,7 +815,7 @@ private:
             const bool strange = reply.status == interface::Status::out_of_order;
             lost_ = strange ? lost_ + 1 : 0;
             applied += reply.status == interface::Status::ok ? 1 : 0;
-            if (reply.command == Command::status && reply.data.size() == 2 * interface::status_words)
+            if (reply.command == Command::status && reply.data.size() >= 2 * interface::status_unstreamed_words)
                 period_ = interface::status_field::period.get(reply.data);
             if (reply.command == Command::status && reply.data.size() >= 2 * interface::status_untimed_words) {
                 in_step += interface::status_field::in_step.get(reply.data);
@@ -794,7 +824,13 @@ private:
                 modulated += interface::status_field::modulated.get(reply.data);
                 bent += interface::status_field::bent_periods.get(reply.data) > 0 ? 1 : 0;
                 far += interface::status_field::far_foci.get(reply.data) > 0 ? 1 : 0;
+                streaming += interface::status_field::streaming.get(reply.data);
+                late += interface::status_field::stream_late.get(reply.data) > 0 ? 1 : 0;
+                lost += interface::status_field::stream_lost.get(reply.data) > 0 ? 1 : 0;
+                early += interface::status_field::stream_early.get(reply.data) > 0 ? 1 : 0;
+                repeated += interface::status_field::stream_repeated.get(reply.data) > 0 ? 1 : 0;
             }
+            if (reply.command == Command::identify) session_ = reply.sequence;
             pushed_foci += reply.command == Command::push_foci && reply.status == interface::Status::ok ? 1 : 0;
             waits += reply.command == Command::gate && reply.status == interface::Status::ok ? 1 : 0;
         }
@@ -804,7 +840,8 @@ private:
     LockStep& boards_;
     const interface::CoreParameters& p_;
     std::mt19937 g_;
-    std::uint8_t number_ = 0;
+    std::uint8_t number_ = 0, session_ = 0;
+    std::uint32_t stream_words_ = 16;  // of a pattern
     unsigned lost_ = 0;
     std::uint8_t selecting_ = 0;  // number of the SELECT whose record is waited for
     bool selected_ = false;       // a reply to it says so

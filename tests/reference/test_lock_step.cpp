@@ -62,6 +62,13 @@ void compare(std::string_view configuration, std::uint64_t commands, std::uint32
     if (wide)
         fmt::print("    {} cycles of foci, {} times modulated, {} bent, {} with a far focus, {} PUSH_FOCI\n",
                    boards.focus_cycles, host.modulated, host.bent, host.far, host.pushed_foci);
+    if (core.parameters().stream != 0) {
+        fmt::print("    {} times a stream played, with late {}, lost {}, early {}, repeated {} patterns\n",
+                   host.streaming, host.late, host.lost, host.early, host.repeated);
+        if (commands >= 3000)
+            for (const std::uint64_t count : {host.streaming, host.late, host.lost, host.early, host.repeated})
+                REQUIRE(count > 0);
+    }
     if (wide && commands >= 3000) {
         REQUIRE(boards.focus_cycles > 0);
         REQUIRE(host.modulated > 0);

@@ -184,7 +184,7 @@ private:
         if (command == Command::read) return Bytes(static_cast<std::size_t>(payload[4] | payload[5] << 8), payload[0]);
         if (command == Command::digest) return Bytes(4, 0);
         if (command != Command::status) return {};
-        std::vector<std::uint16_t> words(timed ? interface::status_words : interface::status_untimed_words);
+        std::vector<std::uint16_t> words(timed ? interface::status_unstreamed_words : interface::status_untimed_words);
         words[0] = static_cast<std::uint16_t>((enabled ? 1 : 0) | mode << 1);
         words[1] = present;
         words[7] = static_cast<std::uint16_t>(trips);

@@ -32,6 +32,8 @@ inline constexpr std::uint32_t modulation_base = 0x70000000;
 inline constexpr unsigned modulation_word_bits = 16;
 inline constexpr std::uint32_t ring_base = 0x80000000;
 inline constexpr unsigned ring_word_bits = 16;
+inline constexpr std::uint32_t stream_base = 0x90000000;
+inline constexpr unsigned stream_word_bits = 16;
 inline constexpr std::uint32_t description_base = 0x40000000;
 inline constexpr unsigned description_word_bits = 16;
 inline constexpr unsigned record_header_words = 4;
@@ -125,6 +127,7 @@ inline constexpr BitField mode = {"mode", 1, 2};  // where the next record comes
 inline constexpr BitField stopped = {"stopped", 3, 1};  // the stop input is active: outputs are off, and enable is refused
 inline constexpr BitField modulated = {"modulated", 4, 1};  // the modulation runs
 inline constexpr BitField waiting = {"waiting", 5, 1};  // a start, a modulation or pushed indices wait for their time
+inline constexpr BitField streaming = {"streaming", 6, 1};  // a stream plays; the mode is then live
 inline constexpr BitField present_index = {"present_index", 16, 16};  // record at the pins; 0 is silence
 inline constexpr BitField underruns = {"underruns", 32, 16};  // changes that were due before their record was ready, and periods whose pulses were not ready
 inline constexpr BitField refused_records = {"refused_records", 48, 16};  // records that could not be played; silence took their place
@@ -146,6 +149,10 @@ inline constexpr BitField sync_losses = {"sync_losses", 256, 16};  // times a sl
 inline constexpr BitField late_changes = {"late_changes", 272, 16};  // starts, modulations and pushes whose carrier period had come already, or was to begin next, when they were carried out; this word and those after it are there on boards with schedule only
 inline constexpr BitField period = {"period", 288, 32};  // bits 31…0 of the number of the carrier period at the pins, 0 before the first since reset; taken as the answer begins
 inline constexpr BitField period_high = {"period_high", 320, 16};  // bits 47…32 of it
+inline constexpr BitField stream_late = {"stream_late", 336, 16};  // patterns that came too late for their period; this word and those after it are there on boards with stream only
+inline constexpr BitField stream_lost = {"stream_lost", 352, 16};  // periods of a stream without a pattern
+inline constexpr BitField stream_early = {"stream_early", 368, 16};  // patterns for a period too far ahead
+inline constexpr BitField stream_repeated = {"stream_repeated", 384, 16};  // patterns for a period that had one already; none of these was played
 }  // namespace status_field
 
 namespace parameters_field {  // words of 16 bits
@@ -167,6 +174,13 @@ inline constexpr BitField base = {"base", 0, 16};  // where it begins in primary
 inline constexpr BitField first = {"first", 16, 16};  // index of its first focus record; it must be the one that lies at the base
 inline constexpr BitField count = {"count", 32, 16};  // how many focus records it has: more than LIVE_DEPTH, so that none is overwritten before it was played; 0 at power-up
 }  // namespace ring_field
+
+namespace stream_field {  // words of 16 bits
+inline constexpr BitField first = {"first", 0, 16};  // index of the record, or focus record, that is slot 0; the others follow it
+inline constexpr BitField slot_bits = {"slot_bits", 16, 4};  // there are 2^slot_bits slots, at most STREAM; 0, as at power-up, is none
+inline constexpr BitField hold = {"hold", 32, 16};  // periods without a pattern through which the last one plays on
+inline constexpr BitField fade = {"fade", 48, 16};  // after those, what all amplitudes lose a period until they are 0; 65,535 is full
+}  // namespace stream_field
 
 namespace description_field {  // words of 16 bits
 inline constexpr BitField magic = {"magic", 0, 16};  // 0x4748, the letters HG
@@ -264,9 +278,14 @@ enum class StatusWord : unsigned {
     period_low = 18,
     period_middle = 19,
     period_high = 20,
+    stream_late = 21,
+    stream_lost = 22,
+    stream_early = 23,
+    stream_repeated = 24,
 };
-inline constexpr unsigned status_words = 21;
+inline constexpr unsigned status_words = 25;
 inline constexpr unsigned status_untimed_words = 17;  // of boards without schedule
+inline constexpr unsigned status_unstreamed_words = 21;  // of boards without stream
 
 enum class ParametersWord : unsigned {
     foci_base = 0,
@@ -289,6 +308,14 @@ enum class RingWord : unsigned {
     count = 2,
 };
 inline constexpr unsigned ring_words = 3;
+
+enum class StreamWord : unsigned {
+    first = 0,
+    slot_form = 1,
+    hold = 2,
+    fade = 3,
+};
+inline constexpr unsigned stream_words = 4;
 
 enum class DescriptionWord : unsigned {
     magic = 0,
@@ -318,6 +345,7 @@ enum class Feature : unsigned {
     foci = 7,  // computes phases and amplitudes from foci
     schedule = 8,  // counts carrier periods; changes can wait for one, or for the end of what plays
     live_foci = 9,  // takes foci over the link while it plays
+    stream = 10,  // takes a pattern for each carrier period, without answers
     sync = 12,  // keeps its carrier cycles in step with other boards
     chain = 13,  // passes the serial line on, so that one port leads to many boards
     net = 14,  // is reached over Ethernet: frames come in datagrams and not on a serial line
@@ -365,6 +393,7 @@ enum class Command : std::uint8_t {
     modulate = 0x0f,
     gate = 0x10,
     push_foci = 0x11,
+    stream = 0x12,
     sync = 0x18,
 };
 
@@ -427,6 +456,7 @@ constexpr std::string_view to_string(Command command) {
         case Command::modulate: return "modulate";
         case Command::gate: return "gate";
         case Command::push_foci: return "push_foci";
+        case Command::stream: return "stream";
         case Command::sync: return "sync";
     }
     return "unknown";
@@ -473,6 +503,7 @@ struct CoreParameters {
     std::uint32_t sync = 0;
     std::uint32_t chain = 0;
     std::uint32_t net = 0;
+    std::uint32_t stream = 0;
     friend bool operator==(const CoreParameters&, const CoreParameters&) = default;
 };
 
@@ -505,7 +536,7 @@ struct ParameterDescription {
     }
 };
 
-inline constexpr std::array<ParameterDescription, 20> core_parameters = {{
+inline constexpr std::array<ParameterDescription, 21> core_parameters = {{
     {"CHANNELS", &CoreParameters::channels, 2, 1000, {}, {}, false, false,
      "transducers", "how many transducers, and so pins",
      "Each channel costs its timing and a comparator in cells, and a word of every record. 1000 is what a record can load within a carrier period."},
@@ -566,6 +597,9 @@ inline constexpr std::array<ParameterDescription, 20> core_parameters = {{
     {"NET", &CoreParameters::net, 0, 1, {}, {}, false, false,
      "0 or 1", "1: bytes of frames come from a network port beside the core (`rtl/net`), not from the serial line; not with CHAIN, and for at most 501 channels",
      "A gigabit port carries 400 times as much as the serial line of a board whose only input is a button's pin."},
+    {"STREAM", &CoreParameters::stream, 4, 1024, {}, {}, true, true,
+     "patterns", "how many patterns of a stream can wait, in records of primary memory; needs SCHEDULE and WIDTH_BITS",
+     "A host that sends a pattern for each carrier period must bridge the time for which its own scheduler leaves it waiting. A slot costs a bit; the stream some 700 cells."},
 }};
 
 /// A named set of parameters.
@@ -577,61 +611,61 @@ struct CoreConfiguration {
 
 inline constexpr std::array<CoreConfiguration, 19> core_configurations = {{
     {"tile-100",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0},
      "the paper's tile of 10 × 10; what images are compiled for unless a board is named"},
     {"small-16",
-     {.channels = 16, .records = 40, .sequence_depth = 64, .live_depth = 16, .timing_bits = 12, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 255, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 1, .sync = 0, .chain = 0, .net = 0},
+     {.channels = 16, .records = 40, .sequence_depth = 64, .live_depth = 16, .timing_bits = 12, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 255, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 1, .sync = 0, .chain = 0, .net = 0, .stream = 0},
      "small and quick to reach its limits, with schedule: most contract tests run on it"},
     {"small-16-sync",
-     {.channels = 16, .records = 40, .sequence_depth = 64, .live_depth = 16, .timing_bits = 12, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 255, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 1, .chain = 1, .net = 0},
+     {.channels = 16, .records = 40, .sequence_depth = 64, .live_depth = 16, .timing_bits = 12, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 255, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 1, .chain = 1, .net = 0, .stream = 0},
      "the small one with SYNC and a chain, for many boards at once"},
     {"small-16-wide",
-     {.channels = 16, .records = 256, .sequence_depth = 256, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 64, .slew = 1, .foci = 8, .schedule = 1, .sync = 0, .chain = 0, .net = 0},
+     {.channels = 16, .records = 256, .sequence_depth = 256, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 64, .slew = 1, .foci = 8, .schedule = 1, .sync = 0, .chain = 0, .net = 0, .stream = 0},
      "the small one with amplitudes, modulation, slew limit, foci and schedule, and the tile's LIVE_DEPTH, so that it takes foci as fast"},
     {"small-16-net",
-     {.channels = 16, .records = 256, .sequence_depth = 256, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 64, .slew = 1, .foci = 8, .schedule = 1, .sync = 0, .chain = 0, .net = 1},
-     "the same behind a network port"},
+     {.channels = 16, .records = 256, .sequence_depth = 256, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 64, .slew = 1, .foci = 8, .schedule = 1, .sync = 0, .chain = 0, .net = 1, .stream = 16},
+     "the same behind a network port, with streams of patterns"},
     {"tile-100-wide",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8, .schedule = 1, .sync = 1, .chain = 1, .net = 0},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8, .schedule = 1, .sync = 1, .chain = 1, .net = 0, .stream = 0},
      "the tile with amplitudes, modulation, slew limit, foci, schedule, SYNC and a chain"},
     {"tile-100-sync",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 1, .sync = 1, .chain = 0, .net = 0},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 1, .sync = 1, .chain = 0, .net = 0, .stream = 0},
      "the tile with schedule and SYNC alone, for boards in step that play records of timings"},
     {"unit-36",
-     {.channels = 36, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 25600000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 1, .sync = 1, .chain = 0, .net = 0},
+     {.channels = 36, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 25600000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 1, .sync = 1, .chain = 0, .net = 0, .stream = 0},
      "one of the nine units of 36 channels of Hoshi et al. at their 25.6 MHz, with schedule and SYNC"},
     {"hoshi-324",
-     {.channels = 324, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0},
+     {.channels = 324, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0},
      "the array of 18 × 18 of Hoshi et al."},
     {"wide-256",
-     {.channels = 256, .records = 160, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0},
+     {.channels = 256, .records = 160, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0},
      "256 channels with as many records as the block RAM of an ECP5-25F holds: a question of size"},
     {"amplitudes-256",
-     {.channels = 256, .records = 160, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8, .schedule = 0, .sync = 0, .chain = 0, .net = 0},
+     {.channels = 256, .records = 160, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0},
      "the same with amplitudes, modulation, slew limit and foci"},
     {"tile-100-3m",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0},
      "the tile behind a USB bridge of 3 Mbaud, for the bench of the link"},
     {"colorlight-5a-75b-v8.0",
-     {.channels = 56, .records = 600, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0},
+     {.channels = 56, .records = 600, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0},
      "56 outputs; the serial line is a button's pin, which probably carries a capacitor: nothing faster is known to work"},
     {"colorlight-5a-75e-v6.0",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0},
      "the tile; the serial line is a button's pin, which probably carries a capacitor: nothing faster is known to work"},
     {"colorlight-5a-75e-v7.1",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0},
      "the tile; the serial line is a button's pin, which probably carries a capacitor: nothing faster is known to work"},
     {"colorlight-5a-75e-v7.1-wide",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8, .schedule = 0, .sync = 0, .chain = 0, .net = 0},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0},
      "the same with amplitudes, modulation, slew limit and foci"},
     {"colorlight-5a-75e-v7.1-net",
-     {.channels = 100, .records = 360, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8, .schedule = 1, .sync = 1, .chain = 0, .net = 1},
-     "the same behind its gigabit port, with schedule and SYNC"},
+     {.channels = 100, .records = 360, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8, .schedule = 1, .sync = 1, .chain = 0, .net = 1, .stream = 256},
+     "the same behind its gigabit port, with schedule, SYNC and streams of patterns"},
     {"ice40-hx8k-breakout",
-     {.channels = 100, .records = 64, .sequence_depth = 256, .live_depth = 256, .timing_bits = 8, .pulse_bits = 8, .clock_hz = 48000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0},
+     {.channels = 100, .records = 64, .sequence_depth = 256, .live_depth = 256, .timing_bits = 8, .pulse_bits = 8, .clock_hz = 48000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0},
      "the tile in 7,680 cells: 8 timing bits are 240 ticks of 5 clocks a cycle, 9 would need 93 % of the cells"},
     {"ulx3s-85f",
-     {.channels = 56, .records = 600, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 1, .chain = 0, .net = 0},
+     {.channels = 56, .records = 600, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 1, .chain = 0, .net = 0, .stream = 0},
      "56 outputs behind a USB bridge of 3 Mbaud, and SYNC to and from other boards"},
 }};
 

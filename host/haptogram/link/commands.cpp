@@ -71,8 +71,10 @@ std::size_t expected_bytes(const Request& request, const Identity& identity) {
     switch (request.command) {
         case Command::identify: return std::size_t{2} * interface::identity_words;
         case Command::status:
-            return std::size_t{2} * (interface::has(identity.features, interface::Feature::schedule)
+            return std::size_t{2} * (interface::has(identity.features, interface::Feature::stream)
                                          ? interface::status_words
+                                     : interface::has(identity.features, interface::Feature::schedule)
+                                         ? interface::status_unstreamed_words
                                          : interface::status_untimed_words);
         case Command::digest: return 4;
         case Command::read: return request.payload.size() < 6 ? 0 : request.payload[4] | request.payload[5] << 8U;
@@ -135,7 +137,8 @@ void require_sound(const Reply& reply, const Request& request, const Identity& i
 Status to_status(const Bytes& block) {
     namespace field = interface::status_field;
     require_words(block, interface::status_untimed_words);
-    const bool timed = block.size() >= std::size_t{2} * interface::status_words;
+    const bool timed = block.size() >= std::size_t{2} * interface::status_unstreamed_words;
+    const bool streamed = block.size() >= std::size_t{2} * interface::status_words;
     if (const auto role = field::role.get(block); role > static_cast<unsigned>(Role::slave))
         throw device_error(fmt::format("it says that its role is {}, expected 0 to 2; is it a Haptogram?", role));
     const auto word = [&block](const interface::BitField& f) { return static_cast<std::uint16_t>(f.get(block)); };
@@ -165,7 +168,13 @@ Status to_status(const Bytes& block) {
             .late_changes = timed ? word(field::late_changes) : std::uint16_t{0},
             .period = timed ? std::optional(std::uint64_t{field::period_high.get(block)} << field::period.width |
                                             field::period.get(block))
-                            : std::nullopt};
+                            : std::nullopt,
+            .stream = streamed ? std::optional(StreamCounts{.playing = field::streaming.get(block) != 0,
+                                                            .late = word(field::stream_late),
+                                                            .lost = word(field::stream_lost),
+                                                            .early = word(field::stream_early),
+                                                            .repeated = word(field::stream_repeated)})
+                               : std::nullopt};
 }
 
 When When::at_period(std::uint64_t period) {

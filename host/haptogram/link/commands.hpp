@@ -60,6 +60,13 @@ struct Identity {
 using interface::Mode;
 using interface::Role;
 
+/// What became of a stream's patterns that did not play in their own carrier period.
+struct StreamCounts {
+    bool playing = false;  ///< a stream plays
+    std::uint16_t late = 0, lost = 0, early = 0, repeated = 0;
+    friend bool operator==(const StreamCounts&, const StreamCounts&) = default;
+};
+
 /// What a device says it is doing. Counters begin at 0 again after 65,535.
 struct Status {
     bool enabled = false;             ///< pulses are let out
@@ -80,6 +87,7 @@ struct Status {
     /// a device without schedule counts neither.
     std::uint16_t late_changes = 0;
     std::optional<std::uint64_t> period{};
+    std::optional<StreamCounts> stream{};  ///< of a device that takes streams of patterns
     friend bool operator==(const Status&, const Status&) = default;
 };
 

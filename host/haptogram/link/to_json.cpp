@@ -53,6 +53,12 @@ ordered_json to_json(const Status& s) {
                       {"sync_misses", s.sync_misses},
                       {"sync_losses", s.sync_losses}};
     if (s.period) json.update({{"late_changes", s.late_changes}, {"period", *s.period}});
+    if (s.stream)
+        json["stream"] = {{"playing", s.stream->playing},
+                          {"late", s.stream->late},
+                          {"lost", s.stream->lost},
+                          {"early", s.stream->early},
+                          {"repeated", s.stream->repeated}};
     return json;
 }
 

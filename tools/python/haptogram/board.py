@@ -10,6 +10,7 @@ from .interface import (
     PARAMETER_RANGES,
     RECORD_HEADER_WORDS,
     STATUS_FIELDS,
+    STATUS_UNSTREAMED_WORDS,
     STATUS_UNTIMED_WORDS,
     STATUS_WORDS,
     VERSION,
@@ -77,7 +78,9 @@ class Identity:
     @property
     def status_bytes(self) -> int:
         """Length of its status block."""
-        return 2 * (len(STATUS_WORDS) if self.features >> Feature.SCHEDULE & 1 else STATUS_UNTIMED_WORDS)
+        if self.features >> Feature.STREAM & 1:
+            return 2 * len(STATUS_WORDS)
+        return 2 * (STATUS_UNSTREAMED_WORDS if self.features >> Feature.SCHEDULE & 1 else STATUS_UNTIMED_WORDS)
 
 
 @dataclass(frozen=True)
@@ -108,6 +111,11 @@ class Status:
     sync_losses: int
     waiting: bool  # a start, a modulation or pushed indices wait for their time
     late_changes: int  # that came too late for their carrier period
+    streaming: bool  # a stream plays; the next four count its patterns that did not play in their period
+    stream_late: int
+    stream_lost: int
+    stream_early: int
+    stream_repeated: int
     period: int | None  # number of the carrier period at the pins since reset; None on boards that keep no time
 
     @classmethod
@@ -118,9 +126,9 @@ class Status:
             raise device_error(where, f"the board says that its live_level is {values['live_level']}, expected 0 to {board.live_depth}")
         mode = Mode(values.pop("mode")).name.lower()
         period = values.pop("period") | values.pop("period_high") << STATUS_FIELDS["period"].width
-        values["period"] = period if len(data) >= 2 * len(STATUS_WORDS) else None
+        values["period"] = period if len(data) >= 2 * STATUS_UNSTREAMED_WORDS else None
         if values["role"] not in list(Role):
             raise device_error(where, f"the board says that its role is {values['role']}, expected 0 to {max(Role)}")
         role = Role(values.pop("role")).name.lower()
-        flags = {name: bool(values.pop(name)) for name in ("enabled", "stopped", "modulated", "in_step", "numbered", "waiting")}
+        flags = {name: bool(values.pop(name)) for name in ("enabled", "stopped", "modulated", "in_step", "numbered", "waiting", "streaming")}
         return cls(mode=mode, role=role, **flags, **values)

@@ -13,6 +13,7 @@ PARAMETERS_BASE = 0x50000000
 GEOMETRY_BASE = 0x60000000
 MODULATION_BASE = 0x70000000
 RING_BASE = 0x80000000
+STREAM_BASE = 0x90000000
 DESCRIPTION_BASE = 0x40000000
 RECORD_HEADER_WORDS = 4
 SILENT_TIMING = 0xffff
@@ -46,9 +47,10 @@ NETWORK_PATIENCE_MS = 10
 NETWORK_WINDOW = 24
 
 IDENTITY_WORDS = ["name_0", "name_1", "name_2", "name_3", "name_4", "name_5", "name_6", "name_7", "version", "channels", "records", "sequence_depth", "live_depth", "bits", "clock_hz_low", "clock_hz_high", "features", "frame_bytes", "min_pulse_clocks", "max_pulse_clocks", "max_duty_256", "max_cycle_low", "max_cycle_high", "width_bits", "foci", "modulation_words"]
-STATUS_WORDS = ["flags", "present_index", "underruns", "refused_records", "frames_good", "frames_damaged", "frames_repeated", "watchdog_trips", "guard_trips", "live_level", "watchdog_ms", "frames_refused", "bent_periods", "far_foci", "sync", "sync_misses", "sync_losses", "late_changes", "period_low", "period_middle", "period_high"]
+STATUS_WORDS = ["flags", "present_index", "underruns", "refused_records", "frames_good", "frames_damaged", "frames_repeated", "watchdog_trips", "guard_trips", "live_level", "watchdog_ms", "frames_refused", "bent_periods", "far_foci", "sync", "sync_misses", "sync_losses", "late_changes", "period_low", "period_middle", "period_high", "stream_late", "stream_lost", "stream_early", "stream_repeated"]
 PARAMETERS_WORDS = ["foci_base", "foci_count", "foci_form", "foci_cycle", "wave_number_low", "wave_number_high", "gain", "slew_mode", "phase_rate", "amplitude_rate", "arrival_periods"]
 RING_WORDS = ["base", "first", "count"]
+STREAM_WORDS = ["first", "slot_form", "hold", "fade"]
 DESCRIPTION_WORDS = ["magic", "format", "channels", "records", "sequence_words", "bits", "clock_hz_low", "clock_hz_high", "board_records", "modulation_samples", "modulation_divider", "min_pulse_clocks"]
 
 # Lowest and highest value of the core's parameters; whether it is a power of two; whether it may also be 0.
@@ -73,9 +75,11 @@ PARAMETER_RANGES = {
     "sync": (0, 1, False, False),
     "chain": (0, 1, False, False),
     "net": (0, 1, False, False),
+    "stream": (4, 1024, True, True),
 }
 
 STATUS_UNTIMED_WORDS = 17  # of boards without schedule
+STATUS_UNSTREAMED_WORDS = 21  # of boards without stream
 
 
 class BitField(NamedTuple):
@@ -146,6 +150,7 @@ STATUS_FIELDS = {
     "stopped": BitField(3, 1),
     "modulated": BitField(4, 1),
     "waiting": BitField(5, 1),
+    "streaming": BitField(6, 1),
     "present_index": BitField(16, 16),
     "underruns": BitField(32, 16),
     "refused_records": BitField(48, 16),
@@ -167,6 +172,10 @@ STATUS_FIELDS = {
     "late_changes": BitField(272, 16),
     "period": BitField(288, 32),
     "period_high": BitField(320, 16),
+    "stream_late": BitField(336, 16),
+    "stream_lost": BitField(352, 16),
+    "stream_early": BitField(368, 16),
+    "stream_repeated": BitField(384, 16),
 }
 PARAMETERS_FIELDS = {
     "foci_base": BitField(0, 16),
@@ -185,6 +194,12 @@ RING_FIELDS = {
     "base": BitField(0, 16),
     "first": BitField(16, 16),
     "count": BitField(32, 16),
+}
+STREAM_FIELDS = {
+    "first": BitField(0, 16),
+    "slot_bits": BitField(16, 4),
+    "hold": BitField(32, 16),
+    "fade": BitField(48, 16),
 }
 DESCRIPTION_FIELDS = {
     "magic": BitField(0, 16),
@@ -218,6 +233,7 @@ class Feature(enum.IntEnum):
     FOCI = 7
     SCHEDULE = 8
     LIVE_FOCI = 9
+    STREAM = 10
     SYNC = 12
     CHAIN = 13
     NET = 14
@@ -254,6 +270,7 @@ class Command(enum.IntEnum):
     MODULATE = 0x0f
     GATE = 0x10
     PUSH_FOCI = 0x11
+    STREAM = 0x12
     SYNC = 0x18
 
 

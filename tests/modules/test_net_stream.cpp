@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: Apache-2.0
+// A stream of patterns over Ethernet, whole: what each pin does in each carrier period is measured, and compared with
+// the pattern that was sent for that period: the middle of a pulse with its phase, its width with Hoshi et al. 2010,
+// eq. 7.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <numbers>
+#include <numeric>
+#include <set>
+
+#include "net_core.hpp"
+
+using namespace haptogram;
+using namespace net;
+
+namespace {
+
+constexpr long cycle = 1250;
+constexpr unsigned patterns_a_datagram = 7, slot_bits = 6;
+constexpr long slots = 1 << slot_bits;
+
+struct Drive {
+    double phase, amplitude;  ///< 256ths of the cycle, 255ths
+};
+
+/// Phases all round the cycle and hardly the same twice, but so near from period to period that pulses do not touch.
+Drive drive(long period, unsigned channel) {
+    const auto mixed = static_cast<std::uint64_t>(period * 1009 + channel) * 0x9e3779b97f4a7c15ULL;
+    return {static_cast<double>(channel * 37 % 236 + (mixed >> 56) % 20),
+            static_cast<double>(100 + (mixed >> 40) % 100)};
+}
+Bytes pattern(long period) {
+    Bytes bytes;
+    for (unsigned c = 0; c < channels; ++c) {
+        const Drive one = drive(period, c);
+        bytes.insert(bytes.end(), {static_cast<std::uint8_t>(one.phase), static_cast<std::uint8_t>(one.amplitude)});
+    }
+    return bytes;
+}
+double width(double amplitude) { return cycle * std::asin(amplitude / 255) / std::numbers::pi; }
+
+/// Pulses and carrier periods at the pins, by clocks since reset.
+class Pins {
+public:
+    struct Pulse {
+        unsigned channel;
+        long rise, fall;
+    };
+    std::vector<long> starts{0};  ///< of each period by its number; 0 is what was before the first
+    std::vector<Pulse> pulses;
+
+    explicit Pins(Network& network) : network_(network) {
+        network.before_clock = [this] { look(); };
+    }
+
+private:
+    void look() {
+        if (network_.bench->o_cycle_start) starts.push_back(clock_);
+        for (unsigned word = 0; word < before_.size(); ++word) {
+            const std::uint32_t now = network_.bench->o_pins[word];
+            for (std::uint32_t changed = now ^ before_[word]; changed != 0; changed &= changed - 1) {
+                const unsigned bit = static_cast<unsigned>(std::countr_zero(changed)), channel = 32 * word + bit;
+                if ((now >> bit & 1U) != 0)
+                    rises_[channel] = clock_;
+                else
+                    pulses.push_back({channel, rises_[channel], clock_});
+            }
+            before_[word] = now;
+        }
+        ++clock_;
+    }
+    Network& network_;
+    long clock_ = 0;
+    std::array<std::uint32_t, (channels + 31) / 32> before_{};
+    std::array<long, channels> rises_{};
+};
+
+/// A board that plays streams, and the host that sends them.
+class Stream {
+public:
+    Network network;
+    Pins pins{network};
+    std::set<long> sent;  ///< the periods whose pattern arrived in time
+    std::uint8_t session = 0;
+
+    explicit Stream(unsigned hold, unsigned fade = 65535) {
+        session = static_cast<std::uint8_t>(network.next_number());
+        send(network.frame(Command::identify));
+        answered(1);
+        send(network.frame(Command::watchdog, {0, 0}));
+        std::vector<std::uint16_t> header(interface::record_header_words, 0);
+        interface::record_field::cycle_length.set(header, cycle);
+        interface::record_field::prescaler.set(header, 1);
+        interface::record_field::kind.set(header, 1);
+        for (unsigned slot = 0; slot < slots; ++slot) {
+            const unsigned address = (first_index - 1 + slot) * record_words * 2;
+            send(network.frame(Command::write, little(address) + little(address >> 16) + words(header)));
+            network.run(2000);
+        }
+        settings({first_index, slot_bits, static_cast<std::uint16_t>(hold), static_cast<std::uint16_t>(fade)});
+        send(network.frame(Command::enable));
+        answered(4 + slots);
+    }
+    void settings(std::initializer_list<std::uint16_t> all) {
+        const unsigned address = interface::stream_base;
+        send(network.frame(Command::write, little(address) + little(address >> 16) + words(all)));
+    }
+    void send(const Bytes& payload) { network.send(host, payload); }
+    void answered(std::size_t count) {
+        REQUIRE(network.answered(count));
+        for (const link::Reply& reply : network.replies) REQUIRE(reply.status == interface::Status::ok);
+    }
+    [[nodiscard]] long now() const { return static_cast<long>(pins.starts.size()) - 1; }
+
+    /// A frame of patterns for the periods from `first` on. @param content  the period that they belong to otherwise
+    [[nodiscard]] Bytes frame(long first, unsigned count, long content, std::size_t cut = 0) const {
+        Bytes payload = little(first & 0xffff) + little(first >> 16 & 0xffff) + Bytes{0, 0};
+        for (unsigned k = 0; k < count; ++k) payload = payload + pattern(content + k);
+        payload.resize(payload.size() - cut);
+        return link::encode_request(session, Command::stream, payload);
+    }
+    /// Patterns for the periods from `first` on, in frames of two.
+    [[nodiscard]] Bytes datagram(long first, unsigned count = patterns_a_datagram) const {
+        Bytes all;
+        for (unsigned k = 0; k < count; k += 2) all = all + frame(first + k, std::min(2U, count - k), first + k);
+        REQUIRE(all.size() <= interface::network::datagram_bytes);
+        return all;
+    }
+    void note(long first, unsigned count = patterns_a_datagram) {
+        for (unsigned k = 0; k < count; ++k) sent.insert(first + k);
+    }
+    void run_to(long period) {
+        while (now() < period) network.run(5'000);
+    }
+    std::uint16_t status(interface::StatusWord word) {
+        network.rests = false;
+        const std::size_t before = network.replies.size();
+        send(network.frame(Command::status));
+        REQUIRE(network.answered(before + 1));
+        const Bytes& data = network.replies.back().data;
+        REQUIRE(data.size() == 2 * interface::status_words);
+        const auto place = 2 * static_cast<std::size_t>(word);
+        return static_cast<std::uint16_t>(data[place] | data[place + 1] << 8);
+    }
+
+    /// How many pulses of the periods are not those of the pattern that `source` names for each (0: silence), or are
+    /// missing.
+    template <class Source>
+    long wrong(long from, long to, Source source) {
+        std::vector<unsigned> found(static_cast<std::size_t>(to - from), 0);
+        long unexplained = 0;
+        for (const Pins::Pulse& pulse : pins.pulses) {
+            const double middle = 0.5 * static_cast<double>(pulse.rise + pulse.fall);
+            const auto after = std::upper_bound(pins.starts.begin(), pins.starts.end(), static_cast<long>(middle));
+            const long around = after - pins.starts.begin() - 1;
+            bool explained = around < from || around >= to;
+            for (long p = std::max(from, around - 1); !explained && p <= std::min(to - 1, around + 1); ++p) {
+                const long named = source(p);
+                if (named == 0) continue;
+                const Drive one = drive(named, pulse.channel);
+                const double due =
+                    static_cast<double>(pins.starts[static_cast<std::size_t>(p)]) + one.phase * cycle / 256;
+                explained = std::abs(middle - due) <= 1.01 &&
+                            std::abs(static_cast<double>(pulse.fall - pulse.rise) - width(one.amplitude)) <= 2;
+                if (explained) ++found[static_cast<std::size_t>(p - from)];
+            }
+            unexplained += !explained;
+        }
+        for (long p = from; p < to; ++p)
+            unexplained += source(p) == 0 ? 0
+                                          : std::abs(static_cast<long>(found[static_cast<std::size_t>(p - from)]) -
+                                                     static_cast<long>(channels));
+        return unexplained;
+    }
+    /// What plays in a period when everything that was noted has arrived.
+    [[nodiscard]] long plays(long period, long hold) const {
+        const auto after = sent.upper_bound(period);
+        if (after == sent.begin()) return 0;
+        const long last = *std::prev(after);
+        return period - last <= hold ? last : 0;
+    }
+
+    static constexpr std::uint16_t first_index = 3;
+};
+
+}  // namespace
+
+TEST_CASE("stream: each pattern plays in its own carrier period, and where one is missing the last one stays") {
+    const bool soak = std::getenv("HAPTOGRAM_SOAK") != nullptr;
+    const bool lossy = GENERATE(false, true);
+    const long periods = soak ? 100'000 : lossy ? 3'000 : 10'000, lead = 30;
+    constexpr unsigned hold = 100;
+    Stream stream(hold);
+    std::mt19937_64& random = stream.network.bench.random;
+    const long begin = stream.now() + lead + 10;
+    stream.network.rests = true;
+    unsigned left_out = 0;
+    for (long p = begin; p < begin + periods; p += patterns_a_datagram) {
+        stream.run_to(p - lead);
+        if (lossy && p > begin && random() % 100 == 0) {
+            left_out += patterns_a_datagram;
+            continue;
+        }
+        stream.send(stream.datagram(p));
+        stream.note(p);
+    }
+    const long end = begin + periods - periods % patterns_a_datagram;
+    stream.run_to(end + 4);
+    CHECK((left_out > 0) == lossy);
+    CHECK(stream.status(interface::StatusWord::stream_late) == 0);
+    CHECK(stream.status(interface::StatusWord::stream_early) == 0);
+    CHECK(stream.status(interface::StatusWord::stream_repeated) == 0);
+    CHECK(stream.status(interface::StatusWord::underruns) == 0);
+    CHECK(stream.pins.pulses.size() >= static_cast<std::size_t>(periods - 10) * channels);
+    CHECK(stream.wrong(begin + 1, end, [&](long p) { return stream.plays(p, hold); }) == 0);
+}
+
+TEST_CASE(
+    "stream: in any order, doubled with other words and cut, no period plays anything but its own pattern whole") {
+    constexpr long block = 16, blocks = 25, lead = 36, others = 1'000'000;
+    Stream stream(block);
+    std::mt19937_64& random = stream.network.bench.random;
+    const long begin = stream.now() + lead + 20, end = begin + block * blocks;
+    stream.network.rests = true;
+    std::uint64_t doubled = 0, cut = 0;
+    for (long first = begin; first < end; first += block) {
+        stream.run_to(first - lead);
+        std::vector<long> periods(block);
+        std::iota(periods.begin(), periods.end(), first);
+        std::shuffle(periods.begin(), periods.end(), random);
+        for (const long p : periods) {
+            if (p != first && random() % 8 == 0) continue;  // lost
+            // The second one of a frame that is cut is not there.
+            const bool cuts = random() % 4 == 0 && p + 1 < first + block && !stream.sent.contains(p + 1);
+            if (stream.sent.contains(p)) continue;
+            stream.send(stream.frame(p, cuts ? 2 : 1, p, cuts ? 2 + random() % 99 * 2 : 0));
+            cut += cuts;
+            stream.note(p, 1);
+            if (random() % 2 != 0) continue;
+            ++doubled;
+            stream.send(stream.frame(p, 1, p + others));
+        }
+    }
+    stream.run_to(end + 4);
+    CHECK(stream.status(interface::StatusWord::stream_repeated) == doubled);
+    CHECK(stream.status(interface::StatusWord::frames_refused) == cut);
+    CHECK(stream.status(interface::StatusWord::stream_late) == 0);
+    CHECK(stream.status(interface::StatusWord::frames_damaged) == 0);
+    CHECK(stream.wrong(begin + 1, end, [&](long p) { return stream.plays(p, block); }) == 0);
+}
+
+TEST_CASE("stream: what is late, early or of another session plays nothing, and is counted") {
+    Stream stream(20);
+    const long begin = stream.now() + 30;
+    stream.send(stream.datagram(begin));
+    stream.note(begin);
+    stream.send(stream.datagram(begin + slots + 30));
+    stream.run_to(begin + 2);
+    stream.send(stream.datagram(begin - 6, 6));
+    ++stream.session;
+    stream.send(stream.datagram(begin + 7, 2));
+    stream.run_to(begin + 12);
+    CHECK(stream.status(interface::StatusWord::stream_early) == 7);
+    CHECK(stream.status(interface::StatusWord::stream_late) == 6);
+    CHECK(stream.status(interface::StatusWord::stream_repeated) == 0);
+    CHECK(stream.status(interface::StatusWord::frames_refused) == 1);
+    CHECK(stream.wrong(begin + 1, begin + 10, [&](long p) { return stream.plays(p, 20); }) == 0);
+}
+
+TEST_CASE("stream: when no pattern comes the last one is held, and then its amplitudes fall to nothing") {
+    constexpr long hold = 9, fade = 2000;
+    Stream stream(hold, fade);
+    const long begin = stream.now() + 20, last = begin + 6;
+    stream.send(stream.datagram(begin));
+    stream.note(begin);
+    const std::uint16_t before = stream.status(interface::StatusWord::flags);
+    stream.run_to(begin + 3);
+    const std::uint16_t during = stream.status(interface::StatusWord::flags);
+    stream.run_to(last + hold + 45);
+    const std::uint16_t after = stream.status(interface::StatusWord::flags);
+    const auto streaming = [](std::uint16_t flags) {
+        return interface::status_field::streaming.get(std::array{flags});
+    };
+    CHECK(streaming(before) == 0);
+    CHECK(streaming(during) == 1);
+    CHECK(streaming(after) == 0);
+    CHECK(stream.status(interface::StatusWord::stream_lost) == hold + 1);
+    CHECK(stream.wrong(begin + 1, last + hold, [&](long p) { return stream.plays(p, hold); }) == 0);
+    long fading = 0, wrong = 0;
+    for (const Pins::Pulse& pulse : stream.pins.pulses) {
+        const long at = (pulse.rise + pulse.fall) / 2;
+        const auto next = std::upper_bound(stream.pins.starts.begin(), stream.pins.starts.end(), at);
+        const Drive one = drive(last, pulse.channel);
+        // Its middle does not move, so it says which period it belongs to even at a period's edge.
+        const long period = std::lround(static_cast<double>(next - stream.pins.starts.begin() - 1) +
+                                        static_cast<double>(at - *std::prev(next)) / cycle - one.phase / 256);
+        const long steps = period - last - hold;
+        if (steps <= 0) continue;
+        const double left = one.amplitude - static_cast<double>(steps * fade) / 257;
+        ++fading;
+        wrong += left <= 0 || std::abs(static_cast<double>(pulse.fall - pulse.rise) - width(left)) > 4;
+    }
+    CHECK(fading > 10 * static_cast<long>(channels));
+    CHECK(wrong == 0);
+}
+
+TEST_CASE("stream: DISABLE, STOP, a new session, a lost link and other commands forget what waits") {
+    Stream stream(5);
+    const int what = GENERATE(range(0, 6));
+    const long begin = stream.now() + 30;
+    stream.send(stream.datagram(begin));
+    stream.run_to(begin - 20);
+    switch (what) {
+        case 0: stream.send(stream.network.frame(Command::disable)); break;
+        case 1: stream.send(stream.network.frame(Command::stop)); break;
+        case 2: stream.send(stream.network.frame(Command::identify)); break;
+        case 3: stream.network.send(stranger, {'H', 'G', 5, 0}, open_port); break;
+        case 4: stream.settings({Stream::first_index, slot_bits, 5, 65535}); break;
+        default: stream.send(stream.network.frame(Command::select, {0, 0, 0, 0})); break;
+    }
+    stream.network.run(100'000);
+    stream.send(stream.network.frame(Command::enable));
+    // What comes afterwards plays, but in another session.
+    if (what != 2) {
+        stream.send(stream.datagram(begin + 10));
+        stream.note(begin + 10);
+    }
+    stream.run_to(begin + 30);
+    CHECK(stream.network.bench->o_enabled);
+    CHECK(stream.wrong(begin - 10, begin + 20, [&](long p) { return stream.plays(p, 5); }) == 0);
+}
