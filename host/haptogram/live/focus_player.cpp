@@ -86,6 +86,7 @@ void FocusPlayer::replace(const Path& path, std::uint64_t shot, double shot_s) {
     at_ = share * ends_.back();
     about_ = {.shot = shot, .shot_s = shot_s};
     begun_ = false;
+    late_s_ = clock_.now_s() + 2.0 * static_cast<double>(frame_ * dwell_) * timer_.period_s();
     faded_s_.reset();
 }
 

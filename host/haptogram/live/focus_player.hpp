@@ -35,7 +35,8 @@ public:
     void silence() override;
     void fade() override;
     bool service() override;
-    [[nodiscard]] bool sending() const override { return path_ && !begun_; }
+    /// Later than two frames to the board take.
+    [[nodiscard]] bool sending() const override { return path_ && !begun_ && clock_.now_s() > late_s_; }
     [[nodiscard]] bool playing() const override { return path_.has_value(); }
     [[nodiscard]] bool fading() const override { return faded_s_.has_value(); }
     /// What the line leaves of what was wanted.
@@ -60,6 +61,7 @@ private:
     FocusWords last_{};         ///< where the focus was last
     SentRing about_;
     bool begun_ = false;            ///< a record of the path was pushed
+    double late_s_ = 0.0;           ///< when that should have been
     std::optional<double> faded_s_; ///< for so long what plays fades
     double asked_s_ = 0.0;          ///< when the device was asked for its status last
     std::optional<std::uint16_t> underruns_;

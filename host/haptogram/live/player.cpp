@@ -11,19 +11,21 @@ namespace haptogram::live {
 
 Line measured_line(link::Commands& device, const Clock& clock) {
     constexpr std::uint16_t few = 16, many = 192;
-    constexpr double least_s = 1e-6;  // of a line that is faster than can be measured
+    constexpr double around = 20.0;    // bytes beside them: of the question, and of the answer's frame
+    constexpr double least_s = 1e-6;   // of a line that is faster than can be measured
+    constexpr double line_part = 0.5;  // of the longer answer's time, at least, is the line's: a busy machine hides the rest
     const auto seconds = [&](std::uint16_t bytes) {
         double least = 1.0;
-        for (int i = 0; i < 3; ++i) {
+        for (int i = 0; i < 5; ++i) {
             const double began = clock.now_s();
             static_cast<void>(device.read(interface::primary_base, bytes));
             least = std::min(least, clock.now_s() - began);
         }
-        return least;
+        return std::max(least, least_s);
     };
     const double short_s = seconds(few), long_s = seconds(many);
-    const double byte_s = std::max(long_s - short_s, least_s) / (many - few);
-    return {1.0 / byte_s, std::max(0.0, short_s - few * byte_s)};
+    const double byte_s = std::max((long_s - short_s) / (many - few), line_part * long_s / (many + around));
+    return {1.0 / byte_s, std::max(0.0, short_s - (few + around) * byte_s)};
 }
 
 Player::Player(link::Commands& device, const Clock& clock, const Timer& timer, std::uint16_t watchdog_ms)
