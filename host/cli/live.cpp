@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -12,13 +11,20 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/link/device.hpp"
+#include "haptogram/base/line_output.hpp"
+#include "haptogram/live/choose_player.hpp"
 #include "haptogram/live/depth_folder.hpp"
+#include "haptogram/live/hand_feeler.hpp"
+#include "haptogram/live/hand_source.hpp"
 #include "haptogram/live/loop.hpp"
+#include "haptogram/live/pipeline.hpp"
+#include "haptogram/live/shot_rings.hpp"
 #include "haptogram/live/source.hpp"
 #include "haptogram/live/to_json.hpp"
 #include "haptogram/verbs/source.hpp"
 #include "interrupt.hpp"
 #include "live_board.hpp"
+#include "object_options.hpp"
 #include "port.hpp"
 #include "report.hpp"
 
@@ -27,23 +33,25 @@ namespace {
 
 constexpr const char* reference_prefix = "reference:";
 
+const std::vector<std::string> rings = {"ring", "still"};
+
 struct LiveCommand {
-    std::string from, object = "cube:40", at = "0,0,170", array = "tile-10x10", record, scene;
-    std::string predict = "none", focus = "dynamic", method = "distance-weighted";
+    std::string from, algorithm = "ring", array = "tile-10x10", record, scene;
+    ObjectArguments object{.name = "cube", .size_mm = 40.0};
+    std::string predict = "velocity", method = "distance-weighted";
     link::PortSettings port;
-    double mass_g = 0.0, latency_ms = 35.0, distance_mm = 300.0;
+    double mass_g = 0.0, distance_mm = 300.0;
+    std::optional<double> latency_ms;
     live::CameraOptions cameras;
     std::vector<CLI::Option*> of_cameras;
+    live::FingerOptions fingers;
     live::LoopOptions loop;
-    std::optional<double> magnitude;
     double press_radius_mm = PressOptions{}.radius_m / millimetre;
     bool json = false;
-};
+    std::vector<std::string> given;
 
-FocusMotion motion_of(const std::string& focus) {
-    if (focus == "static") return FocusMotion::still;
-    return focus == "press" ? FocusMotion::pressing : FocusMotion::revolving;
-}
+    [[nodiscard]] bool has_rings() const { return std::ranges::find(rings, algorithm) != rings.end(); }
+};
 
 class PortBoard final : public LiveBoard {
 public:
@@ -62,40 +70,56 @@ std::unique_ptr<LiveBoard> open_board(link::PortSettings port) {
     return std::make_unique<PortBoard>(port);
 }
 
-/// "cube:40" is a cube of 40 mm.
-void parse_object(const std::string& text, SceneOptions& scene) {
-    const std::size_t colon = std::min(text.find(':'), text.size());
-    scene.kind = text.substr(0, colon);
-    if (colon == text.size()) return;
-    double size_mm = 0.0;
-    const auto [end, error] = std::from_chars(text.data() + colon + 1, text.data() + text.size(), size_mm);
-    if (error != std::errc() || end != text.data() + text.size() || !(size_mm > 0.0))
-        throw bad_argument("object",
-                           fmt::format("found \"{}\", expected a kind and its size in mm, such as cube:40", text));
-    scene.size_m = scene.height_m = size_mm * millimetre;
+live::PredictorOptions prediction_of(const LiveCommand& command, bool hands) {
+    // Of a depth camera with its line of records, and of a hand tracker.
+    const double usual_ms = hands ? 20.0 : 35.0;
+    return {.kind = live::prediction_of(command.predict), .ahead_s = 1e-3 * command.latency_ms.value_or(usual_ms)};
 }
 
-live::LoopOptions options_of(const LiveCommand& command) {
-    live::LoopOptions options = command.loop;
-    parse_object(command.object, options.scene);
-    options.scene.pose.origin = parse_point_mm("at", command.at);
-    options.scene.mass_kg = command.mass_g * 1e-3;
+/// What rings need to know of the object.
+live::FingerOptions fingers_of(const LiveCommand& command, const ObjectSource& source, bool hands) {
+    live::FingerOptions options = command.fingers;
+    SceneOptions& scene = options.scene;
+    scene.pose = pose_of(source.centre, source.angles_deg);
+    scene.mass_kg = command.mass_g * 1e-3;
+    if (names_mesh(source)) {
+        if (scene.mass_kg > 0.0)
+            throw bad_argument("mass", "an object that moves is a cube, a sphere or a cylinder; a mesh stays still");
+        const TouchObject object = open_object(source);
+        scene.solid = object.solid;
+        scene.pose = {};
+        const Vec3 extent = object.high - object.low;
+        scene.size_m = std::min({extent.x, extent.y, extent.z});
+    } else {
+        scene.kind = source.name;
+        scene.size_m = source.size_m.value_or(ObjectMeasures{}.size);
+        scene.height_m = source.height_m.value_or(scene.size_m);
+    }
     // The floor is what the object stands on when it begins.
-    options.scene.world.low.z = options.scene.pose.origin.z - 0.5 * options.scene.size_m;
-    options.scene.world.high.z = options.scene.world.low.z + 0.25;
-    options.ring.motion = motion_of(command.focus);
-    options.magnitude = command.magnitude;
+    scene.world.low.z = source.centre.z - 0.5 * scene.size_m;
+    scene.world.high.z = scene.world.low.z + 0.25;
+    if (command.algorithm == "still") options.ring.motion = FocusMotion::still;
+    if (command.algorithm == "L") options.ring.motion = FocusMotion::pressing;
     options.ring.press.radius_m = command.press_radius_mm * millimetre;
-    options.predict.kind = live::prediction_of(command.predict);
-    options.predict.ahead_s = command.latency_ms * 1e-3;
-    options.method = method_of(command.method, "method");
+    options.predict = prediction_of(command, hands);
+    return options;
+}
+
+live::HandOptions hand_options_of(const LiveCommand& command) {
+    live::HandOptions options;
+    options.algorithm = algorithm_of(command.algorithm);
+    options.touch.press = command.fingers.ring.press;
+    options.touch.press.radius_m = command.press_radius_mm * millimetre;
+    options.predict = prediction_of(command, true);
     return options;
 }
 
 void tell_run(Report& report, const live::LoopReport& done, const live::Latency& at_pins) {
     report.tell(fmt::format(
-        "shots             {}, {} of them with rings; {} lost, {} out of order, {} empty, {} without a camera",
+        "shots             {}, {} of them with foci; {} lost, {} out of order, {} empty, {} without a camera",
         done.shots, done.with_rings, done.lost, done.out_of_order, done.empty, done.without_camera));
+    if (done.skipped > 0)
+        report.tell(fmt::format("skipped           {} shots, for which the line has no time", done.skipped));
     for (std::size_t i = 0; i < done.without_picture.size(); ++i)
         if (done.without_picture[i] > 0)
             report.tell(fmt::format("camera {:<10} gave no picture in {} shots", i + 1, done.without_picture[i]));
@@ -118,73 +142,142 @@ void tell_run(Report& report, const live::LoopReport& done, const live::Latency&
         report.tell("latency           unknown: the board does not count carrier periods (its parameter SCHEDULE)");
 }
 
-/// Cameras of its own are what they are, whatever is asked of simulated ones.
+/// Options of simulated cameras are for those alone; a recording of hands can be cut, too.
 void require_simulated(const LiveCommand& command) {
-    if (!live::has_cameras(command.from)) return;
+    if (live::has_simulated_cameras(command.from)) return;
+    const bool recorded = command.from.starts_with("leap:") || command.from.starts_with("poses:") ||
+                          command.from.starts_with("synthetic:");
     for (const CLI::Option* option : command.of_cameras)
-        if (option->count() > 0)
+        if (option->count() > 0 && !(recorded && option->get_name() == "--seconds"))
             throw bad_argument(option->get_name().substr(2),
-                               fmt::format("{} has cameras of its own; this is for simulated ones", command.from));
+                               fmt::format("{} has no simulated cameras; this is for those", command.from));
 }
 
-const std::vector<OptionOf> of_focus = {
-    {"--press-frequency", {"press"}}, {"--press-radius", {"press"}}, {"--press-foci", {"press"}}};
-const std::vector<OptionOf> of_prediction = {{"--latency", {"velocity", "kalman"}}};
-
-int live_loop(const LiveCommand& command, const std::vector<std::string>& given) {
-    require_effect(given, of_focus, command.focus, "the focus");
-    require_effect(given, of_prediction, command.predict, "the prediction");
+/// @param hands  the source gives hands, not depth
+void check_options(const LiveCommand& command, bool hands) {
+    const std::vector<std::string_view> with_rings = {"ring", "still"};
+    require_effect(command.given,
+                   {{"--press-frequency", {"L"}},
+                    {"--press-radius", {"L"}},
+                    {"--press-foci", {"L"}},
+                    {"--magnitude", {"still"}}},
+                   command.algorithm, "the algorithm");
+    require_effect(command.given, {{"--latency", {"velocity", "kalman"}}}, command.predict, "the prediction");
+    if (hands) require_effect(command.given, {{"--mass", with_rings}}, command.algorithm, "the algorithm");
+    if (!hands && !command.has_rings() && command.algorithm != "L")
+        throw bad_argument("algorithm",
+                           fmt::format("{} draws on the skin of a hand whose bones are known; depth takes ring, still "
+                                       "or L, or take a tracker (leap-pipe:, leap:, poses:, synthetic:)",
+                                       command.algorithm));
+    if (hands && !command.record.empty())
+        throw bad_argument("record", "is of cameras' pictures; a tracker's frames are recorded by its own program");
     require_simulated(command);
     require_distinct({{"--from", command.from}}, {{"--scene", command.scene}});
-    live::LoopOptions options = options_of(command);
+    if (command.scene == "-" && command.json)
+        throw bad_argument("scene", "the lines would go to standard output with the report; give them a file");
+}
+
+/// What makes paths of frames, and for what kind of paths the player is.
+std::unique_ptr<live::Feeler> feeler_of(const LiveCommand& command, const live::OpenedSource& source,
+                                        const ObjectSource& object, const Array& array, live::PlayerOptions& player) {
+    const bool hands = source.depth == nullptr;
+    if (hands && !command.has_rings()) {
+        const live::HandOptions options = hand_options_of(command);
+        player.pace.foci = live::most_foci(options);
+        return std::make_unique<live::HandFeeler>(array, array.carrier_hz,
+                                                  std::make_shared<const TouchObject>(open_object(object)), options);
+    }
+    live::FingerOptions options = fingers_of(command, object, hands);
+    options.rate_hz = player.rate_hz;
+    player.steps = options.ring.points;
+    constexpr std::size_t fingers = 2;  // at a time, of which more play in turn
+    player.pace = {fingers * options.ring.foci(),
+                   static_cast<std::uint32_t>(
+                       array.carrier_hz / (options.ring.passes_hz() * static_cast<double>(options.ring.points)))};
+    return std::make_unique<live::ShotRings>(
+        array, array.carrier_hz, options, source.depth ? source.depth->cameras() : std::vector<DepthCamera>{});
+}
+
+int live_loop(const LiveCommand& command) {
+    const ObjectSource object = object_of(command.object, command.given);
     live::CameraOptions cameras = command.cameras;
-    cameras.target = options.scene.pose.origin;
+    cameras.target = object.centre;
     cameras.distance_m = command.distance_mm * millimetre;
-    const auto source = live::open_depth(command.from, cameras, options.scene.pose.origin, 0.5 * options.scene.size_m);
-    if (source->live() && command.port.port.starts_with(reference_prefix))
-        throw bad_argument("port", fmt::format("{} keeps its own time, in which live shots come at odd times; start "
+    const live::OpenedSource source = live::open_source(command.from, cameras, object.centre,
+                                                        0.5 * object.size_m.value_or(ObjectMeasures{}.size));
+    const bool hands = source.depth == nullptr;
+    check_options(command, hands);
+    const bool simulated_time = command.port.port.starts_with(reference_prefix);
+    if (source.frames->live() && simulated_time)
+        throw bad_argument("port", fmt::format("{} keeps its own time, in which live frames come at odd times; start "
                                                "'haptogram board run --model reference' and name its port",
                                                command.port.port));
-    options.rate_hz = source->rate_hz();
+    const Array array = find_array(command.array);
+    live::PlayerOptions player_options{.method = method_of(command.method, "method"),
+                                       .rate_hz = source.frames->rate_hz(),
+                                       .watchdog_ms = command.loop.watchdog_ms};
+    const auto feeler = feeler_of(command, source, object, array, player_options);
     std::optional<DepthRecorder> recorder;
-    if (!command.record.empty()) recorder.emplace(command.record, source->cameras(), options.rate_hz);
+    if (!command.record.empty()) recorder.emplace(command.record, source.depth->cameras(), player_options.rate_hz);
+    std::optional<LineOutput> scene;
+    if (!command.scene.empty()) scene.emplace(command.scene);
     catch_interrupts();  // before this, while a pipe says nothing, nothing is on
     const auto board = open_board(command.port);
-    live::Loop loop(board->client(), board->clock(), find_array(command.array), options);
-    std::string scene;
-    const live::LoopReport done = loop.run(
-        *source,
-        [&](const live::ShotReport& shot, const DepthShot& pictures) {
-            if (recorder) recorder->write(pictures);
-            if (!command.scene.empty()) scene += live::to_json(shot).dump() + "\n";
-            for (const std::string& trouble : shot.troubles) complain(fmt::format("shot {}: {}", shot.number, trouble));
-            return !interrupted();
-        },
-        [] { return !interrupted(); });
-    if (!command.scene.empty()) write_file(command.scene, scene);
+    const live::Clock clock = board->clock();
+    const live::ChosenPlayer chosen = live::choose_player(board->client(), clock, array, player_options);
+    complain(chosen.about);
+    live::LoopOptions loop_options = command.loop;
+    loop_options.interval_s = chosen.interval_s;
+    live::Loop loop(board->client(), clock, *chosen.player, loop_options);
+    const auto told = [&](const live::ShotReport& shot, const live::Frame& frame, const std::optional<Path>& path) {
+        if (recorder) recorder->write(std::get<DepthShot>(frame.seen));
+        if (scene) scene->write(live::to_json(shot, frame, path).dump());
+        for (const std::string& trouble : shot.troubles) complain(fmt::format("shot {}: {}", shot.number, trouble));
+        return !interrupted();
+    };
+    const auto waits = [] { return !interrupted(); };
+    live::LoopReport done;
+    if (simulated_time) {  // all is done between two moments of the board's
+        done = loop.run(*source.frames, *feeler, told, waits);
+    } else {
+        live::Pipeline pipeline(*source.frames, *feeler, clock);
+        done = loop.run(pipeline, pipeline, told, waits);
+    }
     const auto latency = live::latency_of(done.rings, board->starts());
     Report report(live::to_json(done, latency));
     tell_run(report, done, latency);
-    if (command.focus == "static")
-        report.tell(fmt::format("focus             static, modulated at {:g} Hz", options.ring.still_am_hz));
-    if (options.magnitude)
+    if (command.algorithm == "still")
+        report.tell(fmt::format("focus             still, modulated at {:g} Hz", command.fingers.ring.still_am_hz));
+    if (command.fingers.magnitude)
         report.tell(fmt::format("magnitude         {:g}, on a palm; {} shots with a finger that cannot feel so",
-                                *options.magnitude, done.without_magnitude));
+                                *command.fingers.magnitude, done.without_magnitude));
+    if (const auto* pipe = dynamic_cast<const live::HandPipe*>(source.frames.get())) {
+        const auto [lines, why] = pipe->junk();
+        report.add("junk", lines);
+        if (lines > 0) report.tell(fmt::format("junk              {} lines were no frames; the first: {}", lines, why));
+    }
+    if (scene && scene->dropped() > 0)
+        report.tell(fmt::format("scene             {} lines found no room in the pipe and were dropped", scene->dropped()));
     if (!command.record.empty())
         write_file(std::filesystem::path(command.record) / "run.json", live::run_to_json(done, latency).dump(1) + "\n");
     report.print(command.json);
+    if (done.with_rings > 0 && 2 * done.missed > done.shots)
+        throw Error(ErrorCode::failed, "live",
+                    fmt::format("{} of {} shots were missed: what they made was not on the board in time; take fewer "
+                                "frames a second, or a faster machine or line",
+                                done.missed, done.shots));
     return 0;
 }
 
 void add_press(CLI::App& sub, LiveCommand& options) {
-    PressOptions& press = options.loop.ring.press;
-    sub.add_option("--press-frequency", press.turns_hz, "Of press: turns a second")
+    PressOptions& press = options.fingers.ring.press;
+    sub.add_option("--press-frequency", press.turns_hz, "Of L: turns a second")
         ->check(positive())
         ->capture_default_str();
-    sub.add_option("--press-radius", options.press_radius_mm, "Of press: of the circle, mm")
+    sub.add_option("--press-radius", options.press_radius_mm, "Of L: of the circle, mm")
         ->check(positive())
         ->capture_default_str();
-    sub.add_option("--press-foci", press.foci, "Of press: on each finger")->check(whole(1, 16))->capture_default_str();
+    sub.add_option("--press-foci", press.foci, "Of L: on each finger")->check(whole(1, 16))->capture_default_str();
 }
 
 /// Options of simulated cameras.
@@ -196,7 +289,7 @@ void add_cameras(CLI::App& sub, LiveCommand& options) {
         sub.add_option("--distance", options.distance_mm, "Of simulated cameras from the object, mm")
             ->check(positive()),
         sub.add_option("--rate", cameras.rate_hz, "Of simulated cameras, shots a second")->check(positive()),
-        sub.add_option("--seconds", cameras.seconds, "Of simulated cameras; 0: as long as recording or script is")
+        sub.add_option("--seconds", cameras.seconds, "Of simulated cameras, or recorded hands; 0: as long as the script or recording is")
             ->check(not_negative()),
         sub.add_option("--seed", cameras.noise.seed, "Of the simulated cameras' noise")->check(whole(0, UINT64_MAX))};
     for (CLI::Option* option : options.of_cameras) option->capture_default_str();
@@ -211,14 +304,19 @@ void add_live(CLI::App& app, Action& action) {
     sub->add_option(
            "--from", options->from,
            "depth:FOLDER (a recording of cameras), depth-pipe:- (cameras of another program, such as "
-           "haptogram-realsense, on standard input or a named pipe), leap:FILE, poses:FILE or "
-           "synthetic:SCRIPT:HEIGHT (hands as render takes them, which simulated cameras see), leap-pipe:- (the "
-           "same from haptogram-leap), fingers:press (scripted fingers)")
+           "haptogram-realsense, on standard input or a named pipe), leap-pipe:- (hands from haptogram-leap), "
+           "leap:FILE, poses:FILE or synthetic:SCRIPT:HEIGHT (hands as render takes them), fingers:press (scripted "
+           "fingers, which simulated cameras see)")
         ->required();
-    sub->add_option("--object", options->object,
-                    "cube, sphere, cylinder, cone, pyramid or half-space, and its size: KIND:MM")
+    std::vector<std::string> algorithms = rings;
+    for (const AlgorithmName& one : algorithm_names()) algorithms.emplace_back(1, one.letter);
+    sub->add_option("--algorithm", options->algorithm,
+                    "ring: ten points around each finger's section, 100 times a second; still: one in its middle, "
+                    "modulated; A to L as render has them, of a tracker's hands, and L of depth, too")
+        ->check(CLI::IsMember(algorithms, CLI::ignore_case))
         ->capture_default_str();
-    sub->add_option("--at", options->at, "Its middle: x,y,z mm; of a half-space, its surface")->capture_default_str();
+    sub->add_option("--object", options->object.name, object_words())->capture_default_str();
+    add_object_options(*sub, options->object);
     sub->add_option("--mass", options->mass_g, "g; 0: it stays where it is. Cube, sphere or cylinder, on a floor")
         ->check(not_negative())
         ->capture_default_str();
@@ -228,32 +326,30 @@ void add_live(CLI::App& app, Action& action) {
         "this "
         "process, whose time the loop then keeps");
     sub->add_option("--array", options->array, "Array file or shipped array")->capture_default_str();
-    sub->add_option("--focus", options->focus,
-                    "dynamic: ten points around each finger's section, 100 times a second; "
-                    "static: one in its middle, modulated; press: several that turn slowly around the middle, felt as "
-                    "steady pressure, as render's algorithm L")
-        ->check(CLI::IsMember({"dynamic", "static", "press"}))
-        ->capture_default_str();
     add_press(*sub, *options);
-    sub->add_option("--magnitude", options->magnitude,
-                    "How strong the static focus feels to a palm, from the array's force and the Multimodal paper's "
+    sub->add_option("--magnitude", options->fingers.magnitude,
+                    "How strong the still focus feels to a palm, from the array's force and the Multimodal paper's "
                     "tables (see haptogram magnitude)")
         ->check(positive());
-    sub->add_option("--method", options->method, "For several fingers at once, as solve has them")
+    sub->add_option("--method", options->method, "For several foci at once on boards of records, as solve has them")
         ->capture_default_str();
     sub->add_option("--predict", options->predict, "Takes fingers forward over the latency")
         ->check(CLI::IsMember({"none", "velocity", "kalman"}))
         ->capture_default_str();
-    sub->add_option("--latency", options->latency_ms, "Over which --predict does, ms")
-        ->check(not_negative())
-        ->capture_default_str();
+    sub->add_option("--latency", options->latency_ms,
+                    "Over which --predict does, ms (default: 35, of a tracker's hands 20)")
+        ->check(not_negative());
     add_cameras(*sub, *options);
     add_watchdog_option(*sub, options->loop.watchdog_ms);
     sub->add_option("--record", options->record, "A new folder for the shots, which depth:FOLDER plays again");
-    sub->add_option("--scene", options->scene, "Also write what happened in each shot, a line of JSON each");
+    sub->add_option("--scene", options->scene,
+                    "What happens, a line of JSON a frame, as it happens: to a file or named pipe, - or "
+                    "udp:ADDRESS:PORT");
     sub->add_flag("--json", options->json, "Print as JSON");
-    sub->callback(
-        [options, sub, &action] { action = [options, given = given_to(*sub)] { return live_loop(*options, given); }; });
+    sub->callback([options, sub, &action] {
+        options->given = given_to(*sub);
+        action = [options] { return live_loop(*options); };
+    });
 }
 
 }  // namespace haptogram::cli

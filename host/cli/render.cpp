@@ -14,6 +14,7 @@
 #include "haptogram/verbs/compile.hpp"
 #include "haptogram/verbs/hand_project.hpp"
 #include "haptogram/verbs/source.hpp"
+#include "object_options.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
 
@@ -23,10 +24,9 @@ namespace {
 using nlohmann::ordered_json;
 
 struct RenderCommand {
-    std::string object, hand, model, algorithm = "A";
+    ObjectArguments object;
+    std::string hand, model, algorithm = "A";
     double hand_rate_hz = 60.0;
-    std::optional<double> size_mm, height_mm;
-    std::string center = "0,0,200", rotate = "0,0,0", unit = "mm";
     std::optional<std::string> array, board;
     std::optional<std::size_t> frame, points;
     std::optional<std::uint32_t> dwell;
@@ -63,17 +63,6 @@ RenderOptions options_of(const RenderCommand& command) {
     return options;
 }
 
-ObjectSource object_of(const RenderCommand& command) {
-    ObjectSource source;
-    source.name = command.object;
-    if (command.size_mm) source.size_m = *command.size_mm * millimetre;
-    if (command.height_mm) source.height_m = *command.height_mm * millimetre;
-    source.centre = parse_point_mm("center", command.center);
-    source.angles_deg = parse_point_mm("rotate", command.rotate) * (1.0 / millimetre);
-    source.unit = command.unit;
-    return source;
-}
-
 /// What no algorithm, hand or object of this kind has is refused.
 void check_options(const RenderCommand& command) {
     const std::vector<std::string_view> with_corners = {"B", "H", "I", "J"}, mixed = {"H", "I", "J"};
@@ -108,9 +97,6 @@ void check_options(const RenderCommand& command) {
     require_effect(command.given, {{"--gap", {"gap"}}}, command.priority, "the priority");
     require_effect(command.given, {{"--hand-model", {"a .pose file"}}, {"--hand-rate", {"a .pose file"}}},
                    command.hand.ends_with(".pose") ? "a .pose file" : "no .pose file", "the hand");
-    const ObjectSource object = object_of(command);
-    require_effect(command.given, {{"--height", {"cone", "pyramid", "cylinder"}}, {"--unit", {"a mesh file"}}},
-                   names_mesh(object) ? "a mesh file" : object.name, "the object");
 }
 
 /// What is rendered, and on what.
@@ -126,11 +112,11 @@ Subject subject_in_file(const RenderCommand& command) {
             name != "--json" && name != "--output")
             throw bad_argument(name, fmt::format("is a setting of the project file {}; change it there, or name the "
                                                  "object and --hand instead of the project",
-                                                 command.object));
-    Subject subject{load_project(command.object), {}};
+                                                 command.object.name));
+    Subject subject{load_project(command.object.name), {}};
     Project& project = subject.project;
     if (!project.hand)
-        throw bad_input(command.object, "it has no [hand] that feels an object; 'haptogram compile' takes it as it is");
+        throw bad_input(command.object.name, "it has no [hand] that feels an object; 'haptogram compile' takes it as it is");
     if (command.frame) project.hand->frame = command.frame;
     if (command.array) project.array = from_here(*command.array);
     if (command.board) project.board = from_here(*command.board);
@@ -140,7 +126,7 @@ Subject subject_in_file(const RenderCommand& command) {
 }
 
 Subject subject_of(const RenderCommand& command) {
-    if (is_project(command.object)) return subject_in_file(command);
+    if (is_project(command.object.name)) return subject_in_file(command);
     if (command.hand.empty())
         throw bad_argument("hand", "is missing; name a recording of hands, or a script such as synthetic:slide");
     check_options(command);
@@ -148,7 +134,7 @@ Subject subject_of(const RenderCommand& command) {
     subject.project.array = command.array;
     subject.project.board = command.board;
     HandSource& hand = subject.project.hand.emplace();
-    hand.touched = std::make_shared<const TouchObject>(open_object(object_of(command)));
+    hand.touched = std::make_shared<const TouchObject>(open_object(object_of(command.object, command.given)));
     hand.hands = std::make_shared<const HandRecording>(open_hands(command.hand, command.model, command.hand_rate_hz));
     return subject;
 }
@@ -165,7 +151,7 @@ void print_frames(const std::vector<FrameReport>& frames) {
 int render(const RenderCommand& command) {
     std::string path, picture;
     std::vector<NamedPath> inputs, outputs;
-    if (!command.object.empty()) inputs.push_back({"the object", command.object});
+    if (!command.object.name.empty()) inputs.push_back({"the object", command.object.name});
     if (!command.hand.empty()) inputs.push_back({"--hand", command.hand});
     for (const std::string& output : command.outputs) {
         std::string& place = output.ends_with(".png") ? picture : path;
@@ -257,10 +243,10 @@ void add_render(CLI::App& app, Action& action) {
         "render",
         "Let recorded or synthetic hands feel a solid object: a path for compile, a report for each frame, a picture");
     sub->add_option(
-           "object", options->object,
-           fmt::format("{}, or a mesh file (PLY, OBJ, STL) of a closed surface; or a project file (.toml) with a "
-                       "[hand], which has all settings but --frame, --array and --board",
-                       fmt::join(object_kinds(), ", ")))
+           "object", options->object.name,
+           fmt::format("{}; or a project file (.toml) with a [hand], which has all settings but --frame, --array and "
+                       "--board",
+                       object_words()))
         ->required();
     sub->add_option("--hand", options->hand,
                     "A Leap recording (.json, .lz), poses (.pose), or synthetic:press, slide, grasp or wave, with "
@@ -278,17 +264,7 @@ void add_render(CLI::App& app, Action& action) {
     sub->add_option("--algorithm", options->algorithm, about)
         ->check(CLI::IsMember(letters, CLI::ignore_case))
         ->capture_default_str();
-    sub->add_option("--size", options->size_mm,
-                    "Edge or diameter of the object, largest extent of a mesh, mm (default: 100, a mesh as it is)")
-        ->check(positive());
-    sub->add_option("--height", options->height_mm, "Of a cone, pyramid or cylinder, mm (default: the size)")
-        ->check(positive());
-    sub->add_option("--center", options->center, "Of the object: x,y,z mm")->capture_default_str();
-    sub->add_option("--rotate", options->rotate, "Of the object: degrees about x, then y, then z")
-        ->capture_default_str();
-    sub->add_option("--unit", options->unit, "Of a mesh file's coordinates")
-        ->check(CLI::IsMember({"mm", "cm", "m"}))
-        ->capture_default_str();
+    add_object_options(*sub, options->object);
     sub->add_option("--array", options->array, "Array file or shipped array; by default the board's, or tile-10x10");
     sub->add_option("--board", options->board, "Board file, shipped board or configuration");
     sub->add_option("--frame", options->frame, "Only this frame, from 1: one pass, to be repeated")

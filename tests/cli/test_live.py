@@ -2,11 +2,15 @@
 """Bare fingers on an object: `haptogram live` on the reference board, its recordings, and what it refuses."""
 
 import json
+import re
+import socket
+import subprocess
 
 import numpy as np
-from support import BAD_INPUT, USAGE, refuse, succeed
+import pytest
+from support import BAD_INPUT, DEVICE, PROGRAM, ROOT, USAGE, refuse, succeed
 
-PRESS = ["live", "--from", "fingers:press", "--object", "cube:60", "--at", "0,0,170", "--seconds", "0.4"]
+PRESS = ["live", "--from", "fingers:press", "--size", "60", "--center", "0,0,170", "--seconds", "0.4"]
 BOARD = ["--port", "reference:tile-100"]
 
 
@@ -18,7 +22,7 @@ def test_a_run_and_its_recording_make_the_same_rings(tmp_path):
     first = json.loads(succeed([*PRESS, *BOARD, "--record", "hand", "--scene", "first.jsonl", "--json"], cwd=tmp_path).stdout)
     assert first["shots"] == 12 and first["missed"] == 0 and first["underruns"] == 0 and first["with_rings"] >= 7
     assert 20 < first["latency_ms"]["least"] < first["latency_ms"]["most"] < 50
-    again = ["live", "--from", "depth:hand", "--object", "cube:60", "--at", "0,0,170", *BOARD, "--scene", "second.jsonl", "--json"]
+    again = ["live", "--from", "depth:hand", "--size", "60", "--center", "0,0,170", *BOARD, "--scene", "second.jsonl", "--json"]
     second = json.loads(succeed(again, cwd=tmp_path).stdout)
     assert {k: v for k, v in first.items() if k != "compute_ms"} == {k: v for k, v in second.items() if k != "compute_ms"}
     for a, b in zip(lines(tmp_path / "first.jsonl"), lines(tmp_path / "second.jsonl"), strict=True):
@@ -41,9 +45,9 @@ def test_sections_are_where_the_fingers_are(tmp_path):
     assert seen >= 10
 
 
-def test_the_static_focus_is_said_to_be_modulated(tmp_path):
-    said = succeed([*PRESS, *BOARD, "--focus", "static"], cwd=tmp_path).stdout.decode()
-    assert "static, modulated at 200 Hz" in said
+def test_the_still_focus_is_said_to_be_modulated(tmp_path):
+    said = succeed([*PRESS, *BOARD, "--algorithm", "still"], cwd=tmp_path).stdout.decode()
+    assert "still, modulated at 200 Hz" in said
 
 
 def test_a_recording_keeps_when_rings_were_played(tmp_path):
@@ -55,21 +59,21 @@ def test_a_recording_keeps_when_rings_were_played(tmp_path):
 
 
 def test_strength_and_pressing_foci(tmp_path):
-    one = [*PRESS, *BOARD, "--focus", "static", "--magnitude", "1.5", "--json"]
+    one = [*PRESS, *BOARD, "--algorithm", "still", "--magnitude", "1.5", "--json"]
     shared = json.loads(succeed(one, cwd=tmp_path).stdout)  # two fingers share the array's pressure
     assert shared["without_magnitude"] >= 7 and shared["with_rings"] == 0
-    pressed = json.loads(succeed([*PRESS, *BOARD, "--focus", "press", "--json"], cwd=tmp_path).stdout)
+    pressed = json.loads(succeed([*PRESS, *BOARD, "--algorithm", "L", "--json"], cwd=tmp_path).stdout)
     assert pressed["with_rings"] >= 7 and pressed["underruns"] == 0
-    refuse(tmp_path, [*PRESS, *BOARD, "--magnitude", "1.5"], USAGE, "--focus static")
-    refuse(tmp_path, [*PRESS, *BOARD, "--focus", "static", "--magnitude", "500"], USAGE, "magnitude")
-    refuse(tmp_path, [*PRESS, *BOARD, "--focus", "press", "--press-radius", "9"], USAGE, "smaller circle")
+    refuse(tmp_path, [*PRESS, *BOARD, "--magnitude", "1.5"], USAGE, "still")
+    refuse(tmp_path, [*PRESS, *BOARD, "--algorithm", "still", "--magnitude", "500"], USAGE, "magnitude")
+    refuse(tmp_path, [*PRESS, *BOARD, "--algorithm", "L", "--press-radius", "9"], USAGE, "smaller circle")
 
 
 def test_a_camera_that_vanishes_is_named(tmp_path):
     succeed([*PRESS, *BOARD, "--record", "hand"], cwd=tmp_path)
     for shot in range(4, 8):
         (tmp_path / f"hand/camera3/{shot:06}.png").unlink()
-    again = ["live", "--from", "depth:hand", "--object", "cube:60", "--at", "0,0,170", *BOARD]
+    again = ["live", "--from", "depth:hand", "--size", "60", "--center", "0,0,170", *BOARD]
     told = succeed(again, cwd=tmp_path)
     assert "camera 3          gave no picture in 4 shots" in told.stdout.decode()
     assert told.stderr.decode().count("camera 3 gave no picture") == 4
@@ -79,9 +83,76 @@ def test_what_it_cannot_use_is_named(tmp_path):
     refuse(tmp_path, ["live", "--from", "camera", *BOARD], USAGE, "depth:FOLDER")
     refuse(tmp_path, ["live", "--from", "fingers:wave", *BOARD], USAGE, "fingers:press")
     refuse(tmp_path, ["live", "--from", "depth:none", *BOARD], BAD_INPUT, "cameras.toml")
-    refuse(tmp_path, [*PRESS[:3], "--object", "cube:x", *BOARD], USAGE, "cube:40")
-    refuse(tmp_path, [*PRESS[:3], "--object", "cone:40", "--mass", "100", *BOARD], USAGE, "cube, sphere or cylinder")
+    refuse(tmp_path, [*PRESS[:3], "--object", "cube:40", *BOARD], USAGE, "cube, sphere")
+    refuse(tmp_path, [*PRESS[:3], "--object", "cone", "--mass", "100", *BOARD], USAGE, "cube, sphere or cylinder")
     refuse(tmp_path, [*PRESS, "--port", "reference:nothing"], USAGE, "nothing")
     (tmp_path / "bad").mkdir()
     (tmp_path / "bad/cameras.toml").write_text('format = "haptogram-depth-1"\nrate_hz = 30\n')
     refuse(tmp_path, ["live", "--from", "depth:bad", *BOARD], BAD_INPUT, "no camera")
+
+
+HAND = ["live", "--from", "synthetic:press", "--object", "sphere", "--size", "80", "--center", "0,40,160"]
+
+
+@pytest.mark.parametrize("algorithm", ["A", "H", "L", "ring", "still"])
+@pytest.mark.parametrize("board", ["tile-100-wide", "tile-100-3m"])
+def test_a_hand_feels_by_every_kind_of_algorithm(tmp_path, algorithm, board):
+    command = [*HAND, "--algorithm", algorithm, "--port", f"reference:{board}", "--seconds", "1", "--json"]
+    done = succeed(command, cwd=tmp_path)
+    felt = json.loads(done.stdout)
+    assert felt["missed"] == 0 and felt["underruns"] == 0 and felt["lost"] == 0
+    assert felt["with_rings"] > 0 and felt["latency_ms"]["rings"] > 0
+    assert ("computes foci" if "wide" in board else "plays records") in done.stderr.decode()
+
+
+def test_a_line_that_is_too_slow_is_refused_and_foci_fit_it(tmp_path):
+    slow = "reference:colorlight-5a-75e-v7.1"
+    refuse(tmp_path, [*PRESS, "--port", slow], DEVICE, "take a board that computes foci")
+    rings = json.loads(succeed([*PRESS, "--port", slow + "-wide", "--json"], cwd=tmp_path).stdout)
+    assert rings["shots"] == 12 and rings["missed"] == 0 and rings["underruns"] == 0 and rings["with_rings"] >= 7
+    hand = json.loads(succeed([*HAND, "--algorithm", "A", "--port", slow + "-wide", "--seconds", "0.6", "--json"], cwd=tmp_path).stdout)
+    assert hand["missed"] == 0 and hand["underruns"] == 0 and hand["latency_ms"]["rings"] > 0
+
+
+def test_the_scene_comes_while_it_happens(tmp_path):
+    """Each line is as the table of the README says, and comes as a datagram before the run is over."""
+    readme = (ROOT / "host/haptogram/live/README.md").read_text()
+    table = readme.split("<!-- scene -->")[1]
+    names = [name for row in table.splitlines() if row.startswith("| `") for name in re.findall("`([a-z_]+)`", row.split("|")[1])]
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as listening:
+        listening.bind(("127.0.0.1", 0))
+        listening.settimeout(20)
+        where = f"udp:127.0.0.1:{listening.getsockname()[1]}"
+        with subprocess.Popen([PROGRAM, *HAND, "--algorithm", "A", "--port", "reference:tile-100-wide", "--scene", where], stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL) as running:
+            first = json.loads(listening.recv(1 << 16))
+            assert running.poll() is None
+            assert running.wait(60) == 0
+    assert list(first) == names
+    assert first["scene"] == 1 and first["foci"] and first["contacts_mm"] and len(first["hands"][0]["fingers_mm"]) == 5
+    for x, y, z, _ in first["foci"]:
+        assert abs(np.linalg.norm([x, y - 40, z - 160]) - 40) < 1  # on the sphere, which the line was cut from
+
+
+def test_junk_in_the_pipe_is_counted_and_the_session_goes_on(tmp_path):
+    at = [6_000_000 + 9_000 * i for i in range(60)]
+    lines = [frame_of(t) for t in at]
+    lines[10:10] = ["no json", lines[3], lines[12][:200], '{"event": {}}', ""]
+    (tmp_path / "lines").write_text("\n".join(lines) + "\n")
+    command = [*HAND, "--algorithm", "A", "--port", "reference:tile-100-wide", "--json"]
+    command[2] = "leap-pipe:lines"
+    done = succeed(command, cwd=tmp_path)
+    felt = json.loads(done.stdout)
+    assert felt["shots"] == 60 and felt["lost"] == 0 and felt["junk"] == 3
+    refuse(tmp_path, [*HAND, "--algorithm", "A", *BOARD, "--press-foci", "2"], USAGE, "press-foci")
+    refuse(tmp_path, [*PRESS, "--algorithm", "A", *BOARD], USAGE, "a tracker")
+
+
+def frame_of(at_us):
+    """A Leap's message: an open right hand, palm down, whose fingers lie in the upper part of the sphere of HAND."""
+    names = ("mcpPosition", "pipPosition", "dipPosition", "tipPosition")
+    fingers = [
+        {"id": 10 + k, "handId": 1, "type": k, "width": 16.0, **{n: [20.0 * (k - 2), 195.0, -10.0 - 25.0 * i] for i, n in enumerate(names)}}
+        for k in range(5)
+    ]
+    palm = {"id": 1, "type": "right", "palmPosition": [0.0, 215.0, 60.0], "palmNormal": [0, -1, 0], "direction": [0, 0, -1], "palmVelocity": [0, 0, 0]}
+    return json.dumps({"id": at_us, "timestamp": at_us, "hands": [palm], "pointables": fingers})

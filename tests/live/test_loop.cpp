@@ -27,8 +27,8 @@ std::vector<RoundedBody> two_fingers(double time_s) {
     return fingers;
 }
 
-live::LoopOptions on_a_cube() {
-    live::LoopOptions options;
+DepthOptions on_a_cube() {
+    DepthOptions options;
     options.scene.size_m = 60e-3;
     options.scene.pose.origin = {0, 0, 0.17};
     options.scene.mass_kg = 0.0;
@@ -97,7 +97,7 @@ private:
 TEST_CASE("live: two fingers at 30 Hz through the board, from depth to pulses") {
     LiveBench bench("tile-100");
     const Array array = find_array("tile-10x10");
-    live::Loop loop(bench.client, bench.clock, array, on_a_cube());
+    DepthLoop loop(bench.client, bench.clock, array, on_a_cube());
     SyntheticDepth source(four_cameras(), two_fingers, 30.0, 1.0, {});
     std::size_t pairs = 0;
     const live::LoopReport report = loop.run(source, [&](const live::ShotReport& shot, const DepthShot&) {
@@ -133,7 +133,7 @@ TEST_CASE(
     "works") {
     LiveBench bench("tile-100");
     const Array array = find_array("tile-10x10");
-    live::Loop loop(bench.client, bench.clock, array, on_a_cube());
+    DepthLoop loop(bench.client, bench.clock, array, on_a_cube());
     SyntheticDepth simulated(
         four_cameras(), [](double) { return two_fingers(0.5); }, 30.0, 1.0, no_depth_noise);
     Changed source(simulated, [](DepthShot& shot) {
@@ -178,7 +178,7 @@ TEST_CASE(
 TEST_CASE("live: when all cameras vanish what plays goes on for a shot, then fades, and the next picture has a ring") {
     for (const std::size_t count : {1U, 4U}) {
         LiveBench bench("tile-100");
-        live::Loop loop(bench.client, bench.clock, find_array("tile-10x10"), on_a_cube());
+        DepthLoop loop(bench.client, bench.clock, find_array("tile-10x10"), on_a_cube());
         std::vector<DepthCamera> cameras = four_cameras();
         cameras.resize(count);
         SyntheticDepth simulated(
@@ -221,7 +221,7 @@ TEST_CASE("live: when all cameras vanish what plays goes on for a shot, then fad
 
 TEST_CASE("live: a finger out of the array's reach is named and gets no ring, the other one keeps its own") {
     LiveBench bench("tile-100");
-    live::LoopOptions options = on_a_cube();
+    DepthOptions options = on_a_cube();
     Array array = find_array("tile-10x10");
     array.reach_angle_rad = std::atan(30e-3 / 0.2);  // x = 30 mm at this height
     // One finger walks out of the reach and back, the other one leaves for a while.
@@ -234,7 +234,7 @@ TEST_CASE("live: a finger out of the array's reach is named and gets no ring, th
     };
     options.scene.size_m = 90e-3;
     options.scene.pose.origin = {0, 0, 0.155};
-    live::Loop loop(bench.client, bench.clock, array, options);
+    DepthLoop loop(bench.client, bench.clock, array, options);
     SyntheticDepth source(four_cameras(), scene, 30.0, 1.0, no_depth_noise);
     std::uint64_t named = 0, alone = 0, last = 0;
     const live::LoopReport report = loop.run(source, [&](const live::ShotReport& shot, const DepthShot&) {
@@ -260,10 +260,10 @@ TEST_CASE("live: a finger out of the array's reach is named and gets no ring, th
 
 TEST_CASE("live: a whole hand that goes through the object gets no ring, and has one again when it is back") {
     LiveBench bench("tile-100");
-    live::LoopOptions options = on_a_cube();
+    DepthOptions options = on_a_cube();
     options.scene.size_m = 40e-3;
     options.scene.pose.origin = {0, 0, 0.2};
-    live::Loop loop(bench.client, bench.clock, find_array("tile-10x10"), options);
+    DepthLoop loop(bench.client, bench.clock, find_array("tile-10x10"), options);
     const auto scene = [](double time_s) -> std::vector<RoundedBody> {
         if (time_s > 0.25 && time_s < 0.5) return bodies_of(synthetic_hand(HandScript::press, 0.0, 0.2));
         return {{{0, 0, 0.22 + 4e-3 + 25e-3}, {0, 0, 25e-3}, {}, 8e-3}};
@@ -290,10 +290,10 @@ TEST_CASE("live: a board that counts carrier periods tells when rings began, as 
     array.name = "sixteen";
     for (const auto motion : {FocusMotion::revolving, FocusMotion::still}) {
         LiveBench bench("small-16");
-        live::LoopOptions options = on_a_cube();
+        DepthOptions options = on_a_cube();
         options.ring.motion = motion;
         options.ring.points = 8;
-        live::Loop loop(bench.client, bench.clock, array, options);
+        DepthLoop loop(bench.client, bench.clock, array, options);
         SyntheticDepth simulated(four_cameras(), two_fingers, 30.0, 0.8, {});
         Changed source(simulated, [](DepthShot& shot) { return shot.number < 10 || shot.number > 15; });
         const live::LoopReport report = loop.run(source);
@@ -318,15 +318,15 @@ TEST_CASE("live: a board that counts carrier periods tells when rings began, as 
         CHECK(compared == told.rings);
     }
     LiveBench other("tile-100");
-    live::Loop loop(other.client, other.clock, find_array("tile-10x10"), on_a_cube());
+    DepthLoop loop(other.client, other.clock, find_array("tile-10x10"), on_a_cube());
     SyntheticDepth source(four_cameras(), two_fingers, 30.0, 0.2, {});
     CHECK(live::latency_of(loop.run(source).rings).rings == 0);
 }
 
 TEST_CASE("live: pressing foci and a focus of a magnitude play, and what has no magnitude is named") {
-    const auto run = [](live::LoopOptions options, std::size_t fingers) {
+    const auto run = [](DepthOptions options, std::size_t fingers) {
         LiveBench bench("tile-100");
-        live::Loop loop(bench.client, bench.clock, find_array("tile-10x10"), options);
+        DepthLoop loop(bench.client, bench.clock, find_array("tile-10x10"), options);
         SyntheticDepth source(
             four_cameras(),
             [fingers](double) {
@@ -343,7 +343,7 @@ TEST_CASE("live: pressing foci and a focus of a magnitude play, and what has no 
         CHECK(report.underruns == 0);
         return std::pair(report, troubles);
     };
-    live::LoopOptions options = on_a_cube();
+    DepthOptions options = on_a_cube();
     options.ring.motion = FocusMotion::pressing;
     const auto [pressed, nothing] = run(options, 2);
     CHECK(pressed.with_rings >= 11);
@@ -353,7 +353,7 @@ TEST_CASE("live: pressing foci and a focus of a magnitude play, and what has no 
 
     options = on_a_cube();
     options.magnitude = 1.5;
-    CHECK_THROWS_WITH(run(options, 1), Catch::Contains("--focus static"));
+    CHECK_THROWS_WITH(run(options, 1), Catch::Contains("--algorithm still"));
     options.ring.motion = FocusMotion::still;
     const auto [felt, quiet] = run(options, 1);
     CHECK(felt.with_rings >= 11);
@@ -368,8 +368,8 @@ TEST_CASE("live: pressing foci and a focus of a magnitude play, and what has no 
 
 TEST_CASE("live: a finger that goes through the object gets no ring, and has one again when it is back") {
     LiveBench bench("tile-100");
-    live::LoopOptions options = on_a_cube();
-    live::Loop loop(bench.client, bench.clock, find_array("tile-10x10"), options);
+    DepthOptions options = on_a_cube();
+    DepthLoop loop(bench.client, bench.clock, find_array("tile-10x10"), options);
     const auto scene = [](double time_s) {
         const double depth = time_s > 0.25 && time_s < 0.5 ? 40e-3 : 4e-3;
         return std::vector<RoundedBody>{{{0, 0, 0.2 + 8e-3 - depth + 25e-3}, {0, 0, 25e-3}, {}, 8e-3}};
@@ -388,12 +388,12 @@ TEST_CASE("live: a finger that goes through the object gets no ring, and has one
 TEST_CASE("live: a hand at 200 mm/s with 50 ms of latency has its ring under the finger when it is predicted") {
     for (const auto kind : {live::Prediction::none, live::Prediction::velocity, live::Prediction::kalman}) {
         LiveBench bench("tile-100");
-        live::LoopOptions options = on_a_cube();
+        DepthOptions options = on_a_cube();
         options.scene.size_m = 120e-3;
         options.scene.pose.origin = {0, 0, 0.14};
         options.predict.kind = kind;
         options.predict.ahead_s = 0.05;
-        live::Loop loop(bench.client, bench.clock, find_array("tile-10x10"), options);
+        DepthLoop loop(bench.client, bench.clock, find_array("tile-10x10"), options);
         const auto x_at = [](double time_s) { return -45e-3 + 0.2 * time_s; };
         const auto scene = [&](double time_s) {
             return std::vector<RoundedBody>{{{x_at(time_s), 0, 0.2 + 4e-3 + 25e-3}, {0, 0, 25e-3}, {}, 8e-3}};
@@ -504,7 +504,7 @@ TEST_CASE("live: shots of a camera are due as they come, whatever its clock says
     LiveBench bench("tile-100");
     SyntheticDepth simulated(four_cameras(), two_fingers, 30.0, 1.3, {});
     Camera camera(simulated, bench.clock, fast, [](std::uint64_t number) { return number % 3 == 1 ? 8e-3 : 0.0; });
-    live::Loop loop(bench.client, bench.clock, find_array("tile-10x10"), on_a_cube());
+    DepthLoop loop(bench.client, bench.clock, find_array("tile-10x10"), on_a_cube());
     std::vector<double> taken;
     const live::LoopReport done = loop.run(camera, [&](const live::ShotReport&, const DepthShot&) {
         taken.push_back(bench.clock.now_s());
@@ -524,7 +524,7 @@ TEST_CASE("live: a camera that falls silent fades, and its next shot is felt aga
     SyntheticDepth simulated(four_cameras(), two_fingers, 30.0, 1.0, {});
     // From the tenth shot on all come 0.3 s later.
     Camera camera(simulated, bench.clock, 1.0, [](std::uint64_t number) { return number < 10 ? 0.0 : 0.3; });
-    live::Loop loop(bench.client, bench.clock, find_array("tile-10x10"), on_a_cube());
+    DepthLoop loop(bench.client, bench.clock, find_array("tile-10x10"), on_a_cube());
     const live::LoopReport done = loop.run(camera);
     CHECK(done.shots == 30);
     CHECK(done.missed >= 8);
@@ -538,7 +538,7 @@ TEST_CASE("live: while a camera is silent its user may end") {
     LiveBench bench("tile-100");
     SyntheticDepth simulated(four_cameras(), two_fingers, 30.0, 1.0, {});
     Camera camera(simulated, bench.clock, 1.0, [](std::uint64_t number) { return number < 5 ? 0.0 : 1e6; });
-    live::Loop loop(bench.client, bench.clock, find_array("tile-10x10"), on_a_cube());
+    DepthLoop loop(bench.client, bench.clock, find_array("tile-10x10"), on_a_cube());
     const live::LoopReport done = loop.run(camera, {}, [&] { return bench.clock.now_s() < 2.0; });
     CHECK(done.shots == 5);
     CHECK(done.fades == 1);

@@ -337,6 +337,55 @@ TEST_CASE("render: a recording takes its time, and the foci go on where they wer
     CHECK(rendered.frames[5].foci == 0);
 }
 
+TEST_CASE("render: a tracker that is silent for more than two frames fades, and plays again", "[render]") {
+    const TouchObject object = built_in_object("half-space", measures_of(0.1, {0, 0, 0.2}));
+    HandRecording hands;
+    for (int i = 0; i < 60; ++i)
+        if (i < 20 || i > 40) hands.frames.push_back({i / 100.0, {synthetic_hand(HandScript::wave, i / 100.0, 0.2)}});
+    const Rendered made = render(object, hands, find_array("tile-10x10"), carrier_hz, {});
+    double time_s = 0.0, silent_s = 0.0, begin_s = 0.0, weaker_s = 0.0;
+    for (const PathStep& step : made.path.steps) {
+        const double seconds = step.periods / carrier_hz;
+        if (time_s > 0.19 && time_s < 0.405 && step.foci.empty()) {
+            if (silent_s == 0.0) begin_s = time_s;
+            silent_s += seconds;
+        }
+        if (!step.foci.empty() && step.foci.front().amplitude < 1.0) weaker_s += seconds;
+        time_s += seconds;
+    }
+    CHECK(begin_s == Approx(0.22).margin(1e-3));  // 0.19 s, and three frames
+    CHECK(silent_s == Approx(0.19).margin(1e-3));
+    CHECK(weaker_s == Approx(0.01).margin(1e-3));
+    CHECK_THAT(made.warnings.front(), Contains("missing in 1 places"));
+}
+
+TEST_CASE("skin: a finger that goes straight down into a face feels the circle of its round tip", "[render]") {
+    // Closed forms: a sphere of radius r that is d deep cuts the face in a circle of radius √(2rd − d²), and the finger
+    // behind it in one of radius r.
+    constexpr double r = 7.5e-3, face = 0.2;
+    const TouchObject object = built_in_object("half-space", measures_of(0.1, {0, 0, face}));
+    for (const double depth : {1e-3, 2e-3, 5e-3, 15e-3}) {
+        Hand hand;
+        hand.palm = {0, 0, 0.3};
+        hand.normal = {0, -1, 0};
+        hand.direction = {0, 0, -1};
+        const double tip = face - depth + r;
+        hand.fingers[1] = Finger{{Vec3{0, 0, tip + 80e-3}, {0, 0, tip + 45e-3}, {0, 0, tip + 20e-3}, {0, 0, tip}}, {}};
+        const Touch made = touch(Algorithm::intersection, object, palmar_surface(hand));
+        const double wanted = depth < r ? std::sqrt(2.0 * r * depth - depth * depth) : r;
+        REQUIRE_FALSE(made.lines.empty());
+        INFO(depth);
+        for (const SkinLine& line : made.lines)
+            for (const SkinPoint& point : line.points) {
+                CHECK(std::hypot(point.position.x, point.position.y) == Approx(wanted).epsilon(0.05));
+                CHECK(point.position.z == Approx(face).margin(1e-4));
+            }
+        // The round tip is felt all around, the finger's side on its palmar half.
+        const double around = depth < r ? 2.0 * pi * wanted : pi * wanted;
+        CHECK(length_of(made.lines) == Approx(around).epsilon(0.05));
+    }
+}
+
 TEST_CASE("render: two foci at the same time for C, and its point is modulated", "[render]") {
     const TouchObject sphere = built_in_object("sphere", measures_of(0.08, {0, 0, 0.15}));
     Hand hand;

@@ -24,6 +24,25 @@ Vec3 across(Vec3 axis, Vec3 wanted) {
 /// Even steps from one end to the other, both included.
 std::size_t steps_over(double length, double cell) { return static_cast<std::size_t>(std::ceil(length / cell)) + 1; }
 
+/// The hemisphere that ends a finger's last segment: rows go on over its end, from the palmar side to the nail's.
+/// @param around  cosine and sine of each column's angle from the middle
+void add_tip(SkinRegion& region, const std::vector<std::array<double, 2>>& around, double cell) {
+    SkinPatch& last = region.patches.back();
+    const Vec3 centre = last.from + last.length * last.along;
+    const std::size_t rows = steps_over(std::numbers::pi * last.radius, cell);
+    for (std::size_t row = 1; row < rows; ++row) {
+        const double over = std::numbers::pi * static_cast<double>(row) / static_cast<double>(rows - 1);
+        const Vec3 out = std::cos(over) * last.out + std::sin(over) * last.along;
+        for (const auto& [cosine, sine] : around) {
+            const Vec3 normal = cosine * out + sine * last.side;
+            region.points.push_back(centre + last.radius * normal);
+            region.normals.push_back(normal);
+        }
+    }
+    region.rows = last.end_row = region.points.size() / region.columns;
+    last.tip = true;
+}
+
 SkinRegion finger_surface(std::string_view name, const Finger& finger, Vec3 palm_normal, std::array<double, 3> radii,
                           double cell) {
     if (finger.width_m)
@@ -60,8 +79,9 @@ SkinRegion finger_surface(std::string_view name, const Finger& finger, Vec3 palm
             }
         }
         region.rows = region.points.size() / region.columns;
-        region.patches.push_back({from, axis, side, palmar, length, radius, 0.0, 0.0, region.rows});
+        region.patches.push_back({from, axis, side, palmar, length, radius, 0.0, 0.0, region.rows, false});
     }
+    if (!region.patches.empty()) add_tip(region, around, cell);
     return region;
 }
 
@@ -83,7 +103,7 @@ SkinRegion palm_surface(const Hand& hand, const SkinOptions& options) {
         }
     }
     region.patches.push_back({wrist, hand.direction, side, hand.normal, options.palm_length_m, 0.0,
-                              options.palm_width_m, options.palm_thickness_m, region.rows});
+                              options.palm_width_m, options.palm_thickness_m, region.rows, false});
     return region;
 }
 
@@ -104,6 +124,10 @@ SkinPoint SkinPatch::nearest(Vec3 point) const {
     const Vec3 way = point - from;
     const Vec3 foot = from + std::clamp(dot(way, along), 0.0, length) * along;
     const double beside = dot(way, side), before = dot(way, out);
+    if (const Vec3 beyond = way - length * along; tip && dot(beyond, along) > 0.0) {
+        const Vec3 normal = beyond * (1.0 / norm(beyond));
+        return {from + length * along + radius * normal, normal};
+    }
     if (radius == 0.0) return {foot + std::clamp(beside, -0.5 * width, 0.5 * width) * side, out};
     if (before < 0.0) {
         const Vec3 edge = beside < 0.0 ? -1.0 * side : side;

@@ -16,7 +16,8 @@ struct SkinPoint {
     Vec3 normal;    ///< out of the skin, length 1
 };
 
-/// A simple piece of the palmar skin: half of the side of a round finger segment, or the flat palm.
+/// A simple piece of the palmar skin: half of the side of a round finger segment, at the tip with its round end, or the
+/// flat palm.
 struct SkinPatch {
     Vec3 from;                ///< the near end of the segment's axis; of the palm, the middle of its edge at the wrist
     Vec3 along, side, out;    ///< length 1: to the far end, across, and out of the middle of the skin
@@ -25,6 +26,7 @@ struct SkinPatch {
     double width = 0.0;       ///< of the palm, across
     double thickness = 0.0;   ///< of the palm's box, half of it on either side of the skin
     std::size_t end_row = 0;  ///< of the region's raster: the first row behind the patch
+    bool tip = false;         ///< a hemisphere ends it
     /// The nearest place of the skin. From behind a segment, that is on the edge of its palmar half.
     [[nodiscard]] SkinPoint nearest(Vec3 point) const;
     /// The part of a line that is in the box around the hand here: around the segment as a capsule, or the palm.
@@ -35,7 +37,8 @@ struct SkinPatch {
 /// A part of the palmar skin as a raster: cells of rows and columns, about square.
 struct SkinRegion {
     std::string_view name;      ///< thumb, index, middle, ring, pinkie or palm
-    std::size_t rows = 0;       ///< of a finger: along it, from the knuckle to the tip; of the palm: to the fingers
+    std::size_t rows = 0;       ///< of a finger: along it, from the knuckle to the tip, and over the tip's end to the nail;
+                                ///< of the palm: to the fingers
     std::size_t columns = 0;    ///< of a finger: around it, over half a turn
     std::vector<Vec3> points;   ///< row by row, array frame, metres
     std::vector<Vec3> normals;  ///< out of the skin, length 1
@@ -60,7 +63,7 @@ struct SkinOptions {
 
 /// The palmar surface of a hand. A finger is a chain of three round segments; the half of their surface whose normals
 /// have no negative product with the palm's normal is unrolled to a raster, by arc length along the chain and by angle
-/// around it. When a recording says how wide the finger is, its radii are scaled so that the middle segment is. The
+/// around it, and so is the hemisphere around the tip. When a recording says how wide the finger is, its radii are scaled so that the middle segment is. The
 /// palm is a rectangle around its centre, along the hand's direction and across it. Fingers that the tracker did not
 /// see are left out.
 /// @throws Error{bad_argument} for measures that are not positive, and for hands whose coordinates are not finite or

@@ -104,7 +104,7 @@ void PathPen::add(std::vector<Focus>& foci, const Leg& leg, Vec3 position, doubl
     if (amplitude > 0.0) foci.push_back({position, amplitude});
 }
 
-Played PathPen::play(const std::vector<Voice>& voices, double until_s) {
+Played PathPen::play(const std::vector<Voice>& voices, double until_s, double amplitude) {
     Played played;
     const double until = until_s * carrier_hz_;
     const std::vector<Track> tracks = tracks_of(voices);
@@ -120,6 +120,7 @@ Played PathPen::play(const std::vector<Voice>& voices, double until_s) {
             shares_[i] = std::fmod(shares_[i] + advance, 1.0);
             add(foci, *leg, position, tracks[i].am_hz, (at_periods_ + 0.5 * dwell) / carrier_hz_, played);
         }
+        for (Focus& focus : foci) focus.amplitude *= amplitude;
         play_step(foci, dwell);
     }
     return played;

@@ -51,7 +51,8 @@ public:
     /// Plays voices until a time. Each goes on at the share of its pass at which the last one of its number stopped.
     /// Steps are not cut, so the next voices begin up to a dwell late, and end in time all the same.
     /// @param until_s  since the path's beginning; voices may be empty: silence
-    Played play(const std::vector<Voice>& voices, double until_s);
+    /// @param amplitude  of all foci
+    Played play(const std::vector<Voice>& voices, double until_s, double amplitude = 1.0);
 
     /// Plays one pass of the first voice, in so many steps, or in steps as near to the dwell as fill it evenly. The
     /// others take as many whole passes as come nearest to their pace, and their modulation whole periods, so that the

@@ -69,7 +69,7 @@ Played play_live_focus(Commands& device, const LiveFocusSettings& settings, cons
             if (Clock::now() - asked > between_statuses) {
                 now.status = device.status();
                 fifo.learn(now.status);
-                require_on(now.status);
+                require_on(now.status, &before);
                 pace.learn(since(now.status, &Status::underruns));
                 now.step_s = pace.step_s();
                 now.lead_s = pace.lead_s();

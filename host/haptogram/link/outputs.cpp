@@ -50,9 +50,16 @@ bool while_on(Commands& device, std::uint16_t watchdog_ms, const std::function<v
     return then_off(on, off);
 }
 
-void require_on(const Status& status) {
-    if (!status.enabled)
-        throw Error(ErrorCode::device, "board", "it has turned its outputs off: its watchdog or guard tripped");
+void require_on(const Status& status, const Status* before) {
+    if (status.enabled) return;
+    std::string why = "its watchdog or guard tripped";
+    if (before != nullptr && status.watchdog_trips != before->watchdog_trips)
+        why = fmt::format("its watchdog heard nothing from this host for {} ms", status.watchdog_ms);
+    else if (before != nullptr && status.guard_trips != before->guard_trips)
+        why = "its guard found a pin high for too long; nothing that was sent may do that: reset the board";
+    else if (status.stopped)
+        why = "its stop input is active";
+    throw Error(ErrorCode::device, "board", "it has turned its outputs off: " + why);
 }
 
 bool is_over(const Status& status) {

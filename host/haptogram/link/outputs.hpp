@@ -28,8 +28,9 @@ bool then_off(const std::function<void()>& work, const std::function<std::string
 /// @param watchdog_ms  its watchdog's time, if it is known
 [[nodiscard]] std::string not_confirmed(std::optional<std::uint16_t> watchdog_ms);
 
+/// @param before  a status of when the outputs were on, if there is one: its counters tell what turned them off
 /// @throws Error{device} when the device has turned its outputs off by itself
-void require_on(const Status& status);
+void require_on(const Status& status, const Status* before = nullptr);
 
 /// Whether nothing plays and nothing is to come.
 [[nodiscard]] bool is_over(const Status& status);

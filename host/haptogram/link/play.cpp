@@ -109,7 +109,7 @@ Played play(Commands& device, const PlaySettings& settings, const Watch& watch) 
             now.seconds = std::chrono::duration<double>(Clock::now() - begun).count();
             now.underruns = since(now.status, &Status::underruns);
             interrupted = watch && !watch(now);
-            require_on(now.status);
+            require_on(now.status, &before);
         } while (!interrupted && !is_over(now.status) && (settings.seconds == 0.0 || now.seconds < settings.seconds));
     });
     return {.underruns = now.underruns,

@@ -43,7 +43,7 @@ Played feed(Commands& device, const StreamSettings& settings, SourceOf<Entry>& s
         while (go_on()) {
             if (Clock::now() - asked > pause) {
                 learn(device.status());
-                require_on(now.status);
+                require_on(now.status, &before);
                 asked = Clock::now();
             }
             if (!entry) entry = source.next(pause);
@@ -65,7 +65,7 @@ Played feed(Commands& device, const StreamSettings& settings, SourceOf<Entry>& s
         while (go_on() && fifo.room() == 0) fifo.refresh();
         if (!played.interrupted) fifo.push({0}, 0);
         for (learn(sure_status(device)); go_on() && !is_over(now.status); learn(sure_status(device))) {
-            require_on(now.status);
+            require_on(now.status, &before);
             std::this_thread::sleep_for(pause);
         }
     });

@@ -25,13 +25,6 @@ Latency spread_of(std::vector<double> latencies) {
 
 }  // namespace
 
-Loop::Loop(link::Commands& device, const Clock& clock, const Array& array, const LoopOptions& options)
-    : device_(device),
-      clock_(clock),
-      options_(options),
-      player_(device, clock, array, options.ring.points, options.method, options.watchdog_ms),
-      fingers_(array, player_.timer().carrier_hz(), options) {}
-
 void Loop::miss() {
     ++report_.missed;
     if (++misses_ == options_.misses_to_fade && player_.playing()) {
@@ -44,7 +37,7 @@ void Loop::serve_until(double time_s) {
     // The board's time goes on while it is served, so late shots are seen here.
     for (double now = clock_.now_s(); now < time_s; now = clock_.now_s()) {
         while (last_time_s_ &&
-               now - begin_s_ > *last_time_s_ + (static_cast<double>(absent_) + 1.5) / options_.rate_hz) {
+               now - begin_s_ > *last_time_s_ + (static_cast<double>(absent_) + 1.5) / rate_hz_) {
             ++absent_;
             miss();
         }
@@ -52,9 +45,9 @@ void Loop::serve_until(double time_s) {
     }
 }
 
-void Loop::play(const std::optional<Path>& rings, const ShotReport& shot) {
-    if (rings) {
-        player_.replace(*rings, shot.number, shot.time_s + begin_s_);
+void Loop::play(const std::optional<Path>& path, const ShotReport& shot) {
+    if (path) {
+        player_.replace(*path, shot.number, shot.time_s + begin_s_);
         return;
     }
     // A finger that has left is nothing to feel any more; one that cannot be rendered fades.
@@ -69,8 +62,8 @@ void Loop::play(const std::optional<Path>& rings, const ShotReport& shot) {
 }
 
 /// Counts what came of the shot before, and what lies between them.
-ShotReport Loop::begin(const DepthShot& shot) {
-    // The ring of the shot before should be on the board by now. A late shot was counted when it was late.
+ShotReport Loop::begin(const Frame& shot) {
+    // The path of the frame before should be on the board by now. A late frame was counted when it was late.
     if (absent_ == 0 && player_.sending() && !player_.fading())
         miss();
     else if (absent_ == 0 && !blind_)
@@ -87,36 +80,43 @@ ShotReport Loop::begin(const DepthShot& shot) {
     return now;
 }
 
-bool Loop::take(const DepthShot& shot, const DepthSource& source, const Told& told) {
-    if (last_time_s_ && (shot.time_s <= *last_time_s_ || shot.number <= last_number_)) {
+bool Loop::take(const Frame& frame, const FrameSource& source, Feeler& feeler, const Told& told) {
+    if (last_time_s_ && (frame.time_s <= *last_time_s_ || frame.number <= last_number_)) {
         ++report_.out_of_order;
         return true;
     }
-    // A live shot is due as it comes. When the others are due follows from it anew: a camera's clock is not the
+    if (last_time_s_ && frame.time_s < *last_time_s_ + options_.interval_s - 1e-6) {
+        ++report_.skipped;
+        report_.lost += frame.number - last_number_ - 1;
+        last_number_ = frame.number;
+        return true;
+    }
+    rate_hz_ = source.rate_hz() / std::max(1.0, std::ceil(options_.interval_s * source.rate_hz() - 1e-6));
+    // A live frame is due as it comes. When the others are due follows from it anew: a camera's clock is not the
     // machine's.
-    if (!last_time_s_ || source.live()) begin_s_ = clock_.now_s() - shot.time_s;
-    serve_until(begin_s_ + shot.time_s);
-    ShotReport now = begin(shot);
+    if (!last_time_s_ || source.live()) begin_s_ = frame.came_s.value_or(clock_.now_s()) - frame.time_s;
+    serve_until(begin_s_ + frame.time_s);
+    ShotReport now = begin(frame);
     const double began_s = processor_s();
-    const std::optional<Path> rings = fingers_.take(source.cameras(), shot, now);
-    // A shot without any picture is as good as lost: what plays goes on, and fades when the next one is, too.
-    blind_ = std::none_of(shot.pictures.begin(), shot.pictures.end(), [](const auto& p) { return p.has_value(); });
+    const std::optional<Path> path = feeler.feel(frame, now);
+    // A frame without any picture is as good as lost: what plays goes on, and fades when the next one is, too.
+    blind_ = now.blind;
     if (blind_) {
         ++report_.blind;
         miss();
     } else {
-        play(rings, now);
+        play(path, now);
     }
-    now.compute_s = processor_s() - began_s;
+    if (now.compute_s == 0.0) now.compute_s = processor_s() - began_s;
     report_.compute_s.push_back(now.compute_s);
     ++report_.shots;
-    last_time_s_ = shot.time_s;
-    last_number_ = shot.number;
-    return !told || told(now, shot);
+    last_time_s_ = frame.time_s;
+    last_number_ = frame.number;
+    return !told || told(now, frame, path);
 }
 
 /// Keeps the ring turning until a shot is there. @return whether one is, or the source's end
-bool Loop::await(DepthSource& source, const std::function<bool()>& waits) {
+bool Loop::await(FrameSource& source, const std::function<bool()>& waits) {
     while (!source.ready()) {
         if (waits && !waits()) return false;
         serve_until(clock_.now_s() + nap_s);
@@ -124,27 +124,27 @@ bool Loop::await(DepthSource& source, const std::function<bool()>& waits) {
     return true;
 }
 
-void Loop::play_all(DepthSource& source, const Told& told, const std::function<bool()>& waits) {
-    const std::uint16_t underruns_before = device_.status().underruns;
+void Loop::play_all(FrameSource& source, Feeler& feeler, const Told& told, const std::function<bool()>& waits) {
+    const link::Status before = device_.status();
     bool going = true;
     while (going && await(source, waits)) {
-        const std::optional<DepthShot> shot = source.next();
-        if (!shot) break;
-        going = take(*shot, source, told);
+        const std::optional<Frame> frame = source.next();
+        if (!frame) break;
+        going = take(*frame, source, feeler, told);
     }
     // The last ring is played until the shot after it would have been missed.
-    if (last_time_s_) serve_until(begin_s_ + *last_time_s_ + 1.5 / options_.rate_hz);
+    if (last_time_s_) serve_until(begin_s_ + *last_time_s_ + 1.5 / rate_hz_);
     device_.wait();
     player_.settle();
     const link::Status status = device_.status();
-    link::require_on(status);
-    report_.underruns = static_cast<std::uint16_t>(status.underruns - underruns_before);
+    link::require_on(status, &before);
+    report_.underruns = static_cast<std::uint16_t>(status.underruns - before.underruns);
 }
 
-LoopReport Loop::run(DepthSource& source, const Told& told, const std::function<bool()>& waits) {
-    link::while_on(device_, options_.watchdog_ms, [&] { play_all(source, told, waits); });
+LoopReport Loop::run(FrameSource& source, Feeler& feeler, const Told& told, const std::function<bool()>& waits) {
+    link::while_on(device_, options_.watchdog_ms, [&] { play_all(source, feeler, told, waits); });
     report_.rings = player_.sent();
-    static_cast<ShotCounts&>(report_) = fingers_.counts();
+    static_cast<ShotCounts&>(report_) = feeler.counts();
     return report_;
 }
 

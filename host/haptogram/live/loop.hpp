@@ -9,14 +9,14 @@
 
 #include "haptogram/link/outputs.hpp"
 #include "haptogram/live/clock.hpp"
-#include "haptogram/live/ring_player.hpp"
-#include "haptogram/live/shot_rings.hpp"
+#include "haptogram/live/frame.hpp"
+#include "haptogram/live/player.hpp"
 
 namespace haptogram::live {
 
-struct LoopOptions : FingerOptions {
-    Method method = Method::distance_weighted;  ///< of several fingers at once; the paper's
-    unsigned misses_to_fade = 2;                ///< in a row
+struct LoopOptions {
+    unsigned misses_to_fade = 2;  ///< in a row
+    double interval_s = 0.0;      ///< what a path takes on the line: frames that come faster are left out
     std::uint16_t watchdog_ms = 500;
 };
 
@@ -24,6 +24,7 @@ struct LoopOptions : FingerOptions {
 struct LoopReport : ShotCounts {
     std::uint64_t shots = 0;
     std::uint64_t lost = 0;          ///< numbers that never came
+    std::uint64_t skipped = 0;       ///< came while the line was busy with an earlier one
     std::uint64_t out_of_order = 0;  ///< came after a later one, and were not used
     std::uint64_t blind = 0;         ///< no camera gave a picture; these are missed, too
     std::uint64_t missed = 0;        ///< the ring was not on the board when the next shot was due, or none came
@@ -33,38 +34,37 @@ struct LoopReport : ShotCounts {
     std::vector<SentRing> rings;
 };
 
-/// The loop of Fingers: depth, points, fingers, forces, sections, rings, board. It takes shots as they come due by the
-/// clock, and between them keeps the ring turning.
+/// Frames in, paths out: it takes frames as they come due by the clock, and between them keeps the path going.
 class Loop {
 public:
-    /// @throws Error as the parts do, naming the option
-    Loop(link::Commands& device, const Clock& clock, const Array& array, const LoopOptions& options);
+    Loop(link::Commands& device, const Clock& clock, Player& player, const LoopOptions& options)
+        : device_(device), clock_(clock), player_(player), options_(options) {}
 
-    using Told = std::function<bool(const ShotReport&, const DepthShot&)>;
-    /// Turns the outputs on, plays until the source ends, `told` says false or, while a live source has no shot,
+    using Told = std::function<bool(const ShotReport&, const Frame&, const std::optional<Path>&)>;
+    /// Turns the outputs on, plays until the source ends, `told` says false or, while a live source has no frame,
     /// `waits` does, and turns them off.
     /// @throws Error{device} when the board turns its outputs off by itself, does not confirm that they are off, or the
     /// link is lost
-    LoopReport run(DepthSource& source, const Told& told = {}, const std::function<bool()>& waits = {});
+    LoopReport run(FrameSource& source, Feeler& feeler, const Told& told = {}, const std::function<bool()>& waits = {});
 
 private:
-    void play_all(DepthSource& source, const Told& told, const std::function<bool()>& waits);
-    bool await(DepthSource& source, const std::function<bool()>& waits);
-    bool take(const DepthShot& shot, const DepthSource& source, const Told& told);
-    [[nodiscard]] ShotReport begin(const DepthShot& shot);
-    void play(const std::optional<Path>& rings, const ShotReport& shot);
+    void play_all(FrameSource& source, Feeler& feeler, const Told& told, const std::function<bool()>& waits);
+    bool await(FrameSource& source, const std::function<bool()>& waits);
+    bool take(const Frame& frame, const FrameSource& source, Feeler& feeler, const Told& told);
+    [[nodiscard]] ShotReport begin(const Frame& frame);
+    void play(const std::optional<Path>& path, const ShotReport& shot);
     void serve_until(double time_s);
     void miss();
 
     link::Commands& device_;
     Clock clock_;
+    Player& player_;
     LoopOptions options_;
-    RingPlayer player_;
-    ShotRings fingers_;
+    double rate_hz_ = 30.0;  ///< of frames
     LoopReport report_;
     std::optional<double> last_time_s_;
     std::uint64_t last_number_ = 0;
-    double begin_s_ = 0.0;  ///< by the clock, of the shots' time 0; of a live source that of its last shot
+    double begin_s_ = 0.0;  ///< by the clock, of the frames' time 0; of a live source that of its last frame
     unsigned misses_ = 0;   ///< in a row
     bool blind_ = false;    ///< the last shot had no picture
     unsigned absent_ = 0;   ///< of these, shots that were due since the last one and did not come

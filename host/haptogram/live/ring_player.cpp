@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <utility>
 
@@ -40,28 +39,30 @@ link::Bytes write_of(const Record& record, std::uint16_t index) {
     return payload;
 }
 
-}  // namespace
+/// A path in so many steps of equal length, which takes about as long. One that has them stays as it is.
+Path in_steps(const Path& path, std::size_t count) {
+    const auto is_other = [&](const PathStep& step) { return step.periods != path.steps.front().periods; };
+    if (path.steps.size() == count && std::none_of(path.steps.begin(), path.steps.end(), is_other)) return path;
+    const double periods = static_cast<double>(path.periods()) / static_cast<double>(count);
+    const double dwell = std::clamp(std::round(periods), 1.0, 65535.0);
+    Path even;
+    std::size_t step = 0;
+    auto end = static_cast<double>(path.steps.front().periods);
+    for (std::size_t i = 0; i < count; ++i) {
+        while (end <= (static_cast<double>(i) + 0.5) * periods) end += path.steps[++step].periods;
+        even.steps.push_back({path.steps[step].foci, static_cast<std::uint32_t>(dwell)});
+    }
+    return even;
+}
 
-/// What the last reply said of the FIFO. All replies tell its level.
-struct RingPlayer::Fifo {
-    std::uint64_t pushed = 0;     ///< entries, in all
-    std::uint64_t under_way = 0;  ///< of these, in frames that are not answered yet
-    std::uint64_t level = 0;      ///< as the last reply said
-    double told_s = 0.0;          ///< when it came
-    [[nodiscard]] std::uint64_t left() const { return pushed - under_way - level; }
-};
+}  // namespace
 
 RingPlayer::RingPlayer(link::Commands& device, const Clock& clock, const Array& array, std::size_t steps, Method method,
                        std::uint16_t watchdog_ms)
-    : device_(device),
-      clock_(clock),
+    : Player(device, clock, choose_timer(array, Core{device.identity().name, device.identity().core()}), watchdog_ms),
       array_(array),
       steps_(steps),
-      method_(method),
-      timer_(choose_timer(array, Core{device.identity().name, device.identity().core()})),
-      fifo_(std::make_shared<Fifo>()),
-      said_s_(clock.now_s()),
-      pause_s_(std::chrono::duration<double>(link::keep_alive_pause(watchdog_ms)).count()) {
+      method_(method) {
     const link::Identity& board = device.identity();
     if (array.elements.size() > board.channels)
         throw bad_input("board", fmt::format("it has {} channels; the array {} has {} elements", board.channels,
@@ -73,21 +74,16 @@ RingPlayer::RingPlayer(link::Commands& device, const Clock& clock, const Array& 
     if (board.live_depth < steps + most_low_water + 1)
         throw bad_input("board", fmt::format("its live FIFO has {} places; rings of {} steps need {}", board.live_depth,
                                              steps, steps + most_low_water + 1));
-    if (interface::has(board.features, interface::Feature::schedule))
-        time_ = std::make_shared<BoardTime>(timer_.period_s());
 }
 
 RingPlayer::Ring RingPlayer::made(const Path& path, std::uint64_t shot, double shot_s) const {
     require_sound(path);
-    if (path.steps.size() != steps_ || !path.modulation.samples.empty() ||
-        std::any_of(path.steps.begin(), path.steps.end(),
-                    [&](const PathStep& s) { return s.periods != path.steps.front().periods; }))
-        throw bad_argument("ring", fmt::format("expected {} steps of equal length, without a modulation", steps_));
+    if (!path.modulation.samples.empty()) throw bad_argument("ring", "expected one without a modulation");
     Ring ring;
-    ring.path = path;
+    ring.path = in_steps(path, steps_);
     ring.about.shot = shot;
     ring.about.shot_s = shot_s;
-    ring.dwell = static_cast<std::uint16_t>(path.steps.front().periods);
+    ring.dwell = static_cast<std::uint16_t>(ring.path.steps.front().periods);
     return ring;
 }
 
@@ -123,7 +119,7 @@ void RingPlayer::silence() {
     fades_.clear();
     next_.reset();
     if (!present_) return;
-    push({0}, 0);
+    push(std::vector<std::uint16_t>{0}, 0);
     free_at_[present_->bank] = fifo_->pushed + 1;
     present_.reset();
 }
@@ -139,83 +135,17 @@ void RingPlayer::fade() {
     }
 }
 
-void RingPlayer::push(const std::vector<std::uint16_t>& indices, std::uint16_t dwell) {
-    link::Bytes payload = {static_cast<std::uint8_t>(dwell), static_cast<std::uint8_t>(dwell >> 8)};
-    for (const std::uint16_t index : indices)
-        for (const unsigned shift : {0U, 8U}) payload.push_back(static_cast<std::uint8_t>(index >> shift));
-    if (time_) time_->pushed(indices, dwell);
-    fifo_->pushed += indices.size();
-    fifo_->under_way += indices.size();
-    submit({interface::Command::push, std::move(payload)}, indices.size());
-}
-
-void RingPlayer::submit(link::Request request, std::size_t entries) {
-    device_.submit(std::move(request), [fifo = fifo_, entries, now = clock_.now_s](const link::Reply& reply) {
-        fifo->under_way -= entries;
-        fifo->level = reply.live_level;
-        fifo->told_s = now();
-    });
-    device_.flush();
-    said_s_ = clock_.now_s();
-}
-
-/// Entries in the FIFO now, those on their way to it among them: as the last reply said, less what has played since.
-double RingPlayer::level() const {
-    const double played = entry_s_ > 0.0 ? (clock_.now_s() - fifo_->told_s) / entry_s_ : 0.0;
-    return std::max(0.0, static_cast<double>(fifo_->level) - played) + static_cast<double>(fifo_->under_way);
-}
-
 void RingPlayer::push_turn() {
     const double waiting = level();
     entry_s_ = timer_.period_s() * present_->dwell;
     const std::size_t first = present_->first_loud();
     const std::uint64_t entry = fifo_->pushed + first;
     push(present_->indices, present_->dwell);
-    ask();
+    if (time_) ask();  // which period it is in
     free_at_[present_->bank] = fifo_->pushed + 1;
     if (present_->begun) return;
     present_->begun = true;
-    present_->about.pushed_s = clock_.now_s();
-    present_->about.expected_s = present_->about.pushed_s + (waiting + static_cast<double>(first)) * entry_s_;
-    if (present_->faded) return;
-    if (time_) unstamped_.emplace_back(sent_.size(), entry);
-    sent_.push_back(present_->about);
-}
-
-/// Asks the device which period it is in, if it counts them.
-void RingPlayer::ask() {
-    if (!time_) return;
-    device_.submit({interface::Command::status, {}},
-                   [time = time_, fifo = fifo_, entries = fifo_->pushed, asked_s = clock_.now_s(),
-                    now = clock_.now_s](const link::Reply& reply) {
-                       fifo->level = reply.live_level;
-                       fifo->told_s = now();
-                       time->heard(link::to_status(reply.data), entries, asked_s, fifo->told_s);
-                   });
-    device_.flush();
-    stamp(false);
-}
-
-/// Takes over when rings began. The more statuses come after a ring, the better its beginning is known.
-/// @param all  also of those that have begun just now
-void RingPlayer::stamp(bool all) {
-    constexpr double settled_s = 0.5;
-    while (!unstamped_.empty()) {
-        const auto [place, entry] = unstamped_.front();
-        if (!all && clock_.now_s() - sent_[place].pushed_s < settled_s) break;
-        sent_[place].began_s = time_->began(entry);
-        unstamped_.pop_front();
-        time_->forget_before(entry);
-    }
-    constexpr std::uint64_t kept = 4096;  // a ring that plays on and on needs no more
-    if (unstamped_.empty() && fifo_->pushed > kept) time_->forget_before(fifo_->pushed - kept);
-}
-
-void RingPlayer::settle() {
-    if (!time_) return;
-    ask();
-    device_.wait();
-    stamp(true);
+    if (!present_->faded) begins(present_->about, entry, waiting + static_cast<double>(first));
 }
 
 bool RingPlayer::service() {
@@ -228,15 +158,7 @@ bool RingPlayer::service() {
         next_ = made(fades_.front(), 0, 0.0);
         next_->faded = true;
     }
-    if (!next_) {
-        if (device_.unanswered() > 0) {
-            device_.wait(device_.unanswered() - 1);
-            return true;
-        }
-        if (clock_.now_s() - said_s_ < pause_s_) return false;
-        submit({interface::Command::keep_alive, {}});
-        return true;
-    }
+    if (!next_) return idle();
     bring();
     return true;
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "haptogram/base/error.hpp"
@@ -23,7 +24,7 @@ std::string unreachable(const Array& array, const Path& ring) {
 perception::Wanted wanted_of(double magnitude, const RingOptions& ring) {
     if (ring.motion != FocusMotion::still)
         throw bad_argument("magnitude",
-                           "is known of a focus that rests and is modulated; take the static focus (--focus static), "
+                           "is known of a focus that rests and is modulated; take the still focus (--algorithm still), "
                            "or leave the magnitude out");
     return perception::wanted_of(magnitude, fmt::format("sine:{}", ring.still_am_hz), false);
 }
@@ -39,10 +40,12 @@ void append(Path& all, const Path& ring) {
 
 }  // namespace
 
-ShotRings::ShotRings(const Array& array, double carrier_hz, const FingerOptions& options)
+ShotRings::ShotRings(const Array& array, double carrier_hz, const FingerOptions& options,
+                     std::vector<DepthCamera> cameras)
     : array_(array),
       carrier_hz_(carrier_hz),
       options_(options),
+      cameras_(std::move(cameras)),
       clouds_(options.cloud),
       scene_(options.scene),
       predictor_(options.predict),
@@ -117,25 +120,78 @@ std::optional<Path> ShotRings::take(std::span<const DepthCamera> cameras, const 
     note_cameras(shot, report);
     report.object = scene_.object();
     // When all cameras are gone nothing is known of the fingers: the scene stays as it is, as when a shot is lost.
-    if (std::none_of(shot.pictures.begin(), shot.pictures.end(), [](const auto& p) { return p.has_value(); }))
-        return {};
+    report.blind = std::none_of(shot.pictures.begin(), shot.pictures.end(), [](const auto& p) { return p.has_value(); });
+    if (report.blind) return {};
+    std::optional<Vec3> eye;
+    if (cameras.size() == 1) eye = cameras.front().pose.origin;
     const std::vector<Vec3> cloud = clouds_.cloud(cameras, shot);
-    report.points = cloud.size();
-    if (cloud.empty()) {
-        ++counts_.empty;
-        report.troubles.emplace_back("there is nothing in the workspace");
+    if (cloud.empty()) report.troubles.emplace_back("there is nothing in the workspace");
+    return rings_of(cloud, eye, report);
+}
+
+/// Points all around the fingers where they are near the object, and not within one another.
+std::vector<Vec3> ShotRings::cloud_of(const Hand& hand) const {
+    constexpr double near_m = 5e-3, apart_m = 1e-3;
+    std::vector<Vec3> cloud;
+    std::vector<SkinPatch> segments;
+    for (const SkinRegion& region : palmar_surface(hand, options_.skin))
+        for (const SkinPatch& patch : region.patches)
+            if (patch.radius > 0.0) segments.push_back(patch);
+    const auto within = [](const SkinPatch& segment, Vec3 p) {
+        const double foot = std::clamp(dot(p - segment.from, segment.along), 0.0, segment.length);
+        return distance(p, segment.from + foot * segment.along) < segment.radius - 1e-6;
+    };
+    for (const SkinPatch& segment : segments) {
+        const double reach = 0.5 * segment.length + segment.radius + near_m;
+        if (scene_.distance_to(segment.from + 0.5 * segment.length * segment.along) > reach) continue;
+        const double rim = 0.5 * std::numbers::pi * segment.radius;  // over each round end
+        const double around = 2.0 * std::numbers::pi * segment.radius;
+        for (double s = -rim; s <= segment.length + rim; s += apart_m) {
+            const double over = s < 0.0 ? s : std::max(0.0, s - segment.length);
+            const double angle = over / segment.radius;
+            const Vec3 middle =
+                segment.from + (std::clamp(s, 0.0, segment.length) + segment.radius * std::sin(angle)) * segment.along;
+            const double radius = segment.radius * std::cos(angle);
+            const auto points = static_cast<int>(std::ceil(around * std::cos(angle) / apart_m)) + 1;
+            for (int k = 0; k < points; ++k) {
+                const double turn = 2.0 * std::numbers::pi * k / points;
+                const Vec3 p = middle + radius * (std::cos(turn) * segment.out + std::sin(turn) * segment.side);
+                if (scene_.distance_to(p) < near_m &&
+                    std::none_of(segments.begin(), segments.end(), [&](const SkinPatch& o) { return within(o, p); }))
+                    cloud.push_back(p);
+            }
+        }
     }
-    const std::vector<SceneFinger>& fingers = scene_.update(cloud, shot.time_s);
+    return cloud;
+}
+
+std::optional<Path> ShotRings::feel(const Frame& frame, ShotReport& report) {
+    if (const auto* shot = std::get_if<DepthShot>(&frame.seen)) return take(cameras_, *shot, report);
+    std::vector<Vec3> cloud;
+    const auto& hands = std::get<HandFrame>(frame.seen).hands;
+    for (const Hand& hand : hands) {
+        const std::vector<Vec3> some = cloud_of(hand);
+        cloud.insert(cloud.end(), some.begin(), some.end());
+    }
+    report.object = scene_.object();
+    return rings_of(cloud, {}, report);
+}
+
+std::optional<Path> ShotRings::rings_of(std::span<const Vec3> cloud, const std::optional<Vec3>& eye,
+                                        ShotReport& report) {
+    report.points = cloud.size();
+    if (cloud.empty()) ++counts_.empty;
+    const std::vector<SceneFinger>& fingers = scene_.update(cloud, report.time_s);
     report.fingers = fingers.size();
     std::vector<std::pair<std::uint64_t, Path>> rings;
     for (const SceneFinger& finger : fingers) {
         report.force_n += norm(finger.force);
         if (!finger.seen) continue;
         std::optional<Vec3> sight;
-        if (cameras.size() == 1) sight = finger.place - cameras.front().pose.origin;
+        if (eye) sight = finger.place - *eye;
         if (auto ring = ring_of(finger, sight, report)) rings.emplace_back(finger.id, std::move(*ring));
     }
-    predictor_.forget_before(shot.time_s - 2.5 / options_.rate_hz);
+    predictor_.forget_before(report.time_s - 2.5 / options_.rate_hz);
     if (commands_ && rings.size() > 1) {
         ++counts_.without_magnitude;
         report.troubles.push_back(

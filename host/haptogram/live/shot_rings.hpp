@@ -11,7 +11,9 @@
 #include "haptogram/array/array.hpp"
 #include "haptogram/hand/ring.hpp"
 #include "haptogram/hand/section.hpp"
+#include "haptogram/hand/surface.hpp"
 #include "haptogram/live/cloud.hpp"
+#include "haptogram/live/frame.hpp"
 #include "haptogram/live/prediction.hpp"
 #include "haptogram/live/touch_scene.hpp"
 #include "haptogram/perception/path_magnitude.hpp"
@@ -25,44 +27,21 @@ struct FingerOptions {
     SectionOptions section;
     RingOptions ring;
     PredictorOptions predict;
+    SkinOptions skin;       ///< of a tracker's hands
     double rate_hz = 30.0;  ///< of shots
     /// How strong a still focus feels by the Multimodal paper's tables (perception/path_magnitude.hpp), which are of
     /// palms and of one focus that rests and is modulated.
     std::optional<double> magnitude;
 };
 
-/// What became of one shot.
-struct ShotReport {
-    std::uint64_t number = 0;
-    double time_s = 0.0;
-    std::size_t points = 0, fingers = 0, foci = 0;  ///< foci: rings that play at the same time
-    std::vector<Ellipse> sections;                  ///< of these, where they were measured
-    std::vector<Vec3> centres;                      ///< and where they play, predicted
-    Pose object;
-    double force_n = 0.0;               ///< the sum of the fingers' forces' magnitudes on the object
-    double compute_s = 0.0;             ///< processor time from the pictures to the ring
-    std::vector<std::string> troubles;  ///< whole sentences
-};
-
-/// Counts of shots unless said otherwise.
-struct ShotCounts {
-    std::uint64_t with_rings = 0;
-    std::uint64_t empty = 0;                     ///< nothing in the workspace
-    std::uint64_t without_camera = 0;            ///< a camera gave no picture
-    std::vector<std::uint64_t> without_picture;  ///< of each camera: in which it gave none
-    std::uint64_t through = 0;                   ///< a finger was behind the object's middle
-    std::uint64_t no_section = 0;                ///< a finger's points were no ellipse of a finger's size
-    std::uint64_t constrained = 0;               ///< a section was seen from one side
-    std::uint64_t out_of_reach = 0;              ///< a finger's ring was where the array makes no focus
-    std::uint64_t without_magnitude = 0;         ///< a finger's focus cannot feel as strong as it shall
-};
-
-/// The first half of the loop, which needs no device: shots in, what shall play out.
-class ShotRings {
+/// Rings around fingers that touch an object: of depth cameras' shots, or of a tracker's hands.
+class ShotRings final : public Feeler {
 public:
+    /// @param cameras  whose shots feel() takes
     /// @throws Error{bad_argument} naming an option that makes no sense, and "magnitude" where the tables or the array
     /// do not have it
-    ShotRings(const Array& array, double carrier_hz, const FingerOptions& options);
+    ShotRings(const Array& array, double carrier_hz, const FingerOptions& options,
+              std::vector<DepthCamera> cameras = {});
 
     /// @param shot    of which some camera gave a picture
     /// @param report  to be completed
@@ -71,19 +50,25 @@ public:
     /// none; the report names it and says why
     [[nodiscard]] std::optional<Path> take(std::span<const DepthCamera> cameras, const DepthShot& shot,
                                            ShotReport& report);
+    /// The same of a frame, whose hands are taken as points on their fingers.
+    [[nodiscard]] std::optional<Path> feel(const Frame& frame, ShotReport& report) override;
 
-    [[nodiscard]] const ShotCounts& counts() const { return counts_; }
+    [[nodiscard]] ShotCounts counts() const override { return counts_; }
     [[nodiscard]] const TouchScene& scene() const { return scene_; }
 
 private:
     [[nodiscard]] std::optional<Path> ring_of(const SceneFinger& finger, const std::optional<Vec3>& sight,
                                               ShotReport& report);
     [[nodiscard]] std::optional<std::string> give_magnitude(Path& ring);
+    [[nodiscard]] std::optional<Path> rings_of(std::span<const Vec3> cloud, const std::optional<Vec3>& eye,
+                                               ShotReport& report);
+    [[nodiscard]] std::vector<Vec3> cloud_of(const Hand& hand) const;
     void note_cameras(const DepthShot& shot, ShotReport& report);
 
     Array array_;
     double carrier_hz_;
     FingerOptions options_;
+    std::vector<DepthCamera> cameras_;
     CloudMaker clouds_;
     TouchScene scene_;
     Predictor predictor_;

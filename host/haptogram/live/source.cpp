@@ -11,7 +11,8 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/live/depth_folder.hpp"
 #include "haptogram/live/depth_pipe.hpp"
-#include "haptogram/live/leap_pipe.hpp"
+#include "haptogram/live/depth_frames.hpp"
+#include "haptogram/live/hand_source.hpp"
 #include "haptogram/verbs/render.hpp"
 
 namespace haptogram::live {
@@ -40,44 +41,29 @@ std::vector<RoundedBody> pressing_fingers(double time_s, Vec3 object, double hal
     return fingers;
 }
 
-std::vector<RoundedBody> bodies_at(const HandRecording& recording, double time_s) {
-    const auto after = std::upper_bound(recording.frames.begin(), recording.frames.end(), time_s,
-                                        [](double time, const HandFrame& frame) { return time < frame.time_s; });
-    std::vector<RoundedBody> bodies;
-    if (after == recording.frames.begin()) return bodies;
-    for (const Hand& hand : std::prev(after)->hands) {
-        const std::vector<RoundedBody> of_hand = bodies_of(hand);
-        bodies.insert(bodies.end(), of_hand.begin(), of_hand.end());
-    }
-    return bodies;
-}
-
-std::unique_ptr<DepthSource> open_depth(const std::string& name, const CameraOptions& cameras, Vec3 object,
-                                        double half_m) {
+OpenedSource open_source(const std::string& name, const CameraOptions& cameras, Vec3 object, double half_m) {
     const std::size_t colon = std::min(name.find(':'), name.size());
     const std::string kind = name.substr(0, colon), rest = colon < name.size() ? name.substr(colon + 1) : "";
-    if (kind == "depth") return std::make_unique<DepthFolder>(rest);
-    if (kind == "depth-pipe") return std::make_unique<DepthPipe>(rest);
-    if (kind == "leap-pipe")
-        return std::make_unique<LeapPipe>(rest, cameras_of(cameras), cameras.rate_hz, cameras.noise);
-    const auto simulated = [&](SyntheticDepth::Scene scene, double seconds) {
-        return std::make_unique<SyntheticDepth>(cameras_of(cameras), std::move(scene), cameras.rate_hz,
-                                                cameras.seconds > 0.0 ? cameras.seconds : seconds, cameras.noise);
+    const auto of_depth = [](std::unique_ptr<DepthSource> depth) {
+        auto frames = std::make_unique<DepthFrames>(*depth);
+        return OpenedSource{std::move(frames), std::move(depth)};
     };
-    if (kind == "fingers") {
-        if (rest != "press") throw bad_argument("from", fmt::format("found \"{}\", expected fingers:press", name));
-        return simulated([=](double time_s) { return pressing_fingers(time_s, object, half_m); }, press_s);
-    }
+    if (kind == "depth") return of_depth(std::make_unique<DepthFolder>(rest));
+    if (kind == "depth-pipe") return of_depth(std::make_unique<DepthPipe>(rest));
+    if (name == "fingers:press")
+        return of_depth(std::make_unique<SyntheticDepth>(
+            cameras_of(cameras), [=](double time_s) { return pressing_fingers(time_s, object, half_m); },
+            cameras.rate_hz, cameras.seconds > 0.0 ? cameras.seconds : press_s, cameras.noise));
+    if (kind == "leap-pipe") return {std::make_unique<HandPipe>(rest), {}};
     if (kind == "leap" || kind == "poses" || kind == "synthetic") {
-        auto hands = std::make_shared<const HandRecording>(open_hands(kind == "synthetic" ? name : rest));
-        if (hands->frames.empty()) throw bad_input(name, "there is no hand in it");
-        return simulated([hands](double time_s) { return bodies_at(*hands, time_s); }, hands->frames.back().time_s);
+        const std::string& file = kind == "synthetic" ? name : rest;
+        return {std::make_unique<RecordedHands>(open_hands(file), file, cameras.seconds), {}};
     }
     throw bad_argument("from", fmt::format("found \"{}\", expected depth:FOLDER, depth-pipe:FILE, leap:FILE, "
                                            "leap-pipe:FILE, poses:FILE, synthetic:SCRIPT or fingers:press",
                                            name));
 }
 
-bool has_cameras(std::string_view name) { return name.starts_with("depth:") || name.starts_with("depth-pipe:"); }
+bool has_simulated_cameras(std::string_view name) { return name.starts_with("fingers:"); }
 
 }  // namespace haptogram::live

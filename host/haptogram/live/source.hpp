@@ -10,6 +10,7 @@
 #include "haptogram/hand/hand.hpp"
 #include "haptogram/live/depth.hpp"
 #include "haptogram/live/depth_renderer.hpp"
+#include "haptogram/live/frame.hpp"
 
 namespace haptogram::live {
 
@@ -30,22 +31,22 @@ struct CameraOptions {
 /// @param object  its middle @param half_m  half of its edge
 [[nodiscard]] std::vector<RoundedBody> pressing_fingers(double time_s, Vec3 object, double half_m);
 
-/// The hands of a recording at a time: those of the last frame before it.
-[[nodiscard]] std::vector<RoundedBody> bodies_at(const HandRecording& recording, double time_s);
-
-/// Where depth comes from, as a user names it:
+/// Where frames come from, as a user names it.
+struct OpenedSource {
+    std::unique_ptr<FrameSource> frames;
+    std::unique_ptr<DepthSource> depth;  ///< behind them; none of a tracker's hands
+};
 /// - depth:FOLDER   a recording (live/depth_folder.hpp)
 /// - depth-pipe:FILE   cameras of another program (live/depth_pipe.hpp); - is standard input
-/// - leap-pipe:FILE   hands of another program (leap_pipe.hpp), which simulated cameras see
-/// - leap:FILE, poses:FILE   recorded hands, which simulated cameras see; also synthetic:SCRIPT[:HEIGHT] as render has
-/// it
-/// - fingers:press   scripted fingers at the object
-/// @param cameras  the simulated ones; of no meaning to a source that has its own
+/// - fingers:press   scripted fingers at the object, which simulated cameras see
+/// - leap-pipe:FILE   hands of another program (live/hand_source.hpp)
+/// - leap:FILE, poses:FILE   recorded hands; also synthetic:SCRIPT[:HEIGHT] as render has it
+/// @param cameras  the simulated ones; of a recording of hands only their `seconds` count
 /// @param object  its middle, @param half_m half of its edge, for scripted fingers
 /// @throws Error{bad_input} for files that cannot be used, Error{bad_argument} for other names
-[[nodiscard]] std::unique_ptr<DepthSource> open_depth(const std::string& name, const CameraOptions& cameras,
-                                                      Vec3 object, double half_m);
-/// Whether a source of this name has cameras of its own.
-[[nodiscard]] bool has_cameras(std::string_view name);
+[[nodiscard]] OpenedSource open_source(const std::string& name, const CameraOptions& cameras, Vec3 object,
+                                       double half_m);
+/// Whether a source of this name is seen by simulated cameras.
+[[nodiscard]] bool has_simulated_cameras(std::string_view name);
 
 }  // namespace haptogram::live

@@ -32,9 +32,48 @@ Json times_of(const std::vector<SentRing>& rings) {
     return list;
 }
 
+constexpr int scene_version = 1;
+constexpr std::size_t most_foci_told = 64;  ///< of a path; longer ones are told at even distances
+
+Json hands_of(const Frame& frame) {
+    Json hands = Json::array();
+    const auto* seen = std::get_if<HandFrame>(&frame.seen);
+    if (seen == nullptr) return hands;
+    for (const Hand& hand : seen->hands) {
+        Json fingers = Json::array();
+        for (const auto& finger : hand.fingers) {
+            Json joints = Json::array();
+            if (finger)
+                for (const Vec3& joint : finger->joints) joints.push_back(in_mm(joint));
+            fingers.push_back(std::move(joints));
+        }
+        hands.push_back({{"id", hand.id},
+                         {"right", hand.right},
+                         {"palm_mm", in_mm(hand.palm)},
+                         {"normal", as_list(hand.normal)},
+                         {"direction", as_list(hand.direction)},
+                         {"fingers_mm", std::move(fingers)}});
+    }
+    return hands;
+}
+
+/// Where the foci go, and how strong each is: x, y, z in mm and the amplitude.
+Json foci_of(const std::optional<Path>& path) {
+    Json foci = Json::array();
+    if (!path) return foci;
+    const std::size_t stride = (path->steps.size() + most_foci_told - 1) / most_foci_told;
+    for (std::size_t i = 0; i < path->steps.size(); i += stride)
+        for (const Focus& focus : path->steps[i].foci) {
+            Json one = in_mm(focus.position);
+            one.push_back(focus.amplitude);
+            foci.push_back(std::move(one));
+        }
+    return foci;
+}
+
 }  // namespace
 
-Json to_json(const ShotReport& shot) {
+Json to_json(const ShotReport& shot, const Frame& frame, const std::optional<Path>& path) {
     Json sections = Json::array();
     for (std::size_t i = 0; i < shot.sections.size(); ++i) {
         const Ellipse& e = shot.sections[i];
@@ -44,11 +83,20 @@ Json to_json(const ShotReport& shot) {
                             {"major", as_list(e.major)},
                             {"normal", as_list(e.normal)}});
     }
-    return {{"shot", shot.number},
+    Json contacts = Json::array();
+    for (const std::vector<Vec3>& line : shot.contacts) {
+        Json& points = contacts.emplace_back(Json::array());
+        for (const Vec3& p : line) points.push_back(in_mm(p));
+    }
+    return {{"scene", scene_version},
+            {"shot", shot.number},
             {"time_s", shot.time_s},
             {"points", shot.points},
             {"fingers", shot.fingers},
+            {"hands", hands_of(frame)},
             {"sections", sections},
+            {"contacts_mm", contacts},
+            {"foci", foci_of(path)},
             {"object_mm", in_mm(shot.object.origin)},
             {"object_x", as_list(shot.object.x)},
             {"object_z", as_list(shot.object.z)},
@@ -64,6 +112,7 @@ Json to_json(const LoopReport& report, const Latency& latency) {
                  {"with_rings", report.with_rings},
                  {"rings", report.rings.size()},
                  {"lost", report.lost},
+                 {"skipped", report.skipped},
                  {"out_of_order", report.out_of_order},
                  {"empty", report.empty},
                  {"blind", report.blind},

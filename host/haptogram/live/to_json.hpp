@@ -8,8 +8,10 @@
 
 namespace haptogram::live {
 
-/// What happened in a shot, lengths in mm.
-[[nodiscard]] nlohmann::ordered_json to_json(const ShotReport& shot);
+/// What happened in a frame, lengths in mm, as scene.schema.json has it.
+/// @param path  that plays since then, if any
+[[nodiscard]] nlohmann::ordered_json to_json(const ShotReport& shot, const Frame& frame,
+                                             const std::optional<Path>& path);
 /// What became of a run. The latency stands in it when rings were seen at the pins, and as stamped_latency_ms when the
 /// device counts carrier periods.
 [[nodiscard]] nlohmann::ordered_json to_json(const LoopReport& report, const Latency& latency);

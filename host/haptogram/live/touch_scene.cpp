@@ -18,6 +18,7 @@ namespace {
 constexpr double longest_gap_s = 0.5;  ///< after a longer one the object has stood still: nobody held it
 
 Solid solid_of(const SceneOptions& options) {
+    if (options.solid) return *options.solid;
     return built_in_object(options.kind, {options.size_m, options.height_m, {}, {}}).solid;
 }
 

@@ -18,6 +18,7 @@ namespace haptogram {
 struct SceneOptions {
     std::string kind = "cube";  ///< of object_kinds(); one that moves is a cube, a sphere or a cylinder
     double size_m = 40e-3, height_m = 40e-3;
+    std::optional<Solid> solid{};  ///< instead of kind and measures, in the array's frame turned back by the pose
     Pose pose{.origin = {0, 0, 0.2}};
     double mass_kg = 0.1;           ///< 0: the object stays where it is
     double cluster_m = 3e-3;        ///< points at most so far apart belong to one finger

@@ -117,6 +117,34 @@ Error nothing_touched(const TouchObject& object, const HandRecording& hands, con
                      {"center"});
 }
 
+/// The time between two frames of a recording as it mostly is.
+double usual_interval(const HandRecording& hands) {
+    std::vector<double> intervals;
+    for (std::size_t i = 1; i < hands.frames.size(); ++i)
+        intervals.push_back(hands.frames[i].time_s - hands.frames[i - 1].time_s);
+    if (intervals.empty()) return 0.0;
+    std::nth_element(intervals.begin(), intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2),
+                     intervals.end());
+    return intervals[intervals.size() / 2];
+}
+
+/// Plays what a frame feels until the next one. Where more than two frames are missing nobody knows where the hand is:
+/// then it fades in two steps.
+/// @return whether it faded
+bool play_frame(PathPen& pen, const std::vector<Voice>& voices, double from_s, double until_s, double usual_s,
+                Played& played) {
+    constexpr double missing = 3.5;  // intervals: three frames should have come, and the next one is late
+    if (voices.empty() || until_s - from_s < missing * usual_s) {
+        played = pen.play(voices, until_s);
+        return false;
+    }
+    played = pen.play(voices, from_s + 2.0 * usual_s);
+    static_cast<void>(pen.play(voices, from_s + 2.5 * usual_s, 2.0 / 3.0));
+    static_cast<void>(pen.play(voices, from_s + 3.0 * usual_s, 1.0 / 3.0));
+    static_cast<void>(pen.play({}, until_s));
+    return true;
+}
+
 /// The waveform of the amplitude, and the commands for a magnitude under it.
 /// @param am_hz  of the algorithm's own sine; 0: none
 void modulate(Rendered& rendered, double am_hz, const Array& array, const RenderOptions& options) {
@@ -210,7 +238,8 @@ Rendered render(const TouchObject& object, const HandRecording& hands, const Arr
     check_steps(settings, one);
     PathPen pen(array, carrier_hz, settings.dwell.value_or(usual_dwell(settings.algorithm)));
     double am_hz = 0.0;
-    std::size_t foci = 0, lost = 0, weak_frames = 0, facing_away = 0;
+    std::size_t foci = 0, lost = 0, weak_frames = 0, facing_away = 0, gaps = 0;
+    const double usual_s = usual_interval(hands);
     std::string why;
     const std::size_t first = one ? *settings.frame - 1 : 0, end = one ? first + 1 : hands.frames.size();
     for (std::size_t i = first; i < end; ++i) {
@@ -227,7 +256,7 @@ Rendered render(const TouchObject& object, const HandRecording& hands, const Arr
         } else {
             const double last_s = i > 0 ? frame.time_s - hands.frames[i - 1].time_s : 0.0;
             const double until_s = i + 1 < hands.frames.size() ? hands.frames[i + 1].time_s : frame.time_s + last_s;
-            played = pen.play(made.voices, until_s);
+            gaps += play_frame(pen, made.voices, frame.time_s, until_s, usual_s, played) ? 1 : 0;
         }
         FrameReport& report = rendered.frames.emplace_back();
         report.compute_s = static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
@@ -257,6 +286,9 @@ Rendered render(const TouchObject& object, const HandRecording& hands, const Arr
         rendered.warnings.push_back(
             fmt::format("{:.1f} % of the foci are out of the array's reach and silent; the first is {}",
                         100.0 * static_cast<double>(lost) / static_cast<double>(foci), why));
+    if (gaps > 0)
+        rendered.warnings.push_back(
+            fmt::format("more than two frames are missing in {} places, where what is felt fades", gaps));
     if (one && rendered.frames.front().lines_missed > 0)
         rendered.warnings.push_back(fmt::format("{} lines are shorter than a step and were missed; take more points",
                                                 rendered.frames.front().lines_missed));

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/live/choose_player.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "haptogram/base/error.hpp"
+#include "haptogram/format/image.hpp"
+#include "haptogram/format/interface.hpp"
+#include "haptogram/live/ring_player.hpp"
+
+namespace haptogram::live {
+namespace {
+
+constexpr double frame_bytes = 16.0;         // beside a record: command, address, CRC and framing
+constexpr std::size_t fewest_steps = 6;      // that still draw something
+constexpr std::size_t most_steps = 60;
+constexpr std::size_t others_in_fifo = 8;    // beside a turn
+constexpr std::size_t banks = 3;
+constexpr double line_share = 0.8;           // may go into records
+constexpr double usual_interval_s = 20e-3;   // between two paths: fewer steps that come faster do not feel better
+constexpr double longest_interval_s = 0.1;   // that still follows a hand
+
+bool computes_foci(const link::Identity& board, const Array& array) {
+    return interface::has(board.features, interface::Feature::live_foci) && board.channels == array.elements.size();
+}
+
+ChosenPlayer with_foci(link::Commands& device, const Clock& clock, const Array& array, const PlayerOptions& options,
+                       const Line& line) {
+    auto player = std::make_unique<FocusPlayer>(device, clock, array, options.pace, line, options.watchdog_ms);
+    const FocusPace pace = player->pace();
+    std::string about =
+        fmt::format("the board computes foci: {} at a time, new ones every {:.2f} ms", pace.foci,
+                    1e3 * pace.periods * player->timer().period_s());
+    if (pace.foci < options.pace.foci) about += fmt::format("; up to {} play in turn", options.pace.foci);
+    return {std::move(player), std::move(about)};
+}
+
+ChosenPlayer with_records(link::Commands& device, const Clock& clock, const Array& array, const PlayerOptions& options,
+                          const Line& line) {
+    const link::Identity& board = device.identity();
+    const double record_s = (2.0 * static_cast<double>(record_words(board.channels)) + frame_bytes) / line.bytes_s;
+    std::size_t steps = options.steps;
+    if (steps == 0) {
+        const double interval_s = std::max(1.0 / options.rate_hz, usual_interval_s);
+        const std::size_t room =
+            std::min<std::size_t>({board.records / banks, board.live_depth - others_in_fifo, most_steps});
+        steps = std::clamp<std::size_t>(static_cast<std::size_t>(line_share * interval_s / record_s), fewest_steps,
+                                        std::max(room, fewest_steps));
+    }
+    const double path_s = static_cast<double>(steps) * record_s;
+    if (path_s > longest_interval_s)
+        throw Error(ErrorCode::device, "board",
+                    fmt::format("the {} records of a path take {:.0f} ms on this line, which is too slow to follow a "
+                                "hand; take a board that computes foci, or a line of at least {:.0f} baud",
+                                steps, 1e3 * path_s, 10.0 * line.bytes_s * path_s / longest_interval_s));
+    return {std::make_unique<RingPlayer>(device, clock, array, steps, options.method, options.watchdog_ms),
+            fmt::format("the board plays records: {} a path, which take {:.1f} ms on the line, so it follows {:.0f} "
+                        "frames a second",
+                        steps, 1e3 * path_s, std::min(options.rate_hz, 1.0 / path_s)),
+            path_s};
+}
+
+}  // namespace
+
+ChosenPlayer choose_player(link::Commands& device, const Clock& clock, const Array& array,
+                           const PlayerOptions& options) {
+    const Line line = measured_line(device, clock);
+    return computes_foci(device.identity(), array) ? with_foci(device, clock, array, options, line)
+                                                   : with_records(device, clock, array, options, line);
+}
+
+}  // namespace haptogram::live

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "haptogram/array/array.hpp"
+#include "haptogram/format/method.hpp"
+#include "haptogram/live/focus_player.hpp"
+#include "haptogram/live/player.hpp"
+
+namespace haptogram::live {
+
+/// What shall be played.
+struct PlayerOptions {
+    Method method = Method::distance_weighted;  ///< of several foci at once, where records are sent
+    std::size_t steps = 0;                      ///< of a path in records; 0: as many as line and board take
+    FocusPace pace{};                           ///< where foci are sent
+    double rate_hz = 30.0;                      ///< of frames
+    std::uint16_t watchdog_ms = 500;
+};
+
+/// A player, and what board and line can do for it, a sentence.
+struct ChosenPlayer {
+    std::unique_ptr<Player> player;
+    std::string about;
+    double interval_s = 0.0;  ///< for LoopOptions: what a path takes on the line
+};
+
+/// Foci where the board computes them for this array, and records elsewhere.
+/// @throws Error{device} when the line takes too long for a path's records to follow a hand
+[[nodiscard]] ChosenPlayer choose_player(link::Commands& device, const Clock& clock, const Array& array,
+                                         const PlayerOptions& options);
+
+}  // namespace haptogram::live

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "haptogram/live/hand_feeler.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "haptogram/hand/voice.hpp"
+
+namespace haptogram::live {
+namespace {
+
+constexpr double forget_s = 0.1;     ///< a hand that was not seen for so long is a new one
+constexpr std::uint32_t dwell = 10;  ///< carrier periods between two foci of a pass
+
+/// Whether sound from the array's middle comes upon the skin from outside.
+bool faces_array(const SkinPoint& at) { return dot(at.position, at.normal) < 0.0; }
+
+/// Leaves out what the sound cannot press on, and holds what is too short for a step as long as one.
+/// @return whether anything was left out
+bool keep_felt(std::vector<Voice>& voices, double step_s) {
+    bool hidden = false;
+    for (Voice& voice : voices) {
+        hidden = std::erase_if(voice.legs, [](const Leg& leg) {
+                     return !leg.silent && !faces_array(leg.from) && !faces_array(leg.to);
+                 }) > 0 || hidden;
+        const double seconds = voice.seconds();
+        if (seconds > 0.0 && seconds < step_s)
+            for (Leg& leg : voice.legs) leg.seconds *= step_s / seconds;
+    }
+    std::erase_if(voices, [](const Voice& voice) {
+        return std::all_of(voice.legs.begin(), voice.legs.end(), [](const Leg& leg) { return leg.silent; });
+    });
+    return hidden;
+}
+
+}  // namespace
+
+std::size_t most_foci(const HandOptions& options) {
+    if (options.algorithm == Algorithm::press) return 2 * std::size_t{options.touch.press.foci};
+    const bool two = options.algorithm == Algorithm::deepest ||
+                     (options.algorithm == Algorithm::solid && options.touch.two_foci);
+    return two ? 2 : 1;
+}
+
+HandFeeler::HandFeeler(const Array& array, double carrier_hz, std::shared_ptr<const TouchObject> object,
+                       const HandOptions& options)
+    : array_(array), carrier_hz_(carrier_hz), object_(std::move(object)), options_(options), predictor_(options.predict) {
+    static_cast<void>(touch(options.algorithm, *object_, {}, 0.0, options.touch));  // refuses what makes no sense
+}
+
+/// The hand where it will be when what it feels plays.
+Hand HandFeeler::ahead(Hand hand, double time_s) {
+    constexpr std::uint64_t places = 32;  // of a hand: its palm, and four joints of each finger
+    std::uint64_t place = static_cast<std::uint64_t>(hand.id) * places;
+    hand.palm = predictor_.ahead(place++, hand.palm, time_s);
+    for (auto& finger : hand.fingers) {
+        if (finger)
+            for (Vec3& joint : finger->joints) joint = predictor_.ahead(place++, joint, time_s);
+        else
+            place += 4;
+    }
+    return hand;
+}
+
+Path HandFeeler::pass_of(const Touch& touch, ShotReport& report) {
+    std::vector<Voice> voices = touch.voices;
+    if (touch.am_hz > 0.0)
+        for (Voice& voice : voices) voice.am_hz = touch.am_hz;
+    if (keep_felt(voices, dwell / carrier_hz_) && voices.empty())
+        report.troubles.emplace_back("all skin that touches faces away from the array");
+    if (voices.empty()) return {};
+    PathPen pen(array_, carrier_hz_, dwell);
+    const Played played = pen.play_pass(voices);
+    if (played.out_of_reach > 0) {
+        ++counts_.out_of_reach;
+        report.troubles.push_back(fmt::format("{:.0f} % of what is felt is out of the array's reach, {}",
+                                              100.0 * static_cast<double>(played.out_of_reach) /
+                                                  static_cast<double>(played.foci),
+                                              played.why));
+    }
+    return pen.path();
+}
+
+std::optional<Path> HandFeeler::feel(const Frame& frame, ShotReport& report) {
+    std::vector<SkinRegion> skin;
+    for (const Hand& hand : std::get<HandFrame>(frame.seen).hands) {
+        for (SkinRegion& region : palmar_surface(ahead(hand, frame.time_s), options_.skin))
+            skin.push_back(std::move(region));
+    }
+    predictor_.forget_before(frame.time_s - forget_s);
+    if (skin.empty()) ++counts_.empty;
+    const Touch made = touch(options_.algorithm, *object_, skin, frame.time_s, options_.touch);
+    report.foci = made.voices.size();
+    report.object.origin = 0.5 * (object_->low + object_->high);
+    std::vector<std::size_t> touched;
+    for (const SkinLine& line : made.lines) {
+        std::vector<Vec3>& points = report.contacts.emplace_back();
+        for (const SkinPoint& point : opened(line)) points.push_back(point.position);
+        touched.push_back(line.region);
+    }
+    std::sort(touched.begin(), touched.end());
+    report.fingers = static_cast<std::size_t>(std::unique(touched.begin(), touched.end()) - touched.begin());
+    if (made.voices.empty()) return {};
+    Path path = pass_of(made, report);
+    if (std::all_of(path.steps.begin(), path.steps.end(), [](const PathStep& step) { return step.foci.empty(); }))
+        return {};
+    ++counts_.with_rings;
+    return path;
+}
+
+}  // namespace haptogram::live

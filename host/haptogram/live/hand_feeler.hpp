@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <memory>
+
+#include "haptogram/array/array.hpp"
+#include "haptogram/hand/touch.hpp"
+#include "haptogram/live/frame.hpp"
+#include "haptogram/live/prediction.hpp"
+
+namespace haptogram::live {
+
+/// How a tracker's hands feel an object, as `render` has it.
+struct HandOptions {
+    Algorithm algorithm = Algorithm::intersection;
+    TouchOptions touch;
+    SkinOptions skin;
+    PredictorOptions predict;
+};
+
+/// How many foci at a time an algorithm has, at most.
+[[nodiscard]] std::size_t most_foci(const HandOptions& options);
+
+/// A tracker's hands on a solid object: skin, algorithm, and one pass of the path, which repeats. What the array cannot
+/// reach is silent, and so is skin that faces away from it.
+class HandFeeler final : public Feeler {
+public:
+    /// @throws Error{bad_argument} as touch() does, and for options of the prediction
+    HandFeeler(const Array& array, double carrier_hz, std::shared_ptr<const TouchObject> object,
+               const HandOptions& options);
+    [[nodiscard]] std::optional<Path> feel(const Frame& frame, ShotReport& report) override;
+    [[nodiscard]] ShotCounts counts() const override { return counts_; }
+
+private:
+    [[nodiscard]] Hand ahead(Hand hand, double time_s);
+    [[nodiscard]] Path pass_of(const Touch& touch, ShotReport& report);
+
+    Array array_;
+    double carrier_hz_;
+    std::shared_ptr<const TouchObject> object_;
+    HandOptions options_;
+    Predictor predictor_;
+    ShotCounts counts_;
+};
+
+}  // namespace haptogram::live

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: Apache-2.0
+// A tracker's hands to pulses: algorithms A to L, on boards of foci and of records.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+
+#include "bench.hpp"
+#include "haptogram/format/focus_engine.hpp"
+#include "haptogram/hand/synthetic.hpp"
+#include "haptogram/live/choose_player.hpp"
+#include "haptogram/live/hand_feeler.hpp"
+#include "haptogram/live/hand_source.hpp"
+#include "haptogram/live/pipeline.hpp"
+
+using namespace haptogram;
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+std::shared_ptr<const TouchObject> sphere(Vec3 centre = {0, 40e-3, 0.16}) {
+    return std::make_shared<const TouchObject>(built_in_object("sphere", {80e-3, 80e-3, centre, {}}));
+}
+
+/// An open hand that presses on the sphere, as a tracker of 110 Hz sees it.
+HandRecording pressing(double seconds, double rate_hz = 110.0) {
+    HandRecording hands;
+    for (int i = 0; i < seconds * rate_hz; ++i) {
+        const double time_s = i / rate_hz;
+        hands.frames.push_back({time_s, {synthetic_hand(HandScript::press, 0.5 + time_s, 0.2)}});
+    }
+    return hands;
+}
+
+live::HandOptions with(Algorithm algorithm) {
+    live::HandOptions options;
+    options.algorithm = algorithm;
+    options.predict = {live::Prediction::velocity, 20e-3};
+    return options;
+}
+
+struct Run {
+    live::LoopReport report;
+    live::Latency latency;
+    std::string about;
+};
+
+Run played(LiveBench& bench, HandRecording hands, const live::HandOptions& options,
+           const live::Loop::Told& told = {}) {
+    const Array array = find_array("tile-10x10");
+    live::RecordedHands source(std::move(hands), "hands");
+    live::HandFeeler feeler(array, array.carrier_hz, sphere(), options);
+    const live::ChosenPlayer chosen =
+        live::choose_player(bench.client, bench.clock, array,
+                            {.pace = {.foci = live::most_foci(options)}, .rate_hz = source.rate_hz()});
+    Run run;
+    run.about = chosen.about;
+    run.report = live::Loop(bench.client, bench.clock, *chosen.player, {.interval_s = chosen.interval_s})
+                     .run(source, feeler, told);
+    run.latency = live::latency_of(run.report.rings, bench.starts);
+    return run;
+}
+
+interface::CoreConfiguration tile(bool foci, std::uint32_t baud) {
+    interface::CoreConfiguration board = *interface::find_configuration(foci ? "tile-100-wide" : "tile-100");
+    board.parameters.baud = baud;
+    return board;
+}
+
+}  // namespace
+
+TEST_CASE("live hands: frames at 110 Hz become pulses within 12 ms, and none is lost") {
+    const auto worst = GENERATE(table<std::uint32_t, double, double>({{3000000, 12e-3, 20e-3}, {1000000, 14e-3, 25e-3}}));
+    const auto& [baud, median_s, most_s] = worst;
+    for (const Algorithm algorithm : {Algorithm::intersection, Algorithm::features_intersection}) {
+        LiveBench bench(tile(true, baud));
+        const Run run = played(bench, pressing(1.0), with(algorithm));
+        INFO(run.about);
+        CHECK(run.report.shots == 110);
+        CHECK(run.report.lost == 0);
+        CHECK(run.report.missed == 0);
+        CHECK(run.report.fades == 0);
+        CHECK(run.report.underruns == 0);
+        CHECK(run.report.with_rings == 110);
+        CHECK(run.latency.rings >= 105);
+        // The board's time stands still while the processor works, which is told beside.
+        std::vector<double> compute = run.report.compute_s;
+        std::sort(compute.begin(), compute.end());
+        WARN("skeleton frame to first pulse, tile-100-wide at " << baud << " baud, algorithm "
+             << name_of(algorithm).letter << ": " << 1e3 * run.latency.median_s << " ms median, "
+             << 1e3 * run.latency.most_s << " most, and " << 1e3 * compute[compute.size() / 2] << " ms of processor, "
+             << 1e3 * compute.back() << " most; " << run.report.lost << " of " << run.report.shots << " frames lost");
+        CHECK(run.latency.median_s + compute[compute.size() / 2] <= median_s);
+        CHECK(run.latency.most_s <= most_s);
+        CHECK_FALSE(bench.board.any_pin());
+    }
+}
+
+TEST_CASE("live hands: every algorithm plays, where the array can, on foci and on records") {
+    for (const AlgorithmName& one : algorithm_names()) {
+        for (const bool foci : {true, false}) {
+            if (!foci && one.letter == 'K') continue;  // a pass takes seconds, which no ring of records holds
+            LiveBench bench(tile(foci, 3000000));
+            const Array array = find_array("tile-10x10");
+            std::size_t checked = 0, beyond = 0;
+            const Run run = played(
+                bench, pressing(0.4), with(algorithm_of(std::string(1, one.letter))),
+                [&](const live::ShotReport&, const live::Frame&, const std::optional<Path>& path) {
+                    if (!path) return true;
+                    for (const PathStep& step : path->steps)
+                        for (const Focus& focus : step.foci) {
+                            beyond += array.unreachable(focus.position).empty() ? 0 : 1;
+                            ++checked;
+                        }
+                    return true;
+                });
+            INFO("algorithm " << one.letter << ", " << run.about);
+            if (one.letter == 'B') continue;  // a sphere has no edges
+            CHECK(run.report.with_rings > 0);
+            CHECK(run.report.missed == 0);
+            CHECK(run.report.underruns == 0);
+            CHECK(run.latency.rings > 0);
+            CHECK(checked > 0);
+            CHECK(beyond == 0);
+        }
+    }
+}
+
+TEST_CASE("live hands: the board's foci are those of the path, by their own words") {
+    LiveBench bench(tile(true, 3000000));
+    const Array array = find_array("tile-10x10");
+    HandRecording still;
+    for (int i = 0; i < 20; ++i) still.frames.push_back({i / 110.0, {synthetic_hand(HandScript::press, 1.0, 0.2)}});
+    std::optional<Path> last;
+    (void)played(bench, still, with(Algorithm::intersection),
+                 [&](const live::ShotReport&, const live::Frame&, const std::optional<Path>& path) {
+                     last = path;
+                     return true;
+                 });
+    REQUIRE(last);
+    // What stands in the board's memory, unpacked: each focus lies on the path.
+    const auto memory = bench.board.primary_memory();
+    const link::FocusRing ring = bench.ring();
+    std::size_t loud = 0;
+    for (std::size_t n = 0; n < ring.count; ++n) {
+        FocusWords words;
+        for (std::size_t k = 0; k < 4; ++k) words[k] = memory[4 * (ring.base + n * ring.each) + k];
+        const Focus focus = unpack_focus(words);
+        if (focus.amplitude == 0.0) continue;
+        double nearest = 1.0;
+        for (const PathStep& step : last->steps)
+            for (const Focus& wanted : step.foci) nearest = std::min(nearest, distance(wanted.position, focus.position));
+        CHECK(nearest < 0.1e-3);
+        ++loud;
+    }
+    CHECK(loud > 100);
+}
+
+TEST_CASE("live hands: a tracker that falls silent fades after two frames, and plays again when it is back") {
+    LiveBench bench(tile(true, 3000000));
+    HandRecording hands = pressing(0.6);
+    std::erase_if(hands.frames, [](const HandFrame& frame) { return frame.time_s > 0.2 && frame.time_s < 0.4; });
+    const Run run = played(bench, hands, with(Algorithm::intersection));
+    CHECK(run.report.fades == 1);
+    const double begin_s = run.report.rings.front().shot_s;
+    double silent_s = 0.0, since_s = -1.0;
+    bool again = false;
+    for (const auto& [time_s, index] : bench.starts) {
+        const double at_s = time_s - begin_s;
+        if (index == 0 && at_s > 0.2 && at_s < 0.4 && since_s < 0.0) since_s = at_s;
+        if (index != 0 && since_s >= 0.0 && !again) {
+            silent_s = at_s - since_s;
+            again = true;
+        }
+    }
+    CHECK(since_s > 0.2);
+    CHECK(since_s < 0.28);
+    CHECK(again);
+    CHECK(silent_s > 0.1);
+}
+
+TEST_CASE("live hands: what neither the line nor the board can carry is said before anything plays") {
+    const Array array = find_array("tile-10x10");
+    LiveBench records(tile(false, 115200));
+    CHECK_THROWS_WITH(live::choose_player(records.client, records.clock, array, {.steps = 10}),
+                      Catch::Contains("take a board that computes foci"));
+    LiveBench foci(tile(true, 115200));
+    const Run run = played(foci, pressing(0.5, 30.0), with(Algorithm::intersection));
+    INFO(run.about);
+    CHECK(run.report.missed == 0);
+    CHECK(run.report.underruns == 0);
+    CHECK(run.latency.rings == run.report.rings.size());
+    WARN("skeleton frame to first pulse at 115,200 baud, algorithm A: " << 1e3 * run.latency.median_s << " ms median; "
+         << run.about);
+}
+
+TEST_CASE("live hands: rings go around the fingers, and a tracker's ring is as large as the finger") {
+    LiveBench bench(tile(true, 1000000));
+    const Array array = find_array("tile-10x10");
+    // A hand whose middle finger points down into a cube's top by 15 mm: its section is a circle of the tip's radius.
+    HandRecording hands;
+    for (int i = 0; i < 30; ++i) {
+        Hand hand;
+        hand.palm = {0, 0, 0.32};
+        hand.normal = {0, -1, 0};
+        hand.direction = {0, 0, -1};
+        hand.fingers[2] = Finger{{Vec3{0, 0, 0.27}, {0, 0, 0.24}, {0, 0, 0.21}, {0, 0, 0.1925}}, {}};
+        hands.frames.push_back({i / 110.0, {hand}});
+    }
+    live::RecordedHands source(hands, "hands");
+    live::FingerOptions options;
+    options.scene.size_m = 60e-3;
+    options.scene.pose.origin = {0, 0, 0.17};
+    options.scene.mass_kg = 0.0;
+    options.rate_hz = 110.0;
+    live::ShotRings feeler(array, array.carrier_hz, options);
+    const live::ChosenPlayer chosen =
+        live::choose_player(bench.client, bench.clock, array, {.pace = {2, 40}, .rate_hz = 110.0});
+    std::size_t seen = 0;
+    const live::LoopReport report =
+        live::Loop(bench.client, bench.clock, *chosen.player, {})
+            .run(source, feeler, [&](const live::ShotReport& shot, const live::Frame&, const std::optional<Path>&) {
+                for (const Ellipse& section : shot.sections) {
+                    CHECK(section.half_major == Approx(7.5e-3).epsilon(0.05));
+                    CHECK(section.half_minor == Approx(7.5e-3).epsilon(0.05));
+                    ++seen;
+                }
+                return true;
+            });
+    CHECK(seen >= 28);
+    CHECK(report.missed == 0);
+}
+
+TEST_CASE("live hands: two threads and the loop lose no frame, and the newest wins where the feeler is slow") {
+    struct Slow final : live::Feeler {
+        double seconds;
+        explicit Slow(double s) : seconds(s) {}
+        std::optional<Path> feel(const live::Frame&, live::ShotReport&) override {
+            live::steady_clock().wait_until(seconds);
+            return Path{{{{{{0, 0, 0.2}, 1.0}}, 10}}, {}};
+        }
+        live::ShotCounts counts() const override { return {}; }
+    };
+    for (const double slow_s : {0.0, 0.03}) {
+        live::RecordedHands source(pressing(0.5), "hands");
+        Slow feeler(slow_s);
+        live::Pipeline pipeline(source, feeler, live::steady_clock());
+        std::vector<std::uint64_t> numbers;
+        while (const auto frame = pipeline.next()) {
+            live::ShotReport report;
+            CHECK(pipeline.feel(*frame, report));
+            numbers.push_back(frame->number);
+        }
+        CHECK(std::is_sorted(numbers.begin(), numbers.end()));
+        if (slow_s == 0.0) CHECK(numbers.size() >= 53);
+        if (slow_s > 0.0) CHECK(numbers.size() < 20);
+        REQUIRE_FALSE(numbers.empty());
+        CHECK(numbers.back() >= 52);
+    }
+}
