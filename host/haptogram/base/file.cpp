@@ -9,10 +9,12 @@
 #include <array>
 #include <cerrno>
 #include <memory>
+#include <optional>
 #include <system_error>
 #include <utility>
 #include <vector>
 
+#include "haptogram/base/bundle.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/shipped.hpp"
 #include "haptogram/base/text.hpp"
@@ -97,6 +99,7 @@ void StagedFile::fail() const { throw cannot_write(path_); }
 
 std::string read_file(const std::filesystem::path& path) {
     if (const auto shipped = shipped_file(path.string())) return std::string(*shipped);
+    if (std::optional<std::string> bundled = read_bundled(path)) return *std::move(bundled);
     const bool standard = path == "-";
     const Descriptor file(standard ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC));
     if (file.get() < 0) throw bad_input(path.string(), fmt::format("cannot be opened: {}; check the path", reason()));

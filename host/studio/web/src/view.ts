@@ -61,9 +61,12 @@ export class View {
   moved: () => void = () => {};
   /** Called while the object is moved or turned by its handles, and once more when it is let go. */
   objectMoved: (centre: Point, turnDeg: Point, done: boolean) => void = () => {};
+  /** Called when it has changed how many millimetres a pixel is in the middle of the view. */
+  scaled: (mmPerPixel: number) => void = () => {};
   /** Called when the pointer is over the plane, with the place in millimetres and the mean square pressure there; and when it has left. */
   probed: (found: { at: Point; square: number } | undefined) => void = () => {};
 
+  private readonly orbit: OrbitControls;
   private readonly renderer: WebGLRenderer;
   private readonly world = new World();
   private readonly camera = new PerspectiveCamera(38, 1, 1, 4000);
@@ -102,11 +105,12 @@ export class View {
     this.canvas.tabIndex = 0;
     host.append(this.canvas);
     this.camera.up.set(0, 0, 1);
-    this.camera.position.set(260, -400, 340);
+    this.camera.position.set(216, -332, 295);
     const orbit = new OrbitControls(this.camera, this.canvas);
-    orbit.target.set(0, 0, 75); // so that the array stands above the timeline
+    orbit.target.set(0, 0, 75);
     orbit.update();
-    orbit.addEventListener("change", () => this.redraw());
+    orbit.addEventListener("change", () => this.tellScale());
+    this.orbit = orbit;
 
     const sun = new DirectionalLight(0xffffff, 2);
     sun.position.set(1, -2, 3);
@@ -145,7 +149,6 @@ export class View {
       this.redraw();
     });
     this.canvas.addEventListener("webglcontextrestored", () => this.redraw());
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.paint());
     new ResizeObserver(() => this.fit(host)).observe(host);
     this.fit(host);
     this.paint();
@@ -346,6 +349,27 @@ export class View {
     this.redraw();
   }
 
+  /** Looks at the array, the object and the plane as a whole, from where it looked. */
+  frameAll(): void {
+    const box = new Box3();
+    for (const group of [this.array, this.object, this.path, this.hand.group, this.plane]) box.expandByObject(group);
+    if (box.isEmpty()) return;
+    const middle = box.getCenter(new Vector3());
+    const radius = box.getSize(new Vector3()).length() / 2;
+    const narrowest = Math.min(1, this.camera.aspect) * Math.tan((this.camera.fov * Math.PI) / 360);
+    const way = this.camera.position.clone().sub(this.orbit.target).setLength((0.9 * radius) / narrowest);
+    this.orbit.target.copy(middle);
+    this.camera.position.copy(middle).add(way);
+    this.orbit.update();
+    this.tellScale();
+  }
+
+  private tellScale(): void {
+    const { clientHeight: height } = this.canvas;
+    if (height > 0) this.scaled((2 * this.camera.position.distanceTo(this.orbit.target) * Math.tan((this.camera.fov * Math.PI) / 360)) / height);
+    this.redraw();
+  }
+
   redraw(): void {
     if (this.waiting) return;
     this.waiting = true;
@@ -394,6 +418,7 @@ export class View {
     this.renderer.setSize(width, height);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
+    this.tellScale();
     this.renderer.render(this.world, this.camera); // at once: a new size clears the canvas
   }
 }
