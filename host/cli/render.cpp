@@ -258,8 +258,8 @@ void add_render(CLI::App& app, Action& action) {
         "Let recorded or synthetic hands feel a solid object: a path for compile, a report for each frame, a picture");
     sub->add_option(
            "object", options->object,
-           fmt::format("{}, or a mesh file (PLY, OBJ, STL) of a closed surface; or a project file (.toml) with a "
-                       "[hand], which has all settings but --frame, --array and --board",
+           fmt::format("{}, or a mesh file (PLY, OBJ, STL) of a closed surface; or a project (.toml, .haptogram) with "
+                       "a [hand], which has all settings but --frame, --array and --board",
                        fmt::join(object_kinds(), ", ")))
         ->required();
     sub->add_option("--hand", options->hand,

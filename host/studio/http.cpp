@@ -360,12 +360,13 @@ private:
         callbacks_.closed(*opened);
     }
 
+    // Before the context, at whose end the connections that are still waited for take themselves off the list.
+    std::list<beast::tcp_stream*> strangers_;  // the one that came first in front
     net::io_context context_{1};
     tcp::acceptor acceptor_;
     net::steady_timer ticker_;
     Access access_;
     Callbacks callbacks_;
-    std::list<beast::tcp_stream*> strangers_;  // the one that came first in front
     std::size_t connections_ = 0, pages_ = 0;
     std::uint64_t number_ = 0;
 };

@@ -99,10 +99,14 @@ const steps = {
     "output.frame", "Touched object", "Hand", "Path", "Commands that make these paths", "Back to an object of focal points", "Path of this frame", "How strong each of 300 frames is; 300 touch the object", "Points of a pass", "Look through all frames", "Height (object)"],
   See: ["Shown", "Colours", "Range", "Hold the top of the scale", "Top", "Plane", "Height", "Middle x", "Middle y", "Middle z", "Of the marked focal point alone", "What one focus could have at each point", "Surface", "Handles", "Profile", "Numbers",
     "Compare", "Keep this to compare", "Show the kept one", "Go back to it", "Forget it", ".curve.kept", "Pins", "Simulate", "Stop simulating", "Simulate and measure the pins", "[data-verdict]", "[data-verdict=good]", "Along", "Carrier periods"],
-  Play: ["Start a virtual board", "Simulate the FPGA's Verilog", "Port", "Rate", "Connect", "Disconnect", "Upload", "Intensity", "Follow the slider", "Modulate as shown", "Board", "Image", "Manifest", "Project", "Records", "Sequence", "Step", "pre.command",
+  Play: ["Start a virtual board", "Simulate the FPGA's Verilog", "Port", "Rate", "Connect", "Disconnect", "Upload", "Intensity", "Follow the slider", "Modulate as shown", "Board", "Image", "Manifest", "Project", "Records", "Sequence", "Bundle", "Step", "pre.command",
     "Copy as command", "Copy methods text", "with autostart", "Report", "Study", "Field (.csv)", "Field (.png)", "Field (.npy)", "Field (.vti)", "Take away"],
 };
-const stepOf = (name) => Object.entries(steps).find(([, names]) => names.includes(name))?.[0];
+function stepOf(name) {
+  if (typeof name !== "string") return undefined;
+  const kind = name.endsWith(".bin") ? "with autostart" : name.replace(/ \(.*$/, "");
+  return Object.entries(steps).find(([, names]) => names.includes(name) || names.includes(kind))?.[0];
+}
 
 /** Goes to a step and unfolds all that it has. */
 export async function show(page, step) {

@@ -247,7 +247,8 @@ TEST_CASE("studio scenes: a document names no other files of this machine") {
 
 TEST_CASE("studio scenes: files of a design that a page sent are read from there") {
     const std::string array =
-        "name = \"mine\"\n[transducer]\nfile = \"loud.toml\"\n[array]\ncolumns = 6\nrows = 6\npitch_mm = 10.5\ncarrier_hz = 40000\nduty = 0.5\n";
+        "name = \"mine\"\n[transducer]\nfile = \"loud.toml\"\n[array]\ncolumns = 6\nrows = 6\npitch_mm = "
+        "10.5\ncarrier_hz = 40000\nduty = 0.5\n";
     const std::string loud = "name = \"loud\"\nradius_mm = 4.5\nsource_pa_m = 0.9\n";
     const std::string wave = "time_ms,amplitude\n0,0\n5,1\n10,0\n";
     const std::string text =

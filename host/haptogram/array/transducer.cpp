@@ -111,7 +111,8 @@ void read_transducer_keys(Transducer& transducer, const Section& section) {
         transducer.pattern = Pattern::point;
     } else if (directivity->ends_with(".csv")) {
         transducer.pattern = Pattern::table;
-        transducer.table = load_directivity(named_in(std::filesystem::path(section.file()).parent_path(), *directivity));
+        transducer.table =
+            load_directivity(named_in(std::filesystem::path(section.file()).parent_path(), *directivity));
     } else {
         throw bad_input(section.at("directivity"),
                         fmt::format("directivity must be \"piston\", \"point\" or the name of a .csv file beside this "

@@ -68,7 +68,7 @@ export function Board({ actions }: { actions: Actions }) {
         </>
       ) : (
         <>
-          <p>{boardWords(device)}{device.identity && connected && `; ${device.identity.channels} channels, ${device.identity.records} records`}{device.baud && connected && `; ${device.baud} baud`}{on && device.status && `; plays record ${device.status.index}`}</p>
+          <p>{boardWords(device)}{device.identity && connected && `; ${device.identity.channels} channels, ${device.identity.records} records`}{device.baud && connected && `; ${device.baud} baud`}{on && device.status && `; plays record ${device.status.index}`}{on && state.playsPoint.value !== undefined && `, point ${state.playsPoint.value + 1} of ${scene?.tour.length ?? 0}`}</p>
           {device.trouble && <p class="warning">▲ {device.trouble}</p>}
           <div class="buttons">
             <button type="button" disabled={!ready} onClick={() => actions.send("upload", { scene: scene?.name ?? "" })}>Upload</button>

@@ -22,7 +22,7 @@ export function TakeAway({ actions }: WithActions) {
   const told = commands(state.edges.value, look.value.quantity, state.stepMm.value, shownRecord.value, board);
   return (
     <Panel title="Take away">
-      <button type="button" class="wide" onClick={() => void actions.saveBundle()}>Bundle ({designName}.haptogram)</button>
+      <button type="button" class="wide" onClick={() => void actions.saveBundle()}>Bundle (.haptogram)</button>
       <div class="buttons">
         <button type="button" disabled={!ready} onClick={() => void actions.take("hex")}>Image (.hex)</button>
         <button type="button" disabled={!ready} onClick={() => void actions.take("manifest")}>Manifest (.json)</button>

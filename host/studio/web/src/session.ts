@@ -7,7 +7,7 @@ import { openFirst } from "./files";
 import { begin as keep, type Design } from "./keeper";
 import { HandReader, type HandShown } from "./hand_reader";
 import { Latest } from "./latest";
-import type { Event, Link, Scene } from "./link";
+import type { Device, Event, Link, Scene } from "./link";
 import { PinReader } from "./pin_reader";
 import { look } from "./quantity";
 import { Slicer } from "./slicer";
@@ -121,6 +121,16 @@ export class Session {
     this.view?.showScene(scene, of?.hand === undefined); // the hand has its own drawing of the focal points
   }
 
+  /** While the board plays a sequence, the view shows where it is, unless a point is marked. */
+  private followBoard({ status }: Device): void {
+    const scene = state.scene.peek();
+    if (!scene || state.at.peek() !== undefined) return;
+    const plays = status?.outputs === "on" && status.mode === "sequence" && state.played.peek() === scene.name;
+    const at = plays ? scene.tour.findIndex(({ index }) => index === status.index) : -1;
+    state.playsPoint.value = at < 0 ? undefined : at;
+    this.view?.showFocus(scene.tour[at]?.at);
+  }
+
   private unmark(): void {
     this.runner.stop();
     this.drives.lose();
@@ -214,6 +224,7 @@ export class Session {
       state.playsNext.value = false;
     } else if (event.t === "device") {
       state.device.value = event;
+      this.followBoard(event);
     } else if (event.t === "studies") {
       this.study.came(event.n, event);
     } else if (event.t === "study") {

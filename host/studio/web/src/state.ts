@@ -66,6 +66,8 @@ export const state = {
   hints: signal(localStorage.getItem("hinted") === null),
   /** Whether the outputs are to go on as soon as the board that was asked for is there. */
   playsNext: signal(false),
+  /** The entry of the tour that the board plays, when no point is marked. */
+  playsPoint: signal<number | undefined>(undefined),
   /** The scene whose modulation is played, as far as this page said. */
   played: signal(""),
   /** Millimetres of one pixel in the middle of the view. */

@@ -88,13 +88,13 @@ export function Timeline({ actions }: { actions: Actions }) {
         {entry && <rect class="mark-here" x={(entry.from_s - shown.from) * scale} y={0} width={Math.max(3, entry.dwell_s * scale)} height={height} />}
       </svg>}
       <div class="row">
+        <button type="button" class="ghost" aria-expanded={!folded} aria-label="Timeline in full" onClick={() => (state.folded.value = { ...state.folded.value, time: !folded })}><PanelBottom size={16} aria-hidden="true" /></button>
         <button type="button" aria-pressed={state.running.value} onClick={() => actions.run(!state.running.value)}>{state.running.value ? "❚❚ Hold" : "▶ Run"}</button>
         <label for={id}>Focal point</label>
         <input id={id} type="range" min={0} max={tour.length - 1} step={1} value={at ?? 0} onInput={(e) => actions.mark(Number(e.currentTarget.value))} />
         <output for={id}>{entry ? `${(at ?? 0) + 1} of ${tour.length}: ${entry.at.map(tenths).join(", ")} mm` : `none of ${tour.length}`}</output>
         <Choice label="Time" value={String(state.slower.value)} choices={slowings.map((each) => [String(each), each === 1 ? "as on the board" : `1/${each.toLocaleString("en")} as fast`])} onValue={(value) => (state.slower.value = Number(value))} />
         <Choice label="Zoom" value={String(zoom)} choices={zooms.map((each) => [String(each), each === 1 ? "whole pass" : `× ${each}`])} onValue={(value) => setZoom(Number(value))} />
-        <button type="button" class="ghost" aria-expanded={!folded} aria-label="Timeline in full" onClick={() => (state.folded.value = { ...state.folded.value, time: !folded })}><PanelBottom size={16} aria-hidden="true" /></button>
       </div>
       {entry && !folded && <Marked />}
     </div>

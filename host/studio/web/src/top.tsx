@@ -4,7 +4,7 @@ import { Contrast, Eye, FolderOpen, Hand, Moon, PencilRuler, Play, Redo2, Save, 
 import { useEffect, useRef } from "preact/hooks";
 import { canRedo, canUndo, designName, isSaved, redo, rename, undo } from "./document";
 import { designs, keptAt } from "./keeper";
-import { type Actions, state, stepNames } from "./state";
+import { type Actions, state, type StepName, stepNames } from "./state";
 import { nextTheme, theme } from "./theme";
 
 interface WithActions {
@@ -58,15 +58,21 @@ export function Tools({ actions }: WithActions) {
       }}>
         {stepNames.map((step) => {
           const Icon = icons[step];
-          return <button key={step} type="button" role="tab" data-step={step} aria-selected={state.step.value === step} tabIndex={state.step.value === step ? 0 : -1} onClick={() => (state.step.value = step)}><Icon size={16} aria-hidden="true" /> {step}</button>;
+          return <button key={step} type="button" role="tab" data-step={step} aria-selected={state.step.value === step} tabIndex={state.step.value === step ? 0 : -1} onClick={() => choose(step)}><Icon size={16} aria-hidden="true" /> {step}</button>;
         })}
       </div>
-      {(state.step.value === "Play" || state.studying.value) && <button type="button" class="ghost" aria-pressed={state.studying.value} disabled={state.session.value !== undefined && state.session.value.now.show !== "ended"} onClick={() => actions.study(!state.studying.value)}>Study</button>}
+      <button type="button" class={state.step.value === "Play" || state.studying.value ? "ghost" : "ghost away"} aria-pressed={state.studying.value} disabled={state.session.value !== undefined && state.session.value.now.show !== "ended"} onClick={() => actions.study(!state.studying.value)}>Study</button>
       <button type="button" class="ghost" disabled={!canUndo.value} onClick={undo} title="Undo (Ctrl+Z)" aria-label="Undo"><Undo2 size={16} /></button>
       <button type="button" class="ghost" disabled={!canRedo.value} onClick={redo} title="Redo (Ctrl+Shift+Z)" aria-label="Redo"><Redo2 size={16} /></button>
       <button type="button" class="ghost" onClick={nextTheme} title={`Theme: ${theme.value}`} aria-label="Theme"><Theme size={16} /></button>
     </>
   );
+}
+
+/** On a phone, a step also shows its panel, and folds it when it is pressed again. */
+function choose(step: StepName): void {
+  if (innerWidth <= 640) state.folded.value = { ...state.folded.value, right: state.step.peek() === step && !state.folded.peek().right };
+  state.step.value = step;
 }
 
 /** Plays on the board, and starts a virtual one when there is none. */

@@ -9,6 +9,7 @@ import {
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { TransformControls } from "three/addons/controls/TransformControls.js";
+import { Axes } from "./axes";
 import { type ColourMap, phaseColour, table } from "./colours";
 import { HandDrawing } from "./hand_drawing";
 import type { ArrayOf, Drawn, DrawnHand, Drives, Point, Scene, SliceData } from "./link";
@@ -81,6 +82,7 @@ export class View {
   private readonly surface = new Group();
   private readonly path = new Group();
   private readonly hand = new HandDrawing();
+  private readonly axes = new Axes();
   private readonly pivot = new Group();
   private middleOfAll = new Vector3();
   private centreOfOne: Vector3 | undefined;
@@ -114,7 +116,7 @@ export class View {
 
     const sun = new DirectionalLight(0xffffff, 2);
     sun.position.set(1, -2, 3);
-    this.world.add(new AmbientLight(0xffffff, 1.6), sun, this.array, this.object, this.surface, this.path, this.hand.group, this.plane);
+    this.world.add(new AmbientLight(0xffffff, 1.6), sun, this.array, this.object, this.surface, this.path, this.hand.group, this.plane, this.axes.group);
 
     const { uniforms } = this;
     this.sheet = new Mesh(new PlaneGeometry(1, 1), new ShaderMaterial({ side: DoubleSide, transparent: true, uniforms, vertexShader, fragmentShader }));
@@ -208,6 +210,8 @@ export class View {
     this.clear(this.array);
     const discs = new InstancedMesh(new CircleGeometry(radius, 20), new MeshBasicMaterial({ side: DoubleSide }), elements.length);
     elements.forEach((element, i) => discs.setMatrixAt(i, new Matrix4().makeTranslation(...element)));
+    const corner = (along: 0 | 1): number => Math.min(...elements.map((element) => element[along])) - 12;
+    this.axes.group.position.set(corner(0), corner(1), 0);
     this.array.add(discs);
     this.discs = discs;
     this.drives = undefined;
@@ -342,6 +346,7 @@ export class View {
     this.frame.material.color = colour("--frame");
     this.focus.material.color = colour("--stop");
     this.hand.paint(colour);
+    this.axes.paint(colour);
     this.paintDiscs();
     for (const group of [this.object, this.surface, this.path])
       for (const part of group.children)
