@@ -268,8 +268,7 @@ void add_compile(CLI::App& app, Action& action) {
         app.add_subcommand("compile", "Turn shapes into an Intel HEX image of focal timings, and its manifest");
     sub->add_option("inputs", options->inputs,
                     "PLY, OBJ, STL, XYZ or CSV files, - for standard input; several become one shape. Or one project "
-                    "file (.toml), whose settings the "
-                    "options below then override");
+                    "(.toml, .haptogram), whose settings the options below then override");
     sub->add_option("--shape", options->shapes,
                     fmt::format("Built-in shape, may be repeated: {}", fmt::join(primitive_kinds(), ", ")));
     sub->add_option("--diameter", options->primitive.diameter, "Of a built-in round shape, mm")->check(positive());

@@ -10,6 +10,7 @@
 
 #include "browser_door.hpp"
 #include "command.hpp"
+#include "http.hpp"
 #include "interrupt.hpp"
 
 namespace haptogram::cli {
@@ -43,8 +44,10 @@ void add_studio(CLI::App& app, Action& action) {
     CLI::App* sub = app.add_subcommand("studio",
                                        "Author a tactile object in the browser, see its field, play it on a board; "
                                        "prints the address, which only works on this machine. Ctrl-C ends it");
-    sub->add_option("project", options->studio.project, "Project file that the page begins with (default: an example)");
-    sub->add_option("--port", options->studio.port, "Port of the page (default: one that is free)");
+    sub->add_option("project", options->studio.project,
+                    "Project file or bundle that the page begins with (default: an example)");
+    sub->add_option("--port", options->studio.port,
+                    fmt::format("Port of the page (default: {}, or one that is free)", studio::usual_port));
     sub->add_option("--page", options->studio.page, "Folder of the built page, for those who work on it");
     sub->add_option("--placed", options->studio.placed,
                     "Folder of what 'make bitstream' made, for bitstreams of the page")

@@ -83,7 +83,7 @@ void add_upload(CLI::App& app, Action& action) {
     auto options = std::make_shared<UploadOptions>();
     CLI::App* sub = app.add_subcommand(
         "upload", "Write what differs of an image into a board's memories, or of each image of a rig");
-    auto* image = sub->add_option("image", options->upload.image, "Intel HEX image, or a project (.toml)");
+    auto* image = sub->add_option("image", options->upload.image, "Intel HEX image, or a project (.toml, .haptogram)");
     add_rig_port_options(*sub, options->ports)->excludes(image);
     sub->add_option("--wait", options->upload.wait_s, "Seconds in which a port that was unplugged may come back")
         ->check(not_negative())

@@ -52,6 +52,9 @@ Access access_for(std::uint16_t port, std::string token) {
 }
 
 std::optional<Refusal> refuse(const RequestHead& head, const Access& access) {
+    if (head.hosts > 1)
+        return Refusal{
+            400, fmt::format("{} fields say the host, and two programs may read two hosts; send one", head.hosts)};
     if (std::find(access.hosts.begin(), access.hosts.end(), head.host) == access.hosts.end())
         return Refusal{421, fmt::format("the host is '{}', expected {}", head.host, access.hosts.front())};
     const std::string_view path = std::string_view(head.target).substr(0, head.target.find('?'));
@@ -78,6 +81,8 @@ std::optional<Refusal> refuse(const RequestHead& head, const Access& access) {
                                    *head.content_length, most_body_bytes)};
     return {};
 }
+
+bool is_stop(const RequestHead& head) { return head.method == "POST" && head.target == "/api/stop"; }
 
 std::optional<std::string> query_value(std::string_view query, std::string_view name) {
     while (!query.empty()) {

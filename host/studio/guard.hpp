@@ -29,7 +29,8 @@ struct RequestHead {
     std::string method, target;
     std::string host, origin, fetch_site, fetch_mode, fetch_dest, authorization, protocols;
     std::optional<std::uint64_t> content_length{};
-    bool upgrade = false;  ///< wants to become a WebSocket
+    bool upgrade = false;   ///< wants to become a WebSocket
+    std::size_t hosts = 1;  ///< how many fields say the host
 };
 
 /// Why a request is not served.
@@ -39,7 +40,7 @@ struct Refusal {
 };
 
 /// Decides before the body is read. In this order:
-/// - the Host must be ours (421), or another site's name would lead to us: DNS rebinding;
+/// - one field says the host (400), and it is ours (421), or another site's name would lead to us: DNS rebinding;
 /// - an Origin must be ours (403), and a WebSocket must have one;
 /// - other sites may open the page by a link, and nothing else (403);
 /// - GET, HEAD and POST are the methods (405), POST to the interface alone;
@@ -47,6 +48,9 @@ struct Refusal {
 /// There are no cookies, so that there is nothing that a browser would send along by itself.
 /// @return none when the request is to be served
 [[nodiscard]] std::optional<Refusal> refuse(const RequestHead& head, const Access& access);
+
+/// Whether a request turns the outputs off: it is served however many connections there are.
+[[nodiscard]] bool is_stop(const RequestHead& head);
 
 /// The headers of every answer: nothing but our own files runs on the page, it cannot be framed, and talks to us alone.
 struct Header {

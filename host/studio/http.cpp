@@ -18,6 +18,7 @@
 #include <deque>
 #include <exception>
 #include <limits>
+#include <list>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string_view>
@@ -35,7 +36,8 @@ namespace websocket = beast::websocket;
 using net::ip::tcp;
 using Socket = websocket::stream<beast::tcp_stream>;
 
-constexpr std::chrono::seconds most_pause{30};        // of a client in the middle of a request
+constexpr std::chrono::seconds most_pause{30};        // of a client that has shown its token
+constexpr std::chrono::seconds stranger_pause{5};     // of any other, until its header is whole
 constexpr std::size_t most_queued = 8 * 1024 * 1024;  // bytes for a page that takes nothing
 
 std::string text(beast::string_view view) { return {view.data(), view.size()}; }
@@ -51,7 +53,8 @@ RequestHead head_of(const http::request_header<>& header, std::optional<std::uin
             text(header[http::field::authorization]),
             text(header[http::field::sec_websocket_protocol]),
             length,
-            upgrade};
+            upgrade,
+            header.count(http::field::host)};
 }
 
 http::response<http::string_body> response_of(Answer answer, bool head_only, bool keep_alive) {
@@ -143,12 +146,8 @@ std::string close_reason(std::string message) {
 class Server::Inside {
 public:
     explicit Inside(std::uint16_t port) : acceptor_(context_), ticker_(context_) {
-        const tcp::endpoint place(net::ip::address_v4::loopback(), port);
-        beast::error_code error;
-        acceptor_.open(place.protocol());
-        acceptor_.set_option(net::socket_base::reuse_address(true));
-        acceptor_.bind(place, error);
-        if (!error) acceptor_.listen(net::socket_base::max_listen_connections, error);
+        beast::error_code error = listen(port == 0 ? usual_port : port);
+        if (error && port == 0) error = listen(0);
         if (error)
             throw Error(
                 ErrorCode::failed, fmt::format("port {}", port),
@@ -170,6 +169,17 @@ public:
     void post(std::function<void()> work) { net::post(context_, std::move(work)); }
 
 private:
+    beast::error_code listen(std::uint16_t port) {
+        const tcp::endpoint place(net::ip::address_v4::loopback(), port);
+        beast::error_code error;
+        if (acceptor_.is_open()) acceptor_.close();
+        acceptor_.open(place.protocol());
+        acceptor_.set_option(net::socket_base::reuse_address(true));
+        acceptor_.bind(place, error);
+        if (!error) acceptor_.listen(net::socket_base::max_listen_connections, error);
+        return error;
+    }
+
     net::awaitable<void> tick() {
         while (callbacks_.tick()) {
             ticker_.expires_after(tick_pause);
@@ -191,6 +201,26 @@ private:
         }
     }
 
+    /// One that is waited for and has not yet shown a token. When there are too many, the oldest is let go.
+    class Stranger {
+    public:
+        Stranger(std::list<beast::tcp_stream*>& all, beast::tcp_stream* stream) : all_(all), stream_(stream) {
+            if (stream_ == nullptr) return;
+            if (all_.size() >= most_strangers) {
+                all_.front()->close();  // its wait ends with an error
+                all_.pop_front();
+            }
+            all_.push_back(stream_);
+        }
+        Stranger(const Stranger&) = delete;
+        Stranger& operator=(const Stranger&) = delete;
+        ~Stranger() { all_.remove(stream_); }
+
+    private:
+        std::list<beast::tcp_stream*>& all_;
+        beast::tcp_stream* stream_;
+    };
+
     net::awaitable<void> connection(tcp::socket socket) {
         ++connections_;
         try {
@@ -210,14 +240,18 @@ private:
 
     net::awaitable<void> requests(beast::tcp_stream stream) {
         beast::flat_buffer buffer;
-        for (;;) {
-            stream.expires_after(most_pause);
+        for (bool known = false;;) {
+            stream.expires_after(known ? most_pause : stranger_pause);
             http::request_parser<http::string_body> parser;
             parser.header_limit(most_header_bytes);
             // refuse() knows the limit, and has an answer. Boost 1.74 takes "none" for 0.
             parser.body_limit(std::numeric_limits<std::uint64_t>::max());
             beast::error_code error;
-            co_await http::async_read_header(stream, buffer, parser, net::redirect_error(net::use_awaitable, error));
+            {
+                const Stranger stranger(strangers_, known ? nullptr : &stream);
+                co_await http::async_read_header(stream, buffer, parser,
+                                                 net::redirect_error(net::use_awaitable, error));
+            }
             if (error == http::error::header_limit) {
                 co_await answer(stream, error_answer(431, "the header is too long"), false, false);
                 co_return;
@@ -232,8 +266,11 @@ private:
             std::optional<std::uint64_t> length;
             if (parser.content_length()) length = *parser.content_length();
             const bool upgrade = websocket::is_upgrade(header);
-            std::optional<Refusal> refusal = refuse(head_of(header, length, upgrade), access_);
-            if (!refusal && connections_ > most_connections) refusal = Refusal{503, "too many connections; close some"};
+            const RequestHead head = head_of(header, length, upgrade);
+            std::optional<Refusal> refusal = refuse(head, access_);
+            known = known || (!refusal && (upgrade || head.target.starts_with("/api/")));
+            const bool crowded = connections_ - strangers_.size() > most_connections;
+            if (!refusal && crowded && !is_stop(head)) refusal = Refusal{503, "too many connections; close some"};
             if (!refusal && upgrade && pages_ >= most_pages) refusal = Refusal{503, "too many pages; close some"};
             if (refusal) {
                 co_await answer(stream, error_answer(refusal->status, refusal->message), false, false);
@@ -323,6 +360,8 @@ private:
         callbacks_.closed(*opened);
     }
 
+    // Before the context, at whose end the connections that are still waited for take themselves off the list.
+    std::list<beast::tcp_stream*> strangers_;  // the one that came first in front
     net::io_context context_{1};
     tcp::acceptor acceptor_;
     net::steady_timer ticker_;

@@ -52,6 +52,9 @@ public:
 /// Takes the answer to a request, once; may be called from any thread, also after a while.
 using Reply = std::function<void(Answer)>;
 
+/// Port that is taken when none is asked for and it is free, so that a browser finds again what it kept for the page.
+inline constexpr std::uint16_t usual_port = 41040;
+
 /// Serves requests and WebSockets on the loopback interface. All callbacks run in the thread that is in run(), one
 /// after the other, and must return soon.
 class Server {
@@ -66,8 +69,11 @@ public:
     };
     static constexpr std::chrono::milliseconds tick_pause{50};
     static constexpr std::size_t most_connections = 32, most_pages = 8;
+    /// Clients that have not yet shown a token and say nothing: the one that has waited longest makes room. All clients
+    /// are on this machine, so that this is also the most of one peer.
+    static constexpr std::size_t most_strangers = 64;
 
-    /// Listens from now on. @param port  0: one that is free
+    /// Listens from now on. @param port  0: usual_port, or one that is free
     /// @throws Error{failed} when the port is taken
     explicit Server(std::uint16_t port);
     ~Server();

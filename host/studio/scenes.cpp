@@ -25,14 +25,17 @@ ordered_json millimetres(Vec3 point) { return {point.x / millimetre, point.y / m
 
 bool names_file(const std::string& name) { return name.ends_with(".toml") || name.find('/') != std::string::npos; }
 
-/// @throws Error{bad_input} when a page names a file of this machine that the studio was not started with
-void require_ours(const std::string& key, const std::optional<std::string>& found,
-                  const std::optional<std::string>& opened) {
-    if (found && names_file(*found) && found != opened)
-        throw bad_input(key,
-                        fmt::format("'{}' is a file, and the page may name shipped ones only; start the studio with "
-                                    "a project that names it",
-                                    *found));
+/// A file of a project in parts of its name, none of which leads out of the project's folder.
+bool stays_inside(const std::string& name) {
+    const std::filesystem::path path(name);
+    return path.is_relative() && path.has_filename() &&
+           std::ranges::none_of(path, [](const auto& part) { return part.empty() || part.string().front() == '.'; });
+}
+
+/// What only the studio's other readers know the kind of.
+bool is_read_by_name(const std::string& name) {
+    const std::string ending = ending_of(name);
+    return ending == ".toml" || ending == ".wav" || ending == ".csv" || ending == ".json" || ending == ".adaptics";
 }
 
 /// What plays one after the other: the record, counted from 1, its index on the board, where its first focus is, from
@@ -114,25 +117,23 @@ ordered_json analysis_json(const Scene& scene, const ImageAnalysis& analysis) {
     for (const Finding& finding : findings_of(scene.settings, compiled, analysis)) findings.push_back(to_json(finding));
     return {{"level", level_json(compiled.bundle.manifest.array.transducer)},
             {"foci", foci},
+            {"least_felt_mn", least_felt_n * 1e3},
             {"at_300_mm_db", analysis.loudness.at_300_mm_db},
+            {"most_at_300_mm_db", recommended_for_ears_db},
             {"findings", findings}};
 }
 
 void Scenes::open(const std::filesystem::path& path) {
-    const std::string text = read_file(path);
-    Project project = project_from_toml(text, path.string());
-    project.folder = path.parent_path();
+    const std::filesystem::path named = project_file(path);
+    const std::string text = read_file(named);
+    Project project = load_project(path);
     std::map<std::string, File> files;
-    const auto keep = [&](const std::string& file) {
+    for (const std::string& file : files_of(project)) {
         std::string content = read_file(project.folder / file);
         std::string hash = sha256(content);
         files[file] = {std::move(content), std::move(hash)};
-    };
-    for (const ShapeSource& source : project.shapes)
-        if (!source.file.empty()) keep(source.file);
-    if (project.hand)
-        for (const std::string& file : files_of(*project.hand)) keep(file);
-    ordered_json document = document_of(text, path.string());
+    }
+    ordered_json document = document_of(text, named.string());
     const std::lock_guard lock(mutex_);
     files_.merge(files);
     opened_ = std::move(project);
@@ -148,9 +149,12 @@ ordered_json Scenes::first_document() const {
 
 void Scenes::add_file(const std::string& name, std::string content) {
     const bool plain = std::none_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
-    if (name.empty() || name.size() > 100 || name.front() == '.' || !plain || name.find('/') != std::string::npos)
-        throw bad_input("name", "a file's name has 1 to 100 bytes, no slash, and no dot in front; rename the file");
-    if (!name.ends_with(".json") && !name.ends_with(".lz") && !name.ends_with(".pose")) (void)shape_format(name);
+    if (name.empty() || name.size() > 100 || !plain || !stays_inside(name))
+        throw bad_input("name",
+                        "a file's name has 1 to 100 bytes, stays in the project's folder, and has no dot in front; "
+                        "rename the file");
+    const bool by_name = is_read_by_name(name);
+    if (!by_name && !name.ends_with(".lz") && !name.ends_with(".pose")) (void)shape_format(name);
     std::string hash = sha256(content);
     const std::lock_guard lock(mutex_);
     std::size_t total = content.size();
@@ -159,21 +163,46 @@ void Scenes::add_file(const std::string& name, std::string content) {
         throw bad_input(name, fmt::format("all files together would have {} bytes, and the studio keeps {}; start it "
                                           "again",
                                           total, most_file_bytes));
+    if (by_name) {
+        const std::filesystem::path place = sent_ / name;
+        std::filesystem::create_directories(place.parent_path());
+        write_file(place, content);
+    }
     files_[name] = {std::move(content), std::move(hash)};
+}
+
+std::string Scenes::file(const std::string& name) const {
+    const std::lock_guard lock(mutex_);
+    return file_of(name).content;
+}
+
+void Scenes::find_file(std::string& name, const std::string& opened, std::string& identity) const {
+    const auto known = files_.find(name);
+    if (known == files_.end())
+        throw bad_input(name,
+                        "the studio does not have this file, and the page may name no other of this machine; drop "
+                        "it onto the page, or start the studio with a project that names it");
+    identity += known->second.hash;
+    if (std::filesystem::exists(sent_ / name))
+        name = (sent_ / name).string();
+    else if (name != opened)
+        throw bad_input(name, "the studio was not started with it; drop it onto the page");
 }
 
 Project Scenes::project_of(const std::string& text, std::string& identity) const {
     Project project = project_from_toml(text, "project");
     const std::lock_guard lock(mutex_);
     project.folder = opened_.folder;
-    require_ours("array", project.array, opened_.array);
-    require_ours("board", project.board, opened_.board);
-    if (!project.path.empty() && project.path != opened_.path)
-        throw bad_input("path", "the page may not name files of this machine; start the studio with the project");
-    const auto am_has = [&](const char* kind) { return project.am.find(kind) != std::string::npos; };
-    if ((am_has("wav:") || am_has("csv:")) && project.am != opened_.am)
-        throw bad_input("am", "the page may not name files of this machine; start the studio with the project");
     identity = text;
+    if (project.array && names_file(*project.array)) find_file(*project.array, opened_.array.value_or(""), identity);
+    if (project.board && names_file(*project.board)) find_file(*project.board, opened_.board.value_or(""), identity);
+    if (!project.path.empty()) find_file(project.path, opened_.path, identity);
+    for (const std::string kind : {"wav:", "csv:"}) {
+        if (!project.am.starts_with(kind)) continue;
+        std::string name = project.am.substr(kind.size());
+        find_file(name, opened_.am.starts_with(kind) ? opened_.am.substr(kind.size()) : "", identity);
+        project.am = kind + name;
+    }
     for (ShapeSource& source : project.shapes) {
         if (source.file.empty()) continue;
         const File& file = file_of(source.file);
@@ -271,9 +300,10 @@ Made Scenes::compile(const ordered_json& document) {
         named.hand->hands.reset();
         named.hand->touched.reset();
     }
+    // With the names that the page has for its files.
+    const std::string text = to_toml(project_from_toml(toml_of(document), "project"));
     // A complex amplitude of √2 Pa is a mean square of 1 Pa².
     const double skin = radiation_pressure(std::sqrt(2.0), compiled.bundle.manifest.array.medium);
-    const std::string text = to_toml(named);
     const auto scene = std::make_shared<const Scene>(
         Scene{name, text, std::move(named), std::move(compiled), std::move(excitation), skin});
     const std::lock_guard lock(mutex_);

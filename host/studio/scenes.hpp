@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 
+#include "haptogram/base/process.hpp"
 #include "haptogram/verbs/compile.hpp"
 #include "haptogram/verbs/findings.hpp"
 #include "haptogram/verbs/hand_project.hpp"
@@ -59,7 +60,7 @@ struct HandScene {
 [[nodiscard]] nlohmann::ordered_json drives_json(const Scene& scene, std::uint32_t record);
 
 /// What the analysis of each focus came to, and all findings: {"foci": [{"record", "radiation_pa", "width_mm",
-/// "depth_mm", "side_lobe", "force_mn"}], "at_300_mm_db", "findings"}.
+/// "depth_mm", "side_lobe", "force_mn"}], "least_felt_mn", "at_300_mm_db", "most_at_300_mm_db", "findings"}.
 [[nodiscard]] nlohmann::ordered_json analysis_json(const Scene& scene, const ImageAnalysis& analysis);
 
 /// The files that pages sent, the project that the studio was started with, and the scenes that were compiled last. All
@@ -70,15 +71,19 @@ public:
     static constexpr std::size_t most_scenes = 16;
     static constexpr std::size_t most_opened = 4;  ///< recordings, and objects that they touch
 
-    /// Reads a project's shape files, so that the page can refer to them by the names that the project has for them.
+    /// Reads the files of a project or a bundle, so that the page can refer to them by the names that the project has
+    /// for them.
     /// @throws Error as load_project() and read_file()
     void open(const std::filesystem::path& project);
     /// The document that a page begins with: the project that was opened, or a hemisphere.
     [[nodiscard]] nlohmann::ordered_json first_document() const;
 
     /// Keeps a file under a name, in place of an older one of that name.
-    /// @throws Error{bad_input} for a name that no file of shapes or of hands can have, or when all files are too large
+    /// @throws Error{bad_input} for a name that no file of a project can have, or when all files are too large
     void add_file(const std::string& name, std::string content);
+    /// A file that was opened or sent, as it is.
+    /// @throws Error{bad_input} when there is none of that name
+    [[nodiscard]] std::string file(const std::string& name) const;
 
     /// Compiles a document, unless it is one of the scenes already.
     /// @throws Error naming what is wrong with the document; a shape file must have been sent, or be the project's, and
@@ -100,6 +105,8 @@ private:
 
     [[nodiscard]] Project project_of(const std::string& text, std::string& identity) const;
     [[nodiscard]] const File& file_of(const std::string& name) const;
+    /// Where a file that a project names is read from: what was sent, else what was opened.
+    void find_file(std::string& name, const std::string& opened, std::string& identity) const;
     [[nodiscard]] std::string hash_of(const std::string& name) const;
     std::shared_ptr<const DrawnObject> open_hand(Project& project, std::string& identity);
     template <class What, class Open>
@@ -107,6 +114,10 @@ private:
 
     mutable std::mutex mutex_;
     std::map<std::string, File> files_;
+    TemporaryFolder scratch_;
+    // Of files that are read by name: arrays, boards, paths, waveforms. Called like a bundle, so that they name no
+    // other files of this machine.
+    std::filesystem::path sent_ = scratch_.path() / "page.haptogram";
     Opened<HandRecording> hands_;
     Opened<DrawnObject> objects_;
     nlohmann::ordered_json first_;

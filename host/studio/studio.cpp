@@ -22,6 +22,7 @@
 #include "haptogram/link/port_rates.hpp"
 #include "haptogram/link/to_json.hpp"
 #include "haptogram/shape/primitives.hpp"
+#include "haptogram/verbs/document.hpp"
 #include "haptogram/verbs/patch.hpp"
 #include "haptogram/verbs/report_page.hpp"
 #include "http.hpp"
@@ -94,9 +95,12 @@ private:
 
     Answer answer_at_once(Request request) {
         if (request.path == "/api/hello") return {.body = to_text(hello())};
-        if (request.path == "/api/files" && request.method == "POST") {
+        if (request.path == "/api/document" && request.method == "POST") return document_answer(request.body);
+        if (request.path == "/api/project" && request.method == "POST") return project_answer(request.body);
+        if (request.path == "/api/files") {
             const std::optional<std::string> name = query_value(request.query, "name");
             if (!name) return error_answer(400, "a file has a name: /api/files?name=NAME");
+            if (request.method != "POST") return {.type = "application/octet-stream", .body = scenes_.file(*name)};
             scenes_.add_file(*name, std::move(request.body));
             return {.body = to_text({{"name", *name}})};
         }
@@ -111,6 +115,20 @@ private:
         if (asset == assets_.end()) return error_answer(404, "there is no such file");
         const bool gzip = request.takes_gzip && !asset->second.gzip.empty();
         return {200, asset->second.type, gzip ? asset->second.gzip : asset->second.plain, gzip};
+    }
+
+    /// A project file's text as a document, for a page that opens one.
+    static Answer document_answer(const std::string& text) {
+        const Project project = project_from_toml(text, "project.toml");
+        return {.body = to_text({{"document", document_of(text, "project.toml")}, {"files", files_of(project)}})};
+    }
+
+    /// A document as a project file's text, for a page that saves one.
+    static Answer project_answer(const std::string& body) {
+        const ordered_json document = ordered_json::parse(body, nullptr, false);
+        if (document.is_discarded()) throw bad_input("document", "it is no JSON; send the document as the page has it");
+        const Project project = project_from_toml(toml_of(document), "project");
+        return {.body = to_text({{"text", to_toml(project)}, {"files", files_of(project)}})};
     }
 
     ordered_json hello() const {

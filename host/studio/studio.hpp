@@ -17,7 +17,7 @@ inline constexpr std::chrono::seconds most_hidden{10};
 
 struct Options {
     std::filesystem::path project;  ///< that the page begins with; empty: an example
-    std::uint16_t port = 0;         ///< of HTTP; 0: one that is free
+    std::uint16_t port = 0;         ///< of HTTP; 0: the usual one, or one that is free
     std::filesystem::path page;     ///< folder of the built page; empty: where it was built or installed
     std::filesystem::path placed = "build/boards";  ///< folder of what tools/bitstream.py placed
 };

@@ -114,7 +114,7 @@ test("two clicks to a playing virtual board, and STOP", async (t) => {
   await page.keyboard.press("Escape");
   await boardSays(page, "outputs off");
   await page.getByRole("button", { name: "Disconnect" }).click();
-  await boardSays(page, "Board: none");
+  await boardSays(page, "No board");
 });
 
 test("a modulated scene for a board that computes foci, on a virtual board that is one", async (t) => {
@@ -288,5 +288,5 @@ test("a port where no board is, and one that does not exist, are said", async (t
   await page.locator(".warning", { hasText: "/dev/there-is-none" }).waitFor();
   await page.getByRole("button", { name: "STOP" }).click();
   await page.getByRole("button", { name: "Disconnect" }).click();
-  await boardSays(page, "Board: none");
+  await boardSays(page, "No board");
 });

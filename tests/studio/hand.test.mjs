@@ -6,10 +6,9 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { delimiter, dirname, join } from "node:path";
 import { test } from "node:test";
 import { promisify } from "node:util";
-import { accessible, boardSays, drawnAt, drop, eventually, folder, hasValue, middle, openPage, picture, pixels, program, run, settled, shapes, startBrowser, startStudio, takeAway } from "./support.mjs";
+import { accessible, boardSays, drawnAt, drop, eventually, folder, hasValue, middle, openDesign, openPage, panel, picture, pixels, program, run, settled, shapes, startBrowser, startStudio, takeAway } from "./support.mjs";
 
 const field = (page, label) => page.getByLabel(label, { exact: true });
-const panel = (page, title) => page.locator("section", { has: page.getByRole("heading", { name: title, exact: true }) });
 async function fill(page, label, value) {
   await field(page, label).fill(String(value));
   await field(page, label).press("Enter");
@@ -24,7 +23,7 @@ async function openHand(t, text, settings = {}) {
   if (text) writeFileSync(project, `format = "haptogram-project-1"\n${text}`);
   const studio = await startStudio(t, ...(text ? [project] : []));
   const page = await openPage(t, await startBrowser(t, ...(settings.flags ?? [])), studio, settings);
-  if (!text) await field(page, "Library").selectOption("Hand that slides over a sphere");
+  if (!text) await openDesign(page, "Touched ball");
   return { page, where, project, studio };
 }
 
@@ -131,7 +130,7 @@ test("algorithms, objects, pace and place; a frame without lines says why, and h
   await field(page, "Algorithm").selectOption("B"); // of a sphere, which has no edges
   await panel(page, "This frame").getByText(/Nothing is drawn: .*algorithm B has nothing to draw/).waitFor();
   await page.locator("footer", { hasText: "no image" }).waitFor();
-  assert.ok(await page.getByRole("button", { name: "▶ Play" }).isDisabled());
+  assert.ok(await page.getByRole("button", { name: "Play" }).isDisabled());
   await accessible(page);
   await picture(page, "hand-nothing");
   await field(page, "Kind").selectOption("cube");
@@ -147,7 +146,7 @@ test("algorithms, objects, pace and place; a frame without lines says why, and h
   assert.deepEqual(taken, readFileSync(join(where, "path.json")));
   await picture(page, "hand-cube");
   // The frame's pass on a board, and off again.
-  await page.getByRole("button", { name: "▶ Play" }).click();
+  await page.getByRole("button", { name: "Play" }).click();
   await boardSays(page, "outputs ON");
   await page.keyboard.press("Escape");
   await boardSays(page, "outputs off");

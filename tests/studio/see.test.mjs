@@ -4,10 +4,9 @@ import assert from "node:assert/strict";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
-import { accessible, boardSays, eventually, folder, hasValue, openPage, picture, run, settled, startBrowser, startStudio, takeAway } from "./support.mjs";
+import { accessible, boardSays, eventually, folder, hasValue, lookedAt, openPage, panel, picture, run, settled, startBrowser, startStudio, takeAway } from "./support.mjs";
 
 const field = (page, label) => page.getByLabel(label, { exact: true });
-const panel = (page, title) => page.locator("section", { has: page.locator("h2", { hasText: title }) });
 async function fill(page, label, value) {
   await field(page, label).fill(String(value));
   await field(page, label).press("Enter");
@@ -23,15 +22,12 @@ async function openProject(t, text, settings) {
   return { page, where, project };
 }
 
-/** Waits until each focus has been looked at. */
-const analysed = (page) => panel(page, "Findings").getByText("being looked at").waitFor({ state: "detached" });
-
 const ring = 'points = 8\nrate_hz = 20\n[[shape]]\nkind = "circle"\ndiameter_mm = 40\n';
 
 for (const colorScheme of ["light", "dark"])
   test(`the timeline: marked points, their phases and their field, ${colorScheme}`, async (t) => {
     const { page, where, project } = await openProject(t, ring, { colorScheme });
-    await analysed(page);
+    await lookedAt(page);
     const scrubber = page.locator(".scrubber");
     // A place of the lane is a time, and so a focal point: the middle of the third of eight.
     const lane = await page.locator(".lane").boundingBox();
@@ -65,7 +61,7 @@ test("what one focus could have is what the command line maps", async (t) => {
   await field(page, "Shown").selectOption("rms");
   await field(page, "Plane").selectOption("xz");
   await settled(page);
-  const middle = async () => Number((await page.locator("aside").last().innerText()).match(/At the plane's middle\s+([\d.,]+)/)[1].replaceAll(",", ""));
+  const middle = async () => Number((await panel(page, "Numbers").innerText()).match(/At the plane's middle\s+([\d.,]+)/)[1].replaceAll(",", ""));
   const played = await middle();
   await field(page, "What one focus could have at each point").check();
   await page.getByText("The array's workspace").waitFor();
@@ -119,7 +115,7 @@ test("a running timeline moves the focus on the board", async (t) => {
 for (const colorScheme of ["light", "dark"])
   test(`findings are shown where they are, and mended by an edit that undo takes back, ${colorScheme}`, async (t) => {
     const { page } = await openProject(t, 'points = 100\nrate_hz = 100\n[[shape]]\nkind = "circle"\n', { colorScheme });
-    await analysed(page);
+    await lookedAt(page);
     const finding = page.locator('[data-kind="short-dwell"]');
     assert.match(await finding.innerText(), /a point lasts 100\.0 µs/);
     await finding.getByRole("button", { name: "Show" }).click();
@@ -138,7 +134,7 @@ for (const colorScheme of ["light", "dark"])
 
 test("a shape out of reach is mended by leaving out what is", async (t) => {
   const { page } = await openProject(t, 'points = 40\nrate_hz = 10\n[[shape]]\nkind = "line"\nlength_mm = 100\n');
-  await fill(page, "Largest extent", 900);
+  await fill(page, "Size", 900);
   await page.locator(".failed", { hasText: "out of reach" }).waitFor();
   await page.getByRole("button", { name: "Leave out what is out of reach" }).click();
   await page.locator(".failed").waitFor({ state: "detached" });
@@ -214,7 +210,7 @@ for (const colorScheme of ["light", "dark"])
     await page.getByRole("button", { name: "+ Add an object" }).click();
     await hasValue(field(page, "Of several"), "1");
     await field(page, "Shape").selectOption("square");
-    await fill(page, "Largest extent", 20);
+    await fill(page, "Size", 20);
     await fill(page, "Centre x", 25);
     await fill(page, "Centre z", 140);
     await settled(page);

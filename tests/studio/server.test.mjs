@@ -5,7 +5,7 @@ import { readdirSync, readFileSync } from "node:fs";
 import { request } from "node:http";
 import { connect } from "node:net";
 import { test } from "node:test";
-import { run, startStudio } from "./support.mjs";
+import { quantile, run, startStudio } from "./support.mjs";
 
 /** A request; the answer's status, headers and body. */
 function ask(studio, path, { method = "GET", headers = {}, body = "" } = {}) {
@@ -95,7 +95,7 @@ test("files are kept by name, and taken away as they are", async (t) => {
   const headers = { Authorization: `Bearer ${studio.token}` };
   const send = (name, body) => ask(studio, `/api/files?name=${encodeURIComponent(name)}`, { method: "POST", headers, body });
   assert.equal((await send("a.xyz", "0 0 130\n")).status, 200);
-  for (const name of ["../a.xyz", "a/b.xyz", ".a.xyz", "a.exe", "", "a\nb.xyz"]) {
+  for (const name of ["../a.xyz", "a/../b.xyz", "/a.xyz", ".a.xyz", "a.exe", "", "a\nb.xyz"]) {
     const answer = await send(name, "0 0 130\n");
     assert.equal(answer.status, 422, name);
     assert.ok(JSON.parse(answer.text).error.message.length > 20);
@@ -104,6 +104,59 @@ test("files are kept by name, and taken away as they are", async (t) => {
   assert.equal((await ask(studio, "/api/take?scene=none&as=hex", { headers })).status, 422);
   assert.equal((await ask(studio, "/api/report?scene=none", { headers })).status, 422);
   assert.equal((await ask(studio, "/api/report?scene=none")).status, 401);
+});
+
+test("STOP is answered whatever else waits", async (t) => {
+  const studio = await startStudio(t);
+  const { port } = new URL(studio.origin);
+  const stop = async () => {
+    const begun = performance.now();
+    const answer = await ask(studio, "/api/stop", { method: "POST", headers: { Authorization: `Bearer ${studio.token}` } });
+    assert.equal(answer.status, 200, answer.text);
+    return performance.now() - begun;
+  };
+  const alone = await stop();
+  const strangers = [];
+  t.after(() => strangers.forEach((each) => each.destroy()));
+  for (let i = 0; i < 1500; i++) {
+    const socket = connect(port, "127.0.0.1", () => socket.write("GET / HTTP/1.1\r\nHost: "));
+    socket.on("error", () => {});
+    strangers.push(socket);
+  }
+  const under = [];
+  for (let i = 0; i < 20; i++) under.push(await stop());
+  assert.ok(strangers.filter((each) => each.readyState !== "closed").length > 0);
+  const worst = Math.max(...under);
+  t.diagnostic(`STOP alone ${alone.toFixed(1)} ms; with 1,500 half-open connections ${quantile(under, 0.5).toFixed(1)} ms, at worst ${worst.toFixed(1)} ms`);
+  assert.ok(worst < 2000, "a generous limit: this machine may be busy");
+  assert.equal((await ask(studio, "/api/hello", { headers: { Authorization: `Bearer ${studio.token}` } })).status, 200, "other requests are served, too");
+});
+
+test("whoever has shown no token is let go soon, and a second Host is refused", async (t) => {
+  const studio = await startStudio(t);
+  const begun = performance.now();
+  assert.equal(await speak(studio, `GET /api/hello HTTP/1.1\r\nHost: ${studio.host}\r\n`), "");
+  assert.ok(performance.now() - begun < 9_000);
+  const head = `Authorization: Bearer ${studio.token}\r\n`;
+  assert.match(await speak(studio, `GET /api/hello HTTP/1.1\r\nHost: ${studio.host}\r\nHost: evil.example\r\n${head}\r\n`), /^HTTP\/1.1 400/);
+  assert.match(await speak(studio, `GET /api/hello HTTP/1.1\r\nHost: evil.example\r\nHost: ${studio.host}\r\n${head}\r\n`), /^HTTP\/1.1 400/);
+});
+
+test("a project's text becomes a document, and a document a project's text", async (t) => {
+  const studio = await startStudio(t);
+  const headers = { Authorization: `Bearer ${studio.token}` };
+  const post = async (path, body) => ask(studio, path, { method: "POST", headers, body });
+  const text = 'format = "haptogram-project-1"\nam = "csv:beat.csv"\n\n[[shape]]\nfile = "heart.ply"\nup = "y"\n';
+  const read = JSON.parse((await post("/api/document", text)).text);
+  assert.deepEqual(read, { document: { format: "haptogram-project-1", am: "csv:beat.csv", shape: [{ file: "heart.ply", up: "y" }] }, files: ["heart.ply", "beat.csv"] });
+  const written = JSON.parse((await post("/api/project", JSON.stringify(read.document))).text);
+  assert.deepEqual(written, { text, files: read.files });
+  assert.equal((await post("/api/document", "format = 1")).status, 422);
+  assert.equal((await post("/api/project", "{")).status, 422);
+  assert.equal((await ask(studio, "/api/files?name=beat.csv", { headers })).status, 422);
+  await post("/api/files?name=beat.csv", "1,2");
+  assert.equal((await ask(studio, "/api/files?name=beat.csv", { headers })).text, "1,2");
+  assert.equal((await ask(studio, "/api/files?name=beat.csv")).status, 401);
 });
 
 test("Ctrl-C ends the server, and a port that is taken is said", async (t) => {

@@ -86,10 +86,72 @@ export async function openPage(t, browser, studio, { colorScheme = "light", mayF
   await page.addInitScript(() => {
     addEventListener("securitypolicyviolation", (event) => window.reportViolation(`${event.violatedDirective} ${event.blockedURI}`));
   });
+  page.on("dialog", (dialog) => dialog.accept()); // of leaving a design that is not saved
   await page.goto(studio.address);
   t.after(() => mayFail || assert.deepEqual(wrong.filter((each) => !allowed.test(each)), []));
-  return page;
+  return guided(page);
 }
+
+/** Which of the page's three steps has what, by its label, the name of its button, its heading or its selector. */
+const steps = {
+  Make: ["Shape", "Focal points", "Passes a second", "Drawings a second", "Amplitude", "Modulation", "Pace", "Speed", "Passes in all", "Array", "For board", "All points feel alike", "Size", "Of several", "+ Add an object", "Remove this one",
+    "Unit of the file", "Upwards in the file", ...["x", "y", "z"].flatMap((axis) => [`Centre ${axis}`, `Turn about ${axis}`]), ".file", ".gallery", ".wrong-value", "Recording", "Algorithm", "Kind", "Frame", "This frame", "Frame number", "Palm height",
+    "output.frame", "Touched object", "Hand", "Path", "Commands that make these paths", "Back to an object of focal points", "Path of this frame", "How strong each of 300 frames is; 300 touch the object", "Points of a pass", "Look through all frames", "Height (object)"],
+  See: ["Shown", "Colours", "Range", "Hold the top of the scale", "Top", "Plane", "Height", "Middle x", "Middle y", "Middle z", "Of the marked focal point alone", "What one focus could have at each point", "Surface", "Handles", "Profile", "Numbers",
+    "Compare", "Keep this to compare", "Show the kept one", "Go back to it", "Forget it", ".curve.kept", "Pins", "Simulate", "Stop simulating", "Simulate and measure the pins", "[data-verdict]", "[data-verdict=good]", "Along", "Carrier periods"],
+  Play: ["Start a virtual board", "Simulate the FPGA's Verilog", "Port", "Rate", "Connect", "Disconnect", "Upload", "Intensity", "Follow the slider", "Modulate as shown", "Board", "Image", "Manifest", "Project", "Records", "Sequence", "Bundle", "Step", "pre.command",
+    "Copy as command", "Copy methods text", "with autostart", "Report", "Study", "Field (.csv)", "Field (.png)", "Field (.npy)", "Field (.vti)", "Take away"],
+};
+function stepOf(name) {
+  if (typeof name !== "string") return undefined;
+  const kind = name.endsWith(".bin") ? "with autostart" : name.replace(/ \(.*$/, "");
+  return Object.entries(steps).find(([, names]) => names.includes(name) || names.includes(kind))?.[0];
+}
+
+/** Goes to a step and unfolds all that it has. */
+export async function show(page, step) {
+  const tab = page.locator(`[data-step=${step}]`);
+  if (!(await tab.isVisible())) return; // a study has the page
+  if ((await tab.getAttribute("aria-selected")) !== "true") await tab.click();
+  await page.evaluate(() => document.querySelectorAll("aside details").forEach((each) => (each.open = true)));
+}
+
+/** A page, or a part of it, that goes to the step that has what is looked for, as a user does. */
+function guided(page) {
+  const real = Symbol("real");
+  const plain = (value) => value?.[real] ?? value;
+  const finders = new Set(["locator", "getByLabel", "getByRole", "getByText", "first", "last", "nth", "filter"]);
+  const wrap = (target, step) =>
+    new Proxy(target, {
+      get(_, key) {
+        if (key === real) return target;
+        const value = target[key];
+        if (typeof value !== "function") return value;
+        if (finders.has(key))
+          return (first, options) => {
+            const given = options && Object.fromEntries(Object.entries(options).map(([name, each]) => [name, plain(each)]));
+            const found = target[key](plain(first), given);
+            const name = key === "getByRole" ? options?.name : key === "locator" && options?.has ? options.heading : first;
+            return wrap(found, stepOf(name instanceof RegExp ? name.source : name) ?? step);
+          };
+        if (step === undefined || target === page || key === "count" || key === "elementHandle") return (...args) => value.apply(target, args.map(plain));
+        return async (...args) => {
+          await show(page, step);
+          return await value.apply(target, args.map(plain));
+        };
+      },
+    });
+  return wrap(page, undefined);
+}
+
+/** The panel with a heading. */
+export const panel = (page, title) => page.locator("section", { has: page.locator("h2", { hasText: new RegExp(`^${title}$`) }), heading: title });
+
+/** Opens a design of the gallery. */
+export const openDesign = (page, title) => page.locator(".gallery").locator("button", { has: page.locator("b", { hasText: new RegExp(`^${title}$`) }) }).click();
+
+/** Waits until each focal point has been looked at. */
+export const lookedAt = (page) => page.locator("[data-verdict-of-feel]:not([data-verdict-of-feel=looking])").waitFor();
 
 /** Waits until a whole slice of the document's scene is shown and nothing else is to come. */
 export async function settled(page) {
@@ -164,7 +226,7 @@ export async function middle(page) {
 
 /** Where a point in millimetres is drawn by the view's first camera: its place, its target and its angle are those of view.ts. */
 export function drawnAt([x, y, z], { x: middleX, y: middleY, box }) {
-  const [eye, target, up] = [[260, -400, 340], [0, 0, 75], [0, 0, 1]];
+  const [eye, target, up] = [[216, -332, 295], [0, 0, 75], [0, 0, 1]];
   const minus = (a, b) => a.map((each, i) => each - b[i]);
   const dot = (a, b) => a.reduce((sum, each, i) => sum + each * b[i], 0);
   const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];

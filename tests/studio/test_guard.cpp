@@ -56,6 +56,22 @@ TEST_CASE("studio guard: the page, the interface and the socket are served") {
     CHECK(status(named) == 200);
 }
 
+TEST_CASE("studio guard: a second field that says the host is refused") {
+    RequestHead head = api_request();
+    head.hosts = 2;
+    CHECK(status(head) == 400);
+}
+
+TEST_CASE("studio guard: STOP is told from other requests") {
+    RequestHead head = api_request();
+    head.method = "POST";
+    CHECK_FALSE(is_stop(head));
+    head.target = "/api/stop";
+    CHECK(is_stop(head));
+    head.method = "GET";
+    CHECK_FALSE(is_stop(head));
+}
+
 TEST_CASE("studio guard: other hosts are refused before anything else") {
     for (const std::string wrong :
          {"", "127.0.0.1", "127.0.0.1:8124", "evil.example:8123", "127.0.0.1:8123.evil.example", "LOCALHOST.:8123"}) {

@@ -230,17 +230,53 @@ TEST_CASE("studio scenes: a document names no other files of this machine") {
                       Contains("does not have this file"));
     ordered_json document = document_of(circle, "circle");
     document["array"] = "/tmp/array.toml";
-    CHECK_THROWS_WITH(scenes.compile(document), Contains("shipped ones only"));
+    CHECK_THROWS_WITH(scenes.compile(document), Contains("does not have this file"));
     document = document_of(circle, "circle");
     document["board"] = "board.toml";
-    CHECK_THROWS_WITH(scenes.compile(document), Contains("shipped ones only"));
+    CHECK_THROWS_WITH(scenes.compile(document), Contains("does not have this file"));
     CHECK_THROWS_WITH(scenes.compile({{"format", "haptogram-project-1"}, {"path", "/tmp/path.json"}}),
-                      Contains("may not name files"));
+                      Contains("does not have this file"));
     document = document_of(circle, "circle");
-    for (const char* am : {"csv:/tmp/wave.csv", "csv:wave.csv", "sine:200+wav:sound.wav"}) {
+    for (const char* am : {"csv:/tmp/wave.csv", "csv:wave.csv"}) {
         document["am"] = am;
-        CHECK_THROWS_WITH(scenes.compile(document), Contains("may not name files"));
+        CHECK_THROWS_WITH(scenes.compile(document), Contains("does not have this file"));
     }
+    document["am"] = "sine:200+wav:/etc/hostname";
+    CHECK_THROWS_WITH(scenes.compile(document), !Contains("cannot be opened"));
+}
+
+TEST_CASE("studio scenes: files of a design that a page sent are read from there") {
+    const std::string array =
+        "name = \"mine\"\n[transducer]\nfile = \"loud.toml\"\n[array]\ncolumns = 6\nrows = 6\npitch_mm = "
+        "10.5\ncarrier_hz = 40000\nduty = 0.5\n";
+    const std::string loud = "name = \"loud\"\nradius_mm = 4.5\nsource_pa_m = 0.9\n";
+    const std::string wave = "time_ms,amplitude\n0,0\n5,1\n10,0\n";
+    const std::string text =
+        "format = \"haptogram-project-1\"\narray = \"my.toml\"\nam = \"csv:waves/wave.csv\"\n[[shape]]\nkind = "
+        "\"point\"\n";
+    Scenes scenes;
+    scenes.add_file("my.toml", array);
+    scenes.add_file("loud.toml", loud);
+    scenes.add_file("waves/wave.csv", wave);
+    const auto scene = scenes.compile(document_of(text, "sent")).scene;
+    TemporaryFolder folder;
+    std::filesystem::create_directories(folder.path() / "waves");
+    for (const auto& [name, content] : {std::pair("my.toml", array), std::pair("loud.toml", loud),
+                                        std::pair("waves/wave.csv", wave), std::pair("project.toml", scene->project)})
+        write_file(folder.path() / name, content);
+    CHECK(compile(load_project(folder.path() / "project.toml")).bundle.hex == scene->compiled.bundle.hex);
+    CHECK(scenes.file("my.toml") == array);
+    // Other contents are another scene, and what is sent leads to no other file of this machine.
+    scenes.add_file("waves/wave.csv", "time_ms,amplitude\n0,1\n5,0\n10,1\n");
+    CHECK(scenes.compile(document_of(text, "sent")).scene != scene);
+    for (const std::string& outside : {data + "/shapes/loud.toml", std::string("../loud.toml")}) {
+        std::string other = array;
+        other.replace(other.find("loud.toml"), 9, outside);
+        scenes.add_file("my.toml", other);
+        CHECK_THROWS_WITH(scenes.compile(document_of(text, "sent")), Contains("names its own files alone"));
+    }
+    for (const char* name : {"../my.toml", "/my.toml", "a/../my.toml", "a/.my.toml", "", "a/", "a.exe"})
+        CHECK_THROWS_AS(scenes.add_file(name, "x"), Error);
 }
 
 TEST_CASE("studio scenes: names of files") {

@@ -10,6 +10,7 @@
 
 #include "haptogram/array/transducer_keys.hpp"
 #include "haptogram/array/vec3.hpp"
+#include "haptogram/base/bundle.hpp"
 #include "haptogram/base/shipped.hpp"
 
 namespace haptogram {
@@ -110,7 +111,8 @@ void read_transducer_keys(Transducer& transducer, const Section& section) {
         transducer.pattern = Pattern::point;
     } else if (directivity->ends_with(".csv")) {
         transducer.pattern = Pattern::table;
-        transducer.table = load_directivity(std::filesystem::path(section.file()).parent_path() / *directivity);
+        transducer.table =
+            load_directivity(named_in(std::filesystem::path(section.file()).parent_path(), *directivity));
     } else {
         throw bad_input(section.at("directivity"),
                         fmt::format("directivity must be \"piston\", \"point\" or the name of a .csv file beside this "
@@ -130,7 +132,7 @@ Transducer load_transducer(const std::filesystem::path& path) {
 }
 
 Transducer find_transducer(const std::string& name, const std::filesystem::path& folder) {
-    if (name.find('/') != std::string::npos || name.ends_with(".toml")) return load_transducer(folder / name);
+    if (name.find('/') != std::string::npos || name.ends_with(".toml")) return load_transducer(named_in(folder, name));
     return load_transducer(path_or_shipped(name, transducer_folder, ".toml", "transducer"));
 }
 

@@ -6,10 +6,12 @@
 #include <array>
 #include <cerrno>
 #include <memory>
+#include <optional>
 #include <system_error>
 #include <utility>
 #include <vector>
 
+#include "haptogram/base/bundle.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/shipped.hpp"
 #include "haptogram/base/system.hpp"
@@ -98,6 +100,7 @@ void StagedFile::fail() const { throw cannot_write(path_); }
 
 std::string read_file(const std::filesystem::path& path) {
     if (const auto shipped = shipped_file(path.string())) return std::string(*shipped);
+    if (std::optional<std::string> bundled = read_bundled(path)) return *std::move(bundled);
     const Descriptor file(path == "-" ? system::standard(standard_input) : system::open_to_read(path));
     if (file.get() < 0) throw bad_input(path.string(), fmt::format("cannot be opened: {}; check the path", reason()));
     std::string content;

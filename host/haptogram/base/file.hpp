@@ -8,7 +8,8 @@
 
 namespace haptogram {
 
-/// The whole of a file. "-" is standard input; "shipped:…" is a file of the library (shipped.hpp).
+/// The whole of a file. "-" is standard input; "shipped:…" is a file of the library (shipped.hpp),
+/// and "NAME.haptogram/…" a file of a bundle (bundle.hpp).
 /// @throws Error{bad_input} naming the path and the system's reason
 [[nodiscard]] std::string read_file(const std::filesystem::path& path);
 

@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "haptogram/base/bundle.hpp"
 #include "haptogram/base/shipped.hpp"
 #include "haptogram/base/toml_section.hpp"
 #include "haptogram/format/core_section.hpp"
@@ -270,7 +271,7 @@ std::optional<BoardFile> read_like(const BoardFile& own) {
     BoardFile other = [&] {
         try {
             return read_file_of(is_path(*like)
-                                    ? own.path.parent_path() / *like
+                                    ? named_in(own.path.parent_path(), *like)
                                     : std::filesystem::path{path_or_shipped(*like, "boards", ".toml", "board")});
         } catch (const Error& error) {
             throw bad_input(root.at("like"), error.what());
@@ -297,7 +298,7 @@ Board read_board(const std::filesystem::path& path) {
     board.description = line(root("description"), "description");
     board.sources = list(root("sources"), "sources", is_line);
     board.array = line(root("array"), "array");
-    if (is_path(board.array)) board.array = (holder("array").path.parent_path() / board.array).string();
+    if (is_path(board.array)) board.array = named_in(holder("array").path.parent_path(), board.array).string();
     board.fpga = read_fpga(table_of("fpga"));
     board.parameters = read_core(table_of("parameters"));
     board.flash = read_flash(table_of("flash"));

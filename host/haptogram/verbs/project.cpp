@@ -4,9 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 
 #include "haptogram/array/millimetres.hpp"
+#include "haptogram/base/bundle.hpp"
+#include "haptogram/base/file.hpp"
 #include "haptogram/base/toml_section.hpp"
 #include "haptogram/base/toml_value.hpp"
 #include "haptogram/solve/segments.hpp"
@@ -231,9 +234,28 @@ std::string from_here(const std::string& name) {
     return name.ends_with(".toml") ? std::filesystem::absolute(name).string() : name;
 }
 
+std::filesystem::path project_file(const std::filesystem::path& path) {
+    return is_bundle(path) ? path / "project.toml" : path;
+}
+
+std::vector<std::string> files_of(const Project& project) {
+    std::vector<std::string> files;
+    for (const ShapeSource& shape : project.shapes)
+        if (!shape.file.empty()) files.push_back(shape.file);
+    if (!project.path.empty()) files.push_back(project.path);
+    for (const std::optional<std::string>& name : {project.array, project.board})
+        if (name && name->ends_with(".toml")) files.push_back(*name);
+    for (const std::string kind : {"wav:", "csv:"})
+        if (project.am.starts_with(kind)) files.push_back(project.am.substr(kind.size()));
+    if (project.hand) std::ranges::move(files_of(*project.hand), std::back_inserter(files));
+    return files;
+}
+
 Project load_project(const std::filesystem::path& path) {
-    Project project = project_from_toml(read_file(path), path.string());
-    project.folder = path.parent_path();
+    const std::filesystem::path file = project_file(path);
+    Project project = project_from_toml(read_file(file), file.string());
+    project.folder = file.parent_path();
+    for (const std::string& name : files_of(project)) (void)named_in(project.folder, name);
     return project;
 }
 
@@ -272,6 +294,6 @@ std::string to_toml(const Project& project) {
     return text;
 }
 
-bool is_project(const std::string& path) { return path.ends_with(".toml"); }
+bool is_project(const std::string& path) { return path.ends_with(".toml") || is_bundle(path); }
 
 }  // namespace haptogram

@@ -68,8 +68,15 @@ struct Project {
 /// working folder on, not beside the project.
 [[nodiscard]] std::string from_here(const std::string& name);
 
-/// Reads a project file (TOML); host/haptogram/verbs/README.md describes its keys.
-/// @throws Error{bad_input} naming the file, the line and the key, also for unknown keys
+/// The project file of a name: itself, or that in a bundle (base/bundle.hpp).
+[[nodiscard]] std::filesystem::path project_file(const std::filesystem::path& path);
+
+/// The files that a project names, as it names them.
+[[nodiscard]] std::vector<std::string> files_of(const Project& project);
+
+/// Reads a project file (TOML), or the one in a bundle; host/haptogram/verbs/README.md describes its keys.
+/// @throws Error{bad_input} naming the file, the line and the key, also for unknown keys, and for a bundle that names
+/// files outside
 [[nodiscard]] Project load_project(const std::filesystem::path& path);
 /// @param where  names the text in messages
 [[nodiscard]] Project project_from_toml(std::string_view text, const std::string& where);
@@ -78,7 +85,7 @@ struct Project {
 /// @throws Error{bad_argument} for a shape whose content is only in memory
 [[nodiscard]] std::string to_toml(const Project& project);
 
-/// Whether a name is that of a project file rather than of an image.
+/// Whether a name is that of a project file, or of a bundle, rather than of an image.
 [[nodiscard]] bool is_project(const std::string& path);
 
 }  // namespace haptogram

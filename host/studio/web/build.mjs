@@ -8,6 +8,7 @@ import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { gzipSync } from "node:zlib";
 import { build } from "esbuild";
+import { zipSync } from "fflate";
 
 const here = dirname(fileURLToPath(import.meta.url));
 const out = process.argv[2];
@@ -60,7 +61,23 @@ ${parts.join("\n")}
 }
 writeFileSync(join(out, "notices.html"), notices());
 
-const types = { html: "text/html; charset=utf-8", js: "text/javascript; charset=utf-8", css: "text/css; charset=utf-8" };
+/** The designs of ../gallery as bundles, with their pictures and a list: the second line of each project is "# Title: about". */
+function gallery() {
+  const folder = join(here, "../gallery");
+  const list = readdirSync(folder).filter((name) => existsSync(join(folder, name, "project.toml"))).sort().map((file) => {
+    const files = readdirSync(join(folder, file)).filter((name) => !name.endsWith(".svg")).sort();
+    const all = Object.fromEntries(files.map((name) => [name, readFileSync(join(folder, file, name))]));
+    const [, title, about] = String(all["project.toml"]).match(/^# [^\n]*\n# ([^:\n]+): ([^\n]+)\n/) ?? [];
+    if (!title) throw new Error(`gallery/${file}/project.toml: expected a second line “# Title: what it is”`);
+    writeFileSync(join(out, `${file}.haptogram`), zipSync(all, { mtime: "1980-01-01T00:00:00" }));
+    writeFileSync(join(out, `${file}.svg`), readFileSync(join(folder, file, "picture.svg")));
+    return { file, title, about };
+  });
+  writeFileSync(join(out, "gallery.json"), JSON.stringify(list));
+}
+gallery();
+
+const types = { html: "text/html; charset=utf-8", js: "text/javascript; charset=utf-8", css: "text/css; charset=utf-8", json: "application/json", svg: "image/svg+xml", haptogram: "application/zip" };
 const files = [];
 let total = 0;
 for (const name of readdirSync(out).sort()) {

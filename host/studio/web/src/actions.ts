@@ -2,8 +2,8 @@
 // What the page's buttons, fields and handles do.
 import type { Signal } from "@preact/signals";
 import { commands } from "./commands";
-import { edit, project } from "./document";
-import { withFiles } from "./dropping";
+import { project } from "./document";
+import { Files } from "./files";
 import { ofAllFrames } from "./hand_reader";
 import { filesOfScene, type Link } from "./link";
 import { look, quantities } from "./quantity";
@@ -26,6 +26,8 @@ async function during(busy: Signal<boolean>, work: () => Promise<void>): Promise
 }
 
 export function actionsOf(session: Session, link: Link): Actions {
+  const designs = new Files(session, link);
+  session.restore = async (design) => await designs.restore(design);
   const actions: Actions = {
     place(orientation, middle) {
       state.orientation.value = orientation;
@@ -33,25 +35,24 @@ export function actionsOf(session: Session, link: Link): Actions {
       session.view?.place(orientation, middle);
       session.planeMoved();
     },
-    async drop(files) {
-      try {
-        state.failure.value = undefined;
-        for (const file of files) {
-          const most = state.hello.value?.most_file_bytes ?? 0;
-          if (file.size > most) throw new Error(`${file.name}: ${file.size} bytes are more than the ${most} that the studio takes; “haptogram compile” takes files of any size`);
-          await link.sendFile(file);
-          session.sent.set(file.name, file);
-        }
-        const before = project.value;
-        if (!before || files.length === 0) return;
-        state.chosen.value = undefined;
-        edit(withFiles(before, files.map((file) => file.name)));
-        // A file of the same name may have new contents.
-        session.ask();
-      } catch (error) {
-        tell(error);
+    drop: async (files) => await designs.take(files).catch(tell),
+    openShipped: async (name, title) => await designs.openShipped(name, title).catch(tell),
+    restore: async (design) => await designs.restore(design).catch(tell),
+    async saveBundle() {
+      await designs.saved().then(({ blob, name }) => save(blob, name)).catch(tell);
+    },
+    play() {
+      const scene = state.scene.value;
+      if (!scene) return;
+      if (state.device.value.connection === "none") {
+        state.playsNext.value = true;
+        link.send({ t: "connect", port: "virtual", scene: scene.name });
+      } else {
+        link.send({ t: "play", scene: scene.name });
+        state.played.value = scene.name;
       }
     },
+    frame: () => session.view?.frameAll(),
     send: (t, members = {}) => void link.send({ t, ...members }),
     async take(as) {
       const scene = state.scene.value;

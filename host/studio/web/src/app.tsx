@@ -1,39 +1,54 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page: puts the parts together.
+// The page: puts the parts together. The view is the page; panels stand around it, and each step shows those that it needs.
 import { effect } from "@preact/signals";
+import { Maximize, PanelLeft, PanelRight } from "lucide-preact";
 import { render } from "preact";
 import { actionsOf } from "./actions";
-import { Board } from "./board";
+import { Board, tellBoard } from "./board";
 import { Compare } from "./compare";
-import { edit, endGesture, project, redo, undo } from "./document";
+import { edit, endGesture, isSaved, project, redo, undo } from "./document";
 import { takeDrops } from "./dropping";
-import { Findings } from "./findings";
+import { Feel } from "./feel";
+import { Gallery } from "./gallery";
 import { HandReport } from "./hand";
+import { offered } from "./keeper";
 import type { Link, Point } from "./link";
-import { Bar, Failed, Numbers, SliceControls, Status, TakeAway, Tools } from "./panels";
+import { Bar, Failed, Numbers, ScaleBar, SliceControls, Status, TakeAway } from "./panels";
 import { moved, placed, placeOf } from "./placing";
 import { Pins } from "./pins";
 import { ProfilePlot } from "./plot";
 import { look } from "./quantity";
 import { Session } from "./session";
-import { Shape } from "./shape";
+import { Properties, Subject } from "./shape";
+import { Splitter } from "./splitter";
 import { type Actions, shownRecord, state, tell } from "./state";
 import { StudyPage } from "./study";
 import { Surfaces } from "./surface";
+import { theme } from "./theme";
 import { Timeline } from "./timeline";
+import { PlayButton, Tools } from "./top";
 import { View } from "./view";
 
 export function start(link: Link): void {
   const host = document.getElementById("app");
   const tools = document.getElementById("tools");
-  if (!host || !tools) throw new Error("the page has no place for the view");
+  const playing = document.getElementById("playing");
+  if (!host || !tools || !playing) throw new Error("the page has no place for the view");
   const session = new Session(link, (shown) => {
     if (shown === 1) performance.mark("first slice");
     host.dataset["slices"] = String(shown);
   });
   const actions = actionsOf(session, link);
-  draw(actions, host, tools);
-  effect(() => void host.classList.toggle("studying", state.studying.value));
+  render(<Tools actions={actions} />, tools);
+  render(<PlayButton actions={actions} />, playing);
+  host.replaceChildren();
+  render(<Page actions={actions} />, host);
+  effect(() => {
+    const { left, right } = state.folded.value;
+    host.classList.toggle("studying", state.studying.value);
+    host.classList.toggle("no-left", left);
+    host.classList.toggle("no-right", right);
+  });
   const place = document.getElementById("view");
   if (place) {
     effect(() => place.setAttribute("aria-busy", String(!state.current.value || state.slicing.value)));
@@ -44,57 +59,112 @@ export function start(link: Link): void {
     }
   }
   takeDrops(host, (files) => void actions.drop(files));
-  addEventListener("keydown", (event) => {
-    const key = event.key.toLowerCase();
-    if (!(event.ctrlKey || event.metaKey) || (key !== "z" && key !== "y")) return;
-    event.preventDefault();
-    if (event.shiftKey || key === "y") redo();
-    else undo();
+  takeKeys(actions);
+  addEventListener("beforeunload", (event) => {
+    if (!isSaved.peek()) event.preventDefault();
   });
   effect(() => {
     if (project.value === undefined) return;
     state.current.value = false;
     session.ask();
   });
+  effect(() => {
+    const { connection } = state.device.value;
+    if (!state.playsNext.value || !state.scene.value || !state.current.value) return;
+    if (connection === "lost") state.playsNext.value = false;
+    if (connection !== "connected") return;
+    state.playsNext.value = false;
+    actions.play();
+  });
+  effect(tellBoard);
   follow(session, link, host);
   if (link.open) session.begin();
 }
 
-/** All of the page but the view. */
-function draw(actions: Actions, host: HTMLElement, tools: HTMLElement): void {
-  render(<Tools actions={actions} />, tools);
-  host.replaceChildren();
-  render(
+function takeKeys(actions: Actions): void {
+  const noPlay = (): void => void (state.playsNext.value = false); // whatever was to come, STOP comes first
+  document.getElementById("stop")?.addEventListener("click", noPlay);
+  addEventListener("keydown", (event) => {
+    if (event.key === "Escape") noPlay();
+    if (!(event.ctrlKey || event.metaKey)) return;
+    const key = event.key.toLowerCase();
+    const does = key === "s" ? () => void actions.saveBundle() : key === "y" || (key === "z" && event.shiftKey) ? redo : key === "z" ? undo : undefined;
+    if (!does) return;
+    event.preventDefault();
+    does();
+  });
+}
+
+/** All of the page but the bar at the top and the view's canvas. */
+function Page({ actions }: { actions: Actions }) {
+  const step = state.step.value;
+  const fold = (which: "left" | "right"): void => void (state.folded.value = { ...state.folded.value, [which]: !state.folded.value[which] });
+  const { left, right } = state.folded.value;
+  return (
     <>
-      <aside aria-label="Object">
-        <Shape actions={actions} />
-        <TakeAway actions={actions} />
+      <aside id="left" aria-label="Objects" hidden={left}>
+        {step === "Make" && <><Gallery actions={actions} /><Subject actions={actions} /></>}
+        {step === "See" && <><Compare actions={actions} /><Pins actions={actions} /></>}
+        {step === "Play" && <TakeAway actions={actions} />}
       </aside>
+      {!left && <Splitter side="left" />}
       <main id="view">
+        <div class="float at-left">
+          <button type="button" class="ghost" aria-expanded={!left} aria-controls="left" onClick={() => fold("left")} title="Objects" aria-label="Panel at the left"><PanelLeft size={16} /></button>
+          <button type="button" class="ghost" onClick={actions.frame} title="Show all" aria-label="Show all"><Maximize size={16} /></button>
+        </div>
+        <div class="float at-right">
+          <button type="button" class="ghost" aria-expanded={!right} aria-controls="right" onClick={() => fold("right")} title="Properties" aria-label="Panel at the right"><PanelRight size={16} /></button>
+        </div>
+        <Restore actions={actions} />
+        <ScaleBar />
         <Bar />
-        <Timeline actions={actions} />
         <Failed />
       </main>
-      <aside aria-label="Results and board">
-        <Board actions={actions} />
-        <HandReport />
-        <Findings actions={actions} />
-        <SliceControls actions={actions} />
-        <ProfilePlot actions={actions} />
-        <Compare actions={actions} />
-        <Pins actions={actions} />
-        <Numbers />
+      {!right && <Splitter side="right" />}
+      <aside id="right" aria-label="Properties" hidden={right}>
+        {step === "Make" && <>{project.value?.hand ? <HandReport /> : <Properties />}</>}
+        {step === "See" && <><SliceControls actions={actions} /><ProfilePlot actions={actions} /><Numbers /></>}
+        {step === "Play" && <Board actions={actions} />}
       </aside>
+      <Feel actions={actions} />
+      <Timeline actions={actions} />
       <Status />
       <StudyPage actions={actions} />
-    </>,
-    host,
+    </>
+  );
+}
+
+/** Over the view: what was not saved the last time, and what a first visitor should know. */
+function Restore({ actions }: { actions: Actions }) {
+  const design = offered.value;
+  const hinted = (): void => {
+    localStorage.setItem("hinted", "");
+    state.hints.value = false;
+  };
+  return (
+    <div class="cards">
+      {design && (
+        <p class="card" role="status">
+          “{design.name}” of {new Date(design.when).toLocaleString([], { dateStyle: "medium", timeStyle: "short" })} was not saved as a file.{" "}
+          <button type="button" class="primary" onClick={() => void actions.restore(design)}>Restore it</button> <button type="button" onClick={() => (offered.value = undefined)}>Leave it</button>
+        </p>
+      )}
+      {state.hints.value && (
+        <div class="card hints">
+          <p><b>This shape is made of air:</b> points of ultrasound, drawn in turn. Take another from the gallery, or drop a file.</p>
+          <p><b>Play</b> starts a virtual board when there is no other. STOP or Esc turns all outputs off.</p>
+          <button type="button" onClick={hinted}>Got it</button>
+        </div>
+      )}
+    </div>
   );
 }
 
 function viewIn(place: HTMLElement, session: Session): View {
   const view = new View(place);
   state.edges.value = view.edges();
+  view.scaled = (mmPerPixel) => (state.mmPerPixel.value = mmPerPixel);
   view.moved = () => session.planeMoved();
   view.probed = (found) => {
     if (found !== state.probe.peek()) state.probe.value = found;
@@ -114,12 +184,24 @@ function viewIn(place: HTMLElement, session: Session): View {
 /** The view follows the state. */
 function follow(session: Session, link: Link, host: HTMLElement): void {
   const { view } = session;
+  let centreBefore: Point | undefined;
   effect(() => {
     if (!view || !project.value) return;
     const object = placed(project.value, state.chosen.value);
     const place = placeOf(project.value, object);
     view.turn = (place.rotate_deg ?? [0, 0, 0]) as Point;
     view.centre = object === undefined ? undefined : (place.center_mm as Point | undefined);
+    // A plane through the object's centre goes with it.
+    const centre = (place.center_mm ?? [0, 0, 130]) as Point;
+    const before = centreBefore;
+    centreBefore = centre;
+    if (before && before.some((each, i) => each !== centre[i]) && view.middle.every((each, i) => Math.abs(each - (before[i] ?? 0)) < 0.01)) {
+      view.middle = centre;
+      session.planeMoved();
+    }
+  });
+  effect(() => {
+    if (theme.value) view?.paint();
   });
   effect(() => view?.showLook(look.value));
   const surfaces = new Surfaces(

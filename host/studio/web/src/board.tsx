@@ -1,17 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
 // The board: connecting, playing, and what it says of itself.
-import { useEffect, useId, useState } from "preact/hooks";
+import { useId, useState } from "preact/hooks";
 import { Panel } from "./controls";
 import type { Device } from "./link";
 import { type Actions, state } from "./state";
 
 function boardWords(device: Device): string {
-  if (device.connection === "none") return "Board: none";
-  const name = device.port === "virtual" ? "virtual board" : device.port === "virtual-rtl" ? "virtual board of Verilog" : `board at ${device.port ?? ""}`;
-  if (device.connection === "lent") return `Board: ${name}, lent to the study`;
-  if (device.connection !== "connected") return `Board: ${name}, ${device.connection === "lost" ? "connection lost" : "connecting…"}`;
+  if (device.connection === "none") return "No board. Play starts a virtual one";
+  const name = device.port === "virtual" ? "Virtual board" : device.port === "virtual-rtl" ? "Virtual board of Verilog" : `Board at ${device.port ?? ""}`;
+  if (device.connection === "lent") return `${name}, lent to the study`;
+  if (device.connection !== "connected") return `${name}, ${device.connection === "lost" ? "connection lost" : "connecting…"}`;
   const status = device.status;
-  return `Board: ${name}, outputs ${status?.outputs === "on" ? "ON" : "off"}${status?.mode === "idle" ? "" : `, ${status?.mode ?? ""}`}`;
+  return `${name}, outputs ${status?.outputs === "on" ? "ON" : "off"}${status?.mode === "idle" ? "" : `, ${status?.mode ?? ""}`}`;
+}
+
+/** The bar at the top and the window's title say what the board does. */
+export function tellBoard(): void {
+  const device = state.device.value;
+  const on = device.status?.outputs === "on";
+  const words = document.getElementById("board");
+  if (words) {
+    words.textContent = boardWords(device);
+    words.classList.toggle("on", on);
+    words.classList.toggle("ready", device.connection === "connected" && !on);
+  }
+  document.body.classList.toggle("outputs-on", on);
+  document.title = on ? "● Outputs on: Haptogram studio" : "Haptogram studio";
 }
 
 export function Board({ actions }: { actions: Actions }) {
@@ -27,27 +41,18 @@ export function Board({ actions }: { actions: Actions }) {
   const busy = work?.t === "progress";
   const on = device.status?.outputs === "on";
   const ready = connected && scene !== undefined && state.current.value && !busy;
-  // The scene whose modulation is played, as far as this page said.
-  const [played, setPlayed] = useState("");
+  const played = state.played.value;
   const another = busy && work?.work === "play" && work.stage === "play" && scene !== undefined && state.current.value && played !== "" && played !== scene.name;
-  const say = (what: "play" | "modulate") => {
-    actions.send(what, { scene: scene?.name ?? "" });
-    setPlayed(scene?.name ?? "");
+  const modulate = (): void => {
+    actions.send("modulate", { scene: scene?.name ?? "" });
+    state.played.value = scene?.name ?? "";
   };
-  useEffect(() => {
-    const words = document.getElementById("board");
-    if (words) {
-      words.textContent = boardWords(device);
-      words.classList.toggle("on", on);
-    }
-    document.title = on ? "● Outputs on: Haptogram studio" : "Haptogram studio";
-  }, [device]);
   return (
     <Panel title="Board">
       {device.connection === "none" ? (
         <>
           <button type="button" class="wide" disabled={scene === undefined} onClick={() => actions.send("connect", { port: "virtual", scene: scene?.name ?? "" })}>Start a virtual board</button>
-          <p class="hint">It answers and plays as a real board does, in real time.</p>
+          <p class="hint">It answers and plays as a real board does, in real time. Play starts it by itself.</p>
           <button type="button" class="wide" disabled={scene === undefined} onClick={() => actions.send("connect", { port: "virtual-rtl", scene: scene?.name ?? "" })}>Simulate the FPGA's Verilog</button>
           <p class="hint">The same by the FPGA's own circuit, cycle by cycle; some ten times slower than a board.</p>
           <div class="field port">
@@ -58,18 +63,16 @@ export function Board({ actions }: { actions: Actions }) {
           </div>
           <div class="field">
             <label for={`${id}-rate`}>Rate</label>
-            <input id={`${id}-rate`} type="text" inputMode="numeric" value={rate} onInput={(e) => setRate(e.currentTarget.value.trim())} />
-            <span class="unit">baud</span>
+            <span class="box"><input id={`${id}-rate`} type="text" inputMode="numeric" value={rate} onInput={(e) => setRate(e.currentTarget.value.trim())} /><span class="unit">baud</span></span>
           </div>
         </>
       ) : (
         <>
-          <p>{boardWords(device)}{device.identity && connected && `; ${device.identity.channels} channels, ${device.identity.records} records`}{device.baud && connected && `; ${device.baud} baud`}{on && device.status && `; plays record ${device.status.index}`}</p>
+          <p>{boardWords(device)}{device.identity && connected && `; ${device.identity.channels} channels, ${device.identity.records} records`}{device.baud && connected && `; ${device.baud} baud`}{on && device.status && `; plays record ${device.status.index}`}{on && state.playsPoint.value !== undefined && `, point ${state.playsPoint.value + 1} of ${scene?.tour.length ?? 0}`}</p>
           {device.trouble && <p class="warning">▲ {device.trouble}</p>}
           <div class="buttons">
             <button type="button" disabled={!ready} onClick={() => actions.send("upload", { scene: scene?.name ?? "" })}>Upload</button>
-            <button type="button" class="play" disabled={!ready} onClick={() => say("play")}>▶ Play</button>
-            {another && <button type="button" onClick={() => say("modulate")}>Modulate as shown</button>}
+            {another && <button type="button" onClick={modulate}>Modulate as shown</button>}
             <button type="button" disabled={!ready || state.at.value === undefined} onClick={() => actions.stream()}>▶ Follow the slider</button>
             <button type="button" onClick={() => actions.send("disconnect")}>Disconnect</button>
           </div>

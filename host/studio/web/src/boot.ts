@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What must be there at once: the link to the server and STOP. The view, which is large, comes after it.
 import { Link } from "./link";
+import "./theme";
 
 function element(id: string): HTMLElement {
   const found = document.getElementById(id);
@@ -24,10 +25,6 @@ function show(message: string): void {
   banner.hidden = message === "";
 }
 
-/** The theme of the system, unless another was chosen. */
-const theme = localStorage.getItem("theme");
-if (theme) document.documentElement.dataset["theme"] = theme;
-
 const token = takeToken();
 if (token === "") {
   element("app").replaceChildren();
@@ -37,7 +34,7 @@ if (token === "") {
 } else {
   const link = new Link(token);
   const stop = (): void => {
-    element("board").textContent = "Board: stopping…";
+    element("board").textContent = "Stopping…";
     link.stop();
   };
   element("stop").addEventListener("click", stop);

@@ -53,28 +53,67 @@ export interface ProjectDocument {
   amplitude?: number;
   place?: Place;
   shape?: ShapeEntry[];
+  /** a file in place of shapes, with places and times of its own */
+  path?: string;
   /** in place of shapes */
   hand?: HandTable;
   [key: string]: unknown;
 }
 
-const mostSteps = 500;
-const steps = signal<{ documents: ProjectDocument[]; at: number }>({ documents: [], at: -1 });
+/** A document and the design that it is a state of. */
+export interface Step {
+  document: ProjectDocument;
+  /** of the design, without an ending */
+  name: string;
+  /** of what the browser keeps of the design */
+  id: string;
+}
+/** What can be undone and done again. */
+export interface History {
+  steps: Step[];
+  at: number;
+}
 
-export const project = computed(() => steps.value.documents[steps.value.at]);
-export const canUndo = computed(() => steps.value.at > 0);
-export const canRedo = computed(() => steps.value.at < steps.value.documents.length - 1);
+const mostSteps = 500;
+export const history = signal<History>({ steps: [], at: -1 });
+
+const present = computed(() => history.value.steps[history.value.at]);
+export const project = computed(() => present.value?.document);
+export const designName = computed(() => present.value?.name ?? "");
+export const canUndo = computed(() => history.value.at > 0);
+export const canRedo = computed(() => history.value.at < history.value.steps.length - 1);
+
+/** What a file has of the design: what differs from it would be lost with the browser. */
+const saved = signal("");
+const asText = (step: Step | undefined): string => JSON.stringify([step?.name, step?.document]);
+export const isSaved = computed(() => !present.value || saved.value === asText(present.value));
+export const markSaved = (): void => void (saved.value = asText(present.peek()));
 
 let underWay: string | undefined; // the gesture that made the last step
 
 /** Replaces the document; the old one is a step back. All edits of one gesture, until it has ended, are one step. */
 export function edit(changed: ProjectDocument, gesture?: string): void {
-  const { documents, at } = steps.peek();
-  if (JSON.stringify(documents[at]) === JSON.stringify(changed)) return;
-  const kept = documents.slice(0, gesture !== undefined && gesture === underWay ? at : at + 1);
+  const now = present.peek();
+  if (now && JSON.stringify(now.document) !== JSON.stringify(changed)) add({ ...now, document: changed }, gesture);
+}
+
+function add(step: Step, gesture?: string): void {
+  const { steps, at } = history.peek();
+  const kept = steps.slice(0, gesture !== undefined && gesture === underWay ? at : at + 1);
   underWay = gesture;
-  const all = [...kept, changed].slice(-mostSteps);
-  steps.value = { documents: all, at: all.length - 1 };
+  const all = [...kept, step].slice(-mostSteps);
+  history.value = { steps: all, at: all.length - 1 };
+}
+
+/** Another design takes the place of this one, which is a step back. It is as a file has it. */
+export function open(document: ProjectDocument, name: string): void {
+  add({ document, name, id: crypto.randomUUID() });
+  markSaved();
+}
+
+export function rename(name: string): void {
+  const now = present.peek();
+  if (now && name !== "" && name !== now.name) add({ ...now, name });
 }
 
 export function endGesture(): void {
@@ -83,12 +122,12 @@ export function endGesture(): void {
 
 export function undo(): void {
   underWay = undefined;
-  if (canUndo.peek()) steps.value = { ...steps.peek(), at: steps.peek().at - 1 };
+  if (canUndo.peek()) history.value = { ...history.peek(), at: history.peek().at - 1 };
 }
 
 export function redo(): void {
   underWay = undefined;
-  if (canRedo.peek()) steps.value = { ...steps.peek(), at: steps.peek().at + 1 };
+  if (canRedo.peek()) history.value = { ...history.peek(), at: history.peek().at + 1 };
 }
 
 /** A document with other values of some keys; undefined takes a key out. */

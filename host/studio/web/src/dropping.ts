@@ -7,6 +7,10 @@ const isMesh = (name: string): boolean => /\.(ply|obj|stl)$/.test(name);
 
 /** The document with the files in their places: recordings and objects of a hand, or the shapes of an object. */
 export function withFiles(document: ProjectDocument, names: string[]): ProjectDocument {
+  const path = names.find((name) => name.endsWith(".adaptics"));
+  const array = names.find((name) => name.endsWith(".toml"));
+  if (path !== undefined) return having({ format: document.format }, { array: document.array, board: document.board, points: document.points, path });
+  if (array !== undefined && names.length === 1) return having(document, { array, board: undefined });
   const poses = names.find((name) => name.endsWith(".pose"));
   // Beside poses, a .json is the model of their bones.
   const model = poses === undefined ? undefined : names.find((name) => name.endsWith(".json"));
@@ -23,7 +27,7 @@ export function withFiles(document: ProjectDocument, names: string[]): ProjectDo
     return having(document, { hand: { ...kept, object: mesh, size_mm: kept.size_mm ?? 100 } });
   }
   const place = { size_mm: 60, center_mm: [0, 0, 130], ...document.place };
-  const { hand: _, ...rest } = document;
+  const { hand: _, path: __, ...rest } = document;
   return { ...rest, place, shape: names.map((file) => ({ file })) };
 }
 

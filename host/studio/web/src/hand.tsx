@@ -2,12 +2,11 @@
 // A recorded hand that feels an object by an algorithm: what is chosen at the left, and what became of the frame at the right.
 import { useId, useRef } from "preact/hooks";
 import { renderCommand } from "./commands";
-import { Choice, NumberField, Panel, Row } from "./controls";
+import { Choice, MaybeField, NumberField, Panel, PointField, Row } from "./controls";
 import { edit, endGesture, having, type HandTable, project, type ProjectDocument } from "./document";
 import { ofAllFrames } from "./hand_reader";
-import { InstrumentFields } from "./instrument";
+import { InstrumentFields, Strength } from "./instrument";
 import type { FrameReport } from "./link";
-import { library } from "./library";
 import { touchedAt } from "./placing";
 import { short } from "./quantity";
 import { modulations } from "./shape";
@@ -22,7 +21,6 @@ interface WithDocument {
 const prefix = "synthetic:";
 const usualHeight = 200; // mm, of a synthetic hand's palm
 const scripts: [string, string][] = [["press", "an open hand goes down and up"], ["slide", "an open hand slides"], ["grasp", "the fingers bend"], ["wave", "the hand turns"]];
-const axes = ["x", "y", "z"];
 const withHeight = ["cone", "pyramid", "cylinder"];
 const rounded = (value: number): number => Number(value.toPrecision(12));
 
@@ -79,7 +77,7 @@ function Frames({ actions, now, hand }: WithDocument) {
         <input id={id} type="range" min={1} max={frames} step={1} value={frame} onInput={(e) => take(Number(e.currentTarget.value))} onChange={endGesture} />
       </div>
       <output class="frame" for={id}>{frame} of {frames}{shown && shown.frame === frame ? `, at ${shown.time_s.toFixed(3)} of ${shown.end_s.toFixed(3)} s` : ""}</output>
-      <NumberField label="Frame number" unit="" value={frame} least={1} onValue={(value) => change(now, { frame: Math.round(value) })} />
+      <NumberField label="Frame number" unit="" value={frame} least={1} whole onValue={(value) => change(now, { frame: value })} />
       <button type="button" disabled={state.rendering.value} onClick={() => void actions.renderHand("look")}>{state.rendering.value ? "Rendering…" : "Look through all frames"}</button>
     </Panel>
   );
@@ -89,17 +87,16 @@ function Touched({ actions, now, hand }: WithDocument) {
   const kinds = state.hello.value?.touched ?? [];
   const object = hand.object ?? "sphere";
   const file = object.includes(".");
-  const replaced = (list: number[], at: number, value: number): number[] => list.map((each, i) => (i === at ? value : each));
   const [centre, turned] = [hand.center_mm ?? touchedAt, hand.rotate_deg ?? [0, 0, 0]];
   return (
     <Panel title="Touched object">
       <Choice label="Kind" value={object} choices={[...kinds, ...(kinds.includes(object) ? [] : [object])].map((kind) => [kind, kind])} onValue={(kind) => change(now, { object: kind, unit: undefined, height_mm: undefined, size_mm: kinds.includes(object) ? hand.size_mm : undefined })} />
       {file && <Choice label="Unit of the file" value={hand.unit ?? "mm"} choices={[["mm", "mm"], ["cm", "cm"], ["m", "m"]]} onValue={(unit) => change(now, { unit })} />}
-      {object !== "half-space" && <NumberField label={file ? "Largest extent" : "Size"} unit="mm" value={hand.size_mm ?? (file ? 0 : 100)} least={0} onValue={(size) => change(now, { size_mm: size > 0 ? size : undefined })} />}
+      {object !== "half-space" && <MaybeField label="Size" unit="mm" empty={file ? "its own" : "100"} value={hand.size_mm} least={0.001} onValue={(size_mm) => change(now, { size_mm })} />}
       {file && <p class="hint">An extent of 0 leaves the size as it is.</p>}
       {withHeight.includes(object) && <NumberField label="Height" unit="mm" value={hand.height_mm ?? hand.size_mm ?? 100} least={0.001} onValue={(height_mm) => change(now, { height_mm })} />}
-      {axes.map((axis, i) => <NumberField key={axis} label={`Centre ${axis}`} unit="mm" value={centre[i] ?? 0} onValue={(value) => change(now, { center_mm: replaced(centre, i, value) })} />)}
-      {axes.map((axis, i) => <NumberField key={axis} label={`Turn about ${axis}`} unit="°" value={turned[i] ?? 0} step={5} onValue={(value) => change(now, { rotate_deg: replaced(turned, i, value) })} />)}
+      <PointField label="Centre" each="Centre" unit="mm" value={centre} onValue={(center_mm) => change(now, { center_mm })} />
+      <PointField label="Turn about" each="Turn about" unit="°" step={5} value={turned} onValue={(rotate_deg) => change(now, { rotate_deg })} />
       <label class="drop">
         Drop a recording or a closed mesh anywhere, or choose one
         <input type="file" multiple accept=".json,.lz,.pose,.ply,.obj,.stl" onChange={(e) => void actions.drop([...(e.currentTarget.files ?? [])])} />
@@ -122,8 +119,9 @@ function Algorithm({ now, hand }: Omit<WithDocument, "actions">) {
       {pace === "speed_m_s" && <NumberField label="Speed" unit="m/s" value={now.speed_m_s ?? 7} least={0.000001} onValue={(speed_m_s) => set({ speed_m_s })} />}
       {pace === "frequency_hz" && <NumberField label="Passes a second" unit="Hz" value={now.frequency_hz ?? 30} least={0.000001} onValue={(frequency_hz) => set({ frequency_hz })} />}
       <Choice label="Between lines" value={String(now["jump"] ?? "hop")} choices={[["hop", "hop at once"], ["blank", "silent on the way"]]} onValue={(jump) => set({ jump: jump === "hop" ? undefined : jump })} />
-      <NumberField label="Points of a pass" unit="" value={now.points ?? 200} step={10} least={1} onValue={(points) => set({ points: Math.round(points) })} />
+      <NumberField label="Points of a pass" unit="" value={now.points ?? 200} step={10} least={1} most={65535} whole onValue={(points) => set({ points })} />
       <Choice label="Modulation" value={now.am ?? ""} choices={[...new Set([...modulations.map(([key]) => key), now.am ?? ""])].map((key) => [key, modulations.find(([known]) => known === key)?.[1] ?? key])} onValue={(am) => set({ am: am || undefined })} />
+      <Strength now={now} set={set} />
       <InstrumentFields hello={hello} now={now} set={set} />
     </Panel>
   );
@@ -147,7 +145,7 @@ function Path({ actions, now }: Omit<WithDocument, "hand">) {
 
 /** The settings of a hand, in place of those of an object that is sampled. */
 export function HandSettings({ actions, now, hand }: WithDocument) {
-  const back = (): void => edit(having(library["Dome of 200 points"] ?? now, { array: now.array, board: now.board }));
+  const back = (): void => edit(having({ format: now.format, rate_hz: 7, shape: [{ kind: "hemisphere" }] }, { array: now.array, board: now.board }));
   return (
     <>
       <Recording now={now} hand={hand} />

@@ -48,7 +48,11 @@ export interface Finding {
 export interface Analysis {
   level: { calibrated: boolean; source_pa_m: number; note: string };
   foci: { record: number; radiation_pa: number; width_mm: number; depth_mm: number; side_lobe: number; force_mn: number }[];
+  /** the force that a palm is known to feel */
+  least_felt_mn: number;
   at_300_mm_db: number;
+  /** that is recommended for ears */
+  most_at_300_mm_db: number;
   findings: Finding[];
 }
 
@@ -357,6 +361,21 @@ export class Link {
   /** Sends a file; the server reads it when a document names it. */
   async sendFile(file: File): Promise<void> {
     await this.post(`/api/files?name=${encodeURIComponent(file.name)}`, file);
+  }
+
+  /** A file that was sent, or that the project has. */
+  async file(name: string): Promise<Blob> {
+    return await (await this.fetch(`/api/files?name=${encodeURIComponent(name)}`)).blob();
+  }
+
+  /** A project file's text as a document. */
+  async readProject(text: string): Promise<{ document: ProjectDocument; files: string[] }> {
+    return (await (await this.post("/api/document", new Blob([text]))).json()) as { document: ProjectDocument; files: string[] };
+  }
+
+  /** A document as a project file's text, and the files that it names. */
+  async writeProject(document: ProjectDocument): Promise<{ text: string; files: string[] }> {
+    return (await (await this.post("/api/project", new Blob([JSON.stringify(document)]))).json()) as { text: string; files: string[] };
   }
 
   async take(scene: string, as: FileOfScene | "methods"): Promise<Blob> {

@@ -3,8 +3,8 @@
 import { useId } from "preact/hooks";
 import { type ColourMap, colourMaps, stops } from "./colours";
 import { commands } from "./commands";
-import { Choice, NumberField, Panel, Row } from "./controls";
-import { canRedo, canUndo, edit, having, project, redo, undo } from "./document";
+import { Choice, More, NumberField, Panel, PointField, Row } from "./controls";
+import { designName, edit, having, project } from "./document";
 import type { Point, SliceData } from "./link";
 import { look, quantities, type Quantity, short, squareOf, valueOf, valueOnScale } from "./quantity";
 import { type Actions, boardOf, type Handles, shownRecord, state } from "./state";
@@ -12,24 +12,6 @@ import type { Orientation } from "./view";
 
 interface WithActions {
   actions: Actions;
-}
-
-export function Tools({ actions }: WithActions) {
-  const toggle = (): void => {
-    const system = matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light";
-    const theme = (document.documentElement.dataset["theme"] ?? system) === "dark" ? "light" : "dark";
-    document.documentElement.dataset["theme"] = theme;
-    localStorage.setItem("theme", theme);
-    actions.paint();
-  };
-  return (
-    <>
-      <button type="button" disabled={!canUndo.value} onClick={undo} title="Undo (Ctrl+Z)">↶ Undo</button>
-      <button type="button" disabled={!canRedo.value} onClick={redo} title="Redo (Ctrl+Shift+Z)">↷ Redo</button>
-      <button type="button" onClick={toggle}>◐ Theme</button>
-      <button type="button" aria-pressed={state.studying.value} disabled={state.session.value !== undefined && state.session.value.now.show !== "ended"} onClick={() => actions.study(!state.studying.value)}>Study</button>
-    </>
-  );
 }
 
 const fieldFiles = ["png", "csv", "npy", "vti"] as const;
@@ -40,6 +22,7 @@ export function TakeAway({ actions }: WithActions) {
   const told = commands(state.edges.value, look.value.quantity, state.stepMm.value, shownRecord.value, board);
   return (
     <Panel title="Take away">
+      <button type="button" class="wide" onClick={() => void actions.saveBundle()}>Bundle (.haptogram)</button>
       <div class="buttons">
         <button type="button" disabled={!ready} onClick={() => void actions.take("hex")}>Image (.hex)</button>
         <button type="button" disabled={!ready} onClick={() => void actions.take("manifest")}>Manifest (.json)</button>
@@ -52,7 +35,7 @@ export function TakeAway({ actions }: WithActions) {
         <button type="button" disabled={!ready || !board || state.writing.value} onClick={() => void actions.takeBitstream(false)} title="For the FPGA: the core with this image in its memories">{board ? `${board.bitstream}` : "Bitstream"}</button>
         <button type="button" disabled={!ready || !board || state.writing.value} onClick={() => void actions.takeBitstream(true)} title="The same, and the board plays it at power-up, with no host and no watchdog">with autostart</button>
       </div>
-      {!board && <p class="hint">Choose a board under "Sample and play" first.</p>}
+      {!board && <p class="hint">Choose a board first: Make, Sample and play, More.</p>}
       <h3>For a paper</h3>
       <div class="buttons">
         <button type="button" disabled={!ready || state.writing.value} onClick={() => void actions.take("report")}>Report (.html)</button>
@@ -125,23 +108,25 @@ export function SliceControls({ actions }: WithActions) {
   const move = (at: number, value: number): void => actions.place(orientation, middle.map((each, i) => (i === at ? value : each)) as Point);
   return (
     <Panel title="Field">
-      <Choice label="Shown" value={shown} choices={Object.entries(quantities).map(([key, { name, unit }]) => [key, `${name} / ${unit}`])} onValue={(value) => (look.value = { ...look.value, quantity: value as Quantity })} />
-      <Choice label="Colours" value={colours} choices={colourMaps.map((map) => [map, map])} onValue={(value) => (look.value = { ...look.value, colours: value as ColourMap })} />
+      <Choice label="Shown" value={shown} choices={Object.entries(quantities).map(([key, { name, unit }]) => [key, `${name}, ${unit}`])} onValue={(value) => (look.value = { ...look.value, quantity: value as Quantity })} />
       {quantities[shown].decibels && <NumberField label="Range" unit="dB" value={rangeDb} step={5} least={1} onValue={(range) => (look.value = { ...look.value, rangeDb: range })} />}
-      <label class="check"><input type="checkbox" checked={top !== undefined} disabled={!slice} onChange={(e) => (look.value = { ...look.value, top: e.currentTarget.checked ? slice?.greatest : undefined })} /> Hold the top of the scale</label>
-      {slice && top !== undefined && shown !== "below" && <NumberField label="Top" unit={quantities[shown].unit} value={Number(valueOf(top, shown, top, slice.skinPerSquare).toPrecision(6))} least={shown === "level" ? -100 : 1e-6} onValue={(value) => (look.value = { ...look.value, top: squareOf(value, shown, top, slice.skinPerSquare) })} />}
       <Choice label="Plane" value={orientation} choices={orientations} onValue={(value) => actions.place(value as Orientation, value === "xy" ? [0, 0, middle[2]] : [0, 0, Math.max(90, middle[2])])} />
-      <label class="check"><input type="checkbox" checked={state.alone.value} disabled={state.reach.value || (state.at.value === undefined && !state.alone.value)} onChange={(e) => actions.showAlone(e.currentTarget.checked)} /> Of the marked focal point alone</label>
-      <label class="check"><input type="checkbox" checked={state.reach.value} onChange={(e) => actions.showReach(e.currentTarget.checked)} /> What one focus could have at each point</label>
-      {state.reach.value && <p class="hint">The array's workspace, as “haptogram analyze --array” writes it; nothing where it cannot focus. Surface, profile and files stay those of the sequence.</p>}
-      <Choice label="Surface" value={String(state.surface.value ?? "")} choices={[["", "none"], ...surfaces.map((below): [string, string] => [String(below), `${below} dB below the greatest`])]} onValue={(value) => (state.surface.value = value === "" ? undefined : Number(value))} />
-      {state.surfacing.value && <p class="hint">The surface is being computed.</p>}
       <div class="field">
         <label for={height}>Height</label>
         <input id={height} type="range" min={20} max={300} step={0.5} value={middle[2]} onInput={(e) => move(2, Number(e.currentTarget.value))} />
       </div>
-      {["x", "y", "z"].map((axis, i) => <NumberField key={axis} label={`Middle ${axis}`} unit="mm" value={Number((middle[i] ?? 0).toFixed(2))} onValue={(value) => move(i, value)} />)}
-      <Choice label="Handles" value={state.handles.value} choices={handles} onValue={(value) => actions.handle(value as Handles)} />
+      <PointField label="Middle" each="Middle" unit="mm" value={middle.map((each) => Number(each.toFixed(2)))} onValue={(value) => actions.place(orientation, value as Point)} />
+      <label class="check"><input type="checkbox" checked={state.alone.value} disabled={state.reach.value || (state.at.value === undefined && !state.alone.value)} onChange={(e) => actions.showAlone(e.currentTarget.checked)} /> Of the marked focal point alone</label>
+      <More what="colours, surface, reach, handles">
+        <Choice label="Colours" value={colours} choices={colourMaps.map((map) => [map, map])} onValue={(value) => (look.value = { ...look.value, colours: value as ColourMap })} />
+        <label class="check"><input type="checkbox" checked={top !== undefined} disabled={!slice} onChange={(e) => (look.value = { ...look.value, top: e.currentTarget.checked ? slice?.greatest : undefined })} /> Hold the top of the scale</label>
+        {slice && top !== undefined && shown !== "below" && <NumberField label="Top" unit={quantities[shown].unit} value={Number(valueOf(top, shown, top, slice.skinPerSquare).toPrecision(6))} least={shown === "level" ? -100 : 1e-6} onValue={(value) => (look.value = { ...look.value, top: squareOf(value, shown, top, slice.skinPerSquare) })} />}
+        <Choice label="Surface" value={String(state.surface.value ?? "")} choices={[["", "none"], ...surfaces.map((below): [string, string] => [String(below), `${below} dB below the greatest`])]} onValue={(value) => (state.surface.value = value === "" ? undefined : Number(value))} />
+        {state.surfacing.value && <p class="hint">The surface is being computed.</p>}
+        <label class="check"><input type="checkbox" checked={state.reach.value} onChange={(e) => actions.showReach(e.currentTarget.checked)} /> What one focus could have at each point</label>
+        {state.reach.value && <p class="hint">The array's workspace, as “haptogram analyze --array” writes it; nothing where it cannot focus. Surface, profile and files stay those of the sequence.</p>}
+        <Choice label="Handles" value={state.handles.value} choices={handles} onValue={(value) => actions.handle(value as Handles)} />
+      </More>
     </Panel>
   );
 }
@@ -156,16 +141,24 @@ export function Bar() {
   const probe = state.probe.value;
   return (
     <figure class="bar">
-      <figcaption>{name} / {unit}</figcaption>
-      <svg width="14" height="160" role="img" aria-label="Colours from low to high">
-        <defs><linearGradient id="colours" x1="0" y1="1" x2="0" y2="0">{map.map((colour, i) => <stop key={i} offset={i / (map.length - 1)} stop-color={colour} />)}</linearGradient></defs>
-        <rect width="14" height="160" fill="url(#colours)" />
+      <figcaption>{name}, {unit}</figcaption>
+      <svg width="188" height="8" role="img" aria-label="Colours from low to high">
+        <defs><linearGradient id="colours">{map.map((colour, i) => <stop key={i} offset={i / (map.length - 1)} stop-color={colour} />)}</linearGradient></defs>
+        <rect width="188" height="8" rx="2" fill="url(#colours)" />
       </svg>
-      <ol>{[1, 0.75, 0.5, 0.25, 0].map((part) => <li key={part}>{short(valueOnScale(part, look.value, upper, slice.skinPerSquare))}</li>)}</ol>
+      <ol>{[0, 0.25, 0.5, 0.75, 1].map((part) => <li key={part}>{short(valueOnScale(part, look.value, upper, slice.skinPerSquare))}</li>)}</ol>
       {slice.greatest > 1.001 * upper && <p class="warning">Hatched: above the top.</p>}
-      {probe && <p class="probe">{short(valueOf(probe.square, quantity, upper, slice.skinPerSquare))} {unit} at<br />{probe.at.map((each) => each.toFixed(1)).join(", ")} mm</p>}
+      {probe && <p class="probe">{short(valueOf(probe.square, quantity, upper, slice.skinPerSquare))} {unit} at {probe.at.map((each) => each.toFixed(1)).join(", ")} mm</p>}
     </figure>
   );
+}
+
+/** What a length is in the middle of the view. */
+export function ScaleBar() {
+  const mm = state.mmPerPixel.value;
+  if (!(mm > 0)) return null;
+  const length = [1, 2, 5, 10, 20, 50, 100, 200, 500].find((each) => each / mm >= 60) ?? 1000;
+  return <p class="scale"><span>{length} mm</span><i style={{ width: `${Math.round(length / mm)}px` }} /></p>;
 }
 
 export function Failed() {
@@ -177,7 +170,7 @@ export function Failed() {
 
 export function Status() {
   const { slice, scene, current } = state;
-  const words = !current.value ? "Compiling…" : !scene.value ? `${state.hello.value?.project ?? ""}: no image` : `${state.hello.value?.project ?? ""}: ${scene.value?.foci.length ?? 0} focal points for ${scene.value?.array.name ?? ""}`;
+  const words = !current.value ? "Compiling…" : !scene.value ? `${designName.value}: no image` : `${designName.value}: ${scene.value?.foci.length ?? 0} focal points for ${scene.value?.array.name ?? ""}`;
   return (
     <footer>
       <span>{words}</span>

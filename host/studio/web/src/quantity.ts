@@ -7,7 +7,7 @@ export type Quantity = "skin" | "rms" | "level" | "below";
 
 /** `command` is the quantity's name on the command line. */
 export const quantities: Record<Quantity, { name: string; unit: string; decibels: boolean; command: string }> = {
-  skin: { name: "Radiation pressure on skin", unit: "Pa", decibels: false, command: "radiation" },
+  skin: { name: "Pressure on the skin", unit: "Pa", decibels: false, command: "radiation" },
   rms: { name: "Sound pressure, rms", unit: "Pa", decibels: false, command: "rms" },
   level: { name: "Sound pressure level", unit: "dB", decibels: true, command: "spl" },
   below: { name: "Level below the peak", unit: "dB", decibels: true, command: "spl" },

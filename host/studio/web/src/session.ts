@@ -2,10 +2,12 @@
 // What the page has under way with the server: asks for the scene of the newest document and for what is shown of it, and
 // puts the answers into the state and into the view.
 import { Comparer } from "./comparer";
-import { edit, project, type ProjectDocument } from "./document";
+import { project, type ProjectDocument } from "./document";
+import { openFirst } from "./files";
+import { begin as keep, type Design } from "./keeper";
 import { HandReader, type HandShown } from "./hand_reader";
 import { Latest } from "./latest";
-import type { Event, Link, Scene } from "./link";
+import type { Device, Event, Link, Scene } from "./link";
 import { PinReader } from "./pin_reader";
 import { look } from "./quantity";
 import { Slicer } from "./slicer";
@@ -58,11 +60,22 @@ export class Session {
     const greet = async (): Promise<void> => {
       const hello = await this.link.hello();
       state.hello.value = hello;
+      const kept = project.peek() ? undefined : await keep(() => this.namedFiles(), tell);
       for (const file of this.sent.values()) await this.link.sendFile(file);
-      if (project.value === undefined) edit(hello.document);
+      if (kept) await this.restore(kept);
+      else openFirst(hello.document, hello.project);
       this.ask();
     };
     void greet().catch(tell);
+  }
+
+  /** Opens what the browser kept. */
+  restore: (design: Design) => Promise<void> = () => Promise.resolve();
+
+  /** Of the files that were sent, those that the document may name. */
+  private namedFiles(): File[] {
+    const text = JSON.stringify(project.peek());
+    return [...this.sent.values()].filter(({ name }) => text.includes(JSON.stringify(name).slice(1, -1)));
   }
 
   /** Asks for what the document gives. Of a hand the frame is asked for first: it comes sooner, and may have nothing to play. */
@@ -106,6 +119,16 @@ export class Session {
 
   showScene(scene: Scene, of: ProjectDocument | undefined): void {
     this.view?.showScene(scene, of?.hand === undefined); // the hand has its own drawing of the focal points
+  }
+
+  /** While the board plays a sequence, the view shows where it is, unless a point is marked. */
+  private followBoard({ status }: Device): void {
+    const scene = state.scene.peek();
+    if (!scene || state.at.peek() !== undefined) return;
+    const plays = status?.outputs === "on" && status.mode === "sequence" && state.played.peek() === scene.name;
+    const at = plays ? scene.tour.findIndex(({ index }) => index === status.index) : -1;
+    state.playsPoint.value = at < 0 ? undefined : at;
+    this.view?.showFocus(scene.tour[at]?.at);
   }
 
   private unmark(): void {
@@ -197,8 +220,11 @@ export class Session {
       if (event.n === this.analysed?.n) state.analysis.value = event;
     } else if (event.t === "slice") {
       if (!this.comparer.take(event.slice) && this.slicer.take(event.slice)) this.sliceCame(event.slice);
+    } else if (event.t === "off") {
+      state.playsNext.value = false;
     } else if (event.t === "device") {
       state.device.value = event;
+      this.followBoard(event);
     } else if (event.t === "studies") {
       this.study.came(event.n, event);
     } else if (event.t === "study") {

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is felt: objects, where they are, and how they are sampled and played.
-import { Choice, NumberField, Panel } from "./controls";
+import { Choice, MaybeField, More, NumberField, Panel, PointField } from "./controls";
 import { edit, having, project, type ProjectDocument, type ShapeEntry } from "./document";
 import { HandSettings } from "./hand";
-import { InstrumentFields } from "./instrument";
-import type { Point } from "./link";
-import { library } from "./library";
+import { InstrumentFields, Strength } from "./instrument";
 import { moved, placed, placeOf, withAnother, without } from "./placing";
 import { type Actions, state } from "./state";
 
@@ -19,9 +17,6 @@ const noPace = { rate_hz: undefined, speed_m_s: undefined, frequency_hz: undefin
 
 /** Waveforms of the amplitude, as a project file names them. */
 export const modulations = [["", "none"], ["sine:50", "sine, 50 Hz"], ["sine:100", "sine, 100 Hz"], ["sine:200", "sine, 200 Hz"], ["square:200", "square, 200 Hz"]] as const;
-
-const axes = ["x", "y", "z"];
-const replaced = (list: Point, at: number, value: number): number[] => list.map((each, i) => (i === at ? value : each));
 
 /** What several objects are called. */
 const nameOf = (shape: ShapeEntry, i: number): string => `${i + 1}: ${shape.kind ?? shape.file ?? "?"}`;
@@ -46,13 +41,13 @@ function ObjectPanel({ actions, now, primitives }: { actions: Actions; now: Proj
   };
   return (
     <Panel title="Object">
-      <Choice label="Library" value="" choices={[["", "choose…"], ...Object.keys(library).map((name): [string, string] => [name, name])]} onValue={(name) => { const found = library[name]; actions.choose(undefined); if (found) edit(having(found, { array: now.array, board: now.board })); }} />
       {several && <Choice label="Of several" value={String(chosen ?? "")} choices={[["", "all together"], ...shapes.map((each, i): [string, string] => [String(i), nameOf(each, i)])]} onValue={(value) => actions.choose(value === "" ? undefined : Number(value))} />}
       {chosen !== undefined && shape.file === undefined && <Choice label="Shape" value={shape.kind ?? ""} choices={primitives.map((kind) => [kind, kind])} onValue={(kind) => become(chosen, kind)} />}
       {chosen !== undefined && shape.file !== undefined && (
         <>
           <p class="file">{shape.file}</p>
           <Choice label="Unit of the file" value={shape.unit ?? "mm"} choices={[["mm", "mm"], ["cm", "cm"], ["m", "m"]]} onValue={(unit) => change(chosen, { unit })} />
+          <Choice label="Upwards in the file" value={String(shape["up"] ?? "z")} choices={[["z", "z"], ["y", "y"]]} onValue={(up) => change(chosen, { up })} />
           {!several && <button type="button" onClick={() => edit(having(now, { shape: [{ kind: "hemisphere" }], place: undefined }))}>Back to a built-in shape</button>}
         </>
       )}
@@ -63,8 +58,8 @@ function ObjectPanel({ actions, now, primitives }: { actions: Actions; now: Proj
       </div>
       <label class="drop">
         Drop a file anywhere, or choose one
-        <input type="file" multiple accept=".ply,.obj,.stl,.xyz,.csv" onChange={(e) => void actions.drop([...(e.currentTarget.files ?? [])])} />
-        <small>PLY, OBJ, STL, XYZ or CSV</small>
+        <input type="file" multiple accept=".haptogram,.toml,.ply,.obj,.stl,.xyz,.csv,.adaptics" onChange={(e) => void actions.drop([...(e.currentTarget.files ?? [])])} />
+        <small>PLY, OBJ, STL, XYZ, CSV, a bundle or a project with its files</small>
       </label>
     </Panel>
   );
@@ -77,8 +72,8 @@ function PlacePanel({ now }: { now: ProjectDocument }) {
   const place = placeOf(now, object);
   const apart = object === undefined && place.center_mm === undefined && shapes.some((shape) => shape.center_mm !== undefined);
   const change = (changes: Parameters<typeof moved>[2]): void => edit(moved(now, object, changes));
-  const centre = (place.center_mm ?? [0, 0, object === undefined ? 130 : 0]) as Point;
-  const turned = (place.rotate_deg ?? [0, 0, 0]) as Point;
+  const turned = place.rotate_deg ?? [0, 0, 0];
+  const turn = <PointField label="Turn about" each="Turn about" unit="°" step={5} value={turned} onValue={(rotate_deg) => change({ rotate_deg })} />;
   return (
     <Panel title={object === undefined ? "Place" : `Place of ${nameOf(shapes[object] ?? {}, object)}`}>
       {apart ? (
@@ -87,34 +82,45 @@ function PlacePanel({ now }: { now: ProjectDocument }) {
           <button type="button" onClick={() => change({ center_mm: [0, 0, 130] })}>Centre all together</button>
         </>
       ) : (
-        axes.map((axis, i) => <NumberField key={axis} label={`Centre ${axis}`} unit="mm" value={centre[i] ?? 0} onValue={(value) => change({ center_mm: replaced(centre, i, value) })} />)
+        <PointField label="Centre" each="Centre" unit="mm" value={place.center_mm ?? [0, 0, object === undefined ? 130 : 0]} onValue={(center_mm) => change({ center_mm })} />
       )}
-      <NumberField label="Largest extent" unit="mm" value={place.size_mm ?? 0} least={0} onValue={(size) => change({ size_mm: size > 0 ? size : undefined })} />
-      <p class="hint">An extent of 0 leaves the size as it is.</p>
-      {axes.map((axis, i) => <NumberField key={axis} label={`Turn about ${axis}`} unit="°" value={turned[i] ?? 0} step={5} onValue={(value) => change({ rotate_deg: replaced(turned, i, value) })} />)}
+      <MaybeField label="Size" unit="mm" empty="its own" value={place.size_mm} least={0.001} onValue={(size_mm) => change({ size_mm })} />
+      {turned.some((each) => each !== 0) ? turn : <More what="turn">{turn}</More>}
     </Panel>
   );
 }
 
-export function Shape({ actions }: { actions: Actions }) {
+/** An object is what it is; a path file has places and times of its own. */
+export function Subject({ actions }: { actions: Actions }) {
   const hello = state.hello.value;
   const now = project.value;
   if (!hello || !now) return <Panel title="Object"><p>Waiting for the server…</p></Panel>;
   if (now.hand) return <HandSettings actions={actions} now={now} hand={now.hand} />;
+  if (now.path) return <Panel title="Path"><p class="file">{now.path}</p><p class="hint">It has places and times of its own.</p></Panel>;
+  return <ObjectPanel actions={actions} now={now} primitives={hello.primitives} />;
+}
+
+/** Where it is, and how it is sampled and played. */
+export function Properties() {
+  const hello = state.hello.value;
+  const now = project.value;
+  if (!hello || !now || now.hand) return null;
   const change = (changes: Partial<Record<keyof ProjectDocument, unknown>>): void => edit(having(now, changes));
   const led = paces.find(({ key }) => now[key] !== undefined) ?? paces[0];
   const pace = led.key;
   return (
     <>
-      <ObjectPanel actions={actions} now={now} primitives={hello.primitives} />
-      <PlacePanel now={now} />
+      {!now.path && <PlacePanel now={now} />}
       <Panel title="Sample and play">
-        <NumberField label="Focal points" unit="" value={now.points ?? 200} step={10} least={1} onValue={(points) => change({ points: Math.round(points) })} />
-        <Choice label="Pace" value={pace} choices={paces.map(({ key, name }) => [key, name])} onValue={(key) => change({ ...noPace, [key]: paces.find((each) => each.key === key)?.usual })} />
-        <NumberField label={led.label} unit={led.unit} value={(now[pace] as number | undefined) ?? led.usual} least={0} onValue={(value) => change({ [pace]: value })} />
-        <label class="check"><input type="checkbox" checked={now.even ?? false} onChange={(e) => change({ even: e.currentTarget.checked || undefined })} /> All points feel alike</label>
+        <NumberField label="Focal points" unit="" value={now.points ?? 200} step={10} least={1} most={65535} whole onValue={(points) => change({ points })} />
+        {!now.path && <NumberField label={led.label} unit={led.unit} value={(now[pace] as number | undefined) ?? led.usual} least={0.000001} onValue={(value) => change({ [pace]: value })} />}
+        <Strength now={now} set={change} />
         <Choice label="Modulation" value={now.am ?? ""} choices={[...new Set([...modulations.map(([key]) => key), now.am ?? ""])].map((key) => [key, modulations.find(([known]) => known === key)?.[1] ?? key])} onValue={(am) => change({ am: am || undefined })} />
-        <InstrumentFields hello={hello} now={now} set={change} />
+        <More what="pace, weak points, end, array, board">
+          {!now.path && <Choice label="Pace" value={pace} choices={paces.map(({ key, name }) => [key, name])} onValue={(key) => change({ ...noPace, [key]: paces.find((each) => each.key === key)?.usual })} />}
+          {!now.path && <label class="check"><input type="checkbox" checked={now.even ?? false} onChange={(e) => change({ even: e.currentTarget.checked || undefined })} /> All points feel alike</label>}
+          <InstrumentFields hello={hello} now={now} set={change} />
+        </More>
       </Panel>
     </>
   );

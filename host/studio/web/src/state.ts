@@ -2,8 +2,13 @@
 // What the page knows, as the server told it, and what its panels can ask for.
 import { computed, signal } from "@preact/signals";
 import type { ProjectDocument } from "./document";
+import type { Design } from "./keeper";
 import type { Analysis, Device, Drawn, Drives, Event, Failure, FileOfScene, FrameReport, HandFrame, Hello, PinReport, Point, PulseWindow, Scene, SliceData, Studies, StudyQuestion } from "./link";
 import type { Edges, Orientation } from "./view";
+
+/** What a user is at: each step shows what it needs. */
+export const stepNames = ["Make", "See", "Play"] as const;
+export type StepName = (typeof stepNames)[number];
 
 /** What the handles in the view do. */
 export type Handles = `${"plane" | "object"} ${"move" | "turn"}`;
@@ -54,6 +59,19 @@ export interface StudySession {
 export const state = {
   hello: signal<Hello | undefined>(undefined),
   scene: signal<Scene | undefined>(undefined),
+  step: signal<StepName>("Make"),
+  /** Which panels are folded away. In a narrow window those at the sides lie over the view. */
+  folded: signal({ left: innerWidth < 1100, right: innerWidth < 641, time: innerHeight < 640, feel: innerWidth < 1100 }),
+  /** Whether the three hints of a first visit are shown. */
+  hints: signal(localStorage.getItem("hinted") === null),
+  /** Whether the outputs are to go on as soon as the board that was asked for is there. */
+  playsNext: signal(false),
+  /** The entry of the tour that the board plays, when no point is marked. */
+  playsPoint: signal<number | undefined>(undefined),
+  /** The scene whose modulation is played, as far as this page said. */
+  played: signal(""),
+  /** Millimetres of one pixel in the middle of the view. */
+  mmPerPixel: signal(0),
   /** Whether the scene shown is that of the document shown. */
   current: signal(false),
   object: signal<Drawn | undefined>(undefined),
@@ -128,6 +146,16 @@ export const shownRecord = computed(() => {
 export interface Actions {
   place(orientation: Orientation, middle: Point): void;
   drop(files: File[]): Promise<void>;
+  /** Opens a design that came with the page. */
+  openShipped(name: string, title: string): Promise<void>;
+  /** Opens what the browser kept. */
+  restore(design: Design): Promise<void>;
+  /** Saves the design as a bundle. */
+  saveBundle(): Promise<void>;
+  /** Plays on the board, on a virtual one if there is none. */
+  play(): void;
+  /** The view shows all that there is. */
+  frame(): void;
   send(t: string, members?: Record<string, unknown>): void;
   take(as: FileOfScene): Promise<void>;
   /** The image in its board's bitstream as a file; with autostart it plays at power-up. */

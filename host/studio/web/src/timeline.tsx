@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The pass in time: what plays when, how strong it is, and which focal point is marked.
 import { computed } from "@preact/signals";
+import { PanelBottom } from "lucide-preact";
 import { useId, useRef, useState } from "preact/hooks";
 import { Choice } from "./controls";
 import type { Analysis, Scene } from "./link";
@@ -68,6 +69,7 @@ export function Timeline({ actions }: { actions: Actions }) {
   const scene = state.scene.value;
   const at = state.at.value;
   if (!scene || scene.tour.length === 0) return null;
+  const folded = state.folded.value.time;
   const { tour } = scene;
   const entry = at === undefined ? undefined : tour[at];
   const shown = windowOf(scene, zoom, at);
@@ -81,11 +83,12 @@ export function Timeline({ actions }: { actions: Actions }) {
   const ms = (seconds: number): string => `${short(seconds * 1e3)} ms`;
   return (
     <div class="scrubber" role="group" aria-label="Timeline">
-      <svg ref={lane} class="lane" viewBox={`0 0 ${width} ${height}`} preserveAspectRatio="none" role="img" aria-label={`${tour.length} entries in ${ms(scene.pass_s)}, shown from ${ms(shown.from)} to ${ms(shown.to)}`} onPointerDown={scrub} onPointerMove={scrub}>
+      {!folded && <svg ref={lane} class="lane" viewBox={`0 0 ${width} ${height}`} preserveAspectRatio="none" role="img" aria-label={`${tour.length} entries in ${ms(scene.pass_s)}, shown from ${ms(shown.from)} to ${ms(shown.to)}`} onPointerDown={scrub} onPointerMove={scrub}>
         <path class="blocks" d={blocks(scene, shown)} />
         {entry && <rect class="mark-here" x={(entry.from_s - shown.from) * scale} y={0} width={Math.max(3, entry.dwell_s * scale)} height={height} />}
-      </svg>
+      </svg>}
       <div class="row">
+        <button type="button" class="ghost" aria-expanded={!folded} aria-label="Timeline in full" onClick={() => (state.folded.value = { ...state.folded.value, time: !folded })}><PanelBottom size={16} aria-hidden="true" /></button>
         <button type="button" aria-pressed={state.running.value} onClick={() => actions.run(!state.running.value)}>{state.running.value ? "❚❚ Hold" : "▶ Run"}</button>
         <label for={id}>Focal point</label>
         <input id={id} type="range" min={0} max={tour.length - 1} step={1} value={at ?? 0} onInput={(e) => actions.mark(Number(e.currentTarget.value))} />
@@ -93,7 +96,7 @@ export function Timeline({ actions }: { actions: Actions }) {
         <Choice label="Time" value={String(state.slower.value)} choices={slowings.map((each) => [String(each), each === 1 ? "as on the board" : `1/${each.toLocaleString("en")} as fast`])} onValue={(value) => (state.slower.value = Number(value))} />
         <Choice label="Zoom" value={String(zoom)} choices={zooms.map((each) => [String(each), each === 1 ? "whole pass" : `× ${each}`])} onValue={(value) => setZoom(Number(value))} />
       </div>
-      {entry && <Marked />}
+      {entry && !folded && <Marked />}
     </div>
   );
 }
@@ -115,6 +118,8 @@ function Marked() {
     </p>
   );
 }
+
+const stillness = matchMedia("(prefers-reduced-motion: reduce)"); // four steps a second instead of a motion
 
 /** Lets the marked point run through the tour in slow motion, a picture at a time. */
 export class Runner {
@@ -143,6 +148,7 @@ export class Runner {
     this.begun = { at: now, seconds };
     const at = entryAt(scene, seconds);
     if (at !== state.at.peek()) this.mark(at);
-    requestAnimationFrame(() => this.step());
+    if (stillness.matches) setTimeout(() => this.step(), 250);
+    else requestAnimationFrame(() => this.step());
   }
 }

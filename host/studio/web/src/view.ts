@@ -9,6 +9,7 @@ import {
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { TransformControls } from "three/addons/controls/TransformControls.js";
+import { Axes } from "./axes";
 import { type ColourMap, phaseColour, table } from "./colours";
 import { HandDrawing } from "./hand_drawing";
 import type { ArrayOf, Drawn, DrawnHand, Drives, Point, Scene, SliceData } from "./link";
@@ -61,9 +62,12 @@ export class View {
   moved: () => void = () => {};
   /** Called while the object is moved or turned by its handles, and once more when it is let go. */
   objectMoved: (centre: Point, turnDeg: Point, done: boolean) => void = () => {};
+  /** Called when it has changed how many millimetres a pixel is in the middle of the view. */
+  scaled: (mmPerPixel: number) => void = () => {};
   /** Called when the pointer is over the plane, with the place in millimetres and the mean square pressure there; and when it has left. */
   probed: (found: { at: Point; square: number } | undefined) => void = () => {};
 
+  private readonly orbit: OrbitControls;
   private readonly renderer: WebGLRenderer;
   private readonly world = new World();
   private readonly camera = new PerspectiveCamera(38, 1, 1, 4000);
@@ -78,6 +82,7 @@ export class View {
   private readonly surface = new Group();
   private readonly path = new Group();
   private readonly hand = new HandDrawing();
+  private readonly axes = new Axes();
   private readonly pivot = new Group();
   private middleOfAll = new Vector3();
   private centreOfOne: Vector3 | undefined;
@@ -102,15 +107,16 @@ export class View {
     this.canvas.tabIndex = 0;
     host.append(this.canvas);
     this.camera.up.set(0, 0, 1);
-    this.camera.position.set(260, -400, 340);
+    this.camera.position.set(216, -332, 295);
     const orbit = new OrbitControls(this.camera, this.canvas);
-    orbit.target.set(0, 0, 75); // so that the array stands above the timeline
+    orbit.target.set(0, 0, 75);
     orbit.update();
-    orbit.addEventListener("change", () => this.redraw());
+    orbit.addEventListener("change", () => this.tellScale());
+    this.orbit = orbit;
 
     const sun = new DirectionalLight(0xffffff, 2);
     sun.position.set(1, -2, 3);
-    this.world.add(new AmbientLight(0xffffff, 1.6), sun, this.array, this.object, this.surface, this.path, this.hand.group, this.plane);
+    this.world.add(new AmbientLight(0xffffff, 1.6), sun, this.array, this.object, this.surface, this.path, this.hand.group, this.plane, this.axes.group);
 
     const { uniforms } = this;
     this.sheet = new Mesh(new PlaneGeometry(1, 1), new ShaderMaterial({ side: DoubleSide, transparent: true, uniforms, vertexShader, fragmentShader }));
@@ -145,7 +151,6 @@ export class View {
       this.redraw();
     });
     this.canvas.addEventListener("webglcontextrestored", () => this.redraw());
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.paint());
     new ResizeObserver(() => this.fit(host)).observe(host);
     this.fit(host);
     this.paint();
@@ -205,6 +210,8 @@ export class View {
     this.clear(this.array);
     const discs = new InstancedMesh(new CircleGeometry(radius, 20), new MeshBasicMaterial({ side: DoubleSide }), elements.length);
     elements.forEach((element, i) => discs.setMatrixAt(i, new Matrix4().makeTranslation(...element)));
+    const corner = (along: 0 | 1): number => Math.min(...elements.map((element) => element[along])) - 12;
+    this.axes.group.position.set(corner(0), corner(1), 0);
     this.array.add(discs);
     this.discs = discs;
     this.drives = undefined;
@@ -339,10 +346,32 @@ export class View {
     this.frame.material.color = colour("--frame");
     this.focus.material.color = colour("--stop");
     this.hand.paint(colour);
+    this.axes.paint(colour);
     this.paintDiscs();
     for (const group of [this.object, this.surface, this.path])
       for (const part of group.children)
         (part as Mesh<BufferGeometry, MeshBasicMaterial>).material.color = colour(part.userData["colour"] as string);
+    this.redraw();
+  }
+
+  /** Looks at the array, the object and the plane as a whole, from where it looked. */
+  frameAll(): void {
+    const box = new Box3();
+    for (const group of [this.array, this.object, this.path, this.hand.group, this.plane]) box.expandByObject(group);
+    if (box.isEmpty()) return;
+    const middle = box.getCenter(new Vector3());
+    const radius = box.getSize(new Vector3()).length() / 2;
+    const narrowest = Math.min(1, this.camera.aspect) * Math.tan((this.camera.fov * Math.PI) / 360);
+    const way = this.camera.position.clone().sub(this.orbit.target).setLength((0.9 * radius) / narrowest);
+    this.orbit.target.copy(middle);
+    this.camera.position.copy(middle).add(way);
+    this.orbit.update();
+    this.tellScale();
+  }
+
+  private tellScale(): void {
+    const { clientHeight: height } = this.canvas;
+    if (height > 0) this.scaled((2 * this.camera.position.distanceTo(this.orbit.target) * Math.tan((this.camera.fov * Math.PI) / 360)) / height);
     this.redraw();
   }
 
@@ -394,6 +423,7 @@ export class View {
     this.renderer.setSize(width, height);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
+    this.tellScale();
     this.renderer.render(this.world, this.camera); // at once: a new size clears the canvas
   }
 }

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the browser keeps of designs, so that no work is lost: each with its steps and files, after every edit.
+import { effect, signal } from "@preact/signals";
+import { del, entries, get, set } from "idb-keyval";
+import { canUndo, type History, history, isSaved } from "./document";
+
+/** A design as the browser keeps it. */
+export interface Design {
+  id: string;
+  name: string;
+  when: number;
+  history: History;
+  /** whether a file has it, too */
+  saved: boolean;
+  files: File[];
+}
+
+const mostDesigns = 12;
+const mostSteps = 100; // of each
+const pause = 300; // ms after an edit
+const tab = "design"; // what a tab was working on when it was loaded again
+
+/** Newest first. */
+export const designs = signal<Design[]>([]);
+/** One that no file has, from another time: it is offered. */
+export const offered = signal<Design | undefined>(undefined);
+/** When the design was kept last. */
+export const keptAt = signal<number | undefined>(undefined);
+
+/** The design that this tab had before it was loaded again; another one that was not saved is offered. */
+export async function begin(files: () => File[], tell: (error: unknown) => void): Promise<Design | undefined> {
+  const before = sessionStorage.getItem(tab);
+  let found: Design | undefined;
+  try {
+    found = before ? await get<Design>(before) : undefined;
+    await list();
+    if (!found) offered.value = designs.peek().find(({ saved }) => !saved);
+  } catch (error) {
+    tell(new Error(`The browser keeps nothing of this page, so save your work as files: ${String(error)}`));
+    return undefined;
+  }
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  effect(() => {
+    const now = history.value, saved = isSaved.value;
+    clearTimeout(timer);
+    if (canUndo.value) timer = setTimeout(() => void keep(now, saved, files()).catch(tell), pause);
+  });
+  return found;
+}
+
+async function keep({ steps, at }: History, saved: boolean, files: File[]): Promise<void> {
+  const now = steps[at];
+  if (!now) return;
+  const from = Math.max(0, Math.min(at, steps.length - mostSteps));
+  const design: Design = { id: now.id, name: now.name, when: Date.now(), history: { steps: steps.slice(from, from + mostSteps), at: at - from }, saved, files };
+  sessionStorage.setItem(tab, now.id);
+  await set(now.id, design);
+  keptAt.value = design.when;
+  await list();
+}
+
+async function list(): Promise<void> {
+  const all = (await entries<string, Design>()).map(([, design]) => design).sort((a, b) => b.when - a.when);
+  await Promise.all(all.slice(mostDesigns).map(({ id }) => del(id)));
+  designs.value = all.slice(0, mostDesigns);
+}

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+// Ten things that a user comes for, each in at most five actions; and many designs that are the command line's, byte by byte.
+import assert from "node:assert/strict";
+import { readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { test } from "node:test";
+import { boardSays, drawnAt, drop, folder, hasValue, lookedAt, middle, openPage, pixels, run, settled, shapes, startBrowser, startStudio } from "./support.mjs";
+
+const mostActions = 5;
+
+test("ten tasks, each in at most five actions", async (t) => {
+  const studio = await startStudio(t);
+  const page = await openPage(t, await startBrowser(t), studio);
+  await settled(page);
+  await lookedAt(page);
+  await page.getByRole("button", { name: "Got it" }).click();
+  let actions = 0;
+  // What stands on the page, with nothing unfolded: every click, typed value and key is an action.
+  const act = async (work) => {
+    actions++;
+    await work;
+  };
+  const find = (selector, options) => page.locator(selector, options);
+  const button = (name) => page.locator("button", { hasText: name }).first();
+  const design = (title) => page.locator("li button", { hasText: title }).first();
+  const typed = async (label, value) => {
+    await page.locator(`[aria-label="${label}"], .field:has(label:text-is("${label}")) input`).first().fill(value);
+    await page.keyboard.press("Enter");
+  };
+  const task = async (name, work, done) => {
+    actions = 0;
+    await work();
+    await done();
+    t.diagnostic(`${name}: ${actions} ${actions === 1 ? "action" : "actions"}`);
+    assert.ok(actions <= mostActions, name);
+  };
+  const footer = (text) => page.locator("footer", { hasText: text }).waitFor();
+  const saved = page.waitForEvent("download");
+
+  await task("make a ring at 15 cm", async () => {
+    await act(design("Ring").click());
+    await footer("Ring: ");
+    await act(typed("Centre z", "15 cm"));
+  }, async () => hasValue(page.getByLabel("Centre z", { exact: true }), "150"));
+  await task("save it as a file", async () => act(page.keyboard.press("Control+s")), async () => assert.equal((await saved).suggestedFilename(), "Ring.haptogram"));
+  await task("open another, and find the ring again", async () => {
+    await act(design("Plus").click());
+    await footer("Plus: ");
+    await act(find(".menu summary").click());
+    await act(find(".sheet button.ghost").filter({ hasText: "Ring" }).first().click());
+  }, async () => footer("Ring: "));
+  await settled(page);
+  await task("play it", async () => act(find("button.play").click()), async () => boardSays(page, "outputs ON"));
+  await task("stop it", async () => act(page.keyboard.press("Escape")), async () => boardSays(page, "outputs off"));
+  await task("make it weaker", async () => act(typed("Amplitude", "60")), async () => settled(page));
+  await task("take that back", async () => act(page.keyboard.press("Control+z")), async () => hasValue(page.getByLabel("Amplitude", { exact: true }), "100"));
+  await task("mend what is drawn too fast", async () => {
+    await act(design("Plus").click());
+    await footer("Plus: ");
+    await act(typed("Passes a second", "400"));
+    await settled(page);
+    await lookedAt(page);
+    await act(find('[data-kind="short-dwell"] button.remedy').first().click());
+  }, async () => find('[data-kind="short-dwell"]').waitFor({ state: "detached" }));
+  await task("bring a mesh that lies down, and set it upright", async () => {
+    await act(drop(page, [{ name: "trimesh.obj", bytes: readFileSync(join(shapes, "trimesh.obj")) }]));
+    await act(find('.field:has(label:text-is("Upwards in the file")) select').selectOption("y"));
+  }, async () => settled(page));
+  await task("see how wide it is felt", async () => act(find("[data-step=See]").click()), async () => find(".hint", { hasText: /Half of the radiation pressure within|does not fall to half/ }).waitFor());
+  await task("a hand that slides over a ball, played", async () => {
+    await act(find("[data-step=Make]").click());
+    await act(design("Touched ball").click());
+    await footer("Touched ball: ");
+    await settled(page);
+    await act(find("button.play").click());
+  }, async () => boardSays(page, "outputs ON"));
+  await page.keyboard.press("Escape");
+  await boardSays(page, "outputs off");
+});
+
+/** Numbers that are the same for the same seed. */
+function randomOf(seed) {
+  let state = seed >>> 0 || 1;
+  return (least, most) => {
+    state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
+    return least + (state / 2 ** 32) * (most - least);
+  };
+}
+
+function randomDesign(random) {
+  const pick = (...choices) => choices[Math.floor(random(0, choices.length))];
+  const tenth = (least, most) => Math.round(10 * random(least, most)) / 10;
+  const design = { format: "haptogram-project-1", points: Math.round(random(3, 60)) };
+  design[pick("rate_hz", "rate_hz", "frequency_hz")] = tenth(5, 20);
+  if (random(0, 1) < 0.3) design.amplitude = Math.max(0.1, tenth(0.1, 1));
+  if (random(0, 1) < 0.2) design.loops = Math.round(random(1, 9));
+  if (random(0, 1) < 0.3) design.board = pick("ice40-hx8k-breakout", "ulx3s-85f");
+  if (design.board === undefined && random(0, 1) < 0.2) design.seed = Math.round(random(0, 1000));
+  design.place = { size_mm: tenth(20, 60), center_mm: [tenth(-15, 15), tenth(-15, 15), tenth(110, 180)], rotate_deg: [tenth(-90, 90), 0, tenth(-90, 90)] };
+  design.shape = [{ kind: pick("circle", "triangle", "square", "plus", "line", "helix") }];
+  if (design.frequency_hz === undefined) design.shape[0].kind = pick("circle", "sphere", "hemisphere", "cube", "cone", "cylinder", "plus");
+  return design;
+}
+
+test("images from the page are the command line's, of fifty designs", async (t) => {
+  const seed = Number(process.env.HAPTOGRAM_SEED ?? Math.floor(1e9 * Math.random()));
+  t.diagnostic(`HAPTOGRAM_SEED=${seed}`);
+  const random = randomOf(seed);
+  const studio = await startStudio(t);
+  const page = await openPage(t, await startBrowser(t), studio);
+  await settled(page);
+  const where = await folder(t);
+  for (let i = 0; i < 50; i++) {
+    const design = randomDesign(random);
+    const { text, image } = await page.evaluate(async (design) => {
+      const key = sessionStorage.getItem("token");
+      const socket = new WebSocket(`ws://${location.host}/ws`, ["haptogram.1", `token.${key}`]);
+      await new Promise((done) => (socket.onopen = done));
+      const answer = new Promise((done) => (socket.onmessage = ({ data }) => {
+        const message = typeof data === "string" ? JSON.parse(data) : {};
+        if (message.t === "scene" || message.t === "failed") done(message);
+      }));
+      socket.send(JSON.stringify({ t: "scene", n: 1, document: design }));
+      const { scene, error } = await answer;
+      socket.close();
+      if (error) return { text: JSON.stringify(design), image: `failed: ${error.message}` };
+      const get = async (path, init) => (await fetch(path, { ...init, headers: { Authorization: `Bearer ${key}` } }));
+      const { text } = await (await get("/api/project", { method: "POST", body: JSON.stringify(design) })).json();
+      return { text, image: await (await get(`/api/take?scene=${scene.name}&as=hex`)).text() };
+    }, design);
+    assert.ok(!image.startsWith("failed"), `${image}: ${text}`);
+    const project = join(where, `${i}.toml`);
+    writeFileSync(project, text);
+    await run("compile", project, "-o", join(where, "image.hex"));
+    assert.equal(image, readFileSync(join(where, "image.hex"), "utf8"), text);
+  }
+});
+
+test("axes stand beside the array, and the view shows where the board is", async (t) => {
+  const where = await folder(t);
+  writeFileSync(join(where, "ring.toml"), 'format = "haptogram-project-1"\npoints = 8\nrate_hz = 1\n[[shape]]\nkind = "circle"\ndiameter_mm = 40\n');
+  const page = await openPage(t, await startBrowser(t), await startStudio(t, join(where, "ring.toml")));
+  await settled(page);
+  await page.getByRole("button", { name: "Got it" }).click();
+  const shown = await middle(page);
+  const all = await pixels(page);
+  const width = Math.round(shown.box.width);
+  // On each axis one colour is the strongest, for its line leads there from the array's corner.
+  for (const [axis, strongest] of [[0, 0], [1, 1], [2, 2]]) {
+    const found = [10, 15, 20, 25, 30].some((mm) => {
+      const at = drawnAt([-57, -57, 0].map((each, i) => each + (i === axis ? mm : 0)), shown);
+      const [x, y] = [Math.round(at.x - shown.box.x), Math.round(at.y - shown.box.y)];
+      return [-1, 0, 1].some((dx) => [-1, 0, 1].some((dy) => {
+        const pixel = all.slice(3 * ((y + dy) * width + x + dx), 3 * ((y + dy) * width + x + dx) + 3);
+        return Math.max(...pixel) - Math.min(...pixel) > 60 && pixel[strongest] === Math.max(...pixel);
+      }));
+    });
+    assert.ok(found, `axis ${"xyz"[axis]}`);
+  }
+  await page.locator("button.play").click();
+  await boardSays(page, "outputs ON");
+  const seen = new Set();
+  for (let i = 0; i < 40 && seen.size < 3; i++) {
+    const text = await page.getByLabel("Intensity", { exact: true }).isVisible().then(() => page.locator("#right").innerText());
+    seen.add(text.match(/plays record \d+, point (\d) of 8/)?.[1]);
+    await page.waitForTimeout(200);
+  }
+  assert.ok(seen.size >= 3, [...seen].join(", "));
+  await page.getByRole("button", { name: "STOP" }).click();
+  await boardSays(page, "outputs off");
+});
