@@ -91,6 +91,7 @@ sanitize: ## the program under address and undefined-behaviour sanitizers, half 
 soak: build ## torture of the link, boards on one wire, reference board and fuzzers at full size: hours; FUZZ_RUNS=10000000 of each target
 	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/test_torture --durations yes
 	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/modules/test_module_carrier_edges --durations yes
+	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/modules/test_module_net_core 'stream*' --durations yes
 	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/test_tiles --durations yes
 	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/test_reference --durations yes
 	@$(PYTHON) tests/fuzz/run.py --program $(BUILD)/host/cli/haptogram --runs $(or $(FUZZ_RUNS),10000000)

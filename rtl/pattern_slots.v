@@ -17,7 +17,8 @@ module pattern_slots #(
     parameter CHANNELS  = 100,
     parameter RECORDS   = 400,
     parameter FOCI      = 8,
-    parameter WORD_BITS = 16
+    parameter WORD_BITS = 16,
+    parameter PERIOD_BITS = 48  // of a period's number; less only makes proofs shorter
 ) (
     input  wire        clk,
     input  wire        i_forget,
@@ -28,7 +29,7 @@ module pattern_slots #(
     input  wire [2:0]  i_foci_last,
     output reg         o_usable,      // the slots lie within memory; three clocks after the settings
     input  wire        i_settle,      // strobe
-    input  wire [47:0] i_period,
+    input  wire [PERIOD_BITS-1:0] i_period,
     input  wire        i_take,        // strobe
     input  wire        i_close,       // strobe: the frame has ended
     output wire        o_wait,
@@ -40,7 +41,7 @@ module pattern_slots #(
     output wire        o_early,
     output wire        o_repeated,
     input  wire        i_go,          // strobe
-    input  wire [47:0] i_count,
+    input  wire [PERIOD_BITS-1:0] i_count,
     output wire        o_jump,
     output wire        o_turn,        // strobe
     output wire        o_full,
@@ -50,31 +51,33 @@ module pattern_slots #(
     localparam RECORD_WORDS = CHANNELS + `HG_RECORD_HEADER_WORDS;
     localparam PATTERN_BITS = $clog2(CHANNELS > 4 * FOCI ? CHANNELS : 4 * FOCI);
     localparam [PATTERN_BITS-1:0] LAST_CHANNEL = CHANNELS[PATTERN_BITS-1:0] - 1'b1;
+    localparam [PERIOD_BITS-1:0] NONE = 0, ONE = 1;
     localparam [15:0] TOP_RECORD = RECORDS[15:0];
     localparam [3:0]  MOST_BITS = BITS[3:0];
     localparam [26:0] STRIDE = RECORD_WORDS[26:0], HEADER = `HG_RECORD_HEADER_WORDS;
 
-    wire [47:0] mask = ~({48{1'b1}} << i_slot_bits);  // a period's bits that name its slot
-    wire [16:0] last_index = {1'b0, i_first} + {1'b0, mask[15:0]};
+    wire [PERIOD_BITS-1:0] mask = ~({PERIOD_BITS{1'b1}} << i_slot_bits);  // a period's bits that name its slot
+    wire [16:0] last_index = {1'b0, i_first} + {1'b0, ~(16'hffff << i_slot_bits)};
     wire        foci = FOCI != 0 && i_first > TOP_RECORD;
 
     // ---- The present pattern: steps from its period to its place, then its words
 
-    reg [47:0] period_q;
+    reg [PERIOD_BITS-1:0] period_q;
     reg [15:0] index_q;
     reg [4:1]  steps_q;
     reg [26:0] record_q;
     reg [PATTERN_BITS-1:0] word_q;
     reg        full_q, swept_q, keeps_q, late_q, early_q, repeated_q;
-    reg [47:0] decided_q;    // the last period whose turn has been
+    reg [PERIOD_BITS-1:0] decided_q;    // the last period whose turn has been
     reg [1:0]  turn_q;
+    wire [BITS-1:0] slot = period_q[BITS-1:0] & mask[BITS-1:0], turn_slot = decided_q[BITS-1:0] & mask[BITS-1:0];
     wire [31:0] last_focus_word = {27'd0, i_foci_last, 2'b11};
     wire [PATTERN_BITS-1:0] last_word = foci ? last_focus_word[PATTERN_BITS-1:0] : LAST_CHANNEL;
     wire       ends   = i_take && word_q == last_word;
     wire       judges = steps_q[4] && (swept_q || i_forget);
-    wire [47:0] ahead = period_q - decided_q;
-    wire       late   = ahead[47] || ahead == 48'd0;
-    wire       early  = (ahead & ~mask) != 48'd0;
+    wire [PERIOD_BITS-1:0] ahead = period_q - decided_q;
+    wire       late   = ahead[PERIOD_BITS-1] || ahead == NONE;
+    wire       early  = (ahead & ~mask) != NONE;
     wire       begins = i_take && word_q == {PATTERN_BITS{1'b0}};
     wire       fills  = ends && keeps_q && !late && !i_forget;
     assign o_wait     = steps_q != 4'd0;
@@ -104,7 +107,7 @@ module pattern_slots #(
         if (!o_wait) o_usable <= i_slot_bits != 4'd0 && i_slot_bits <= MOST_BITS && i_first != 16'd0 && !last_index[16]
                                  && (foci ? !no_foci : last_index[15:0] <= TOP_RECORD);
         if (i_settle || ends) begin
-            period_q <= i_settle ? i_period : period_q + 48'd1;
+            period_q <= i_settle ? i_period : period_q + ONE;
             word_q   <= {PATTERN_BITS{1'b0}};
             steps_q  <= 4'd1;
         end else begin
@@ -113,7 +116,7 @@ module pattern_slots #(
             if (judges || i_close) steps_q <= 4'd0;
             else if (!steps_q[4] && !(steps_q[3] && turn_q[0])) steps_q <= {steps_q[3:1], 1'b0};
         end
-        if (steps_q[1]) index_q <= i_first + (period_q[15:0] & mask[15:0]);
+        if (steps_q[1]) index_q <= i_first + {{(16-BITS){1'b0}}, slot};
         record_q <= {11'd0, index_q - 16'd1} * STRIDE + HEADER;
         if (i_forget) {keeps_q, late_q, early_q, repeated_q} <= 4'd0;
         else if (judges) {keeps_q, late_q, early_q, repeated_q} <= {!late && !early && !full_q, late, !late && early, !late && !early && full_q};
@@ -126,7 +129,6 @@ module pattern_slots #(
     initial for (s = 0; s < SLOTS; s = s + 1) waits[s] = 1'b0;
     reg  [BITS:0]   sweep_q;  // all are emptied one by one, as long as its upper bit is 0
     reg             clears_q;
-    wire [BITS-1:0] slot = period_q[BITS-1:0] & mask[BITS-1:0], turn_slot = decided_q[BITS-1:0] & mask[BITS-1:0];
     wire            sweeps = !sweep_q[BITS];
     initial {sweep_q, swept_q, turn_q, clears_q} = 0;
     always @(posedge clk) begin
@@ -141,12 +143,12 @@ module pattern_slots #(
 
     // ---- The turn of a period
 
-    assign o_jump  = i_go && i_count + 48'd1 != decided_q;
+    assign o_jump  = i_go && i_count + ONE != decided_q;
     assign o_turn  = turn_q[1] && !i_forget;
     assign o_full  = full_q && swept_q;
-    assign o_index = i_first + (decided_q[15:0] & mask[15:0]);
+    assign o_index = i_first + {{(16-BITS){1'b0}}, turn_slot};
     always @(posedge clk) begin
-        if (i_go) decided_q <= i_count + 48'd2;
+        if (i_go) decided_q <= i_count + ONE + ONE;
         turn_q <= i_forget ? 2'b00 : {turn_q[0], i_go};
     end
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reference_stream.hpp"
 
-
 namespace haptogram::sim {
 namespace {
 

@@ -189,6 +189,38 @@ with Client.open(sys.argv[1]) as board:
         assert done.returncode == 0, done.stderr
 
 
+def test_patterns_are_streamed_to_it_live(tmp_path):
+    script = """
+import json, sys
+from haptogram import Client, HaptogramError, PatternStream
+sent, seen = [0], []
+def source(period, count):
+    sent[0] += count
+    return None if sent[0] > 12_000 else bytes([period % 256, 200] * (100 * count))
+with Client.open(sys.argv[1]) as board:
+    try:
+        PatternStream(board, slots=512)
+        refused = ""
+    except HaptogramError as error:
+        refused = str(error)
+    stream = PatternStream(board, first=20, slots=256)
+    with board.outputs():
+        before = board.status()
+        status = stream.play(source, lambda now: seen.append(now.streaming and now.mode == "live"))
+print(json.dumps({"refused": refused, "sent": sent[0], "streaming": any(seen), "before": before.stream_late, "late": status.stream_late,
+                  "early": status.stream_early, "repeated": status.stream_repeated, "refused_records": status.refused_records}))
+"""
+    with net_board(tmp_path) as board:
+        done = subprocess.run([sys.executable, "-c", script, board.port], env={"PYTHONPATH": str(ROOT / "tools/python")}, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)
+    assert "expected a power of two" in told["refused"]  # more than there are records
+    assert told["streaming"]
+    assert told["repeated"] == told["refused_records"] == 0
+    assert told["early"] < told["sent"] / 4
+    assert told["late"] - told["before"] < 0.9 * told["sent"]  # on a machine that does much else
+
+
 @pytest.mark.parametrize("name", ["udp:", "udp::4807", "udp:127.0.0.1:0", "udp:127.0.0.1:65535", "udp:127.0.0.1:99999", "udp:127.0.0.1:4x", "udp:127.0.0.1#2"])
 def test_a_name_that_is_none_is_told(name):
     assert_one_message(run(["device", "info", "--port", name]), USAGE, "udp:ADDRESS")

@@ -216,6 +216,10 @@ class Client:
         self._ask(Command.WATCHDOG, milliseconds)
         self._watchdog_ms = milliseconds
 
+    def tell(self, requests: Sequence[Request]) -> None:
+        """Requests that have no answer; see PatternStream."""
+        self._session.tell(requests)
+
     def write(self, address: int, data: bytes) -> None:
         self._session.exchange([_write(Piece(address, data))])
 

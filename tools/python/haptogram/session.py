@@ -85,6 +85,7 @@ class Session:
         self._decoder = ReplyDecoder()
         self._heard = 0  # bytes since the last progress
         self._queue: deque[_Pending] = deque()
+        self._number = 0  # that of the IDENTIFY which began the session
         self._next = random.randrange(256)  # number of the queue's first; so late answers to a program that was killed match nothing
         self._sent = self._farthest = 0  # of the queue, in this round and in any
         self._tries = self._strange = 0  # since the last progress
@@ -96,7 +97,7 @@ class Session:
     def begin(self) -> bytes:
         """Starts the numbers anew, far from those of frames that may still be under way. Returns the identity block."""
         self._forget()
-        self._next = (self._next + 128) % 256
+        self._next = self._number = (self._next + 128) % 256
         self._line.drain()
         self._line.write(b"\0")  # ends whatever half frame the line left
         return self._exchange([Request(Command.IDENTIFY, answer=None)])[0].data
@@ -111,6 +112,17 @@ class Session:
         if self._in_doubt:  # an exchange was cut short, even by Ctrl-C: a number used twice would be ignored
             self.begin()
         return self._exchange(requests)
+
+    def tell(self, requests: Sequence[Request]) -> None:
+        """Requests that have no answer and are not sent again: STREAM."""
+        if self._in_doubt:
+            self.begin()
+        if self._stopped():
+            raise Interrupted(self._line.path)
+        for request in requests:
+            self._line.write(encode_request(self._number, request))
+        self._said = self._clock()
+        self._line.read(0.0)  # sends what gathers; nothing is waited for, so nothing comes
 
     def rest(self) -> float:
         """Seconds until something new must be said, while outputs are on."""
