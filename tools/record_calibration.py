@@ -101,9 +101,12 @@ def record(code, bought, place, rng, echo_db=-20.0, noise_db=-20.0, clock_ppm=10
                 if a == b:
                     continue
                 envelope[a:b] += steady[i]
-                c = min(b, a + int(0.004 * RATE_HZ))
-                after = times[a:c, None] - begin - flight
-                envelope[a:c] += np.exp(-decay * np.maximum(after, 0)) @ (sources * (played[i - 1] - played[i]))
+                # Each element goes over from when its sound arrives; when all have arrived, they fall alike.
+                change = sources * (played[i - 1] - played[i])
+                c = int(np.searchsorted(times[a:b], begin + flight.max())) + a
+                envelope[a:c] += np.exp(-decay * np.maximum(times[a:c, None] - begin - flight, 0)) @ change
+                d = min(b, c + int(0.004 * RATE_HZ))
+                envelope[c:d] += np.exp(-decay * (times[c:d] - begin - flight.max())) * (np.exp(-decay * (flight.max() - flight)) @ change)
     sound = (envelope * np.exp(2j * np.pi * CARRIER_HZ * times + 1j * rng.uniform(0, 6.28))).real
     size = np.sqrt((abs(envelope) ** 2).mean())
     sound += rng.normal(0, size * 10 ** (noise_db / 20) * np.sqrt(RATE_HZ * 8e-3) / 2, len(sound))

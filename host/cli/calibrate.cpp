@@ -208,7 +208,9 @@ void add_calibrate(CLI::App& app, Action& action) {
                     "voltage, or a .csv "
                     "index,reading of the records of code --steps")
         ->required();
-    sub->add_option("--at", fit->places, "Where the microphone was, x,y,z in mm; once for each recording")->required();
+    sub->add_option("--at", fit->places, "Where the microphone was, x,y,z in mm; once for each recording")
+        ->required()
+        ->allow_extra_args(false);
     add_instrument(*sub, *fit);
     sub->add_option("--place-error", fit->place_error_mm, "How well these places are known, in each direction, mm")
         ->check(positive())

@@ -30,7 +30,7 @@ std::optional<std::pair<double, double>> numbers_of(std::string_view line) {
 
 Recording read_csv(const std::string& file) {
     const std::string text = read_file(file);
-    Recording recording{file};
+    Recording recording{file, 0.0, {}};
     std::vector<double> times;
     std::size_t number = 0;
     for (std::size_t begin = 0; begin < text.size(); ++number) {

@@ -78,7 +78,7 @@ def test_one_place_brings_the_focus_back(code, tmp_path):
         times.append(time.monotonic() - begin)
         assert elements(found, "dead") == bought.dead, seed
         assert elements(found, "reversed") == bought.reversed, seed
-        assert abs(found["recordings"][0]["clock_ppm"] - 100.0 * (-1) ** seed) < 1, seed
+        assert abs(found["recordings"][0]["clock_ppm"] + 100.0 * (-1) ** seed) < 1, seed  # a quick clock hears a low carrier
         shares.append(kept(tmp_path, "./tile.toml", bought))
         before.append(kept(tmp_path, "tile-10x10", bought))
     print(f"one place, {ARRAYS} arrays: before {np.median(before):.3f}, after median {np.median(shares):.4f}, worst {min(shares):.4f}, {max(times):.2f} s")
@@ -174,7 +174,7 @@ def test_what_no_fit_can_mend_is_refused(code, tmp_path):
     bought = sound_array()
     options = takes(tmp_path, code, bought, PLACES[:1], SEED)
     fit = ["calibrate", "fit", *options, "-o", "tile.toml"]
-    (tmp_path / "wide.toml").write_text("[array]\nrows = 10\ncolumns = 10\npitch_mm = 11.0\n")
+    (tmp_path / "wide.toml").write_text("[array]\nrows = 10\ncolumns = 10\npitch_mm = 12.5\n")
     refuse(tmp_path, [*fit, "--array", "./wide.toml"], BAD_INPUT, "fit no place within 5 mm", "array file is this array's", outputs=["tile.toml"])
     refuse(tmp_path, [*fit, "--array", "tile-7x8"], BAD_INPUT, "code for 56 elements is not in it", outputs=["tile.toml"])
     refuse(tmp_path, [*fit[:-3], "--at=60,50,150", "-o", "tile.toml"], BAD_INPUT, "fit no place|code", outputs=["tile.toml"])
@@ -194,7 +194,7 @@ def test_what_no_fit_can_mend_is_refused(code, tmp_path):
 
 
 def test_an_oscilloscope_and_a_sound_card_tell_the_same(code, tmp_path):
-    options = takes(tmp_path, code, sound_array(), PLACES[:1], SEED, passes=1.6, lead_s=0.2, clock_ppm=0.0)
+    options = takes(tmp_path, code, sound_array(), PLACES[:1], SEED, passes=1.6, lead_s=0.9, clock_ppm=0.0)
     rate, sound = wavfile.read(tmp_path / "0.wav")
     volts = sound / 2**31
     lines = ("Model,Any\nSource,CH1\nSecond,Volt\n", *(f"{i / rate:.9g},{v:.6f}\n" for i, v in enumerate(volts)))

@@ -17,8 +17,7 @@ namespace haptogram {
 struct Element {
     Vec3 position;
     Vec3 normal{0.0, 0.0, 1.0};
-    std::complex<double> response =
-        1.0;  ///< what it radiates of its drive: a gain and a phase that leads; 0: it is dead
+    std::complex<double> response = 1.0;  ///< what it radiates of its drive: a gain, and a phase that leads; 0: dead
 
     /// A drive of length 1 whose wave has the phase of an element that is as its kind; 0 of a dead one.
     [[nodiscard]] std::complex<double> aligning() const {

@@ -62,8 +62,7 @@ struct ChannelDrive {
 [[nodiscard]] Focus unpack_focus(const FocusWords& words);
 
 /// The sums that the engine rounds: Σ amplitude · e^{jkR} over the foci, one an element, R being an element's distance
-/// from a focus, less the phase of the element's response. The engine leaves no channel out, so a dead element has one.
-/// Where a sum has the length of the gain's `full`, the amplitude is full.
+/// from a focus, less its response's phase, also of dead ones. At the length of the gain's `full`, amplitude is full.
 [[nodiscard]] std::vector<std::complex<double>> summed_drives(const Array& array, std::span<const Focus> foci);
 
 /// The engine for an array, element k on channel k; offsets take the phases of the elements' responses away.

@@ -133,7 +133,7 @@ private:
         wired_ = mirrored_.value_or(straight);
         (void)fit_of_places();
         for (std::size_t k = 0; k < heard_.size(); ++k)
-            if (!(agreement_[k] > 0.4))
+            if (!(agreement_[k] > 0.5))
                 throw bad_input(
                     fmt::format("recording {}", k + 1),
                     fmt::format(

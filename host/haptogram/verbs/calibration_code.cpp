@@ -155,11 +155,15 @@ CalibrationCode::CalibrationCode(std::size_t elements) {
     // At least an eighth of the columns have no element, and at least eight.
     negated_.resize(std::bit_ceil(elements + std::max<std::size_t>(8, elements / 8)));
     std::mt19937 random(39);
-    for (std::size_t i = 0; i < negated_.size(); ++i) negated_[i] = (random() >> 31U) != 0;
+    for (std::size_t i = 0; i < negated_.size(); ++i) {
+        negated_[i] = (random() >> 31U) != 0;
+        column_of_.push_back(i);
+    }
+    for (std::size_t i = column_of_.size(); i > 1; --i) std::swap(column_of_[i - 1], column_of_[random() % i]);
 }
 
 bool CalibrationCode::turned(std::size_t pattern, std::size_t element) const {
-    return (std::popcount(pattern & element) % 2 != 0) != negated_[pattern];
+    return (std::popcount(pattern & column_of_[element]) % 2 != 0) != negated_[pattern];
 }
 
 std::vector<Complex> CalibrationCode::columns(std::span<const Complex> sounds) const {
@@ -174,7 +178,9 @@ std::vector<Complex> CalibrationCode::columns(std::span<const Complex> sounds) c
                 values[i] = a + b;
                 values[i + step] = a - b;
             }
-    return values;
+    Complexes found;
+    for (const std::size_t column : column_of_) found.push_back(values[column]);
+    return found;
 }
 
 Image calibration_image(const Array& array, const Core& core) {

@@ -13,10 +13,10 @@
 namespace haptogram {
 
 /// What an array plays so that one microphone hears every element: patterns in which each element has phase 0 or half a
-/// turn. Element j follows column j of a Hadamard matrix, so the sum over the patterns with its signs is its sound
+/// turn. Each element follows a column of a Hadamard matrix, so the sum over the patterns with its signs is its sound
 /// alone, 10·log₁₀(patterns) dB above what it would be by itself. Columns without an element must come out silent: they
-/// tell where the code begins, how far the recorder's clock is off, and how loud the noise is. Every pattern is
-/// negated or not by chance, so that the code is like no shifted copy of itself.
+/// tell where the code begins, how far the recorder's clock is off, and how loud the noise is. Patterns are
+/// negated by chance, and columns chosen by chance, so that the code is like no shifted copy of itself.
 class CalibrationCode {
 public:
     /// @throws Error{bad_input} when there are no elements
@@ -32,6 +32,7 @@ public:
 
 private:
     std::vector<bool> negated_;
+    std::vector<std::size_t> column_of_;  ///< of each element, and then those that have none
 };
 
 /// The code as an image, which plays for ever.
