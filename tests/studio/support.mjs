@@ -71,7 +71,7 @@ export async function startBrowser(t, ...args) {
  * but to its server. Errors on its console that a test provokes are `allowed`; `mayFail` is for lost servers, of which the browser
  * says many things.
  */
-export async function openPage(t, browser, studio, { colorScheme = "light", mayFail = false, allowed = /^$/ } = {}) {
+export async function openPage(t, browser, studio, { colorScheme = "light", mayFail = false, allowed = /^$/, firstVisit = false } = {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, colorScheme, acceptDownloads: true });
   context.setDefaultTimeout(patience);
   const page = await context.newPage();
@@ -87,6 +87,7 @@ export async function openPage(t, browser, studio, { colorScheme = "light", mayF
     addEventListener("securitypolicyviolation", (event) => window.reportViolation(`${event.violatedDirective} ${event.blockedURI}`));
   });
   page.on("dialog", (dialog) => dialog.accept()); // of leaving a design that is not saved
+  if (!firstVisit) await page.addInitScript(() => localStorage.setItem("hinted", ""));
   await page.goto(studio.address);
   t.after(() => mayFail || assert.deepEqual(wrong.filter((each) => !allowed.test(each)), []));
   return guided(page);
