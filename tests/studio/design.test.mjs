@@ -59,6 +59,8 @@ for (const [width, height, theme, least] of [[1280, 800, "light", 0.4], [800, 60
         }).map((each) => each.labels[0]?.textContent),
       );
       assert.deepEqual(cut, [], "no word of a select is cut");
+      const short = await page.evaluate(() => [...document.querySelectorAll(".box > input")].filter((each) => each.checkVisibility() && each.scrollWidth > each.clientWidth).map((each) => each.value));
+      assert.deepEqual(short, [], "no number is cut");
       await accessible(page);
       await picture(page, `design-${step}-${width}-${theme}`);
     }

@@ -227,7 +227,7 @@ export async function middle(page) {
 
 /** Where a point in millimetres is drawn by the view's first camera: its place, its target and its angle are those of view.ts. */
 export function drawnAt([x, y, z], { x: middleX, y: middleY, box }) {
-  const [eye, target, up] = [[216, -332, 295], [0, 0, 75], [0, 0, 1]];
+  const [eye, target, up] = [[260, -400, 340], [0, 0, 75], [0, 0, 1]];
   const minus = (a, b) => a.map((each, i) => each - b[i]);
   const dot = (a, b) => a.reduce((sum, each, i) => sum + each * b[i], 0);
   const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
