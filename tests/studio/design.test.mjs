@@ -59,6 +59,8 @@ for (const [width, height, theme, least] of [[1280, 800, "light", 0.4], [800, 60
         }).map((each) => each.labels[0]?.textContent),
       );
       assert.deepEqual(cut, [], "no word of a select is cut");
+      const short = await page.evaluate(() => [...document.querySelectorAll(".box > input")].filter((each) => each.checkVisibility() && each.scrollWidth > each.clientWidth).map((each) => each.value));
+      assert.deepEqual(short, [], "no number is cut");
       await accessible(page);
       await picture(page, `design-${step}-${width}-${theme}`);
     }
@@ -88,7 +90,7 @@ test("panels fold, are widened by keys, and stay so", async (t) => {
 
 test("a first visit has hints, which go and stay away", async (t) => {
   const studio = await startStudio(t);
-  const page = await openPage(t, await startBrowser(t), studio);
+  const page = await openPage(t, await startBrowser(t), studio, { firstVisit: true });
   await settled(page);
   assert.equal(await page.locator(".hints p, .hint-card").count(), 3);
   await picture(page, "first-visit");
@@ -96,6 +98,14 @@ test("a first visit has hints, which go and stay away", async (t) => {
   await page.reload();
   await settled(page);
   assert.equal(await page.locator(".hints, .hint-card").count(), 0);
+  // The theme is the system's, until another is chosen.
+  const theme = () => page.evaluate(() => document.documentElement.dataset.theme);
+  await page.emulateMedia({ contrast: "more" });
+  await eventually(async () => (await theme()) === "contrast");
+  await page.emulateMedia({ contrast: "no-preference", colorScheme: "dark" });
+  await eventually(async () => (await theme()) === "dark");
+  await page.getByRole("button", { name: "Theme" }).click();
+  assert.equal(await theme(), "contrast");
 });
 
 test("numbers are taken with units and sums, and refused with words", async (t) => {
@@ -217,7 +227,7 @@ test("an AdapTics pattern is opened as a path, and saved in a bundle", async (t)
 
 test("work outlives a reload, with its steps and its files, and is offered when the browser comes back", async (t) => {
   const studio = await startStudio(t);
-  const page = await openPage(t, await startBrowser(t), studio);
+  const page = await openPage(t, await startBrowser(t), studio, { allowed: /WebSocket connection|ERR_CONNECTION/ });
   await settled(page);
   await drop(page, [{ name: "cloud.xyz", bytes: Buffer.from("0 0 0\n10 0 0\n0 10 0\n-10 0 0\n") }]);
   await page.locator(".file", { hasText: "cloud.xyz" }).waitFor();
@@ -258,6 +268,20 @@ test("work outlives a reload, with its steps and its files, and is offered when 
   await page.locator(".menu summary").click();
   await page.locator(".sheet").getByRole("button", { name: /^example/ }).first().click();
   await page.locator("footer", { hasText: "example: 4 focal points" }).waitFor();
+  await fill(page, "Centre z", 140);
+  await settled(page);
+  await page.locator(".menu", { hasText: "kept in this browser" }).waitFor();
+
+  // The program was ended, and is started again at the same port.
+  studio.child.kill("SIGKILL");
+  await studio.ended;
+  const second = await startStudio(t, "--port", new URL(studio.origin).port);
+  const later = await page.context().newPage();
+  await later.goto(second.address);
+  await later.locator(".card", { hasText: "“example”" }).waitFor();
+  await later.getByRole("button", { name: "Restore it" }).click();
+  await later.locator("footer", { hasText: "example: 4 focal points" }).waitFor();
+  await hasValue(field(later, "Centre z"), "140");
 });
 
 test("what it will feel like: weakest part, loudness, remedies, and never a verdict before looking", async (t) => {

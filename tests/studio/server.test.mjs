@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { readdirSync, readFileSync } from "node:fs";
 import { request } from "node:http";
-import { connect } from "node:net";
+import { connect, createServer } from "node:net";
 import { test } from "node:test";
 import { quantile, run, startStudio } from "./support.mjs";
 
@@ -172,6 +172,15 @@ test("only the loopback interface is listened at", async (t) => {
   const listeners = ["tcp", "tcp6"].map((kind) => readFileSync(`/proc/net/${kind}`, "utf8")).join("\n").split("\n").map((line) => line.trim().split(/\s+/));
   const ours = listeners.filter((fields) => fields[3] === "0A" && fields[1].endsWith(`:${Number(port).toString(16).toUpperCase().padStart(4, "0")}`));
   assert.deepEqual(ours.map((fields) => fields[1].split(":")[0]), ["0100007F"]);
+});
+
+test("the usual port is taken when it is free, so that the browser finds what it kept", async (t) => {
+  const free = await new Promise((done) => {
+    const listener = createServer().on("error", () => done(false)).listen(41040, "127.0.0.1", () => listener.close(() => done(true)));
+  });
+  const [first, second] = [await startStudio(t), await startStudio(t)];
+  if (free) assert.equal(new URL(first.origin).port, "41040");
+  assert.notEqual(first.origin, second.origin);
 });
 
 test("a project that cannot be opened is said at once", async () => {

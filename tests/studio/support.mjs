@@ -71,7 +71,7 @@ export async function startBrowser(t, ...args) {
  * but to its server. Errors on its console that a test provokes are `allowed`; `mayFail` is for lost servers, of which the browser
  * says many things.
  */
-export async function openPage(t, browser, studio, { colorScheme = "light", mayFail = false, allowed = /^$/ } = {}) {
+export async function openPage(t, browser, studio, { colorScheme = "light", mayFail = false, allowed = /^$/, firstVisit = false } = {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, colorScheme, acceptDownloads: true });
   context.setDefaultTimeout(patience);
   const page = await context.newPage();
@@ -87,6 +87,7 @@ export async function openPage(t, browser, studio, { colorScheme = "light", mayF
     addEventListener("securitypolicyviolation", (event) => window.reportViolation(`${event.violatedDirective} ${event.blockedURI}`));
   });
   page.on("dialog", (dialog) => dialog.accept()); // of leaving a design that is not saved
+  if (!firstVisit) await page.addInitScript(() => localStorage.setItem("hinted", ""));
   await page.goto(studio.address);
   t.after(() => mayFail || assert.deepEqual(wrong.filter((each) => !allowed.test(each)), []));
   return guided(page);
@@ -226,7 +227,7 @@ export async function middle(page) {
 
 /** Where a point in millimetres is drawn by the view's first camera: its place, its target and its angle are those of view.ts. */
 export function drawnAt([x, y, z], { x: middleX, y: middleY, box }) {
-  const [eye, target, up] = [[216, -332, 295], [0, 0, 75], [0, 0, 1]];
+  const [eye, target, up] = [[260, -400, 340], [0, 0, 75], [0, 0, 1]];
   const minus = (a, b) => a.map((each, i) => each - b[i]);
   const dot = (a, b) => a.reduce((sum, each, i) => sum + each * b[i], 0);
   const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];

@@ -13,7 +13,6 @@ test("ten tasks, each in at most five actions", async (t) => {
   const page = await openPage(t, await startBrowser(t), studio);
   await settled(page);
   await lookedAt(page);
-  await page.getByRole("button", { name: "Got it" }).click();
   let actions = 0;
   // What stands on the page, with nothing unfolded: every click, typed value and key is an action.
   const act = async (work) => {
@@ -141,7 +140,6 @@ test("axes stand beside the array, and the view shows where the board is", async
   writeFileSync(join(where, "ring.toml"), 'format = "haptogram-project-1"\npoints = 8\nrate_hz = 1\n[[shape]]\nkind = "circle"\ndiameter_mm = 40\n');
   const page = await openPage(t, await startBrowser(t), await startStudio(t, join(where, "ring.toml")));
   await settled(page);
-  await page.getByRole("button", { name: "Got it" }).click();
   const shown = await middle(page);
   const all = await pixels(page);
   const width = Math.round(shown.box.width);

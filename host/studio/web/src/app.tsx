@@ -102,7 +102,7 @@ function Page({ actions }: { actions: Actions }) {
   const { left, right } = state.folded.value;
   return (
     <>
-      <aside id="left" aria-label="Objects" hidden={left}>
+      <aside id="left" aria-label="Objects" hidden={left} tabIndex={0}>
         {step === "Make" && <><Gallery actions={actions} /><Subject actions={actions} /></>}
         {step === "See" && <><Compare actions={actions} /><Pins actions={actions} /></>}
         {step === "Play" && <TakeAway actions={actions} />}
@@ -122,7 +122,7 @@ function Page({ actions }: { actions: Actions }) {
         <Failed />
       </main>
       {!right && <Splitter side="right" />}
-      <aside id="right" aria-label="Properties" hidden={right}>
+      <aside id="right" aria-label="Properties" hidden={right} tabIndex={0}>
         {step === "Make" && <>{project.value?.hand ? <HandReport /> : <Properties />}</>}
         {step === "See" && <><SliceControls actions={actions} /><ProfilePlot actions={actions} /><Numbers /></>}
         {step === "Play" && <Board actions={actions} />}

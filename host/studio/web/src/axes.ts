@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where x, y and z lead, as three lines with letters beside the array.
-import { BufferGeometry, CanvasTexture, type Color, Group, Line, LineBasicMaterial, Sprite, SpriteMaterial, Vector3 } from "three";
+import { BufferGeometry, CanvasTexture, type Color, Group, Line, LineBasicMaterial, SRGBColorSpace, Sprite, SpriteMaterial, Vector3 } from "three";
 
 const length = 40; // mm
 const names = ["x", "y", "z"] as const;
@@ -21,7 +21,8 @@ export class Axes {
     for (const { name, line, letter } of this.parts) {
       line.material.color = colour(`--axis-${name}`);
       letter.material.map?.dispose();
-      letter.material.map = new CanvasTexture(drawn(name, `#${line.material.color.getHexString()}`));
+      letter.material.needsUpdate = true; // it may have been drawn without a map
+      letter.material.map = Object.assign(new CanvasTexture(drawn(name, `#${line.material.color.getHexString()}`)), { colorSpace: SRGBColorSpace });
     }
   }
 }

@@ -3,7 +3,7 @@
 import { isProject, pack, type Parts, projectName, unpack } from "./bundle";
 import { designName, edit, history, markSaved, open, project } from "./document";
 import { withFiles } from "./dropping";
-import { type Design, offered } from "./keeper";
+import { type Design, filesOf, offered } from "./keeper";
 import type { Session } from "./session";
 import type { Link } from "./link";
 import { state } from "./state";
@@ -59,7 +59,7 @@ export class Files {
   /** One that the browser kept, with all its steps. */
   async restore(design: Design): Promise<void> {
     offered.value = undefined;
-    await this.send(design.files);
+    await this.send(await filesOf(design));
     state.chosen.value = undefined;
     history.value = design.history;
     if (design.saved) markSaved();

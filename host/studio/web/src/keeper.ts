@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the browser keeps of designs, so that no work is lost: each with its steps and files, after every edit.
 import { effect, signal } from "@preact/signals";
-import { del, entries, get, set } from "idb-keyval";
+import { delMany, entries, get, set } from "idb-keyval";
 import { canUndo, type History, history, isSaved } from "./document";
 
 /** A design as the browser keeps it. */
@@ -12,13 +12,15 @@ export interface Design {
   history: History;
   /** whether a file has it, too */
   saved: boolean;
-  files: File[];
 }
 
 const mostDesigns = 12;
 const mostSteps = 100; // of each
 const pause = 300; // ms after an edit
 const tab = "design"; // what a tab was working on when it was loaded again
+
+const designKey = (id: string): string => `design ${id}`;
+const filesKey = (id: string): string => `files ${id}`; // apart, so that an edit need not write them again
 
 /** Newest first. */
 export const designs = signal<Design[]>([]);
@@ -32,7 +34,7 @@ export async function begin(files: () => File[], tell: (error: unknown) => void)
   const before = sessionStorage.getItem(tab);
   let found: Design | undefined;
   try {
-    found = before ? await get<Design>(before) : undefined;
+    found = before ? await get<Design>(designKey(before)) : undefined;
     await list();
     if (!found) offered.value = designs.peek().find(({ saved }) => !saved);
   } catch (error) {
@@ -48,19 +50,26 @@ export async function begin(files: () => File[], tell: (error: unknown) => void)
   return found;
 }
 
+/** What a design has beside its steps. */
+export const filesOf = async ({ id }: Design): Promise<File[]> => (await get<File[]>(filesKey(id))) ?? [];
+
+let keptFiles: { id: string; files: File[] } = { id: "", files: [] };
+
 async function keep({ steps, at }: History, saved: boolean, files: File[]): Promise<void> {
   const now = steps[at];
   if (!now) return;
   const from = Math.max(0, Math.min(at, steps.length - mostSteps));
-  const design: Design = { id: now.id, name: now.name, when: Date.now(), history: { steps: steps.slice(from, from + mostSteps), at: at - from }, saved, files };
+  const design: Design = { id: now.id, name: now.name, when: Date.now(), history: { steps: steps.slice(from, from + mostSteps), at: at - from }, saved };
+  if (keptFiles.id !== now.id || keptFiles.files.length !== files.length || keptFiles.files.some((file, i) => file !== files[i])) await set(filesKey(now.id), files);
+  keptFiles = { id: now.id, files };
+  await set(designKey(now.id), design);
   sessionStorage.setItem(tab, now.id);
-  await set(now.id, design);
   keptAt.value = design.when;
   await list();
 }
 
 async function list(): Promise<void> {
-  const all = (await entries<string, Design>()).map(([, design]) => design).sort((a, b) => b.when - a.when);
-  await Promise.all(all.slice(mostDesigns).map(({ id }) => del(id)));
+  const all = (await entries<string, Design>()).filter(([key]) => key.startsWith(designKey(""))).map(([, design]) => design).sort((a, b) => b.when - a.when);
+  await delMany(all.slice(mostDesigns).flatMap(({ id }) => [designKey(id), filesKey(id)]));
   designs.value = all.slice(0, mostDesigns);
 }

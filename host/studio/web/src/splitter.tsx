@@ -6,7 +6,7 @@ import { useEffect } from "preact/hooks";
 type Side = "left" | "right";
 
 const limits = [180, 520] as const; // px
-const usual = { left: innerWidth < 1600 ? 232 : 260, right: innerWidth < 1100 ? 256 : innerWidth < 1600 ? 296 : 330 };
+const usual = { left: innerWidth < 1600 ? 248 : 270, right: innerWidth < 1100 ? 256 : innerWidth < 1600 ? 296 : 330 };
 const kept = (side: Side): number => Number(localStorage.getItem(`width ${side}`)) || usual[side];
 const widths = { left: signal(kept("left")), right: signal(kept("right")) };
 

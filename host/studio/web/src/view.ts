@@ -107,7 +107,7 @@ export class View {
     this.canvas.tabIndex = 0;
     host.append(this.canvas);
     this.camera.up.set(0, 0, 1);
-    this.camera.position.set(216, -332, 295);
+    this.camera.position.set(260, -400, 340);
     const orbit = new OrbitControls(this.camera, this.canvas);
     orbit.target.set(0, 0, 75);
     orbit.update();
