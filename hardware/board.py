@@ -391,7 +391,7 @@ def plot(board, folder):
 def planted(path, folder):
     """Violations after a fault each: how many of some faults KiCad's rules notice."""
     rng, noticed = random.Random(1), 0
-    faults = ["lose a track", "lose a via", "widen a track", "move a via"] * 2
+    faults = ["lose a track", "lose a via", "widen a track", "move a via"]
     for n, fault in enumerate(faults):
         board = pcbnew.LoadBoard(str(path))
         vias = [t for t in board.GetTracks() if t.GetClass() == "PCB_VIA" and t.GetNetname().startswith("IN")]

@@ -368,3 +368,15 @@ def variants():
         force = (abs(s.motion) / tile) ** 2
         lines.append(f"| {c.driver}, {c.series:g} Ω, {c.volts:g} V | {force:.2f} | {s.supply * 1e3:.1f} | {s.supply * 100:.1f} | {s.element_vpp:.1f} | {s.peak * 1e3:.0f} |")
     return "\n".join(lines) + "\n"
+
+
+def tones(hz=200.0):
+    """What couplings and bleeders leave of the tone that a full modulation of the pulses' length is, and what they cost."""
+    lines = ["| capacitor, bleeder | V at 200 Hz over an element | current at 40 kHz | its phase, rad |", "|---|---|---|---|"]
+    tile = steady(Channel()).motion
+    for farad, ohm in ((0.0, 22e3), (value("coupling"), value("bleeder")), (22e-9, 4.7e3)):
+        c = Channel(coupling=farad, bleeder=ohm)
+        ratio = steady(c).motion / tile
+        phase = math.atan2(ratio.imag, ratio.real)
+        lines.append(f"| {f'{farad * 1e9:g} nF' if farad else 'none'}, {ohm / 1e3:g} kΩ | {audio(c, hz):.2f} | {abs(ratio):.2f} | {phase:+.2f} |")
+    return "\n".join(lines) + "\n"
