@@ -11,12 +11,12 @@ HOME := $(or $(HOME),$(shell { getent passwd $$(id -u) | cut -d: -f6; } 2>/dev/n
 export PATH HOME
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build deep deep-build demo test browser mutants sanitize bitstream bitstreams flash soak formal bench figures docs lint format install dist fresh clean
+.PHONY: help setup build deep deep-build demo test browser hardware mutants sanitize bitstream bitstreams flash soak formal bench figures docs lint format install dist fresh clean
 
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-10s %s\n", $$1, $$2}' Makefile
 
-setup: ## install what is missing on Debian 12, TIER=demo, test or dev; nothing when all is there. No other target installs anything
+setup: ## install what is missing on Debian 12, TIER=demo, test, dev or hardware; nothing when all is there. No other target installs anything
 	@tools/setup $(TIER)
 
 # $(call need,PROGRAMS): one line when some are missing. What the libraries need, CMake says, in one line, too.
@@ -48,6 +48,10 @@ test: build ## every test but those of `make deep`, `make browser` and `make mut
 browser: build ## the studio's page in Chromium; not part of `make test`
 	@$(call need,chromium,dev )
 	@ctest --preset $(PRESET) -R '^studio_browser$$' --output-on-failure --no-tests=error
+
+hardware: build ## the driver tile's netlist, simulation, board and Gerbers into build/hardware, each check beside its bound; not part of `make test`
+	@$(call need,ngspice pcbnew,hardware )
+	@$(PYTHON) hardware/check.py --program $(BUILD)/host/cli/haptogram --output build/hardware
 
 # Each of some 440 faults runs co-simulation until a test notices it: two hours, so it is not part of `make test`.
 mutants: deep-build ## would the tests notice a fault in the RTL; not part of `make test`

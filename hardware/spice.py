@@ -340,8 +340,8 @@ def checks(program):
         ("the same", stuck, c, -0.05, 0.05, "no bleeder", other(c, bleeder=1e9)),
         ("tone of AM at 200 Hz over closed form", audio_over_closed_form, c, 0.9, 1.1, "a bleeder of 4.7 kΩ", other(c, bleeder=4.7e3)),
         ("ripple of the rail, all in phase, mVpp", lambda x: 1e3 * rail(x)[1], r, 0, 300, "100 nF a driver", other(r, decoupling=100e-9)),
-        ("spikes on it, mVpp", lambda x: 1e3 * rail(x)[0], r, 0, 700, "no series resistor", other(r, channel=other(c, series=0.0))),
-        ("a channel among 100 against alone", among_all, r, 0, 0.02, "2 Ω before it, 1 µF of bulk", other(r, cable_ohm=2.0, bulk=1e-6)),
+        ("spikes on it, mVpp", lambda x: 1e3 * rail(x)[0], r, 0, 700, "UCC27624, no series resistor", other(r, channel=other(c, driver="UCC27624", series=0.0))),
+        ("a channel among 100 against alone", among_all, r, 0, 0.01, "2 Ω before it, 1 µF of bulk", other(r, cable_ohm=2.0, bulk=1e-6)),
         ("A of inrush when switched on", inrush, s, 0, 5, "no capacitor to the drain", other(s, ramp=1e-12)),
         ("V at the drivers when plugged in", plugged_in, s, 0, 0.5, "no capacitor to the source", other(s, slow=1e-12)),
         ("ms until drivers are off", off_after, s, 0, 4, "1 MΩ holds the gate", other(s, hold=1e6)),
@@ -367,4 +367,16 @@ def variants():
         s = steady(c)
         force = (abs(s.motion) / tile) ** 2
         lines.append(f"| {c.driver}, {c.series:g} Ω, {c.volts:g} V | {force:.2f} | {s.supply * 1e3:.1f} | {s.supply * 100:.1f} | {s.element_vpp:.1f} | {s.peak * 1e3:.0f} |")
+    return "\n".join(lines) + "\n"
+
+
+def tones(hz=200.0):
+    """What couplings and bleeders leave of the tone that a full modulation of the pulses' length is, and what they cost."""
+    lines = ["| capacitor, bleeder | V at 200 Hz over an element | current at 40 kHz | its phase, rad |", "|---|---|---|---|"]
+    tile = steady(Channel()).motion
+    for farad, ohm in ((0.0, 22e3), (value("coupling"), value("bleeder")), (22e-9, 4.7e3)):
+        c = Channel(coupling=farad, bleeder=ohm)
+        ratio = steady(c).motion / tile
+        phase = math.atan2(ratio.imag, ratio.real)
+        lines.append(f"| {f'{farad * 1e9:g} nF' if farad else 'none'}, {ohm / 1e3:g} kΩ | {audio(c, hz):.2f} | {abs(ratio):.2f} | {phase:+.2f} |")
     return "\n".join(lines) + "\n"

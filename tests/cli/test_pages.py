@@ -10,7 +10,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = {"README.md": 2, "docs/README.md": 1, "docs/tour.md": 6, "docs/build-one.md": 3, "docs/calibrate.md": 5, "docs/foci.md": 1, "docs/hoshi.md": 2, "docs/rendering.md": 1,
-         "docs/tiles.md": 2, "host/haptogram/robot/README.md": 2}  # and how many blocks they have at least  # fmt: skip
+         "docs/tiles.md": 2, "hardware/README.md": 1, "host/haptogram/robot/README.md": 2}  # and how many blocks they have at least  # fmt: skip
 OTHERS = {
     "CONTRIBUTING.md": "builds and tests the whole",
     "tests/coverage/README.md": "the same",
@@ -32,7 +32,8 @@ def test_every_command_of_the_page_runs(page, program, tmp_path):
     folder = tmp_path / "bin"
     folder.mkdir()
     (folder / "haptogram").symlink_to(program)
-    (tmp_path / "tools").symlink_to(ROOT / "tools")  # whose shapes a page names
+    for name in ("tools", "hardware"):  # whose files a page names
+        (tmp_path / name).symlink_to(ROOT / name)
     blocks = BLOCK.findall((ROOT / page).read_text(encoding="utf-8"))
     assert len(blocks) >= PAGES[page]
     # Boards in the background end with the script. A port is there when its name is.
