@@ -10,14 +10,15 @@
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/link/device.hpp"
 #include "haptogram/base/line_output.hpp"
+#include "haptogram/link/device.hpp"
 #include "haptogram/live/choose_player.hpp"
 #include "haptogram/live/depth_folder.hpp"
 #include "haptogram/live/hand_feeler.hpp"
 #include "haptogram/live/hand_source.hpp"
 #include "haptogram/live/loop.hpp"
 #include "haptogram/live/pipeline.hpp"
+#include "haptogram/live/scene_input.hpp"
 #include "haptogram/live/shot_rings.hpp"
 #include "haptogram/live/source.hpp"
 #include "haptogram/live/to_json.hpp"
@@ -27,6 +28,7 @@
 #include "object_options.hpp"
 #include "port.hpp"
 #include "report.hpp"
+#include "settings_file.hpp"
 
 namespace haptogram::cli {
 namespace {
@@ -36,7 +38,8 @@ constexpr const char* reference_prefix = "reference:";
 const std::vector<std::string> rings = {"ring", "still"};
 
 struct LiveCommand {
-    std::string from, algorithm = "ring", array = "tile-10x10", record, scene;
+    std::string from, algorithm = "ring", array = "tile-10x10", record, scene, scene_in, settings;
+    std::string low, high;
     ObjectArguments object{.name = "cube", .size_mm = 40.0};
     std::string predict = "velocity", method = "distance-weighted";
     link::PortSettings port;
@@ -79,6 +82,8 @@ live::PredictorOptions prediction_of(const LiveCommand& command, bool hands) {
 /// What rings need to know of the object.
 live::FingerOptions fingers_of(const LiveCommand& command, const ObjectSource& source, bool hands) {
     live::FingerOptions options = command.fingers;
+    if (!command.low.empty()) options.cloud.low = parse_point_mm("workspace-low", command.low);
+    if (!command.high.empty()) options.cloud.high = parse_point_mm("workspace-high", command.high);
     SceneOptions& scene = options.scene;
     scene.pose = pose_of(source.centre, source.angles_deg);
     scene.mass_kg = command.mass_g * 1e-3;
@@ -156,14 +161,27 @@ void require_simulated(const LiveCommand& command) {
 /// @param hands  the source gives hands, not depth
 void check_options(const LiveCommand& command, bool hands) {
     const std::vector<std::string_view> with_rings = {"ring", "still"};
-    require_effect(command.given,
-                   {{"--press-frequency", {"L"}},
-                    {"--press-radius", {"L"}},
-                    {"--press-foci", {"L"}},
-                    {"--magnitude", {"still"}}},
-                   command.algorithm, "the algorithm");
+    require_effect(
+        command.given,
+        {{"--press-frequency", {"L"}}, {"--press-radius", {"L"}}, {"--press-foci", {"L"}}, {"--magnitude", {"still"}}},
+        command.algorithm, "the algorithm");
     require_effect(command.given, {{"--latency", {"velocity", "kalman"}}}, command.predict, "the prediction");
     if (hands) require_effect(command.given, {{"--mass", with_rings}}, command.algorithm, "the algorithm");
+    const std::vector<std::string_view> depth = {"depth"}, fingers = {"depth", "a tracker's hands with rings"};
+    require_effect(command.given,
+                   {{"--workspace-low", depth},
+                    {"--workspace-high", depth},
+                    {"--filter", depth},
+                    {"--voxel", depth},
+                    {"--cluster", fingers},
+                    {"--stiffness", fingers},
+                    {"--damping", fingers},
+                    {"--static-friction", fingers},
+                    {"--dynamic-friction", fingers}},
+                   !hands                ? "depth"
+                   : command.has_rings() ? "a tracker's hands with rings"
+                                         : "a tracker's hands",
+                   "the source");
     if (!hands && !command.has_rings() && command.algorithm != "L")
         throw bad_argument("algorithm",
                            fmt::format("{} draws on the skin of a hand whose bones are known; depth takes ring, still "
@@ -171,31 +189,41 @@ void check_options(const LiveCommand& command, bool hands) {
                                        command.algorithm));
     if (hands && !command.record.empty())
         throw bad_argument("record", "is of cameras' pictures; a tracker's frames are recorded by its own program");
+    if (!command.scene_in.empty() && (!hands || command.has_rings()))
+        throw bad_argument("scene-in",
+                           "rings are around one object, which stays or is moved by hands; take a tracker "
+                           "and an algorithm from A to L");
+    if (command.scene_in == "-" && command.from == "leap-pipe:-")
+        throw bad_argument("scene-in", "standard input has the tracker's frames; give the lines a named pipe");
     require_simulated(command);
-    require_distinct({{"--from", command.from}}, {{"--scene", command.scene}});
+    std::vector<NamedPath> inputs = {{"--from", command.from}};
+    if (!command.scene_in.empty()) inputs.push_back({"--scene-in", command.scene_in});
+    require_distinct(inputs, {{"--scene", command.scene}});
     if (command.scene == "-" && command.json)
         throw bad_argument("scene", "the lines would go to standard output with the report; give them a file");
 }
 
 /// What makes paths of frames, and for what kind of paths the player is.
 std::unique_ptr<live::Feeler> feeler_of(const LiveCommand& command, const live::OpenedSource& source,
-                                        const ObjectSource& object, const Array& array, live::PlayerOptions& player) {
+                                        const ObjectSource& object, const Array& array, live::PlayerOptions& player,
+                                        std::shared_ptr<live::SceneInput>& scene) {
     const bool hands = source.depth == nullptr;
     if (hands && !command.has_rings()) {
         const live::HandOptions options = hand_options_of(command);
         player.pace.foci = live::most_foci(options);
-        return std::make_unique<live::HandFeeler>(array, array.carrier_hz,
-                                                  std::make_shared<const TouchObject>(open_object(object)), options);
+        scene = std::make_shared<live::SceneInput>(object, command.scene_in);
+        return std::make_unique<live::HandFeeler>(
+            array, array.carrier_hz, [scene](double time_s) { return scene->at(time_s); }, options);
     }
     live::FingerOptions options = fingers_of(command, object, hands);
     options.rate_hz = player.rate_hz;
     player.steps = options.ring.points;
     constexpr std::size_t fingers = 2;  // at a time, of which more play in turn
     player.pace = {fingers * options.ring.foci(),
-                   static_cast<std::uint32_t>(
-                       array.carrier_hz / (options.ring.passes_hz() * static_cast<double>(options.ring.points)))};
-    return std::make_unique<live::ShotRings>(
-        array, array.carrier_hz, options, source.depth ? source.depth->cameras() : std::vector<DepthCamera>{});
+                   static_cast<std::uint32_t>(array.carrier_hz /
+                                              (options.ring.passes_hz() * static_cast<double>(options.ring.points)))};
+    return std::make_unique<live::ShotRings>(array, array.carrier_hz, options,
+                                             source.depth ? source.depth->cameras() : std::vector<DepthCamera>{});
 }
 
 int live_loop(const LiveCommand& command) {
@@ -203,8 +231,8 @@ int live_loop(const LiveCommand& command) {
     live::CameraOptions cameras = command.cameras;
     cameras.target = object.centre;
     cameras.distance_m = command.distance_mm * millimetre;
-    const live::OpenedSource source = live::open_source(command.from, cameras, object.centre,
-                                                        0.5 * object.size_m.value_or(ObjectMeasures{}.size));
+    const live::OpenedSource source =
+        live::open_source(command.from, cameras, object.centre, 0.5 * object.size_m.value_or(ObjectMeasures{}.size));
     const bool hands = source.depth == nullptr;
     check_options(command, hands);
     const bool simulated_time = command.port.port.starts_with(reference_prefix);
@@ -216,7 +244,8 @@ int live_loop(const LiveCommand& command) {
     live::PlayerOptions player_options{.method = method_of(command.method, "method"),
                                        .rate_hz = source.frames->rate_hz(),
                                        .watchdog_ms = command.loop.watchdog_ms};
-    const auto feeler = feeler_of(command, source, object, array, player_options);
+    std::shared_ptr<live::SceneInput> objects;
+    const auto feeler = feeler_of(command, source, object, array, player_options, objects);
     std::optional<DepthRecorder> recorder;
     if (!command.record.empty()) recorder.emplace(command.record, source.depth->cameras(), player_options.rate_hz);
     std::optional<LineOutput> scene;
@@ -256,8 +285,11 @@ int live_loop(const LiveCommand& command) {
         report.add("junk", lines);
         if (lines > 0) report.tell(fmt::format("junk              {} lines were no frames; the first: {}", lines, why));
     }
+    if (objects && objects->junk() > 0)
+        report.tell(fmt::format("scene-in          {} lines made no sense and changed nothing", objects->junk()));
     if (scene && scene->dropped() > 0)
-        report.tell(fmt::format("scene             {} lines found no room in the pipe and were dropped", scene->dropped()));
+        report.tell(
+            fmt::format("scene             {} lines found no room in the pipe and were dropped", scene->dropped()));
     if (!command.record.empty())
         write_file(std::filesystem::path(command.record) / "run.json", live::run_to_json(done, latency).dump(1) + "\n");
     report.print(command.json);
@@ -280,6 +312,24 @@ void add_press(CLI::App& sub, LiveCommand& options) {
     sub.add_option("--press-foci", press.foci, "Of L: on each finger")->check(whole(1, 16))->capture_default_str();
 }
 
+/// Options of what is seen, and of what fingers do to an object.
+void add_fingers(CLI::App& sub, LiveCommand& options) {
+    CloudOptions& cloud = options.fingers.cloud;
+    SceneOptions& scene = options.fingers.scene;
+    sub.add_option("--workspace-low", options.low,
+                   "Of depth: x,y,z mm of the box out of which all is background (default: -150,-150,20)");
+    sub.add_option("--workspace-high", options.high, "Its other corner (default: 150,150,320)");
+    sub.add_option("--filter", cloud.window_px, "Of depth: pixels of the bilateral filter's window, odd; 1: none")
+        ->check(whole(1, 31))
+        ->capture_default_str();
+    add_mm(sub, "--voxel", cloud.cell_m, "Of depth: edge of the voxels that points are thinned to, mm");
+    add_mm(sub, "--cluster", scene.cluster_m, "Points at most so far apart belong to one finger, mm");
+    add_number(sub, "--stiffness", scene.contact.stiffness_n_m, "Of a finger's spring, N/m");
+    add_number(sub, "--damping", scene.contact.damping_n_s_m, "Of a finger's damper, N s/m");
+    add_number(sub, "--static-friction", scene.contact.static_friction, "Between finger and object");
+    add_number(sub, "--dynamic-friction", scene.contact.dynamic_friction, "The same while it slides");
+}
+
 /// Options of simulated cameras.
 void add_cameras(CLI::App& sub, LiveCommand& options) {
     live::CameraOptions& cameras = options.cameras;
@@ -289,7 +339,8 @@ void add_cameras(CLI::App& sub, LiveCommand& options) {
         sub.add_option("--distance", options.distance_mm, "Of simulated cameras from the object, mm")
             ->check(positive()),
         sub.add_option("--rate", cameras.rate_hz, "Of simulated cameras, shots a second")->check(positive()),
-        sub.add_option("--seconds", cameras.seconds, "Of simulated cameras, or recorded hands; 0: as long as the script or recording is")
+        sub.add_option("--seconds", cameras.seconds,
+                       "Of simulated cameras, or recorded hands; 0: as long as the script or recording is")
             ->check(not_negative()),
         sub.add_option("--seed", cameras.noise.seed, "Of the simulated cameras' noise")->check(whole(0, UINT64_MAX))};
     for (CLI::Option* option : options.of_cameras) option->capture_default_str();
@@ -317,6 +368,10 @@ void add_live(CLI::App& app, Action& action) {
         ->capture_default_str();
     sub->add_option("--object", options->object.name, object_words())->capture_default_str();
     add_object_options(*sub, options->object);
+    sub->add_option("--scene-in", options->scene_in,
+                    "Of A to L: lines of JSON that bring, move and take away objects: a file, whose lines are due at "
+                    "their time_s, a named pipe or -")
+        ->check(CLI::ExistingPath | CLI::IsMember({"-"}));
     sub->add_option("--mass", options->mass_g, "g; 0: it stays where it is. Cube, sphere or cylinder, on a floor")
         ->check(not_negative())
         ->capture_default_str();
@@ -339,7 +394,12 @@ void add_live(CLI::App& app, Action& action) {
     sub->add_option("--latency", options->latency_ms,
                     "Over which --predict does, ms (default: 35, of a tracker's hands 20)")
         ->check(not_negative());
+    add_fingers(*sub, *options);
     add_cameras(*sub, *options);
+    sub->add_option("--settings", options->settings,
+                    "A TOML file whose table [live] has options by their names, with _ for -; those of the command "
+                    "line come first")
+        ->check(CLI::ExistingFile);
     add_watchdog_option(*sub, options->loop.watchdog_ms);
     sub->add_option("--record", options->record, "A new folder for the shots, which depth:FOLDER plays again");
     sub->add_option("--scene", options->scene,
@@ -347,8 +407,11 @@ void add_live(CLI::App& app, Action& action) {
                     "udp:ADDRESS:PORT");
     sub->add_flag("--json", options->json, "Print as JSON");
     sub->callback([options, sub, &action] {
-        options->given = given_to(*sub);
-        action = [options] { return live_loop(*options); };
+        action = [options, sub] {
+            if (!options->settings.empty()) take_settings(*sub, options->settings, "live");
+            options->given = given_to(*sub);
+            return live_loop(*options);
+        };
     });
 }
 

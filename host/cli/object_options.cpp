@@ -8,6 +8,14 @@
 
 namespace haptogram::cli {
 
+void add_mm(CLI::App& command, const std::string& name, double& metres, const std::string& about) {
+    command
+        .add_option_function<double>(
+            name, [&metres](double mm) { metres = mm * millimetre; }, about)
+        ->check(positive())
+        ->default_str(fmt::format("{:g}", metres / millimetre));
+}
+
 std::string object_words() {
     return fmt::format("{}, or a mesh file (PLY, OBJ, STL) of a closed surface", fmt::join(object_kinds(), ", "));
 }

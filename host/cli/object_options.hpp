@@ -16,6 +16,9 @@ struct ObjectArguments {
     std::string center = "0,0,200", rotate = "0,0,0", unit = "mm";
 };
 
+/// An option for a length in mm, which is metres inside.
+void add_mm(CLI::App& command, const std::string& name, double& metres, const std::string& about);
+
 /// What an object can be, in words.
 [[nodiscard]] std::string object_words();
 /// Adds the options that say how large the object is and where it stands.

@@ -116,7 +116,8 @@ Subject subject_in_file(const RenderCommand& command) {
     Subject subject{load_project(command.object.name), {}};
     Project& project = subject.project;
     if (!project.hand)
-        throw bad_input(command.object.name, "it has no [hand] that feels an object; 'haptogram compile' takes it as it is");
+        throw bad_input(command.object.name,
+                        "it has no [hand] that feels an object; 'haptogram compile' takes it as it is");
     if (command.frame) project.hand->frame = command.frame;
     if (command.array) project.array = from_here(*command.array);
     if (command.board) project.board = from_here(*command.board);
@@ -225,14 +226,6 @@ int render(const RenderCommand& command) {
     report.add("warnings", rendered.warnings);
     report.print(command.json);
     return 0;
-}
-
-/// A length in mm on the command line that is metres inside.
-void add_mm(CLI::App& app, const std::string& name, double& metres, const std::string& about) {
-    app.add_option_function<double>(
-           name, [&metres](double mm) { metres = mm * millimetre; }, about)
-        ->check(positive())
-        ->default_str(fmt::format("{:g}", metres / millimetre));
 }
 
 }  // namespace

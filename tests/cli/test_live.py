@@ -133,6 +133,32 @@ def test_the_scene_comes_while_it_happens(tmp_path):
         assert abs(np.linalg.norm([x, y - 40, z - 160]) - 40) < 1  # on the sphere, which the line was cut from
 
 
+def test_objects_come_move_and_go_by_a_script(tmp_path):
+    script = [
+        {"time_s": 0.2, "center_mm": [0, 40, 100]},  # out of the hand's reach
+        {"time_s": 0.4, "name": "left", "object": "cylinder", "size_mm": 20, "height_mm": 30, "center_mm": [-30, 60, 180]},
+        {"time_s": 0.6, "name": "right", "object": "cube", "size_mm": 20, "rotate_deg": [0, 0, 45], "center_mm": [30, 60, 180]},
+        {"time_s": 0.8, "name": "left", "remove": True},
+    ]
+    (tmp_path / "script").write_text("".join(json.dumps(line) + "\n" for line in script))
+    command = [*HAND, "--algorithm", "A", "--port", "reference:tile-100-wide", "--seconds", "1", "--scene-in", "script", "--scene", "lines"]
+    succeed(command, cwd=tmp_path)
+    sides = {0.1: {0}, 0.3: set(), 0.5: {-1}, 0.7: {-1, 1}, 0.88: {1}}  # where foci are, and thus which objects
+    for shot in lines(tmp_path / "lines"):
+        wanted = [side for time, side in sides.items() if abs(time - shot["time_s"]) < 0.05]
+        if not wanted:
+            continue
+        xs = np.array([focus[0] for focus in shot["foci"]])
+        if wanted[0] == {0}:
+            assert xs.size and np.ptp(xs) > 30
+        else:
+            assert {int(np.sign(x)) for x in xs} <= wanted[0] and bool(xs.size) == bool(wanted[0]), shot["time_s"]
+            assert np.all(abs(abs(xs) - 30) < 16)
+    (tmp_path / "script").write_text('{"centre": [0, 0, 0]}\n')
+    refuse(tmp_path, command, BAD_INPUT, "center_mm")
+    refuse(tmp_path, [*PRESS, *BOARD, "--scene-in", "script"], USAGE, "scene-in")
+
+
 def test_junk_in_the_pipe_is_counted_and_the_session_goes_on(tmp_path):
     at = [6_000_000 + 9_000 * i for i in range(60)]
     lines = [frame_of(t) for t in at]
@@ -145,6 +171,19 @@ def test_junk_in_the_pipe_is_counted_and_the_session_goes_on(tmp_path):
     assert felt["shots"] == 60 and felt["lost"] == 0 and felt["junk"] == 3
     refuse(tmp_path, [*HAND, "--algorithm", "A", *BOARD, "--press-foci", "2"], USAGE, "press-foci")
     refuse(tmp_path, [*PRESS, "--algorithm", "A", *BOARD], USAGE, "a tracker")
+
+
+def test_options_stand_in_a_file_too(tmp_path):
+    (tmp_path / "p.toml").write_text('[live]\nalgorithm = "A"\nobject = "sphere"\nsize = 80\ncenter = [0, 40, 160]\nseconds = 0.3\n')
+    given = ["live", "--from", "synthetic:press", "--port", "reference:tile-100-wide", "--json"]
+    told = [json.loads(succeed([*given, *rest], cwd=tmp_path).stdout) for rest in (["--settings", "p.toml"], [*HAND[3:], "--algorithm", "A", "--seconds", "0.3"])]
+    for one in told:
+        del one["compute_ms"]
+    assert told[0] == told[1] and told[0]["with_rings"] == 30
+    assert json.loads(succeed([*given, "--settings", "p.toml", "--seconds", "0.1"], cwd=tmp_path).stdout)["shots"] == 10
+    for line, needle in (("sizes = 80", "p.toml:2: found sizes"), ("size = -1", "p.toml:2: "), ("voxel = 1", "voxel")):
+        (tmp_path / "p.toml").write_text(f"[live]\n{line}\nalgorithm = 'A'\n")
+        refuse(tmp_path, [*given, "--settings", "p.toml"], USAGE if "voxel" in line else BAD_INPUT, needle)
 
 
 def frame_of(at_us):

@@ -55,6 +55,20 @@ def test_a_path_makes_the_same_pulses_from_memory_and_live(board, modulation, lo
     assert np.array_equal(memory, live), f"{len(memory)} and {len(live)} pulses; {only_in(memory, live)} | {only_in(live, memory)}"
 
 
+def test_a_path_of_more_foci_than_the_board_holds_is_streamed(tmp_path):
+    """The records go over the line as they are due; the pins are those of a path that fits, over and over."""
+    held = 83_200 // 8
+    steps = [([(0.002 * (i % 6000) - 6, 8 * (i // 6000) - 4, 120, 1.0)], 10) for i in range(held + 1600)]
+    path = path_file(tmp_path, steps)
+    options = ["--board", "tile-100-wide", "--array", "tile-10x10"]
+    refused = run(["compile", "--path", path, *options, "-o", "long.hex"], cwd=tmp_path)
+    assert refused.returncode == BAD_INPUT and "focus records" in text(refused.stderr)
+    with virtual_board(tmp_path, "--model", "reference", "--board", "tile-100-wide"):
+        said = json.loads(ask(tmp_path, "stream", "--path", path, *options, "--json").stdout)
+        assert said["sent"] == len(steps) and said["underruns"] == 0 and said["refused_records"] == 0
+        assert status(tmp_path)["far_foci"] == 0
+
+
 def entries_of(folder, image):
     return json.loads(succeed(["inspect", image, "--json"], cwd=folder).stdout)["sequence"]
 

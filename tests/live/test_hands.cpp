@@ -47,14 +47,13 @@ struct Run {
     std::string about;
 };
 
-Run played(LiveBench& bench, HandRecording hands, const live::HandOptions& options,
-           const live::Loop::Told& told = {}) {
+Run played(LiveBench& bench, HandRecording hands, const live::HandOptions& options, const live::Loop::Told& told = {}) {
     const Array array = find_array("tile-10x10");
     live::RecordedHands source(std::move(hands), "hands");
-    live::HandFeeler feeler(array, array.carrier_hz, sphere(), options);
-    const live::ChosenPlayer chosen =
-        live::choose_player(bench.client, bench.clock, array,
-                            {.pace = {.foci = live::most_foci(options)}, .rate_hz = source.rate_hz()});
+    live::HandFeeler feeler(
+        array, array.carrier_hz, [object = sphere()](double) { return object; }, options);
+    const live::ChosenPlayer chosen = live::choose_player(
+        bench.client, bench.clock, array, {.pace = {.foci = live::most_foci(options)}, .rate_hz = source.rate_hz()});
     Run run;
     run.about = chosen.about;
     run.report = live::Loop(bench.client, bench.clock, *chosen.player, {.interval_s = chosen.interval_s})
@@ -72,7 +71,8 @@ interface::CoreConfiguration tile(bool foci, std::uint32_t baud) {
 }  // namespace
 
 TEST_CASE("live hands: frames at 110 Hz become pulses within 12 ms, and none is lost") {
-    const auto worst = GENERATE(table<std::uint32_t, double, double>({{3000000, 12e-3, 20e-3}, {1000000, 14e-3, 25e-3}}));
+    const auto worst =
+        GENERATE(table<std::uint32_t, double, double>({{3000000, 12e-3, 20e-3}, {1000000, 14e-3, 25e-3}}));
     const auto& [baud, median_s, most_s] = worst;
     for (const Algorithm algorithm : {Algorithm::intersection, Algorithm::features_intersection}) {
         LiveBench bench(tile(true, baud));
@@ -88,10 +88,11 @@ TEST_CASE("live hands: frames at 110 Hz become pulses within 12 ms, and none is 
         // The board's time stands still while the processor works, which is told beside.
         std::vector<double> compute = run.report.compute_s;
         std::sort(compute.begin(), compute.end());
-        WARN("skeleton frame to first pulse, tile-100-wide at " << baud << " baud, algorithm "
-             << name_of(algorithm).letter << ": " << 1e3 * run.latency.median_s << " ms median, "
-             << 1e3 * run.latency.most_s << " most, and " << 1e3 * compute[compute.size() / 2] << " ms of processor, "
-             << 1e3 * compute.back() << " most; " << run.report.lost << " of " << run.report.shots << " frames lost");
+        WARN("skeleton frame to first pulse, tile-100-wide at "
+             << baud << " baud, algorithm " << name_of(algorithm).letter << ": " << 1e3 * run.latency.median_s
+             << " ms median, " << 1e3 * run.latency.most_s << " most, and " << 1e3 * compute[compute.size() / 2]
+             << " ms of processor, " << 1e3 * compute.back() << " most; " << run.report.lost << " of "
+             << run.report.shots << " frames lost");
         CHECK(run.latency.median_s + compute[compute.size() / 2] <= median_s);
         CHECK(run.latency.most_s <= most_s);
         CHECK_FALSE(bench.board.any_pin());
@@ -105,17 +106,16 @@ TEST_CASE("live hands: every algorithm plays, where the array can, on foci and o
             LiveBench bench(tile(foci, 3000000));
             const Array array = find_array("tile-10x10");
             std::size_t checked = 0, beyond = 0;
-            const Run run = played(
-                bench, pressing(0.4), with(algorithm_of(std::string(1, one.letter))),
-                [&](const live::ShotReport&, const live::Frame&, const std::optional<Path>& path) {
-                    if (!path) return true;
-                    for (const PathStep& step : path->steps)
-                        for (const Focus& focus : step.foci) {
-                            beyond += array.unreachable(focus.position).empty() ? 0 : 1;
-                            ++checked;
-                        }
-                    return true;
-                });
+            const Run run = played(bench, pressing(0.4), with(algorithm_of(std::string(1, one.letter))),
+                                   [&](const live::ShotReport&, const live::Frame&, const std::optional<Path>& path) {
+                                       if (!path) return true;
+                                       for (const PathStep& step : path->steps)
+                                           for (const Focus& focus : step.foci) {
+                                               beyond += array.unreachable(focus.position).empty() ? 0 : 1;
+                                               ++checked;
+                                           }
+                                       return true;
+                                   });
             INFO("algorithm " << one.letter << ", " << run.about);
             if (one.letter == 'B') continue;  // a sphere has no edges
             CHECK(run.report.with_rings > 0);
@@ -151,7 +151,8 @@ TEST_CASE("live hands: the board's foci are those of the path, by their own word
         if (focus.amplitude == 0.0) continue;
         double nearest = 1.0;
         for (const PathStep& step : last->steps)
-            for (const Focus& wanted : step.foci) nearest = std::min(nearest, distance(wanted.position, focus.position));
+            for (const Focus& wanted : step.foci)
+                nearest = std::min(nearest, distance(wanted.position, focus.position));
         CHECK(nearest < 0.1e-3);
         ++loud;
     }
@@ -193,7 +194,7 @@ TEST_CASE("live hands: what neither the line nor the board can carry is said bef
     CHECK(run.report.underruns == 0);
     CHECK(run.latency.rings == run.report.rings.size());
     WARN("skeleton frame to first pulse at 115,200 baud, algorithm A: " << 1e3 * run.latency.median_s << " ms median; "
-         << run.about);
+                                                                        << run.about);
 }
 
 TEST_CASE("live hands: rings go around the fingers, and a tracker's ring is as large as the finger") {
@@ -258,5 +259,29 @@ TEST_CASE("live hands: two threads and the loop lose no frame, and the newest wi
         if (slow_s > 0.0) CHECK(numbers.size() < 20);
         REQUIRE_FALSE(numbers.empty());
         CHECK(numbers.back() >= 52);
+    }
+}
+
+TEST_CASE("live hands: prediction by velocity leads a hand to within 2 mm, and a filter does not overshoot") {
+    // A hand that goes to and fro by 40 mm, once a second, at 110 Hz, with a latency of 20 ms.
+    const auto place = [](double time_s) { return Vec3{40e-3 * std::sin(2.0 * pi * time_s), 0, 0.2}; };
+    constexpr double ahead_s = 20e-3, moving_s = 0.5;
+    for (const auto& [kind, most_m] : {std::pair(live::Prediction::none, 6e-3),
+                                       {live::Prediction::velocity, 1.2e-3},
+                                       {live::Prediction::kalman, 3e-3}}) {
+        live::Predictor predictor({kind, ahead_s});
+        double worst = 0.0, beyond = 0.0;
+        for (int i = 0; i < 220; ++i) {
+            const double time_s = i / 110.0;
+            const Vec3 made = predictor.ahead(1, place(time_s), time_s);
+            if (time_s < moving_s) continue;
+            worst = std::max(worst, distance(made, place(time_s + ahead_s)));
+            beyond = std::max(beyond, std::abs(made.x) - 40e-3);
+        }
+        INFO("prediction " << static_cast<int>(kind) << ": " << 1e3 * worst << " mm off, " << 1e3 * beyond
+                           << " mm beyond");
+        CHECK(worst < most_m);
+        CHECK(beyond < 1e-3);
+        if (kind == live::Prediction::none) CHECK(worst > 4e-3);
     }
 }

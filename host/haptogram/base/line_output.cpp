@@ -32,8 +32,8 @@ sockaddr_in address_of(const std::string& place) {
         good = read.ec == std::errc() && read.ptr == end && port > 0;
     }
     if (!good)
-        throw bad_argument("scene", fmt::format("found \"{}\", expected udp:ADDRESS:PORT, such as udp:127.0.0.1:9000",
-                                                place));
+        throw bad_argument("scene",
+                           fmt::format("found \"{}\", expected udp:ADDRESS:PORT, such as udp:127.0.0.1:9000", place));
     address.sin_port = htons(port);
     return address;
 }

@@ -36,12 +36,12 @@ struct SkinPatch {
 
 /// A part of the palmar skin as a raster: cells of rows and columns, about square.
 struct SkinRegion {
-    std::string_view name;      ///< thumb, index, middle, ring, pinkie or palm
-    std::size_t rows = 0;       ///< of a finger: along it, from the knuckle to the tip, and over the tip's end to the nail;
-                                ///< of the palm: to the fingers
-    std::size_t columns = 0;    ///< of a finger: around it, over half a turn
-    std::vector<Vec3> points;   ///< row by row, array frame, metres
-    std::vector<Vec3> normals;  ///< out of the skin, length 1
+    std::string_view name;  ///< thumb, index, middle, ring, pinkie or palm
+    std::size_t rows = 0;   ///< of a finger: along it, from the knuckle to the tip, and over the tip's end to the nail;
+                            ///< of the palm: to the fingers
+    std::size_t columns = 0;         ///< of a finger: around it, over half a turn
+    std::vector<Vec3> points;        ///< row by row, array frame, metres
+    std::vector<Vec3> normals;       ///< out of the skin, length 1
     std::vector<SkinPatch> patches;  ///< what the raster lies on, from the first row on: up to three of a finger
     [[nodiscard]] const Vec3& point(std::size_t row, std::size_t column) const {
         return points[row * columns + column];
@@ -63,9 +63,9 @@ struct SkinOptions {
 
 /// The palmar surface of a hand. A finger is a chain of three round segments; the half of their surface whose normals
 /// have no negative product with the palm's normal is unrolled to a raster, by arc length along the chain and by angle
-/// around it, and so is the hemisphere around the tip. When a recording says how wide the finger is, its radii are scaled so that the middle segment is. The
-/// palm is a rectangle around its centre, along the hand's direction and across it. Fingers that the tracker did not
-/// see are left out.
+/// around it, and so is the hemisphere around the tip. When a recording says how wide the finger is, its radii are
+/// scaled so that the middle segment is. The palm is a rectangle around its centre, along the hand's direction and
+/// across it. Fingers that the tracker did not see are left out.
 /// @throws Error{bad_argument} for measures that are not positive, and for hands whose coordinates are not finite or
 /// whose normal and direction are parallel
 [[nodiscard]] std::vector<SkinRegion> palmar_surface(const Hand& hand, const SkinOptions& options = {});

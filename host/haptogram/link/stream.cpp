@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/format/core.hpp"
 #include "haptogram/link/focus_ring.hpp"
 #include "haptogram/link/live_feed.hpp"
 #include "haptogram/link/transfer.hpp"
@@ -88,6 +89,31 @@ Played stream_entries(Commands& device, const StreamSettings& settings, StreamSo
     return feed(device, settings, source, 0, push, watch);
 }
 
+/// Entries of an image whose focus records went over the link one by one, because the device's memory does not hold
+/// them. Only the first was uploaded, which says where the channels are.
+Played stream_records(Commands& device, const StreamSettings& settings, const FocusRecords& foci, StreamSource& source,
+                      const Watch& watch) {
+    const std::size_t each = make_ring(device).each;
+    const auto push = [&](LiveFeed& fifo, const std::vector<SequenceEntry>& entries) {
+        std::vector<std::uint16_t> words;
+        for (const SequenceEntry& entry : entries) {
+            // Silence is a record of amplitude 0, as an index of another kind would be a frame of its own.
+            const std::size_t place = entry.index == 0 ? 0 : entry.index - foci.board_records - 1U;
+            for (FocusWords focus : foci.record(place)) {
+                if (entry.index == 0) focus[3] &= 0x003fU;
+                words.insert(words.end(), focus.begin(), focus.end());
+            }
+        }
+        fifo.push_foci(words, entries[0].dwell);
+    };
+    return feed(device, settings, source, each, push, watch);
+}
+
+/// Whether a device's memory holds so many focus records.
+bool holds_records(const FocusRecords& foci, const Identity& identity) {
+    return foci.count() <= Core{identity.name, identity.core()}.most_focus_records(foci.each);
+}
+
 }  // namespace
 
 Played stream(Commands& device, const StreamSettings& settings, StreamSource& source, const Watch& watch) {
@@ -104,13 +130,18 @@ Played stream(Commands& device, const StreamSettings& settings, StreamSource& so
 
 Played stream(Commands& device, const StreamSettings& settings, Image image, std::uint64_t loops,
               const std::string& where, const Progress& progress, const Watch& watch) {
-    // The FIFO takes the sequence, which may be longer than the device's memory. The one that is there would play other
-    // records from now on.
+    // The FIFO takes the sequence, and of foci the records, which may be longer than the device's memory. The sequence
+    // that is there would play other records from now on.
     std::vector<SequenceEntry> entries = std::exchange(image.sequence, {});
+    RepeatedEntries source(std::move(entries), loops);
+    std::optional<FocusRecords> ringed;
+    if (image.foci && !holds_records(*image.foci, device.identity())) {
+        ringed = *image.foci;
+        image.foci->foci.resize(image.foci->each);
+    }
     require_fits(image, device.identity(), where);
     upload(device, image, progress);
-    RepeatedEntries source(std::move(entries), loops);
-    return stream(device, settings, source, watch);
+    return ringed ? stream_records(device, settings, *ringed, source, watch) : stream(device, settings, source, watch);
 }
 
 Played stream(Commands& device, const StreamSettings& settings, FocusSource& source, const Watch& watch) {

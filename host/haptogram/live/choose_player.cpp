@@ -13,14 +13,14 @@
 namespace haptogram::live {
 namespace {
 
-constexpr double frame_bytes = 16.0;         // beside a record: command, address, CRC and framing
-constexpr std::size_t fewest_steps = 6;      // that still draw something
+constexpr double frame_bytes = 16.0;     // beside a record: command, address, CRC and framing
+constexpr std::size_t fewest_steps = 6;  // that still draw something
 constexpr std::size_t most_steps = 60;
-constexpr std::size_t others_in_fifo = 8;    // beside a turn
+constexpr std::size_t others_in_fifo = 8;  // beside a turn
 constexpr std::size_t banks = 3;
-constexpr double line_share = 0.8;           // may go into records
-constexpr double usual_interval_s = 20e-3;   // between two paths: fewer steps that come faster do not feel better
-constexpr double longest_interval_s = 0.1;   // that still follows a hand
+constexpr double line_share = 0.8;          // may go into records
+constexpr double usual_interval_s = 20e-3;  // between two paths: fewer steps that come faster do not feel better
+constexpr double longest_interval_s = 0.1;  // that still follows a hand
 
 bool computes_foci(const link::Identity& board, const Array& array) {
     return interface::has(board.features, interface::Feature::live_foci) && board.channels == array.elements.size();
@@ -30,9 +30,8 @@ ChosenPlayer with_foci(link::Commands& device, const Clock& clock, const Array& 
                        const Line& line) {
     auto player = std::make_unique<FocusPlayer>(device, clock, array, options.pace, line, options.watchdog_ms);
     const FocusPace pace = player->pace();
-    std::string about =
-        fmt::format("the board computes foci: {} at a time, new ones every {:.2f} ms", pace.foci,
-                    1e3 * pace.periods * player->timer().period_s());
+    std::string about = fmt::format("the board computes foci: {} at a time, new ones every {:.2f} ms", pace.foci,
+                                    1e3 * pace.periods * player->timer().period_s());
     if (pace.foci < options.pace.foci) about += fmt::format("; up to {} play in turn", options.pace.foci);
     return {std::move(player), std::move(about)};
 }

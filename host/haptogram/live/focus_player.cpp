@@ -15,16 +15,16 @@
 namespace haptogram::live {
 namespace {
 
-constexpr double least_frame_s = 2e-3;   ///< of playing, that a frame carries
-constexpr double least_lead_s = 3e-3;    ///< beside what frames and answers take on the line
-constexpr double most_lead_s = 50e-3;    ///< up to this it grows while the board runs dry
-constexpr double lead_growth = 1.5;      ///< each time
-constexpr double line_share = 0.85;      ///< of the line may be taken
-constexpr double focus_share = 0.75;     ///< of that, at least, are foci; the rest is what stands around them
-constexpr double frame_bytes = 16.0;     ///< beside the records: command, dwell, CRC and framing
+constexpr double least_frame_s = 2e-3;  ///< of playing, that a frame carries
+constexpr double least_lead_s = 3e-3;   ///< beside what frames and answers take on the line
+constexpr double most_lead_s = 50e-3;   ///< up to this it grows while the board runs dry
+constexpr double lead_growth = 1.5;     ///< each time
+constexpr double line_share = 0.85;     ///< of the line may be taken
+constexpr double focus_share = 0.75;    ///< of that, at least, are foci; the rest is what stands around them
+constexpr double frame_bytes = 16.0;    ///< beside the records: command, dwell, CRC and framing
 constexpr double focus_bytes = 8.0;
-constexpr double status_bytes = 64.0;    ///< of an answer to the question, which what plays must outlast
-constexpr double status_pause_s = 20e-3; ///< between questions whether the board has run dry
+constexpr double status_bytes = 64.0;     ///< of an answer to the question, which what plays must outlast
+constexpr double status_pause_s = 20e-3;  ///< between questions whether the board has run dry
 constexpr double fade_step_s = 20e-3;
 constexpr std::size_t most_unanswered = 2;
 
@@ -70,7 +70,8 @@ void FocusPlayer::upload(const Array& array) {
     constexpr double apart_m = 1e-3;  // records have as many foci as the image's step
     for (std::size_t i = 0; i < ring_.each; ++i)
         step.foci.push_back({{apart_m * static_cast<double>(i), 0.0, 0.2}, 1.0});
-    Image image = focus_image_of({{step}, {}}, array, Core{device_.identity().name, device_.identity().core()}, 0).image;
+    Image image =
+        focus_image_of({{step}, {}}, array, Core{device_.identity().name, device_.identity().core()}, 0).image;
     // A lone focus has all that the array can make; where several meet in phase, a channel has no more than that.
     image.foci->engine.gain = gain_word(1.0 / std::sin(std::numbers::pi * timer_.duty()));
     static_cast<void>(link::upload(device_, image));
@@ -152,8 +153,8 @@ bool FocusPlayer::service() {
     if (faded_s_ && *faded_s_ > 2.0 * fade_step_s) silence();
     if (!path_) return idle();
     const double entry = dwell_ * timer_.period_s();
-    const auto wanted = static_cast<double>(std::min<std::size_t>(
-        static_cast<std::size_t>(std::ceil(lead_s_ / entry)), device_.identity().live_depth - 1U));
+    const auto wanted = static_cast<double>(std::min<std::size_t>(static_cast<std::size_t>(std::ceil(lead_s_ / entry)),
+                                                                  device_.identity().live_depth - 1U));
     if (device_.unanswered() < most_unanswered && level() + static_cast<double>(frame_) <= wanted + 1.0) {
         send(frame_);
         return true;

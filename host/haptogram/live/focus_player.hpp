@@ -49,21 +49,21 @@ private:
     [[nodiscard]] const PathStep& step_now() const;
     void send(std::size_t count);
 
-    std::uint32_t dwell_ = 0;   ///< carrier periods of a record
-    std::size_t frame_ = 1;     ///< records of a frame on the line
-    double lead_s_ = 0.0;       ///< that the board has in hand
-    link::FocusRing ring_;      ///< its `each` is what a record holds
-    std::uint64_t records_ = 0; ///< that went into the ring
+    std::uint32_t dwell_ = 0;    ///< carrier periods of a record
+    std::size_t frame_ = 1;      ///< records of a frame on the line
+    double lead_s_ = 0.0;        ///< that the board has in hand
+    link::FocusRing ring_;       ///< its `each` is what a record holds
+    std::uint64_t records_ = 0;  ///< that went into the ring
     std::optional<Path> path_;
     std::vector<double> ends_;  ///< of its steps, in periods
     double at_ = 0.0;           ///< in the pass, in periods
     std::size_t turn_ = 0;      ///< whose turn it is of foci that do not fit a record
     FocusWords last_{};         ///< where the focus was last
     SentRing about_;
-    bool begun_ = false;            ///< a record of the path was pushed
-    double late_s_ = 0.0;           ///< when that should have been
-    std::optional<double> faded_s_; ///< for so long what plays fades
-    double asked_s_ = 0.0;          ///< when the device was asked for its status last
+    bool begun_ = false;             ///< a record of the path was pushed
+    double late_s_ = 0.0;            ///< when that should have been
+    std::optional<double> faded_s_;  ///< for so long what plays fades
+    double asked_s_ = 0.0;           ///< when the device was asked for its status last
     std::optional<std::uint16_t> underruns_;
 };
 

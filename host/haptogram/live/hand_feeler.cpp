@@ -22,9 +22,11 @@ bool faces_array(const SkinPoint& at) { return dot(at.position, at.normal) < 0.0
 bool keep_felt(std::vector<Voice>& voices, double step_s) {
     bool hidden = false;
     for (Voice& voice : voices) {
-        hidden = std::erase_if(voice.legs, [](const Leg& leg) {
-                     return !leg.silent && !faces_array(leg.from) && !faces_array(leg.to);
-                 }) > 0 || hidden;
+        hidden = std::erase_if(voice.legs,
+                               [](const Leg& leg) {
+                                   return !leg.silent && !faces_array(leg.from) && !faces_array(leg.to);
+                               }) > 0 ||
+                 hidden;
         const double seconds = voice.seconds();
         if (seconds > 0.0 && seconds < step_s)
             for (Leg& leg : voice.legs) leg.seconds *= step_s / seconds;
@@ -39,15 +41,18 @@ bool keep_felt(std::vector<Voice>& voices, double step_s) {
 
 std::size_t most_foci(const HandOptions& options) {
     if (options.algorithm == Algorithm::press) return 2 * std::size_t{options.touch.press.foci};
-    const bool two = options.algorithm == Algorithm::deepest ||
-                     (options.algorithm == Algorithm::solid && options.touch.two_foci);
+    const bool two =
+        options.algorithm == Algorithm::deepest || (options.algorithm == Algorithm::solid && options.touch.two_foci);
     return two ? 2 : 1;
 }
 
-HandFeeler::HandFeeler(const Array& array, double carrier_hz, std::shared_ptr<const TouchObject> object,
-                       const HandOptions& options)
-    : array_(array), carrier_hz_(carrier_hz), object_(std::move(object)), options_(options), predictor_(options.predict) {
-    static_cast<void>(touch(options.algorithm, *object_, {}, 0.0, options.touch));  // refuses what makes no sense
+HandFeeler::HandFeeler(const Array& array, double carrier_hz, Objects objects, const HandOptions& options)
+    : array_(array),
+      carrier_hz_(carrier_hz),
+      objects_(std::move(objects)),
+      options_(options),
+      predictor_(options.predict) {
+    static_cast<void>(touch(options.algorithm, {}, {}, 0.0, options.touch));  // refuses what makes no sense
 }
 
 /// The hand where it will be when what it feels plays.
@@ -75,10 +80,9 @@ Path HandFeeler::pass_of(const Touch& touch, ShotReport& report) {
     const Played played = pen.play_pass(voices);
     if (played.out_of_reach > 0) {
         ++counts_.out_of_reach;
-        report.troubles.push_back(fmt::format("{:.0f} % of what is felt is out of the array's reach, {}",
-                                              100.0 * static_cast<double>(played.out_of_reach) /
-                                                  static_cast<double>(played.foci),
-                                              played.why));
+        report.troubles.push_back(fmt::format(
+            "{:.0f} % of what is felt is out of the array's reach, {}",
+            100.0 * static_cast<double>(played.out_of_reach) / static_cast<double>(played.foci), played.why));
     }
     return pen.path();
 }
@@ -91,9 +95,10 @@ std::optional<Path> HandFeeler::feel(const Frame& frame, ShotReport& report) {
     }
     predictor_.forget_before(frame.time_s - forget_s);
     if (skin.empty()) ++counts_.empty;
-    const Touch made = touch(options_.algorithm, *object_, skin, frame.time_s, options_.touch);
+    const std::shared_ptr<const TouchObject> object = objects_(frame.time_s);
+    const Touch made = touch(options_.algorithm, *object, skin, frame.time_s, options_.touch);
     report.foci = made.voices.size();
-    report.object.origin = 0.5 * (object_->low + object_->high);
+    report.object.origin = 0.5 * (object->low + object->high);
     std::vector<std::size_t> touched;
     for (const SkinLine& line : made.lines) {
         std::vector<Vec3>& points = report.contacts.emplace_back();

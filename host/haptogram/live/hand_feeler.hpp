@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <functional>
 #include <memory>
 
 #include "haptogram/array/array.hpp"
@@ -24,9 +25,10 @@ struct HandOptions {
 /// reach is silent, and so is skin that faces away from it.
 class HandFeeler final : public Feeler {
 public:
+    using Objects = std::function<std::shared_ptr<const TouchObject>(double time_s)>;
     /// @throws Error{bad_argument} as touch() does, and for options of the prediction
-    HandFeeler(const Array& array, double carrier_hz, std::shared_ptr<const TouchObject> object,
-               const HandOptions& options);
+    /// @param objects  what there is to feel at the time of a frame
+    HandFeeler(const Array& array, double carrier_hz, Objects objects, const HandOptions& options);
     [[nodiscard]] std::optional<Path> feel(const Frame& frame, ShotReport& report) override;
     [[nodiscard]] ShotCounts counts() const override { return counts_; }
 
@@ -36,7 +38,7 @@ private:
 
     Array array_;
     double carrier_hz_;
-    std::shared_ptr<const TouchObject> object_;
+    Objects objects_;
     HandOptions options_;
     Predictor predictor_;
     ShotCounts counts_;

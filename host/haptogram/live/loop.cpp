@@ -36,8 +36,7 @@ void Loop::miss() {
 void Loop::serve_until(double time_s) {
     // The board's time goes on while it is served, so late shots are seen here.
     for (double now = clock_.now_s(); now < time_s; now = clock_.now_s()) {
-        while (last_time_s_ &&
-               now - begin_s_ > *last_time_s_ + (static_cast<double>(absent_) + 1.5) / rate_hz_) {
+        while (last_time_s_ && now - begin_s_ > *last_time_s_ + (static_cast<double>(absent_) + 1.5) / rate_hz_) {
             ++absent_;
             miss();
         }

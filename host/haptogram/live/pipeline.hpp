@@ -49,11 +49,11 @@ private:
     std::atomic<bool> end_ = false;
     mutable std::mutex mutex_;
     std::condition_variable changed_;
-    std::optional<Frame> seen_;       ///< the newest that is not computed yet
-    std::optional<Felt> felt_;        ///< the newest that the loop has not taken yet
-    std::optional<Felt> taken_;       ///< the one that it has taken
-    bool tracked_ = false;            ///< the source has ended
-    bool computed_ = false;           ///< and all that came of it is computed
+    std::optional<Frame> seen_;  ///< the newest that is not computed yet
+    std::optional<Felt> felt_;   ///< the newest that the loop has not taken yet
+    std::optional<Felt> taken_;  ///< the one that it has taken
+    bool tracked_ = false;       ///< the source has ended
+    bool computed_ = false;      ///< and all that came of it is computed
     std::exception_ptr trouble_;
     ShotCounts counts_;
     std::thread tracking_, computing_;

@@ -11,9 +11,10 @@ namespace haptogram::live {
 
 Line measured_line(link::Commands& device, const Clock& clock) {
     constexpr std::uint16_t few = 16, many = 192;
-    constexpr double around = 20.0;    // bytes beside them: of the question, and of the answer's frame
-    constexpr double least_s = 1e-6;   // of a line that is faster than can be measured
-    constexpr double line_part = 0.5;  // of the longer answer's time, at least, is the line's: a busy machine hides the rest
+    constexpr double around = 20.0;   // bytes beside them: of the question, and of the answer's frame
+    constexpr double least_s = 1e-6;  // of a line that is faster than can be measured
+    constexpr double line_part =
+        0.5;  // of the longer answer's time, at least, is the line's: a busy machine hides the rest
     const auto seconds = [&](std::uint16_t bytes) {
         double least = 1.0;
         for (int i = 0; i < 5; ++i) {

@@ -54,8 +54,14 @@ Vec3 Predictor::ahead(std::uint64_t finger, Vec3 place, double time_s) {
     } else {
         filter(track, place, seconds);
     }
+    Vec3 way = options_.ahead_s * track.velocity;
+    if (options_.kind == Prediction::kalman && !fresh && seconds > 0.0) {
+        const double seen = distance(place, track.measured) / seconds + 2.0 * options_.place_noise_m / seconds;
+        if (const double most = options_.ahead_s * seen; norm(way) > most) way = (most / norm(way)) * way;
+    }
+    track.measured = place;
     track.time_s = time_s;
-    return track.place + options_.ahead_s * track.velocity;
+    return track.place + way;
 }
 
 void Predictor::forget_before(double time_s) {

@@ -13,7 +13,8 @@ namespace haptogram::live {
 enum class Prediction {
     none,
     velocity,  ///< on with the velocity between the last two shots
-    kalman,    ///< on with the velocity that a Kalman filter of constant velocity has learned
+    kalman,    ///< on with the velocity that a Kalman filter of constant velocity has learned, but no farther than the
+               ///< last two shots and their noise say, so that it does not go on where a hand turns back
 };
 /// @throws Error{bad_argument} for other names than none, velocity and kalman
 [[nodiscard]] Prediction prediction_of(std::string_view name);
@@ -38,7 +39,7 @@ public:
 private:
     struct Track {
         double time_s = 0.0;
-        Vec3 place, velocity;
+        Vec3 place, velocity, measured;
         std::array<double, 3> variance{};  ///< of place, of both together, and of velocity; the same in x, y and z
     };
     void filter(Track& track, Vec3 place, double seconds) const;

@@ -120,7 +120,8 @@ std::optional<Path> ShotRings::take(std::span<const DepthCamera> cameras, const 
     note_cameras(shot, report);
     report.object = scene_.object();
     // When all cameras are gone nothing is known of the fingers: the scene stays as it is, as when a shot is lost.
-    report.blind = std::none_of(shot.pictures.begin(), shot.pictures.end(), [](const auto& p) { return p.has_value(); });
+    report.blind =
+        std::none_of(shot.pictures.begin(), shot.pictures.end(), [](const auto& p) { return p.has_value(); });
     if (report.blind) return {};
     std::optional<Vec3> eye;
     if (cameras.size() == 1) eye = cameras.front().pose.origin;

@@ -10,8 +10,8 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/live/depth_folder.hpp"
-#include "haptogram/live/depth_pipe.hpp"
 #include "haptogram/live/depth_frames.hpp"
+#include "haptogram/live/depth_pipe.hpp"
 #include "haptogram/live/hand_source.hpp"
 #include "haptogram/verbs/render.hpp"
 

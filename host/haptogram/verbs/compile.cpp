@@ -394,7 +394,8 @@ Image records_image(const Path& path, const Array& array, const Core& core, Meth
 }
 
 Compiled compile_path(Path path, const ProjectInstrument& instrument, std::uint16_t loops, const std::string& name,
-                      std::string settings, Method solver, const std::string& quantise, ImageKind kind) {
+                      std::string settings, Method solver, const std::string& quantise, ImageKind kind,
+                      FociFrom from = FociFrom::memory) {
     const auto& [array, core, boards] = instrument;
     require_sound(path);
     if (boards == 1) require_channels(array, core);
@@ -407,7 +408,7 @@ Compiled compile_path(Path path, const ProjectInstrument& instrument, std::uint1
     std::vector<std::string> warnings;
     Image image;
     if (kind == ImageKind::foci) {
-        FocusImage made = focus_image_of(path, array, core, loops, boards);
+        FocusImage made = focus_image_of(path, array, core, loops, boards, from);
         image = std::move(made.image);
         manifest.records = std::move(made.records);
         manifest.foci = made.meaning;
@@ -448,7 +449,7 @@ Compiled compile_path(Path path, const ProjectInstrument& instrument, std::uint1
 }
 
 Compiled compile_on(const ProjectInstrument& instrument, const Project& project, const std::string& name,
-                    const Progress& progress, Shape* placed = nullptr) {
+                    const Progress& progress, Shape* placed = nullptr, FociFrom from = FociFrom::memory) {
     const ImageKind kind = kind_of(project.image, instrument.core, project.quantise);
     const Timer timer = timer_of(kind, instrument.array, instrument.core);
     const std::size_t most_samples =
@@ -460,8 +461,9 @@ Compiled compile_on(const ProjectInstrument& instrument, const Project& project,
         const std::vector<double> am_hz = modulate(path, project, timer.carrier_hz(), most_samples, hashes);
         const auto magnitude = feel(path, project, instrument.array);
         progress(0.8, "focusing");
-        Compiled compiled = compile_path(std::move(path), instrument, project.loops, name,
-                                         settings_text(project) + hashes, Method::gauss_newton, project.quantise, kind);
+        Compiled compiled =
+            compile_path(std::move(path), instrument, project.loops, name, settings_text(project) + hashes,
+                         Method::gauss_newton, project.quantise, kind, from);
         compiled.am_hz = am_hz;
         compiled.magnitude = magnitude;
         warn_of_few_samples(compiled, project);
@@ -599,7 +601,7 @@ Compiled compile(const ProjectInstrument& instrument, const Project& project, co
 Compiled compile_for_stream(const Project& project, const std::string& name) {
     ProjectInstrument instrument = instrument_of(project);
     instrument.core.parameters.sequence_depth = interface::sequence_header_field::length.most() + 1;
-    return compile_on(instrument, project, name, {});
+    return compile_on(instrument, project, name, {}, nullptr, FociFrom::line);
 }
 
 Compiled compile(const Path& path, const Array& array, const Core& core, std::uint16_t loops, const std::string& name,

@@ -16,6 +16,7 @@ namespace haptogram {
 namespace {
 
 using RecordWords = std::vector<FocusWords>;
+constexpr std::uint32_t most_indices = 65535;
 
 void require_board(const Array& array, const Core& core, std::size_t boards) {
     const interface::CoreParameters& p = core.parameters;
@@ -91,7 +92,7 @@ std::uint32_t clocks_to_make(const FocusRecords& foci, std::uint32_t channels) {
 }  // namespace
 
 FocusImage focus_image_of(const Path& path, const Array& array, const Core& core, std::uint16_t loops,
-                          std::size_t boards) {
+                          std::size_t boards, FociFrom from) {
     require_board(array, core, boards);
     const interface::CoreParameters& p = core.parameters;
     FocusImage made;
@@ -118,11 +119,13 @@ FocusImage focus_image_of(const Path& path, const Array& array, const Core& core
             const auto [entry, fresh] = places.try_emplace(words, records.size());
             if (fresh) records.push_back(std::move(words));
             foci.each = std::max(foci.each, static_cast<std::uint32_t>(entry->first.size()));
-            if (records.size() > core.most_focus_records(foci.each))
+            const std::uint32_t most =
+                from == FociFrom::line ? most_indices - p.records : core.most_focus_records(foci.each);
+            if (records.size() > most)
                 throw bad_input(core.name,
                                 fmt::format("the path needs more than the {} focus records of {} foci that the board "
                                             "holds; take fewer points",
-                                            core.most_focus_records(foci.each), foci.each),
+                                            most, foci.each),
                                 {"points", "board", "array"});
             index = static_cast<std::uint16_t>(p.records + 1 + entry->second);
         }

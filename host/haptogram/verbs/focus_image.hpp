@@ -21,6 +21,9 @@ struct FocusImage {
     std::vector<std::string> warnings;  ///< whole sentences
 };
 
+/// Whether focus records are in a board's memory, which limits their number, or come over the line as they are due.
+enum class FociFrom { memory, line };
+
 /// A path as focus records, for a board that computes phases and amplitudes by itself (rtl/focus_engine.v). Steps with
 /// the same foci, rounded as the board has them, share a record. All records have as many foci as the largest step;
 /// weaker steps are filled up with foci of amplitude 0. A channel's amplitude is the length of its sum of foci over the
@@ -34,6 +37,6 @@ struct FocusImage {
 /// for more foci at a time than the board takes, and when the records, the sequence or the samples do not fit the
 /// board; and when the array has not one element for each channel, because the board computes all of them
 [[nodiscard]] FocusImage focus_image_of(const Path& path, const Array& array, const Core& core, std::uint16_t loops,
-                                        std::size_t boards = 1);
+                                        std::size_t boards = 1, FociFrom from = FociFrom::memory);
 
 }  // namespace haptogram
