@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/base/line_output.hpp"
+#include "haptogram/live/line_output.hpp"
 
 #include <arpa/inet.h>
 #include <fcntl.h>
