@@ -265,7 +265,10 @@ TEST_CASE("skin: six regions of cells of a millimetre, facing out of the palm", 
             for (std::size_t column = 0; column < r.columns; ++column) {
                 const Vec3 normal = r.normals[row * r.columns + column];
                 REQUIRE(norm(normal) == Approx(1.0));
-                REQUIRE(dot(normal, hand.normal) >= -1e-9);
+                // Over the round end of the tip the skin goes on to the nail.
+                const SkinPatch& last = r.patches.back();
+                const double beyond = dot(r.point(row, column) - last.from, last.along) - last.length;
+                if (!last.tip || beyond < 1e-9) REQUIRE((dot(normal, hand.normal) >= -1e-9 || beyond > -1e-9));
                 if (column > 0) REQUIRE(distance(r.point(row, column), r.point(row, column - 1)) <= 1e-3 + 1e-12);
             }
         }

@@ -76,6 +76,7 @@ SceneInput::SceneInput(const ObjectSource& first, const std::string& path) {
     objects_[first_name] = open_object(first);
     all_ = std::make_shared<const TouchObject>(together(objects_));
     if (!path.empty()) lines_.emplace(path);
+    if (lines_ && lines_->is_file()) static_cast<void>(at(0.0));  // so that what is wrong there is said at once
 }
 
 void SceneInput::take(const std::string& text) {
