@@ -11,8 +11,8 @@ end
 (* anyconst *) wire [PERIOD_BITS-1:0] f_period;  // any one
 reg       f_whole_q;                  // its pattern has been taken whole, and is to be played
 reg       f_frame_q, f_paused_q;
-reg [2:0] f_since_go_q;
-initial {f_whole_q, f_frame_q, f_paused_q, f_since_go_q} = 6'd7;
+reg [1:0] f_since_go_q;
+initial {f_whole_q, f_frame_q, f_paused_q, f_since_go_q} = 5'd3;
 wire [BITS-1:0] f_slot = f_period[BITS-1:0] & mask[BITS-1:0];
 wire f_turn = o_turn && decided_q == f_period;
 always @(posedge clk) begin
@@ -27,7 +27,7 @@ always @(posedge clk) begin
     assume (!o_jump || i_forget);
     f_frame_q    <= i_settle || (f_frame_q && !i_close);
     f_paused_q   <= !i_take && !o_wait;
-    f_since_go_q <= i_go ? 3'd0 : &f_since_go_q ? f_since_go_q : f_since_go_q + 3'd1;
+    f_since_go_q <= i_go ? 2'd0 : &f_since_go_q ? f_since_go_q : f_since_go_q + 2'd1;
     f_whole_q    <= !i_forget && !f_turn && (f_whole_q || (fills && period_q == f_period));
     if (f_turn && o_full) assert (f_whole_q);
     if (f_turn && f_whole_q) assert (o_full);
