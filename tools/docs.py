@@ -49,6 +49,8 @@ class Stage:
         with tempfile.TemporaryDirectory() as folder:
             Path(folder, "haptogram").symlink_to(self.program)
             Path(folder, "tools").symlink_to(ROOT / "tools")
+            Path(folder, "python3").write_text(f"#!/bin/sh\nexec '{sys.executable}' \"$@\"\n")
+            Path(folder, "python3").chmod(0o755)
             environment = {**os.environ, "PATH": f"{folder}:{os.environ['PATH']}", "HAPTOGRAM_PYTHON": sys.executable}
             if subprocess.run(["bash", "-ec", command], cwd=folder, check=False, env=environment, stdout=subprocess.DEVNULL).returncode:
                 sys.exit(f"docs: {page}: the command of the picture {name} failed: {command}")

@@ -38,10 +38,11 @@ def main():
             axes.annotate(str(e["channel"]), place, ha="center", va="bottom", fontsize=8, weight="bold")
     dead, reversed_, moved = (sum(1 for e in elements if test(e)) for test in (lambda e: e["dead"], lambda e: e["reversed"], lambda e: e["channel"] != e["element"]))
     axes.set(title=f"{len(elements)} elements: {dead} dead (cross), {reversed_} reversed (minus), {moved} on another channel (its number)", xlabel="x / mm", ylabel="y / mm")
+    axes.title.set_fontsize(10)
     axes.set_aspect("equal")
     axes.autoscale_view()
     axes.grid(alpha=0.2)
-    figure.colorbar(colour, ax=axes, label="phase / degrees; the area grows with the gain")
+    figure.colorbar(colour, ax=axes, label="phase / degrees; the size is the gain")
     figure.savefig(output, dpi=100, format=pathlib.Path(output).suffix[1:] if pathlib.Path(output).suffix in (".png", ".svg") else "png")
 
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`haptogram calibrate`: arrays with faults, recorded by tools/record_calibration.py, and the foci that their images then make in its
-numpy model. HAPTOGRAM_ARRAYS arrays are drawn; 200 of them make the table of docs/calibrate.md."""
+numpy model. HAPTOGRAM_ARRAYS arrays are drawn."""
 import dataclasses
 import json
 import os
@@ -61,7 +61,7 @@ def kept(folder, array, bought):
 
 
 def calibrate(folder, options):
-    return json.loads(text(succeed(["calibrate", "fit", *options, "-o", "tile.toml", "--json"], cwd=folder).stdout))
+    return json.loads(text(succeed(["calibrate", "fit", *options, "-o", "tile.toml", "--json"], cwd=folder, timeout=300).stdout))
 
 
 def elements(found, cause):

@@ -4,6 +4,7 @@ a person or an installation are marked `sh board`, and are not run."""
 import os
 import re
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -32,6 +33,8 @@ def test_every_command_of_the_page_runs(page, program, tmp_path):
     folder = tmp_path / "bin"
     folder.mkdir()
     (folder / "haptogram").symlink_to(program)
+    (folder / "python3").write_text(f"#!/bin/sh\nexec '{sys.executable}' \"$@\"\n")  # which has numpy
+    (folder / "python3").chmod(0o755)
     for name in ("tools", "hardware"):  # whose files a page names
         (tmp_path / name).symlink_to(ROOT / name)
     blocks = BLOCK.findall((ROOT / page).read_text(encoding="utf-8"))

@@ -25,6 +25,9 @@ constexpr double turn = 2.0 * std::numbers::pi;
 /// Of a pattern, what is not listened to: transducers and the nearest echoes settle in its beginning, and its end may
 /// come early by the clock.
 constexpr double settling = 0.25, margin = 0.05;
+/// Of the power that silent columns have by chance: with less, it is the code. Sixteen of them have so little in one of
+/// three million trials, and thousands are made.
+constexpr double recognised = 0.2;
 
 /// Any part of the recording at the carrier, as a mean: sums from the beginning make that two look-ups.
 class Baseband {
@@ -152,8 +155,8 @@ void refuse_clipped(const Recording& recording) {
 
 CalibrationCode::CalibrationCode(std::size_t elements) {
     if (elements == 0) throw bad_input("calibration", "the array has no elements");
-    // At least an eighth of the columns have no element, and at least eight.
-    negated_.resize(std::bit_ceil(elements + std::max<std::size_t>(8, elements / 8)));
+    // At least an eighth as many columns have no element, and at least sixteen.
+    negated_.resize(std::bit_ceil(elements + std::max<std::size_t>(16, elements / 8)));
     std::mt19937 random(39);
     for (std::size_t i = 0; i < negated_.size(); ++i) {
         negated_[i] = (random() >> 31U) != 0;
@@ -288,7 +291,7 @@ ElementSounds decode(const Recording& recording, std::size_t elements, double ca
         if (begin_s > -settling * pattern_s)
             for (double hz = rough_hz - range_hz; hz <= rough_hz + range_hz; hz += step_hz) try_at(begin_s, hz);
     const double by_chance = static_cast<double>(code.patterns() - elements) / static_cast<double>(code.patterns());
-    if (!(least < 0.5 * by_chance))
+    if (!(least < recognised * by_chance))
         throw bad_input(recording.name,
                         fmt::format("the code for {} elements is not in it: what sounds at {:g} Hz is {}; see that the "
                                     "board played this array's code, and that the microphone hears 40 kHz",
@@ -302,7 +305,7 @@ ElementSounds decode(const Recording& recording, std::size_t elements, double ca
     found.passes = 1;
     for (double begin_s = found.start_s + pass_there_s; begin_s + pass_there_s < seconds; begin_s += pass_there_s) {
         const Pass next = pass_at(code, elements, sound, begin_s, error_hz, carrier_hz);
-        if (!(next.silent_share < 0.5 * by_chance)) break;  // it was stopped there
+        if (!(next.silent_share < recognised * by_chance)) break;  // it was stopped there
         Complex both = 0.0;
         for (std::size_t j = 0; j < elements; ++j) both += first.columns[j] * std::conj(next.columns[j]);
         for (std::size_t j = 0; j < sum.size(); ++j) sum[j] += next.columns[j] * both / std::abs(both);
