@@ -112,7 +112,7 @@ function stepOf(name) {
 /** Goes to a step and unfolds all that it has. */
 export async function show(page, step) {
   const tab = page.locator(`[data-step=${step}]`);
-  if (!(await tab.isVisible())) return; // a study has the page
+  await tab.waitFor();
   if ((await tab.getAttribute("aria-selected")) !== "true") await tab.click();
   await page.evaluate(() => document.querySelectorAll("aside details").forEach((each) => (each.open = true)));
 }
