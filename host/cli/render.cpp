@@ -237,9 +237,10 @@ void add_render(CLI::App& app, Action& action) {
         "Let recorded or synthetic hands feel a solid object: a path for compile, a report for each frame, a picture");
     sub->add_option(
            "object", options->object.name,
-           fmt::format("{}; or a project (.toml, .haptogram) with a [hand], which has all settings but --frame, --array and "
-                       "--board",
-                       object_words()))
+           fmt::format(
+               "{}; or a project (.toml, .haptogram) with a [hand], which has all settings but --frame, --array and "
+               "--board",
+               object_words()))
         ->required();
     sub->add_option("--hand", options->hand,
                     "A Leap recording (.json, .lz), poses (.pose), or synthetic:press, slide, grasp or wave, with "
