@@ -38,6 +38,10 @@ def without_both(folder, work):
     """The program without simulated board, FTDI, studio and extensions, on a machine that has the packages of none of these."""
     known = work / "pkgconfig"
     known.mkdir()
+    for place in run("pkg-config", "--variable", "pc_path", "pkg-config").stdout.strip().split(":"):
+        for package in Path(place).glob("*.pc"):
+            if not package.stem.startswith(("libftdi", "libusb", "bullet")) and not (known / package.name).exists():
+                (known / package.name).symlink_to(package)
     configure(folder, "-DHAPTOGRAM_SIMULATION=OFF", "-DHAPTOGRAM_FTDI=OFF", "-DHAPTOGRAM_STUDIO=OFF", "-DHAPTOGRAM_TESTS=OFF", "-DHAPTOGRAM_EXTENSIONS=",
               NO_VERILATOR, *(f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=ON" for name in ("LAPACK", "PNG")), environment={"PKG_CONFIG_LIBDIR": str(known)})
     program = work / "haptogram-without-both"
