@@ -4,7 +4,7 @@
 namespace haptogram::sim {
 namespace {
 
-namespace field = interface::stream_field;
+namespace stream_field = interface::stream_field;
 
 constexpr Clock look_clocks = 3;   // from the arguments, or the last word, until a slot is looked at
 constexpr Clock turn_clocks = 2;   // from the go point until it is decided what the period plays
@@ -14,11 +14,11 @@ constexpr Clock sweep_clocks = 2;  // until all slots are empty, beside one for 
 
 void PatternStream::set(Clock clock, std::uint32_t address, std::uint16_t word) {
     const bool form = address == static_cast<std::uint32_t>(interface::StreamWord::slot_form);
-    words_[address] = form ? static_cast<std::uint16_t>(word & field::slot_bits.most()) : word;
+    words_[address] = form ? static_cast<std::uint16_t>(word & stream_field::slot_bits.most()) : word;
     forget(clock);
 }
 
-std::uint16_t PatternStream::fade() const { return static_cast<std::uint16_t>(field::fade.get(words_)); }
+std::uint16_t PatternStream::fade() const { return static_cast<std::uint16_t>(stream_field::fade.get(words_)); }
 
 bool PatternStream::usable(std::span<const std::uint16_t> parameters, std::uint32_t top_index) const {
     namespace set = interface::parameters_field;
@@ -122,7 +122,7 @@ PatternStream::Turn PatternStream::turn(Clock clock, bool plays) {
         return turn;
     }
     turn.lost = plays;
-    turn.ends = plays && missed_ == field::hold.get(words_);
+    turn.ends = plays && missed_ == stream_field::hold.get(words_);
     missed_ = (missed_ + 1) & 0xffffU;
     return turn;
 }

@@ -293,11 +293,11 @@ int live_loop(const LiveCommand& command) {
     if (!command.record.empty())
         write_file(std::filesystem::path(command.record) / "run.json", live::run_to_json(done, latency).dump(1) + "\n");
     report.print(command.json);
-    if (done.with_rings > 0 && 2 * done.missed > done.shots)
+    if (done.with_rings > 0 && 2 * done.unsent > done.shots)
         throw Error(ErrorCode::failed, "live",
-                    fmt::format("{} of {} shots were missed: what they made was not on the board in time; take fewer "
-                                "frames a second, or a faster machine or line",
-                                done.missed, done.shots));
+                    fmt::format("what {} of {} shots made was not on the board in time; take fewer frames a second, or "
+                                "a faster line",
+                                done.unsent, done.shots));
     return 0;
 }
 

@@ -118,8 +118,8 @@ def test_what_has_no_effect_is_named(tmp_path, command):
 @pytest.mark.parametrize(
     "command, option",
     [
-        (["live", "--from", "fingers:press", "--port", "none", "--focus", "static", "--press-radius", "3"], "--press-radius"),
-        (["live", "--from", "fingers:press", "--port", "none", "--latency", "20"], "--latency"),
+        (["live", "--from", "fingers:press", "--port", "none", "--algorithm", "still", "--press-radius", "3"], "--press-radius"),
+        (["live", "--from", "fingers:press", "--port", "none", "--predict", "none", "--latency", "20"], "--latency"),
         (["field", "--focus", "0,0,150", "--below", "3", "-o", "f.csv"], "--below"),
         (["analyze", "--array", "tile-10x10", "--json"], "--json"),
         (["analyze", "--focus", "0,0,150", "--measured-mn", "2", "--json"], "--json"),

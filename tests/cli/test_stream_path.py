@@ -65,8 +65,9 @@ def test_a_path_of_more_foci_than_the_board_holds_is_streamed(tmp_path):
     assert refused.returncode == BAD_INPUT and "take fewer points" in text(refused.stderr)
     with virtual_board(tmp_path, "--model", "reference", "--board", "tile-100-wide"):
         said = json.loads(ask(tmp_path, "stream", "--path", path, *options, "--json").stdout)
-        assert said["sent"] == len(steps) and said["refused_records"] == 0  # whether the line keeps up depends on the machine
-        assert status(tmp_path)["far_foci"] == 0
+        assert said["sent"] == len(steps)  # whether the line keeps up depends on the machine
+        after = status(tmp_path)
+        assert after["refused_records"] == 0 and after["far_foci"] == 0
 
 
 def entries_of(folder, image):

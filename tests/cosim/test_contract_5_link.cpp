@@ -144,10 +144,12 @@ TEST_CASE("contract 5: a frame sent again is acknowledged and not applied again"
     REQUIRE(one(bench, 251, Command::write, words({0, 0, 9})).status == Status::repeated);
     REQUIRE(one(bench, 254, Command::stop, {}).status == Status::ok);
     REQUIRE(one(bench, 255, Command::push, words({100, 1, 2, 3})).status == Status::ok);
-    REQUIRE(one(bench, 0, Command::status, {}).live_level == level);  // the number wraps around
+    const auto read_first = one(bench, 0, Command::status, {});
+    REQUIRE(read_first.live_level == level);  // the number wraps around
     const auto read_again = one(bench, 0, Command::status, {});
     REQUIRE(read_again.status == Status::repeated);
-    REQUIRE(read_again.data.size() == 2 * interface::status_words);  // reading again does no harm
+    REQUIRE(read_again.data.size() == read_first.data.size());  // reading again does no harm
+    REQUIRE(!read_again.data.empty());
     REQUIRE(status_word(bench, 1, interface::StatusWord::frames_repeated) == 3);
     REQUIRE(bench.memory(interface::primary_base, 2) == words({1}));
 }

@@ -345,7 +345,7 @@ VERSION = json.dumps({"serviceVersion": "5.0", "version": 6})
 def test_hands_of_the_tracking_service_are_felt(tmp_path):
     messages = [VERSION, json.dumps({"event": {"type": "deviceEvent", "state": {"attached": True}}}, indent=1)]
     messages += [json.dumps(hand(5_000_000 + round(i * 1e6 / 110), approach(i))) for i in range(165)]
-    with Service(messages) as service, virtual_board(tmp_path, "--model", "reference", speed="real"):
+    with Service(messages) as service, virtual_board(tmp_path, "--model", "reference", "--board", "tile-100-wide", speed="real"):
         tracker = subprocess.Popen(leap("--url", service.url), cwd=tmp_path, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         command = [PROGRAM, "live", "--from", "leap-pipe:-", "--size", "60", "--center", "0,0,170", "--port", "port", "--watchdog", "5000", "--json"]
         felt = run(command, tmp_path, stdin=tracker.stdout)

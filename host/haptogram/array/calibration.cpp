@@ -14,10 +14,9 @@ using section::assign;
 using section::quoted_text;
 using section::Section;
 
-constexpr std::string_view format = calibration_format;
-constexpr double degree = std::numbers::pi / 180.0;
+constexpr double radians_a_degree = std::numbers::pi / 180.0;
 
-bool is_calibration(const toml::table& root) { return root["format"].value<std::string>() == format; }
+bool is_calibration(const toml::table& root) { return root["format"].value<std::string>() == calibration_format; }
 
 MeasuredElement read_element(const std::string& file, const toml::table& table, std::uint32_t number) {
     const Section section(file, table);
@@ -28,22 +27,23 @@ MeasuredElement read_element(const std::string& file, const toml::table& table, 
         if (element.dead && section.find(key) != nullptr)
             throw bad_input(section.at(key), fmt::format("{} says nothing of an element that is dead", key));
     assign(element.gain, section.number("gain", 1e-3, 1e3));
-    assign(element.phase_rad, section.number("phase_deg", -360.0, 360.0), degree);
+    assign(element.phase_rad, section.number("phase_deg", -360.0, 360.0), radians_a_degree);
     assign(element.reversed, section.flag("reversed"));
     element.channel = section.whole("channel", 0, 65535).value_or(number);
     element.gain_error = section.number("gain_error", 0.0, 1e3);
-    if (const auto error = section.number("phase_error_deg", 0.0, 360.0)) element.phase_error_rad = *error * degree;
+    if (const auto error = section.number("phase_error_deg", 0.0, 360.0))
+        element.phase_error_rad = *error * radians_a_degree;
     return element;
 }
 
 std::string line_of(const MeasuredElement& element, std::uint32_t number) {
-    std::string line = element.dead
-                           ? "dead = true"
-                           : fmt::format("gain = {:.4f}, phase_deg = {:.2f}", element.gain, element.phase_rad / degree);
+    std::string line = element.dead ? "dead = true"
+                                    : fmt::format("gain = {:.4f}, phase_deg = {:.2f}", element.gain,
+                                                  element.phase_rad / radians_a_degree);
     if (element.reversed) line += ", reversed = true";
     if (element.gain_error && !element.dead) line += fmt::format(", gain_error = {:.4f}", *element.gain_error);
     if (element.phase_error_rad && !element.dead)
-        line += fmt::format(", phase_error_deg = {:.2f}", *element.phase_error_rad / degree);
+        line += fmt::format(", phase_error_deg = {:.2f}", *element.phase_error_rad / radians_a_degree);
     return line + (element.channel == number ? "" : fmt::format(", channel = {}", element.channel));
 }
 
@@ -55,8 +55,8 @@ Calibration load_calibration(const std::filesystem::path& path) {
     const Section whole(file, root);
     whole.only(
         {"format", "array", "date", "temperature_c", "speed_m_s", "residual", "source_pa_m", "measured", "element"});
-    if (whole.required(whole.text("format"), "format", fmt::format("\"{}\"", format)) != format)
-        throw whole.wrong(*whole.find("format"), "format", fmt::format("\"{}\"", format));
+    if (whole.required(whole.text("format"), "format", fmt::format("\"{}\"", calibration_format)) != calibration_format)
+        throw whole.wrong(*whole.find("format"), "format", fmt::format("\"{}\"", calibration_format));
     Calibration found;
     const std::string named =
         whole.required(whole.text("array"), "array", "the name of the shipped array, or the path of the array file");
@@ -83,7 +83,7 @@ Calibration load_calibration(const std::filesystem::path& path) {
 }
 
 std::string to_text(const Calibration& calibration) {
-    std::string text = fmt::format("format = \"{}\"\narray = {}\n", format, quoted_text(calibration.array));
+    std::string text = fmt::format("format = \"{}\"\narray = {}\n", calibration_format, quoted_text(calibration.array));
     const auto add = [&](const char* key, const std::optional<double>& value, int digits) {
         if (value) text += fmt::format("{} = {:.{}g}\n", key, *value, digits);
     };

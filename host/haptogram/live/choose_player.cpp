@@ -13,12 +13,12 @@
 namespace haptogram::live {
 namespace {
 
-constexpr double frame_bytes = 16.0;     // beside a record: command, address, CRC and framing
-constexpr std::size_t fewest_steps = 6;  // that still draw something
+constexpr double record_frame_bytes = 16.0;  // beside a record: command, address, CRC and framing
+constexpr std::size_t fewest_steps = 6;      // that still draw something
 constexpr std::size_t most_steps = 60;
 constexpr std::size_t others_in_fifo = 8;  // beside a turn
 constexpr std::size_t banks = 3;
-constexpr double line_share = 0.8;          // may go into records
+constexpr double record_share = 0.8;        // may go into records
 constexpr double usual_interval_s = 20e-3;  // between two paths: fewer steps that come faster do not feel better
 constexpr double longest_interval_s = 0.1;  // that still follows a hand
 
@@ -39,13 +39,14 @@ ChosenPlayer with_foci(link::Commands& device, const Clock& clock, const Array& 
 ChosenPlayer with_records(link::Commands& device, const Clock& clock, const Array& array, const PlayerOptions& options,
                           const Line& line) {
     const link::Identity& board = device.identity();
-    const double record_s = (2.0 * static_cast<double>(record_words(board.channels)) + frame_bytes) / line.bytes_s;
+    const double record_s =
+        (2.0 * static_cast<double>(record_words(board.channels)) + record_frame_bytes) / line.bytes_s;
     std::size_t steps = options.steps;
     if (steps == 0) {
         const double interval_s = std::max(1.0 / options.rate_hz, usual_interval_s);
         const std::size_t room =
             std::min<std::size_t>({board.records / banks, board.live_depth - others_in_fifo, most_steps});
-        steps = std::clamp<std::size_t>(static_cast<std::size_t>(line_share * interval_s / record_s), fewest_steps,
+        steps = std::clamp<std::size_t>(static_cast<std::size_t>(record_share * interval_s / record_s), fewest_steps,
                                         std::max(room, fewest_steps));
     }
     const double path_s = static_cast<double>(steps) * record_s;

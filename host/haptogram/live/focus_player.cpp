@@ -26,7 +26,7 @@ constexpr double focus_bytes = 8.0;
 constexpr double status_bytes = 64.0;     ///< of an answer to the question, which what plays must outlast
 constexpr double status_pause_s = 20e-3;  ///< between questions whether the board has run dry
 constexpr double fade_step_s = 20e-3;
-constexpr std::size_t most_unanswered = 2;
+constexpr std::size_t most_frames_unanswered = 2;
 
 Timer timer_for(const link::Commands& device, const Array& array) {
     return choose_amplitude_timer(array, Core{device.identity().name, device.identity().core()});
@@ -155,7 +155,7 @@ bool FocusPlayer::service() {
     const double entry = dwell_ * timer_.period_s();
     const auto wanted = static_cast<double>(std::min<std::size_t>(static_cast<std::size_t>(std::ceil(lead_s_ / entry)),
                                                                   device_.identity().live_depth - 1U));
-    if (device_.unanswered() < most_unanswered && level() + static_cast<double>(frame_) <= wanted + 1.0) {
+    if (device_.unanswered() < most_frames_unanswered && level() + static_cast<double>(frame_) <= wanted + 1.0) {
         send(frame_);
         return true;
     }

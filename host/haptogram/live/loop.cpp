@@ -63,10 +63,12 @@ void Loop::play(const std::optional<Path>& path, const ShotReport& shot) {
 /// Counts what came of the shot before, and what lies between them.
 ShotReport Loop::begin(const Frame& shot) {
     // The path of the frame before should be on the board by now. A late frame was counted when it was late.
-    if (absent_ == 0 && player_.sending() && !player_.fading())
+    if (absent_ == 0 && player_.sending() && !player_.fading()) {
+        ++report_.unsent;
         miss();
-    else if (absent_ == 0 && !blind_)
+    } else if (absent_ == 0 && !blind_) {
         misses_ = 0;
+    }
     absent_ = 0;
     ShotReport now;
     now.number = shot.number;

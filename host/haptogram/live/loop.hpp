@@ -27,10 +27,11 @@ struct LoopReport : ShotCounts {
     std::uint64_t skipped = 0;       ///< came while the line was busy with an earlier one
     std::uint64_t out_of_order = 0;  ///< came after a later one, and were not used
     std::uint64_t blind = 0;         ///< no camera gave a picture; these are missed, too
-    std::uint64_t missed = 0;        ///< the ring was not on the board when the next shot was due, or none came
-    std::uint64_t fades = 0;         ///< times that the outputs faded
-    std::uint16_t underruns = 0;     ///< of the board
-    std::vector<double> compute_s;   ///< of each shot
+    std::uint64_t unsent = 0;     ///< the line had not taken what a shot made when the next one was there; missed, too
+    std::uint64_t missed = 0;     ///< the ring was not on the board when the next shot was due, or none came
+    std::uint64_t fades = 0;      ///< times that the outputs faded
+    std::uint16_t underruns = 0;  ///< of the board
+    std::vector<double> compute_s;  ///< of each shot
     std::vector<SentRing> rings;
 };
 

@@ -10,10 +10,10 @@
 namespace haptogram::live {
 namespace {
 
-constexpr double nap_s = 0.5e-3;
+constexpr double look_s = 0.5e-3;
 
 /// Of this thread.
-double processor_s() {
+double thread_processor_s() {
     std::timespec now{};
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
@@ -50,7 +50,7 @@ void Pipeline::guarded(Work work) {
 }
 
 bool Pipeline::wait_until(double time_s) {
-    while (!end_ && clock_.now_s() < time_s) clock_.wait_until(std::min(time_s, clock_.now_s() + 20.0 * nap_s));
+    while (!end_ && clock_.now_s() < time_s) clock_.wait_until(std::min(time_s, clock_.now_s() + 20.0 * look_s));
     return !end_;
 }
 
@@ -58,7 +58,7 @@ void Pipeline::track() {
     std::optional<double> begin_s;
     while (!end_) {
         if (!source_.ready()) {
-            clock_.wait_until(clock_.now_s() + nap_s);
+            clock_.wait_until(clock_.now_s() + look_s);
             continue;
         }
         std::optional<Frame> frame = source_.next();
@@ -90,9 +90,9 @@ void Pipeline::compute() {
         }
         felt.report.number = felt.frame.number;
         felt.report.time_s = felt.frame.time_s;
-        const double began_s = processor_s();
+        const double began_s = thread_processor_s();
         felt.path = feeler_.feel(felt.frame, felt.report);
-        felt.report.compute_s = processor_s() - began_s;
+        felt.report.compute_s = thread_processor_s() - began_s;
         const std::lock_guard lock(mutex_);
         counts_ = feeler_.counts();
         felt_ = std::move(felt);
@@ -107,7 +107,7 @@ bool Pipeline::ready() {
 }
 
 std::optional<Frame> Pipeline::next() {
-    while (!ready()) clock_.wait_until(clock_.now_s() + nap_s);
+    while (!ready()) clock_.wait_until(clock_.now_s() + look_s);
     const std::lock_guard lock(mutex_);
     if (trouble_) std::rethrow_exception(trouble_);
     taken_ = std::exchange(felt_, std::nullopt);
