@@ -342,10 +342,11 @@ class Service:
 VERSION = json.dumps({"serviceVersion": "5.0", "version": 6})
 
 
-def test_hands_of_the_tracking_service_are_felt(tmp_path):
+@pytest.mark.parametrize("board, least", [("tile-100-wide", 100), ("tile-100", 50)])  # the line brings some 60 rings of records a second
+def test_hands_of_the_tracking_service_are_felt(tmp_path, board, least):
     messages = [VERSION, json.dumps({"event": {"type": "deviceEvent", "state": {"attached": True}}}, indent=1)]
     messages += [json.dumps(hand(5_000_000 + round(i * 1e6 / 110), approach(i))) for i in range(165)]
-    with Service(messages) as service, virtual_board(tmp_path, "--model", "reference", "--board", "tile-100-wide", speed="real"):
+    with Service(messages) as service, virtual_board(tmp_path, "--model", "reference", "--board", board, speed="real"):
         tracker = subprocess.Popen(leap("--url", service.url), cwd=tmp_path, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         command = [PROGRAM, "live", "--from", "leap-pipe:-", "--size", "60", "--center", "0,0,170", "--port", "port", "--watchdog", "5000", "--json"]
         felt = run(command, tmp_path, stdin=tracker.stdout)
@@ -353,7 +354,8 @@ def test_hands_of_the_tracking_service_are_felt(tmp_path):
         assert service.heard == [{"background": True}]
     assert felt.returncode == OK, felt.stderr
     report = json.loads(felt.stdout)
-    assert report["shots"] >= 100 and report["lost"] == 0 and report["with_rings"] >= 90 and report["junk"] == 0
+    assert report["shots"] >= least and report["missed"] < report["shots"] / 2 and report["with_rings"] >= 0.9 * least and report["junk"] == 0
+    assert board == "tile-100" or report["lost"] == 0
 
 
 def test_lines_of_the_tracking_service_are_a_recording(tmp_path):

@@ -36,7 +36,8 @@ void Loop::miss() {
 void Loop::serve_until(double time_s) {
     // The board's time goes on while it is served, so late shots are seen here.
     for (double now = clock_.now_s(); now < time_s; now = clock_.now_s()) {
-        while (last_time_s_ && now - begin_s_ > *last_time_s_ + (static_cast<double>(absent_) + 1.5) / rate_hz_) {
+        while (!holds_ && last_time_s_ &&
+               now - begin_s_ > *last_time_s_ + (static_cast<double>(absent_) + 1.5) / rate_hz_) {
             ++absent_;
             miss();
         }
@@ -116,13 +117,16 @@ bool Loop::take(const Frame& frame, const FrameSource& source, Feeler& feeler, c
     return !told || told(now, frame, path);
 }
 
-/// Keeps the ring turning until a shot is there. @return whether one is, or the source's end
+/// Keeps the ring turning until a shot is there, and of a live source, until the line has taken what the last one made:
+/// the newest is taken then. @return whether one is, or the source's end
 bool Loop::await(FrameSource& source, const std::function<bool()>& waits) {
-    while (!source.ready()) {
+    for (;;) {
+        const bool ready = source.ready();
+        holds_ = ready && source.live() && player_.sending() && !player_.fading();
+        if (ready && !holds_) return true;
         if (waits && !waits()) return false;
         serve_until(clock_.now_s() + nap_s);
     }
-    return true;
 }
 
 void Loop::play_all(FrameSource& source, Feeler& feeler, const Told& told, const std::function<bool()>& waits) {

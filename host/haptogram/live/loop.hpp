@@ -69,6 +69,7 @@ private:
     unsigned misses_ = 0;   ///< in a row
     bool blind_ = false;    ///< the last shot had no picture
     unsigned absent_ = 0;   ///< of these, shots that were due since the last one and did not come
+    bool holds_ = false;    ///< a shot is there, and waits for the line
 };
 
 /// When each ring's first pulse left the board, after its shot.
