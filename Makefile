@@ -86,9 +86,10 @@ flash: ## load BOARD=… through openFPGALoader, with IMAGE=… in it if given; 
 	  $(if $(filter write,$(FLASH)),--write) $(if $(DRY_RUN),--dry-run)
 
 # Every command before a board that lies, and random command lines over every source and verb, RUNS=300.
-sanitize: ## the program under address and undefined-behaviour sanitizers, half an hour; not part of `make test`
+sanitize: ## the program, and the C examples, under address and undefined-behaviour sanitizers, half an hour; not part of `make test`
 	@$(call configure,dev)
-	@cmake --build --preset dev --target haptogram
+	@cmake --build --preset dev --target haptogram haptogram_c
+	@HAPTOGRAM_LIBRARY=$(CURDIR)/build/dev/host/c/libhaptogram.so HAPTOGRAM_CFLAGS=-fsanitize=address,undefined $(PYTHON) -m pytest -q -p no:cacheprovider tests/c -k examples
 	@HAPTOGRAM_PROGRAM=$(CURDIR)/build/dev/host/cli/haptogram HAPTOGRAM_SLOWER=4 $(PYTHON) -m pytest -q -p no:cacheprovider tests/torture -k program
 	@$(PYTHON) tests/fuzz/command_lines.py --program build/dev/host/cli/haptogram --runs $(or $(RUNS),300) --seed $(or $(SEED),1)
 

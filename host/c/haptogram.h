@@ -57,6 +57,9 @@ typedef struct haptogram_project {
 } haptogram_project;
 HAPTOGRAM_API haptogram_code haptogram_compile(const haptogram_project* project, haptogram_image** image);
 
+/* For a rig, a file or a shipped one: its images go beside the manifest, which haptogram_open takes. */
+HAPTOGRAM_API haptogram_code haptogram_compile_rig(const haptogram_project* project, const char* rig, const char* manifest_file);
+
 typedef struct haptogram_focus {
     double x_m, y_m, z_m;
     double amplitude; /* of the pressure, 0 to 1 of the most that the array can make there */
@@ -102,7 +105,10 @@ typedef struct haptogram_port {
     const char* port; /* /dev/ttyUSB0, ftdi:…, udp:ADDRESS, or reference:NAME, a simulated board of that configuration here; needed */
     uint32_t baud;    /* default: found */
     uint32_t patience_ms; /* for the first answer; default: 3000 */
+    const char* rig;      /* the manifest of a rig, boards that play as one; `port` then is theirs, with blanks between; default: those in that file */
 } haptogram_port;
+/* A rig is opened, uploaded, played, stopped and shut off as one board is; the rest is for one board alone. Of its boards,
+   channels and counters are added up. */
 HAPTOGRAM_API haptogram_code haptogram_open(const haptogram_port* port, haptogram_board** board);
 /* Turns the outputs off, and waits some two seconds at most for the board to confirm it. NULL is allowed. */
 HAPTOGRAM_API void haptogram_close(haptogram_board* board);
@@ -120,13 +126,14 @@ typedef struct haptogram_status {
     int32_t connected, enabled, stopped; /* stopped: by its stop input */
     int32_t busy;                        /* something that was begun here plays */
     uint32_t present_index, underruns, refused_records, watchdog_trips, guard_trips, frames_damaged;
-    uint64_t foci_sent; /* live, since it began */
+    uint64_t foci_sent; /* live, or patterns, since it began */
     double lead_s;      /* what the board has in hand meanwhile */
+    uint64_t patterns_late, patterns_lost; /* that came too late for their carrier period; periods without one */
 } haptogram_status;
 /* What was heard last; nothing is waited for. */
 HAPTOGRAM_API haptogram_code haptogram_get_status(haptogram_board* board, haptogram_status* status);
 
-/* Writes what the board does not hold already. */
+/* Writes what the board does not hold already; a rig has images of its own, so `image` is NULL. */
 HAPTOGRAM_API haptogram_code haptogram_upload(haptogram_board* board, const haptogram_image* image);
 
 typedef struct haptogram_playing {
@@ -144,6 +151,14 @@ HAPTOGRAM_API haptogram_code haptogram_play(haptogram_board* board, const haptog
 HAPTOGRAM_API haptogram_code haptogram_play_live(haptogram_board* board, const haptogram_playing* playing);
 /* Never waits for anything; the newest wins. May be called before haptogram_play_live. */
 HAPTOGRAM_API haptogram_code haptogram_set_focus(haptogram_board* board, double x_m, double y_m, double z_m, double amplitude);
+/* A pattern for each carrier period, on boards that take streams of them. A pattern is a word for each channel: in bits 7...0
+   where in the period the middle of its pulse lies, in 1/256; in bits 15...8 its amplitude, 255 is full. The board's last
+   records are overwritten. When no pattern waits, the last one plays on; silent before the first. */
+HAPTOGRAM_API haptogram_code haptogram_play_patterns(haptogram_board* board, const haptogram_playing* playing);
+/* Neither waits for anything. The first appends patterns to those that wait, 4096 at most, and says how many there was room
+   for; with the second the newest wins, in the place of all that wait. */
+HAPTOGRAM_API haptogram_code haptogram_put_patterns(haptogram_board* board, const uint16_t* words, size_t patterns, size_t* taken);
+HAPTOGRAM_API haptogram_code haptogram_set_pattern(haptogram_board* board, const uint16_t* words);
 /* Waits until what was begun has ended, at most so long; says how it ended. `busy` gets whether it goes on. */
 HAPTOGRAM_API haptogram_code haptogram_wait(haptogram_board* board, uint32_t milliseconds, int32_t* busy);
 /* Ends what was begun in good order, and turns the outputs off. */

@@ -9,7 +9,10 @@
 #include <complex>
 #include <cstring>
 #include <exception>
+#include <iterator>
 #include <memory>
+#include <optional>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,9 +23,11 @@
 #include "haptogram/base/file.hpp"
 #include "haptogram/format/bundle.hpp"
 #include "haptogram/link/background_player.hpp"
+#include "haptogram/link/background_rig.hpp"
 #include "haptogram/link/port.hpp"
 #include "haptogram/solve/solver.hpp"
 #include "haptogram/verbs/compile.hpp"
+#include "haptogram/verbs/rig.hpp"
 #include "haptogram/verbs/timeline.hpp"
 #include "reference_port.hpp"
 
@@ -36,8 +41,10 @@ struct haptogram_image {
     std::string manifest, warnings;
 };
 
+/// One of both: a board, or a rig's boards.
 struct haptogram_board {
-    haptogram::link::BackgroundPlayer board;
+    std::unique_ptr<haptogram::link::BackgroundPlayer> one;
+    std::unique_ptr<haptogram::link::BackgroundRig> rig;
 };
 
 namespace {
@@ -82,6 +89,22 @@ T& required(T* given, const char* name) {
 }
 
 const char* required_text(const char* given, const char* name) { return &required(given, name); }
+
+/// For what a rig cannot do.
+haptogram::link::BackgroundPlayer& alone(haptogram_board* board, const char* what) {
+    if (!required(board, "board").one)
+        throw bad_argument(what, "a rig plays its own images alone; open one board for this");
+    return *board->one;
+}
+
+/// Does something with a board, or with a rig.
+template <class Work>
+void with(haptogram_board* board, const Work& work) {
+    if (required(board, "board").one)
+        work(*board->one);
+    else
+        work(*board->rig);
+}
 
 /// A struct as its caller knows it: what a later version appended is zero.
 template <class Struct>
@@ -134,6 +157,14 @@ haptogram::ShapeSource& shape_in(haptogram::Project& project, const haptogram_pr
     throw bad_argument("shape_name", fmt::format("no [[shape]] of the project has the file '{}'", name));
 }
 
+haptogram::Project project_for(const haptogram_project& given) {
+    haptogram::Project wanted = haptogram::project_from_toml(required_text(given.toml, "toml"), "project");
+    if (given.folder != nullptr) wanted.folder = given.folder;
+    if (given.shape != nullptr)
+        shape_in(wanted, given).content = std::string(static_cast<const char*>(given.shape), given.shape_bytes);
+    return wanted;
+}
+
 haptogram::Path path_for(const haptogram_path& given) {
     const std::size_t each = std::max(1U, given.each);
     const haptogram_focus* const foci = &required(given.foci, "foci");
@@ -153,19 +184,78 @@ std::vector<Vec3> points_of(const double* numbers, std::size_t count) {
     return points;
 }
 
-haptogram::link::BackgroundPlay playing_of(const haptogram_playing* given) {
+haptogram_playing known_playing(const haptogram_playing* given) {
     if (given == nullptr) return {};
     const haptogram_playing known = known_part(given, "playing");
-    haptogram::link::BackgroundPlay playing;
     if (known.loops > 65535) throw bad_argument("loops", fmt::format("found {}, expected at most 65535", known.loops));
-    if (known.loops != 0) playing.loops = static_cast<std::uint16_t>(std::max(0, known.loops));
     if (known.watchdog_ms > 65535)
         throw bad_argument("watchdog_ms", fmt::format("found {}, expected at most 65535", known.watchdog_ms));
+    return known;
+}
+
+/// What a board's playing and a rig's have in common.
+template <class Playing>
+Playing playing_of(const haptogram_playing& known) {
+    Playing playing;
+    if (known.loops != 0) playing.loops = static_cast<std::uint16_t>(std::max(0, known.loops));
     if (known.watchdog_ms != 0) playing.watchdog_ms = static_cast<std::uint16_t>(known.watchdog_ms);
     playing.seconds = known.seconds;
+    return playing;
+}
+
+haptogram::link::BackgroundPlay playing_alone(const haptogram_playing* given) {
+    const haptogram_playing known = known_playing(given);
+    auto playing = playing_of<haptogram::link::BackgroundPlay>(known);
     if (known.am != nullptr) playing.am = known.am;
     if (known.step_s != 0.0) playing.step_s = known.step_s;
     return playing;
+}
+
+haptogram::link::RigSettings playing_together(const haptogram_playing* given) {
+    const haptogram_playing known = known_playing(given);
+    if (known.am != nullptr) throw bad_argument("am", "a rig plays as it was compiled; compile it with that setting");
+    return playing_of<haptogram::link::RigSettings>(known);
+}
+
+/// The words between blanks.
+std::vector<std::string> words_of(const char* given) {
+    std::istringstream words(given == nullptr ? "" : given);
+    return {std::istream_iterator<std::string>(words), {}};
+}
+
+haptogram_identity identity_of(const std::vector<haptogram::link::Identity>& boards) {
+    const haptogram::link::Identity& first = boards.front();
+    haptogram_identity all{0,
+                           first.version_major,
+                           first.version_minor,
+                           0,
+                           first.records,
+                           first.sequence_depth,
+                           first.clock_hz,
+                           first.foci,
+                           2 * first.modulation_words};
+    for (const haptogram::link::Identity& board : boards) all.channels += board.channels;
+    return all;
+}
+
+/// Of several boards sums, and what is so for any of them; connected are all.
+haptogram_status status_of(const std::vector<std::optional<haptogram::link::Status>>& boards, bool busy) {
+    haptogram_status all{};
+    all.connected = 1;
+    all.busy = busy ? 1 : 0;
+    for (const auto& board : boards) {
+        if (!board) all.connected = 0;
+        if (!board) continue;
+        all.enabled |= board->enabled ? 1 : 0;
+        all.stopped |= board->stopped ? 1 : 0;
+        all.present_index = board->present_index;
+        all.underruns += board->underruns;
+        all.refused_records += board->refused_records;
+        all.watchdog_trips += board->watchdog_trips;
+        all.guard_trips += board->guard_trips;
+        all.frames_damaged += board->frames_damaged;
+    }
+    return all;
 }
 
 }  // namespace
@@ -186,11 +276,7 @@ haptogram_code haptogram_compile(const haptogram_project* project, haptogram_ima
     return guarded([&] {
         const haptogram_project given = known_part(project, "project");
         required(image, "image") = nullptr;
-        haptogram::Project wanted = haptogram::project_from_toml(required_text(given.toml, "toml"), "project");
-        if (given.folder != nullptr) wanted.folder = given.folder;
-        if (given.shape != nullptr)
-            shape_in(wanted, given).content = std::string(static_cast<const char*>(given.shape), given.shape_bytes);
-        haptogram::Compiled compiled = haptogram::compile(wanted, "image");
+        haptogram::Compiled compiled = haptogram::compile(project_for(given), "image");
         *image = image_of(std::move(compiled.bundle), compiled.warnings);
     });
 }
@@ -261,15 +347,29 @@ haptogram_code haptogram_solve(const char* array, const haptogram_focus* foci, s
     });
 }
 
+haptogram_code haptogram_compile_rig(const haptogram_project* project, const char* rig, const char* manifest_file) {
+    return guarded([&] {
+        const std::string manifest = required_text(manifest_file, "manifest_file");
+        haptogram::write_files(files_of(
+            compile_rig(project_for(known_part(project, "project")), required_text(rig, "rig"), manifest).bundle));
+    });
+}
+
 haptogram_code haptogram_open(const haptogram_port* port, haptogram_board** board) {
     return guarded([&] {
         const haptogram_port given = known_part(port, "port");
         required(board, "board") = nullptr;
-        const std::chrono::milliseconds patience(given.patience_ms != 0 ? given.patience_ms : 3000);
-        haptogram::link::PortSettings settings{.port = required_text(given.port, "port")};
-        if (given.baud != 0) settings.baud = given.baud;
-        const auto open = haptogram::sim::opener_of(settings);
-        *board = new haptogram_board{haptogram::link::BackgroundPlayer(open, patience)};
+        const auto baud = given.baud != 0 ? std::optional(given.baud) : std::nullopt;
+        auto opened = std::make_unique<haptogram_board>();
+        if (given.rig != nullptr) {
+            opened->rig = std::make_unique<haptogram::link::BackgroundRig>(given.rig, words_of(given.port), baud);
+        } else {
+            const std::chrono::milliseconds patience(given.patience_ms != 0 ? given.patience_ms : 3000);
+            const haptogram::link::PortSettings settings{.port = required_text(given.port, "port"), .baud = baud};
+            opened->one =
+                std::make_unique<haptogram::link::BackgroundPlayer>(haptogram::sim::opener_of(settings), patience);
+        }
+        *board = opened.release();
     });
 }
 
@@ -277,61 +377,88 @@ void haptogram_close(haptogram_board* board) { delete board; }
 
 haptogram_code haptogram_identify(haptogram_board* board, haptogram_identity* identity) {
     return guarded([&] {
-        const haptogram::link::Identity found = required(board, "board").board.state().identity;
-        give(identity,
-             {0, found.version_major, found.version_minor, found.channels, found.records, found.sequence_depth,
-              found.clock_hz, found.foci, 2 * found.modulation_words},
+        const haptogram_board& asked = required(board, "board");
+        give(identity, asked.one ? identity_of({asked.one->state().identity}) : identity_of(asked.rig->identities()),
              "identity");
     });
 }
 
 haptogram_code haptogram_get_status(haptogram_board* board, haptogram_status* status) {
     return guarded([&] {
-        haptogram::link::BackgroundPlayer& asked = required(board, "board").board;
-        const haptogram::link::DeviceState state = asked.state();
-        const haptogram::link::Status& said = state.status;
-        const auto [busy, sent, lead_s] = asked.work();
-        give(status,
-             {0, state.connection == haptogram::link::Connection::connected ? 1 : 0, said.enabled ? 1 : 0,
-              said.stopped ? 1 : 0, busy ? 1 : 0, said.present_index, said.underruns, said.refused_records,
-              said.watchdog_trips, said.guard_trips, said.frames_damaged, sent, lead_s},
-             "status");
+        const haptogram_board& asked = required(board, "board");
+        if (!asked.one) return give(status, status_of(asked.rig->statuses(), asked.rig->busy()), "status");
+        const haptogram::link::DeviceState state = asked.one->state();
+        const haptogram::link::BackgroundWork work = asked.one->work();
+        haptogram_status all = status_of({state.status}, work.busy);
+        all.connected = state.connection == haptogram::link::Connection::connected ? 1 : 0;
+        all.foci_sent = work.sent;
+        all.lead_s = work.lead_s;
+        all.patterns_late = work.late_patterns;
+        all.patterns_lost = work.lost_patterns;
+        give(status, all, "status");
     });
 }
 
 haptogram_code haptogram_upload(haptogram_board* board, const haptogram_image* image) {
-    return guarded([&] { required(board, "board").board.upload(required(image, "image").bundle); });
+    return guarded([&] {
+        if (image != nullptr) return alone(board, "image").upload(image->bundle);
+        if (!required(board, "board").rig) throw bad_argument("image", "is NULL");
+        board->rig->upload();
+    });
 }
 
 haptogram_code haptogram_play(haptogram_board* board, const haptogram_playing* playing) {
-    return guarded([&] { required(board, "board").board.play(playing_of(playing)); });
+    return guarded([&] {
+        if (required(board, "board").one) return board->one->play(playing_alone(playing));
+        board->rig->play(playing_together(playing));
+    });
 }
 
 haptogram_code haptogram_play_live(haptogram_board* board, const haptogram_playing* playing) {
-    return guarded([&] { required(board, "board").board.play_live(playing_of(playing)); });
+    return guarded([&] { alone(board, "live").play_live(playing_alone(playing)); });
 }
 
 haptogram_code haptogram_set_focus(haptogram_board* board, double x_m, double y_m, double z_m, double amplitude) {
-    return guarded([&] { required(board, "board").board.set_focus({{x_m, y_m, z_m}, amplitude}); });
+    return guarded([&] { alone(board, "focus").set_focus({{x_m, y_m, z_m}, amplitude}); });
+}
+
+haptogram_code haptogram_play_patterns(haptogram_board* board, const haptogram_playing* playing) {
+    return guarded([&] { alone(board, "patterns").play_patterns(playing_alone(playing)); });
+}
+
+haptogram_code haptogram_put_patterns(haptogram_board* board, const uint16_t* words, size_t patterns, size_t* taken) {
+    return guarded([&] {
+        haptogram::link::PatternQueue& queue = alone(board, "patterns").patterns();
+        required(taken, "taken") = 0;
+        *taken = queue.put({&required(words, "words"), patterns * queue.words()});
+    });
+}
+
+haptogram_code haptogram_set_pattern(haptogram_board* board, const uint16_t* words) {
+    return guarded([&] {
+        haptogram::link::PatternQueue& queue = alone(board, "patterns").patterns();
+        queue.set({&required(words, "words"), queue.words()});
+    });
 }
 
 haptogram_code haptogram_wait(haptogram_board* board, uint32_t milliseconds, int32_t* busy) {
     return guarded([&] {
-        const bool goes_on = required(board, "board").board.wait(std::chrono::milliseconds(milliseconds));
+        bool goes_on = false;
+        with(board, [&](auto& any) { goes_on = any.wait(std::chrono::milliseconds(milliseconds)); });
         if (busy != nullptr) *busy = goes_on ? 1 : 0;
     });
 }
 
 haptogram_code haptogram_stop(haptogram_board* board) {
-    return guarded([&] { required(board, "board").board.stop(); });
+    return guarded([&] { with(board, [](auto& any) { any.stop(); }); });
 }
 
 haptogram_code haptogram_shut_off(haptogram_board* board) {
-    return guarded([&] { required(board, "board").board.shut_off(); });
+    return guarded([&] { with(board, [](auto& any) { any.shut_off(); }); });
 }
 
 haptogram_code haptogram_set_intensity(haptogram_board* board, double factor) {
-    return guarded([&] { required(board, "board").board.set_intensity(factor); });
+    return guarded([&] { alone(board, "intensity").set_intensity(factor); });
 }
 
 }  // extern "C"

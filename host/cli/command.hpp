@@ -28,6 +28,7 @@ void add_interact(CLI::App& app, Action& action);
 void add_live(CLI::App& app, Action& action);
 void add_task(CLI::App& app, Action& action);
 void add_analyze(CLI::App& app, Action& action);
+void add_align(CLI::App& app, Action& action);
 void add_calibrate(CLI::App& app, Action& action);
 void add_report(CLI::App& app, Action& action);
 void add_feel(CLI::App& app, Action& action);

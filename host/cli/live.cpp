@@ -60,7 +60,7 @@ class PortBoard final : public LiveBoard {
 public:
     explicit PortBoard(const link::PortSettings& port) : device_(port) {}
     link::Client& client() override { return device_; }
-    live::Clock clock() override { return live::steady_clock(); }
+    link::HostClock clock() override { return link::steady_clock(); }
 
 private:
     link::Device device_;
@@ -252,7 +252,7 @@ int live_loop(const LiveCommand& command) {
     if (!command.scene.empty()) scene.emplace(command.scene);
     catch_interrupts();  // before this, while a pipe says nothing, nothing is on
     const auto board = open_board(command.port);
-    const live::Clock clock = board->clock();
+    const link::HostClock clock = board->clock();
     const live::ChosenPlayer chosen = live::choose_player(board->client(), clock, array, player_options);
     complain(chosen.about);
     live::LoopOptions loop_options = command.loop;
@@ -352,12 +352,13 @@ void add_live(CLI::App& app, Action& action) {
     auto options = std::make_shared<LiveCommand>();
     CLI::App* sub = app.add_subcommand(
         "live", "Bare fingers touch an object, as in Fingers: depth cameras to rings of foci on a board, as it comes");
-    sub->add_option(
-           "--from", options->from,
-           "depth:FOLDER (a recording of cameras), depth-pipe:- (cameras of another program, such as "
-           "haptogram-realsense, on standard input or a named pipe), leap-pipe:- (hands from haptogram-leap), "
-           "leap:FILE, poses:FILE or synthetic:SCRIPT:HEIGHT (hands as render takes them), fingers:press (scripted "
-           "fingers, which simulated cameras see)")
+    sub->add_option("--from", options->from,
+                    "depth:FOLDER (a recording of cameras), depth-pipe:- (cameras of another program, such as "
+                    "haptogram-realsense, on standard input or a named pipe), leap-pipe:- (hands from haptogram-leap), "
+                    "leap:FILE, poses:FILE or synthetic:SCRIPT:HEIGHT (hands as render takes them; @MOUNTING behind a "
+                    "file, from "
+                    "align, says where the tracker is), fingers:press (scripted "
+                    "fingers, which simulated cameras see)")
         ->required();
     std::vector<std::string> algorithms = rings;
     for (const AlgorithmName& one : algorithm_names()) algorithms.emplace_back(1, one.letter);

@@ -19,7 +19,7 @@ public:
     }
 
     link::Client& client() override { return client_; }
-    live::Clock clock() override {
+    link::HostClock clock() override {
         return {[this] { return seconds(board_.now()); },
                 [this](double until_s) {
                     const double clocks = until_s * board_.parameters().clock_hz - static_cast<double>(board_.now());

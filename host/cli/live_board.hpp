@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "haptogram/link/client.hpp"
-#include "haptogram/live/clock.hpp"
+#include "haptogram/link/clock.hpp"
 
 namespace haptogram::cli {
 
@@ -19,7 +19,7 @@ public:
     LiveBoard& operator=(const LiveBoard&) = delete;
     virtual ~LiveBoard() = default;
     [[nodiscard]] virtual link::Client& client() = 0;
-    [[nodiscard]] virtual live::Clock clock() = 0;
+    [[nodiscard]] virtual link::HostClock clock() = 0;
     /// Changes of the record at the pins, by the clock; empty when nobody can see the pins.
     [[nodiscard]] virtual std::vector<std::pair<double, std::uint16_t>> starts() const { return {}; }
 };

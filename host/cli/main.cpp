@@ -25,10 +25,10 @@ namespace {
 
 /// Every command of the program, in the order of --help. This is the one place to register one.
 constexpr void (*commands[])(CLI::App&, Action&) = {
-    add_compile, add_inspect,   add_simulate, add_solve,     add_render, add_field,      add_scatter,
-    add_analyze, add_report,    add_feel,     add_magnitude, add_robot,  add_movement,   add_interact,
-    add_board,   add_bitstream, add_device,   add_calibrate, add_upload, add_download,   add_play,
-    add_stream,  add_live,      add_task,     add_studio,    add_serve,  add_completion,
+    add_compile, add_inspect,   add_simulate, add_solve,     add_render, add_field,    add_scatter,
+    add_analyze, add_report,    add_feel,     add_magnitude, add_robot,  add_movement, add_interact,
+    add_board,   add_bitstream, add_device,   add_calibrate, add_align,  add_upload,   add_download,
+    add_play,    add_stream,    add_live,     add_task,      add_studio, add_serve,    add_completion,
 };
 
 /// What a command ends with; scripts rely on it.

@@ -65,7 +65,16 @@ void add_serve(CLI::App& app, Action& action) {
     sub->add_option("--osc", options->server.osc_port, "Port of OSC over UDP (default: none)")->check(whole(1, 65535));
     auto* const token =
         sub->add_option("--token", options->server.token, "What clients must know (default: a random one)");
-    sub->add_flag("--no-token", options->no_token, "Let every program of this machine in")->excludes(token);
+    auto* const open =
+        sub->add_flag("--no-token", options->no_token, "Let every program of this machine in")->excludes(token);
+    sub->add_option(
+           "--origin", options->server.origins,
+           "Let pages of this site in, too, such as https://example.org or http://localhost:8000; they need the token. "
+           "May be given several times")
+        ->expected(1)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+        ->excludes(open);
     sub->add_flag("--json", options->json, "Print address and token as JSON");
     sub->callback([options, &action] { action = [options] { return run(*options); }; });
 }

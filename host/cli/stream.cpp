@@ -10,6 +10,9 @@
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/link/device.hpp"
+#include "haptogram/link/focus_ring.hpp"
+#include "haptogram/link/modulate.hpp"
+#include "haptogram/link/pattern_stream.hpp"
 #include "haptogram/link/rig_devices.hpp"
 #include "haptogram/link/rig_stream.hpp"
 #include "haptogram/link/to_json.hpp"
@@ -36,7 +39,7 @@ struct StreamOptions {
     link::StreamSettings stream{.warn = complain};
     std::uint16_t dwell = 1;
     double rate = 0.0;
-    bool foci = false;
+    bool foci = false, live = false;
     std::optional<std::string> am, am_law;
     bool json = false;
 };
@@ -96,8 +99,50 @@ int stream_rig(const StreamOptions& options) {
     return 0;
 }
 
+/// A pattern, or a record of foci, for each carrier period.
+int stream_patterns(const StreamOptions& options) {
+    const link::PortSettings port = options.ports.one();
+    catch_interrupts();
+    link::Device device(port);
+    std::optional<link::ModulationOn> modulated;
+    if (options.am) {
+        const link::Am am{*options.am, law_of(options.am_law.value_or("pressure")), 1.0 / link::pattern_period_s};
+        modulated.emplace(device, modulation_of(am, device), options.stream.warn);
+    }
+    ProgressLine progress("stream");
+    const auto watch = [&](const link::PatternsPlaying& now) {
+        progress.note(fmt::format("{} patterns", now.played.sent));
+        return !interrupted();
+    };
+    const auto play = [&](auto& patterns, std::size_t words) {
+        const link::PatternSource source = [&](std::uint64_t, std::span<std::uint16_t> room) {
+            return patterns.take(room, words);
+        };
+        return play_patterns(device, {.foci = options.foci, .watchdog_ms = options.stream.watchdog_ms}, source, watch);
+    };
+    link::PlayedPatterns played;
+    if (options.foci) {
+        link::FocusLines lines(options.file, options.dwell);
+        link::FocusPatterns patterns(lines);
+        played = play(patterns, 4 * link::make_ring(device).each);
+    } else {
+        link::PatternBytes patterns(options.file);
+        played = play(patterns, device.identity().channels);
+    }
+    tell(to_json(played), options.json,
+         fmt::format("{} patterns, {} too late, {} periods without one", played.sent, played.late, played.lost));
+    if (played.late > 0)
+        complain(
+            "warning: some patterns came too late for their carrier period; a computer with less to do, a real-time "
+            "class, or a board with more slots helps");
+    return 0;
+}
+
 int stream(const StreamOptions& options) {
+    if (options.ports.is_rig() && options.live)
+        throw bad_argument("live", "a stream of patterns goes to one board; give its --port");
     if (options.ports.is_rig()) return stream_rig(options);
+    if (options.live) return stream_patterns(options);
     const link::PortSettings port = options.ports.one();
     std::optional<Compiled> compiled;
     if (!options.path.empty()) compiled = compile_for_stream(project_of(options), options.path);
@@ -163,6 +208,12 @@ void add_stream(CLI::App& app, Action& action) {
         "--foci", options->foci,
         "Lines 'x y z', 'x y z amplitude' or 'x y z amplitude dwell' instead, in mm in the array's frame; the "
         "board computes the rest, for the array of the image of foci in it");
+    auto* live = sub->add_flag(
+        "--live", options->live,
+        "A new pattern in each carrier period, on boards that take streams of them: bytes, and for each channel two of "
+        "them, its phase in 1/256 of the period and then its amplitude in 1/255; with --foci lines as above, for as "
+        "many periods as their dwell says. What comes too late for its period is counted and not played");
+    live->excludes(path);
     auto* rig = add_rig_port_options(*sub, options->ports);
     rig->description(
         "Several boards that play as one: the rig manifest (.json) that compile --rig has written and upload has "
@@ -180,7 +231,8 @@ void add_stream(CLI::App& app, Action& action) {
                     "Indices or foci a second instead: the whole number of cycles that is nearest")
         ->check(positive())
         ->excludes(dwell)
-        ->excludes(path);
+        ->excludes(path)
+        ->excludes(live);
     add_am(*sub, options->am, options->am_law);
     add_watchdog_option(*sub, options->stream.watchdog_ms);
     sub->add_flag("--json", options->json, "Print the outcome as JSON");

@@ -62,19 +62,34 @@ void limit_time(tcp::socket& socket, std::chrono::seconds most) {
     ::setsockopt(socket.native_handle(), SOL_SOCKET, SO_SNDTIMEO, &time, sizeof time);
 }
 
+// A page cannot send the header Authorization, so it offers the token as a second subprotocol.
+constexpr const char* subprotocol = "haptogram.1";
+
+bool offers(const http::request<http::string_body>& request, const std::string& wanted) {
+    const auto offered = http::token_list(request[http::field::sec_websocket_protocol]);
+    return std::ranges::any_of(offered, [&](const auto& one) { return is_token({one.data(), one.size()}, wanted); });
+}
+
 /// Why a handshake is refused: a name of another site that leads to us, a page of another site, or no token.
 std::optional<std::pair<http::status, std::string>> refusal(const http::request<http::string_body>& request,
-                                                            const std::string& token, std::uint16_t port) {
+                                                            const ServerOptions& options, std::uint16_t port) {
     const auto field = [&](http::field name) { return std::string(request[name].data(), request[name].size()); };
     const std::string host = field(http::field::host);
     const std::string names[] = {fmt::format("127.0.0.1:{}", port), fmt::format("localhost:{}", port)};
     if (request.count(http::field::host) != 1 || std::find(std::begin(names), std::end(names), host) == std::end(names))
         return {{http::status::misdirected_request, "this is no name of this service; use 127.0.0.1"}};
-    if (request.count(http::field::origin) != 0)
-        return {{http::status::forbidden, "pages in a browser are not served; haptogram studio is for them"}};
+    const std::size_t origins = request.count(http::field::origin);
+    if (origins > 1 ||
+        (origins == 1 && std::ranges::find(options.origins, field(http::field::origin)) == options.origins.end()))
+        return {{http::status::forbidden,
+                 fmt::format("pages of '{}' are not let in; start the service with --origin and that",
+                             field(http::field::origin))}};
     if (!websocket::is_upgrade(request)) return {{http::status::upgrade_required, "this is a WebSocket"}};
-    if (!token.empty() && !is_token(field(http::field::authorization), "Bearer " + token))
-        return {{http::status::unauthorized, "the header Authorization needs 'Bearer' and the service's token"}};
+    if (!options.token.empty() && !is_token(field(http::field::authorization), "Bearer " + options.token) &&
+        !(offers(request, subprotocol) && offers(request, "token." + options.token)))
+        return {{http::status::unauthorized,
+                 "the header Authorization needs 'Bearer' and the service's token; or the subprotocols are "
+                 "'haptogram.1' and 'token.' with the token"}};
     return std::nullopt;
 }
 
@@ -82,7 +97,7 @@ std::optional<std::pair<http::status, std::string>> refusal(const http::request<
 class Session {
 public:
     Session(tcp::socket socket, Verbs& verbs, const ServerOptions& options, std::uint16_t port, Verbs::Client client)
-        : verbs_(verbs), token_(options.token), port_(port), client_(client), stream_(std::move(socket)) {
+        : verbs_(verbs), options_(options), port_(port), client_(client), stream_(std::move(socket)) {
         thread_ = std::thread([this] {
             try {
                 talk();
@@ -112,7 +127,7 @@ private:
         parser.body_limit(most_header_bytes);
         http::read(socket, buffer, parser);
         const http::request<http::string_body> request = parser.release();
-        if (const auto refused = refusal(request, token_, port_)) {
+        if (const auto refused = refusal(request, options_, port_)) {
             http::response<http::string_body> response{refused->first, request.version()};
             response.body() = refused->second + "\n";
             response.prepare_payload();
@@ -121,6 +136,10 @@ private:
             return;
         }
         stream_.read_message_max(most_message_bytes);
+        if (offers(request, subprotocol))
+            stream_.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
+                response.set(http::field::sec_websocket_protocol, subprotocol);
+            }));
         stream_.accept(request);
         limit_time(socket, std::chrono::seconds(0));
         for (Allowance allowance;;) {
@@ -156,7 +175,7 @@ private:
     }
 
     Verbs& verbs_;
-    std::string token_;
+    const ServerOptions& options_;
     std::uint16_t port_;
     Verbs::Client client_;
     websocket::stream<tcp::socket> stream_;

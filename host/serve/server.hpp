@@ -4,15 +4,17 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "verbs.hpp"
 
 namespace haptogram::serve {
 
 struct ServerOptions {
-    std::uint16_t port = 0;      ///< of the WebSocket; 0: one that is free
-    std::uint16_t osc_port = 0;  ///< of OSC over UDP; 0: none
-    std::string token;           ///< that every WebSocket must bring; empty: none
+    std::uint16_t port = 0;            ///< of the WebSocket; 0: one that is free
+    std::uint16_t osc_port = 0;        ///< of OSC over UDP; 0: none
+    std::string token;                 ///< that every WebSocket must bring; empty: none
+    std::vector<std::string> origins;  ///< of pages that are let in, such as "https://example.org"
 };
 
 /// Serves clients on the loopback interface, each in a thread of its own, until it is told to end.

@@ -157,19 +157,19 @@ void Verbs::act(const OscMessage& message) {
 
 Json Verbs::status() const {
     const link::DeviceState state = board_.state();
-    const auto [busy, sent, lead_s] = board_.work();
+    const link::BackgroundWork work = board_.work();
     const std::lock_guard lock(mutex_);
     return {{"connected", state.connection == link::Connection::connected},
             {"enabled", state.status.enabled},
             {"stopped", state.status.stopped},
-            {"busy", busy},
+            {"busy", work.busy},
             {"owned", owner_.has_value()},
             {"index", state.status.present_index},
             {"underruns", state.status.underruns},
             {"watchdog_trips", state.status.watchdog_trips},
             {"guard_trips", state.status.guard_trips},
-            {"foci_sent", sent},
-            {"lead_ms", 1e3 * lead_s},
+            {"foci_sent", work.sent},
+            {"lead_ms", 1e3 * work.lead_s},
             {"trouble", state.trouble}};
 }
 

@@ -49,6 +49,21 @@ static class Tries
         }
     }
 
+    static void Patterns(string port)
+    {
+        using (var board = new Board(port))
+        {
+            var words = new ushort[100 * 8];
+            for (int i = 0; i < words.Length; ++i) words[i] = (ushort)(i / 100 * 10 | 180 << 8);
+            board.PlayPatterns();
+            int put = board.PutPatterns(words);
+            while (board.Status.Busy && (board.Status.FociSent < 100 || !board.Status.Enabled)) board.Wait(1);
+            board.SetPattern(new ushort[100]);
+            Console.WriteLine("patterns " + put + " enabled " + board.Status.Enabled);
+            board.Stop();
+        }
+    }
+
     static void Axes()
     {
         var array = new HaptogramArray();
@@ -63,6 +78,7 @@ static class Tries
         Compiles(arguments[0]);
         Fails();
         Moves("reference:tile-100-wide", 1.0);
+        Patterns("reference:colorlight-5a-75e-v7.1-net");
         Axes();
         return 0;
     }

@@ -175,6 +175,83 @@ def test_a_sequence_plays_to_its_end(c, dome, board):
     assert busy.value == 0 and not status_of(c, board).enabled
 
 
+@pytest.mark.parametrize("board", [b"reference:colorlight-5a-75e-v7.1-net"], indirect=True)
+def test_patterns(c, board):
+    """A pattern for each carrier period: what was put plays in order, and then the last one goes on."""
+    words = (ctypes.c_uint16 * (100 * 5000))(*[k % 256 | 180 << 8 for k in range(5000) for _ in range(100)])
+    taken = ctypes.c_size_t(7)
+    c.ok(c.put_patterns(board, words, 5000, ctypes.byref(taken)))
+    assert taken.value == 4096, "and the caller keeps the rest"
+    c.ok(c.play_patterns(board, ctypes.byref(c.struct("playing", am=b"sine:200"))))
+    until(lambda: status_of(c, board).foci_sent > 5000)
+    found = status_of(c, board)
+    assert found.enabled and found.busy and 0 < found.lead_s < 0.01
+    c.ok(c.set_pattern(board, words))
+    c.fails(c.put_patterns(board, None, 1, ctypes.byref(taken)), "BAD_ARGUMENT", "words: is NULL")
+    c.fails(c.put_patterns(board, words, 1, None), "BAD_ARGUMENT", "taken: is NULL")
+    c.ok(c.shut_off(board))
+    assert not status_of(c, board).enabled
+    c.ok(c.play_patterns(board, ctypes.byref(c.struct("playing", seconds=0.2))))  # and again
+    until(lambda: not status_of(c, board).busy)
+    c.ok(c.wait(board, 0, None))
+
+
+@pytest.mark.parametrize("board", [b"reference:tile-100-wide"], indirect=True)
+def test_a_board_without_streams_says_so(c, board):
+    c.ok(c.play_patterns(board, None))
+    c.fails(c.wait(board, 5000, None), "DEVICE", "STREAM")
+
+
+PAIR = """format = "haptogram-rig-1"
+name = "pair"
+[[unit]]
+array = "tile-10x10"
+board = "tile-100-wide"
+origin_mm = [-50, 0, 0]
+[[unit]]
+array = "tile-10x10"
+board = "tile-100-wide"
+origin_mm = [50, 0, 0]
+"""
+
+
+def test_a_rig(c, tmp_path):
+    """Two boards on one SYNC wire, from a project to silence."""
+    (tmp_path / "pair.toml").write_text(PAIR, encoding="utf-8")
+    manifest = str(tmp_path / "wall.json").encode()
+    c.ok(c.compile_rig(ctypes.byref(project(c, DOME)), str(tmp_path / "pair.toml").encode(), manifest))
+    command = [str(PROGRAM), "board", "run", "--tiles", "2", "--model", "reference", "--pty", "port", "--json"]
+    process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE)
+    try:
+        json.loads(process.stdout.readline())
+        ports = f"{tmp_path}/port-1 {tmp_path}/port-2"
+        handle = ctypes.c_void_p()
+        c.fails(c.open(ctypes.byref(c.struct("port", rig=manifest, port=ports.split()[0].encode() + b"x")), ctypes.byref(handle)), "DEVICE", "tile 1")
+        rig = c.made(c.open, c.struct("port", rig=manifest, port=ports.encode()))
+        found = c.struct("identity")
+        c.ok(c.identify(rig, ctypes.byref(found)))
+        assert found.channels == 200
+        c.ok(c.upload(rig, None))
+        c.ok(c.play(rig, ctypes.byref(c.struct("playing", loops=-1))))
+        until(lambda: status_of(c, rig).enabled, 20)
+        c.fails(c.play(rig, None), "BAD_ARGUMENT", "plays already")
+        c.fails(c.set_focus(rig, 0, 0, 0.15, 1), "BAD_ARGUMENT", "a rig")
+        c.fails(c.play(rig, ctypes.byref(c.struct("playing", am=b"sine:200"))), "BAD_ARGUMENT", "am")
+        c.ok(c.stop(rig))
+        found = status_of(c, rig)
+        assert not found.busy and not found.enabled and found.connected and found.underruns == found.refused_records == 0
+        c.ok(c.play(rig, ctypes.byref(c.struct("playing", loops=-1))))
+        until(lambda: status_of(c, rig).enabled, 20)
+        c.ok(c.shut_off(rig))
+        c.ok(c.wait(rig, 0, None))
+        assert not status_of(c, rig).enabled
+        c.close(rig)
+    finally:
+        process.send_signal(signal.SIGINT)
+        said, _ = process.communicate(timeout=60)
+    assert json.loads(said)["enabled"] == [False, False]
+
+
 @pytest.mark.parametrize("ends", ["stop", "shut_off"])
 def test_a_live_focus(c, live_image, board, ends):
     c.fails(c.play_live(board, None), "OK")  # it begins, and finds that there is no image of foci
@@ -213,7 +290,8 @@ def test_setting_a_focus_costs_its_caller_nothing(c, tmp_path):
 @pytest.mark.parametrize("example", sorted((ROOT / "host/c/examples").glob("*.c")), ids=lambda path: path.stem)
 def test_the_examples_compile_and_run(example, tmp_path):
     assert len(example.read_text(encoding="utf-8").splitlines()) <= 30
-    subprocess.run(["cc", "-std=c11", "-Wall", "-Wextra", "-Werror", f"-I{ROOT}/host/c", example, "-o", "example", LIBRARY, "-lm"], cwd=tmp_path, check=True)
+    flags = ["-std=c11", "-Wall", "-Wextra", "-Werror", f"-I{ROOT}/host/c", *os.environ.get("HAPTOGRAM_CFLAGS", "").split()]
+    subprocess.run(["cc", *flags, example, "-o", "example", LIBRARY, "-lm"], cwd=tmp_path, check=True)
     done = subprocess.run(["./example"], cwd=tmp_path, capture_output=True, text=True, timeout=60, env={**os.environ, "LD_LIBRARY_PATH": str(LIBRARY.parent)})
     assert done.returncode == 0 and done.stdout, done.stderr
 

@@ -32,6 +32,7 @@ def test_images_and_boards_from_csharp(c, tmp_path):
     moved = re.match(r"([0-9.]+) enabled True channels 100", said["moved"])
     print(f"live foci from C#: {float(moved[1]):.0f} a second")
     assert float(moved[1]) > 1000, "targets are measured on an idle machine"
+    assert said["patterns"] == "8 enabled True"
     assert said["busy"] == "False" and said["axes"] == "0.01 0.02 0.15"
 
 

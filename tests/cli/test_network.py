@@ -2,6 +2,8 @@
 """Boards over UDP: virtual ones, their sessions, their open port, and what a network does to datagrams."""
 import contextlib
 import json
+import math
+import os
 import random
 import signal
 import socket
@@ -10,7 +12,7 @@ import sys
 import time
 
 import pytest
-from support import DEVICE, OK, PROGRAM, ROOT, USAGE, assert_one_message, run, succeed, text
+from support import BAD_INPUT, DEVICE, OK, PROGRAM, ROOT, USAGE, assert_one_message, run, succeed, text, virtual_board
 
 BOARD = "colorlight-5a-75e-v7.1-net"
 IDENTIFY, DISABLE, STOP = 1, 5, 9
@@ -219,6 +221,35 @@ print(json.dumps({"refused": refused, "sent": sent[0], "streaming": any(seen), "
     assert told["repeated"] == told["refused_records"] == 0
     assert told["early"] < told["sent"] / 4
     assert told["late"] - told["before"] < 0.9 * told["sent"]  # on a machine that does much else
+
+
+def test_a_file_of_patterns_is_streamed(tmp_path):
+    patterns = bytes([phase for k in range(4000) for c in range(100) for phase in (k % 256, 180)])
+    (tmp_path / "patterns.bin").write_bytes(patterns)
+    with net_board(tmp_path) as board:
+        said = json.loads(succeed(["stream", "--live", "--json", "--port", board.port, "patterns.bin"], cwd=tmp_path).stdout)
+        assert said["sent"] == 4000 and said["repeated"] == 0 and not said["interrupted"]
+        assert said["late"] < 0.9 * said["sent"]  # on a machine that does much else
+        assert json.loads(succeed(["device", "status", "--json", "--port", board.port]).stdout)["outputs"] == "off"
+        (tmp_path / "cut.bin").write_bytes(patterns[:450])
+        assert_one_message(run(["stream", "--live", "--port", board.port, "cut.bin"], cwd=tmp_path), BAD_INPUT, "cut.bin", "pattern 3 has 50 bytes, expected 200")
+        assert json.loads(succeed(["device", "status", "--json", "--port", board.port]).stdout)["outputs"] == "off"
+
+
+def test_foci_are_streamed_a_record_for_each_period(tmp_path):
+    (tmp_path / "foci.txt").write_text("".join(f"{10 * math.cos(k / 20):.3f} {10 * math.sin(k / 20):.3f} 150 1 4\n" for k in range(1000)))
+    (tmp_path / "ring.toml").write_text('format = "haptogram-project-1"\nboard = "' + BOARD + '"\nimage = "foci"\n[[shape]]\nkind = "circle"\ndiameter_mm = 20\ncenter_mm = [0, 0, 150]\n')
+    with net_board(tmp_path) as board:
+        assert_one_message(run(["stream", "--live", "--foci", "--port", board.port, "foci.txt"], cwd=tmp_path), DEVICE, "no image of foci")
+        succeed(["compile", "ring.toml", "-o", "ring.hex"], cwd=tmp_path)
+        succeed(["upload", "ring.hex", "--port", board.port], cwd=tmp_path)
+        said = json.loads(succeed(["stream", "--live", "--foci", "--json", "--port", board.port, "foci.txt"], cwd=tmp_path).stdout)
+        assert said["sent"] == 4000 and said["late"] < 0.9 * said["sent"]
+
+
+def test_a_board_without_streams_says_so(tmp_path):
+    with virtual_board(tmp_path, "--model", "reference", "--board", "tile-100"):
+        assert_one_message(run(["stream", "--live", "--port", "port", os.devnull], cwd=tmp_path), DEVICE, "STREAM")
 
 
 @pytest.mark.parametrize("name", ["udp:", "udp::4807", "udp:127.0.0.1:0", "udp:127.0.0.1:65535", "udp:127.0.0.1:99999", "udp:127.0.0.1:4x", "udp:127.0.0.1#2"])

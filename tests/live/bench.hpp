@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "haptogram/link/client.hpp"
+#include "haptogram/link/clock.hpp"
 #include "haptogram/link/focus_ring.hpp"
-#include "haptogram/live/clock.hpp"
 #include "haptogram/live/depth_frames.hpp"
 #include "haptogram/live/loop.hpp"
 #include "haptogram/live/ring_player.hpp"
@@ -40,7 +40,7 @@ struct LiveBench {
     haptogram::sim::ReferenceBoard board;
     haptogram::sim::SimulatedTransport line;
     haptogram::link::Client client;
-    haptogram::live::Clock clock;
+    haptogram::link::HostClock clock;
     std::vector<std::pair<double, std::uint16_t>> starts;  ///< changes of the record: when, and its index
 };
 
@@ -54,7 +54,7 @@ class DepthLoop {
 public:
     using Told = std::function<bool(const haptogram::live::ShotReport&, const haptogram::DepthShot&)>;
 
-    DepthLoop(haptogram::link::Commands& device, const haptogram::live::Clock& clock, const haptogram::Array& array,
+    DepthLoop(haptogram::link::Commands& device, const haptogram::link::HostClock& clock, const haptogram::Array& array,
               const DepthOptions& options)
         : device_(device),
           clock_(clock),
@@ -78,7 +78,7 @@ public:
 
 private:
     haptogram::link::Commands& device_;
-    haptogram::live::Clock clock_;
+    haptogram::link::HostClock clock_;
     haptogram::Array array_;
     DepthOptions options_;
     haptogram::live::RingPlayer player_;

@@ -239,7 +239,7 @@ TEST_CASE("live hands: two threads and the loop lose no frame, and the newest wi
         double seconds;
         explicit Slow(double s) : seconds(s) {}
         std::optional<Path> feel(const live::Frame&, live::ShotReport&) override {
-            live::steady_clock().wait_until(seconds);
+            link::steady_clock().wait_until(seconds);
             return Path{{{{{{0, 0, 0.2}, 1.0}}, 10}}, {}};
         }
         live::ShotCounts counts() const override { return {}; }
@@ -247,7 +247,7 @@ TEST_CASE("live hands: two threads and the loop lose no frame, and the newest wi
     for (const double slow_s : {0.0, 0.03}) {
         live::RecordedHands source(pressing(0.5), "hands");
         Slow feeler(slow_s);
-        live::Pipeline pipeline(source, feeler, live::steady_clock());
+        live::Pipeline pipeline(source, feeler, link::steady_clock());
         std::vector<std::uint64_t> numbers;
         while (const auto frame = pipeline.next()) {
             live::ShotReport report;

@@ -60,7 +60,7 @@ private:
 class Camera final : public DepthSource {
 public:
     using Delay = std::function<double(std::uint64_t number)>;
-    Camera(DepthSource& source, live::Clock clock, double clock_rate, Delay delay)
+    Camera(DepthSource& source, link::HostClock clock, double clock_rate, Delay delay)
         : source_(source), clock_(std::move(clock)), clock_rate_(clock_rate), delay_(std::move(delay)) {}
     [[nodiscard]] const std::vector<DepthCamera>& cameras() const override { return source_.cameras(); }
     [[nodiscard]] double rate_hz() const override { return source_.rate_hz(); }
@@ -84,7 +84,7 @@ public:
 
 private:
     DepthSource& source_;
-    live::Clock clock_;
+    link::HostClock clock_;
     double clock_rate_;
     Delay delay_;
     std::optional<DepthShot> coming_;

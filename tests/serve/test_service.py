@@ -23,13 +23,13 @@ PROJECT = 'format = "haptogram-project-1"\nboard = "tile-100-wide"\narray = "til
 class connect:
     """A WebSocket whose calls wait."""
 
-    def __init__(self, address, additional_headers=None):
+    def __init__(self, address, additional_headers=None, subprotocols=None):
         self.loop = asyncio.new_event_loop()
-        self.socket = self.loop.run_until_complete(self.open(address, additional_headers))
+        self.socket = self.loop.run_until_complete(self.open(address, additional_headers, subprotocols))
 
     @staticmethod
-    async def open(address, headers):
-        return await websockets.connect(address, extra_headers=headers, ping_interval=None)
+    async def open(address, headers, subprotocols):
+        return await websockets.connect(address, extra_headers=headers, subprotocols=subprotocols, ping_interval=None)
 
     def send(self, message):
         self.loop.run_until_complete(self.socket.send(message))
@@ -206,6 +206,22 @@ def test_strangers_stay_outside(service, headers, status):
     with pytest.raises(InvalidStatusCode) as refused:
         connect(service.address, additional_headers={"Authorization": f"Bearer {service.token}", **headers} if "Origin" in headers else headers)
     assert refused.value.status_code == status
+
+
+def test_pages_of_a_site_that_was_named_are_let_in():
+    service = Service("--origin", "http://localhost:8000")
+    token = ["haptogram.1", f"token.{service.token}"]
+    try:
+        service.clients.append(Client(connect(service.address, {"Origin": "http://localhost:8000"}, token)))
+        assert service.clients[0].socket.socket.subprotocol == "haptogram.1"
+        assert service.clients[0].ok("status")["connected"]
+        for origin, offered, status in [("http://localhost:8000", None, 401), ("http://localhost:8000", ["haptogram.1", "token.no"], 401),
+                                        ("http://localhost:8000", token[1:], 401), ("http://localhost:80", token, 403), ("null", token, 403)]:
+            with pytest.raises(InvalidStatusCode) as refused:
+                connect(service.address, {"Origin": origin}, offered)
+            assert refused.value.status_code == status
+    finally:
+        service.end()
 
 
 def test_another_name_is_no_name_of_ours(service):

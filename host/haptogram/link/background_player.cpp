@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptogram/link/background_player.hpp"
 
-#include <fmt/format.h>
-
 #include <utility>
 
 #include "haptogram/base/error.hpp"
@@ -19,18 +17,19 @@ constexpr std::chrono::seconds confirmation{2};
 }  // namespace
 
 BackgroundPlayer::BackgroundPlayer(std::function<std::unique_ptr<Transport>()> open, std::chrono::milliseconds patience)
-    : device_({.open = std::move(open)}) {
-    static_cast<void>(device_.channel(patience));
-}
+    : device_({.open = std::move(open)}), patterns_(device_.channel(patience)->identity().channels) {}
 
 BackgroundPlayer::~BackgroundPlayer() {
     device_.end();
-    join();
+    thread_.end();
 }
 
-std::tuple<bool, std::uint64_t, double> BackgroundPlayer::work() const {
+BackgroundWork BackgroundPlayer::work() const {
+    const bool busy = thread_.busy();
     const std::lock_guard lock(mutex_);
-    return {busy_, live_.sent, live_.lead_s};
+    BackgroundWork work = work_;
+    work.busy = busy;
+    return work;
 }
 
 void BackgroundPlayer::upload(const Bundle& bundle) {
@@ -42,29 +41,11 @@ void BackgroundPlayer::upload(const Bundle& bundle) {
 }
 
 void BackgroundPlayer::begin(std::function<void(Commands&)> work) {
-    const std::lock_guard one(beginning_);
-    {
+    thread_.begin([&] {
+        const std::shared_ptr<Commands> device = device_.channel();
         const std::lock_guard lock(mutex_);
-        if (busy_) throw bad_argument("play", "something plays already; stop it first");
-    }
-    if (thread_.joinable()) thread_.join();
-    std::shared_ptr<Commands> device = device_.channel();
-    end_ = false;
-    const std::lock_guard lock(mutex_);
-    busy_ = true;
-    trouble_ = nullptr;
-    live_ = {};
-    thread_ = std::thread([this, device, work = std::move(work)] {
-        std::exception_ptr trouble;
-        try {
-            work(*device);
-        } catch (...) {
-            trouble = std::current_exception();
-        }
-        const std::lock_guard done(mutex_);
-        busy_ = false;
-        trouble_ = trouble;
-        ended_.notify_all();
+        work_ = {};
+        return [device, work = std::move(work)] { work(*device); };
     });
 }
 
@@ -72,31 +53,57 @@ void BackgroundPlayer::play(const BackgroundPlay& how) {
     begin([this, how](Commands& device) {
         const PlaySettings settings{
             .loops = how.loops, .seconds = how.seconds, .watchdog_ms = how.watchdog_ms, .am = {.waveform = how.am}};
-        link::play(device, settings, [this](const Playing&) { return !end_; });
+        link::play(device, settings, [this](const Playing&) { return !thread_.ending(); });
     });
 }
 
 void BackgroundPlayer::play_live(const BackgroundPlay& how) {
-    begin([this, how](Commands& device) {
+    begin_live(how, 0.0, [this, how](Commands& device, const Told& told) {
+        play_live_focus(device, {.watchdog_ms = how.watchdog_ms, .step_s = how.step_s}, mailbox_,
+                        [&](const LiveFocusPlaying& now) { return told({.sent = now.sent, .lead_s = now.lead_s}); });
+    });
+}
+
+void BackgroundPlayer::play_patterns(const BackgroundPlay& how) {
+    begin_live(how, 1.0 / pattern_period_s, [this, how](Commands& device, const Told& told) {
+        const PatternSource source = [this](std::uint64_t, std::span<std::uint16_t> patterns) {
+            return std::optional(patterns_.take(patterns));
+        };
+        link::play_patterns(device, {.watchdog_ms = how.watchdog_ms}, source, [&](const PatternsPlaying& now) {
+            return told({.sent = now.played.sent,
+                         .lead_s = now.played.lead * pattern_period_s,
+                         .late_patterns = now.played.late,
+                         .lost_patterns = now.played.lost});
+        });
+    });
+}
+
+/// What has no end of its own, under a modulation if one is asked for.
+/// @param carrier_hz  of what plays; 0: of what lies in the board
+void BackgroundPlayer::begin_live(const BackgroundPlay& how, double carrier_hz,
+                                  const std::function<void(Commands&, const Told&)>& work) {
+    begin([this, how, carrier_hz, work](Commands& device) {
         const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(how.seconds);
         std::optional<ModulationOn> modulated;
-        if (!how.am.empty()) modulated.emplace(device, modulation_of({.waveform = how.am}, device));
-        const auto watch = [&](const LiveFocusPlaying& now) {
+        if (!how.am.empty())
+            modulated.emplace(device, modulation_of({.waveform = how.am, .carrier_hz = carrier_hz}, device));
+        work(device, [&](const BackgroundWork& now) {
             const std::lock_guard lock(mutex_);
-            live_ = now;
-            return !end_ && (how.seconds == 0.0 || std::chrono::steady_clock::now() < until);
-        };
-        play_live_focus(device, {.watchdog_ms = how.watchdog_ms, .step_s = how.step_s}, mailbox_, watch);
+            work_ = now;
+            return !thread_.ending() && (how.seconds == 0.0 || std::chrono::steady_clock::now() < until);
+        });
     });
 }
 
 bool BackgroundPlayer::wait(std::chrono::milliseconds patience) {
-    std::unique_lock lock(mutex_);
-    if (!ended_.wait_for(lock, patience, [&] { return !busy_; })) return true;
-    lock.unlock();
+    std::exception_ptr trouble;
+    try {
+        if (thread_.wait(patience)) return true;
+    } catch (...) {
+        trouble = std::current_exception();
+    }
     settle();
-    lock.lock();
-    if (const auto trouble = std::exchange(trouble_, nullptr)) std::rethrow_exception(trouble);
+    if (trouble) std::rethrow_exception(trouble);
     return false;
 }
 
@@ -107,25 +114,17 @@ void BackgroundPlayer::settle() {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
-void BackgroundPlayer::join() {
-    const std::lock_guard one(beginning_);
-    if (thread_.joinable()) thread_.join();
-}
-
 void BackgroundPlayer::stop() {
-    end_ = true;
-    join();
+    thread_.end();
     static_cast<void>(wait({}));
 }
 
 void BackgroundPlayer::shut_off() {
-    end_ = true;
     const std::uint64_t asked = device_.shut_off();
     if (!device_.wait_off(asked, confirmation))
         throw Error(ErrorCode::device, "board", not_confirmed(device_.state().status.watchdog_ms));
-    join();
-    const std::lock_guard lock(mutex_);
-    trouble_ = nullptr;  // that it was shut off is what was asked for
+    thread_.end();
+    thread_.forget_trouble();  // that it was shut off is what was asked for
 }
 
 void BackgroundPlayer::set_intensity(double factor) {

@@ -1,22 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
-#include <exception>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
-#include <thread>
-#include <tuple>
 
 #include "haptogram/format/bundle.hpp"
+#include "haptogram/link/background_thread.hpp"
 #include "haptogram/link/device_thread.hpp"
 #include "haptogram/link/intensity.hpp"
 #include "haptogram/link/live_focus.hpp"
+#include "haptogram/link/pattern_queue.hpp"
+#include "haptogram/link/pattern_stream.hpp"
 
 namespace haptogram::link {
 
@@ -26,6 +24,14 @@ struct BackgroundPlay {
     std::uint16_t watchdog_ms = 500;
     double seconds = 0.0, step_s = LiveFocusSettings{}.step_s;
     std::string am{};
+};
+
+/// What goes on while something plays in the background.
+struct BackgroundWork {
+    bool busy = false;
+    std::uint64_t sent = 0;  ///< live foci or patterns
+    double lead_s = 0.0;     ///< what the board has in hand of them
+    std::uint64_t late_patterns = 0, lost_patterns = 0;
 };
 
 /// A board behind a port, for callers that do not wait: what plays does so in a thread of its own.
@@ -40,13 +46,15 @@ public:
     ~BackgroundPlayer();
 
     [[nodiscard]] DeviceState state() const { return device_.state(); }
-    /// Whether something plays; of live foci also how many were sent, and the lead.
-    [[nodiscard]] std::tuple<bool, std::uint64_t, double> work() const;
+    [[nodiscard]] BackgroundWork work() const;
 
     void upload(const Bundle& bundle);
     void play(const BackgroundPlay& how);
     void play_live(const BackgroundPlay& how);
     void set_focus(const Focus& focus) { mailbox_.put(focus); }
+    /// Plays the patterns of amplitudes that are put there, each for a carrier period, and then the last one on.
+    void play_patterns(const BackgroundPlay& how);
+    [[nodiscard]] PatternQueue& patterns() { return patterns_; }
     /// @return whether what was begun goes on  @throws what ended it, once
     bool wait(std::chrono::milliseconds patience);
     void stop();
@@ -54,21 +62,21 @@ public:
     void set_intensity(double factor);
 
 private:
+    /// Told what goes on; false ends it.
+    using Told = std::function<bool(const BackgroundWork&)>;
+
     void begin(std::function<void(Commands&)> work);
-    void join();
+    void begin_live(const BackgroundPlay& how, double carrier_hz,
+                    const std::function<void(Commands&, const Told&)>& work);
     void settle();
 
     FocusMailbox mailbox_;
     DeviceThread device_;
+    PatternQueue patterns_;
     mutable std::mutex mutex_;
-    std::condition_variable ended_;
-    std::mutex beginning_;  // one caller at a time begins, ends or joins
-    std::thread thread_;
     std::optional<Intensity> intensity_;
-    std::atomic<bool> end_ = false;
-    bool busy_ = false;
-    std::exception_ptr trouble_;
-    LiveFocusPlaying live_;
+    BackgroundWork work_;
+    BackgroundThread thread_;
 };
 
 }  // namespace haptogram::link

@@ -54,6 +54,14 @@ void Client::submit(Request request, std::function<void(const Reply&)> done,
     queue_.push_back({std::move(request), std::move(done), std::move(refused)});
 }
 
+void Client::tell(Request request) {
+    if (shutting_off()) return;  // the device drops it, too
+    make_ready();
+    heed_interrupt();
+    transport_.write(encode_request(session_, request.command, request.payload));
+    said_ = transport_.now();
+}
+
 void Client::wait(std::size_t most_unanswered) {
     while (unanswered() > most_unanswered) exchange(patience_);
 }
@@ -310,6 +318,7 @@ void Client::make_ready() {
 Identity Client::identify() {
     forget();
     next_ = static_cast<std::uint8_t>(next_ + 128);  // far from what may still be under way
+    session_ = next_;
     in_doubt_ = true;
     heed_interrupt();
     transport_.write(Bytes{0});

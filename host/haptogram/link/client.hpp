@@ -44,6 +44,7 @@ public:
     void submit(Request request, std::function<void(const Reply&)> done = {}) override;
     /// The same, but a refusal is told to `refused` instead of thrown, and what is queued behind is still carried out.
     void submit(Request request, std::function<void(const Reply&)> done, std::function<void(const Error&)> refused);
+    void tell(Request request) override;
     void flush() override {
         transmit();
         transport_.flush();
@@ -133,6 +134,7 @@ private:
     std::size_t kept_alive_ = 0;  // of the queue: what keeps_alive
     // Sessions begin anywhere, so that late replies to a program that was killed match nothing.
     std::uint8_t next_ = static_cast<std::uint8_t>(std::random_device()());  // sequence number of the queue's first
+    std::uint8_t session_ = 0;                                               // number of the identify that began it
     std::size_t sent_ = 0;                                                   // of the queue, in this round
     std::size_t farthest_ = 0;                                               // of the queue, in any
     std::deque<Sent> on_line_;

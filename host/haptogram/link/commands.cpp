@@ -27,6 +27,12 @@ Bytes payload_of(Words... words) {
     return bytes;
 }
 
+Bytes followed_by(Bytes payload, std::span<const std::uint16_t> words) {
+    payload.reserve(payload.size() + 2 * words.size());
+    for (const std::uint16_t word : words) append(payload, word);
+    return payload;
+}
+
 /// @throws Error{device} when a block is too short to be taken apart
 void require_words(const Bytes& block, unsigned words) {
     if (block.size() < std::size_t{2} * words)
@@ -183,6 +189,14 @@ When When::at_period(std::uint64_t period) {
     return {period};
 }
 
+Request write_request(std::uint32_t address, std::span<const std::uint16_t> words) {
+    return {Command::write, followed_by(payload_of(address, address >> 16), words)};
+}
+
+Request stream_request(std::uint64_t period, std::span<const std::uint16_t> patterns) {
+    return {Command::stream, followed_by(payload_of(period, period >> 16, period >> 32), patterns)};
+}
+
 Reply Commands::request(Request request) {
     make_ready();
     Reply answer;
@@ -230,15 +244,11 @@ void Commands::set_gate(When when) {
 
 std::uint16_t Commands::push(const std::vector<std::uint16_t>& indices, std::uint16_t dwell, When when) {
     set_gate(when);
-    Bytes payload = payload_of(dwell);
-    for (const std::uint16_t index : indices) append(payload, index);
-    return request({Command::push, std::move(payload)}).live_level;
+    return request({Command::push, followed_by(payload_of(dwell), indices)}).live_level;
 }
 
 std::uint16_t Commands::push_foci(std::span<const std::uint16_t> words, std::uint16_t dwell) {
-    Bytes payload = payload_of(dwell);
-    for (const std::uint16_t word : words) append(payload, word);
-    return request({Command::push_foci, std::move(payload)}).live_level;
+    return request({Command::push_foci, followed_by(payload_of(dwell), words)}).live_level;
 }
 
 void Commands::start(std::uint16_t first, std::uint16_t length, std::uint16_t loops, When when) {

@@ -115,6 +115,11 @@ struct Request {
     Bytes payload;
 };
 
+/// Writes words of 16 bits.
+[[nodiscard]] Request write_request(std::uint32_t address, std::span<const std::uint16_t> words);
+/// Patterns for this carrier period and those after it, for tell().
+[[nodiscard]] Request stream_request(std::uint64_t period, std::span<const std::uint16_t> patterns);
+
 /// The commands of a device as functions. Client sends them in the caller's own thread; a channel of DeviceThread hands
 /// them to the thread that owns the port. What works with either (upload, play, stream, LiveFeed) takes a Commands.
 ///
@@ -171,6 +176,9 @@ public:
     /// Queues a request. Its reply is handed to `done` from within wait(); a command whose reply carries no data may
     /// get one that was made up here, after a later reply has shown that it was applied.
     virtual void submit(Request request, std::function<void(const Reply&)> done = {}) = 0;
+    /// Sends a request that gets no answer and is never sent again, ahead of what is queued; nothing when the outputs
+    /// are being shut off. flush() lets go what a port gathers.
+    virtual void tell(Request request) = 0;
     /// Sends what can be sent of what is queued, without waiting for an answer.
     virtual void flush() = 0;
     /// Waits until at most so many requests are unanswered.

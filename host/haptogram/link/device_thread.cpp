@@ -8,6 +8,7 @@
 #include <condition_variable>
 #include <deque>
 #include <exception>
+#include <iterator>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -39,6 +40,7 @@ struct Mailbox {
         std::function<void(const Reply&)> done;
     };
     std::deque<Item> queued;
+    std::vector<Request> told;   // that get no answer
     std::deque<Answer> answers;  // that wait() has not handed out yet
     std::size_t under_way = 0;
     std::uint64_t epoch = 0;     // answers to requests of an earlier one are nobody's
@@ -49,6 +51,7 @@ struct Mailbox {
     [[nodiscard]] std::size_t unanswered() const { return queued.size() + under_way + answers.size(); }
     void empty() {
         queued.clear();
+        told.clear();
         answers.clear();
         under_way = 0;
         ++epoch;
@@ -225,6 +228,7 @@ private:
     void serve(Client& client) {
         Clock::time_point next_status = Clock::now();
         while (!urgent_) {
+            tell_requests(client);
             take_requests(client);
             if (!asking_ && Clock::now() >= next_status) {
                 ask_for_status(client);
@@ -237,10 +241,28 @@ private:
             }
             Lock lock(mutex_);
             work_.wait_until(lock, next_status, [&] {
-                return urgent_ || ending_ ||
-                       std::ranges::any_of(boxes_, [](const auto& box) { return !box->queued.empty(); });
+                return urgent_ || ending_ || std::ranges::any_of(boxes_, [](const auto& box) {
+                           return !box->queued.empty() || !box->told.empty();
+                       });
             });
         }
+    }
+
+    /// Sends what the channels only tell, without the mutex: a port that takes no bytes must not hold up shut_off().
+    void tell_requests(Client& client) {
+        std::vector<Request> told;
+        {
+            const Lock lock(mutex_);
+            for (const auto& box : boxes_) {
+                std::ranges::move(box->told, std::back_inserter(told));
+                box->told.clear();
+            }
+        }
+        for (Request& request : told) {
+            if (urgent_) return;
+            client.tell(std::move(request));
+        }
+        if (!told.empty()) client.flush();
     }
 
     /// Hands requests of the channels in turn to the client, as many as its window holds.
@@ -336,6 +358,12 @@ public:
         const Lock lock(core_->mutex());
         if (box_->closed) std::rethrow_exception(box_->closed);
         box_->queued.push_back({std::move(request), std::move(done)});
+    }
+
+    void tell(Request request) override {
+        const Lock lock(core_->mutex());
+        if (box_->closed) std::rethrow_exception(box_->closed);
+        box_->told.push_back(std::move(request));
     }
 
     void flush() override { core_->wake(); }

@@ -23,15 +23,6 @@ FocusRing ring_on_board(Commands& device, std::uint32_t each) {
     return {word(ring::base), word(ring::first), word(ring::count), each};
 }
 
-Bytes little_endian(std::initializer_list<std::uint16_t> words) {
-    Bytes bytes;
-    for (const std::uint16_t word : words) {
-        bytes.push_back(static_cast<std::uint8_t>(word));
-        bytes.push_back(static_cast<std::uint8_t>(word >> 8));
-    }
-    return bytes;
-}
-
 }  // namespace
 
 FocusRing make_ring(Commands& device) {
@@ -58,9 +49,11 @@ FocusRing make_ring(Commands& device) {
             "its memory has room for {} focus records behind the image's other records, and the image has {}; {} more "
             "are needed for the ring of those that wait; upload a smaller image",
             all, stored, count));
-    device.write(interface::parameters_base + 2 * static_cast<std::uint32_t>(interface::ParametersWord::foci_count),
-                 little_endian({static_cast<std::uint16_t>(all)}));
-    device.write(interface::ring_base, little_endian({ring.base, ring.first, ring.count}));
+    const std::uint16_t records = static_cast<std::uint16_t>(all), place[] = {ring.base, ring.first, ring.count};
+    device.request(write_request(
+        interface::parameters_base + 2 * static_cast<std::uint32_t>(interface::ParametersWord::foci_count),
+        {&records, 1}));
+    device.request(write_request(interface::ring_base, place));
     return ring;
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/link/focus_ring.hpp"
 
 namespace haptogram::link {
 
@@ -85,6 +86,46 @@ std::optional<SequenceEntry> RepeatedEntries::next(std::chrono::milliseconds) {
 
 bool RepeatedEntries::ended() const {
     return pass_.empty() || (entries_ != 0 && taken_ == entries_) || (most_periods_ != 0 && periods_ == most_periods_);
+}
+
+std::optional<std::size_t> PatternBytes::take(std::span<std::uint16_t> patterns, std::size_t words) {
+    const std::size_t wanted = 2 * patterns.size(), each = 2 * words;
+    while (bytes_.size() < wanted && !input_.ended() && input_.read(bytes_, std::chrono::milliseconds(0))) {
+    }
+    if (input_.ended() && bytes_.empty()) return {};
+    if (input_.ended() && bytes_.size() < each)
+        throw bad_input(input_.name(), fmt::format("pattern {} has {} bytes, expected {}, two for each of its words",
+                                                   taken_ + 1, bytes_.size(), each));
+    const std::size_t count = std::min(wanted, bytes_.size()) / each;
+    for (std::size_t i = 0; i < count * words; ++i)
+        patterns[i] = static_cast<std::uint16_t>(static_cast<unsigned char>(bytes_[2 * i]) |
+                                                 static_cast<unsigned char>(bytes_[2 * i + 1]) << 8);
+    bytes_.erase(0, count * each);
+    taken_ += count;
+    return count;
+}
+
+std::optional<std::size_t> FocusPatterns::take(std::span<std::uint16_t> patterns, std::size_t words) {
+    const std::size_t most = patterns.size() / words;
+    std::vector<std::uint16_t> records;
+    std::size_t count = 0;
+    for (; count < most; ++count) {
+        // A focus of dwell 0 goes on until the next one is there.
+        const bool done = entry_ && periods_ >= entry_->dwell;
+        if (!entry_ || done) {
+            if (auto next = source_.next(std::chrono::milliseconds(0))) {
+                entry_ = *next;
+                periods_ = 0;
+            } else if (!entry_ || entry_->dwell != 0 || source_.ended()) {
+                break;
+            }
+        }
+        add_record(records, entry_->focus, words / 4);
+        if (entry_->dwell != 0) ++periods_;
+    }
+    std::ranges::copy(records, patterns.begin());
+    if (count == 0 && source_.ended()) return {};
+    return count;
 }
 
 }  // namespace haptogram::link

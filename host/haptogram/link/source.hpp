@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -64,6 +65,35 @@ public:
 private:
     LiveText text_;
     std::uint16_t dwell_;
+};
+
+/// Patterns of a stream from bytes: words of 16 bits, little-endian, one pattern behind the other.
+class PatternBytes {
+public:
+    /// @throws Error{bad_input} when the file cannot be opened; take() when it ends within a pattern, or cannot be read
+    explicit PatternBytes(const std::string& path) : input_(path) {}
+
+    /// The next ones, as far as they have come. @param words  of a pattern
+    /// @return how many; nothing when no more will come
+    std::optional<std::size_t> take(std::span<std::uint16_t> patterns, std::size_t words);
+
+private:
+    LiveInput input_;
+    std::string bytes_;
+    std::uint64_t taken_ = 0;
+};
+
+/// Patterns of a stream from foci: each is a record of the focus whose turn it is.
+class FocusPatterns {
+public:
+    explicit FocusPatterns(FocusSource& source) : source_(source) {}
+    /// As PatternBytes.
+    std::optional<std::size_t> take(std::span<std::uint16_t> patterns, std::size_t words);
+
+private:
+    FocusSource& source_;
+    std::optional<FocusEntry> entry_;
+    std::uint16_t periods_ = 0;  // that it has lasted
 };
 
 /// A sequence that is repeated.

@@ -98,6 +98,16 @@ ordered_json streamed_to_json(const Played& p) {
     return {{"sent", p.sent}, {"underruns", p.underruns}, {"interrupted", p.interrupted}};
 }
 
+ordered_json to_json(const PlayedPatterns& p) {
+    return {{"sent", p.sent},
+            {"late", p.late},
+            {"lost", p.lost},
+            {"early", p.early},
+            {"repeated", p.repeated},
+            {"lead_periods", p.lead},
+            {"interrupted", p.interrupted}};
+}
+
 ordered_json streamed_to_json(const RigPlayed& p) {
     ordered_json json{{"sent", p.sent}};
     json.update(to_json(p));

@@ -3,6 +3,7 @@
 #pragma once
 #include <nlohmann/json.hpp>
 
+#include "haptogram/link/pattern_stream.hpp"
 #include "haptogram/link/play.hpp"
 #include "haptogram/link/port.hpp"
 #include "haptogram/link/rig.hpp"
@@ -21,5 +22,6 @@ namespace haptogram::link {
 /// Of indices that went over the link.
 [[nodiscard]] nlohmann::ordered_json streamed_to_json(const Played& played);
 [[nodiscard]] nlohmann::ordered_json streamed_to_json(const RigPlayed& played);
+[[nodiscard]] nlohmann::ordered_json to_json(const PlayedPatterns& played);
 
 }  // namespace haptogram::link

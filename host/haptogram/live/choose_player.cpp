@@ -26,8 +26,8 @@ bool computes_foci(const link::Identity& board, const Array& array) {
     return interface::has(board.features, interface::Feature::live_foci) && board.channels == array.elements.size();
 }
 
-ChosenPlayer with_foci(link::Commands& device, const Clock& clock, const Array& array, const PlayerOptions& options,
-                       const Line& line) {
+ChosenPlayer with_foci(link::Commands& device, const link::HostClock& clock, const Array& array,
+                       const PlayerOptions& options, const Line& line) {
     auto player = std::make_unique<FocusPlayer>(device, clock, array, options.pace, line, options.watchdog_ms);
     const FocusPace pace = player->pace();
     std::string about = fmt::format("the board computes foci: {} at a time, new ones every {:.2f} ms", pace.foci,
@@ -36,8 +36,8 @@ ChosenPlayer with_foci(link::Commands& device, const Clock& clock, const Array& 
     return {std::move(player), std::move(about)};
 }
 
-ChosenPlayer with_records(link::Commands& device, const Clock& clock, const Array& array, const PlayerOptions& options,
-                          const Line& line) {
+ChosenPlayer with_records(link::Commands& device, const link::HostClock& clock, const Array& array,
+                          const PlayerOptions& options, const Line& line) {
     const link::Identity& board = device.identity();
     const double record_s =
         (2.0 * static_cast<double>(record_words(board.channels)) + record_frame_bytes) / line.bytes_s;
@@ -64,7 +64,7 @@ ChosenPlayer with_records(link::Commands& device, const Clock& clock, const Arra
 
 }  // namespace
 
-ChosenPlayer choose_player(link::Commands& device, const Clock& clock, const Array& array,
+ChosenPlayer choose_player(link::Commands& device, const link::HostClock& clock, const Array& array,
                            const PlayerOptions& options) {
     const Line line = measured_line(device, clock);
     return computes_foci(device.identity(), array) ? with_foci(device, clock, array, options, line)

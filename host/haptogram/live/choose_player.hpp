@@ -30,7 +30,7 @@ struct ChosenPlayer {
 
 /// Foci where the board computes them for this array, and records elsewhere.
 /// @throws Error{device} when the line takes too long for a path's records to follow a hand
-[[nodiscard]] ChosenPlayer choose_player(link::Commands& device, const Clock& clock, const Array& array,
+[[nodiscard]] ChosenPlayer choose_player(link::Commands& device, const link::HostClock& clock, const Array& array,
                                          const PlayerOptions& options);
 
 }  // namespace haptogram::live

@@ -34,8 +34,8 @@ Timer timer_for(const link::Commands& device, const Array& array) {
 
 }  // namespace
 
-FocusPlayer::FocusPlayer(link::Commands& device, const Clock& clock, const Array& array, const FocusPace& wanted,
-                         const Line& line, std::uint16_t watchdog_ms)
+FocusPlayer::FocusPlayer(link::Commands& device, const link::HostClock& clock, const Array& array,
+                         const FocusPace& wanted, const Line& line, std::uint16_t watchdog_ms)
     : Player(device, clock, timer_for(device, array), watchdog_ms) {
     choose_pace(wanted, line);
     upload(array);

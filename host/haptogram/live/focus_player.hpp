@@ -27,7 +27,7 @@ public:
     /// Uploads the array's geometry in an image of foci, in place of what the board holds.
     /// @param line  to the board
     /// @throws Error{bad_input} as focus_image_of() does
-    FocusPlayer(link::Commands& device, const Clock& clock, const Array& array, const FocusPace& wanted,
+    FocusPlayer(link::Commands& device, const link::HostClock& clock, const Array& array, const FocusPace& wanted,
                 const Line& line, std::uint16_t watchdog_ms = 500);
 
     /// @param path  without a modulation

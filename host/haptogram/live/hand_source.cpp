@@ -5,6 +5,7 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/hand/leap.hpp"
+#include "haptogram/hand/mounting.hpp"
 
 namespace haptogram::live {
 
@@ -35,7 +36,8 @@ void HandPipe::take(HandFrame frame) {
     last_s_ = frame.time_s;
     if (!begin_s_) begin_s_ = frame.time_s;
     frame.time_s -= *begin_s_;
-    newest_ = Frame{frames_++, frame.time_s, {}, std::move(frame)};
+    const double time_s = frame.time_s;
+    newest_ = Frame{frames_++, time_s, {}, mounted(std::move(frame), mounting_)};
 }
 
 /// Takes one line in, if one comes in time. @return whether one did

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "haptogram/array/pose.hpp"
 #include "haptogram/base/live_input.hpp"
 #include "haptogram/hand/hand.hpp"
 #include "haptogram/live/frame.hpp"
@@ -34,9 +35,10 @@ private:
 /// lost frames. Lines that are no frames are counted, and the next one is taken.
 class HandPipe final : public FrameSource {
 public:
-    /// @param path  of the lines; "-" is standard input. A file is a recording
+    /// @param path      of the lines; "-" is standard input. A file is a recording
+    /// @param mounting  of the tracker
     /// @throws Error{bad_input} when it cannot be opened
-    explicit HandPipe(const std::string& path) : lines_(path) {}
+    explicit HandPipe(const std::string& path, const Pose& mounting = {}) : lines_(path), mounting_(mounting) {}
     [[nodiscard]] double rate_hz() const override { return 1.0 / interval_s_; }
     [[nodiscard]] bool live() const override { return !lines_.is_file(); }
     [[nodiscard]] bool ready() override;
@@ -49,6 +51,7 @@ private:
     void take(HandFrame frame);
 
     LiveText lines_;
+    Pose mounting_;
     std::optional<Frame> newest_;
     std::optional<double> begin_s_, last_s_;  ///< when the first frame was, and the last one, by the tracker
     std::uint64_t frames_ = 0, junk_ = 0;

@@ -21,7 +21,7 @@ double thread_processor_s() {
 
 }  // namespace
 
-Pipeline::Pipeline(FrameSource& source, Feeler& feeler, Clock clock)
+Pipeline::Pipeline(FrameSource& source, Feeler& feeler, link::HostClock clock)
     : source_(source), feeler_(feeler), clock_(std::move(clock)), rate_hz_(source.rate_hz()) {
     tracking_ = std::thread([this] { guarded([this] { track(); }); });
     computing_ = std::thread([this] { guarded([this] { compute(); }); });

@@ -8,7 +8,7 @@
 #include <thread>
 #include <utility>
 
-#include "haptogram/live/clock.hpp"
+#include "haptogram/link/clock.hpp"
 #include "haptogram/live/frame.hpp"
 
 namespace haptogram::live {
@@ -19,7 +19,7 @@ namespace haptogram::live {
 class Pipeline final : public FrameSource, public Feeler {
 public:
     /// @param clock  of the machine, which all threads read
-    Pipeline(FrameSource& source, Feeler& feeler, Clock clock);
+    Pipeline(FrameSource& source, Feeler& feeler, link::HostClock clock);
     ~Pipeline() override;
 
     [[nodiscard]] double rate_hz() const override { return rate_hz_; }
@@ -44,7 +44,7 @@ private:
 
     FrameSource& source_;
     Feeler& feeler_;
-    Clock clock_;
+    link::HostClock clock_;
     std::atomic<double> rate_hz_;
     std::atomic<bool> end_ = false;
     mutable std::mutex mutex_;

@@ -9,7 +9,7 @@
 
 namespace haptogram::live {
 
-Line measured_line(link::Commands& device, const Clock& clock) {
+Line measured_line(link::Commands& device, const link::HostClock& clock) {
     constexpr std::uint16_t few = 16, many = 192;
     constexpr double around = 20.0;   // bytes beside them: of the question, and of the answer's frame
     constexpr double least_s = 1e-6;  // of a line that is faster than can be measured
@@ -29,7 +29,7 @@ Line measured_line(link::Commands& device, const Clock& clock) {
     return {1.0 / byte_s, std::max(0.0, short_s - (few + around) * byte_s)};
 }
 
-Player::Player(link::Commands& device, const Clock& clock, const Timer& timer, std::uint16_t watchdog_ms)
+Player::Player(link::Commands& device, const link::HostClock& clock, const Timer& timer, std::uint16_t watchdog_ms)
     : device_(device),
       clock_(clock),
       timer_(timer),

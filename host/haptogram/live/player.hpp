@@ -11,9 +11,9 @@
 
 #include "haptogram/format/path.hpp"
 #include "haptogram/format/timer.hpp"
+#include "haptogram/link/clock.hpp"
 #include "haptogram/link/commands.hpp"
 #include "haptogram/live/board_time.hpp"
-#include "haptogram/live/clock.hpp"
 
 namespace haptogram::live {
 
@@ -34,7 +34,7 @@ struct Line {
     double bytes_s = 0.0;  ///< bytes a second, one way
     double trip_s = 0.0;   ///< of a question and its answer without their bytes
 };
-[[nodiscard]] Line measured_line(link::Commands& device, const Clock& clock);
+[[nodiscard]] Line measured_line(link::Commands& device, const link::HostClock& clock);
 
 /// Plays a path over and over on a device, and takes another instead when it is told to.
 ///
@@ -69,7 +69,7 @@ public:
 
 protected:
     /// @param watchdog_ms  of the device, which hears from here in time, silent or not
-    Player(link::Commands& device, const Clock& clock, const Timer& timer, std::uint16_t watchdog_ms);
+    Player(link::Commands& device, const link::HostClock& clock, const Timer& timer, std::uint16_t watchdog_ms);
 
     /// What the last reply said of the FIFO. All replies tell its level.
     struct Fifo {
@@ -94,7 +94,7 @@ protected:
     void ask();
 
     link::Commands& device_;
-    Clock clock_;
+    link::HostClock clock_;
     Timer timer_;
     std::shared_ptr<Fifo> fifo_;       ///< shared, because replies may come after this object is gone
     std::shared_ptr<BoardTime> time_;  ///< empty when the device counts no periods

@@ -28,8 +28,8 @@ public:
     /// @param method  for several foci at a time, by phases alone
     /// @param watchdog_ms  of the device, which hears from here in time, silent or not
     /// @throws Error{bad_input} when the device has too few channels for the array, or too few records or FIFO places
-    RingPlayer(link::Commands& device, const Clock& clock, const Array& array, std::size_t steps, Method method,
-               std::uint16_t watchdog_ms = 500);
+    RingPlayer(link::Commands& device, const link::HostClock& clock, const Array& array, std::size_t steps,
+               Method method, std::uint16_t watchdog_ms = 500);
 
     /// What plays goes on until the new ring is complete.
     /// @param ring  without a modulation; one of other steps is played in those of all rings

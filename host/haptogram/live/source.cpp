@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/base/file.hpp"
+#include "haptogram/hand/mounting.hpp"
 #include "haptogram/live/depth_folder.hpp"
 #include "haptogram/live/depth_frames.hpp"
 #include "haptogram/live/depth_pipe.hpp"
@@ -54,7 +56,12 @@ OpenedSource open_source(const std::string& name, const CameraOptions& cameras, 
         return of_depth(std::make_unique<SyntheticDepth>(
             cameras_of(cameras), [=](double time_s) { return pressing_fingers(time_s, object, half_m); },
             cameras.rate_hz, cameras.seconds > 0.0 ? cameras.seconds : press_s, cameras.noise));
-    if (kind == "leap-pipe") return {std::make_unique<HandPipe>(rest), {}};
+    if (kind == "leap-pipe") {
+        const auto [file, mounting] = without_mounting(rest);
+        return {std::make_unique<HandPipe>(
+                    file, mounting.empty() ? Pose{} : mounting_from_toml(read_file(mounting), mounting)),
+                {}};
+    }
     if (kind == "leap" || kind == "poses" || kind == "synthetic") {
         const std::string& file = kind == "synthetic" ? name : rest;
         return {std::make_unique<RecordedHands>(open_hands(file), file, cameras.seconds), {}};

@@ -10,6 +10,7 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/hand/mounting.hpp"
 #include "haptogram/hand/synthetic.hpp"
 #include "haptogram/shape/import.hpp"
 #include "haptogram/shape/place.hpp"
@@ -98,7 +99,14 @@ Mesh surface_of(const ObjectSource& source, const FileReader& read) {
 }
 
 HandRecording open_hands(const std::string& name, const std::string& model, double rate_hz, const FileReader& read) {
-    if (!name.starts_with(synthetic_prefix)) return load_hands(name, model, rate_hz, read);
+    if (!name.starts_with(synthetic_prefix)) {
+        const auto [file, mounting] = without_mounting(name);
+        HandRecording recording = load_hands(file, model, rate_hz, read);
+        if (mounting.empty()) return recording;
+        const Pose pose = mounting_from_toml(read ? read(mounting) : read_file(mounting), mounting);
+        for (HandFrame& frame : recording.frames) frame = mounted(std::move(frame), pose);
+        return recording;
+    }
     const std::string text = name.substr(synthetic_prefix.size());
     const std::size_t colon = std::min(text.find(':'), text.size());
     const HandScript script = hand_script(text.substr(0, colon));
@@ -124,8 +132,10 @@ HandRecording open_hands(const std::string& name, const std::string& model, doub
 
 std::vector<std::string> files_of(const HandSource& hand) {
     std::vector<std::string> files;
-    if (!hand.recording.starts_with(synthetic_prefix)) files.push_back(hand.recording);
-    if (hand.recording.ends_with(".pose")) files.push_back(bones_file(hand.recording, hand.model).string());
+    const auto [recording, mounting] = without_mounting(hand.recording);
+    if (!recording.starts_with(synthetic_prefix)) files.push_back(recording);
+    if (!mounting.empty()) files.push_back(mounting);
+    if (recording.ends_with(".pose")) files.push_back(bones_file(recording, hand.model).string());
     if (names_mesh(hand.object)) files.push_back(hand.object.name);
     return files;
 }

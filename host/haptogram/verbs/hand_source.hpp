@@ -40,7 +40,8 @@ struct ObjectSource {
 inline constexpr std::string_view synthetic_prefix = "synthetic:";
 
 /// A recording as a user names it: a file as load_hands() reads it, or "synthetic:SCRIPT" or "synthetic:SCRIPT:HEIGHT"
-/// with the height of the palm in mm, which is one round of the script at 100 frames a second.
+/// with the height of the palm in mm, which is one round of the script at 100 frames a second. Behind a file's name may
+/// stand that of the tracker's mounting (hand/mounting.hpp), hands.json@desk.toml.
 /// @param read  gets a file's content; by default read_file()
 /// @throws Error{bad_input} or Error{bad_argument}
 [[nodiscard]] HandRecording open_hands(const std::string& name, const std::string& model = {}, double rate_hz = 60.0,

@@ -73,7 +73,7 @@ class PatternStream:
 
     def play(self, source: Callable[[int, int], Buffer | None], watch: Callable[[Status], None] = lambda status: None) -> Status:
         """Asks the source for the patterns of each period ahead of the board, as source(period, count), and sends them in time, until it
-        returns None; then the board's status. The outputs must be on. The lead follows what the board says came too late or too early."""
+        returns None; then, when the last one plays, the board's status. The outputs must be on. The lead follows what the board says came too late or too early."""
         status = first = self._board.status()
         if status.period is None:
             raise device_error("board", "it says no period")
@@ -100,6 +100,10 @@ class PatternStream:
             if count > 0:
                 patterns = source(following, count)
                 if patterns is None:
-                    return self._board.status()
+                    break
                 following += self.send(following, patterns)
             time.sleep(STEP_S)
+        while status.period < following and status.enabled:
+            time.sleep(STEP_S)
+            status = self._board.status()
+        return status

@@ -243,6 +243,7 @@ namespace Haptogram
         public uint PresentIndex, Underruns, RefusedRecords, WatchdogTrips, GuardTrips, FramesDamaged;
         public ulong FociSent;
         public double LeadSeconds;
+        public ulong PatternsLate, PatternsLost;
     }
 
     /// <summary>A board. Disposing of it turns its outputs off.</summary>
@@ -296,6 +297,7 @@ namespace Haptogram
                     PresentIndex = found.present_index, Underruns = found.underruns, RefusedRecords = found.refused_records,
                     WatchdogTrips = found.watchdog_trips, GuardTrips = found.guard_trips, FramesDamaged = found.frames_damaged,
                     FociSent = found.foci_sent, LeadSeconds = found.lead_s,
+                    PatternsLate = found.patterns_late, PatternsLost = found.patterns_lost,
                 };
             }
         }
@@ -339,6 +341,45 @@ namespace Haptogram
         public void SetFocus(Focus focus)
         {
             SetFocus(focus.X, focus.Y, focus.Z, focus.Amplitude);
+        }
+
+        /// <summary>Begins to play patterns, a new one in each carrier period.</summary>
+        public void PlayPatterns(double seconds = 0.0, string am = null, uint watchdogMs = 500)
+        {
+            Begin(Native.haptogram_play_patterns, 0, seconds, am, watchdogMs);
+        }
+
+        /// <summary>Appends patterns, each a word for each channel: phase in 1/256 of the period in bits 7…0, amplitude in bits 15…8. Never waits.</summary>
+        /// <returns>how many of them there was room for</returns>
+        public int PutPatterns(ushort[] words)
+        {
+            if (words.Length % Channels != 0) throw new ArgumentException($"expected whole patterns of {Channels} words", "words");
+            GCHandle pinned = GCHandle.Alloc(words, GCHandleType.Pinned);
+            try
+            {
+                var taken = UIntPtr.Zero;
+                Library.Check(Native.haptogram_put_patterns(handle, pinned.AddrOfPinnedObject(), (UIntPtr)(words.Length / Channels), ref taken));
+                return (int)taken;
+            }
+            finally
+            {
+                pinned.Free();
+            }
+        }
+
+        /// <summary>One pattern that stays, in the place of all that wait. Never waits.</summary>
+        public void SetPattern(ushort[] words)
+        {
+            if (words.Length != Channels) throw new ArgumentException($"expected {Channels} words", "words");
+            GCHandle pinned = GCHandle.Alloc(words, GCHandleType.Pinned);
+            try
+            {
+                Library.Check(Native.haptogram_set_pattern(handle, pinned.AddrOfPinnedObject()));
+            }
+            finally
+            {
+                pinned.Free();
+            }
         }
 
         /// <summary>Waits until what was begun has ended, at most so long. Whether it goes on.</summary>

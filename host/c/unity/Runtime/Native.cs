@@ -56,6 +56,7 @@ namespace Haptogram
         public IntPtr port;
         public uint baud;
         public uint patience_ms;
+        public IntPtr rig;
     }
 
     [StructLayout(LayoutKind.Sequential)]
@@ -88,6 +89,8 @@ namespace Haptogram
         public uint frames_damaged;
         public ulong foci_sent;
         public double lead_s;
+        public ulong patterns_late;
+        public ulong patterns_lost;
     }
 
     [StructLayout(LayoutKind.Sequential)]
@@ -120,6 +123,9 @@ namespace Haptogram
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Code haptogram_compile(ref NativeProject project, out IntPtr image);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Code haptogram_compile_rig(ref NativeProject project, IntPtr rig, IntPtr manifest_file);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Code haptogram_compile_path(ref NativePath path, out IntPtr image);
@@ -171,6 +177,15 @@ namespace Haptogram
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Code haptogram_set_focus(IntPtr board, double x_m, double y_m, double z_m, double amplitude);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Code haptogram_play_patterns(IntPtr board, ref NativePlaying playing);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Code haptogram_put_patterns(IntPtr board, IntPtr words, UIntPtr patterns, ref UIntPtr taken);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Code haptogram_set_pattern(IntPtr board, IntPtr words);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Code haptogram_wait(IntPtr board, uint milliseconds, ref int busy);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "haptogram/live/clock.hpp"
+#include "haptogram/link/clock.hpp"
 
 #include <chrono>
 #include <thread>
 
-namespace haptogram::live {
+namespace haptogram::link {
 
-Clock steady_clock() {
+HostClock steady_clock() {
     using Steady = std::chrono::steady_clock;
     const Steady::time_point start = Steady::now();
     return {[start] { return std::chrono::duration<double>(Steady::now() - start).count(); },
@@ -16,4 +16,4 @@ Clock steady_clock() {
             }};
 }
 
-}  // namespace haptogram::live
+}  // namespace haptogram::link

@@ -2,15 +2,15 @@
 #pragma once
 #include <functional>
 
-namespace haptogram::live {
+namespace haptogram::link {
 
-/// The time that a loop lives in. It is given, never looked up, because a simulated board's time is not the wall's.
-struct Clock {
+/// The time that a host lives in. It is given, never looked up, because a simulated board's time is not the wall's.
+struct HostClock {
     std::function<double()> now_s;
     std::function<void(double until_s)> wait_until;  ///< returns at once when that has passed
 };
 
 /// The machine's own clock, from 0 at this call on.
-[[nodiscard]] Clock steady_clock();
+[[nodiscard]] HostClock steady_clock();
 
-}  // namespace haptogram::live
+}  // namespace haptogram::link

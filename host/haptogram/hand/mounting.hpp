@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "haptogram/array/pose.hpp"
+#include "haptogram/hand/hand.hpp"
+#include "haptogram/hand/pose_file.hpp"
+
+namespace haptogram {
+
+/// Where a tracker or a camera is, in the array's frame: a file of `position_mm`, `right` and `forward`, its x and z
+/// axes.
+/// @param where  names the text in messages
+/// @throws Error{bad_input} naming the line; for axes that are not of length 1 and at right angles to 1e-3
+[[nodiscard]] Pose mounting_from_toml(std::string_view text, const std::string& where);
+/// @param about  sentences for its first lines
+[[nodiscard]] std::string mounting_to_toml(const Pose& pose, const std::vector<std::string>& about);
+
+/// The name of a source of hands without the mounting file that may stand behind it, hands.json@desk.toml, and that
+/// file's; empty when there is none.
+[[nodiscard]] std::pair<std::string, std::string> without_mounting(const std::string& name);
+
+/// A frame of a tracker that is mounted so, in the array's frame.
+[[nodiscard]] HandFrame mounted(HandFrame frame, const Pose& pose);
+
+/// A point that is known, and where a tracker saw it: metres, in the array's frame and in the tracker's.
+struct SeenPoint {
+    Vec3 known, seen;
+};
+
+/// Points of a text, three numbers a line in millimetres, with blanks or commas between; # begins a remark.
+/// @throws Error{bad_input} naming the line
+[[nodiscard]] std::vector<Vec3> known_points_from(std::string_view text, const std::string& where);
+/// The same with six numbers: the known ones, and then the seen ones.
+[[nodiscard]] std::vector<SeenPoint> seen_points_from(std::string_view text, const std::string& where);
+
+/// The mounting that explains what was seen best.
+struct Alignment {
+    Pose pose;
+    std::vector<double> residuals_m;  ///< of each point: how far what was seen is from what is known
+    /// Of each point: the same without that point, which a wrong one does not pull to itself.
+    std::vector<double> residuals_without_m;
+    double rms_m = 0.0;       ///< of the residuals
+    double position_m = 0.0;  ///< standard deviation in the middle of the points, of the worst direction
+    double angle_rad = 0.0;   ///< and of the turn about the worst axis; 0 when three points tell nothing of errors
+};
+
+/// Least squares (Umeyama 1991, eq. 34 to 43, without scale), by Eigen.
+/// @throws Error{bad_input} for fewer than three points, and for points that lie on a line, within a twentieth of its
+/// length, which leave the turn about it open
+[[nodiscard]] Alignment align(std::span<const SeenPoint> points, const std::string& where);
+
+/// The places where the tip of a finger stayed: within `still_m` for `still_s` or longer.
+/// @param finger  0 is the thumb
+[[nodiscard]] std::vector<Vec3> touches_in(const HandRecording& recording, std::size_t finger = 1, double still_s = 0.7,
+                                           double still_m = 3e-3);
+
+}  // namespace haptogram
