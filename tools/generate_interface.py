@@ -522,21 +522,13 @@ def page(table):
         out.append(f"| {p['name']} | {', '.join(bounds)} | {p['default']} | {p['about']} | {p['why']} |")
     rows = configurations(table)
     default = {p["name"]: p["default"] for p in table["parameter"]}
-    out += ["", "## Named configurations", "", "A parameter that is not named has its default, or is as in the configuration that is.", "", "| configuration | parameters | what |", "|---|---|---|"]
-    about = {row["name"]: row["about"] for row in table["configuration"]}
-    told = {}
-    for name, values in rows.items():
-        out.append(f"| {name} | {told_beside(values, told, default)} | {about[name]} |")
-        told[name] = values
+    out += ["", "## Named configurations", "", "A parameter that is not named has its default. `tools/interface.toml` has more, for tests; each board has one of its own name, whose",
+            "parameters `haptogram board pinout BOARD --json` tells.", "", "| configuration | parameters | what |", "|---|---|---|"]
+    for row in table["configuration"]:
+        if "about" in row:
+            other = ", ".join(f"{key} {value}" for key, value in rows[row["name"]].items() if value != default[key])
+            out.append(f"| {row['name']} | {other or 'the defaults'} | {row['about']} |")
     return "\n".join(out) + "\n"
-
-
-def told_beside(values, told, default):
-    """What a configuration has that the defaults have not; or another one that was told before, when that is much shorter."""
-    apart = {name: {key: value for key, value in values.items() if value != base[key]} for name, base in {"": default, **told}.items()}
-    nearest = min(apart, key=lambda name: len(apart[name]) + (3 if name else 0))
-    other = ", ".join(f"{key} {value}" for key, value in apart[nearest].items())
-    return f"as {nearest}, but {other}" if nearest else other or "the defaults"
 
 
 STREAM_PAGE = [
