@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The numbers that the papers print, each beside what follows from the papers' own data and formulas. printed.toml lists them."""
 import collections
-import itertools
 import math
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
@@ -407,7 +406,7 @@ def text(lines: list[Line], differing: bool = False) -> str:
 
 
 def page(lines: list[Line]) -> str:
-    """docs/printed-numbers.md: numbers that do not agree first, then others that there is something to say of. Those that one note is about are counted."""
+    """docs/printed-numbers.md: numbers that do not agree. Those that one note is about are counted."""
     counts = ", ".join(f"{verdict}: {count}" for verdict in (AGREES, POSSIBLE, DIFFERS, IMPOSSIBLE, NOT_PRINTED, NO_DATA)
                        if (count := len([1 for line in lines if line.verdict == verdict])))  # fmt: skip
     parts = [
@@ -420,13 +419,12 @@ def page(lines: list[Line]) -> str:
         "*Agrees* and *differs*: ours rounds to the printed digits, or does not. *Possible* and *impossible*: whether whole numbers of answers, or any",
         "answers on the scale, can give the printed number. *Not printed*: it follows from what is printed. *No data*: nothing to compute it from.",
         "",
-        f"{len(lines)} numbers. {counts}. `haptogram-study printed` prints all. Tables have those that differ or are impossible;",
-        "of the others, this page has what wants a remark.",
+        f"{len(lines)} numbers. {counts}.",
+        "Here are those that differ or are impossible; `haptogram-study printed` prints all, with what there is to say of them.",
     ]
-    for paper in dict.fromkeys(line.paper for line in lines):
-        rows = [line for line in lines if line.paper == paper]
-        notes = [line.note for line in rows]
-        bad = [line for line in rows if line.verdict in BAD]
+    for paper in dict.fromkeys(line.paper for line in lines if line.verdict in BAD):
+        bad = [line for line in lines if line.paper == paper and line.verdict in BAD]
+        notes = [line.note for line in bad]
         alone = [line for line in bad if not line.note or notes.count(line.note) == 1]
         parts += ["", f"## {paper}"]
         if alone:
@@ -434,9 +432,6 @@ def page(lines: list[Line]) -> str:
             parts += ["| " + " | ".join(cell.replace("|", "\\|") for cell in _cells(line)) + " |" for line in alone]
         if shared := collections.Counter((line.where, line.verdict, line.note) for line in bad if line not in alone):
             parts += ["", *(f"- {where}, {count} more, {verdict}: {note}." for (where, verdict, note), count in shared.items())]
-        for verdict in (AGREES, POSSIBLE, NOT_PRINTED):
-            if found := [line for line in rows if line.verdict == verdict and line.note and notes.count(line.note) == 1]:
-                parts += ["", f"*{verdict[0].upper()}{verdict[1:]}:*", "", *_items(found)]
     return "\n".join(parts) + "\n"
 
 
@@ -447,24 +442,3 @@ def _note(line: Line) -> str:
 def _cells(line: Line) -> tuple[str, ...]:
     printed, ours = with_units(line)
     return (line.where, line.what + _note(line), printed, ours + (f", **{IMPOSSIBLE}**" if line.verdict == IMPOSSIBLE else ""))
-
-
-def _items(lines: list[Line]) -> list[str]:
-    """A list; what several numbers in a row have in common, the place and a note, stands above them."""
-    items = []
-    for where, group in itertools.groupby(lines, key=lambda line: line.where):
-        found = list(group)
-        if len(found) == 1:
-            items.append(f"- {where}: {_item(found[0])}")
-            continue
-        notes = {line.note for line in found}
-        common = _note(found[0]) if len(notes) == 1 else ""
-        items.append(f"- {where}{common}:")
-        items += [f"  - {_item(line, common)}" for line in found]
-    return items
-
-
-def _item(line: Line, common: str = "") -> str:
-    """Two values that are the same are told once; what is not there is not told."""
-    values = [value for value in dict.fromkeys(with_units(line)) if value != "–"]
-    return f"{line.what}{': ' if values else ''}{', ours '.join(values)}{'' if common else _note(line)}"
