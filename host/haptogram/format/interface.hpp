@@ -465,7 +465,7 @@ constexpr std::string_view to_string(Command command) {
 constexpr std::string_view to_string(Status status) {
     switch (status) {
         case Status::ok: return "ok: applied";
-        case Status::repeated: return "repeated: this sequence number is one of the 128 before the expected one, so it was applied before; nothing was done again, but a command that only asks is answered anew, and disable and stop have acted";
+        case Status::repeated: return "repeated: this sequence number is one of the 128 before the expected one, so it counts as applied before; nothing was done again, but a command that only asks is answered anew, and disable and stop have acted";
         case Status::unknown_command: return "unknown_command: no such command";
         case Status::bad_length: return "bad_length: the frame is longer or shorter than its command says";
         case Status::out_of_order: return "out_of_order: this sequence number is one of the 127 behind the expected one, so a frame before it is missing; or no session was started since reset. Nothing was done, but disable and stop have acted. Send again from the expected sequence number, or identify";
