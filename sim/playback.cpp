@@ -132,7 +132,7 @@ std::string_view model_for(const Image& image, const std::string& where,
                    static_cast<std::uint32_t>(image.sequence.size() + 1), image.timing_bits);
     if (model) return *model;
     std::string known;
-    for (const auto& [name, p, about] : models)
+    for (const auto& [name, p] : models)
         known += fmt::format("\n  {}: {} channels, {} records, {} sequence entries, {} timing bits, {} Hz{}", name,
                              p.channels, p.records, p.sequence_depth - 1, p.timing_bits, p.clock_hz,
                              p.foci > 0 ? ", with foci" : "");

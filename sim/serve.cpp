@@ -71,7 +71,7 @@ Served serve(Board& board, HostLine& line, const ServeOptions& options,
 
 std::string_view model_with_channels(std::uint32_t channels, std::span<const interface::CoreConfiguration> models) {
     std::string known;
-    for (const auto& [name, parameters, about] : models) {
+    for (const auto& [name, parameters] : models) {
         if (parameters.channels == channels) return name;
         known += fmt::format("{}{}", known.empty() ? "" : ", ", parameters.channels);
     }
@@ -98,7 +98,7 @@ std::string_view model_like(const Core& core, std::span<const interface::CoreCon
                p.net == asked.net;
     };
     std::string known;
-    for (const auto& [name, parameters, about] : models) {
+    for (const auto& [name, parameters] : models) {
         if (name == core.name || stands_for_it(parameters)) return name;
         known += fmt::format("{}{}", known.empty() ? "" : ", ", name);
     }

@@ -91,7 +91,7 @@ std::vector<std::uint8_t> SimulatedBoard::receive() { return std::exchange(arriv
 std::optional<std::string_view> find_model(std::span<const interface::CoreConfiguration> models, double clock_hz,
                                            std::uint32_t channels, std::uint32_t records, std::uint32_t sequence_words,
                                            std::uint32_t timing_bits) {
-    for (const auto& [name, p, about] : models)
+    for (const auto& [name, p] : models)
         if (std::abs(p.clock_hz - clock_hz) < 0.5 && p.channels == channels && p.records >= records &&
             p.sequence_depth >= sequence_words && p.timing_bits >= timing_bits)
             return name;

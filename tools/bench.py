@@ -61,13 +61,13 @@ def peers():
     return found
 
 
-def beside(name, theirs, ours, unit="ms"):
-    """A peer's time beside ours; one that is faster is called so."""
+def beside(name, theirs, ours):
+    """How many times as long a peer took; one that is faster is called so."""
     if theirs is None:
         return f"; {name} is not there"
     faster = "" if theirs >= ours else f": {name} is FASTER"
-    digits = lambda value: f"{value:,.0f}" if value >= 100 else f"{value:.3g}"  # noqa: E731
-    return f"; {name} {digits(theirs)} {unit}, ratio {digits(theirs / ours)}{faster}"
+    times = theirs / ours
+    return f"; {name} ×{times:{',.0f' if times >= 100 else '.3g'}}{faster}"
 
 
 def solve_rows(build, others):
@@ -85,9 +85,9 @@ def solve_rows(build, others):
             good = one["us"] <= most and one["spread"] <= 0.002 and one["efficiency"] >= 0.93
             said = f"{one['us']:.1f} µs, CV {one['spread']:.4f} (median of 100 sets; worst {one['worst_spread']:.4f}), efficiency {one['efficiency']:.3f}"
             wgs = others["numpy_wgs"][what]
-            said += beside("numpy complex64, 200 rounds of WGS", wgs["us"], one["us"], "µs") + f", its CV {wgs['spread']:.1g}"
+            said += beside("numpy complex64, 200 rounds of WGS", wgs["us"], one["us"]) + f", its CV {wgs['spread']:.1g}"
             if what == "10x249":
-                said += beside("AUTD3's GS-PAT", autd3 and autd3["us"], one["us"], "µs") + (f", its CV {autd3['spread']:.3f}" if autd3 else "")
+                said += beside("AUTD3's GS-PAT", autd3 and autd3["us"], one["us"]) + (f", its CV {autd3['spread']:.3f}" if autd3 else "")
             yield (f"{what.replace('x', ' foci × ')} elements, rounded to 250 ticks, {name}", f"≤ {most} µs, CV ≤ 0.002, efficiency ≥ 0.93", good, said)
         one, most = ours["10x249_warm"], 4 if best else 8
         good = one["us"] <= most and one["worst_spread"] <= 0.002 and one["efficiency_over_solved"] >= 0.99
@@ -253,7 +253,7 @@ def field_rows(build, others):
         """A field on a grid, whose error is measured against the sums at the same points."""
         apart, stated = ours[f"{name}_apart"], ours[f"{name}_error"]
         allowed = 1e-4 if stated < 1e-3 else 0.015  # the latter by a polynomial in place of a measured pattern
-        said = f", {apart:.0e} of the peak from the sums ({stated:.0e} stated)"
+        said = f", error {apart:.0e} ({stated:.0e} stated)"
         return row(what, most, name, *numpy_and_numba, scaled=scaled, also=apart <= allowed, said=said)
 
     plane, measured = ("plane_float32", "float32", "plane"), ("measured_float32", "float32", "measured")

@@ -225,7 +225,6 @@ struct ParameterDescription {
     std::uint32_t low, high;
     ParameterBound at_least, at_most;
     bool power_of_two, optional;  ///< optional: 0 is allowed beside low to high
-    std::string_view unit, about, why;
 
     /// The lowest and highest value beside the others of `core`.
     [[nodiscard]] constexpr std::uint32_t lowest(const CoreParameters& core) const {
@@ -312,24 +311,19 @@ def cpp(table):
         return f"{{&CoreParameters::{name.lower()}, {divisor or 1}}}"
 
     names = [p["name"].lower() for p in table["parameter"]]
-    out += ["/// The parameters of rtl/haptogram_core.v; core_parameters says what each is.", "struct CoreParameters {"]
+    out += ["/// The parameters of rtl/haptogram_core.v; rtl/INTERFACE.md says what each is.", "struct CoreParameters {"]
     out += [f"    std::uint32_t {p['name'].lower()} = {p['default']};" for p in table["parameter"]]
     out += ["    friend bool operator==(const CoreParameters&, const CoreParameters&) = default;", "};", "", CPP_PARAMETERS]
     out += [f"inline constexpr std::array<ParameterDescription, {len(names)}> core_parameters = {{{{"]
     for p in table["parameter"]:
         out.append(f"    {{{quoted(p['name'])}, &CoreParameters::{p['name'].lower()}, {p['low']}, {p['high']}, {bound(p.get('at_least'))}, "
-                   f"{bound(p.get('at_most'))}, {str(p.get('power_of_two', False)).lower()}, {str(p.get('optional', False)).lower()},")  # fmt: skip
-        out.append(f"     {quoted(p['unit'])}, {quoted(p['about'])},")
-        out.append(f"     {quoted(p['why'])}}},")
-    out += ["}};", "", "/// A named set of parameters.", "struct CoreConfiguration {", "    std::string_view name;", "    CoreParameters parameters;",
-            "    std::string_view about;", "};", ""]  # fmt: skip
+                   f"{bound(p.get('at_most'))}, {str(p.get('power_of_two', False)).lower()}, {str(p.get('optional', False)).lower()}}},")  # fmt: skip
+    out += ["}};", "", "/// A named set of parameters.", "struct CoreConfiguration {", "    std::string_view name;", "    CoreParameters parameters;", "};", ""]
     rows = configurations(table)
-    about = {row["name"]: row["about"] for row in table["configuration"]}
     out += [f"inline constexpr std::array<CoreConfiguration, {len(rows)}> core_configurations = {{{{"]
     for name, values in rows.items():
         out.append(f"    {{{quoted(name)},")
-        out.append("     {" + ", ".join(f".{key.lower()} = {value}" for key, value in values.items()) + "},")
-        out.append(f"     {quoted(about[name])}}},")
+        out.append("     {" + ", ".join(f".{key.lower()} = {value}" for key, value in values.items()) + "}},")
     out += ["}};", "", "/// The configuration of this name; null when there is none.",
             "[[nodiscard]] constexpr const CoreConfiguration* find_configuration(std::string_view wanted) {",
             "    for (const CoreConfiguration& configuration : core_configurations)",
@@ -403,7 +397,7 @@ def python(table):
 
 def page(table):
     out = [f"<!-- {NOTE} -->", "<!-- SPDX-License-Identifier: Apache-2.0 -->", "# Address map, records, commands, status codes and parameters", ""]
-    out += ["## Address map", "", "One byte-addressed space; 16- and 32-bit words are little-endian. A field without bits takes whole words; of several, the first has the lowest bits.", ""]
+    out += ["## Address map", "", "One byte-addressed space of little-endian words. A field without bits takes whole words; of several, the first has the lowest bits.", ""]
     out += ["| region | base | word | access | what |", "|---|---|---|---|---|"]
     for r in table["region"]:
         out.append(f"| {r['name']} | `0x{r['base']:08X}` | {r['word_bits']} bits | {r['access']} | {r['about']} |")
@@ -421,30 +415,29 @@ def page(table):
 
     parts = {name: bit_table(rows, word_bits) for name, rows, word_bits in layouts(table)}
     out += ["", "## Record", "", "A header, and then a word for each channel.", ""] + parts["record"]
-    out.append(f"| {table['record']['header_words']}… | word[CHANNELS] | of channel 0, 1, …: see the kinds; a timing of 0x{table['record']['silent_timing']:04X} never starts a pulse |")
+    out.append(f"| {table['record']['header_words']}… | word[CHANNELS] | of channel 0, 1, …; a timing of 0x{table['record']['silent_timing']:04X} never starts a pulse |")
     out += ["", "Values of kind:", "", "| value | kind | a channel's word |", "|---|---|---|"]
     out += [f"| {row['value']} | {row['name']} | {row['about']} |" for row in table["kind"]]
     out += ["", "A record of amplitudes has pulse_length 0 and prescaler 1. Its cycle has 2 · (CHANNELS + 44) to 2 · min(2^WIDTH_BITS − 1, longest pulse) clocks.",
             "Under modulation an amplitude is multiplied by sample / 255 before its width is computed.", "",
-            "A pulse of a record of timings has min_pulse_clocks to max_pulse_clocks clocks, and at most max_duty_256 / 256 of its cycle (see the identity",
-            "block). On boards with amplitudes its cycle has at least 8 clocks."]
+            "A pulse of a record of timings has min_pulse_clocks to max_pulse_clocks clocks, and at most max_duty_256 / 256 of its cycle. On boards with",
+            "amplitudes its cycle has at least 8 clocks."]
     out += ["", "A focus record has no header and lies in primary memory, too: `foci_last` + 1 foci of four words each, at the word"]
     out += ["4 · `foci_base` + (n − 1) · 4 · (`foci_last` + 1) for the n-th, whose index is RECORDS + n. The words of a focus are the lower",
             "16 bits of x, y and z (signed, 18 bits, in 1/128 mm), and then the amplitude in bits 15…8, 0 in 7…6, and the upper bits of z, y and",
-            "x in 5…4, 3…2 and 1…0. The settings are in the parameters block."]
+            "x in 5…4, 3…2 and 1…0."]
     out += ["", "It is refused, and silence takes its place, when its index is above RECORDS + `foci_count`; when its last word lies beyond primary",
-            "memory; when bits 7…6 of one of its foci are not 0; or when `foci_cycle` is no cycle of a record of amplitudes (on a master or a slave,",
-            "not exactly one of 40 kHz). A far focus is no reason: a channel whose x, y or z differs from a focus's by 1.024 m or more leaves that",
-            "focus out, and the record counts in `far_foci`."]
-    out += ["", "The board computes as follows. R is the distance of a channel from a focus in 1/128 mm. All phases are parts of a turn, that is, of the",
-            "carrier period, and say where in it the middle of a pulse lies: a larger one is later.", "",
+            "memory; when bits 7…6 of a focus are not 0; or when `foci_cycle` is no cycle of a record of amplitudes (on a master or a slave,",
+            "not exactly one of 40 kHz). A channel whose x, y or z differs from a focus's by 1.024 m or more leaves that focus out, and the record",
+            "counts in `far_foci`."]
+    out += ["", "The board computes as follows. R is the distance of a channel from a focus in 1/128 mm. Phases are parts of a turn and say where in the",
+            "carrier period the middle of a pulse lies.", "",
             "    phase of one focus = offset − R · wave_number / 2^27      (the channel's offset; a nearer channel plays later)",
             "    sum                = Σ amplitude / 255 · e^(2πj · phase)    over the record's foci",
             "    phase              = the sum's angle",
             "    amplitude          = |sum| · gain / 39953, and 1 where that is more; 1 with foci_whole, but 0 where the sum is 0", "",
-            "So wave_number is 2^27 / (128 · the wavelength in mm), 122,212 for 8.58 mm; and gain is 39953 / n, rounded, for full amplitude where n whole",
-            "foci meet in phase. A lone focus's phase is right to 0.0001 of a turn, a sum's to 0.0006 where it is at least a quarter of full; amplitudes",
-            "are right to 0.1 % and 0.5 % of full. The pulse made of them is centred on its phase, with a width of cycle · asin(amplitude) / π."]
+            "So wave_number is 2^27 / (128 · the wavelength in mm), 122,212 for 8.58 mm. A lone focus's phase is right to 0.0001 of a turn and its",
+            "amplitude to 0.1 % of full; a sum's to 0.0006, where it is at least a quarter of full, and to 0.5 %."]
     out += ["", "## Sequence", "", "The header, word 0 of sequence memory:", ""] + parts["sequence_header"]
     out += ["", "An entry, words 1… of it:", ""] + parts["sequence_entry"] + [""]
     for block in table["block"]:
@@ -457,16 +450,13 @@ def page(table):
             out += [f"| {row['bit']} | {row['name']} | {row['about']} |" for row in table["feature"]] + [""]
         if block["region"] == "parameters":
             out += ["All may be written while the board plays, and count from the next carrier period, or record of foci, whose words are begun. The slew",
-                    "limiter starts from what the pins do: after a reset, while outputs were off, and after records of timings, which it does not limit, that is",
-                    "amplitude 0, so the phase is at its target at once and the amplitude rises from 0. A phase goes the shorter way round; from exactly half a",
-                    "turn away, backwards.", ""]
+                    "limiter starts from what the pins do. After a reset, while outputs were off, and after records of timings, which it does not limit, that is",
+                    "amplitude 0 with the phase at its target. A phase goes the shorter way round; from exactly half a turn away, backwards.", ""]
         if block["region"] == "ring":
-            out += ["The ring must lie on a whole record of `foci_last` + 1 foci: the one of index `first`, so `base` is `foci_base` + (`first` − RECORDS − 1) ·",
-                    "(`foci_last` + 1). `count` such records follow each other there and must end within primary memory and at index RECORDS + `foci_count` at the",
-                    "latest. A PUSH_FOCI carries whole records, `foci_last` + 1 foci each; their indices follow each other and begin again behind the last one.", ""]
+            out += ["So `base` is `foci_base` + (`first` − RECORDS − 1) · (`foci_last` + 1). The ring must end within primary memory and at index RECORDS +",
+                    "`foci_count` at the latest. A PUSH_FOCI carries whole records; their indices follow each other and begin again behind the ring's last one.", ""]
         if block["region"] == "description":
-            out += ["A bitstream holds records and a sequence. An image that also has parameters, geometry or modulation is therefore refused for one:",
-                    "upload it after the board has started, or compile its foci to records.", ""]
+            out += ["A bitstream holds records and a sequence alone; an image of format 2 is uploaded.", ""]
         if block["region"] == "status":
             out += ["Values of mode:", "", "| value | mode | where the next record comes from |", "|---|---|---|"]
             out += [f"| {row['value']} | {row['name']} | {row['about']} |" for row in table["mode"]] + [""]
@@ -477,32 +467,33 @@ def page(table):
     out += ["`sequence number, command, arguments…, data…, CRC high, CRC low`", "", "and a reply is", ""]
     out += ["`sequence number, command | 0x80, status, next expected sequence number, live level low, high, data…, CRC high, CRC low`", ""]
     out += ["The CRC is CRC-16/IBM-3740 (polynomial 0x1021, start 0xFFFF, no reflection) over everything before it.", ""]
-    out += ["| command | code | arguments (16 bits each) | data | reply data | what |", "|---|---|---|---|---|---|"]
+    out += ["| command | code | arguments (16 bits each) and data… | reply data | what |", "|---|---|---|---|---|"]
     for c in table["command"]:
-        out.append(f"| {c['name']} | 0x{c['code']:02X} | {', '.join(c['args']) or '–'} | {'yes' if c.get('tail') else '–'} | {c.get('reply', '–')} | {c['about']} |")
-    out += ["", "The longest frame that is always taken has frame_bytes bytes, decoded and without its CRC: a WRITE of a record (6 bytes before its data), a PUSH of",
-            "frame_bytes / 2 − 2 indices, if there is room for them, or a PUSH_FOCI of (frame_bytes − 4) / 8 foci. READ and DIGEST take at most one record. An answer",
-            "tells the state of the moment when it is sent, also a repeated one."]
+        sent = ", ".join([*c["args"], *(["data…"] if c.get("tail") else [])])
+        out.append(f"| {c['name']} | 0x{c['code']:02X} | {sent} | {c.get('reply', '')} | {c['about']} |")
+    out += ["", "MODULATE, GATE, PUSH_FOCI, STREAM and SYNC are unknown to boards without modulation, schedule, foci, stream and SYNC, respectively. The longest frame",
+            "that is always taken has frame_bytes bytes, decoded and without its CRC: a WRITE of a record (6 bytes before its data), a PUSH of frame_bytes / 2 − 2",
+            "indices, if there is room for them, or a PUSH_FOCI of (frame_bytes − 4) / 8 foci. An answer tells the state of the moment when it is sent, also a",
+            "repeated one."]
     out += ["", "| status | code | what |", "|---|---|---|"]
     out += [f"| {s['name']} | 0x{s['code']:02X} | {s['about']} |" for s in table["status"]]
     out += ["", "## Switching off", "",
             "DISABLE, a break, the stop input, the watchdog, the guard, loss of SYNC, RESET and a reset of the FPGA switch outputs off. **Whatever was sent",
             "before that switches nothing on afterwards.** Frames that wait for their turn, and one that is arriving, are answered as usual and done, but an",
-            "ENABLE among them is answered ok and does nothing. An ENABLE that is sent afterwards holds. In the same way what was sent before a STOP plays",
-            "nothing: a SELECT, START or PUSH among it is answered and not done.", "",
+            "ENABLE among them is answered ok and does nothing. In the same way a SELECT, START or PUSH that was sent before a STOP is answered and not done.", "",
             "DISABLE and STOP act within 20 clocks of the last bit of their frame, if its CRC is right. They overtake the frames ahead of them, act whatever",
-            "their sequence number, without a session or in anybody's, and where there is no room for them. The number decides only what the answer says, so",
-            "any answer to one shows that it has acted. A late copy acts again and ends what was begun since. So **a host sends nothing behind a DISABLE or",
-            "STOP until that is answered**; then no copy of it is under way.", "",
+            "their sequence number, without a session or in anybody's, and where there is no room for them. So any answer to one shows that it has acted. A",
+            "late copy acts again and ends what was begun since. So **a host sends nothing behind a DISABLE or STOP until that is answered**; then no copy of",
+            "it is under way.", "",
             "A host that wants silence, whatever came before, sends a zero byte, DISABLE and STOP with any numbers, and, if no answer comes, a break.", "",
             "## A line that loses bytes", "", "The board answers each good frame and drops every damaged one without a word. The host sends again what is not",
-            "answered, from the first missing frame on; the board applies each sequence number once. One damaged bit in the zero behind a frame can add a zero to",
-            "it and leave its CRC right. The board then refuses the frame for its length, and the host, which knows better, sends it again. This project's hosts all use these numbers:", ""]
+            "answered, from the first missing frame on; the board applies each sequence number once. A damaged bit in the zero behind a frame can add a zero to",
+            "it and leave its CRC right. The board then refuses the frame for its length, and the host sends it again. This project's hosts all use these numbers:", ""]
     out += ["| number | value | what |", "|---|---|---|"]
     out += [f"| {row['name']} | {row['value']} | {row['about']} |" for row in table["link"]]
     rates = ", ".join(f"{rate:,}" for rate in known_rates(table))
-    out += ["", f"A host that does not know the board's rate sends IDENTIFY at {rates} baud, in this order, and waits {table['probe']['patience_ms']} ms each. Faster bytes than the",
-            "board's are noise to it. A slower one can be a break, which turns its outputs off; so the rate that answered last comes first."]  # fmt: skip
+    out += ["", f"A host that does not know the board's rate sends IDENTIFY at {rates} baud, in this order, and waits {table['probe']['patience_ms']} ms each. Faster bytes",
+            "are noise to a board, but a slower one can be a break, which turns its outputs off; so the rate that answered last comes first."]  # fmt: skip
     chain = table["chain"]
     out += ["", "## A chain of tiles", "",
             "Boards with chain pass the line on: from each board's second serial port a wire leads to the next one's first, and one back. Then two bytes",
@@ -510,12 +501,12 @@ def page(table):
             "complement of that byte's upper seven bits, above a 1: 3, 253 for the first tile, 5, 251 for the second, 2, 253 for all. Two bytes that do not",
             "fit each other are for nobody. A tile counts the number down as it passes the frame on, and takes for its own what comes with 3, 253. An answer",
             "carries the number of its tile in the same two bytes, which each tile on its way has counted up. A zero is passed on as a zero, whatever came before.", "",
-            "Each tile has a session of its own, with numbers of its own. All tiles carry out and answer what is for all; each judges its number by its",
-            "own session. So a host that wants more of all than DISABLE, STOP and IDENTIFY begins their sessions anew by an IDENTIFY for all.", "",
+            "Each tile has a session of its own. All tiles carry out and answer what is for all; each judges its number by its own session. So a host that",
+            "wants more of all than DISABLE, STOP and IDENTIFY begins their sessions anew by an IDENTIFY for all.", "",
             f"After power-up a board passes nothing on. The three bytes {chain['all']}, 253, 0 make it one of a chain, and from then on go to the next tile. So a host sends a",
             "zero, to end what may be on the line, then the three bytes, and asks the first tile; sends them again and asks the second; until one has not",
-            "answered in 0.3 s, which is not there. To a board without chain they are a damaged frame. A break of the line, which must be half a bit longer",
-            "for each tile, ends the chain and turns all outputs off.", "",
+            "answered in 0.3 s. To a board without chain they are a damaged frame. A break of the line, which must be half a bit longer for each tile, ends",
+            "the chain and turns all outputs off.", "",
             *network_page(table["network"], table),
             *STREAM_PAGE,
             "## Boards in step", "",
@@ -531,28 +522,20 @@ def page(table):
         out.append(f"| {p['name']} | {', '.join(bounds)} | {p['default']} | {p['about']} | {p['why']} |")
     rows = configurations(table)
     default = {p["name"]: p["default"] for p in table["parameter"]}
-    out += ["", "## Named configurations", "", "A parameter that is not named has its default, or is as in the configuration that is.", "", "| configuration | parameters | what |", "|---|---|---|"]
-    about = {row["name"]: row["about"] for row in table["configuration"]}
-    told = {}
-    for name, values in rows.items():
-        out.append(f"| {name} | {told_beside(values, told, default)} | {about[name]} |")
-        told[name] = values
+    out += ["", "## Named configurations", "", "A parameter that is not named has its default. `tools/interface.toml` has more, for tests; each board has one of its own name, whose",
+            "parameters `haptogram board pinout BOARD --json` tells.", "", "| configuration | parameters | what |", "|---|---|---|"]
+    for row in table["configuration"]:
+        if "about" in row:
+            other = ", ".join(f"{key} {value}" for key, value in rows[row["name"]].items() if value != default[key])
+            out.append(f"| {row['name']} | {other or 'the defaults'} | {row['about']} |")
     return "\n".join(out) + "\n"
-
-
-def told_beside(values, told, default):
-    """What a configuration has that the defaults have not; or another one that was told before, when that is much shorter."""
-    apart = {name: {key: value for key, value in values.items() if value != base[key]} for name, base in {"": default, **told}.items()}
-    nearest = min(apart, key=lambda name: len(apart[name]) + (3 if name else 0))
-    other = ", ".join(f"{key} {value}" for key, value in apart[nearest].items())
-    return f"as {nearest}, but {other}" if nearest else other or "the defaults"
 
 
 STREAM_PAGE = [
     "## A stream of patterns", "",
-    "On boards with stream a host can send a new pattern for every carrier period. Frames of STREAM are never answered and never sent again: a",
-    "pattern that is lost is lost. Its sequence number is that of the IDENTIFY which began the session; in no other session is it taken. It changes no",
-    "number of the session, and starts the watchdog's time anew.", "",
+    "On boards with stream a host can send a new pattern for every carrier period. Frames of STREAM are never answered and never sent again. In the",
+    "place of a sequence number they carry that of the IDENTIFY which began the session; in no other session are they taken. They change no number of",
+    "the session, and start the watchdog's time anew.", "",
     "The stream block names 2^slot_bits records, the slots, which a host prepares: their headers say what their words are, and a cycle of one carrier",
     "period. A pattern is the words of a record behind its header, CHANNELS of them, or a whole focus record. The first of a frame is for the period that it",
     "names, each other one for the period after. That for period p goes into slot p mod 2^slot_bits, and plays in period p alone; which record",
@@ -571,13 +554,13 @@ def network_page(net, table):
     codes = {row["name"]: f"0x{row['code']:02x}" for row in table["command"]}
     return [
         "## Over Ethernet", "",
-        f"A board with net has an address of IPv4, answers ARP and ping, and takes UDP at port {net['port']}, at 1 Gbit/s only. A datagram, of at most",
-        f"{net['datagram_bytes']} bytes, is a stretch of the line with whole frames; so are those with its answers, which gather for 50 µs. All else stays as on a line, but",
-        f"for two numbers: the window is {net['window']}, and patience_ms {net['patience_ms']}, with as many tries as fill the same time.", "",
+        f"A board with net has an IPv4 address, answers ARP and ping, and takes UDP at port {net['port']}, at 1 Gbit/s only. A datagram of at most",
+        f"{net['datagram_bytes']} bytes is a stretch of the line with whole frames; answers gather for 50 µs. All else stays as on a line, but for two numbers:",
+        f"the window is {net['window']}, and patience_ms {net['patience_ms']}, with as many tries as fill the same time.", "",
         "- A datagram is dropped whole and counted as damaged when its FCS is wrong, or when there is no room for it. Dropped without a count are a wrong sum of",
         "  IP or UDP (0 is none), lengths that contradict each other, fragments, IP options, VLAN tags, and what is for another address, to all, or to a group.",
         f"- The **peer** is the first sender of a good datagram, by MAC, IP and port, until it has been silent for {net['silence_ms']} ms. Datagrams of others are refused and",
-        "  counted; they can neither drive the board nor keep its watchdog quiet.",
+        "  counted.",
         "- Loss of the link is a break. Nothing that waited in the port is carried out afterwards.",
         "- There is **no authentication**: use a private wire or switch.", "",
         f"The open port, {net['open_port']}, takes four bytes from anybody: `H`, `G`, a command, 0. IDENTIFY ({codes['identify']}) only asks, and alone may be sent to all (broadcast).",

@@ -171,8 +171,7 @@ int run_board(const RunOptions& options) {
     if (is_rtl)
         core = std::make_unique<sim::SimulatedBoard>(model());
     else if (asked)
-        reference =
-            std::make_unique<sim::ReferenceBoard>(interface::CoreConfiguration{asked->name, asked->parameters, ""});
+        reference = std::make_unique<sim::ReferenceBoard>(interface::CoreConfiguration{asked->name, asked->parameters});
     else
         reference = std::make_unique<sim::ReferenceBoard>(model());
     sim::Board& board = is_rtl ? static_cast<sim::Board&>(*core) : *reference;

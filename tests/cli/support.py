@@ -159,22 +159,7 @@ def exact_ticks(manifest, foci):
     return delay_s / manifest["timer"]["tick_s"] % manifest["timer"]["cycle_ticks"]
 
 
-SMALL = """name = "tile-4x4"
-[array]
-rows = 4
-columns = 4
-pitch_mm = 10.0
-carrier_hz = 40000.0
-duty = 0.5
-reach_angle_deg = 60.0
-[transducer]
-name = "MA40S4S"
-radius_mm = 4.5
-source_pa_m = 4.0
-bandwidth_hz = 2000.0
-[board]
-configuration = "small-16-wide"
-"""
+SMALL = (ROOT / "tests/data/arrays/tile-4x4.toml").read_text()
 
 
 

@@ -43,7 +43,7 @@ def test_a_dead_link_of_the_site_is_found(tmp_path):
 @pytest.fixture
 def stage(tmp_path, monkeypatch, program):
     monkeypatch.setattr(docs, "PAGES", tmp_path)
-    return docs.Stage(["docs/tour.md", "rtl/README.md", "host/cli/README.md"], Path(program))
+    return docs.Stage(["docs/foci.md", "rtl/README.md", "host/cli/README.md"], Path(program))
 
 
 def staged(stage, folder, text):
@@ -58,8 +58,8 @@ def test_a_page_is_laid_out_for_the_site(stage, tmp_path):
 
 
 def test_links_lead_to_pages_folders_to_their_readme_and_sources_become_pages(stage, tmp_path):
-    text = "[a](tour.md#boards) [b](../rtl/) [c](../host/cli/inspect.cpp) [d](https://example.org) ![e](cycle.svg)\n"
-    assert staged(stage, tmp_path, text) == "[a](tour.md#boards) [b](../rtl/README.md) [c](../host/cli/inspect.cpp.md) [d](https://example.org) ![e](cycle.svg)\n"
+    text = "[a](foci.md#rules) [b](../rtl/) [c](../host/cli/inspect.cpp) [d](https://example.org) ![e](cycle.svg)\n"
+    assert staged(stage, tmp_path, text) == "[a](foci.md#rules) [b](../rtl/README.md) [c](../host/cli/inspect.cpp.md) [d](https://example.org) ![e](cycle.svg)\n"
     assert (tmp_path / "docs/cycle.svg").exists()
     assert "````cpp\n// SPDX" in (tmp_path / "host/cli/inspect.cpp.md").read_text(encoding="utf-8")
     with pytest.raises(SystemExit, match="docs/page.md: nowhere.md: there is no such file"):

@@ -11,22 +11,7 @@ from boards import BAD_INPUT, DEVICE, USAGE, ask, assert_refused, python_command
 from haptogram import Client, Focus, HaptogramError, Image
 from haptogram.interface import MODULATION_BASE, PARAMETERS_BASE, PRIMARY_BASE, RING_BASE, RING_FIELDS, unpack
 
-SMALL = """name = "tile-4x4"
-[array]
-rows = 4
-columns = 4
-pitch_mm = 10.0
-carrier_hz = 40000.0
-duty = 0.5
-reach_angle_deg = 60.0
-[transducer]
-name = "MA40S4S"
-radius_mm = 4.5
-source_pa_m = 4.0
-bandwidth_hz = 2000.0
-[board]
-configuration = "small-16-wide"
-"""
+SMALL = (boards.ROOT / "tests/data/arrays/tile-4x4.toml").read_text()
 
 
 @pytest.fixture(scope="session")

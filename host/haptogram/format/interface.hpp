@@ -86,12 +86,12 @@ namespace record_field {  // words of 16 bits
 inline constexpr BitField cycle_length = {"cycle_length", 0, 24};  // carrier period in ticks
 inline constexpr BitField pulse_length = {"pulse_length", 24, 8};  // how long a channel stays high, in ticks
 inline constexpr BitField prescaler = {"prescaler", 32, 24};  // clocks per tick
-inline constexpr BitField kind = {"kind", 56, 8};  // what its words are, see the kinds; a record of another kind is refused
+inline constexpr BitField kind = {"kind", 56, 8};  // what its words are; a record of another kind is refused
 }  // namespace record_field
 
 namespace sequence_header_field {  // words of 32 bits
 inline constexpr BitField length = {"length", 0, 15};  // entries of the sequence
-inline constexpr BitField autostart = {"autostart", 15, 1};  // in a bitstream: the board enables its outputs and plays the sequence with no host and no watchdog, at power-up and again after a reset of the FPGA, until a host has sent any command that does not only ask
+inline constexpr BitField autostart = {"autostart", 15, 1};  // in a bitstream: the board enables its outputs and plays the sequence with no host and no watchdog, at power-up and after a reset of the FPGA, until a host sends a command that does more than ask
 inline constexpr BitField loops = {"loops", 16, 16};  // how many times it is played; 0 is for ever
 }  // namespace sequence_header_field
 
@@ -123,7 +123,7 @@ inline constexpr BitField modulation_words = {"modulation_words", 400, 16};  // 
 
 namespace status_field {  // words of 16 bits
 inline constexpr BitField enabled = {"enabled", 0, 1};  // pulses reach the pins
-inline constexpr BitField mode = {"mode", 1, 2};  // where the next record comes from, see the modes
+inline constexpr BitField mode = {"mode", 1, 2};  // where the next record comes from
 inline constexpr BitField stopped = {"stopped", 3, 1};  // the stop input is active: outputs are off, and enable is refused
 inline constexpr BitField modulated = {"modulated", 4, 1};  // the modulation runs
 inline constexpr BitField waiting = {"waiting", 5, 1};  // a start, a modulation or pushed indices wait for their time
@@ -141,15 +141,15 @@ inline constexpr BitField watchdog_ms = {"watchdog_ms", 160, 16};  // the watchd
 inline constexpr BitField frames_refused = {"frames_refused", 176, 16};  // whole frames whose command was refused
 inline constexpr BitField bent_periods = {"bent_periods", 192, 16};  // carrier periods in which the slew limiter kept a channel from its target
 inline constexpr BitField far_foci = {"far_foci", 208, 16};  // focus records with a focus too far from a channel to count
-inline constexpr BitField role = {"role", 224, 2};  // in step with other boards, see the roles; 0 on boards without SYNC
+inline constexpr BitField role = {"role", 224, 2};  // in step with other boards; 0 on boards without SYNC
 inline constexpr BitField in_step = {"in_step", 226, 1};  // a slave's cycles begin with the master's; outputs of a slave are off as long as they do not
 inline constexpr BitField numbered = {"numbered", 227, 1};  // its carrier periods have the master's numbers, too
 inline constexpr BitField sync_misses = {"sync_misses", 240, 16};  // carrier periods of a slave in step that SYNC did not reach in time
 inline constexpr BitField sync_losses = {"sync_losses", 256, 16};  // times a slave in step fell out of it; outputs are off from then on
-inline constexpr BitField late_changes = {"late_changes", 272, 16};  // starts, modulations and pushes whose carrier period had come already, or was to begin next, when they were carried out; this word and those after it are there on boards with schedule only
+inline constexpr BitField late_changes = {"late_changes", 272, 16};  // starts, modulations and pushes whose carrier period had come, or was to begin next, when they were carried out; from this word on, boards with schedule only
 inline constexpr BitField period = {"period", 288, 32};  // bits 31…0 of the number of the carrier period at the pins, 0 before the first since reset; taken as the answer begins
 inline constexpr BitField period_high = {"period_high", 320, 16};  // bits 47…32 of it
-inline constexpr BitField stream_late = {"stream_late", 336, 16};  // patterns that came too late for their period; this word and those after it are there on boards with stream only
+inline constexpr BitField stream_late = {"stream_late", 336, 16};  // patterns that came too late for their period; from this word on, boards with stream only
 inline constexpr BitField stream_lost = {"stream_lost", 352, 16};  // periods of a stream without a pattern
 inline constexpr BitField stream_early = {"stream_early", 368, 16};  // patterns for a period too far ahead
 inline constexpr BitField stream_repeated = {"stream_repeated", 384, 16};  // patterns for a period that had one already; none of these was played
@@ -162,7 +162,7 @@ inline constexpr BitField foci_last = {"foci_last", 32, 3};  // the foci of each
 inline constexpr BitField foci_whole = {"foci_whole", 35, 1};  // all channels at full amplitude
 inline constexpr BitField foci_cycle = {"foci_cycle", 48, 16};  // their carrier period, in ticks of one clock; at power-up that of 40 kHz
 inline constexpr BitField wave_number = {"wave_number", 64, 18};  // turns a 1/128 mm, times 2^27
-inline constexpr BitField gain = {"gain", 96, 16};  // of their sums, see host/haptogram/format/focus_engine.hpp
+inline constexpr BitField gain = {"gain", 96, 16};  // of their sums: 39953 / n, rounded, for full amplitude where n whole foci meet in phase
 inline constexpr BitField slew = {"slew", 112, 2};  // 0 none, 1 phase and amplitude change by at most the two rates a period, 2 they arrive at a new record's in arrival_periods; 0 at power-up
 inline constexpr BitField phase_rate = {"phase_rate", 128, 16};  // of slew mode 1: 65,536ths of the cycle a period; 65,535 at power-up
 inline constexpr BitField amplitude_rate = {"amplitude_rate", 144, 16};  // of slew mode 1, 65,535 is full; 65,535 at power-up
@@ -171,8 +171,8 @@ inline constexpr BitField arrival = {"arrival", 160, 12};  // of slew mode 2, 0 
 
 namespace ring_field {  // words of 16 bits
 inline constexpr BitField base = {"base", 0, 16};  // where it begins in primary memory, in units of four words
-inline constexpr BitField first = {"first", 16, 16};  // index of its first focus record; it must be the one that lies at the base
-inline constexpr BitField count = {"count", 32, 16};  // how many focus records it has: more than LIVE_DEPTH, so that none is overwritten before it was played; 0 at power-up
+inline constexpr BitField first = {"first", 16, 16};  // index of the focus record that lies at the base
+inline constexpr BitField count = {"count", 32, 16};  // how many it has: more than LIVE_DEPTH, so that none is overwritten before it has played; 0 at power-up
 }  // namespace ring_field
 
 namespace stream_field {  // words of 16 bits
@@ -184,14 +184,14 @@ inline constexpr BitField fade = {"fade", 48, 16};  // after those, what all amp
 
 namespace description_field {  // words of 16 bits
 inline constexpr BitField magic = {"magic", 0, 16};  // 0x4748, the letters HG
-inline constexpr BitField format = {"format", 16, 16};  // of this block: 1 for records and a sequence alone, 2 when there are parameters, geometry or modulation as well
+inline constexpr BitField format = {"format", 16, 16};  // of this block: 1 for records and a sequence alone, 2 with parameters, geometry or modulation
 inline constexpr BitField channels = {"channels", 32, 16};  // the board's CHANNELS
 inline constexpr BitField records = {"records", 48, 16};  // records in this image
 inline constexpr BitField sequence_words = {"sequence_words", 64, 16};  // 32-bit words, with the header
 inline constexpr BitField timing_bits = {"timing_bits", 80, 8};  // the board needs at least as many TIMING_BITS
 inline constexpr BitField pulse_bits = {"pulse_bits", 88, 8};  // the board needs at least as many PULSE_BITS
 inline constexpr BitField clock_hz = {"clock_hz", 96, 32};  // the board's CLOCK_HZ
-inline constexpr BitField board_records = {"board_records", 128, 16};  // the board's RECORDS, because the first focus record has the next index; this word and those after it are there in format 2 only
+inline constexpr BitField board_records = {"board_records", 128, 16};  // the board's RECORDS, because the first focus record has the next index; from this word on, format 2 only
 inline constexpr BitField modulation_samples = {"modulation_samples", 144, 16};  // how many there are; 0 is no modulation
 inline constexpr BitField modulation_divider = {"modulation_divider", 160, 16};  // carrier periods a sample
 inline constexpr BitField min_pulse_clocks = {"min_pulse_clocks", 176, 16};  // the board's MIN_PULSE_CLOCKS, on which weak pulses of amplitudes depend
@@ -357,7 +357,7 @@ enum class Feature : unsigned {
 /// What the words of a record are.
 enum class Kind : unsigned {
     timings = 0,  // the tick at which the channel starts its pulse
-    amplitudes = 1,  // in bits 7…0 where in the cycle the middle of its pulse lies, in 1/256: 0 is tick 0; in bits 15…8 its amplitude a, 255 is full: the pulse takes asin(a / 255) / π of the cycle; of a pulse shorter than MIN_PULSE_CLOCKS, none or one of so many is left, whichever is nearer
+    amplitudes = 1,  // in bits 7…0 where in the cycle the middle of its pulse lies, in 1/256: 0 is tick 0; in bits 15…8 its amplitude a, 255 is full: the pulse takes asin(a / 255) / π of the cycle; a pulse shorter than MIN_PULSE_CLOCKS becomes none or one of so many, whichever is nearer
 };
 
 /// Where the next record comes from.
@@ -481,7 +481,7 @@ constexpr std::string_view to_string(Status status) {
     return "unknown status";
 }
 
-/// The parameters of rtl/haptogram_core.v; core_parameters says what each is.
+/// The parameters of rtl/haptogram_core.v; rtl/INTERFACE.md says what each is.
 struct CoreParameters {
     std::uint32_t channels = 100;
     std::uint32_t records = 400;
@@ -520,7 +520,6 @@ struct ParameterDescription {
     std::uint32_t low, high;
     ParameterBound at_least, at_most;
     bool power_of_two, optional;  ///< optional: 0 is allowed beside low to high
-    std::string_view unit, about, why;
 
     /// The lowest and highest value beside the others of `core`.
     [[nodiscard]] constexpr std::uint32_t lowest(const CoreParameters& core) const {
@@ -537,136 +536,74 @@ struct ParameterDescription {
 };
 
 inline constexpr std::array<ParameterDescription, 21> core_parameters = {{
-    {"CHANNELS", &CoreParameters::channels, 2, 1000, {}, {}, false, false,
-     "transducers", "how many transducers, and so pins",
-     "Each channel costs its timing and a comparator in cells, and a word of every record. 1000 is what a record can load within a carrier period."},
-    {"RECORDS", &CoreParameters::records, 1, 65534, {}, {}, false, false,
-     "records", "how many focal points primary memory holds",
-     "Block RAM is what runs out first. An index has 16 bits; 0 is silence, and one is always beyond the last record."},
-    {"SEQUENCE_DEPTH", &CoreParameters::sequence_depth, 2, 32767, {}, {}, false, false,
-     "words", "words of sequence memory, one of which is the header",
-     "The header's length has 15 bits, of which one value is always beyond the last entry."},
-    {"LIVE_DEPTH", &CoreParameters::live_depth, 4, 32768, {}, {}, true, false,
-     "entries", "how many live indices can wait",
-     "A host that streams must bridge the time between two of its frames. The FIFO's pointers wrap by themselves, hence a power of two."},
-    {"TIMING_BITS", &CoreParameters::timing_bits, 4, 16, {}, {}, false, false,
-     "bits", "how finely a channel can be timed",
-     "The cells of a channel grow with it. A carrier period of 1250 ticks needs 11; a small FPGA takes 8 and a prescaler."},
-    {"PULSE_BITS", &CoreParameters::pulse_bits, 1, 8, {}, {&CoreParameters::timing_bits, 1}, false, false,
-     "bits", "how long a pulse can be, in ticks",
-     "Each channel compares so many bits of its timing to find the end of a pulse. The record's field has 8 bits."},
-    {"CLOCK_HZ", &CoreParameters::clock_hz, 1000000, 1000000000, {}, {}, false, false,
-     "Hz", "frequency of clk",
-     "Ticks, baud rate and watchdog are counted from it. 50 MHz is 1250 clocks a 40 kHz period."},
-    {"BAUD", &CoreParameters::baud, 1, 125000000, {&CoreParameters::clock_hz, 20000}, {&CoreParameters::clock_hz, 8}, false, false,
-     "baud", "bit rate of the serial line",
-     "A bit is at least 8 clocks, so that the receiver finds its middle. Below CLOCK_HZ / 20000 the 20-bit phase step would be off by more than 1 %."},
-    {"WATCHDOG_MS", &CoreParameters::watchdog_ms, 0, 65535, {}, {}, false, false,
-     "ms", "silence of the host after which the outputs are disabled; 0 is never",
-     "A host that died must not leave a hand under ultrasound. It holds after reset; a command changes it."},
-    {"MAX_HIGH_CLOCKS", &CoreParameters::max_high_clocks, 64, 16777215, {}, {}, false, false,
-     "clocks", "how long a pin can be high before the guard disables all outputs",
-     "Whatever goes wrong must not hold a transducer's driver on: 10000 clocks are 200 µs at 50 MHz, 16 times the longest 40 kHz pulse. A record's pulse may be a tenth of it, (MAX_HIGH_CLOCKS / 2 − 2) / 5 clocks, so that pulses that merge at changes of focus do not trip the guard."},
-    {"MIN_PULSE_CLOCKS", &CoreParameters::min_pulse_clocks, 1, 65535, {}, {&CoreParameters::max_high_clocks, 10}, false, false,
-     "clocks", "shortest pulse of a record that is played",
-     "A driver needs some tens of nanoseconds to switch; a shorter pulse only heats it. 5 clocks are 100 ns at 50 MHz."},
-    {"MAX_DUTY_256", &CoreParameters::max_duty_256, 1, 255, {}, {}, false, false,
-     "1/256", "largest part of its cycle that a record's pulse may take",
-     "A transducer gets nothing more from pulses above half a period (128), and its driver only warmer. It also keeps a pin low for as long as it was high."},
-    {"WIDTH_BITS", &CoreParameters::width_bits, 6, 16, {&CoreParameters::pulse_bits, 1}, {&CoreParameters::timing_bits, 1}, false, true,
-     "bits", "0: the pulses of a record have one length. n: each channel has a width of its own, up to 2^n − 1 ticks, so it has an amplitude; 2^n − 1 must be CHANNELS + 44 or more",
-     "Amplitude is the width of the pulse. Half of a cycle of 1250 ticks needs 10 bits. It takes a frame memory and a quarter more cells, and MAX_DUTY_256 of at least 128, since full amplitude is half of the cycle."},
-    {"MODULATION_DEPTH", &CoreParameters::modulation_depth, 4, 65536, {}, {}, true, true,
-     "samples", "how many samples the modulation memory holds; more than 0 needs WIDTH_BITS",
-     "Two samples take a word of block RAM. 4096 are 0.1 s at a sample a carrier period."},
-    {"SLEW", &CoreParameters::slew, 0, 1, {}, {}, false, false,
-     "0 or 1", "1: a limiter bounds how fast phases and amplitudes change; needs WIDTH_BITS",
-     "Abrupt changes of ultrasound are heard. It takes two multipliers and a block RAM."},
-    {"FOCI", &CoreParameters::foci, 8, 8, {}, {}, false, true,
-     "foci", "8: the board computes phases and amplitudes from up to eight foci a record; needs WIDTH_BITS",
-     "A focus takes four words of primary memory, a record of 100 channels 104. The engine takes eight multipliers and 3,000 cells."},
-    {"SCHEDULE", &CoreParameters::schedule, 0, 1, {}, {}, false, false,
-     "0 or 1", "1: carrier periods are counted, and a start, a modulation or pushed indices can wait for one of them, or for the end of what plays",
-     "One pattern then follows another without a gap, and boards that count together begin together. It takes a count, a gate and a comparator of 48 bits and the arguments of what waits: some 600 cells."},
-    {"SYNC", &CoreParameters::sync, 0, 1, {}, {}, false, false,
-     "0 or 1", "1: boards can be kept in step over the wire SYNC",
-     "Several boards make one array when their carrier cycles begin together. Its clock must be 256 to 2000 times 40 kHz."},
-    {"CHAIN", &CoreParameters::chain, 0, 1, {}, {}, false, false,
-     "0 or 1", "1: the board passes the serial line on to another one behind it, and that one's answers back",
-     "One port then leads to many boards. It takes two more receivers and a block RAM for the others' answers."},
-    {"NET", &CoreParameters::net, 0, 1, {}, {}, false, false,
-     "0 or 1", "1: bytes of frames come from a network port beside the core (`rtl/net`), not from the serial line; not with CHAIN, and for at most 501 channels",
-     "A gigabit port carries 400 times as much as the serial line of a board whose only input is a button's pin."},
-    {"STREAM", &CoreParameters::stream, 4, 1024, {}, {}, true, true,
-     "patterns", "how many patterns of a stream can wait, in records of primary memory; needs SCHEDULE and WIDTH_BITS",
-     "A host that sends a pattern for each carrier period must bridge the time for which its own scheduler leaves it waiting. A slot costs a bit; the stream some 700 cells."},
+    {"CHANNELS", &CoreParameters::channels, 2, 1000, {}, {}, false, false},
+    {"RECORDS", &CoreParameters::records, 1, 65534, {}, {}, false, false},
+    {"SEQUENCE_DEPTH", &CoreParameters::sequence_depth, 2, 32767, {}, {}, false, false},
+    {"LIVE_DEPTH", &CoreParameters::live_depth, 4, 32768, {}, {}, true, false},
+    {"TIMING_BITS", &CoreParameters::timing_bits, 4, 16, {}, {}, false, false},
+    {"PULSE_BITS", &CoreParameters::pulse_bits, 1, 8, {}, {&CoreParameters::timing_bits, 1}, false, false},
+    {"CLOCK_HZ", &CoreParameters::clock_hz, 1000000, 1000000000, {}, {}, false, false},
+    {"BAUD", &CoreParameters::baud, 1, 125000000, {&CoreParameters::clock_hz, 20000}, {&CoreParameters::clock_hz, 8}, false, false},
+    {"WATCHDOG_MS", &CoreParameters::watchdog_ms, 0, 65535, {}, {}, false, false},
+    {"MAX_HIGH_CLOCKS", &CoreParameters::max_high_clocks, 64, 16777215, {}, {}, false, false},
+    {"MIN_PULSE_CLOCKS", &CoreParameters::min_pulse_clocks, 1, 65535, {}, {&CoreParameters::max_high_clocks, 10}, false, false},
+    {"MAX_DUTY_256", &CoreParameters::max_duty_256, 1, 255, {}, {}, false, false},
+    {"WIDTH_BITS", &CoreParameters::width_bits, 6, 16, {&CoreParameters::pulse_bits, 1}, {&CoreParameters::timing_bits, 1}, false, true},
+    {"MODULATION_DEPTH", &CoreParameters::modulation_depth, 4, 65536, {}, {}, true, true},
+    {"SLEW", &CoreParameters::slew, 0, 1, {}, {}, false, false},
+    {"FOCI", &CoreParameters::foci, 8, 8, {}, {}, false, true},
+    {"SCHEDULE", &CoreParameters::schedule, 0, 1, {}, {}, false, false},
+    {"SYNC", &CoreParameters::sync, 0, 1, {}, {}, false, false},
+    {"CHAIN", &CoreParameters::chain, 0, 1, {}, {}, false, false},
+    {"NET", &CoreParameters::net, 0, 1, {}, {}, false, false},
+    {"STREAM", &CoreParameters::stream, 4, 1024, {}, {}, true, true},
 }};
 
 /// A named set of parameters.
 struct CoreConfiguration {
     std::string_view name;
     CoreParameters parameters;
-    std::string_view about;
 };
 
 inline constexpr std::array<CoreConfiguration, 19> core_configurations = {{
     {"tile-100",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0},
-     "the paper's tile of 10 × 10; what images are compiled for unless a board is named"},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0}},
     {"small-16",
-     {.channels = 16, .records = 40, .sequence_depth = 64, .live_depth = 16, .timing_bits = 12, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 255, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 1, .sync = 0, .chain = 0, .net = 0, .stream = 0},
-     "small and quick to reach its limits, with schedule: most contract tests run on it"},
+     {.channels = 16, .records = 40, .sequence_depth = 64, .live_depth = 16, .timing_bits = 12, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 255, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 1, .sync = 0, .chain = 0, .net = 0, .stream = 0}},
     {"small-16-sync",
-     {.channels = 16, .records = 40, .sequence_depth = 64, .live_depth = 16, .timing_bits = 12, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 255, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 1, .chain = 1, .net = 0, .stream = 0},
-     "the small one with SYNC and a chain, for many boards at once"},
+     {.channels = 16, .records = 40, .sequence_depth = 64, .live_depth = 16, .timing_bits = 12, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 255, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 1, .chain = 1, .net = 0, .stream = 0}},
     {"small-16-wide",
-     {.channels = 16, .records = 256, .sequence_depth = 256, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 64, .slew = 1, .foci = 8, .schedule = 1, .sync = 0, .chain = 0, .net = 0, .stream = 0},
-     "the small one with amplitudes, modulation, slew limit, foci and schedule, and the tile's LIVE_DEPTH, so that it takes foci as fast"},
+     {.channels = 16, .records = 256, .sequence_depth = 256, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 64, .slew = 1, .foci = 8, .schedule = 1, .sync = 0, .chain = 0, .net = 0, .stream = 0}},
     {"small-16-net",
-     {.channels = 16, .records = 256, .sequence_depth = 256, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 64, .slew = 1, .foci = 8, .schedule = 1, .sync = 0, .chain = 0, .net = 1, .stream = 16},
-     "the same behind a network port, with streams of patterns"},
+     {.channels = 16, .records = 256, .sequence_depth = 256, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 64, .slew = 1, .foci = 8, .schedule = 1, .sync = 0, .chain = 0, .net = 1, .stream = 16}},
     {"tile-100-wide",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8, .schedule = 1, .sync = 1, .chain = 1, .net = 0, .stream = 0},
-     "the tile with amplitudes, modulation, slew limit, foci, schedule, SYNC and a chain"},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8, .schedule = 1, .sync = 1, .chain = 1, .net = 0, .stream = 0}},
     {"tile-100-sync",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 1, .sync = 1, .chain = 0, .net = 0, .stream = 0},
-     "the tile with schedule and SYNC alone, for boards in step that play records of timings"},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 1, .sync = 1, .chain = 0, .net = 0, .stream = 0}},
     {"unit-36",
-     {.channels = 36, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 25600000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 1, .sync = 1, .chain = 0, .net = 0, .stream = 0},
-     "one of the nine units of 36 channels of Hoshi et al. at their 25.6 MHz, with schedule and SYNC"},
+     {.channels = 36, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 25600000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 1, .sync = 1, .chain = 0, .net = 0, .stream = 0}},
     {"hoshi-324",
-     {.channels = 324, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0},
-     "the array of 18 × 18 of Hoshi et al."},
+     {.channels = 324, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0}},
     {"wide-256",
-     {.channels = 256, .records = 160, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0},
-     "256 channels with as many records as the block RAM of an ECP5-25F holds: a question of size"},
+     {.channels = 256, .records = 160, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0}},
     {"amplitudes-256",
-     {.channels = 256, .records = 160, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0},
-     "the same with amplitudes, modulation, slew limit and foci"},
+     {.channels = 256, .records = 160, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0}},
     {"tile-100-3m",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0},
-     "the tile behind a USB bridge of 3 Mbaud, for the bench of the link"},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0}},
     {"colorlight-5a-75b-v8.0",
-     {.channels = 56, .records = 600, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0},
-     "56 outputs; the serial line is a button's pin, which probably carries a capacitor: nothing faster is known to work"},
+     {.channels = 56, .records = 600, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0}},
     {"colorlight-5a-75e-v6.0",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0},
-     "the tile; the serial line is a button's pin, which probably carries a capacitor: nothing faster is known to work"},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0}},
     {"colorlight-5a-75e-v7.1",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0},
-     "the tile; the serial line is a button's pin, which probably carries a capacitor: nothing faster is known to work"},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0}},
     {"colorlight-5a-75e-v7.1-wide",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0},
-     "the same with amplitudes, modulation, slew limit and foci"},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0}},
     {"colorlight-5a-75e-v7.1-net",
-     {.channels = 100, .records = 360, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8, .schedule = 1, .sync = 1, .chain = 0, .net = 1, .stream = 256},
-     "the same behind its gigabit port, with schedule, SYNC and streams of patterns"},
+     {.channels = 100, .records = 360, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8, .schedule = 1, .sync = 1, .chain = 0, .net = 1, .stream = 256}},
     {"ice40-hx8k-breakout",
-     {.channels = 100, .records = 64, .sequence_depth = 256, .live_depth = 256, .timing_bits = 8, .pulse_bits = 8, .clock_hz = 48000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0},
-     "the tile in 7,680 cells: 8 timing bits are 240 ticks of 5 clocks a cycle, 9 would need 93 % of the cells"},
+     {.channels = 100, .records = 64, .sequence_depth = 256, .live_depth = 256, .timing_bits = 8, .pulse_bits = 8, .clock_hz = 48000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0}},
     {"ulx3s-85f",
-     {.channels = 56, .records = 600, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 1, .chain = 0, .net = 0, .stream = 0},
-     "56 outputs behind a USB bridge of 3 Mbaud, and SYNC to and from other boards"},
+     {.channels = 56, .records = 600, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 1, .chain = 0, .net = 0, .stream = 0}},
 }};
 
 /// The configuration of this name; null when there is none.

@@ -2,12 +2,12 @@
 """The program haptogram-leap: hands of a Leap's tracking service to `haptogram live --from leap-pipe:-`, a message a line."""
 import asyncio
 import json
-import os
 import sys
 from typing import Any
 
 from ..cli import Parser
 from ..errors import ErrorCode, HaptogramError, bad_input, device_error
+from .program import exit_code_of
 
 URL = "ws://127.0.0.1:6437/v6.json"
 PROTOCOL = 6
@@ -61,20 +61,7 @@ async def listen(url: str) -> None:
 def main() -> int:
     top = Parser(prog="haptogram-leap", description=__doc__, epilog="Exit codes: 0 ok, 2 usage, 3 bad input, 4 tracking service.")
     top.add_argument("--url", default=URL, help=f"of the service's WebSocket ({URL})")
-    try:
-        asyncio.run(listen(top.parse_args().url))
-    except HaptogramError as error:
-        print(f"haptogram-leap: {error}", file=sys.stderr)
-        return error.code
-    except BrokenPipeError:  # nobody wants more
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-    except OSError as error:  # all else is told by HaptogramError
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-        print(f"haptogram-leap: standard output: {error.strerror}; what was written is incomplete", file=sys.stderr)
-        return ErrorCode.BAD_INPUT
-    except KeyboardInterrupt:
-        pass
-    return 0
+    return exit_code_of("haptogram-leap", lambda: asyncio.run(listen(top.parse_args().url)))
 
 
 if __name__ == "__main__":

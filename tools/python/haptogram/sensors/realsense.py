@@ -2,7 +2,6 @@
 """The program haptogram-realsense: Intel RealSense cameras, or recordings of them, to `haptogram live --from depth-pipe:-`."""
 import argparse
 import math
-import os
 import queue
 import sys
 import threading
@@ -15,6 +14,7 @@ from typing import Any
 from ..cli import Parser, whole
 from ..errors import ErrorCode, HaptogramError, bad_input, device_error
 from .depth_pipe import Camera, DepthPipe, Pose, Vector
+from .program import exit_code_of
 from .together import Frame, Shot, Together
 
 QUIET_S = 1.0  # without a picture, after which a camera is said to be silent, and is started again
@@ -202,32 +202,23 @@ def parser() -> Parser:
     return top
 
 
+def work() -> None:
+    options = parser().parse_args()
+    rs = library()
+    if options.list:
+        for device in rs.context().query_devices():
+            print(device.get_info(rs.camera_info.serial_number), device.get_info(rs.camera_info.name))
+        sys.stdout.flush()
+        return
+    if sys.stdout.isatty():
+        raise HaptogramError(ErrorCode.USAGE, "standard output", "these are pictures; pipe them: haptogram-realsense | haptogram live --from depth-pipe:-")
+    sources = open_sources(rs, options)
+    rate_hz = sources[0].rate_hz
+    send(sources, DepthPipe(sys.stdout.buffer, [source.camera() for source in sources], rate_hz), rate_hz)
+
+
 def main() -> int:
-    try:
-        options = parser().parse_args()
-        rs = library()
-        if options.list:
-            for device in rs.context().query_devices():
-                print(device.get_info(rs.camera_info.serial_number), device.get_info(rs.camera_info.name))
-            sys.stdout.flush()
-            return 0
-        if sys.stdout.isatty():
-            raise HaptogramError(ErrorCode.USAGE, "standard output", "these are pictures; pipe them: haptogram-realsense | haptogram live --from depth-pipe:-")
-        sources = open_sources(rs, options)
-        rate_hz = sources[0].rate_hz
-        send(sources, DepthPipe(sys.stdout.buffer, [source.camera() for source in sources], rate_hz), rate_hz)
-    except HaptogramError as error:
-        print(f"haptogram-realsense: {error}", file=sys.stderr)
-        return error.code
-    except BrokenPipeError:  # nobody wants more
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-    except OSError as error:  # all else is told by HaptogramError
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-        print(f"haptogram-realsense: standard output: {error.strerror}; what was written is incomplete", file=sys.stderr)
-        return ErrorCode.BAD_INPUT
-    except KeyboardInterrupt:
-        pass
-    return 0
+    return exit_code_of("haptogram-realsense", work)
 
 
 if __name__ == "__main__":

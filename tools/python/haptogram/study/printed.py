@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The numbers that the papers print, each beside what follows from the papers' own data and formulas. printed.toml lists them."""
-import itertools
+import collections
 import math
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
@@ -406,7 +406,7 @@ def text(lines: list[Line], differing: bool = False) -> str:
 
 
 def page(lines: list[Line]) -> str:
-    """docs/printed-numbers.md: numbers that do not agree first, then others that there is something to say of. A note that several have stands below."""
+    """docs/printed-numbers.md: numbers that do not agree. Those that one note is about are counted."""
     counts = ", ".join(f"{verdict}: {count}" for verdict in (AGREES, POSSIBLE, DIFFERS, IMPOSSIBLE, NOT_PRINTED, NO_DATA)
                        if (count := len([1 for line in lines if line.verdict == verdict])))  # fmt: skip
     parts = [
@@ -414,55 +414,31 @@ def page(lines: list[Line]) -> str:
         "# What the papers print, and what follows",
         "",
         "Each number stands beside what follows from the same paper's data and formulas. `python3 -m haptogram.study printed --markdown` writes",
-        "this page from `tools/python/haptogram/study/printed.toml`; a test fails when it is stale. [references.md](references.md) has the papers.",
-        "`make figures` compares the fields and forces that need a simulation.",
+        "this page from `tools/python/haptogram/study/printed.toml`; a test fails when it is stale. `make figures` compares what needs a simulation.",
         "",
         "*Agrees* and *differs*: ours rounds to the printed digits, or does not. *Possible* and *impossible*: whether whole numbers of answers, or any",
         "answers on the scale, can give the printed number. *Not printed*: it follows from what is printed. *No data*: nothing to compute it from.",
         "",
-        f"{len(lines)} numbers. {counts}. `haptogram-study printed` prints all.",
-        "Tables have those that differ or are impossible; of the others, this page has what wants a remark.",
+        f"{len(lines)} numbers. {counts}.",
+        "Here are those that differ or are impossible; `haptogram-study printed` prints all, with what there is to say of them.",
     ]
-    for paper in dict.fromkeys(line.paper for line in lines):
-        rows = [line for line in lines if line.paper == paper]
-        notes = [line.note for line in rows]
-        shared = [note for note in dict.fromkeys(line.note for line in rows if line.verdict in BAD) if note and notes.count(note) > 1]
+    for paper in dict.fromkeys(line.paper for line in lines if line.verdict in BAD):
+        bad = [line for line in lines if line.paper == paper and line.verdict in BAD]
+        notes = [line.note for line in bad]
+        alone = [line for line in bad if not line.note or notes.count(line.note) == 1]
         parts += ["", f"## {paper}"]
-        if any(line.verdict in BAD for line in rows):
+        if alone:
             parts += ["", "| where | what | printed | ours |", "|---|---|---|---|"]
-            parts += ["| " + " | ".join(cell.replace("|", "\\|") for cell in _cells(line, shared)) + " |" for line in rows if line.verdict in BAD]
-        for verdict in (AGREES, POSSIBLE, NOT_PRINTED, NO_DATA):
-            if found := [line for line in rows if line.verdict == verdict and line.note and notes.count(line.note) == 1]:
-                parts += ["", f"*{verdict[0].upper()}{verdict[1:]}:*", "", *_items(found, shared)]
-        parts += ["", *(f"- ({number}) {note[0].upper()}{note[1:]}." for number, note in enumerate(shared, 1))] if shared else []
+            parts += ["| " + " | ".join(cell.replace("|", "\\|") for cell in _cells(line)) + " |" for line in alone]
+        if shared := collections.Counter((line.where, line.verdict, line.note) for line in bad if line not in alone):
+            parts += ["", *(f"- {where}, {count} more, {verdict}: {note}." for (where, verdict, note), count in shared.items())]
     return "\n".join(parts) + "\n"
 
 
-def _note(line: Line, shared: list[str]) -> str:
-    return f" ({shared.index(line.note) + 1})" if line.note in shared else f" – {line.note}" if line.note else ""
+def _note(line: Line) -> str:
+    return f" – {line.note}" if line.note else ""
 
 
-def _cells(line: Line, shared: list[str]) -> tuple[str, ...]:
+def _cells(line: Line) -> tuple[str, ...]:
     printed, ours = with_units(line)
-    return (line.where, line.what + _note(line, shared), printed, ours + (f", **{IMPOSSIBLE}**" if line.verdict == IMPOSSIBLE else ""))
-
-
-def _items(lines: list[Line], shared: list[str]) -> list[str]:
-    """A list; what several numbers in a row have in common, the place and a note, stands above them."""
-    items = []
-    for where, group in itertools.groupby(lines, key=lambda line: line.where):
-        found = list(group)
-        if len(found) == 1:
-            items.append(f"- {where}: {_item(found[0], shared)}")
-            continue
-        notes = {line.note for line in found}
-        common = _note(found[0], shared) if len(notes) == 1 else ""
-        items.append(f"- {where}{common}:")
-        items += [f"  - {_item(line, shared, common)}" for line in found]
-    return items
-
-
-def _item(line: Line, shared: list[str], common: str = "") -> str:
-    """Two values that are the same are told once; what is not there is not told."""
-    values = [value for value in dict.fromkeys(with_units(line)) if value != "–"]
-    return f"{line.what}{': ' if values else ''}{', ours '.join(values)}{'' if common else _note(line, shared)}"
+    return (line.where, line.what + _note(line), printed, ours + (f", **{IMPOSSIBLE}**" if line.verdict == IMPOSSIBLE else ""))
