@@ -11,7 +11,7 @@ HOME := $(or $(HOME),$(shell { getent passwd $$(id -u) | cut -d: -f6; } 2>/dev/n
 export PATH HOME
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build deep deep-build demo test browser hardware mutants sanitize bitstream bitstreams flash soak formal bench figures docs lint format install dist fresh clean
+.PHONY: help setup build deep deep-build demo test browser hardware mutants sanitize bitstream bitstreams flash soak formal bench figures docs site lint format install dist fresh clean
 
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -47,6 +47,8 @@ test: build ## every test but those of `make deep`, `make browser` and `make mut
 # Software WebGL wants a processor to itself, and some minutes; a file that fails is run once more (tests/studio/run.mjs).
 browser: build ## the studio's page in Chromium; not part of `make test`
 	@$(call need,chromium,dev )
+	@if command -v emcc >/dev/null; then $(MAKE) --no-print-directory site; \
+	else echo "make: the static page is left out: it needs emcc; on Debian 12 tools/setup dev installs it" >&2; fi
 	@ctest --preset $(PRESET) -R '^studio_browser$$' --output-on-failure --no-tests=error
 
 hardware: build ## the driver tile's netlist, simulation, board and Gerbers into build/hardware, each check beside its bound; not part of `make test`
@@ -122,6 +124,14 @@ docs: ## the site of all pages, with its reference, in build/site; dead links an
 	@$(call configure,$(PRESET))
 	@cmake --build --preset $(PRESET) --target haptogram haptogram_native_module
 	@$(PYTHON) tools/docs.py --build $(BUILD)
+
+# The engine is built where Emscripten is alone, so that all else needs none.
+site: ## the studio as a page for any web host, in build/site/studio: the engine as WebAssembly; after `make docs`, which empties build/site
+	@$(call need,emcc cmake ninja node,dev )
+	@[ -d host/studio/web/node_modules/esbuild ] || { echo "make: missing: the packages of host/studio/web. On Debian 12 tools/setup installs all that is needed." >&2; exit 1; }
+	@$(call configure,wasm)
+	@cmake --build --preset wasm
+	@node host/studio/web/build.mjs build/site/studio build/wasm/host/studio/wasm
 
 lint: build ## RTL lint, formatting, generated files, clang-tidy
 	@$(call need,clang-tidy,dev )

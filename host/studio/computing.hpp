@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 
+#include "answers.hpp"
 #include "haptogram/base/progress.hpp"
 #include "http.hpp"
 #include "messages.hpp"
@@ -24,12 +25,10 @@ public:
     /// @param post  calls work in the server's thread
     Computing(Scenes& scenes, std::function<void(std::function<void()>)> post);
 
-    /// The field on a plane as a file.
+    /// The field on a plane, or a report, as a file.
+    /// @return whether that is asked for
     /// @throws Error when the request makes no sense
-    void field(const Request& request, const Reply& reply);
-    /// The report on a scene, one HTML file.
-    /// @throws Error when there is no such scene
-    void report(const Request& request, const Reply& reply);
+    bool write(const Request& request, const Reply& reply);
     /// A scene's image in the bitstream of its board.
     /// @param placed  folder of the boards' placed designs, as patch() takes it
     /// @throws Error when there is no such scene, or it names no board
@@ -61,14 +60,10 @@ private:
     };
 
     [[nodiscard]] Progress going_while(Wanted wanted) const;
-    struct Values {
-        std::vector<float> squares;  ///< as mean_square_on() gives them
-        std::size_t sets = 0;        ///< of drives
-    };
-    void slice(const std::shared_ptr<Page>& page, const SliceMessage& message,
-               const std::function<Values(const Scene&)>& values_of);
+    /// Of each of a page's views the newest slice.
+    void slice(const std::shared_ptr<Page>& page, std::uint32_t view, std::function<void()> work);
     /// Answers with a file that takes a while.
-    void write(const Reply& reply, std::function<std::string(const Progress&)> content_of);
+    void write(const Reply& reply, Writing writing);
 
     Scenes& scenes_;
     std::function<void(std::function<void()>)> post_;

@@ -6,10 +6,11 @@
 #include <string_view>
 #include <vector>
 
+#include "request.hpp"
+
 namespace haptogram::studio {
 
 inline constexpr std::size_t most_header_bytes = 16 * 1024;
-inline constexpr std::size_t most_body_bytes = 64 * 1024 * 1024;
 inline constexpr std::size_t most_message_bytes = 1024 * 1024;
 /// The WebSocket's subprotocol. A page offers it together with "token.TOKEN": it cannot set other headers there, and a
 /// token in the address would end up in logs.
@@ -67,8 +68,5 @@ inline constexpr Header answer_headers[] = {
     {"Cross-Origin-Resource-Policy", "same-origin"},
     {"Cache-Control", "no-store"},
 };
-
-/// The value of a query's parameter, with %XX decoded. @return none when it is not there or wrongly encoded
-[[nodiscard]] std::optional<std::string> query_value(std::string_view query, std::string_view name);
 
 }  // namespace haptogram::studio

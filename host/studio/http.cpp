@@ -19,7 +19,6 @@
 #include <exception>
 #include <limits>
 #include <list>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string_view>
 #include <variant>
@@ -129,11 +128,6 @@ private:
 };
 
 }  // namespace
-
-Answer error_answer(unsigned status, const std::string& message) {
-    const nlohmann::json answer{{"error", {{"message", message}}}};
-    return {status, "application/json", answer.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)};
-}
 
 std::string close_reason(std::string message) {
     constexpr std::size_t room = 123;

@@ -10,41 +10,20 @@
 #include <vector>
 
 #include "guard.hpp"
+#include "recipient.hpp"
+#include "request.hpp"
 
 namespace haptogram::studio {
-
-struct Request {
-    std::string method, path, query;
-    std::string body;
-    bool takes_gzip = false;
-};
-
-struct Answer {
-    unsigned status = 200;
-    std::string type = "application/json";
-    std::string body;
-    bool gzip = false;  ///< how the body is encoded
-};
-
-/// {"error": {"message": …}}. Bytes of the message that are no UTF-8 become U+FFFD.
-[[nodiscard]] Answer error_answer(unsigned status, const std::string& message);
 
 /// Why a WebSocket is closed, as its protocol takes it: 123 bytes at most, and UTF-8. What a message quotes may be
 /// neither, so bytes that are no printable ASCII become question marks.
 [[nodiscard]] std::string close_reason(std::string message);
 
-/// A page that is connected.
-class Page {
+/// A page that is connected. A message to it is queued, from any thread. Bulk is dropped while the page takes nothing,
+/// text never.
+class Page : public Recipient {
 public:
-    Page() = default;
-    Page(const Page&) = delete;
-    Page& operator=(const Page&) = delete;
-    virtual ~Page() = default;
-
     [[nodiscard]] virtual std::uint64_t number() const = 0;
-    /// Queues a message; may be called from any thread. Bulk is dropped while the page takes nothing, text never.
-    virtual void send(std::string text) = 0;
-    virtual void send(std::vector<std::uint8_t> bulk) = 0;
     /// Ends the connection and says why.
     virtual void close(const std::string& reason) = 0;
 };

@@ -8,23 +8,16 @@
 #include <optional>
 #include <vector>
 
+#include "answers.hpp"
 #include "assets.hpp"
 #include "computing.hpp"
 #include "failure.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/process.hpp"
-#include "haptogram/base/shipped.hpp"
 #include "haptogram/base/token.hpp"
-#include "haptogram/format/board.hpp"
-#include "haptogram/hand/object.hpp"
-#include "haptogram/hand/touch.hpp"
 #include "haptogram/link/port.hpp"
 #include "haptogram/link/port_rates.hpp"
 #include "haptogram/link/to_json.hpp"
-#include "haptogram/shape/primitives.hpp"
-#include "haptogram/verbs/document.hpp"
-#include "haptogram/verbs/patch.hpp"
-#include "haptogram/verbs/report_page.hpp"
 #include "http.hpp"
 #include "messages.hpp"
 #include "player.hpp"
@@ -83,91 +76,34 @@ private:
     // Requests.
 
     void answer(Request request, const Reply& reply) {
-        if (request.path == "/api/field")
-            computing_.field(request, reply);
-        else if (request.path == "/api/report")
-            computing_.report(request, reply);
-        else if (request.path == "/api/bitstream")
+        if (request.path == "/api/bitstream")
             computing_.bitstream(request, reply, placed_);
-        else
+        else if (!computing_.write(request, reply))
             reply(answer_at_once(std::move(request)));
     }
 
     Answer answer_at_once(Request request) {
         if (request.path == "/api/hello") return {.body = to_text(hello())};
-        if (request.path == "/api/document" && request.method == "POST") return document_answer(request.body);
-        if (request.path == "/api/project" && request.method == "POST") return project_answer(request.body);
-        if (request.path == "/api/files") {
-            const std::optional<std::string> name = query_value(request.query, "name");
-            if (!name) return error_answer(400, "a file has a name: /api/files?name=NAME");
-            if (request.method != "POST") return {.type = "application/octet-stream", .body = scenes_.file(*name)};
-            scenes_.add_file(*name, std::move(request.body));
-            return {.body = to_text({{"name", *name}})};
-        }
         if (request.path == "/api/stop" && request.method == "POST") {
             const bool connected = player_.stop().has_value() || studying();
             end_study();
             return {.body = to_text({{"connected", connected}})};
         }
-        if (request.path == "/api/take") return take_away(request);
-        if (request.path.starts_with("/api/")) return error_answer(404, "there is no " + request.path);
+        if (request.path.starts_with("/api/")) {
+            const std::string path = request.path;
+            const std::optional<Answer> answer = studio::answer_at_once(scenes_, std::move(request));
+            return answer ? *answer : error_answer(404, "there is no " + path);
+        }
         const auto asset = assets_.find(request.path);
         if (asset == assets_.end()) return error_answer(404, "there is no such file");
         const bool gzip = request.takes_gzip && !asset->second.gzip.empty();
         return {200, asset->second.type, gzip ? asset->second.gzip : asset->second.plain, gzip};
     }
 
-    /// A project file's text as a document, for a page that opens one.
-    static Answer document_answer(const std::string& text) {
-        const Project project = project_from_toml(text, "project.toml");
-        return {.body = to_text({{"document", document_of(text, "project.toml")}, {"files", files_of(project)}})};
-    }
-
-    /// A document as a project file's text, for a page that saves one.
-    static Answer project_answer(const std::string& body) {
-        const ordered_json document = ordered_json::parse(body, nullptr, false);
-        if (document.is_discarded()) throw bad_input("document", "it is no JSON; send the document as the page has it");
-        const Project project = project_from_toml(toml_of(document), "project");
-        return {.body = to_text({{"text", to_toml(project)}, {"files", files_of(project)}})};
-    }
-
     ordered_json hello() const {
-        ordered_json ports = link::to_json(link::available_ports());
-        ordered_json algorithms = ordered_json::array();
-        for (const AlgorithmName& each : algorithm_names())
-            algorithms.push_back({{"letter", std::string(1, each.letter)}, {"about", each.about}});
-        ordered_json boards = ordered_json::array();
-        for (const std::string& name : shipped_boards()) {
-            const Board board = load_board(name);
-            boards.push_back({{"name", name}, {"array", board.array}, {"bitstream", bitstream_file(board)}});
-        }
-        return {{"version", version()},
-                {"project", name_},
-                {"document", scenes_.first_document()},
-                {"primitives", primitive_kinds()},
-                {"arrays", shipped_arrays()},
-                {"boards", boards},
-                {"touched", object_kinds()},
-                {"algorithms", algorithms},
-                {"ports", ports},
-                {"most_file_bytes", most_body_bytes}};
-    }
-
-    /// The files that a scene is taken away as.
-    Answer take_away(const Request& request) {
-        const auto scene = scenes_.find(query_value(request.query, "scene").value_or(""));
-        const std::string as = query_value(request.query, "as").value_or("");
-        if (as == "manifest") return {.body = to_text(scene->compiled.bundle.manifest)};
-        const auto text = [](std::string body) -> Answer {
-            return {.type = "text/plain; charset=utf-8", .body = std::move(body)};
-        };
-        if (as == "hex") return text(scene->compiled.bundle.hex);
-        if (as == "project") return text(scene->project);
-        if (as == "primary") return text(primary_readmemh(scene->compiled.bundle.image));
-        if (as == "sequence") return text(sequence_readmemh(scene->compiled.bundle.image));
-        if (as == "methods") return text(methods_text(timeline_of(scene->compiled.bundle)));
-        return error_answer(400,
-                            fmt::format("as '{}'; expected hex, manifest, project, primary, sequence or methods", as));
+        ordered_json hello = hello_json(scenes_, name_);
+        hello["ports"] = link::to_json(link::available_ports());
+        return hello;
     }
 
     // Pages.

@@ -4,6 +4,7 @@ import assert from "node:assert/strict";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
+import { randomDesign, randomOf } from "./designs.mjs";
 import { boardSays, drawnAt, drop, folder, hasValue, lookedAt, middle, openPage, pixels, run, settled, shapes, startBrowser, startStudio } from "./support.mjs";
 
 const mostActions = 5;
@@ -76,30 +77,6 @@ test("ten tasks, each in at most five actions", async (t) => {
   await page.keyboard.press("Escape");
   await boardSays(page, "outputs off");
 });
-
-/** Numbers that are the same for the same seed. */
-function randomOf(seed) {
-  let state = seed >>> 0 || 1;
-  return (least, most) => {
-    state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
-    return least + (state / 2 ** 32) * (most - least);
-  };
-}
-
-function randomDesign(random) {
-  const pick = (...choices) => choices[Math.floor(random(0, choices.length))];
-  const tenth = (least, most) => Math.round(10 * random(least, most)) / 10;
-  const design = { format: "haptogram-project-1", points: Math.round(random(3, 60)) };
-  design[pick("rate_hz", "rate_hz", "frequency_hz")] = tenth(5, 20);
-  if (random(0, 1) < 0.3) design.amplitude = Math.max(0.1, tenth(0.1, 1));
-  if (random(0, 1) < 0.2) design.loops = Math.round(random(1, 9));
-  if (random(0, 1) < 0.3) design.board = pick("ice40-hx8k-breakout", "ulx3s-85f");
-  if (design.board === undefined && random(0, 1) < 0.2) design.seed = Math.round(random(0, 1000));
-  design.place = { size_mm: tenth(20, 60), center_mm: [tenth(-15, 15), tenth(-15, 15), tenth(110, 180)], rotate_deg: [tenth(-90, 90), 0, tenth(-90, 90)] };
-  design.shape = [{ kind: pick("circle", "triangle", "square", "plus", "line", "helix") }];
-  if (design.frequency_hz === undefined) design.shape[0].kind = pick("circle", "sphere", "hemisphere", "cube", "cone", "cylinder", "plus");
-  return design;
-}
 
 test("images from the page are the command line's, of fifty designs", async (t) => {
   const seed = Number(process.env.HAPTOGRAM_SEED ?? Math.floor(1e9 * Math.random()));

@@ -36,8 +36,8 @@ bool Lines::next() {
 std::string_view take_word(std::string_view& rest) {
     const auto* const begin = std::find_if_not(rest.begin(), rest.end(), is_blank);
     const auto* const end = std::find_if(begin, rest.end(), is_blank);
-    const std::string_view word(begin, end);
-    rest = std::string_view(end, rest.end());
+    const std::string_view word(begin, static_cast<std::size_t>(end - begin));
+    rest.remove_prefix(static_cast<std::size_t>(end - rest.begin()));
     return word;
 }
 

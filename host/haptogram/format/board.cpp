@@ -316,6 +316,8 @@ Board read_board(const std::filesystem::path& path) {
 
 Board load_board(const std::string& name) { return read_board(path_or_shipped(name, "boards", ".toml", "board")); }
 
+std::string bitstream_file(const Board& board) { return board.name + (board.fpga.family == "ice40" ? ".bin" : ".bit"); }
+
 std::vector<std::string> shipped_boards() { return shipped_names("boards", ".toml"); }
 
 }  // namespace haptogram

@@ -73,6 +73,9 @@ struct Board {
 /// range, a ball used twice, or fewer outputs than channels
 [[nodiscard]] Board load_board(const std::string& name);
 
+/// What the file of a board's bitstream is called: its name, with ".bin" for an iCE40 and ".bit" for an ECP5.
+[[nodiscard]] std::string bitstream_file(const Board& board);
+
 /// Names of the shipped boards, sorted.
 [[nodiscard]] std::vector<std::string> shipped_boards();
 

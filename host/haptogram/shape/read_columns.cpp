@@ -16,6 +16,12 @@ void split_words(std::string_view line, Fields& fields) {
     for (std::string_view word = take_word(line); !word.empty(); word = take_word(line)) fields.push_back(word);
 }
 
+/// The row from its first field to its last; it has some.
+std::string_view whole(const Fields& fields) {
+    const char* const begin = fields.front().data();
+    return {begin, static_cast<std::size_t>(fields.back().data() + fields.back().size() - begin)};
+}
+
 using Columns = std::array<std::size_t, 3>;  ///< which fields are x, y and z
 
 /// Nothing when the first row holds numbers, not names.
@@ -32,7 +38,7 @@ std::optional<Columns> named_columns(const Fields& fields, const std::string& wh
                 where,
                 fmt::format("found a first row {} with {} \"{}\", expected three numbers, or a header that names x, y "
                             "and z once each; correct the row",
-                            fields.empty() ? "\"\"" : shown({fields.front().data(), fields.back().end()}),
+                            fields.empty() ? "\"\"" : shown(whole(fields)),
                             found == fields.end() ? "no" : "more than one", name));
         columns.at(axis) = static_cast<std::size_t>(found - fields.begin());
     }

@@ -136,8 +136,6 @@ std::string patched_ecp5(const Board& board, const PatchOptions& options, const 
 
 }  // namespace
 
-std::string bitstream_file(const Board& board) { return board.name + (board.fpga.family == "ice40" ? ".bin" : ".bit"); }
-
 Patched patch(const PatchOptions& options, const Progress& progress) {
     const Board board = load_board(options.board);
     if (!options.image && options.autostart)

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "haptogram/base/progress.hpp"
-#include "haptogram/format/board.hpp"
 
 namespace haptogram {
 
@@ -20,9 +19,6 @@ struct PatchOptions {
 struct Patched {
     std::string bitstream, manifest;
 };
-
-/// What the file of a board's bitstream is called: its name, with ".bin" for an iCE40 and ".bit" for an ECP5.
-[[nodiscard]] std::string bitstream_file(const Board& board);
 
 /// Puts an image into the block RAMs of a bitstream that was placed once, without placing it again. It calls the
 /// packers of IceStorm or Project Trellis.

@@ -139,7 +139,7 @@ Weighed weighed_pulses(const Timeline& timeline) {
     std::vector<Pulse> inside = timeline.pulses;
     if (whole > 0 && periods >= whole) {
         periods = periods / whole * whole;
-        std::erase_if(inside, [&](const Pulse& p) { return p.rise >= first->rise + periods * period; });
+        std::erase_if(inside, [&, begin = first->rise](const Pulse& p) { return p.rise >= begin + periods * period; });
     }
     Weighed found;
     bool passed = true;  // each record has played for as long as a pass has it

@@ -1,26 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-// Builds the page into a folder: node build.mjs FOLDER. It checks the types, bundles, compresses, gathers the licences of
+// Builds the page into a folder: node build.mjs FOLDER. With a second folder, which has the engine that ../wasm became, the page needs no
+// program: any web host serves it, and it computes by itself. It checks the types, bundles, compresses, gathers the licences of
 // what was bundled, and lists all files with their hashes in page.json. The same packages give the same bytes.
 import { execFileSync } from "node:child_process";
 import { createHash } from "node:crypto";
 import { existsSync, mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
-import { dirname, join } from "node:path";
+import { dirname, join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
 import { gzipSync } from "node:zlib";
 import { build } from "esbuild";
 import { zipSync } from "fflate";
 
 const here = dirname(fileURLToPath(import.meta.url));
-const out = process.argv[2];
-if (!out) throw new Error("usage: node build.mjs FOLDER");
-const mostBytes = 300_000; // of all that is compressed
+const [out, engine] = process.argv.slice(2).map((folder) => resolve(folder));
+if (!out) throw new Error("usage: node build.mjs FOLDER [FOLDER_OF_THE_ENGINE]");
+const mostBytes = engine ? 1_000_000 : 300_000; // of all that is compressed
 
 execFileSync(process.execPath, [join(here, "node_modules/typescript/bin/tsc"), "-p", here], { stdio: "inherit" });
 rmSync(out, { recursive: true, force: true });
 mkdirSync(out, { recursive: true });
 const built = await build({
   absWorkingDir: here,
-  entryPoints: { boot: "src/boot.ts", style: "src/style.css" },
+  entryPoints: { boot: "src/boot.ts", style: "src/style.css", ...(engine ? { worker: "src/worker.ts" } : {}) },
+  external: ["./studio_engine.js"],
   outdir: out,
   bundle: true,
   splitting: true,
@@ -33,7 +35,18 @@ const built = await build({
   chunkNames: "[name]-[hash]",
   metafile: true,
 });
-writeFileSync(join(out, "index.html"), readFileSync(join(here, "src/index.html")));
+
+/** A static page says by itself what a server says of one in its headers: it runs and loads its own files alone. */
+const policy = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; worker-src 'self'; base-uri 'none'; form-action 'none'";
+function index() {
+  const text = readFileSync(join(here, "src/index.html"), "utf8");
+  if (!engine) return text;
+  const page = text.replace('<html lang="en">', '<html lang="en" data-engine="in-page">').replace('<meta charset="utf-8" />', `$&\n    <meta http-equiv="Content-Security-Policy" content="${policy}" />`);
+  if (page.length < text.length + policy.length) throw new Error("src/index.html: expected <html lang=\"en\"> and <meta charset=\"utf-8\" />");
+  return page;
+}
+writeFileSync(join(out, "index.html"), index());
+if (engine) for (const name of ["studio_engine.js", "studio_engine.wasm"]) writeFileSync(join(out, name), readFileSync(join(engine, name)));
 
 /** The packages whose code is in the bundle, and their licence texts. */
 function notices() {
@@ -52,6 +65,9 @@ function notices() {
     const text = texts.map((file) => readFileSync(join(folder, file), "utf8").trim()).join("\n\n");
     return `<h2>${escape(name)} ${escape(version)}, ${escape(license)}</h2>\n<pre>${escape(text)}</pre>`;
   });
+  // What the engine is made of, as Debian tells it.
+  const libraries = engine ? ["emscripten", "libboost-dev", "libeigen3-dev", "libfmt-dev", "libhwy-dev", "libnanoflann-dev", "libtomlplusplus-dev", "nlohmann-json3-dev"] : [];
+  for (const name of libraries) parts.push(`<h2>Debian's ${name}</h2>\n<pre>${escape(readFileSync(`/usr/share/doc/${name}/copyright`, "utf8").trim())}</pre>`);
   return `<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>Haptogram studio: licences</title><link rel="stylesheet" href="style.css"></head>
 <body class="text"><h1>Licences</h1><p>Haptogram is under Apache-2.0. Its page contains these packages.</p>
@@ -77,17 +93,17 @@ function gallery() {
 }
 gallery();
 
-const types = { html: "text/html; charset=utf-8", js: "text/javascript; charset=utf-8", css: "text/css; charset=utf-8", json: "application/json", svg: "image/svg+xml", haptogram: "application/zip" };
+const types = { html: "text/html; charset=utf-8", js: "text/javascript; charset=utf-8", css: "text/css; charset=utf-8", json: "application/json", svg: "image/svg+xml", haptogram: "application/zip", wasm: "application/wasm" };
 const files = [];
 let total = 0;
 for (const name of readdirSync(out).sort()) {
   const bytes = readFileSync(join(out, name));
   const packed = gzipSync(bytes, { level: 9 });
-  writeFileSync(join(out, `${name}.gz`), packed);
+  if (!engine) writeFileSync(join(out, `${name}.gz`), packed); // web hosts pack by themselves
   total += packed.length;
   files.push({ name, type: types[name.split(".").at(-1)], sha256: createHash("sha256").update(bytes).digest("hex"), gzip: true });
 }
 if (total > mostBytes) throw new Error(`the page has ${total} bytes, compressed; ${mostBytes} is the limit`);
 if (!existsSync(join(out, "boot.js"))) throw new Error("boot.js was not made");
-writeFileSync(join(out, "page.json"), JSON.stringify({ files }, null, 1) + "\n");
+if (!engine) writeFileSync(join(out, "page.json"), JSON.stringify({ files }, null, 1) + "\n");
 console.log(`studio: page of ${files.length} files, ${total} bytes compressed`);

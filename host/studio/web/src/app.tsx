@@ -21,7 +21,7 @@ import { look } from "./quantity";
 import { Session } from "./session";
 import { Properties, Subject } from "./shape";
 import { Splitter } from "./splitter";
-import { type Actions, shownRecord, state, tell } from "./state";
+import { type Actions, noProgram, shownRecord, state, tell } from "./state";
 import { StudyPage } from "./study";
 import { Surfaces } from "./surface";
 import { theme } from "./theme";
@@ -34,6 +34,7 @@ export function start(link: Link): void {
   const tools = document.getElementById("tools");
   const playing = document.getElementById("playing");
   if (!host || !tools || !playing) throw new Error("the page has no place for the view");
+  noProgram.value = !link.isProgram;
   const session = new Session(link, (shown) => {
     if (shown === 1) performance.mark("first slice");
     host.dataset["slices"] = String(shown);
@@ -153,7 +154,7 @@ function Restore({ actions }: { actions: Actions }) {
       {state.hints.value && (
         <div class="card hints">
           <p><b>This shape is made of air:</b> points of ultrasound, drawn in turn. Take another from the gallery, or drop a file.</p>
-          <p><b>Play</b> starts a virtual board when there is no other. STOP or Esc turns all outputs off.</p>
+          {!noProgram.value && <p><b>Play</b> starts a virtual board when there is no other. STOP or Esc turns all outputs off.</p>}
           <button type="button" onClick={hinted}>Got it</button>
         </div>
       )}

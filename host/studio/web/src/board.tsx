@@ -3,9 +3,10 @@
 import { useId, useState } from "preact/hooks";
 import { Panel } from "./controls";
 import type { Device } from "./link";
-import { type Actions, state } from "./state";
+import { type Actions, noProgram, state } from "./state";
 
 function boardWords(device: Device): string {
+  if (noProgram.value) return "No program behind this page, so no board";
   if (device.connection === "none") return "No board. Play starts a virtual one";
   const name = device.port === "virtual" ? "Virtual board" : device.port === "virtual-rtl" ? "Virtual board of Verilog" : `Board at ${device.port ?? ""}`;
   if (device.connection === "lent") return `${name}, lent to the study`;
@@ -49,7 +50,7 @@ export function Board({ actions }: { actions: Actions }) {
   };
   return (
     <Panel title="Board">
-      {device.connection === "none" ? (
+      {noProgram.value ? <NeedsProgram what="Boards, real ones and the virtual one, are driven" /> : device.connection === "none" ? (
         <>
           <button type="button" class="wide" disabled={scene === undefined} onClick={() => actions.send("connect", { port: "virtual", scene: scene?.name ?? "" })}>Start a virtual board</button>
           <p class="hint">It answers and plays as a real board does, in real time. Play starts it by itself.</p>
@@ -87,6 +88,11 @@ export function Board({ actions }: { actions: Actions }) {
       )}
     </Panel>
   );
+}
+
+/** Says what this page leaves out, and how to have it. */
+export function NeedsProgram({ what }: { what: string }) {
+  return <p class="hint">{what} by the program, and none is behind this page. Save the design as a bundle, install Haptogram and open the bundle: <code>haptogram studio NAME.haptogram</code>.</p>;
 }
 
 function Work() {

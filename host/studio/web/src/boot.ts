@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What must be there at once: the link to the server and STOP. The view, which is large, comes after it.
-import { Link } from "./link";
+// What must be there at once: the link to the engine and STOP. The view, which is large, comes after it.
+import { InPage } from "./in_page";
+import type { Link } from "./link";
+import { Server } from "./server";
 import "./theme";
 
 function element(id: string): HTMLElement {
@@ -25,14 +27,23 @@ function show(message: string): void {
   banner.hidden = message === "";
 }
 
-const token = takeToken();
-if (token === "") {
-  element("app").replaceChildren();
-  element("stop").hidden = true;
-  element("board").textContent = "";
-  show("This page needs its key: open the address that “haptogram studio” printed.");
-} else {
-  const link = new Link(token);
+/** A page of a static site has its engine with it; one that the program serves has the program. */
+function linkOf(): Link | undefined {
+  if (document.documentElement.dataset["engine"] === "in-page") return new InPage();
+  const token = takeToken();
+  return token === "" ? undefined : new Server(token);
+}
+
+function begin(link: Link): void {
+  // Two frames, so that what is there is drawn first.
+  requestAnimationFrame(() =>
+    requestAnimationFrame(() => {
+      void import("./app").then((app) => app.start(link), (error: unknown) => show(`The view could not be loaded: ${String(error)}`));
+    }),
+  );
+}
+
+function beginWithServer(link: Link): void {
   const stop = (): void => {
     element("board").textContent = "Stopping…";
     link.stop();
@@ -50,10 +61,26 @@ if (token === "") {
       show("The board has not confirmed that its outputs are off. Its watchdog should have done it; to be sure, switch its power off.");
     if (event.t === "notice") show(event.message);
   });
-  // Two frames, so that what is there is drawn first.
-  requestAnimationFrame(() =>
-    requestAnimationFrame(() => {
-      void import("./app").then((app) => app.start(link), (error: unknown) => show(`The view could not be loaded: ${String(error)}`));
-    }),
-  );
+  begin(link);
+}
+
+function beginInPage(link: Link): void {
+  element("stop").hidden = true; // nothing plays from here
+  element("board").textContent = "Loading what computes in this page";
+  link.listen((event) => {
+    if (event.t === "lost") show("What computes in this page has ended: the browser gives it too little memory, or has no WebAssembly. Load the page again; it offers the design that was open.");
+  });
+  begin(link);
+}
+
+const link = linkOf();
+if (link instanceof InPage) {
+  beginInPage(link);
+} else if (link) {
+  beginWithServer(link);
+} else {
+  element("app").replaceChildren();
+  element("stop").hidden = true;
+  element("board").textContent = "";
+  show("This page needs its key: open the address that “haptogram studio” printed.");
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The link to the server: messages over the WebSocket, files and downloads over HTTP. ../../README.md has the table.
+// The link to the engine, which computes: what is asked of it and what it answers. ../../README.md has the table. The program is one
+// engine (server.ts), the same libraries as WebAssembly in a Worker are the other (in_page.ts).
 import type { ProjectDocument } from "./document";
 
 export type Point = [number, number, number];
@@ -299,10 +300,6 @@ export function readHand(bytes: ArrayBuffer): DrawnHand {
   return { n: count(4), skin: next(count(8), 9), felt: next(count(12), 6), weak: next(count(16), 6), foci: next(count(20), 3) };
 }
 
-const longestPause = 4000; // ms between attempts to reach the server
-const beatPause = 200; // ms between signs of life
-const stopPatience = 100; // ms until STOP also goes over HTTP
-
 /** What a scene can be taken away as, and the files' names. */
 export const filesOfScene = {
   hex: "image.hex",
@@ -314,118 +311,77 @@ export const filesOfScene = {
 };
 export type FileOfScene = keyof typeof filesOfScene;
 
-export class Link {
-  private socket: WebSocket | undefined;
-  private pause = 250;
-  private n = 0;
-  private everOpen = false;
-  private readonly listeners: ((event: Event) => void)[] = [];
+/** What is asked; ../../README.md has the members of each. */
+export interface Message {
+  t: string;
+  [member: string]: unknown;
+}
 
-  constructor(private readonly token: string) {
-    this.connect();
-    setInterval(() => this.beat(), beatPause);
-    document.addEventListener("visibilitychange", () => this.beat());
-  }
+export abstract class Link {
+  private n = 0;
+  protected readonly listeners: ((event: Event) => void)[] = [];
+
+  /** Whether it is a program, which has boards and all else that a page alone has not. */
+  abstract readonly isProgram: boolean;
+  /** Whether the engine can be reached now. */
+  abstract get open(): boolean;
+  /** Outputs off. */
+  abstract stop(): void;
+  /** Hands a message to an engine that is open. */
+  protected abstract post(message: Message & { n: number }): void;
+  /** Asks for a document or a file. @throws Error with the engine's words */
+  protected abstract request(method: "GET" | "POST", target: string, body?: Blob): Promise<Blob>;
 
   listen(listener: (event: Event) => void): void {
     this.listeners.push(listener);
   }
 
-  get open(): boolean {
-    return this.socket?.readyState === WebSocket.OPEN;
-  }
-
   /** Sends a message and returns its number, which the answer has, too. */
-  send(message: { t: string; [member: string]: unknown }): number {
+  send(message: Message): number {
     this.n += 1;
-    if (this.open) this.socket?.send(JSON.stringify({ ...message, n: this.n }));
+    if (this.open) this.post({ ...message, n: this.n });
     return this.n;
   }
 
-  /** Outputs off, by the socket, and a moment later also by a request of its own if there is no answer. */
-  stop(): void {
-    const n = this.send({ t: "stop" });
-    const timer = setTimeout(() => void this.post("/api/stop").catch(() => this.tell({ t: "off", n, confirmed: false })), stopPatience);
-    const answered = (event: Event): void => {
-      if (event.t !== "off" || event.n !== n) return;
-      clearTimeout(timer);
-      this.listeners.splice(this.listeners.indexOf(answered), 1);
-    };
-    this.listeners.push(answered);
-  }
-
   async hello(): Promise<Hello> {
-    return (await (await this.fetch("/api/hello")).json()) as Hello;
+    return await this.json<Hello>("GET", "/api/hello");
   }
 
-  /** Sends a file; the server reads it when a document names it. */
+  /** Sends a file; the engine reads it when a document names it. */
   async sendFile(file: File): Promise<void> {
-    await this.post(`/api/files?name=${encodeURIComponent(file.name)}`, file);
+    await this.request("POST", `/api/files?name=${encodeURIComponent(file.name)}`, file);
   }
 
   /** A file that was sent, or that the project has. */
   async file(name: string): Promise<Blob> {
-    return await (await this.fetch(`/api/files?name=${encodeURIComponent(name)}`)).blob();
+    return await this.request("GET", `/api/files?name=${encodeURIComponent(name)}`);
   }
 
   /** A project file's text as a document. */
   async readProject(text: string): Promise<{ document: ProjectDocument; files: string[] }> {
-    return (await (await this.post("/api/document", new Blob([text]))).json()) as { document: ProjectDocument; files: string[] };
+    return await this.json("POST", "/api/document", new Blob([text]));
   }
 
   /** A document as a project file's text, and the files that it names. */
   async writeProject(document: ProjectDocument): Promise<{ text: string; files: string[] }> {
-    return (await (await this.post("/api/project", new Blob([JSON.stringify(document)]))).json()) as { text: string; files: string[] };
+    return await this.json("POST", "/api/project", new Blob([JSON.stringify(document)]));
   }
 
   async take(scene: string, as: FileOfScene | "methods"): Promise<Blob> {
-    const address = as === "report" ? `/api/report?scene=${scene}` : `/api/take?scene=${scene}&as=${as}`;
-    return await (await this.fetch(address)).blob();
+    return await this.request("GET", as === "report" ? `/api/report?scene=${scene}` : `/api/take?scene=${scene}&as=${as}`);
   }
 
   /** The scene's image in its board's bitstream; with autostart it plays at power-up. */
   async bitstream(scene: string, autostart: boolean): Promise<Blob> {
-    return await (await this.fetch(`/api/bitstream?scene=${scene}&autostart=${autostart ? 1 : 0}`)).blob();
+    return await this.request("GET", `/api/bitstream?scene=${scene}&autostart=${autostart ? 1 : 0}`);
   }
 
   /** The field on a plane as a file; the query's members are those of ../../README.md. */
   async field(query: Record<string, string>): Promise<Blob> {
-    return await (await this.fetch(`/api/field?${new URLSearchParams(query)}`)).blob();
+    return await this.request("GET", `/api/field?${new URLSearchParams(query)}`);
   }
 
-  private async post(path: string, body: Blob | null = null): Promise<Response> {
-    return await this.fetch(path, { method: "POST", body });
-  }
-
-  private async fetch(path: string, init: RequestInit = {}): Promise<Response> {
-    const response = await fetch(path, { ...init, headers: { Authorization: `Bearer ${this.token}` } });
-    if (response.ok) return response;
-    const answer = (await response.json()) as { error: { message: string } };
-    throw new Error(answer.error.message);
-  }
-
-  private beat(): void {
-    if (this.open) this.socket?.send(JSON.stringify({ t: "beat", hidden: document.hidden }));
-  }
-
-  private connect(): void {
-    const socket = new WebSocket(`ws://${location.host}/ws`, ["haptogram.1", `token.${this.token}`]);
-    this.socket = socket;
-    socket.binaryType = "arraybuffer";
-    socket.onopen = () => {
-      this.pause = 250;
-      this.everOpen = true;
-      this.tell({ t: "open" });
-    };
-    socket.onmessage = (event: MessageEvent<string | ArrayBuffer>) => this.receive(event.data);
-    socket.onclose = () => {
-      this.tell({ t: this.everOpen ? "lost" : "refused" });
-      setTimeout(() => this.connect(), this.pause);
-      this.pause = Math.min(longestPause, 2 * this.pause);
-    };
-  }
-
-  private receive(data: string | ArrayBuffer): void {
+  protected receive(data: string | ArrayBuffer): void {
     if (typeof data === "string") return this.tell(JSON.parse(data) as Event);
     const magic = new TextDecoder().decode(new Uint8Array(data, 0, 4));
     if (magic === "HSL1") this.tell({ t: "slice", slice: readSlice(data) });
@@ -433,7 +389,14 @@ export class Link {
     else this.tell({ t: "object", object: readObject(data) });
   }
 
-  private tell(event: Event): void {
+  protected tell(event: Event): void {
     for (const listener of [...this.listeners]) listener(event);
   }
+
+  private async json<Answer>(method: "GET" | "POST", target: string, body?: Blob): Promise<Answer> {
+    return JSON.parse(await (await this.request(method, target, body)).text()) as Answer;
+  }
 }
+
+/** What an engine says is wrong, as it stands in its answer. */
+export const wrongIn = (answer: string): Error => new Error((JSON.parse(answer) as { error: { message: string } }).error.message);

@@ -2,12 +2,13 @@
 // What stands beside the view. Panels read the signals of the state, and call the actions.
 import { useId } from "preact/hooks";
 import { type ColourMap, colourMaps, stops } from "./colours";
+import { NeedsProgram } from "./board";
 import { commands } from "./commands";
 import { Choice, More, NumberField, Panel, PointField, Row } from "./controls";
 import { designName, edit, having, project } from "./document";
 import type { Point, SliceData } from "./link";
 import { look, quantities, type Quantity, short, squareOf, valueOf, valueOnScale } from "./quantity";
-import { type Actions, boardOf, type Handles, shownRecord, state } from "./state";
+import { type Actions, boardOf, type Handles, noProgram, shownRecord, state } from "./state";
 import type { Orientation } from "./view";
 
 interface WithActions {
@@ -31,11 +32,11 @@ export function TakeAway({ actions }: WithActions) {
         <button type="button" disabled={!ready} onClick={() => void actions.take("sequence")} title="Sequence memory for Verilog's $readmemh">Sequence (.mem)</button>
       </div>
       <h3>Bitstream</h3>
-      <div class="buttons">
+      {noProgram.value ? <NeedsProgram what="Images are put into bitstreams" /> : <div class="buttons">
         <button type="button" disabled={!ready || !board || state.writing.value} onClick={() => void actions.takeBitstream(false)} title="For the FPGA: the core with this image in its memories">{board ? `${board.bitstream}` : "Bitstream"}</button>
         <button type="button" disabled={!ready || !board || state.writing.value} onClick={() => void actions.takeBitstream(true)} title="The same, and the board plays it at power-up, with no host and no watchdog">with autostart</button>
-      </div>
-      {!board && <p class="hint">Choose a board first: Make, Sample and play, More.</p>}
+      </div>}
+      {!board && !noProgram.value && <p class="hint">Choose a board first: Make, Sample and play, More.</p>}
       <h3>For a paper</h3>
       <div class="buttons">
         <button type="button" disabled={!ready || state.writing.value} onClick={() => void actions.take("report")}>Report (.html)</button>
@@ -44,7 +45,7 @@ export function TakeAway({ actions }: WithActions) {
       <h3>Field on the plane</h3>
       <NumberField label="Step" unit="mm" value={state.stepMm.value} step={0.1} least={0.05} onValue={(value) => (state.stepMm.value = value)} />
       <div class="buttons">
-        {fieldFiles.map((as) => <button key={as} type="button" disabled={!ready || told.field === undefined || state.writing.value} onClick={() => void actions.takeField(as)}>Field (.{as})</button>)}
+        {fieldFiles.filter((as) => as !== "png" || !noProgram.value).map((as) => <button key={as} type="button" disabled={!ready || told.field === undefined || state.writing.value} onClick={() => void actions.takeField(as)}>Field (.{as})</button>)}
       </div>
       {told.field === undefined && <p class="hint">The plane lies askew; files are of planes along the axes.</p>}
       <h3>The same by command</h3>

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the FPGA's own circuit does at its pins: the verdict of a simulation, and the pulses of the marked focal point.
 import { useState } from "preact/hooks";
+import { NeedsProgram } from "./board";
 import { Choice, Panel } from "./controls";
 import type { PinReport, PulseWindow } from "./link";
 import { ticks } from "./profile";
 import { short } from "./quantity";
-import { type Actions, state } from "./state";
+import { type Actions, noProgram, state } from "./state";
 
 const whole = (value: number): string => value.toLocaleString("en");
 
@@ -22,6 +23,7 @@ export function Pins({ actions }: { actions: Actions }) {
   const { pins, scene, current } = state;
   const now = pins.value;
   if (!scene.value) return null;
+  if (noProgram.value) return <Panel title="Pins"><NeedsProgram what="The FPGA's own circuit is simulated" /></Panel>;
   const stale = now.scene !== scene.value.name || !current.value;
   return (
     <Panel title="Pins">

@@ -129,6 +129,9 @@ export const state = {
   profiles: signal<{ now: Profile | undefined; kept: Profile | undefined }>({ now: undefined, kept: undefined }),
 };
 
+/** Whether no program is behind the page: then there are no boards, no simulated Verilog, no bitstreams, pictures and studies. */
+export const noProgram = signal(false);
+
 /** The shipped board that a document is for, if it names one. */
 export const boardOf = (document: ProjectDocument | undefined): Hello["boards"][number] | undefined => state.hello.value?.boards.find(({ name }) => name === document?.board);
 

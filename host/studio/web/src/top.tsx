@@ -4,7 +4,7 @@ import { Contrast, Eye, FolderOpen, Hand, Moon, PencilRuler, Play, Redo2, Save, 
 import { useEffect, useRef } from "preact/hooks";
 import { canRedo, canUndo, designName, isSaved, redo, rename, undo } from "./document";
 import { designs, keptAt } from "./keeper";
-import { type Actions, state, type StepName, stepNames } from "./state";
+import { type Actions, noProgram, state, type StepName, stepNames } from "./state";
 import { nextTheme, theme } from "./theme";
 
 interface WithActions {
@@ -61,7 +61,7 @@ export function Tools({ actions }: WithActions) {
           return <button key={step} type="button" role="tab" data-step={step} aria-selected={state.step.value === step} tabIndex={state.step.value === step ? 0 : -1} onClick={() => choose(step)}><Icon size={16} aria-hidden="true" /> {step}</button>;
         })}
       </div>
-      <button type="button" class={state.step.value === "Play" || state.studying.value ? "ghost" : "ghost away"} aria-pressed={state.studying.value} disabled={state.session.value !== undefined && state.session.value.now.show !== "ended"} onClick={() => actions.study(!state.studying.value)}>Study</button>
+      {!noProgram.value && <button type="button" class={state.step.value === "Play" || state.studying.value ? "ghost" : "ghost away"} aria-pressed={state.studying.value} disabled={state.session.value !== undefined && state.session.value.now.show !== "ended"} onClick={() => actions.study(!state.studying.value)}>Study</button>}
       <button type="button" class="ghost" disabled={!canUndo.value} onClick={undo} title="Undo (Ctrl+Z)" aria-label="Undo"><Undo2 size={16} /></button>
       <button type="button" class="ghost" disabled={!canRedo.value} onClick={redo} title="Redo (Ctrl+Shift+Z)" aria-label="Redo"><Redo2 size={16} /></button>
       <button type="button" class="ghost" onClick={nextTheme} title={`Theme: ${theme.value}`} aria-label="Theme"><Theme size={16} /></button>
@@ -80,6 +80,6 @@ export function PlayButton({ actions }: WithActions) {
   const { device, scene, current, work, playsNext } = state;
   const { connection } = device.value;
   const busy = work.value?.t === "progress" || playsNext.value;
-  const ready = scene.value !== undefined && current.value && !busy && (connection === "connected" || connection === "none");
-  return <button type="button" class="play" disabled={!ready} onClick={() => actions.play()} title={connection === "none" ? "Starts a virtual board and plays" : "Outputs on"}><Play size={14} aria-hidden="true" /> Play</button>;
+  const ready = !noProgram.value && scene.value !== undefined && current.value && !busy && (connection === "connected" || connection === "none");
+  return <button type="button" class="play" disabled={!ready} onClick={() => actions.play()} title={noProgram.value ? "Playing needs the program, which is not behind this page" : connection === "none" ? "Starts a virtual board and plays" : "Outputs on"}><Play size={14} aria-hidden="true" /> Play</button>;
 }

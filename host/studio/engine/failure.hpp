@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "haptogram/base/error.hpp"
-#include "http.hpp"
 #include "messages.hpp"
+#include "recipient.hpp"
 
 namespace haptogram::studio {
 
@@ -28,9 +28,9 @@ std::optional<nlohmann::ordered_json> error_of(Work work) {
     }
 }
 
-/// Work whose failure the page is told as the answer to message `n`.
+/// Work whose failure is told as the answer to message `n`.
 template <class Work>
-void tell_failure(Page& page, std::uint32_t n, Work work) {
+void tell_failure(Recipient& page, std::uint32_t n, Work work) {
     if (const auto error = error_of(work)) page.send(to_text({{"t", "failed"}, {"n", n}, {"error", *error}}));
 }
 

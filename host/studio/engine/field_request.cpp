@@ -7,11 +7,11 @@
 #include <cmath>
 #include <optional>
 
-#include "guard.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/process.hpp"
 #include "haptogram/verbs/slice.hpp"
+#include "request.hpp"
 
 namespace haptogram::studio {
 namespace {

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// The page's own engine, for a page that no program serves: the libraries as WebAssembly, in Workers (worker.ts). One answers what is
+// shown while a design changes; another does what takes long, so that nothing waits for it.
+import { type Event, Link, type Message, wrongIn } from "./link";
+import { SlowWork } from "./slow_work";
+
+/** What a Worker is told: a message, or a request that it answers by its number. */
+export type ToWorker = { message: string } | { request: number; method: string; target: string; body: ArrayBuffer };
+/** What it tells: that it is there or cannot be, an answer to a message as text or in bulk, or to a request. */
+export type FromWorker = { ready: true } | { lost: string } | { text: string } | { bulk: ArrayBuffer } | { request: number; status: number; body: ArrayBuffer };
+
+export function startWorker(told: (told: FromWorker) => void): Worker {
+  const worker = new Worker("worker.js", { type: "module" });
+  worker.onmessage = ({ data }: MessageEvent<FromWorker>) => told(data);
+  worker.onerror = ({ message }) => told({ lost: message });
+  return worker;
+}
+
+const takesLong = (target: string): boolean => target.startsWith("/api/field") || target.startsWith("/api/report");
+
+export class InPage extends Link {
+  readonly isProgram = false;
+  private readonly quick = startWorker((told) => this.hear(told));
+  private readonly slow = new SlowWork((told) => this.hear(told));
+  private readonly documents = new Map<number, unknown>(); // of scenes under way, by their message
+  private readonly waiting = new Map<number, (answer: { status: number; body: ArrayBuffer }) => void>();
+  private requests = 0;
+  private ready = false;
+
+  get open(): boolean {
+    return this.ready;
+  }
+
+  /** No board can be played from here, so there is nothing to turn off. */
+  stop(): void {}
+
+  protected post(message: Message & { n: number }): void {
+    if (message.t === "cancel") return this.slow.cancel(String(message["what"]));
+    if (message.t === "analyze" || message.t === "path") return this.slow.ask(message);
+    if (message.t === "scene") this.documents.set(message.n, message["document"]);
+    this.quick.postMessage({ message: JSON.stringify(message) } satisfies ToWorker);
+  }
+
+  protected async request(method: string, target: string, body?: Blob): Promise<Blob> {
+    const request = ++this.requests;
+    const asked = { request, method, target, body: body ? await body.arrayBuffer() : new ArrayBuffer(0) } satisfies ToWorker;
+    const answer = await new Promise<{ status: number; body: ArrayBuffer }>((answered) => {
+      this.waiting.set(request, answered);
+      if (method === "POST" && target.startsWith("/api/files")) this.slow.keep(asked);
+      if (takesLong(target)) this.slow.ask(asked);
+      else this.quick.postMessage(asked);
+    });
+    if (answer.status === 200) return new Blob([answer.body]);
+    throw wrongIn(new TextDecoder().decode(answer.body));
+  }
+
+  private hear(told: FromWorker): void {
+    if ("ready" in told) {
+      this.ready = true;
+      this.tell({ t: "open" });
+    } else if ("lost" in told) {
+      this.ready = false;
+      this.tell({ t: "lost" });
+    } else if ("text" in told) {
+      const event = JSON.parse(told.text) as Event;
+      if (event.t === "scene") this.slow.know(event.scene.name, this.documents.get(event.n));
+      if ("n" in event && event.n !== undefined) this.documents.delete(event.n);
+      this.tell(event);
+    } else if ("bulk" in told) {
+      this.receive(told.bulk);
+    } else {
+      this.waiting.get(told.request)?.(told);
+      this.waiting.delete(told.request);
+    }
+  }
+}
