@@ -30,6 +30,7 @@ always @(posedge clk) begin
         if (start_q) assert (gate_q == f_start_gate_q);
         if (live_q) assert (gate_q == f_live_gate_q);
         assert (!(start_q && follow_q));
+        assert (!(live_q && by_trigger));
         assert (cut_q == f_broken_q && pushing_q == f_begun_q);
         if (!$past(rst) && !rst) begin
             // Not before the period before, and then at once.

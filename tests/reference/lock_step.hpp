@@ -152,6 +152,10 @@ public:
                 return fmt::format("begins at {}, record {}, {}", c.clock, c.index, c.enabled ? "on" : "off");
             });
         if (difference.empty())
+            difference = first_difference(
+                "trigger", of_core_.triggers, of_reference_.triggers,
+                [](const sim::TriggerChange& t) { return fmt::format("{} at {}", t.level ? "high" : "low", t.clock); });
+        if (difference.empty())
             difference = first_difference("byte", of_core_.arrivals, of_reference_.arrivals, [](const sim::Arrival& a) {
                 return fmt::format("0x{:02x} at {}", a.byte, a.clock);
             });
@@ -159,10 +163,6 @@ public:
             difference = first_difference("SYNC", of_core_.sync, of_reference_.sync, [](const sim::SyncChange& s) {
                 return fmt::format("{} at {}", s.level ? "high" : "low", s.clock);
             });
-        if (difference.empty())
-            difference = first_difference(
-                "trigger", of_core_.triggers, of_reference_.triggers,
-                [](const sim::TriggerChange& t) { return fmt::format("{} at {}", t.level ? "high" : "low", t.clock); });
         if (difference.empty() && pins_) difference = difference_of_outputs();
         edges += of_core_.edges.size();
         cycles += of_core_.cycles.size();
