@@ -141,7 +141,8 @@ module frame_player #(
 
     // ---- Once a carrier period
 
-    wire       guarded, allow = guarded && !i_mute;
+    wire       guarded;
+    wire       allow = guarded && !i_mute;
     wire [1:0] coming_tag, tag;
     wire bent_words, settled, tick, cycle_start, can_match, follows, asked, commit, refresh, asks, ready, refreshes, still, missed, late;
     wire period, mute, begins, new_target, raw, drop, emission_ready, valid, last, busy, word_valid, word_last, bent;

@@ -184,7 +184,7 @@ module haptogram_core #(
     wire [47:0] period;
     wire [31:0] live_entry;
     wire [15:0] next_index, next_dwell;
-    wire [1:0]  source_tag, next_tag = TRIGGER != 0 && !streams ? source_tag : 2'b00;
+    wire [1:0]  source_tag;
     wire [15:0] source_index, source_dwell, stream_index;
     wire [1:0]  mode, source_mode, tag;
     wire        mute, fires, samples;
@@ -192,6 +192,7 @@ module haptogram_core #(
     wire        source_entry, source_drop, streams, stream_begins, stream_entry, stream_drop;
     wire [3:0]  stream_counts;
     wire        supplants = does_select || starts || plays_live;  // something else than a stream begins
+    wire [1:0]  next_tag = TRIGGER != 0 && !streams ? source_tag : 2'b00;
     assign {entry, next_index, next_dwell} = streams ? {stream_entry, stream_index, 16'd0} : {source_entry, source_index, source_dwell};
     assign {mode, drop} = {streams ? `HG_MODE_LIVE : source_mode, source_drop || stream_drop};
 
@@ -214,6 +215,7 @@ module haptogram_core #(
         .o_preempt(preempt), .o_drop(source_drop), .o_entry(source_entry), .i_take(take && !streams), .o_index(source_index), .o_dwell(source_dwell), .o_tag(source_tag),
         .o_mode(source_mode), .o_autostart(autostart));
 
+    wire disables = stale || line_broken || stopped || expired || out_of_step || rst;
     generate
         if (SCHEDULE != 0) begin : keeps_time
             schedule #(.TRIGGER(TRIGGER)) times (
@@ -241,7 +243,6 @@ module haptogram_core #(
     synchronizer #(.RESET_VALUE(1'b1)) stop_switch (.clk(clk), .rst(rst), .i_foreign(i_stop), .o_synchronous(stopped));
 
     wire lingers, last, in_step, numbered, sync_missed;
-    wire disables = stale || line_broken || stopped || expired || out_of_step || rst;
     wire [1:0] role;
     wire together = role != `HG_ROLE_ALONE;
     board_sync #(.SYNC(SYNC), .SCHEDULE(SCHEDULE), .PERIOD_CLOCKS(IDLE_CLOCKS)) others (

@@ -64,7 +64,8 @@ module player #(
     wire [TIMING_BITS-1:0] timing, count;
     wire [15:0]            index, dwell, present;
     wire [1:0]             coming_tag, tag;
-    wire                   guarded, allow = guarded && !i_mute;
+    wire                   guarded;
+    wire                   allow = guarded && !i_mute;
     wire [23:0]            cycle_length, prescaler;
     wire [PULSE_BITS-1:0]  next_pulse_length, pulse_length;
     wire                   amplitudes, foci, refresh, follows, asked, near;  // of frame_player alone
