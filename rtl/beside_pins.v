@@ -2,7 +2,8 @@
 //
 // Delays what is said beside the pins as the pins are: by one tick and two clocks.
 //
-// With a tick come i_index, the record that it belongs to, and i_cycle_start, which says that it is the first of its cycle.
+// With a tick come i_index, the record that it belongs to, and i_cycle_start, which says that it is the first of its cycle; with that
+// i_tag, which is 0 between two of them behind the pins.
 `default_nettype none
 module beside_pins (
     input  wire        clk,
@@ -10,21 +11,23 @@ module beside_pins (
     input  wire        i_tick,
     input  wire        i_cycle_start,
     input  wire [15:0] i_index,
+    input  wire [1:0]  i_tag,
     output wire        o_cycle_start,
+    output wire [1:0]  o_tag,
     output wire [15:0] o_index
 );
-    reg        starts_q;  // the last tick was the first of a cycle
+    reg [2:0]  starts_q;  // the last tick was the first of a cycle, and its tag
     reg [15:0] index_q;   // the record of the last tick
-    reg [16:0] beside_0_q, beside_1_q;
-    initial {starts_q, index_q, beside_0_q, beside_1_q} = 51'd0;
+    reg [18:0] beside_0_q, beside_1_q;
+    initial {starts_q, index_q, beside_0_q, beside_1_q} = 57'd0;
     always @(posedge clk) begin
-        if (rst) {starts_q, index_q, beside_0_q, beside_1_q} <= 51'd0;
+        if (rst) {starts_q, index_q, beside_0_q, beside_1_q} <= 57'd0;
         else begin
-            if (i_tick) {starts_q, index_q} <= {i_cycle_start, i_index};
-            beside_0_q <= {i_tick && starts_q, i_tick ? index_q : beside_0_q[15:0]};
+            if (i_tick) {starts_q, index_q} <= {{3{i_cycle_start}} & {1'b1, i_tag}, i_index};
+            beside_0_q <= {{3{i_tick}} & starts_q, i_tick ? index_q : beside_0_q[15:0]};
             beside_1_q <= beside_0_q;
         end
     end
-    assign {o_cycle_start, o_index} = beside_1_q;
+    assign {o_cycle_start, o_tag, o_index} = beside_1_q;
 endmodule
 `default_nettype wire

@@ -18,6 +18,7 @@ module command_check #(
     parameter SCHEDULE       = 0,
     parameter SYNC           = 0,
     parameter STREAM         = 0,
+    parameter TRIGGER        = 0,
     parameter WORD_BITS      = 16
 ) (
     input  wire        clk,
@@ -33,7 +34,7 @@ module command_check #(
     input  wire [15:0] i_top_index,     // the highest index that is a record's
     input  wire        i_header_valid,  // the sequence header's length is in range
     input  wire        i_gate_busy,     // from schedule
-    input  wire        i_at_end,
+    input  wire        i_no_push,
     input  wire        i_ring_usable,   // from focus_ring
     input  wire        i_ring_fits,
     input  wire        i_stream_usable, // from pattern_stream
@@ -48,6 +49,7 @@ module command_check #(
     localparam [16:0] SAMPLES = MODULATION_DEPTH[16:0];
     localparam STATUS_WORDS = STREAM != 0 ? `HG_STATUS_WORDS : SCHEDULE != 0 ? `HG_STATUS_UNSTREAMED_WORDS : `HG_STATUS_UNTIMED_WORDS;
     localparam STREAM_WORDS = STREAM != 0 ? `HG_STREAM_WORDS : 0;
+    localparam TRIGGER_WORDS = TRIGGER != 0 ? `HG_TRIGGER_WORDS : 0, TRIGGER_SETTINGS = TRIGGER != 0 ? `HG_TRIGGER_SETTINGS : 0;
     localparam RING_WORDS = FOCI != 0 ? `HG_RING_WORDS : 0;
     localparam ENTRY_BITS = $clog2(SEQUENCE_DEPTH + 1);
     localparam [ENTRY_BITS:0] ENTRIES = SEQUENCE_DEPTH[ENTRY_BITS:0];
@@ -94,6 +96,7 @@ module command_check #(
             `HG_REGION_GEOMETRY:   region_words = writes ? GEOMETRY_WORDS[WORD_BITS:0] : NO_WORDS;
             `HG_REGION_MODULATION: region_words = SAMPLE_WORDS[WORD_BITS:0];
             `HG_REGION_RING:       region_words = RING_WORDS[WORD_BITS:0];
+            `HG_REGION_TRIGGER:  region_words = writes ? TRIGGER_SETTINGS[WORD_BITS:0] : TRIGGER_WORDS[WORD_BITS:0];
             `HG_REGION_STREAM:   region_words = STREAM_WORDS[WORD_BITS:0];
             default:             region_words = NO_WORDS;
         endcase
@@ -106,7 +109,7 @@ module command_check #(
             `HG_COMMAND_SELECT:
                 if (i_argument_0 > i_top_index) o_status = `HG_REPLY_BAD_INDEX;
             `HG_COMMAND_PUSH:
-                if (SCHEDULE != 0 && i_at_end) o_status = `HG_REPLY_BAD_RANGE;
+                if (SCHEDULE != 0 && i_no_push) o_status = `HG_REPLY_BAD_RANGE;
                 else if (i_tail_words > live_free_q) o_status = `HG_REPLY_FIFO_FULL;
             `HG_COMMAND_START:
                 if (i_argument_1 == 16'd0 ? !i_header_valid : i_argument_0 == 16'd0 || far_entry_q || beyond_entry_q > ENTRIES)
@@ -125,7 +128,7 @@ module command_check #(
                 else if (i_gate_busy) o_status = `HG_REPLY_GATE_BUSY;
             `HG_COMMAND_PUSH_FOCI:
                 if (FOCI == 0) o_status = `HG_REPLY_UNKNOWN_COMMAND;
-                else if (!i_ring_usable || (SCHEDULE != 0 && i_at_end)) o_status = `HG_REPLY_BAD_RANGE;
+                else if (!i_ring_usable || (SCHEDULE != 0 && i_no_push)) o_status = `HG_REPLY_BAD_RANGE;
                 else if (!i_ring_fits) o_status = `HG_REPLY_FIFO_FULL;
             `HG_COMMAND_STREAM:
                 if (STREAM == 0) o_status = `HG_REPLY_UNKNOWN_COMMAND;

@@ -29,6 +29,7 @@ module cycle_controller #(
     input  wire                   i_ready,    // the next record: its fields below, and its timings in the shadow registers
     input  wire [15:0]            i_index,
     input  wire [15:0]            i_dwell,
+    input  wire [1:0]             i_tag,      // of its first cycle
     input  wire                   i_silent,   // it has no pulses, and keeps the present cycle length and prescaler
     input  wire [23:0]            i_cycle_length,
     input  wire [23:0]            i_prescaler,
@@ -45,6 +46,7 @@ module cycle_controller #(
     output wire [PULSE_BITS-1:0]  o_ahead_count,  // low bits of this tick's number, were it one of the next record's cycle
     output reg  [PULSE_BITS-1:0]  o_pulse_length,
     output reg  [15:0]            o_index,
+    output reg  [1:0]             o_tag,      // of this cycle
     output reg                    o_cycle_start,
     output wire                   o_underrun  // strobe
 );
@@ -102,6 +104,7 @@ module cycle_controller #(
             o_pulse_length <= {PULSE_BITS{1'b0}};
             o_index        <= 16'd0;
             dwell_q        <= 16'd0;
+            o_tag          <= 2'b00;
         end else if (o_commit) begin
             if (!i_silent) begin
                 last_count_q <= i_cycle_length - 1'b1;
@@ -111,7 +114,9 @@ module cycle_controller #(
             o_pulse_length <= i_silent ? {PULSE_BITS{1'b0}} : i_pulse_length;
             o_index        <= i_index;
             dwell_q        <= i_dwell;
+            o_tag          <= i_tag;
         end else begin
+            if (boundary) o_tag <= 2'b00;
             if (refresh) o_pulse_length <= i_pulse_length;
             if (boundary && dwell_q > 16'd1) dwell_q <= dwell_q - 1'b1;
         end

@@ -33,6 +33,7 @@ module frame_loader #(
     output wire                    o_take,
     input  wire [15:0]             i_index,
     input  wire [15:0]             i_dwell,
+    input  wire [1:0]              i_tag,
     output wire                    o_reading,
     output wire [ADDRESS_BITS-1:0] o_address,
     input  wire [15:0]             i_word,
@@ -52,6 +53,7 @@ module frame_loader #(
     output wire                    o_amplitudes,
     output wire [15:0]             o_index,
     output wire [15:0]             o_dwell,
+    output wire [1:0]              o_tag,
     output wire [23:0]             o_cycle_length,
     output wire [23:0]             o_prescaler,
     output wire [PULSE_BITS-1:0]   o_pulse_length,
@@ -70,12 +72,12 @@ module frame_loader #(
         .MAX_CYCLE_CLOCKS(MAX_CYCLE_CLOCKS), .WIDTH_BITS(WIDTH_BITS), .FOCI(FOCI), .LEAST_CYCLE(LEAST_CYCLE), .COMMON_CYCLE(COMMON_CYCLE)
     ) memory (
         .clk(clk), .rst(rst),
-        .i_preempt(i_preempt), .i_entry(i_entry), .i_settled(1'b1), .i_common(i_common), .o_take(o_take), .i_index(i_index), .i_dwell(i_dwell),
+        .i_preempt(i_preempt), .i_entry(i_entry), .i_settled(1'b1), .i_common(i_common), .o_take(o_take), .i_index(i_index), .i_dwell(i_dwell), .i_tag(i_tag),
         .o_reading(o_reading), .o_address(o_address), .i_word(i_word),
         .i_foci_base(i_foci_base), .i_foci_count(i_foci_count), .i_foci_last(i_foci_last), .i_foci_cycle(i_foci_cycle),
         .o_shift(shift), .o_timing(timing),
         .i_commit(i_take_over), .o_ready(loaded), .o_silent(o_silent), .o_amplitudes(o_amplitudes), .o_foci(foci),
-        .o_index(o_index), .o_dwell(o_dwell), .o_cycle_length(o_cycle_length), .o_prescaler(o_prescaler),
+        .o_index(o_index), .o_dwell(o_dwell), .o_tag(o_tag), .o_cycle_length(o_cycle_length), .o_prescaler(o_prescaler),
         .o_pulse_length(o_pulse_length), .o_refused(o_refused));
     assign o_ready = loaded && (o_silent || complete);
 

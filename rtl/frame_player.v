@@ -37,6 +37,7 @@ module frame_player #(
     output wire                o_take,
     input  wire [15:0]         i_index,
     input  wire [15:0]         i_dwell,
+    input  wire [1:0]          i_tag,       // of the entry; o_tag shows it with the first cycle start of it
     output wire                o_reading,
     output wire [ADDRESS_BITS-1:0] o_address,
     input  wire [15:0]         i_word,
@@ -64,6 +65,7 @@ module frame_player #(
     input  wire [15:0]         i_fade,
     input  wire                i_enable,
     input  wire                i_disable,
+    input  wire                i_mute,           // no pulse may reach the pins, but time goes on as if they did
     input  wire                i_together,       // with other boards: cycles have IDLE_CLOCKS clocks, and changes wait for their end
     input  wire                i_hold,           // cycle_controller's
     output wire                o_last,
@@ -72,10 +74,12 @@ module frame_player #(
     output wire                o_alive,
     output wire [15:0]         o_index,
     output wire                o_cycle_start,
+    output wire [1:0]          o_tag,
     output wire                o_refused,
     output wire                o_underrun,
     output wire                o_guard_trip,
     output wire                o_modulated,
+    output wire                o_samples,        // strobe: its first sample is taken
     output wire                o_bent,
     output wire                o_far
 );
@@ -111,6 +115,7 @@ module frame_player #(
 
     wire                    loaded, silent, amplitudes, take_over, bank;
     wire [15:0]             next_index, next_dwell;
+    wire [1:0]              next_tag;
     wire [23:0]             next_cycle_length, next_prescaler;
     wire [PULSE_BITS-1:0]   next_pulse_length;
     wire [WIDTH_BITS-1:0]   next_width = {{(WIDTH_BITS-PULSE_BITS){1'b0}}, next_pulse_length};
@@ -124,19 +129,22 @@ module frame_player #(
         .COMMON_CYCLE(SYNC != 0 ? IDLE_CLOCKS : 0)
     ) loader (
         .clk(clk), .rst(rst),
-        .i_preempt(i_preempt || i_drop), .i_entry(i_entry), .i_common(i_together), .o_take(o_take), .i_index(i_index), .i_dwell(i_dwell),
+        .i_preempt(i_preempt || i_drop), .i_entry(i_entry), .i_common(i_together), .o_take(o_take), .i_index(i_index), .i_dwell(i_dwell), .i_tag(i_tag),
         .o_reading(o_reading), .o_address(o_address), .i_word(i_word),
         .i_set_geometry(i_set_geometry), .i_set_address(i_set_address[CHANNEL_BITS+1:0]), .i_set_word(i_set_word),
         .i_foci_base(o_foci_base), .i_foci_count(o_foci_count), .i_foci_last(o_foci_last), .i_foci_whole(foci_whole), .i_foci_cycle(foci_cycle),
         .i_wave_number(wave_number), .i_gain(gain),
         .i_take_over(take_over), .o_ready(loaded), .o_silent(silent), .o_amplitudes(amplitudes),
-        .o_index(next_index), .o_dwell(next_dwell), .o_cycle_length(next_cycle_length), .o_prescaler(next_prescaler),
+        .o_index(next_index), .o_dwell(next_dwell), .o_tag(next_tag), .o_cycle_length(next_cycle_length), .o_prescaler(next_prescaler),
         .o_pulse_length(next_pulse_length), .o_refused(o_refused), .o_far(o_far),
         .i_swept(bank), .i_channel(channel), .o_word(frame_word));
 
     // ---- Once a carrier period
 
-    wire allow, bent_words, settled, tick, cycle_start, can_match, follows, asked, commit, refresh, asks, ready, refreshes, still, missed, late;
+    wire       guarded;
+    wire       allow = guarded && !i_mute;
+    wire [1:0] coming_tag, tag;
+    wire bent_words, settled, tick, cycle_start, can_match, follows, asked, commit, refresh, asks, ready, refreshes, still, missed, late;
     wire period, mute, begins, new_target, raw, drop, emission_ready, valid, last, busy, word_valid, word_last, bent;
     wire [TIMING_BITS-1:0]  count;
     wire [15:0]             index, dwell, present;
@@ -150,12 +158,12 @@ module frame_player #(
     period_controller #(
         .CHANNELS(CHANNELS), .TIMING_BITS(TIMING_BITS), .WIDTH_BITS(WIDTH_BITS), .LEAD(LEAD), .IDLE_CLOCKS(IDLE_CLOCKS)
     ) periods (
-        .clk(clk), .rst(rst), .i_allow(allow || i_together), .i_preempt(i_preempt), .i_streams(i_streams),
+        .clk(clk), .rst(rst), .i_allow(guarded || i_together), .i_preempt(i_preempt), .i_streams(i_streams),
         .i_tick(tick), .i_cycle_start(cycle_start), .i_settled(settled), .i_follows(follows), .i_asked(asked),
         .i_commit(commit), .i_refresh(refresh), .o_preempt(asks), .o_ready(ready), .o_refresh(refreshes), .o_words(words), .o_centred(centred),
-        .o_index(index), .o_dwell(dwell), .o_silent(still), .o_cycle_length(cycle_length), .o_prescaler(prescaler), .o_longest(longest),
+        .o_index(index), .o_dwell(dwell), .o_tag(coming_tag), .o_silent(still), .o_cycle_length(cycle_length), .o_prescaler(prescaler), .o_longest(longest),
         .i_next(loaded), .i_next_silent(silent), .i_next_amplitudes(amplitudes),
-        .i_next_index(next_index), .i_next_dwell(next_dwell), .i_next_cycle_length(next_cycle_length),
+        .i_next_index(next_index), .i_next_dwell(next_dwell), .i_next_tag(next_tag), .i_next_cycle_length(next_cycle_length),
         .i_next_prescaler(next_prescaler), .i_next_pulse_length(next_width), .o_take_over(take_over),
         .o_bank(bank), .o_channel(channel), .o_mute(mute), .o_begin(begins), .o_new_target(new_target), .o_raw(raw),
         .o_raw_width(raw_width), .o_cycle(cycle_ticks), .o_drop(drop), .i_ready(emission_ready), .o_valid(valid), .o_last(last),
@@ -167,7 +175,7 @@ module frame_player #(
         .i_write(i_set_sample), .i_write_address(i_set_address), .i_write_word(i_set_word),
         .i_read_address(i_read_address), .o_word(o_sample_word), .o_fetching(o_fetching),
         .i_modulate(i_modulate), .i_divider(i_divider), .i_length(i_length), .i_form(i_form), .i_modulates(i_modulates), .i_at_pass_end(i_at_pass_end),
-        .i_period(period), .o_running(o_modulated), .o_sample(sample));
+        .i_period(period), .o_running(o_modulated), .o_first(o_samples), .o_sample(sample));
 
     // The slew limiter's settings, as they were when the period's words were begun.
     reg [1:0]  slew_q;
@@ -192,13 +200,13 @@ module frame_player #(
         .PULSE_BITS(WIDTH_BITS), .TIMING_BITS(TIMING_BITS), .IDLE_CLOCKS(IDLE_CLOCKS)
     ) cycle (
         .clk(clk), .rst(rst),
-        .i_allow(allow || i_together), .i_preempt(asks), .i_hold(i_hold), .o_last(o_last), .i_settled(settled),
-        .i_ready(ready), .i_index(index), .i_dwell(dwell), .i_silent(still),
+        .i_allow(guarded || i_together), .i_preempt(asks), .i_hold(i_hold), .o_last(o_last), .i_settled(settled),
+        .i_ready(ready), .i_index(index), .i_dwell(dwell), .i_tag(coming_tag), .i_silent(still),
         .i_cycle_length(cycle_length), .i_prescaler(prescaler), .i_pulse_length(longest),
         .i_refresh(refreshes), .o_refresh(refresh), .o_follows(follows), .o_asked(asked),
         .o_near(near_end), .o_ahead_count(ahead_count),
         .o_commit(commit), .o_tick(tick), .o_count(count), .o_can_match(can_match), .o_pulse_length(playing_longest),
-        .o_index(present), .o_cycle_start(cycle_start), .o_underrun(late));
+        .o_index(present), .o_tag(tag), .o_cycle_start(cycle_start), .o_underrun(late));
     assign o_underrun = late || missed;
     assign o_bent = bent_words && allow;
 
@@ -216,11 +224,11 @@ module frame_player #(
     ) guard (
         .clk(clk), .rst(rst),
         .i_enable(i_enable), .i_disable(i_disable), .i_pins(o_pins),
-        .o_allow(allow), .o_enabled(o_enabled), .o_trip(o_guard_trip), .o_alive(o_alive));
+        .o_allow(guarded), .o_enabled(o_enabled), .o_trip(o_guard_trip), .o_alive(o_alive));
 
     beside_pins beside (
-        .clk(clk), .rst(rst), .i_tick(tick), .i_cycle_start(cycle_start), .i_index(present),
-        .o_cycle_start(o_cycle_start), .o_index(o_index));
+        .clk(clk), .rst(rst), .i_tick(tick), .i_cycle_start(cycle_start), .i_index(present), .i_tag(tag),
+        .o_cycle_start(o_cycle_start), .o_tag(o_tag), .o_index(o_index));
 
 endmodule
 `default_nettype wire

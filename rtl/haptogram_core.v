@@ -34,6 +34,9 @@ module haptogram_core #(
     output wire [7:0]          o_net_byte,
     input  wire [4:0]          i_identity_place,  // a word of the identity block for who only asks, combinational and constant
     output wire [15:0]         o_identity_word,
+    input  wire                i_trigger,      // not synchronous to clk
+    output wire                o_trigger,
+    output wire                o_test,         // for an oscilloscope
     output wire [CHANNELS-1:0] o_pins,
     output wire                o_enabled,      // for the drivers' enable input
     output wire                o_alive,        // changes all the time, as long as there is a clock
@@ -93,20 +96,20 @@ module haptogram_core #(
     wire [7:0]  command, verdict, status, sequence_number, expected;
     wire [15:0] argument_0, argument_1, argument_2, tail_words, read_words, live_free, live_level;
     wire [WORD_BITS-1:0] command_address, ring_address, ring_start;
-    wire        gate_busy, at_end, ring_usable, ring_fits, ring_wraps, ring_complete, ring_split;
+    wire        gate_busy, no_push, ring_usable, ring_fits, ring_wraps, ring_complete, ring_split;
     wire [3:0]  region;
     wire        stream_usable, stream_waits, stream_takes, stream_place, stream_keeps, stream_split, closes;
     wire [WORD_BITS-1:0] stream_address;
 
     command_check #(
         .CHANNELS(CHANNELS), .RECORDS(RECORDS), .SEQUENCE_DEPTH(SEQUENCE_DEPTH), .WIDTH_BITS(WIDTH_BITS),
-        .MODULATION_DEPTH(MODULATION_DEPTH), .FOCI(FOCI), .SCHEDULE(SCHEDULE), .SYNC(SYNC), .STREAM(STREAM), .WORD_BITS(WORD_BITS)
+        .MODULATION_DEPTH(MODULATION_DEPTH), .FOCI(FOCI), .SCHEDULE(SCHEDULE), .SYNC(SYNC), .STREAM(STREAM), .TRIGGER(TRIGGER), .WORD_BITS(WORD_BITS)
     ) check (
         .clk(clk),
         .i_settle(settle), .i_command(command),
         .i_argument_0(argument_0), .i_argument_1(argument_1), .i_argument_2(argument_2), .i_tail_words(tail_words),
         .i_live_free(live_free), .i_stopped(stopped), .i_out_of_step(out_of_step), .i_top_index(top_index), .i_header_valid(header_valid),
-        .i_gate_busy(gate_busy), .i_at_end(at_end), .i_ring_usable(ring_usable), .i_ring_fits(ring_fits),
+        .i_gate_busy(gate_busy), .i_no_push(no_push), .i_ring_usable(ring_usable), .i_ring_fits(ring_fits),
         .i_stream_usable(stream_usable), .o_status(verdict));
 
     command_unit #(
@@ -181,11 +184,15 @@ module haptogram_core #(
     wire [47:0] period;
     wire [31:0] live_entry;
     wire [15:0] next_index, next_dwell;
+    wire [1:0]  source_tag;
     wire [15:0] source_index, source_dwell, stream_index;
-    wire [1:0]  mode, source_mode;
+    wire [1:0]  mode, source_mode, tag;
+    wire        mute, fires, samples;
+    wire [15:0] trigger_word;
     wire        source_entry, source_drop, streams, stream_begins, stream_entry, stream_drop;
     wire [3:0]  stream_counts;
     wire        supplants = does_select || starts || plays_live;  // something else than a stream begins
+    wire [1:0]  next_tag = TRIGGER != 0 && !streams ? source_tag : 2'b00;
     assign {entry, next_index, next_dwell} = streams ? {stream_entry, stream_index, 16'd0} : {source_entry, source_index, source_dwell};
     assign {mode, drop} = {streams ? `HG_MODE_LIVE : source_mode, source_drop || stream_drop};
 
@@ -205,16 +212,17 @@ module haptogram_core #(
         .i_argument_0(start_0), .i_argument_1(start_1), .i_argument_2(start_2),
         .o_fetching(fetching), .o_sequence_address(sequence_address), .i_sequence_word(sequence_word),
         .i_live_valid(live_valid), .i_live_empty(live_level == 16'd0), .i_live_entry(live_entry), .o_live_take(live_take), .o_live_clear(live_clear),
-        .o_preempt(preempt), .o_drop(source_drop), .o_entry(source_entry), .i_take(take && !streams), .o_index(source_index), .o_dwell(source_dwell),
+        .o_preempt(preempt), .o_drop(source_drop), .o_entry(source_entry), .i_take(take && !streams), .o_index(source_index), .o_dwell(source_dwell), .o_tag(source_tag),
         .o_mode(source_mode), .o_autostart(autostart));
 
+    wire disables = stale || line_broken || stopped || expired || out_of_step || rst;
     generate
         if (SCHEDULE != 0) begin : keeps_time
-            schedule times (
+            schedule #(.TRIGGER(TRIGGER)) times (
                 .clk(clk), .rst(play_rst), .i_count(period), .i_mode(source_mode),
                 .i_gate(execute && command == `HG_COMMAND_GATE), .i_select(does_select), .i_start(does_start), .i_stop(stops),
-                .i_modulate(does_modulate), .i_forget((execute && command == `HG_COMMAND_IDENTIFY) || ((starts_now || keep) && unplayed)),
-                .i_argument_0(argument_0), .i_argument_1(argument_1), .i_argument_2(argument_2), .o_busy(gate_busy), .o_at_end(at_end),
+                .i_modulate(does_modulate), .i_trigger(fires), .i_off(disables || guard_trip), .i_forget((execute && command == `HG_COMMAND_IDENTIFY) || ((starts_now || keep) && unplayed)),
+                .i_argument_0(argument_0), .i_argument_1(argument_1), .i_argument_2(argument_2), .o_busy(gate_busy), .o_no_push(no_push),
                 .o_start(starts), .o_follow(follow), .i_followed(followed),
                 .o_argument_0(start_0), .o_argument_1(start_1), .o_argument_2(start_2),
                 .i_push(push), .i_keep(keeps), .i_take_back(takes_back), .i_clear(live_clear),
@@ -223,8 +231,8 @@ module haptogram_core #(
         end else begin : at_once
             assign {starts, start_0, start_1, start_2} = {does_start, argument_0, argument_1, argument_2};
             assign {kept, taken_back, plays_live, modulates} = {keeps, takes_back, keeps, does_modulate};
-            assign {gate_busy, at_end, follow, mark, closed, at_pass_end, waiting, late_change} = 8'd0;
-            wire unused = &{1'b0, followed, period};
+            assign {gate_busy, no_push, follow, mark, closed, at_pass_end, waiting, late_change} = 8'd0;
+            wire unused = &{1'b0, followed, period, fires};
         end
     endgenerate
 
@@ -235,7 +243,6 @@ module haptogram_core #(
     synchronizer #(.RESET_VALUE(1'b1)) stop_switch (.clk(clk), .rst(rst), .i_foreign(i_stop), .o_synchronous(stopped));
 
     wire lingers, last, in_step, numbered, sync_missed;
-    wire disables = stale || line_broken || stopped || expired || out_of_step || rst;
     wire [1:0] role;
     wire together = role != `HG_ROLE_ALONE;
     board_sync #(.SYNC(SYNC), .SCHEDULE(SCHEDULE), .PERIOD_CLOCKS(IDLE_CLOCKS)) others (
@@ -253,17 +260,17 @@ module haptogram_core #(
                 .MAX_DUTY_256(MAX_DUTY_256), .MAX_CYCLE_CLOCKS(MAX_CYCLE_CLOCKS), .SYNC(SYNC)
             ) play (
                 .clk(clk), .rst(play_rst),
-                .i_preempt(preempt), .i_drop(drop), .i_entry(entry), .o_take(take), .i_index(next_index), .i_dwell(next_dwell),
+                .i_preempt(preempt), .i_drop(drop), .i_entry(entry), .o_take(take), .i_index(next_index), .i_dwell(next_dwell), .i_tag(next_tag),
                 .o_reading(loading), .o_address(load_address), .i_word(primary_word),
-                .i_enable(does_enable), .i_disable(disables),
+                .i_enable(does_enable), .i_disable(disables), .i_mute(mute),
                 .i_together(together), .i_hold(lingers), .o_last(last),
-                .o_pins(o_pins), .o_enabled(o_enabled), .o_alive(o_alive), .o_index(o_index), .o_cycle_start(o_cycle_start),
+                .o_pins(o_pins), .o_enabled(o_enabled), .o_alive(o_alive), .o_index(o_index), .o_tag(tag), .o_cycle_start(o_cycle_start),
                 .o_refused(record_refused), .o_underrun(underrun), .o_guard_trip(guard_trip));
             assign top_index  = RECORDS[15:0];
-            assign block_word = register_word;
+            assign block_word = TRIGGER != 0 && region == `HG_REGION_TRIGGER ? trigger_word : register_word;
             assign {ring_usable, ring_fits, ring_wraps, ring_complete, ring_split, ring_index, ring_address, ring_start} = 0;
             wire   unused = &{1'b0, at_pass_end, modulates, drop};
-            assign {sample_word, sampling, modulated, bent_period, far_foci} = 20'd0;
+            assign {sample_word, sampling, modulated, bent_period, far_foci, samples} = 21'd0;
             assign {stream_usable, stream_waits, stream_place, stream_keeps, stream_split, stream_address, stream_counts} = 0;
             assign {streams, stream_begins, stream_entry, stream_drop, stream_index} = 20'd0;
             wire   unused_stream = &{1'b0, stream_takes, closes};
@@ -280,7 +287,7 @@ module haptogram_core #(
                 .MAX_DUTY_256(MAX_DUTY_256), .MAX_CYCLE_CLOCKS(MAX_CYCLE_CLOCKS), .SYNC(SYNC)
             ) play (
                 .clk(clk), .rst(play_rst),
-                .i_preempt(preempt), .i_drop(drop), .i_entry(entry), .o_take(take), .i_index(next_index), .i_dwell(next_dwell),
+                .i_preempt(preempt), .i_drop(drop), .i_entry(entry), .o_take(take), .i_index(next_index), .i_dwell(next_dwell), .i_tag(next_tag),
                 .o_reading(loading), .o_address(load_address), .i_word(primary_word),
                 .i_set_parameter(write && region == `HG_REGION_PARAMETERS), .i_set_geometry(write && region == `HG_REGION_GEOMETRY),
                 .i_set_sample(write && region == `HG_REGION_MODULATION), .i_set_address(set_address[15:0]), .i_set_word(frame_word),
@@ -289,14 +296,15 @@ module haptogram_core #(
                 .i_streams(streams), .o_go(go), .i_fades(fades), .i_fade(fade),
                 .i_modulate(does_modulate), .i_divider(argument_0), .i_length(argument_1), .i_form(argument_2),
                 .i_modulates(modulates), .i_at_pass_end(at_pass_end),
-                .i_enable(does_enable), .i_disable(disables),
+                .i_enable(does_enable), .i_disable(disables), .i_mute(mute),
                 .i_together(together), .i_hold(lingers), .o_last(last),
-                .o_pins(o_pins), .o_enabled(o_enabled), .o_alive(o_alive), .o_index(o_index), .o_cycle_start(o_cycle_start),
+                .o_pins(o_pins), .o_enabled(o_enabled), .o_alive(o_alive), .o_index(o_index), .o_tag(tag), .o_cycle_start(o_cycle_start),
                 .o_refused(record_refused), .o_underrun(underrun), .o_guard_trip(guard_trip),
-                .o_modulated(modulated), .o_bent(bent_period), .o_far(far_foci));
+                .o_modulated(modulated), .o_samples(samples), .o_bent(bent_period), .o_far(far_foci));
             assign block_word = region == `HG_REGION_PARAMETERS ? parameter_word
                               : FOCI != 0 && region == `HG_REGION_RING ? ring_word
-                              : STREAM != 0 && region == `HG_REGION_STREAM ? stream_word : register_word;
+                              : STREAM != 0 && region == `HG_REGION_STREAM ? stream_word
+                              : TRIGGER != 0 && region == `HG_REGION_TRIGGER ? trigger_word : register_word;
             // An index has 16 bits; focus records above that cannot be named.
             if (FOCI != 0) begin : with_foci
                 wire [16:0] top = RECORDS[16:0] + {1'b0, foci_count};
@@ -343,6 +351,24 @@ module haptogram_core #(
         end
     endgenerate
 
+    // ---- Triggers
+
+    generate
+        if (TRIGGER != 0) begin : with_trigger
+            wire [31:0] address = {{(32-WORD_BITS){1'b0}}, command_address};
+            wire        unused_address = &{1'b0, address[31:5]};
+            trigger #(.CHANNELS(CHANNELS)) triggers (
+                .clk(clk), .rst(rst),
+                .i_set(write && region == `HG_REGION_TRIGGER), .i_set_address(address[4:0]), .i_set_word(frame_word),
+                .i_answer(answer), .i_read_address(reply_address[4:0]), .o_word(trigger_word),
+                .i_pins(o_pins), .i_enabled(o_enabled), .i_playing(o_playing), .i_cycle_start(o_cycle_start), .i_tag(tag), .i_index(o_index),
+                .i_samples(samples), .o_trigger(o_trigger), .o_test(o_test), .i_trigger(i_trigger), .o_fires(fires), .o_mute(mute));
+        end else begin : without_trigger
+            assign {trigger_word, o_trigger, o_test, fires, mute} = 20'd0;
+            wire unused_trigger = &{1'b0, i_trigger, tag, samples, source_tag};
+        end
+    endgenerate
+
     // ---- Supervision
 
     wire [15:0] watchdog_ms;
@@ -358,7 +384,7 @@ module haptogram_core #(
         .CHANNELS(CHANNELS), .RECORDS(RECORDS), .SEQUENCE_DEPTH(SEQUENCE_DEPTH), .LIVE_DEPTH(LIVE_DEPTH),
         .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS), .CLOCK_HZ(CLOCK_HZ), .MIN_PULSE_CLOCKS(MIN_PULSE_CLOCKS),
         .MAX_PULSE_CLOCKS(MAX_PULSE_CLOCKS), .MAX_DUTY_256(MAX_DUTY_256), .MAX_CYCLE_CLOCKS(MAX_CYCLE_CLOCKS),
-        .WIDTH_BITS(WIDTH_BITS), .MODULATION_DEPTH(MODULATION_DEPTH), .SLEW(SLEW), .FOCI(FOCI), .SCHEDULE(SCHEDULE), .SYNC(SYNC), .CHAIN(CHAIN), .NET(NET), .STREAM(STREAM),
+        .WIDTH_BITS(WIDTH_BITS), .MODULATION_DEPTH(MODULATION_DEPTH), .SLEW(SLEW), .FOCI(FOCI), .SCHEDULE(SCHEDULE), .SYNC(SYNC), .CHAIN(CHAIN), .NET(NET), .STREAM(STREAM), .TRIGGER(TRIGGER),
         .FRAME_BYTES(FRAME_BYTES)
     ) identity (.i_address(reply_address[4:0]), .o_word(identity_word));
     generate
@@ -367,7 +393,7 @@ module haptogram_core #(
                 .CHANNELS(CHANNELS), .RECORDS(RECORDS), .SEQUENCE_DEPTH(SEQUENCE_DEPTH), .LIVE_DEPTH(LIVE_DEPTH),
                 .TIMING_BITS(TIMING_BITS), .PULSE_BITS(PULSE_BITS), .CLOCK_HZ(CLOCK_HZ), .MIN_PULSE_CLOCKS(MIN_PULSE_CLOCKS),
                 .MAX_PULSE_CLOCKS(MAX_PULSE_CLOCKS), .MAX_DUTY_256(MAX_DUTY_256), .MAX_CYCLE_CLOCKS(MAX_CYCLE_CLOCKS),
-                .WIDTH_BITS(WIDTH_BITS), .MODULATION_DEPTH(MODULATION_DEPTH), .SLEW(SLEW), .FOCI(FOCI), .SCHEDULE(SCHEDULE), .SYNC(SYNC), .CHAIN(CHAIN), .NET(NET), .STREAM(STREAM),
+                .WIDTH_BITS(WIDTH_BITS), .MODULATION_DEPTH(MODULATION_DEPTH), .SLEW(SLEW), .FOCI(FOCI), .SCHEDULE(SCHEDULE), .SYNC(SYNC), .CHAIN(CHAIN), .NET(NET), .STREAM(STREAM), .TRIGGER(TRIGGER),
                 .FRAME_BYTES(FRAME_BYTES)
             ) identity_again (.i_address(i_identity_place), .o_word(o_identity_word));
         end else begin : asked_by_the_host

@@ -26,6 +26,7 @@ module identity_block #(
     parameter NET            = 0,
     parameter SCHEDULE       = 0,
     parameter STREAM         = 0,
+    parameter TRIGGER        = 0,
     parameter FRAME_BYTES    = 214
 ) (
     input  wire [4:0]  i_address,
@@ -43,7 +44,7 @@ module identity_block #(
                                  | (MODULATION_DEPTH != 0 ? `HG_FEATURE_MODULATION : 16'd0) | (FOCI != 0 ? `HG_FEATURE_FOCI | `HG_FEATURE_LIVE_FOCI : 16'd0)
                                  | (SCHEDULE != 0 ? `HG_FEATURE_SCHEDULE : 16'd0) | (SYNC != 0 ? `HG_FEATURE_SYNC : 16'd0)
                                  | (CHAIN != 0 ? `HG_FEATURE_CHAIN : 16'd0) | (NET != 0 ? `HG_FEATURE_NET : 16'd0)
-                                 | (STREAM != 0 ? `HG_FEATURE_STREAM : 16'd0);
+                                 | (STREAM != 0 ? `HG_FEATURE_STREAM : 16'd0) | (TRIGGER != 0 ? `HG_FEATURE_TRIGGER : 16'd0);
 
     always @* case (i_address)
         `HG_IDENTITY_VERSION:        o_word = `HG_VERSION;

@@ -50,6 +50,7 @@ module index_source #(
     input  wire        i_take,
     output wire [15:0] o_index,
     output wire [15:0] o_dwell,
+    output wire [1:0]  o_tag,         // of an entry of a sequence: {it has a mark, a pass begins with it}
     output wire [1:0]  o_mode,
     output wire        o_autostart   // strobe
 );
@@ -61,6 +62,7 @@ module index_source #(
     reg [1:0]      ended_q;      // the mode whose last entry was taken, while the silence behind it is offered
     reg            offer_q;      // entry_q holds an entry to be played (not used in live mode)
     reg [31:0]     entry_q;
+    reg [1:0]      tag_q;        // of it
     reg [2:0]      fetch_q;      // one-hot: the address is out, the word is being read, the word is here
     reg            header_q;     // the word being fetched is the sequence header
     reg [BITS-1:0] first_q, last_q, number_q;  // first and last entry of the sequence; the one to be fetched
@@ -97,6 +99,7 @@ module index_source #(
     assign o_sequence_address = header_q ? {BITS{1'b0}} : number_q;
     assign o_entry            = mode_q == LIVE ? i_live_valid : offer_q;
     assign {o_dwell, o_index} = mode_q == LIVE ? i_live_entry : entry_q;
+    assign o_tag              = mode_q == LIVE ? 2'b00 : tag_q;
     assign o_live_take        = mode_q == LIVE && i_take;
     assign o_live_clear       = commanded;
     assign o_autostart        = after_reset_q && alone_q && header && in_range && i_sequence_word[`HG_AUTOSTART_BIT] && !rst;
@@ -138,9 +141,12 @@ module index_source #(
 
     // These registers need no reset: they are read only after they have been written.
     always @(posedge clk) begin
-        if (finish) entry_q <= 32'd0;
-        else if (i_select) entry_q <= {i_argument_1, i_argument_0};
-        else if (fetched) entry_q <= i_sequence_word;
+        if (finish) {tag_q, entry_q} <= 34'd0;
+        else if (i_select) {tag_q, entry_q} <= {2'b00, i_argument_1, i_argument_0};
+        else if (fetched) begin
+            entry_q <= {i_sequence_word[31:16], 1'b0, i_sequence_word[14:0]};
+            tag_q   <= {i_sequence_word[`HG_MARK_BIT], number_q == first_q};
+        end
         if (starts || header) begin
             first_q  <= first_d;
             number_q <= first_d;

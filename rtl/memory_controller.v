@@ -48,6 +48,7 @@ module memory_controller #(
     output wire                    o_take,
     input  wire [15:0]             i_index,
     input  wire [15:0]             i_dwell,
+    input  wire [1:0]              i_tag,      // goes with them
     output wire                    o_reading,  // the word at o_address is being read
     output reg  [ADDRESS_BITS-1:0] o_address,  // of a word
     input  wire [15:0]             i_word,     // two clocks after o_address
@@ -64,6 +65,7 @@ module memory_controller #(
     output wire                    o_foci,
     output reg  [15:0]             o_index,
     output reg  [15:0]             o_dwell,
+    output reg  [1:0]              o_tag,
     output reg  [23:0]             o_cycle_length,
     output reg  [23:0]             o_prescaler,
     output wire [PULSE_BITS-1:0]   o_pulse_length,
@@ -194,6 +196,7 @@ module memory_controller #(
         if (o_take) begin
             o_index   <= i_index;
             o_dwell   <= i_dwell;
+            o_tag     <= i_tag;
             foci_q    <= i_index > TOP_INDEX;
             {here_q, looked_q, header_q} <= 3'b000;
         end else if (places_q) begin

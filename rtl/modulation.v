@@ -34,6 +34,7 @@ module modulation #(
     input  wire            i_loop,
     input  wire            i_period,
     output reg             o_running,
+    output reg             o_first,          // strobe, a clock after the i_period whose period's sample is the first, in each pass
     output reg  [7:0]      o_sample
 );
     generate
@@ -57,7 +58,9 @@ module modulation #(
     wire now    = i_period && (!later || pass_ends);
     always @(posedge clk) {starts_q, stops_q, at_pass_end_q} <= {{2{!rst && !now && !i_drop}} & {starts, stops}, later};
 
+    initial o_first = 1'b0;
     always @(posedge clk) begin
+        o_first <= !rst && i_period && (starts && now || (!(stops && now) && plays_q && !ended_q && left_q == 16'd1 && at_end && loop_q));
         if (rst) {plays_q, ended_q} <= 2'b00;
         else if (i_period) begin
             if (starts && now) begin

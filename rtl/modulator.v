@@ -24,6 +24,7 @@ module modulator #(
     input  wire        i_at_pass_end, // with it: when the present pass has ended
     input  wire        i_period,
     output wire        o_running,
+    output wire        o_first,       // strobe
     output wire [7:0]  o_sample
 );
     generate
@@ -50,9 +51,9 @@ module modulator #(
                 .i_write(i_write), .i_write_address(i_write_address[BITS-2:0]), .i_write_word(i_write_word),
                 .i_read_address(i_read_address[BITS-2:0]), .o_word(o_word), .o_fetching(o_fetching),
                 .i_drop(i_modulate), .i_start(start_q), .i_stop(stop_q), .i_at_pass_end(at_pass_end_q), .i_first(first_q), .i_length(length_q), .i_divider(divider_q), .i_loop(loop_q),
-                .i_period(i_period), .o_running(o_running), .o_sample(o_sample));
+                .i_period(i_period), .o_running(o_running), .o_first(o_first), .o_sample(o_sample));
         end else begin : without_samples
-            assign {o_word, o_fetching, o_running, o_sample} = 26'd255;
+            assign {o_word, o_fetching, o_running, o_first, o_sample} = 27'd255;
             wire unused = &{1'b0, clk, rst, i_write, i_write_address, i_write_word, i_read_address, i_modulate, i_divider, i_length,
                             i_form, i_modulates, i_at_pass_end, i_period};
         end

@@ -21,3 +21,4 @@ generate if (SYNC < 0 || SYNC > 1) sync_out_of_range error(); endgenerate
 generate if (CHAIN < 0 || CHAIN > 1) chain_out_of_range error(); endgenerate
 generate if (NET < 0 || NET > 1) net_out_of_range error(); endgenerate
 generate if (STREAM != 0 && (STREAM < 4 || STREAM > 1024 || (STREAM & (STREAM - 1)) != 0 || SCHEDULE == 0)) stream_out_of_range error(); endgenerate
+generate if (TRIGGER < 0 || TRIGGER > 1 || (TRIGGER != 0 && SCHEDULE == 0)) trigger_out_of_range error(); endgenerate

@@ -43,6 +43,7 @@ module period_controller #(
     output wire                    o_centred,      // the present record has amplitudes, so its pulses are centred on their phases
     output reg  [15:0]             o_index,
     output reg  [15:0]             o_dwell,
+    output reg  [1:0]              o_tag,
     output reg                     o_silent,       // no pulses, and cycle and prescaler stay
     output reg  [23:0]             o_cycle_length,
     output reg  [23:0]             o_prescaler,
@@ -53,6 +54,7 @@ module period_controller #(
     input  wire                    i_next_amplitudes,
     input  wire [15:0]             i_next_index,
     input  wire [15:0]             i_next_dwell,
+    input  wire [1:0]              i_next_tag,
     input  wire [23:0]             i_next_cycle_length,
     input  wire [23:0]             i_next_prescaler,
     input  wire [WIDTH_BITS-1:0]   i_next_pulse_length,
@@ -149,9 +151,9 @@ module period_controller #(
         o_missed    <= !rst && i_cycle_start && plays_q && !committed_q;
         if (rst) begin
             {o_raw, o_silent, o_mute, o_bank} <= 4'b1100;
-            {o_index, o_dwell, o_cycle_length, o_prescaler} <= 80'd1;
+            {o_tag, o_index, o_dwell, o_cycle_length, o_prescaler} <= 82'd1;
         end else if (o_take_over) begin
-            {o_index, o_dwell} <= {i_next_index, i_next_dwell};
+            {o_tag, o_index, o_dwell} <= {i_next_tag, i_next_index, i_next_dwell};
             o_silent <= i_next_silent && o_raw;
             o_mute   <= i_next_silent;
             if (!i_next_silent) begin

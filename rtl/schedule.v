@@ -7,12 +7,16 @@
 // period that was named, or, when its first record cannot be loaded in the time of one period, in a later one, never before. When
 // that moment had passed as the command came, it acts at once, and o_late strobes. There is one period at a time that things can wait
 // for: o_busy says that the arguments name another one.
+// With TRIGGER, START and MODULATE can wait for i_trigger, too, as for a period that only this one brings. Whatever switches outputs off
+// ends that wait: what a host armed while outputs were on does not begin when it has enabled them anew.
 // Of a START and a PUSH that wait for the same period the later one stays, as without a gate.
 // Indices that are pushed behind a gate go into the live FIFO at once, and o_closed keeps the FIFO from giving them out. A START that
 // acts by itself empties the FIFO; if that happens while a PUSH is writing there, what is left of that PUSH is taken back, too.
 `default_nettype none
 `include "interface.vh"
-module schedule (
+module schedule #(
+    parameter TRIGGER = 0
+) (
     input  wire        clk,
     input  wire        rst,
     input  wire [47:0] i_count,       // the period at the pins
@@ -23,12 +27,14 @@ module schedule (
     input  wire        i_start,
     input  wire        i_stop,
     input  wire        i_modulate,
+    input  wire        i_trigger,     // it comes, when TRIGGER is not 0
+    input  wire        i_off,         // outputs are switched off: nothing waits for the trigger any more
     input  wire        i_forget,      // the gate's command is not carried out, or a new session has begun
     input  wire [15:0] i_argument_0,
     input  wire [15:0] i_argument_1,
     input  wire [15:0] i_argument_2,
     output wire        o_busy,        // GATE would be refused with these arguments; valid two clocks after they are in place
-    output wire        o_at_end,      // the next command waits for the end of what plays
+    output wire        o_no_push,     // the next command cannot be a PUSH, whose indices would come too early or not at all
     // START, to index_source
     output wire        o_start,       // strobe
     output wire        o_follow,      // a START waits for the end of what plays
@@ -52,7 +58,7 @@ module schedule (
     output wire        o_waiting,
     output wire        o_late         // strobe
 );
-    localparam [47:0] NONE = 48'd0, END = {48{1'b1}};
+    localparam [47:0] NONE = 48'd0, END = {48{1'b1}}, AT_TRIGGER = END - 48'd1;
 
     // ---- The gate
 
@@ -67,12 +73,16 @@ module schedule (
     wire        gated      = for_period && !reached_q;
     wire        uses_gate  = i_start || i_keep || i_modulate;
     assign o_busy    = differs_q && (start_q || live_q || modulate_q);
-    assign o_at_end  = armed_q && at_end_q;
+    // Nothing waits for the trigger that outputs were not enabled for.
+    wire by_trigger = TRIGGER != 0 && gate_q == AT_TRIGGER;
+    wire disarms    = by_trigger && i_off;
+    wire for_end    = armed_q && at_end_q;
+    assign o_no_push = armed_q && (at_end_q || by_trigger);
     assign o_waiting = start_q || follow_q || live_q || modulate_q;
-    assign o_late    = uses_gate && for_period && reached_q;
+    assign o_late    = uses_gate && for_period && reached_q && !by_trigger;
 
     always @(posedge clk) begin
-        reached_q <= i_count + 48'd1 >= gate_q;
+        reached_q <= by_trigger ? i_trigger : i_count + 48'd1 >= gate_q;
         differs_q <= named != gate_q && named != NONE && named != END;
         if (i_gate && named != NONE && named != END) gate_q <= named;
         if (i_gate) {armed_q, at_end_q} <= {named != NONE, named == END};
@@ -83,7 +93,7 @@ module schedule (
 
     reg [47:0] waiting_q;  // its arguments
     wire others = i_select || i_start || i_stop;
-    wire fires  = start_q && reached_q && !others;
+    wire fires  = start_q && reached_q && !others && !disarms;
     assign o_start  = (i_start && !(armed_q && (at_end_q || !reached_q))) || fires;
     assign o_follow = follow_q && !others;
     assign {o_argument_2, o_argument_1, o_argument_0} = i_select || i_start ? named : waiting_q;
@@ -91,9 +101,9 @@ module schedule (
     always @(posedge clk) begin
         if (i_start) waiting_q <= named;
         if (rst || i_select || i_stop || (o_live && i_mode != `HG_MODE_LIVE)) {start_q, follow_q} <= 2'b00;
-        else if (i_start) {start_q, follow_q} <= {for_period && !reached_q, armed_q && at_end_q};
+        else if (i_start) {start_q, follow_q} <= {gated && !disarms, for_end};
         else begin
-            if (fires || (o_keep && gated)) start_q <= 1'b0;  // indices that were sent later play in its place
+            if (fires || disarms || (o_keep && gated)) start_q <= 1'b0;  // indices that were sent later play in its place
             if (i_followed) follow_q <= 1'b0;
         end
     end
@@ -121,11 +131,11 @@ module schedule (
 
     // ---- MODULATE
 
-    wire modulates = modulate_q && reached_q && !i_modulate;
+    wire modulates = modulate_q && reached_q && !i_modulate && !disarms;
     assign o_modulate    = (i_modulate && !gated) || modulates;
-    assign o_at_pass_end = i_modulate && o_at_end;
+    assign o_at_pass_end = i_modulate && for_end;
     always @(posedge clk) begin
-        if (rst || i_stop) modulate_q <= 1'b0;
+        if (rst || i_stop || disarms) modulate_q <= 1'b0;
         else if (i_modulate) modulate_q <= gated;
         else if (modulates) modulate_q <= 1'b0;
     end

@@ -37,6 +37,13 @@ struct SyncChange {
     friend bool operator==(const SyncChange&, const SyncChange&) = default;
 };
 
+/// The trigger output changed its level.
+struct TriggerChange {
+    std::uint64_t clock;
+    bool level;
+    friend bool operator==(const TriggerChange&, const TriggerChange&) = default;
+};
+
 /// The host's end of the line has received a byte from the board.
 struct Arrival {
     std::uint64_t clock;
@@ -104,12 +111,16 @@ public:
     /// The level at the wire SYNC, of boards that have it.
     virtual void drive_sync(bool level) = 0;
 
+    /// The level at the trigger input, likewise.
+    virtual void drive_trigger(bool level) = 0;
+
     /// Observers. Each kind is told in the order of clocks; edges of one clock come in the order of channels, after the
     /// cycle that begins with them.
     virtual void on_edge(std::function<void(const Edge&)> callback) = 0;
     virtual void on_cycle_start(std::function<void(const CycleStart&)> callback) = 0;
     virtual void on_arrival(std::function<void(const Arrival&)> callback) = 0;
     virtual void on_sync(std::function<void(const SyncChange&)> callback) = 0;
+    virtual void on_trigger(std::function<void(const TriggerChange&)> callback) = 0;
 
     /// To be changed while no record is loaded, as after a reset: the boards differ in when they read a word. Empty
     /// where the memories can only be reached over the link.

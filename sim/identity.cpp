@@ -32,6 +32,7 @@ std::array<std::uint16_t, interface::identity_words> identity_block(const interf
     has(Feature::chain, p.chain != 0);
     has(Feature::net, p.net != 0);
     has(Feature::stream, p.stream != 0);
+    has(Feature::trigger, p.trigger != 0);
     field::version_minor.set(identity, interface::version_minor);
     field::version_major.set(identity, interface::version_major);
     field::channels.set(identity, p.channels);

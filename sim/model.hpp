@@ -18,7 +18,7 @@ public:
     /// What is at the ports after a clock's rising edge.
     struct Outputs {
         bool tx = true, enabled = false, alive = false, playing = false, fault = false, cycle_start = false,
-             sync = false,
+             sync = false, trigger = false, test = false,
              next = true;                 ///< the serial line to the next tile of a chain
         std::optional<std::uint8_t> net;  ///< a byte for the network port, which takes it in this clock
         std::uint16_t index = 0;
@@ -32,7 +32,7 @@ public:
 
     /// What is at the ports before it.
     struct Inputs {
-        bool reset = false, rx = true, stop = false, sync = false;
+        bool reset = false, rx = true, stop = false, sync = false, trigger = false;
         bool next = true;                   ///< the serial line from the next tile
         std::optional<std::uint8_t> net{};  ///< a byte from the network port
         bool net_break = false, net_stop = false;

@@ -44,6 +44,7 @@ void ReferenceBoard::unplug() { core_->line_in.unplug(core_->now); }
 void ReferenceBoard::network_break() { core_->line_in.break_network(core_->now); }
 void ReferenceBoard::network_stop() { core_->line_in.stop_network(core_->now); }
 void ReferenceBoard::drive_sync(bool level) { core_->drive_sync(level); }
+void ReferenceBoard::drive_trigger(bool level) { core_->drive_trigger(level); }
 void ReferenceBoard::press_stop(bool pressed) { core_->press_stop(pressed); }
 void ReferenceBoard::on_edge(std::function<void(const Edge&)> callback) { core_->on_edge(std::move(callback)); }
 void ReferenceBoard::on_cycle_start(std::function<void(const CycleStart&)> callback) {
@@ -53,6 +54,9 @@ void ReferenceBoard::on_arrival(std::function<void(const Arrival&)> callback) {
     core_->on_arrival = std::move(callback);
 }
 void ReferenceBoard::on_sync(std::function<void(const SyncChange&)> callback) { core_->on_sync = std::move(callback); }
+void ReferenceBoard::on_trigger(std::function<void(const TriggerChange&)> callback) {
+    core_->on_trigger = std::move(callback);
+}
 std::span<std::uint16_t> ReferenceBoard::primary_memory() { return core_->primary; }
 std::span<std::uint32_t> ReferenceBoard::sequence_memory() { return core_->sequence; }
 

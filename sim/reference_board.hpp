@@ -42,10 +42,12 @@ public:
     void network_stop() override;
     void press_stop(bool pressed) override;
     void drive_sync(bool level) override;
+    void drive_trigger(bool level) override;
     void on_edge(std::function<void(const Edge&)> callback) override;
     void on_cycle_start(std::function<void(const CycleStart&)> callback) override;
     void on_arrival(std::function<void(const Arrival&)> callback) override;
     void on_sync(std::function<void(const SyncChange&)> callback) override;
+    void on_trigger(std::function<void(const TriggerChange&)> callback) override;
     [[nodiscard]] std::span<std::uint16_t> primary_memory() override;
     [[nodiscard]] std::span<std::uint32_t> sequence_memory() override;
 

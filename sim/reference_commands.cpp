@@ -169,7 +169,7 @@ interface::Status ReferenceCore::verdict() const {
         case Command::digest: return verdict_on_memory();
         case Command::select: return argument(0) > top_index() ? Status::bad_index : Status::ok;
         case Command::push:
-            if (schedule_.for_the_end()) return Status::bad_range;
+            if (schedule_.takes_no_push()) return Status::bad_range;
             return word_.size() - data_ > live_free_ ? Status::fifo_full : Status::ok;
         case Command::start: {
             const bool good = argument(1) == 0 ? source_.header_valid()
@@ -193,7 +193,7 @@ interface::Status ReferenceCore::verdict() const {
         }
         case Command::push_foci:
             if (p_.foci == 0) return Status::unknown_command;
-            if (!ring_.usable(record_foci(), top_index()) || schedule_.for_the_end()) return Status::bad_range;
+            if (!ring_.usable(record_foci(), top_index()) || schedule_.takes_no_push()) return Status::bad_range;
             return word_.size() - data_ > std::size_t{4} * live_free_ * record_foci() ? Status::fifo_full : Status::ok;
         case Command::stream:
             if (p_.stream == 0) return Status::unknown_command;
@@ -222,6 +222,8 @@ std::size_t ReferenceCore::region_words(bool writes) const {
     if (region_ == modulation_region) return p_.modulation_depth / 2;
     if (region_ == ring_region && p_.foci != 0) return interface::ring_words;
     if (region_ == stream_region && p_.stream != 0) return interface::stream_words;
+    if (region_ == trigger_region && p_.trigger != 0)
+        return writes ? interface::trigger_settings : interface::trigger_words;
     return 0;
 }
 
@@ -302,6 +304,7 @@ void ReferenceCore::put(Clock clock, std::uint16_t value) {
         case modulation_region: frames_->modulation.write(address_, value); return;
         case ring_region: ring_.set(address_, value); return;
         case stream_region: stream_.set(clock, address_, value); return;
+        case trigger_region: trigger_.write(address_, value); return;
         default: return;
     }
 }

@@ -19,6 +19,7 @@ ReferenceCore::ReferenceCore(const interface::CoreConfiguration& asked, unsigned
       sync_(carrier_period(p_)),
       ring_(p_),
       stream_(p_),
+      trigger_(p_),
       train_(p_.channels, p_.width_bits != 0 ? PulseTrain::Gaps::all : PulseTrain::Gaps::at_changes, 2 * window_),
       guard_(p_) {
     if (p_.width_bits != 0) {
@@ -32,6 +33,10 @@ ReferenceCore::ReferenceCore(const interface::CoreConfiguration& asked, unsigned
     train_.on_change([this](Clock clock, std::uint32_t channel, bool rises) {
         if (on_edge_) on_edge_({clock, channel, index_, rises});
     });
+    schedule_.has_trigger = p_.trigger != 0;
+    trigger_.on_change([this](Clock clock, bool level) {
+        if (on_trigger) on_trigger({clock, level});
+    });
     sync_.on_change([this](Clock clock, bool level) {
         if (on_sync) on_sync({clock, level});
     });
@@ -42,7 +47,7 @@ ReferenceCore::ReferenceCore(const interface::CoreConfiguration& asked, unsigned
 Clock ReferenceCore::next() const {
     return std::min({step_at_, reply_at_, line_in.next(), line_out_.next(), source_.next(), schedule_.next(),
                      player_->next(guard_.allows() || sync_.together()), sync_.next(), guard_.next(), stops_at_,
-                     reset_at_, judge_at_, stream_.next(), stream_wakes_,
+                     reset_at_, judge_at_, stream_.next(), stream_wakes_, p_.trigger != 0 ? trigger_.next() : never,
                      stop_changes_.empty() ? never : stop_changes_.front().clock});
 }
 
@@ -62,6 +67,7 @@ void ReferenceCore::edge(Clock clock) {
         stopped_ = stop_changes_.front().stopped;
         stop_changes_.pop_front();
     }
+    if (p_.trigger != 0) schedule_.trigger(trigger_.comes(clock));
     if (clock == reply_at_) reply(clock);
     while (line_out_.next() <= clock) {
         const Arrival arrival{line_out_.next(), line_out_.arrive()};
@@ -89,6 +95,26 @@ void ReferenceCore::edge(Clock clock) {
         reset_play(reset_last_);
     else if (clock > began_)
         play(clock);
+    if (p_.trigger != 0) trigger(clock);
+}
+
+/// What this clock does to the trigger pins, and what they do from the next one on.
+void ReferenceCore::trigger(Clock clock) {
+    const bool mute = trigger_.mute();
+    ports_.enabled = guard_.enabled();
+    ports_.playing = guard_.enabled() && index_ != 0;
+    ports_.index = index_;
+    trigger_.edge(clock, ports_);
+    ports_.starts = ports_.mark = ports_.pass = ports_.samples = false;
+    if (trigger_.mute() != mute) guard_.wake_at(clock + 1);
+}
+
+/// Nothing waits for the trigger while outputs are off.
+void ReferenceCore::disarm(Clock clock) {
+    if (!schedule_.by_trigger()) return;
+    if (!disable_ && !stopped_ && !stale_.active(clock) && !sync_.out_of_step() && !guard_.acts(clock)) return;
+    static_cast<void>(schedule_.take_start());
+    schedule_.modulation_waits(false);
 }
 
 /// What plays and supervises, after the commands of this clock.
@@ -99,6 +125,7 @@ void ReferenceCore::play(Clock clock) {
         if (train_.any_high_since(clock - window_)) guard_.trip_at(clock + 2);
         judge_at_ += window_;
     }
+    disarm(clock);
     if (schedule_.opens(clock)) open_gate(clock);
     const bool unplayed = unplayed_.active(clock), stale = stale_.active(clock),
                identified = std::exchange(identified_, false);
@@ -111,8 +138,8 @@ void ReferenceCore::play(Clock clock) {
     const bool out_of_step = sync_.out_of_step(), together = sync_.together();
     const CarrierSync::Step step = sync_.step(clock, player_->cycle().last(clock), schedule_.period(clock));
     if (sync_.out_of_step() != out_of_step) guard_.wake_at(clock + 1);
-    const Guard::Verdict verdict =
-        guard_.at(clock, enable_, disable_ || stopped_ || stale_.active(clock) || out_of_step, step.lost);
+    const Guard::Verdict verdict = guard_.at(
+        clock, enable_, disable_ || stopped_ || stale_.active(clock) || out_of_step, step.lost, trigger_.mute());
     if (disable_ || stopped_ || verdict.expired || verdict.tripped || step.lost) switched_off(clock);
     count_.missed = static_cast<std::uint16_t>(count_.missed + step.missed);
     count_.lost = static_cast<std::uint16_t>(count_.lost + step.lost);
@@ -139,6 +166,7 @@ void ReferenceCore::play(Clock clock) {
     count_.refused_records = static_cast<std::uint16_t>(count_.refused_records + counted.refused);
     count_.bent = static_cast<std::uint16_t>(count_.bent + counted.bent);
     count_.far = static_cast<std::uint16_t>(count_.far + counted.far);
+    ports_.samples = counted.samples;
     if (off_ && !player_->cycle().settled(clock + 1)) guard_.wake_at(clock + 1);
 
     const bool wanted = on_edge_ || clock < pulses_asked_to_ || clock < player_->cycle().may_merge_to();
@@ -153,6 +181,9 @@ void ReferenceCore::play(Clock clock) {
         if (train_.awake()) train_.advance(clock - 1);
         index_ = start->index;
         started_at_ = clock;
+        ports_.starts = true;
+        ports_.mark = start->mark;
+        ports_.pass = start->pass;
         if (p_.sync == 0) schedule_.period_begins(clock);
         if (on_cycle_start) on_cycle_start({clock, index_, guard_.enabled()});
     }
@@ -195,7 +226,7 @@ void ReferenceCore::stream(Clock clock, bool goes, bool forgets) {
 }
 
 /// With amplitudes, the pins are let go a clock earlier.
-bool ReferenceCore::off() const { return frames_ != nullptr ? !guard_.allows() : guard_.off(); }
+bool ReferenceCore::off() const { return frames_ != nullptr ? !guard_.pulses() : guard_.off(); }
 
 /// @param last  clock of the reset; from the next one on they go on
 void ReferenceCore::reset_play(Clock last) {
@@ -236,6 +267,8 @@ void ReferenceCore::reset(unsigned clocks) {
     if (now == step_at_) go_on(now);
     disable_ = true;
     if (now > began_) play(now);
+    trigger_.reset(now, last);
+    if (p_.trigger != 0) trigger(now);
     step_ = Step::waiting;
     reply_ = Reply::idle;
     step_at_ = reply_at_ = stops_at_ = never;
@@ -273,8 +306,12 @@ const Model::Outputs& ReferenceCore::outputs() {
     outputs_.fault = guard_.fault();
     outputs_.sync = sync_.driven();
     outputs_.cycle_start = started_at_ == last;
+    outputs_.trigger = trigger_.level();
     outputs_.index = index_;
     outputs_.pins = train_.pins();
+    outputs_.test = trigger_.test(last, [this](std::uint32_t channel) {
+        return channel < p_.channels && (outputs_.pins[channel / 32] >> channel % 32 & 1U) != 0;
+    });
     return outputs_;
 }
 

@@ -21,6 +21,7 @@
 #include "reference_source.hpp"
 #include "reference_stream.hpp"
 #include "reference_sync.hpp"
+#include "reference_trigger.hpp"
 
 namespace haptogram::sim {
 
@@ -58,6 +59,10 @@ public:
     std::function<void(const Arrival&)> on_arrival;
     std::function<void(const SyncChange&)> on_sync;
     void drive_sync(bool level) { sync_.wire(now, level); }
+    std::function<void(const TriggerChange&)> on_trigger;
+    void drive_trigger(bool level) {
+        if (p_.trigger != 0) trigger_.drive(now, level);
+    }
 
 private:
     using Command = interface::Command;
@@ -108,12 +113,15 @@ private:
     static constexpr std::uint32_t modulation_region = region_of(interface::modulation_base);
     static constexpr std::uint32_t ring_region = region_of(interface::ring_base);
     static constexpr std::uint32_t stream_region = region_of(interface::stream_base);
+    static constexpr std::uint32_t trigger_region = region_of(interface::trigger_base);
 
     [[nodiscard]] Clock next() const;
     void edge(Clock clock);
     void play(Clock clock);
     void stream(Clock clock, bool goes, bool forgets);
     void stream_turn(Clock clock);
+    void trigger(Clock clock);
+    void disarm(Clock clock);
     void reset_play(Clock last);
     [[nodiscard]] Clock next_judgement(Clock from) const;
     void byte_arrives(Clock clock, std::uint8_t byte);
@@ -182,6 +190,8 @@ private:
     CarrierSync sync_;
     FocusRing ring_;
     PatternStream stream_;
+    TriggerPins trigger_;
+    TriggerPins::Ports ports_;  // of which strobes are those of the present clock
     Clock stream_wakes_ = never, fades_from_ = never;
     PulseTrain train_;
     std::unique_ptr<Player> player_;

@@ -25,6 +25,7 @@ void CarrierCycle::reset(Clock clock) {
     lengths_ = {idle_clocks_, 1};
     firing_.reset();
     index_ = dwell_ = 0;
+    mark_ = pass_ = false;
     first_ticks_.clear();
     train_.stop(clock);
     begin(clock, true, 0);
@@ -54,13 +55,15 @@ void CarrierCycle::hold(Clock clock) {
     if (lengths_.cycle == 1) ++first_ticks_.back().next;
 }
 
-void CarrierCycle::commit(Clock clock, std::uint16_t index, std::uint16_t dwell, std::optional<Lengths> lengths,
+void CarrierCycle::commit(Clock clock, const EntrySource::Entry& entry, std::optional<Lengths> lengths,
                           std::shared_ptr<Firing> firing) {
     const std::uint32_t old_pulse = pulse(), rest = this->rest();
     firing_ = std::move(firing);
     lengths_ = lengths.value_or(lengths_);
-    index_ = index;
-    dwell_ = dwell;
+    index_ = entry.index;
+    dwell_ = entry.dwell;
+    mark_ = entry.mark;
+    pass_ = entry.pass;
     change_ = never;
     late_ = false;
     settle_later(clock, rest);
@@ -95,7 +98,8 @@ void CarrierCycle::begin(Clock clock, bool changed, std::uint32_t old_pulse) {
     end_ = clock + Clock{lengths_.cycle} * lengths_.prescaler;
     train_.begin_cycle(clock, lengths_.cycle, lengths_.prescaler, firing_, changed, old_pulse);
     if (!first_ticks_.empty()) first_ticks_.back().next = std::min(first_ticks_.back().next, clock);
-    first_ticks_.push_back({clock + lengths_.prescaler, index_});
+    first_ticks_.push_back({clock + lengths_.prescaler, index_, mark_, pass_});
+    mark_ = pass_ = false;  // those of the entry's first cycle
     if (!firing_ && old_pulse == 0) return;
     // Pulses of at most half of equal cycles merge to less than four pulses, which the guard's window is longer than.
     // What is left of a pulse from before a change lasts as many ticks as it would have, and these may be longer now.
@@ -107,7 +111,8 @@ void CarrierCycle::begin(Clock clock, bool changed, std::uint32_t old_pulse) {
 
 std::optional<PinStart> CarrierCycle::starts_at_pins(Clock clock) {
     if (first_ticks_.empty() || first_ticks_.front().next + pin_clocks != clock) return {};
-    const PinStart start{clock, first_ticks_.front().index};
+    const Tick& tick = first_ticks_.front();
+    const PinStart start{clock, tick.index, tick.mark, tick.pass};
     first_ticks_.pop_front();
     return start;
 }

@@ -8,6 +8,7 @@
 #include "clock.hpp"
 #include "haptogram/format/interface.hpp"
 #include "reference_pulses.hpp"
+#include "reference_source.hpp"
 
 namespace haptogram::sim {
 
@@ -15,6 +16,7 @@ namespace haptogram::sim {
 struct PinStart {
     Clock clock;
     std::uint16_t index;
+    bool mark, pass;
 };
 
 /// Counts the carrier cycles of the present record and says what becomes of each at its end; hands them to the pulse
@@ -52,7 +54,7 @@ public:
     };
     /// @param lengths  none for silence, which keeps those that are there
     /// @param firing   none when it has no pulses
-    void commit(Clock clock, std::uint16_t index, std::uint16_t dwell, std::optional<Lengths> lengths,
+    void commit(Clock clock, const EntrySource::Entry& entry, std::optional<Lengths> lengths,
                 std::shared_ptr<Firing> firing);
     /// The record goes on for a cycle, with the pulses it has, or with others.
     /// @return whether a change was due that did not come
@@ -92,7 +94,8 @@ private:
     Lengths lengths_{0, 1};
     std::shared_ptr<Firing> firing_;
     std::uint16_t index_ = 0, dwell_ = 0;
-    Clock change_ = never;  // from which clock on a change is asked for
+    bool mark_ = false, pass_ = false;  // of this cycle
+    Clock change_ = never;              // from which clock on a change is asked for
     Clock settled_ = 0;
     bool late_ = false;  // the change that is due has been missed
     Clock may_merge_to_ = 0;
@@ -100,6 +103,7 @@ private:
     struct Tick {
         Clock next;  // when the tick behind it begins
         std::uint16_t index;
+        bool mark, pass;
     };
     std::deque<Tick> first_ticks_;  // of cycles that have not begun at the pins
 };

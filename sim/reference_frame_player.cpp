@@ -119,8 +119,7 @@ Player::Counted FramePlayer::at(Clock clock, const Now& now) {
     // From here on registers change.
     if (end.held) cycle_.hold(clock);
     if (commits)
-        cycle_.commit(clock, entry_.index, entry_.dwell,
-                      silent_ ? std::nullopt : std::optional<CarrierCycle::Lengths>(lengths_), firing_);
+        cycle_.commit(clock, entry_, silent_ ? std::nullopt : std::optional<CarrierCycle::Lengths>(lengths_), firing_);
     else if (end.ends)
         counted.underrun = renewed ? cycle_.go_on(clock, end.ready, firing_) : cycle_.go_on(clock, end.ready);
     if (preempt || (commits && again_)) cycle_.ask(clock);
@@ -144,7 +143,7 @@ Player::Counted FramePlayer::at(Clock clock, const Now& now) {
     else if (goes)
         given_ = true;
     if (period) {
-        modulation.period(clock);
+        counted.samples = modulation.period(clock);
         quiet_from_ = clock + between_periods;
     }
 

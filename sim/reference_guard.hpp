@@ -23,7 +23,7 @@ public:
     void trip_at(Clock clock) { trips_at_ = clock; }
     void wake_at(Clock clock) { wakes_at_ = std::min(wakes_at_, clock); }
     void reset() {
-        enabled_ = allow_ = allowed_ = fault_ = false;
+        enabled_ = allow_ = pulsed_ = fault_ = false;
         off_ = true;
         watchdog_ms_ = default_ms_;
         expiry_ = expires_at_ = trips_at_ = wakes_at_ = never;
@@ -35,7 +35,8 @@ public:
     };
     /// @param enable, disable  what commands, the line, the stop input and SYNC want in this clock
     /// @param lost             the board falls out of step with others
-    Verdict at(Clock clock, bool enable, bool disable, bool lost) {
+    /// @param mute             no pulse may reach the pins, which changes nothing else
+    Verdict at(Clock clock, bool enable, bool disable, bool lost, bool mute) {
         if (clock == expiry_) {
             expires_at_ = clock + 1;
             expiry_ = never;
@@ -47,14 +48,16 @@ public:
         if (clock >= wakes_at_) wakes_at_ = never;
 
         const bool allow = enabled_ && !disable && !expired && !tripped;
-        const bool off = !allow || !allowed_;  // a clock more, so that the first pulse is whole
+        const bool pulses = allow && !mute;
+        const bool off = !pulses || !pulsed_;  // a clock more, so that the first pulse is whole
         const bool enabled = !disable && !tripped && !expired && (enable || enabled_);
-        if (allow != allow_ || off != off_ || enabled != enabled_) wakes_at_ = clock + 1;
+        if (allow != allow_ || pulses != pulsed_ || off != off_ || enabled != enabled_) wakes_at_ = clock + 1;
         if (tripped || expired || (lost && enabled_))
             fault_ = true;
         else if (enable)
             fault_ = false;
-        allowed_ = allow_ = allow;
+        allow_ = allow;
+        pulsed_ = pulses;
         off_ = off;
         enabled_ = enabled;
         if (!enabled) expiry_ = never;
@@ -62,8 +65,13 @@ public:
         return {expired, tripped};
     }
 
-    /// After at(): whether pulses may reach the pins in this clock, and whether the pins' registers are cleared by it.
+    /// Whether the watchdog or the guard acts in this clock.
+    [[nodiscard]] bool acts(Clock clock) const { return clock == expires_at_ || clock == trips_at_; }
+
+    /// After at(): whether pulses may be played in this clock, and reach the pins, and whether the pins' registers are
+    /// cleared by it.
     [[nodiscard]] bool allows() const { return allow_; }
+    [[nodiscard]] bool pulses() const { return pulsed_; }
     [[nodiscard]] bool off() const { return off_; }
     /// As the next clock finds them.
     [[nodiscard]] bool enabled() const { return enabled_; }
@@ -77,7 +85,7 @@ private:
 
     Clock clocks_per_ms_;
     std::uint16_t default_ms_, watchdog_ms_ = 0;
-    bool enabled_ = false, allow_ = false, allowed_ = false, off_ = true, fault_ = false;
+    bool enabled_ = false, allow_ = false, pulsed_ = false, off_ = true, fault_ = false;
     Clock expiry_ = never, expires_at_ = never, trips_at_ = never, wakes_at_ = never;
 };
 

@@ -29,7 +29,8 @@ void Modulation::begin(Clock clock, bool at_pass_end) {
     next_->from = clock + 1;
 }
 
-void Modulation::period(Clock clock) {
+bool Modulation::period(Clock clock) {
+    bool first = false;
     if (next_ && next_->from <= clock) {
         waiting_ = next_;
         next_.reset();
@@ -40,6 +41,7 @@ void Modulation::period(Clock clock) {
     if (waiting_ && (!waiting_->at_pass_end || pass_ends)) {
         ended_ = false;
         plays_ = waiting_->divider != 0;
+        first = plays_;
         if (plays_) {
             loops_ = waiting_->loops;
             sample_ = first_ = waiting_->first;
@@ -52,6 +54,7 @@ void Modulation::period(Clock clock) {
     } else if (at_end && !loops_) {
         ended_ = true;
     } else {
+        first = at_end && plays_ && !ended_;
         sample_ = at_end ? first_ : sample_ + 1;
         left_ = divider_;
     }
@@ -59,6 +62,7 @@ void Modulation::period(Clock clock) {
     const std::uint8_t sample = plays_ ? samples_[sample_] : std::uint8_t{255};
     shown_.push_front({clock + shown_after_clocks, sample, plays_ && !ended_});
     while (shown_.size() > 2 && shown_[shown_.size() - 2].from + history < clock) shown_.pop_back();
+    return first;
 }
 
 void Modulation::reset() {

@@ -22,7 +22,8 @@ public:
     /// @param at_pass_end  or with the end of the samples' present pass
     void begin(Clock clock, bool at_pass_end);
     /// A period begins that is told with this clock.
-    void period(Clock clock);
+    /// @return whether it takes the first sample, in each pass
+    bool period(Clock clock);
     void reset();
 
     [[nodiscard]] std::uint32_t words() const { return static_cast<std::uint32_t>(samples_.size() / 2); }

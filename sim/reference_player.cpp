@@ -95,9 +95,9 @@ std::shared_ptr<const RecordPlayer::Loaded> RecordPlayer::load(std::span<const s
 void RecordPlayer::commit(Clock clock) {
     const EntrySource::Entry entry = reader_.entry();
     if (record_)
-        cycle_.commit(clock, entry.index, entry.dwell, record_->lengths, record_->firing);
+        cycle_.commit(clock, entry, record_->lengths, record_->firing);
     else
-        cycle_.commit(clock, entry.index, entry.dwell, {}, nullptr);
+        cycle_.commit(clock, entry, {}, nullptr);
     reader_.drop();
     record_.reset();
     idle_ = clock + 1;

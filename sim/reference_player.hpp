@@ -41,7 +41,8 @@ public:
     /// What is to be counted of a clock.
     struct Counted {
         bool refused = false, underrun = false, bent = false, far = false;
-        bool goes = false;  ///< the go point of boards with amplitudes (rtl/period_controller.v)
+        bool samples = false;  ///< the modulation takes its first sample
+        bool goes = false;     ///< the go point of boards with amplitudes (rtl/period_controller.v)
     };
     /// To be called in each clock that next() says, and in which something is changed from outside.
     [[nodiscard]] virtual Counted at(Clock clock, const Now& now) = 0;

@@ -32,6 +32,7 @@ void ReferenceCore::begin_reply(Clock clock) {
     const bool carries = status_ == Status::ok || status_ == Status::repeated;
     words_left_ = 0;
     told_period_ = schedule_.period(clock);
+    if (p_.trigger != 0) trigger_.answer(clock);
     if (carries && shape_.carries == Carries::identity) words_left_ = interface::identity_words;
     if (carries && shape_.carries == Carries::status) words_left_ = status_words();
     if (carries && shape_.carries == Carries::memory) words_left_ = argument(2) / 2;
@@ -95,6 +96,7 @@ std::uint16_t ReferenceCore::memory_word() const {
     if (region_ == modulation_region) return frames_->modulation.word(address_);
     if (region_ == ring_region) return ring_.words()[address_];
     if (region_ == stream_region) return stream_.words()[address_];
+    if (region_ == trigger_region) return trigger_.word(address_);
     return identity_block(p_)[address_];
 }
 

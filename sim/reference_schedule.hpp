@@ -15,7 +15,11 @@ class Schedule {
 public:
     using Arguments = std::array<std::uint16_t, 3>;
 
-    void reset() { *this = {}; }
+    void reset() {
+        const bool has = has_trigger;
+        *this = {};
+        has_trigger = has;
+    }
 
     /// A period begins at the pins in this clock.
     void period_begins(Clock clock) {
@@ -41,6 +45,12 @@ public:
         return waits_for_period() && period != gate_ && period != 0 && period != at_end;
     }
     [[nodiscard]] bool for_the_end() const { return armed_ && at_end_; }
+    /// The gate is for what comes at the trigger input; of boards that have one.
+    [[nodiscard]] bool by_trigger() const { return has_trigger && gate_ == at_trigger; }
+    [[nodiscard]] bool takes_no_push() const { return armed_ && (at_end_ || by_trigger()); }
+    /// Whether it comes in this clock.
+    void trigger(bool comes) { trigger_ = comes; }
+    bool has_trigger = false;
     void forget() { armed_ = false; }
 
     /// What a command that uses the gate does in this clock.
@@ -53,7 +63,7 @@ public:
         const bool for_period = armed_ && !at_end_;
         const Turn turn = for_the_end() ? Turn::follows : for_period && !reached(clock) ? Turn::waits : Turn::now;
         armed_ = false;
-        return {turn, for_period && turn == Turn::now};
+        return {turn, for_period && turn == Turn::now && !by_trigger()};
     }
 
     // What waits.
@@ -75,12 +85,12 @@ public:
     }
     /// The clock in which it does, as far as is known.
     [[nodiscard]] Clock next() const {
-        if (!waits_for_period() || count_ + 1 < gate_) return never;
+        if (!waits_for_period() || by_trigger() || count_ + 1 < gate_) return never;
         return begun_[std::min<std::uint64_t>(count_ + 1 - gate_, begun_.size() - 1)] + compare_clocks;
     }
 
 private:
-    static constexpr std::uint64_t at_end = (std::uint64_t{1} << 48) - 1;
+    static constexpr std::uint64_t at_end = (std::uint64_t{1} << 48) - 1, at_trigger = at_end - 1;
     static constexpr Clock count_clocks = 2;    // from a period's beginning until it is counted
     static constexpr Clock compare_clocks = 3;  // and until its number is compared
 
@@ -99,13 +109,16 @@ private:
             if (known > 0 && clock < begun + delay) --known;
         return known;
     }
-    [[nodiscard]] bool reached(Clock clock) const { return counted(clock, compare_clocks) + 1 >= gate_; }
+    [[nodiscard]] bool reached(Clock clock) const {
+        if (by_trigger()) return trigger_;
+        return counted(clock, compare_clocks) + 1 >= gate_;
+    }
 
     std::uint64_t count_ = 0;
     std::array<Clock, 3> begun_{};  // the last periods, the latest one first
     std::optional<Loaded> loaded_;
     std::uint64_t gate_ = 0;
-    bool armed_ = false, at_end_ = false;
+    bool armed_ = false, at_end_ = false, trigger_ = false;
     std::optional<Arguments> start_;
     bool follows_ = false, pushed_ = false, modulates_ = false;
 };

@@ -209,7 +209,8 @@ bool EntrySource::at(Clock clock) {
     fetched_at_ = never;
     if (!fetches_header_) {
         offer(clock, {static_cast<std::uint16_t>(interface::sequence_entry_field::index.get(&word_)),
-                      static_cast<std::uint16_t>(interface::sequence_entry_field::dwell.get(&word_))});
+                      static_cast<std::uint16_t>(interface::sequence_entry_field::dwell.get(&word_)),
+                      interface::sequence_entry_field::mark.get(&word_) != 0, number_ == first_});
         return false;
     }
     const bool starts = after_reset_;

@@ -18,6 +18,7 @@ class EntrySource {
 public:
     struct Entry {
         std::uint16_t index = 0, dwell = 0;
+        bool mark = false, pass = false;  ///< of a sequence: it has one, a pass begins with it
     };
 
     EntrySource(const interface::CoreParameters& p, const std::vector<std::uint32_t>& sequence)

@@ -31,11 +31,12 @@ void SimulatedBoard::reset(unsigned clocks) {
 }
 
 void SimulatedBoard::clock() {
-    const bool line = sender_.level(now_), was_sync = outputs_.sync;
+    const bool line = sender_.level(now_), was_sync = outputs_.sync, was_trigger = outputs_.trigger;
     model_->clock({.reset = in_reset_,
                    .rx = forced_line_.value_or(line),
                    .stop = stop_,
                    .sync = sync_,
+                   .trigger = trigger_,
                    .next = next_,
                    .net = next_net(),
                    .net_break = std::exchange(net_break_, false),
@@ -54,6 +55,7 @@ void SimulatedBoard::clock() {
         }
     }
     if (outputs_.sync != was_sync && on_sync_) on_sync_({now_, outputs_.sync});
+    if (outputs_.trigger != was_trigger && on_trigger_) on_trigger_({now_, outputs_.trigger});
     const auto serial = receiver_.sample(now_, outputs_.tx);
     if (const auto byte = has_net() ? outputs_.net : serial) {
         arrived_.push_back(*byte);

@@ -44,6 +44,7 @@ public:
     void network_stop() override { net_stop_ = true; }
     void press_stop(bool pressed) override { stop_ = pressed; }
     void drive_sync(bool level) override { sync_ = level; }
+    void drive_trigger(bool level) override { trigger_ = level; }
     /// The level at the serial line from the next tile of a chain.
     void drive_next(bool level) { next_ = level; }
 
@@ -53,6 +54,7 @@ public:
     }
     void on_arrival(std::function<void(const Arrival&)> callback) override { on_arrival_ = std::move(callback); }
     void on_sync(std::function<void(const SyncChange&)> callback) override { on_sync_ = std::move(callback); }
+    void on_trigger(std::function<void(const TriggerChange&)> callback) override { on_trigger_ = std::move(callback); }
 
     [[nodiscard]] std::span<std::uint16_t> primary_memory() override { return model_->primary_memory(); }
     [[nodiscard]] std::span<std::uint32_t> sequence_memory() override { return model_->sequence_memory(); }
@@ -77,9 +79,10 @@ private:
     std::function<void(const CycleStart&)> on_cycle_start_;
     std::function<void(const Arrival&)> on_arrival_;
     std::function<void(const SyncChange&)> on_sync_;
+    std::function<void(const TriggerChange&)> on_trigger_;
     std::uint64_t now_ = 0;
     bool in_reset_ = true;
-    bool stop_ = false, sync_ = false, next_ = true, net_break_ = false, net_stop_ = false;
+    bool stop_ = false, sync_ = false, trigger_ = false, next_ = true, net_break_ = false, net_stop_ = false;
 };
 
 /// Name of the first of these configurations that has this clock and these channels, and enough records, sequence words

@@ -89,7 +89,7 @@ def defines(board):
     result = [f"-D{name}" for name, wanted in given.items() if wanted]
     result += [f"-DHG_STOP={pins.get('stop_level', 0)}"] if "stop" in pins else []
     result += [f"-DHG_DRIVER_ENABLE={pins.get('driver_enable_level', 1)}"] if "driver_enable" in pins else []
-    result += [f"-DHG_{key.upper()}" for key in ("sync_in", "sync_out") if key in pins]
+    result += [f"-DHG_{key.upper()}" for key in ("sync_in", "sync_out", "trigger_in", "trigger_out", "test") if key in pins]
     result += ["-DHG_CHAIN"] if "next_rx" in pins else []
     result += [f"-DHG_HIGH={len(pins['high'])}"] if pins.get("high") else []
     if "network" in board:
@@ -150,9 +150,10 @@ def constraints(board):
     sites += [("i_rx", pins["rx"]), ("o_tx", pins["tx"])] if "network" not in board else network_sites(board["network"])
     sites += [(port, pins[key]) for port, key in [("o_led", "led"), ("i_stop", "stop"), ("o_driver_enable", "driver_enable"),
                                                   ("o_alive", "alive"), ("i_sync", "sync_in"), ("o_sync", "sync_out"),
+                                                  ("i_trigger", "trigger_in"), ("o_trigger", "trigger_out"), ("o_test", "test"),
                                                   ("i_next", "next_rx"), ("o_next", "next_tx")] if key in pins]
-    # At rest serial lines are high and SYNC low, and a stop switch that nobody has fitted is not pressed.
-    pulls = {"i_rx": "UP", "i_next": "UP", "i_sync": "DOWN", "i_stop": "DOWN" if pins.get("stop_level", 0) else "UP"}
+    # At rest serial lines are high, SYNC and a trigger low, and a stop switch that nobody has fitted is not pressed.
+    pulls = {"i_rx": "UP", "i_next": "UP", "i_sync": "DOWN", "i_trigger": "DOWN", "i_stop": "DOWN" if pins.get("stop_level", 0) else "UP"}
     sites += [(f"o_high[{i}]", ball) for i, ball in enumerate(pins.get("high", []))]
     sites += [(f"o_pins[{k}]", row[3]) for k, row in enumerate(board["outputs"][:channels])]
     if board["fpga"]["family"] == "ice40":

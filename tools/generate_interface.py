@@ -61,6 +61,12 @@ def status_ends(table):
     return {"untimed": (status["words"].index(status["timed_from"]), "schedule"), "unstreamed": (status["words"].index(status["streamed_from"]), "stream")}
 
 
+def trigger_settings(table):
+    """How many words of the trigger block a host may write."""
+    block = next(block for block in table["block"] if block["region"] == "trigger")
+    return block["words"].index(block["first_read"])
+
+
 def verilog(table):
     out = [f"// {NOTE}", "// SPDX-License-Identifier: Apache-2.0", ""]
 
@@ -78,6 +84,7 @@ def verilog(table):
     # The memory controller takes a record's fields apart as they arrive, word by word; this one bit it is told by name.
     autostart = next(f for f in table["sequence_header"]["fields"] if f["name"] == "autostart")
     define("AUTOSTART_BIT", autostart["low"])
+    define("MARK_BIT", next(f for f in table["sequence_entry"]["fields"] if f["name"] == "mark")["low"])
     for name, words in blocks(table).items():
         if name == "description":  # the board never sees it
             continue
@@ -87,6 +94,7 @@ def verilog(table):
                 define(f"STATUS_{end}_WORDS", length)
         for position, word in enumerate(words):
             define(f"{name}_{word}", f"5'd{position}")
+    define("TRIGGER_SETTINGS", trigger_settings(table))
     # What every core has, and what it has when one of its parameters is not 0.
     define("FEATURES", f"16'h{sum(1 << row['bit'] for row in table['feature'] if 'parameter' not in row):04x}")
     for row in table["feature"]:
@@ -98,6 +106,10 @@ def verilog(table):
         define(f"MODE_{mode['name']}", f"2'd{mode['value']}")
     for role in table["role"]:
         define(f"ROLE_{role['name']}", f"2'd{role['value']}")
+    for event in table["event"]:
+        define(f"EVENT_{event['name']}", f"3'd{event['value']}")
+    for test in table["test"]:
+        define(f"TEST_{test['name']}", f"2'd{test['value']}")
     for command in table["command"]:
         define(f"COMMAND_{command['name']}", f"8'h{command['code']:02x}")
     for status in table["status"]:
@@ -281,6 +293,8 @@ def cpp(table):
         out += ["};", f"inline constexpr unsigned {name}_words = {len(words)};"]
         if name == "status":
             out += [f"inline constexpr unsigned status_{end}_words = {length};  // of boards without {lacks}" for end, (length, lacks) in status_ends(table).items()]
+        if name == "trigger":
+            out += [f"inline constexpr unsigned trigger_settings = {trigger_settings(table)};  // the first of them, which a host may write"]
     out += ["", "/// Bits of the identity block's features.", "enum class Feature : unsigned {"]
     out += [f"    {row['name']} = {row['bit']},  // {row['about']}" for row in table["feature"]] + ["};"]
     out += ["[[nodiscard]] constexpr bool has(std::uint32_t features, Feature feature) {"]
@@ -291,11 +305,15 @@ def cpp(table):
     out += [f"    {row['name']} = {row['value']},  // {row['about']}" for row in table["mode"]] + ["};"]
     out += ["", "/// How its carrier cycles are kept in step with other boards.", "enum class Role : unsigned {"]
     out += [f"    {row['name']} = {row['value']},  // {row['about']}" for row in table["role"]] + ["};"]
+    out += ["", "/// What makes a pulse at the trigger output.", "enum class Event : unsigned {"]
+    out += [f"    {row['name']} = {row['value']},  // {row['about']}" for row in table["event"]] + ["};"]
+    out += ["", "/// What is at the test output.", "enum class Test : unsigned {"]
+    out += [f"    {row['name']} = {row['value']},  // {row['about']}" for row in table["test"]] + ["};"]
     out += ["", "enum class Command : std::uint8_t {"] + [f"    {c['name']} = 0x{c['code']:02x}," for c in table["command"]] + ["};"]
     out += ["", "enum class Status : std::uint8_t {"] + [f"    {s['name']} = 0x{s['code']:02x}," for s in table["status"]] + ["};", ""]
     replying = " || ".join(f"command == Command::{c['name']}" for c in table["command"] if "reply" in c)
     out += ["/// Whether its reply carries data.", "constexpr bool replies(Command command) {", f"    return {replying};", "}", ""]
-    for title, rows in (("Mode", table["mode"]), ("Role", table["role"]), ("Command", table["command"])):
+    for title, rows in (("Mode", table["mode"]), ("Role", table["role"]), ("Event", table["event"]), ("Test", table["test"]), ("Command", table["command"])):
         variable = title.lower()
         out += [f"constexpr std::string_view to_string({title} {variable}) {{", f"    switch ({variable}) {{"]
         out += [f'        case {title}::{row["name"]}: return "{row["name"]}";' for row in rows]
@@ -383,10 +401,11 @@ def python(table):
     out += [f'    "{p["name"].lower()}": ({p["low"]}, {p["high"]}, {p.get("power_of_two", False)}, {p.get("optional", False)}),' for p in table["parameter"]]
     out += ["}", ""]
     out += [f"STATUS_{end.upper()}_WORDS = {length}  # of boards without {lacks}" for end, (length, lacks) in status_ends(table).items()]
+    out.append(f"TRIGGER_SETTINGS = {trigger_settings(table)}  # words of the trigger block which a host may write")
     out += ["", "", PYTHON_TYPES, ""]
     for name, rows, _ in layouts(table):
         out += [f"{name.upper()}_FIELDS = {{"] + [f'    "{field}": BitField({first}, {width}),' for field, first, width, _ in rows] + ["}"]
-    for title, rows in (("Kind", [dict(r, code=r["value"]) for r in table["kind"]]), ("Feature", [dict(r, code=r["bit"]) for r in table["feature"]]), ("Mode", [dict(r, code=r["value"]) for r in table["mode"]]), ("Role", [dict(r, code=r["value"]) for r in table["role"]])):
+    for title, rows in (("Kind", [dict(r, code=r["value"]) for r in table["kind"]]), ("Feature", [dict(r, code=r["bit"]) for r in table["feature"]]), ("Mode", [dict(r, code=r["value"]) for r in table["mode"]]), ("Role", [dict(r, code=r["value"]) for r in table["role"]]), ("Event", [dict(r, code=r["value"]) for r in table["event"]]), ("Test", [dict(r, code=r["value"]) for r in table["test"]])):
         out += ["", "", f"class {title}(enum.IntEnum):"]
         out += [f"    {row['name'].upper()} = {row['code']}" for row in rows]
     for title, rows in (("Command", table["command"]), ("Status", table["status"])):
@@ -455,6 +474,12 @@ def page(table):
         if block["region"] == "ring":
             out += ["So `base` is `foci_base` + (`first` − RECORDS − 1) · (`foci_last` + 1). The ring must end within primary memory and at index RECORDS +",
                     "`foci_count` at the latest. A PUSH_FOCI carries whole records; their indices follow each other and begin again behind the ring's last one.", ""]
+        if block["region"] == "trigger":
+            out += ["Values of event:", "", "| value | event | a pulse at the trigger output when |", "|---|---|---|"]
+            out += [f"| {row['value']} | {row['name']} | {row['about']} |" for row in table["event"]] + ["", "Values of test:", "", "| value | test | the test output |", "|---|---|---|"]
+            out += [f"| {row['value']} | {row['name']} | {row['about']} |" for row in table["test"]] + [""]
+            out += [f"A host may write the first {trigger_settings(table)} words. Like the memories they are not touched by a reset, and neither are clocks and counts. An event while the",
+                    "output is still high begins its length anew, so the pulses merge; both are counted. Nothing at the trigger input turns outputs on.", ""]
         if block["region"] == "description":
             out += ["A bitstream holds records and a sequence alone; an image of format 2 is uploaded.", ""]
         if block["region"] == "status":

@@ -69,6 +69,9 @@ ordered_json to_json(const Board::Pins& pins) {
             {"alive", or_null(pins.alive)},
             {"sync_in", or_null(pins.sync_in)},
             {"sync_out", or_null(pins.sync_out)},
+            {"trigger_in", or_null(pins.trigger_in)},
+            {"trigger_out", or_null(pins.trigger_out)},
+            {"test", or_null(pins.test)},
             {"next_rx", or_null(pins.next_rx)},
             {"next_tx", or_null(pins.next_tx)},
             {"active", pins.active_low ? "low" : "high"},
@@ -165,6 +168,9 @@ std::string to_text(const Pinout& pinout) {
         text += fmt::format("SYNC   in ball {}; from the master, when this board is a slave\n", *pins.sync_in);
     if (pins.sync_out)
         text += fmt::format("SYNC   out ball {}; to the slaves, when this board is the master\n", *pins.sync_out);
+    if (pins.trigger_in) text += fmt::format("trigger in ball {}\n", *pins.trigger_in);
+    if (pins.trigger_out) text += fmt::format("trigger out ball {}\n", *pins.trigger_out);
+    if (pins.test) text += fmt::format("test   ball {}; for an oscilloscope\n", *pins.test);
     if (pins.next_rx)
         text += fmt::format("chain  rx ball {}, tx ball {}; the serial line of the next board\n", *pins.next_rx,
                             *pins.next_tx);

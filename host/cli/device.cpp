@@ -14,6 +14,7 @@
 #include "haptogram/link/rig_devices.hpp"
 #include "haptogram/link/to_json.hpp"
 #include "haptogram/link/transfer.hpp"
+#include "haptogram/link/trigger.hpp"
 #include "haptogram/link/udp_port.hpp"
 #include "interrupt.hpp"
 #include "port.hpp"
@@ -33,7 +34,12 @@ struct DeviceOptions {
     std::uint16_t first = 1, length = 0, loops = 0;
     std::uint64_t at_period = 0;
     std::uint32_t in_periods = 0;
-    bool after = false;
+    bool after = false, on_trigger = false;
+    std::string event, input, test;
+    double pulse_ms = -1, settle_ms = -1;
+    std::uint16_t every = 0;
+    std::uint32_t channel = 0;
+    bool level = false, gate = false;
     bool once = false, off = false;
     std::string role;
     bool net = false;
@@ -127,6 +133,7 @@ int stop(const DeviceOptions& options) {
 
 link::When when(link::Device& device, const DeviceOptions& options) {
     if (options.after) return link::When::at_end();
+    if (options.on_trigger) return link::When::at_trigger();
     if (options.at_period != 0) return link::When::at_period(options.at_period);
     if (options.in_periods == 0) return link::When::at_once();
     const std::optional<std::uint64_t> period = device.status().period;
@@ -152,6 +159,48 @@ int modulate(const DeviceOptions& options) {
     else
         device.modulate(options.divider, options.samples, !options.once, options.first_sample, when(device, options));
     return after_change(device, options);
+}
+
+/// The value of this name; the options' checks let no other pass.
+template <class Value>
+Value named(const std::string& name, unsigned last) {
+    unsigned value = 0;
+    while (value < last && to_string(static_cast<Value>(value)) != name) ++value;
+    return static_cast<Value>(value);
+}
+
+template <class Value>
+std::vector<std::string> names_up_to(Value last) {
+    std::vector<std::string> names;
+    for (unsigned value = 0; value <= static_cast<unsigned>(last); ++value)
+        names.emplace_back(to_string(static_cast<Value>(value)));
+    return names;
+}
+
+/// What was said changes, the rest stays. Prints all of it, and what the board has seen.
+int trigger(const DeviceOptions& options) {
+    link::Device device(options.port);
+    const link::TriggerSettings before = trigger_settings(device);
+    link::TriggerSettings settings = before;
+    if (!options.event.empty())
+        settings.event = named<link::Event>(options.event, static_cast<unsigned>(link::Event::samples));
+    if (options.every != 0) settings.every_periods = options.every;
+    if (options.pulse_ms >= 0) settings.pulse_s = 1e-3 * options.pulse_ms;
+    if (!options.input.empty()) {
+        settings.active_low = options.input == "low";
+        settings.by_level = options.level;
+        settings.gates = options.gate;
+    }
+    if (options.settle_ms >= 0) settings.settle_s = 1e-3 * options.settle_ms;
+    if (!options.test.empty()) {
+        settings.test = named<link::Test>(options.test, static_cast<unsigned>(link::Test::index));
+        settings.channel = options.channel;
+    }
+    if (settings != before) set_trigger(device, settings);
+    nlohmann::ordered_json told = to_json(trigger_settings(device));
+    told.update(to_json(trigger_times(device), device.identity().clock_hz));
+    tell(told, options.json);
+    return 0;
 }
 
 constexpr std::array roles = {link::Role::alone, link::Role::master, link::Role::slave};
@@ -238,7 +287,8 @@ void add_device(CLI::App& app, Action& action) {
             action = []() -> int {
                 throw Error(
                     ErrorCode::bad_argument, "device",
-                    "expected a subcommand: list, info, status, enable, disable, stop, start, modulate, sync or "
+                    "expected a subcommand: list, info, status, enable, disable, stop, start, modulate, trigger, "
+                    "sync or "
                     "self-test; see "
                     "haptogram device --help");
             };
@@ -291,17 +341,24 @@ void add_device(CLI::App& app, Action& action) {
     const auto add_when = [options](CLI::App& command) {
         auto* after = command.add_flag("--after", options->after,
                                        "When what plays now has ended: for ever is until the end of its present pass");
+        auto* trigger =
+            command
+                .add_flag("--on-trigger", options->on_trigger,
+                          "When the trigger input says so (device trigger); whatever turns outputs off ends the wait")
+                ->excludes(after);
         auto* at = command
                        .add_option("--at-period", options->at_period,
                                    "Not before this carrier period, counted from the board's reset; device status "
                                    "tells the present one")
-                       ->check(CLI::Range(std::uint64_t{1}, link::When::at_end().gate - 1))
-                       ->excludes(after);
+                       ->check(CLI::Range(std::uint64_t{1}, link::When::at_trigger().gate - 1))
+                       ->excludes(after)
+                       ->excludes(trigger);
         command
             .add_option("--in-periods", options->in_periods,
                         "Not before so many carrier periods from now, which the way to the board takes a part of")
             ->check(whole(1, 4'000'000'000))
             ->excludes(after)
+            ->excludes(trigger)
             ->excludes(at);
     };
     CLI::App* bank = add("start",
@@ -332,6 +389,35 @@ void add_device(CLI::App& app, Action& action) {
     add_when(*modulation);
     auto* once = modulation->add_flag("--once", options->once, "Not over and over; the last sample stays");
     modulation->add_flag("--off", options->off, "End the modulation")->excludes(once);
+    CLI::App* pins = add("trigger",
+                         "Set up the trigger pins and the test output of a board that has them, and print how they "
+                         "are and when they changed last; what is not said stays as it is",
+                         trigger);
+    pins->add_option("--out", options->event,
+                     "What makes a pulse at the trigger output: start of playing, mark of an entry, pass of a "
+                     "sequence, period of the carrier, or samples of the modulation from the first one")
+        ->check(CLI::IsMember(names_up_to(link::Event::samples)));
+    pins->add_option("--every", options->every, "Of period: carrier periods from one pulse to the next")
+        ->check(whole(1, 65535));
+    pins->add_option("--pulse", options->pulse_ms, "How long the output is high, in ms")->check(CLI::Range(0.0, 1e4));
+    auto* input = pins->add_option("--in", options->input, "The level at which the trigger input is active")
+                      ->check(CLI::IsMember(std::vector<std::string>{"high", "low"}));
+    pins->add_flag("--level", options->level,
+                   "What waits for the trigger begins while the input is active, not only when it becomes so")
+        ->needs(input);
+    pins->add_flag("--gate", options->gate, "No pulse reaches the transducers while the input is not active")
+        ->needs(input);
+    pins->add_option("--settle", options->settle_ms,
+                     "For which a change of the input must last before it counts, in ms")
+        ->check(CLI::Range(0.0, 1e3));
+    auto* test = pins->add_option("--test", options->test,
+                                  "What an oscilloscope sees at the test output: the carrier of a channel, a change at "
+                                  "each cycle, or with each new index")
+                     ->check(CLI::IsMember(names_up_to(link::Test::index)));
+    pins->add_option("--channel", options->channel, "Of carrier")
+        ->check(whole(0, 999))
+        ->capture_default_str()
+        ->needs(test);
     add("sync", "Reset the board, and then keep its carrier cycles in step with other boards over the wire SYNC", sync)
         ->add_option("role", options->role, "alone, master or slave")
         ->required()

@@ -8,6 +8,7 @@
 //   HG_DRIVER_ENABLE  the level, 0 or 1, at which the drivers are on, when it has a pin for their enable input: they are while
 //                     outputs are enabled and the clock runs
 //   HG_SYNC_IN, HG_SYNC_OUT  when it has a pin for SYNC from a master, or to slaves
+//   HG_TRIGGER_IN, HG_TRIGGER_OUT, HG_TEST  when it has a pin for a trigger from elsewhere, for one to elsewhere, for an oscilloscope
 //   HG_CHAIN          when it has two for the serial line of the next tile
 //   HG_ALIVE          when it has a pin that changes as long as there is a clock
 //   HG_ACTIVE_LOW     when a transducer's driver is on while its pin is low
@@ -40,6 +41,15 @@ module ecp5_board #(
 `ifdef HG_SYNC_OUT
     output wire                o_sync,
 `endif
+`ifdef HG_TRIGGER_IN
+    input  wire                i_trigger,
+`endif
+`ifdef HG_TRIGGER_OUT
+    output wire                o_trigger,
+`endif
+`ifdef HG_TEST
+    output wire                o_test,
+`endif
 `ifdef HG_CHAIN
     input  wire                i_next,
     output wire                o_next,
@@ -68,12 +78,23 @@ module ecp5_board #(
 `else
     wire sync_in = 1'b0;
 `endif
+`ifdef HG_TRIGGER_IN
+    wire trigger_in = i_trigger;
+`else
+    wire trigger_in = 1'b0;
+`endif
 `ifdef HG_CHAIN
     wire next_in = i_next;
 `else
     wire next_in = 1'b1;
 `endif
-    wire sync_out, next_out, rx, tx;
+    wire sync_out, next_out, trigger_out, test_out, rx, tx;
+`ifdef HG_TRIGGER_OUT
+    assign o_trigger = trigger_out;
+`endif
+`ifdef HG_TEST
+    assign o_test = test_out;
+`endif
 `ifdef HG_CHAIN
     assign o_next = next_out;
 `endif
@@ -114,7 +135,7 @@ module ecp5_board #(
         `include "parameter_connections.vh"
         .PRIMARY_FILE(PRIMARY_FILE), .SEQUENCE_FILE(SEQUENCE_FILE)
     ) core (
-        .clk(clk), .rst(rst), .i_rx(rx), .i_stop(stop), .i_sync(sync_in), .o_sync(sync_out), .o_tx(tx), .i_next(next_in), .o_next(next_out),
+        .clk(clk), .rst(rst), .i_rx(rx), .i_stop(stop), .i_sync(sync_in), .o_sync(sync_out), .i_trigger(trigger_in), .o_trigger(trigger_out), .o_test(test_out), .o_tx(tx), .i_next(next_in), .o_next(next_out),
         .i_net_valid(net_valid), .i_net_byte(net_byte), .i_net_break(net_break), .i_net_stop(net_stop), .o_net_valid(reply_valid),
         .i_net_ready(reply_ready), .o_net_byte(reply_byte), .i_identity_place(identity_place), .o_identity_word(identity_word), .o_pins(pins), .o_enabled(enabled), .o_alive(alive),
         .o_playing(playing), .o_fault(fault), .o_index(), .o_cycle_start(cycle_start));

@@ -32,7 +32,7 @@ module ice40_hx8k_breakout #(
         `include "parameter_connections.vh"
         .PRIMARY_FILE(PRIMARY_FILE), .SEQUENCE_FILE(SEQUENCE_FILE)
     ) core (
-        .clk(clk), .rst(rst), .i_rx(i_rx), .i_stop(!i_stop), .i_sync(1'b0), .o_sync(), .o_tx(o_tx), .i_next(1'b1), .o_next(),
+        .clk(clk), .rst(rst), .i_rx(i_rx), .i_stop(!i_stop), .i_sync(1'b0), .o_sync(), .i_trigger(1'b0), .o_trigger(), .o_test(), .o_tx(o_tx), .i_next(1'b1), .o_next(),
         .i_net_valid(1'b0), .i_net_byte(8'd0), .i_net_break(1'b0), .i_net_stop(1'b0), .o_net_valid(), .i_net_ready(1'b0), .o_net_byte(), .i_identity_place(5'd0), .o_identity_word(),
         .o_pins(pins), .o_enabled(o_driver_enable), .o_alive(alive),
         .o_playing(playing), .o_fault(fault), .o_index(), .o_cycle_start(cycle_start));

@@ -19,6 +19,7 @@ always @(posedge clk) begin
         assume ({3'd0, i_gate} + {3'd0, i_select} + {3'd0, i_start} + {3'd0, i_modulate} + {3'd0, i_push} + {3'd0, i_keep} + {3'd0, i_take_back}
                 + {3'd0, i_forget && !i_take_back} <= 4'd1);
         assume (!i_gate || !o_busy);
+        assume (!(i_push || i_keep) || !o_no_push);
         assume (!i_gate || $past({i_argument_2, i_argument_1, i_argument_0}) == named);
         assume (i_clear == (i_select || o_start || i_stop || f_clears));
 `else
@@ -29,12 +30,16 @@ always @(posedge clk) begin
         if (start_q) assert (gate_q == f_start_gate_q);
         if (live_q) assert (gate_q == f_live_gate_q);
         assert (!(start_q && follow_q));
+        assert (!(live_q && by_trigger));
         assert (cut_q == f_broken_q && pushing_q == f_begun_q);
         if (!$past(rst) && !rst) begin
             // Not before the period before, and then at once.
-            if (fires) assert ($past(i_count) + 48'd1 >= f_start_gate_q);
+            if (fires) assert (by_trigger ? $past(i_trigger) && !i_off : $past(i_count) + 48'd1 >= f_start_gate_q);
+            if (modulates && by_trigger) assert ($past(i_trigger) && !i_off);
+            // What waits for the trigger is gone with the outputs.
+            if ($past(i_off && by_trigger)) assert (!start_q && !modulate_q);
             if (live_q && o_live) assert ($past(i_count) + 48'd1 >= f_live_gate_q);
-            if ($past(start_q) && !start_q) assert ($past(o_start || i_select || i_stop || i_start || o_live || o_keep));
+            if ($past(start_q) && !start_q) assert ($past(o_start || i_select || i_stop || i_start || o_live || o_keep || disarms));
             // What a PUSH has kept behind the gate is not emptied by a START that was sent before it.
             if ($past(o_keep && gated && !i_start)) assert (!start_q);
             if ($past(fires)) assert (!start_q);
@@ -49,6 +54,7 @@ always @(posedge clk) begin
         cover (o_late);
         cover (live_q && o_live && !$past(rst));
         cover (modulates);
+        cover (TRIGGER == 0 || (fires && by_trigger));
         cover (i_followed && o_follow);
     end
 end

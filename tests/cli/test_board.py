@@ -123,7 +123,7 @@ def test_a_shipped_board_drives_its_array(board):
         assert output["y_mm"] == pytest.approx((row - (rows - 1) / 2) * pitch)
     pins = file["pins"]
     balls = [o["ball"] for o in outputs] + [pins["clk"], *pins["high"]]
-    balls += [pins[key] for key in ("rx", "tx", "led", "stop", "driver_enable", "alive", "sync_in", "sync_out", "next_rx", "next_tx") if key in pins]
+    balls += [pins[key] for key in ("rx", "tx", "led", "stop", "driver_enable", "alive", "sync_in", "sync_out", "trigger_in", "trigger_out", "test", "next_rx", "next_tx") if key in pins]
     network = file.get("network", {"rx": [], "tx": []})
     balls += [network[key] for key in ("rx_clk", "rx_ctl", "tx_clk", "tx_ctl") if key in network] + network["rx"] + network["tx"]
     assert len(set(balls)) == len(balls)
@@ -138,7 +138,7 @@ def test_the_pinout_says_what_the_file_says(board):
     assert shown["parameters"] == parameters(board)
     assert shown["board"] == board
     assert shown["fpga"] == {"speed": None, **file["fpga"]}
-    unsaid = {"rx": None, "tx": None, "led": None, "stop": None, "stop_level": 0, "driver_enable": None, "driver_enable_level": 1, "alive": None, "sync_in": None, "sync_out": None, "next_rx": None, "next_tx": None, "active": "high",
+    unsaid = {"rx": None, "tx": None, "led": None, "stop": None, "stop_level": 0, "driver_enable": None, "driver_enable_level": 1, "alive": None, "sync_in": None, "sync_out": None, "trigger_in": None, "trigger_out": None, "test": None, "next_rx": None, "next_tx": None, "active": "high",
               "drive_ma": None, "slew": None}  # fmt: skip
     assert shown["pins"] == unsaid | file["pins"]
     assert shown["network"] == file.get("network")
@@ -158,7 +158,7 @@ def test_a_shipped_board_makes_its_carrier(board, tmp_path):
         assert record["pulse_length"] * record["prescaler"] < p["MAX_HIGH_CLOCKS"]
     succeed(["inspect", "image.hex"], cwd=tmp_path)
     manifest = read_json(tmp_path / "image.json")
-    unsaid = {"LIVE_DEPTH", "WATCHDOG_MS", "MAX_HIGH_CLOCKS", "MAX_DUTY_256", "SCHEDULE", "SYNC", "CHAIN", "NET", "STREAM"}
+    unsaid = {"LIVE_DEPTH", "WATCHDOG_MS", "MAX_HIGH_CLOCKS", "MAX_DUTY_256", "SCHEDULE", "SYNC", "CHAIN", "NET", "STREAM", "TRIGGER"}
     if p["WIDTH_BITS"] == 0:
         unsaid |= {"MIN_PULSE_CLOCKS", "WIDTH_BITS", "MODULATION_DEPTH", "SLEW", "FOCI"}
     assert manifest["board"] == {"name": board, **{key.lower(): p[key] for key in p if key not in unsaid}}
@@ -307,7 +307,7 @@ def test_files_that_are_not_there(folder):
 
 
 REQUIRED = ["description", "sources", "array", *(f"fpga.{k}" for k in ("family", "device", "package", "speed", "top")),
-            *(f"parameters.{k}" for k in parameters(LARGE) if k not in ("WIDTH_BITS", "MODULATION_DEPTH", "SLEW", "FOCI", "SCHEDULE", "SYNC", "CHAIN", "NET", "STREAM")), *(f"flash.{k}" for k in ("load", "write", "note")),
+            *(f"parameters.{k}" for k in parameters(LARGE) if k not in ("WIDTH_BITS", "MODULATION_DEPTH", "SLEW", "FOCI", "SCHEDULE", "SYNC", "CHAIN", "NET", "STREAM", "TRIGGER")), *(f"flash.{k}" for k in ("load", "write", "note")),
             *(f"pins.{k}" for k in ("clk", "rx", "tx", "high"))]  # fmt: skip
 
 

@@ -23,8 +23,8 @@ module net_core_bench #(
     wire [7:0]  data, reply;
     wire [4:0]  identity_place;
     wire [15:0] identity_word;
-    wire        sync, tx, next, alive, playing, fault;
-    wire        unused = &{1'b0, sync, tx, next, alive, playing, fault};
+    wire        trigger, test, sync, tx, next, alive, playing, fault;
+    wire        unused = &{1'b0, trigger, test, sync, tx, next, alive, playing, fault};
     udp_link #(.PEER_CLOCKS(PEER_CLOCKS)) network (
         .eth_clk(eth_clk), .i_link(i_link), .i_dv(i_dv), .i_er(1'b0), .i_data(i_data), .o_en(o_en), .o_data(o_data),
         .clk(clk), .rst(rst), .o_valid(valid), .o_byte(data), .i_take(valid), .i_valid(reply_valid), .o_ready(reply_ready), .i_byte(reply),
@@ -34,7 +34,7 @@ module net_core_bench #(
         `include "parameter_connections.vh"
         .PRIMARY_FILE(""), .SEQUENCE_FILE("")
     ) core (
-        .clk(clk), .rst(rst), .i_rx(1'b1), .o_tx(tx), .i_stop(1'b0), .i_sync(1'b0), .o_sync(sync), .i_next(1'b1), .o_next(next),
+        .clk(clk), .rst(rst), .i_rx(1'b1), .o_tx(tx), .i_stop(1'b0), .i_sync(1'b0), .i_trigger(1'b0), .o_trigger(trigger), .o_test(test), .o_sync(sync), .i_next(1'b1), .o_next(next),
         .i_net_valid(valid), .i_net_byte(data), .i_net_break(network_break), .i_net_stop(network_stop),
         .o_net_valid(reply_valid), .i_net_ready(reply_ready), .o_net_byte(reply),
         .i_identity_place(identity_place), .o_identity_word(identity_word),

@@ -28,14 +28,16 @@ struct Seen {
     std::vector<sim::CycleStart> cycles;
     std::vector<sim::Arrival> arrivals;
     std::vector<sim::SyncChange> sync;
+    std::vector<sim::TriggerChange> triggers;
 
     void watch(sim::Board& board, bool pins = true) {
         if (pins) board.on_edge([this](const sim::Edge& e) { edges.push_back(e); });
         board.on_cycle_start([this](const sim::CycleStart& c) { cycles.push_back(c); });
         board.on_arrival([this](const sim::Arrival& a) { arrivals.push_back(a); });
         board.on_sync([this](const sim::SyncChange& s) { sync.push_back(s); });
+        board.on_trigger([this](const sim::TriggerChange& t) { triggers.push_back(t); });
     }
-    void clear() { edges.clear(), cycles.clear(), arrivals.clear(), sync.clear(); }
+    void clear() { edges.clear(), cycles.clear(), arrivals.clear(), sync.clear(), triggers.clear(); }
 };
 
 /// The wire SYNC as a master elsewhere drives it, whose crystal differs and wanders, and what can happen to the wire:
@@ -150,6 +152,10 @@ public:
                 return fmt::format("begins at {}, record {}, {}", c.clock, c.index, c.enabled ? "on" : "off");
             });
         if (difference.empty())
+            difference = first_difference(
+                "trigger", of_core_.triggers, of_reference_.triggers,
+                [](const sim::TriggerChange& t) { return fmt::format("{} at {}", t.level ? "high" : "low", t.clock); });
+        if (difference.empty())
             difference = first_difference("byte", of_core_.arrivals, of_reference_.arrivals, [](const sim::Arrival& a) {
                 return fmt::format("0x{:02x} at {}", a.byte, a.clock);
             });
@@ -163,6 +169,7 @@ public:
         for (const sim::CycleStart& cycle : of_core_.cycles)
             focus_cycles += cycle.index > core_.parameters().records && cycle.enabled ? 1 : 0;
         bytes += of_core_.arrivals.size();
+        triggers += of_core_.triggers.size();
         received_ = of_core_.arrivals;
         of_core_.clear();
         of_reference_.clear();
@@ -174,7 +181,7 @@ public:
     [[nodiscard]] const std::vector<sim::Arrival>& received() const { return received_; }
     [[nodiscard]] sim::Board& core() { return core_; }
 
-    std::uint64_t edges = 0, cycles = 0, bytes = 0, focus_cycles = 0;
+    std::uint64_t edges = 0, cycles = 0, bytes = 0, focus_cycles = 0, triggers = 0;
     Wire* wire = nullptr;
 
 private:
@@ -195,8 +202,10 @@ private:
         const auto describe = [](const sim::Model::Outputs& o) {
             std::string pins;
             for (const std::uint32_t word : o.pins) pins += fmt::format(" {:08x}", word);
-            return fmt::format("tx {} enabled {} alive {} playing {} fault {} cycle start {} sync {} index {} pins{}",
-                               o.tx, o.enabled, o.alive, o.playing, o.fault, o.cycle_start, o.sync, o.index, pins);
+            return fmt::format(
+                "tx {} enabled {} alive {} playing {} fault {} cycle start {} sync {} trigger {} test {} index "
+                "{} pins{}",
+                o.tx, o.enabled, o.alive, o.playing, o.fault, o.cycle_start, o.sync, o.trigger, o.test, o.index, pins);
         };
         const std::string core = describe(a);
         const std::string reference = describe(b);
@@ -287,6 +296,8 @@ public:
         if (p_.stream != 0 && one_in(15))
             if (std::string difference = stream(); !difference.empty()) return difference;
         if (one_in(60)) press_stop();
+        if (p_.trigger != 0 && one_in(8))
+            if (std::string difference = move_trigger(); !difference.empty()) return difference;
         // Who leaves a chain, or begins one, waits for the answers before; the reference board's may come late
         // otherwise.
         if (p_.chain != 0 && one_in(chained_ ? 100 : 40)) {
@@ -495,7 +506,12 @@ private:
     }
 
     std::uint32_t entry() {
-        return (one_in(15) ? below(p_.records + 3) : index()) | (one_in(30) ? 0 : one_in(3) ? between(2, 6) : 1) << 16;
+        return (one_in(15) ? below(p_.records + 3) : index()) |
+               (one_in(30)  ? 0
+                : one_in(3) ? between(2, 6)
+                            : 1)
+                   << 16 |
+               (p_.trigger != 0 && one_in(5) ? 0x8000U : 0U);
     }
 
     std::uint32_t header() {
@@ -597,7 +613,7 @@ private:
             case 4: return {Command::stop, {}};
             case 5: return {Command::keep_alive, {}};
             case 6: return {!keeps_role && one_in(4) ? Command::reset : Command::status, {}};
-            case 7:
+            case 7: return p_.trigger != 0 ? trigger() : Request{Command::status, {}};
             case 8: return {Command::status, {}};
             case 9: return {Command::watchdog, {w(one_in(3) ? 0 : one_in(10) ? any_word() : between(1, 3))}};
             case 10:
@@ -678,11 +694,46 @@ private:
         return {};
     }
 
+    /// The trigger pins' settings, and what they tell, also where nothing can be written.
+    Request trigger() {
+        const std::uint32_t first = below(interface::trigger_settings), most = interface::trigger_words - first;
+        const std::uint32_t address = interface::trigger_base + 2 * first;
+        if (one_in(2)) return {Command::read, {word(address), word(address >> 16), word(2 * between(1, most))}};
+        const std::uint16_t values[interface::trigger_settings] = {
+            word(one_in(20) ? any_word() : below(6)), word(below(4)),
+            word(one_in(3) ? below(4) : below(3000)), word(one_in(60) ? 1 : 0),
+            word(one_in(20) ? any_word() : below(8)), word(one_in(3) ? below(400) : below(4)),
+            word(one_in(20) ? any_word() : below(4)), word(one_in(20) ? any_word() : below(p_.channels))};
+        Request request = writes(address, {});
+        const std::uint32_t words = one_in(20) ? most : between(1, std::min(3U, interface::trigger_settings - first));
+        for (std::uint32_t i = 0; i < words; ++i)
+            request.words.push_back(first + i < interface::trigger_settings ? values[first + i] : any_word());
+        return request;
+    }
+
+    /// The trigger input: some changes, of a few clocks or longer, and what waits for them.
+    std::string move_trigger() {
+        if (one_in(3)) {
+            say({Command::gate, {0xfffe, 0xffff, 0xffff}});
+            if (std::string difference = run(between(400, 2000)); !difference.empty()) return difference;
+            say(request());
+            if (std::string difference = run(between(400, 2000)); !difference.empty()) return difference;
+        }
+        for (std::uint32_t i = between(1, 4); i > 0; --i) {
+            moved_ = !moved_;
+            boards_.both([this](sim::Board& board) { board.drive_trigger(moved_); });
+            if (std::string difference = run(one_in(3) ? between(1, 800) : between(1, 8)); !difference.empty())
+                return difference;
+        }
+        return {};
+    }
+
     /// For soon, the end, or nothing; on some boards there is no such command.
     Request gate() {
         std::uint64_t period = period_ + below(200);
         if (one_in(3)) period = one_in(4) ? 0 : ~std::uint64_t{0};
         if (one_in(60)) period = g_();
+        if (p_.trigger != 0 && one_in(4)) period = ~std::uint64_t{1};
         const auto part = [period](unsigned shift) { return static_cast<std::uint16_t>(period >> shift); };
         return {Command::gate, {part(0), part(16), part(32)}};
     }
@@ -846,6 +897,7 @@ private:
     std::uint8_t selecting_ = 0;  // number of the SELECT whose record is waited for
     bool selected_ = false;       // a reply to it says so
     bool pressed_ = false;
+    bool moved_ = false;  // the level at the trigger input
     bool chained_ = false;
     unsigned place_ = 0;  // in the answer that arrives
     bool sticky_ = false;

@@ -69,6 +69,10 @@ void compare(std::string_view configuration, std::uint64_t commands, std::uint32
             for (const std::uint64_t count : {host.streaming, host.late, host.lost, host.early, host.repeated})
                 REQUIRE(count > 0);
     }
+    if (core.parameters().trigger != 0) {
+        fmt::print("    {} changes of the trigger output\n", boards.triggers);
+        REQUIRE((commands < 3000 || boards.triggers > 100));
+    }
     if (wide && commands >= 3000) {
         REQUIRE(boards.focus_cycles > 0);
         REQUIRE(host.modulated > 0);

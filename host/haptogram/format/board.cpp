@@ -100,8 +100,26 @@ Board::Flash read_flash(const Section& section) {
 }
 
 Board::Pins read_pins(const Section& section, const Board::Fpga& fpga, const interface::CoreParameters& parameters) {
-    section.only({"clk", "rx", "tx", "led", "stop", "stop_level", "driver_enable", "driver_enable_level", "alive",
-                  "sync_in", "sync_out", "next_rx", "next_tx", "active", "drive_ma", "slew", "high"});
+    section.only({"clk",
+                  "rx",
+                  "tx",
+                  "led",
+                  "stop",
+                  "stop_level",
+                  "driver_enable",
+                  "driver_enable_level",
+                  "alive",
+                  "sync_in",
+                  "sync_out",
+                  "trigger_in",
+                  "trigger_out",
+                  "test",
+                  "next_rx",
+                  "next_tx",
+                  "active",
+                  "drive_ma",
+                  "slew",
+                  "high"});
     Board::Pins pins;
     pins.clk = ball(section, "clk");
     pins.rx = section.text("rx", a_ball, is_word);
@@ -122,6 +140,13 @@ Board::Pins read_pins(const Section& section, const Board::Fpga& fpga, const int
     for (const char* key : {"sync_in", "sync_out"})
         if (section.find(key) != nullptr && parameters.sync == 0)
             throw section.wrong(*section.find(key), key, "no such key, or parameters.SYNC = 1: this core has no SYNC");
+    pins.trigger_in = section.text("trigger_in", a_ball, is_word);
+    pins.trigger_out = section.text("trigger_out", a_ball, is_word);
+    pins.test = section.text("test", a_ball, is_word);
+    for (const char* key : {"trigger_in", "trigger_out", "test"})
+        if (section.find(key) != nullptr && parameters.trigger == 0)
+            throw section.wrong(*section.find(key), key,
+                                "no such key, or parameters.TRIGGER = 1: this core has no triggers");
     pins.next_rx = section.text("next_rx", a_ball, is_word);
     pins.next_tx = section.text("next_tx", a_ball, is_word);
     for (const char* key : {"next_rx", "next_tx"})
@@ -242,6 +267,9 @@ std::vector<Board::Output> read_outputs(const Section& root, const std::string& 
     if (pins.alive) use(file, *pins.alive, "pins.alive");
     if (pins.sync_in) use(file, *pins.sync_in, "pins.sync_in");
     if (pins.sync_out) use(file, *pins.sync_out, "pins.sync_out");
+    if (pins.trigger_in) use(file, *pins.trigger_in, "pins.trigger_in");
+    if (pins.trigger_out) use(file, *pins.trigger_out, "pins.trigger_out");
+    if (pins.test) use(file, *pins.test, "pins.test");
     if (pins.next_rx) use(file, *pins.next_rx, "pins.next_rx");
     if (pins.next_tx) use(file, *pins.next_tx, "pins.next_tx");
     for (const std::string& ball : pins.high) use(file, ball, "in pins.high");

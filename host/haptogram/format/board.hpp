@@ -34,6 +34,9 @@ struct Board {
         std::optional<std::string> alive;          ///< output that changes as long as there is a clock
         std::optional<std::string> sync_in;        ///< input of SYNC, of a slave
         std::optional<std::string> sync_out;       ///< output of SYNC, of a master
+        std::optional<std::string> trigger_in;     ///< input of a trigger from elsewhere
+        std::optional<std::string> trigger_out;    ///< output of the trigger
+        std::optional<std::string> test;           ///< output for an oscilloscope
         std::optional<std::string> next_rx;        ///< input of a chain: the line from the next tile
         std::optional<std::string> next_tx;        ///< output of a chain: the line to it
         bool active_low = false;                   ///< a transducer's driver is on while its pin is low

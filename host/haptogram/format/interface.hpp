@@ -15,7 +15,7 @@ namespace haptogram::interface {
 
 inline constexpr std::string_view name = "Haptogram";
 inline constexpr unsigned version_major = 2;
-inline constexpr unsigned version_minor = 3;
+inline constexpr unsigned version_minor = 4;
 inline constexpr std::uint32_t primary_base = 0x00000000;
 inline constexpr unsigned primary_word_bits = 16;
 inline constexpr std::uint32_t sequence_base = 0x10000000;
@@ -34,6 +34,8 @@ inline constexpr std::uint32_t ring_base = 0x80000000;
 inline constexpr unsigned ring_word_bits = 16;
 inline constexpr std::uint32_t stream_base = 0x90000000;
 inline constexpr unsigned stream_word_bits = 16;
+inline constexpr std::uint32_t trigger_base = 0xa0000000;
+inline constexpr unsigned trigger_word_bits = 16;
 inline constexpr std::uint32_t description_base = 0x40000000;
 inline constexpr unsigned description_word_bits = 16;
 inline constexpr unsigned record_header_words = 4;
@@ -96,7 +98,8 @@ inline constexpr BitField loops = {"loops", 16, 16};  // how many times it is pl
 }  // namespace sequence_header_field
 
 namespace sequence_entry_field {  // words of 32 bits
-inline constexpr BitField index = {"index", 0, 16};  // record to play; 0 is silence
+inline constexpr BitField index = {"index", 0, 15};  // record to play; 0 is silence
+inline constexpr BitField mark = {"mark", 15, 1};  // its beginning is an event of the trigger output, see the events; boards without trigger do not look at it
 inline constexpr BitField dwell = {"dwell", 16, 16};  // for so many carrier cycles; 0 until the next record is ready
 }  // namespace sequence_entry_field
 
@@ -181,6 +184,26 @@ inline constexpr BitField slot_bits = {"slot_bits", 16, 4};  // there are 2^slot
 inline constexpr BitField hold = {"hold", 32, 16};  // periods without a pattern through which the last one plays on
 inline constexpr BitField fade = {"fade", 48, 16};  // after those, what all amplitudes lose a period until they are 0; 65,535 is full
 }  // namespace stream_field
+
+namespace trigger_field {  // words of 16 bits
+inline constexpr BitField event = {"event", 0, 3};  // what makes a pulse at the trigger output, see the events; none at power-up
+inline constexpr BitField out_periods = {"out_periods", 16, 16};  // of the event period: how many carrier periods from one to the next; 0 counts as 1
+inline constexpr BitField out_length = {"out_length", 32, 24};  // clocks for which the trigger output is high, from the last event on; 0 counts as 1
+inline constexpr BitField in_low = {"in_low", 64, 1};  // the trigger input is active while it is low
+inline constexpr BitField in_level = {"in_level", 65, 1};  // what waits for the trigger begins while the input is active; 0: when it becomes active
+inline constexpr BitField in_gates = {"in_gates", 66, 1};  // no pulse reaches the pins while the input is not active; time goes on meanwhile, and outputs are as much on as before
+inline constexpr BitField in_least = {"in_least", 80, 16};  // clocks for which a change of the input must last, beside its first, before it counts
+inline constexpr BitField test = {"test", 96, 2};  // what is at the test output, see the tests; nothing at power-up
+inline constexpr BitField test_channel = {"test_channel", 112, 16};  // of test carrier; in as many bits as the number of a channel has
+inline constexpr BitField now = {"now", 128, 32};  // bits 31…0 of the clocks since power-up; this and all behind it are of one moment, in which the answer begins
+inline constexpr BitField now_high = {"now_high", 160, 16};  // bits 47…32 of it
+inline constexpr BitField out_count = {"out_count", 176, 16};  // events at the trigger output, modulo 65,536
+inline constexpr BitField out = {"out", 192, 32};  // bits 31…0 of the clock since power-up in which the trigger output rose last, or would have risen
+inline constexpr BitField out_high = {"out_high", 224, 16};  // bits 47…32 of it
+inline constexpr BitField in_count = {"in_count", 240, 16};  // times the trigger input became active, modulo 65,536
+inline constexpr BitField in = {"in", 256, 32};  // bits 31…0 of the clock since power-up in which the trigger input, as it was sampled, became active
+inline constexpr BitField in_high = {"in_high", 288, 16};  // bits 47…32 of it
+}  // namespace trigger_field
 
 namespace description_field {  // words of 16 bits
 inline constexpr BitField magic = {"magic", 0, 16};  // 0x4748, the letters HG
@@ -317,6 +340,30 @@ enum class StreamWord : unsigned {
 };
 inline constexpr unsigned stream_words = 4;
 
+enum class TriggerWord : unsigned {
+    out_form = 0,
+    out_periods = 1,
+    out_length_low = 2,
+    out_length_high = 3,
+    in_form = 4,
+    in_least = 5,
+    test_form = 6,
+    test_channel = 7,
+    now_low = 8,
+    now_middle = 9,
+    now_high = 10,
+    out_count = 11,
+    out_low = 12,
+    out_middle = 13,
+    out_high = 14,
+    in_count = 15,
+    in_low = 16,
+    in_middle = 17,
+    in_high = 18,
+};
+inline constexpr unsigned trigger_words = 19;
+inline constexpr unsigned trigger_settings = 8;  // the first of them, which a host may write
+
 enum class DescriptionWord : unsigned {
     magic = 0,
     format = 1,
@@ -346,6 +393,7 @@ enum class Feature : unsigned {
     schedule = 8,  // counts carrier periods; changes can wait for one, or for the end of what plays
     live_foci = 9,  // takes foci over the link while it plays
     stream = 10,  // takes a pattern for each carrier period, without answers
+    trigger = 11,  // marks events at a trigger output, takes a trigger, and has a test output
     sync = 12,  // keeps its carrier cycles in step with other boards
     chain = 13,  // passes the serial line on, so that one port leads to many boards
     net = 14,  // is reached over Ethernet: frames come in datagrams and not on a serial line
@@ -373,6 +421,24 @@ enum class Role : unsigned {
     alone = 0,  // keeps its own time
     master = 1,  // gives the time: every second of its cycles is a clock longer
     slave = 2,  // takes the time from SYNC
+};
+
+/// What makes a pulse at the trigger output.
+enum class Event : unsigned {
+    none = 0,  // no pulses
+    start = 1,  // playing begins: outputs are on, and the record is not silence
+    mark = 2,  // an entry of a sequence with `mark` begins, while outputs are on
+    pass = 3,  // the first entry of a sequence begins, in each pass, while outputs are on
+    period = 4,  // each out_periods-th carrier period begins, whatever plays; the first one is that behind the command
+    samples = 5,  // the first carrier period begins behind the moment in which the first sample of the modulation was taken, in each pass of the samples
+};
+
+/// What is at the test output.
+enum class Test : unsigned {
+    off = 0,  // low
+    carrier = 1,  // what is at the pin of test_channel
+    cycle = 2,  // changes when a carrier cycle begins at the pins
+    index = 3,  // changes with the first cycle of another record
 };
 
 enum class Command : std::uint8_t {
@@ -437,6 +503,28 @@ constexpr std::string_view to_string(Role role) {
     return "unknown";
 }
 
+constexpr std::string_view to_string(Event event) {
+    switch (event) {
+        case Event::none: return "none";
+        case Event::start: return "start";
+        case Event::mark: return "mark";
+        case Event::pass: return "pass";
+        case Event::period: return "period";
+        case Event::samples: return "samples";
+    }
+    return "unknown";
+}
+
+constexpr std::string_view to_string(Test test) {
+    switch (test) {
+        case Test::off: return "off";
+        case Test::carrier: return "carrier";
+        case Test::cycle: return "cycle";
+        case Test::index: return "index";
+    }
+    return "unknown";
+}
+
 constexpr std::string_view to_string(Command command) {
     switch (command) {
         case Command::identify: return "identify";
@@ -472,7 +560,7 @@ constexpr std::string_view to_string(Status status) {
         case Status::bad_address: return "bad_address: outside the memory, or not writable";
         case Status::bad_alignment: return "bad_alignment: address or length is no multiple of the region's word";
         case Status::bad_index: return "bad_index: index above RECORDS, or above RECORDS + foci_count on boards with foci";
-        case Status::bad_range: return "bad_range: sequence entries outside 1…SEQUENCE_DEPTH−1, or the sequence header's length is; modulate: samples beyond MODULATION_DEPTH, or a first one on boards without schedule; push, push_foci: behind a gate for the end of what plays; push_foci: the ring has no more records than LIVE_DEPTH, or lies outside the focus records or primary memory; sync: no such role";
+        case Status::bad_range: return "bad_range: sequence entries outside 1…SEQUENCE_DEPTH−1, or the sequence header's length is; modulate: samples beyond MODULATION_DEPTH, or a first one on boards without schedule; push, push_foci: behind a gate for the end of what plays, or for the trigger; push_foci: the ring has no more records than LIVE_DEPTH, or lies outside the focus records or primary memory; sync: no such role";
         case Status::fifo_full: return "fifo_full: fewer free places in the live FIFO than indices in the frame; nothing was pushed";
         case Status::stopped: return "stopped: the stop input is active; release it, then enable";
         case Status::gate_busy: return "gate_busy: something waits for another carrier period already; wait until it has begun, or stop";
@@ -504,6 +592,7 @@ struct CoreParameters {
     std::uint32_t chain = 0;
     std::uint32_t net = 0;
     std::uint32_t stream = 0;
+    std::uint32_t trigger = 0;
     friend bool operator==(const CoreParameters&, const CoreParameters&) = default;
 };
 
@@ -535,7 +624,7 @@ struct ParameterDescription {
     }
 };
 
-inline constexpr std::array<ParameterDescription, 21> core_parameters = {{
+inline constexpr std::array<ParameterDescription, 22> core_parameters = {{
     {"CHANNELS", &CoreParameters::channels, 2, 1000, {}, {}, false, false},
     {"RECORDS", &CoreParameters::records, 1, 65534, {}, {}, false, false},
     {"SEQUENCE_DEPTH", &CoreParameters::sequence_depth, 2, 32767, {}, {}, false, false},
@@ -557,6 +646,7 @@ inline constexpr std::array<ParameterDescription, 21> core_parameters = {{
     {"CHAIN", &CoreParameters::chain, 0, 1, {}, {}, false, false},
     {"NET", &CoreParameters::net, 0, 1, {}, {}, false, false},
     {"STREAM", &CoreParameters::stream, 4, 1024, {}, {}, true, true},
+    {"TRIGGER", &CoreParameters::trigger, 0, 1, {}, {}, false, false},
 }};
 
 /// A named set of parameters.
@@ -567,43 +657,43 @@ struct CoreConfiguration {
 
 inline constexpr std::array<CoreConfiguration, 19> core_configurations = {{
     {"tile-100",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0}},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0, .trigger = 0}},
     {"small-16",
-     {.channels = 16, .records = 40, .sequence_depth = 64, .live_depth = 16, .timing_bits = 12, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 255, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 1, .sync = 0, .chain = 0, .net = 0, .stream = 0}},
+     {.channels = 16, .records = 40, .sequence_depth = 64, .live_depth = 16, .timing_bits = 12, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 255, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 1, .sync = 0, .chain = 0, .net = 0, .stream = 0, .trigger = 1}},
     {"small-16-sync",
-     {.channels = 16, .records = 40, .sequence_depth = 64, .live_depth = 16, .timing_bits = 12, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 255, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 1, .chain = 1, .net = 0, .stream = 0}},
+     {.channels = 16, .records = 40, .sequence_depth = 64, .live_depth = 16, .timing_bits = 12, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 255, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 1, .chain = 1, .net = 0, .stream = 0, .trigger = 0}},
     {"small-16-wide",
-     {.channels = 16, .records = 256, .sequence_depth = 256, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 64, .slew = 1, .foci = 8, .schedule = 1, .sync = 0, .chain = 0, .net = 0, .stream = 0}},
+     {.channels = 16, .records = 256, .sequence_depth = 256, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 64, .slew = 1, .foci = 8, .schedule = 1, .sync = 0, .chain = 0, .net = 0, .stream = 0, .trigger = 0}},
     {"small-16-net",
-     {.channels = 16, .records = 256, .sequence_depth = 256, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 64, .slew = 1, .foci = 8, .schedule = 1, .sync = 0, .chain = 0, .net = 1, .stream = 16}},
+     {.channels = 16, .records = 256, .sequence_depth = 256, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 5, .max_high_clocks = 20000, .min_pulse_clocks = 1, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 64, .slew = 1, .foci = 8, .schedule = 1, .sync = 0, .chain = 0, .net = 1, .stream = 16, .trigger = 1}},
     {"tile-100-wide",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8, .schedule = 1, .sync = 1, .chain = 1, .net = 0, .stream = 0}},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8, .schedule = 1, .sync = 1, .chain = 1, .net = 0, .stream = 0, .trigger = 0}},
     {"tile-100-sync",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 1, .sync = 1, .chain = 0, .net = 0, .stream = 0}},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 1, .sync = 1, .chain = 0, .net = 0, .stream = 0, .trigger = 0}},
     {"unit-36",
-     {.channels = 36, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 25600000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 1, .sync = 1, .chain = 0, .net = 0, .stream = 0}},
+     {.channels = 36, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 25600000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 1, .sync = 1, .chain = 0, .net = 0, .stream = 0, .trigger = 0}},
     {"hoshi-324",
-     {.channels = 324, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0}},
+     {.channels = 324, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0, .trigger = 0}},
     {"wide-256",
-     {.channels = 256, .records = 160, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0}},
+     {.channels = 256, .records = 160, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0, .trigger = 0}},
     {"amplitudes-256",
-     {.channels = 256, .records = 160, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0}},
+     {.channels = 256, .records = 160, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0, .trigger = 0}},
     {"tile-100-3m",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0}},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0, .trigger = 0}},
     {"colorlight-5a-75b-v8.0",
-     {.channels = 56, .records = 600, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0}},
+     {.channels = 56, .records = 600, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0, .trigger = 0}},
     {"colorlight-5a-75e-v6.0",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0}},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0, .trigger = 0}},
     {"colorlight-5a-75e-v7.1",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0}},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0, .trigger = 0}},
     {"colorlight-5a-75e-v7.1-wide",
-     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0}},
+     {.channels = 100, .records = 400, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 115200, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0, .trigger = 0}},
     {"colorlight-5a-75e-v7.1-net",
-     {.channels = 100, .records = 360, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8, .schedule = 1, .sync = 1, .chain = 0, .net = 1, .stream = 256}},
+     {.channels = 100, .records = 360, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 11, .pulse_bits = 8, .clock_hz = 50000000, .baud = 1000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 10, .modulation_depth = 4096, .slew = 1, .foci = 8, .schedule = 1, .sync = 1, .chain = 0, .net = 1, .stream = 256, .trigger = 0}},
     {"ice40-hx8k-breakout",
-     {.channels = 100, .records = 64, .sequence_depth = 256, .live_depth = 256, .timing_bits = 8, .pulse_bits = 8, .clock_hz = 48000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0}},
+     {.channels = 100, .records = 64, .sequence_depth = 256, .live_depth = 256, .timing_bits = 8, .pulse_bits = 8, .clock_hz = 48000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 0, .chain = 0, .net = 0, .stream = 0, .trigger = 0}},
     {"ulx3s-85f",
-     {.channels = 56, .records = 600, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 0, .sync = 1, .chain = 0, .net = 0, .stream = 0}},
+     {.channels = 56, .records = 600, .sequence_depth = 1024, .live_depth = 256, .timing_bits = 16, .pulse_bits = 8, .clock_hz = 50000000, .baud = 3000000, .watchdog_ms = 500, .max_high_clocks = 10000, .min_pulse_clocks = 5, .max_duty_256 = 128, .width_bits = 0, .modulation_depth = 0, .slew = 0, .foci = 0, .schedule = 1, .sync = 1, .chain = 0, .net = 0, .stream = 0, .trigger = 1}},
 }};
 
 /// The configuration of this name; null when there is none.

@@ -184,8 +184,8 @@ Status to_status(const Bytes& block) {
 }
 
 When When::at_period(std::uint64_t period) {
-    if (period == 0 || period >= at_end().gate)
-        throw bad_argument("period", fmt::format("{}, expected 1 to {}", period, at_end().gate - 1));
+    if (period == 0 || period >= at_trigger().gate)
+        throw bad_argument("period", fmt::format("{}, expected 1 to {}", period, at_trigger().gate - 1));
     return {period};
 }
 
@@ -239,6 +239,8 @@ void Commands::set_gate(When when) {
     if (when == When::at_once()) return;
     if (!interface::has(identity().features, interface::Feature::schedule))
         throw device_error("its changes cannot wait; that takes a board with the parameter SCHEDULE");
+    if (when == When::at_trigger() && !interface::has(identity().features, interface::Feature::trigger))
+        throw device_error("it has no trigger input; that takes a board with the parameter TRIGGER");
     request({Command::gate, payload_of(when.gate, when.gate >> 16, when.gate >> 32)});
 }
 

@@ -52,6 +52,7 @@ struct Identity {
         core.schedule = interface::has(features, interface::Feature::schedule) ? 1 : 0;
         core.sync = interface::has(features, interface::Feature::sync) ? 1 : 0;
         core.chain = interface::has(features, interface::Feature::chain) ? 1 : 0;
+        core.trigger = interface::has(features, interface::Feature::trigger) ? 1 : 0;
         core.max_high_clocks = max_high_clocks(max_pulse_clocks);
         return core;
     }
@@ -103,6 +104,8 @@ struct When {
     [[nodiscard]] static constexpr When at_once() { return {}; }
     /// When what plays now has ended: all its loops, or its present pass when it is played for ever.
     [[nodiscard]] static constexpr When at_end() { return {(std::uint64_t{1} << 48) - 1}; }
+    /// When the trigger input says so, of a device that has one; not for what is pushed.
+    [[nodiscard]] static constexpr When at_trigger() { return {at_end().gate - 1}; }
     /// With this carrier period, or with the first one after it that the change can be ready for; never before it.
     /// @throws Error{bad_argument} when it has no number that a device counts to
     [[nodiscard]] static When at_period(std::uint64_t period);
@@ -144,7 +147,7 @@ public:
     /// Plays a record from the next cycle on, for `dwell` cycles or, with 0, until something else comes.
     void select(std::uint16_t index, std::uint16_t dwell = 0);
     /// Appends indices to the live FIFO. @return how many entries it holds now
-    /// @param when  not at_end()
+    /// @param when  neither at_end() nor at_trigger()
     std::uint16_t push(const std::vector<std::uint16_t>& indices, std::uint16_t dwell, When when = {});
     /// Writes focus records, of four words a focus, into the ring and appends their indices to the live FIFO.
     /// @return how many entries it holds now

@@ -62,6 +62,17 @@ ordered_json to_json(const Status& s) {
     return json;
 }
 
+ordered_json to_json(const TriggerSettings& s) {
+    return {{"out", to_string(s.event)},           {"every", s.every_periods},  {"pulse_ms", 1e3 * s.pulse_s},
+            {"in", s.active_low ? "low" : "high"}, {"level", s.by_level},       {"gate", s.gates},
+            {"settle_ms", 1e3 * s.settle_s},       {"test", to_string(s.test)}, {"channel", s.channel}};
+}
+
+ordered_json to_json(const TriggerTimes& t, std::uint32_t clock_hz) {
+    return {{"clock_hz", clock_hz}, {"clock", t.now},         {"out_count", t.out_count},
+            {"out_clock", t.out},   {"in_count", t.in_count}, {"in_clock", t.in}};
+}
+
 ordered_json to_json(const std::vector<PortInfo>& ports) {
     ordered_json json = ordered_json::array();
     for (const PortInfo& port : ports) json.push_back({{"port", port.port}, {"name", port.name}});

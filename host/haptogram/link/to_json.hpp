@@ -8,11 +8,14 @@
 #include "haptogram/link/port.hpp"
 #include "haptogram/link/rig.hpp"
 #include "haptogram/link/transfer.hpp"
+#include "haptogram/link/trigger.hpp"
 
 namespace haptogram::link {
 
 [[nodiscard]] nlohmann::ordered_json to_json(const Identity& identity);
 [[nodiscard]] nlohmann::ordered_json to_json(const Status& status);
+[[nodiscard]] nlohmann::ordered_json to_json(const TriggerSettings& settings);
+[[nodiscard]] nlohmann::ordered_json to_json(const TriggerTimes& times, std::uint32_t clock_hz);
 [[nodiscard]] nlohmann::ordered_json to_json(const std::vector<PortInfo>& ports);
 [[nodiscard]] nlohmann::ordered_json to_json(const UploadReport& report);
 /// Of playing from the device's memories.

@@ -28,6 +28,9 @@ from .interface import (
     RING_WORDS,
     SEQUENCE_BASE,
     SEQUENCE_HEADER_FIELDS,
+    TRIGGER_BASE,
+    TRIGGER_SETTINGS,
+    TRIGGER_WORDS,
     Command,
     Feature,
     Role,
@@ -36,9 +39,11 @@ from .interface import (
 )
 from .port import Port, never
 from .session import Line, Session, keep_alive_pause, shut_off
+from .trigger import Trigger, TriggerSettings
 from .udp import UdpLine, names_udp
 
 GATE_AT_END = (1 << 48) - 1  # a period that means the end of what plays
+GATE_AT_TRIGGER = GATE_AT_END - 1
 DIGEST_BYTES = 4
 
 
@@ -145,17 +150,19 @@ class Client:
     def select(self, index: int, dwell: int = 0) -> None:
         self._ask(Command.SELECT, index, dwell)
 
-    def _gate(self, period: int | None, at_end: bool = False) -> None:
-        """What the next command waits for: a carrier period, the end of what plays, or nothing."""
-        if period is None and not at_end:
+    def _gate(self, period: int | None, at_end: bool = False, on_trigger: bool = False) -> None:
+        """What the next command waits for: a carrier period, the end of what plays, the trigger, or nothing."""
+        if period is None and not at_end and not on_trigger:
             return
-        if period is not None and at_end:
-            raise bad_input("period", "expected either a period or the end of what plays")
+        if (period is not None) + at_end + on_trigger > 1:
+            raise bad_input("period", "expected one of a period, the end of what plays, and the trigger")
         if not self.identity.features >> Feature.SCHEDULE & 1:
             raise device_error("board", "its changes cannot wait; that takes a board with the parameter SCHEDULE")
-        if period is not None and not 0 < period < GATE_AT_END:
-            raise bad_input("period", f"{period}, expected 1 to {GATE_AT_END - 1}")
-        gate = GATE_AT_END if period is None else period
+        if on_trigger and not self.identity.features >> Feature.TRIGGER & 1:
+            raise device_error("board", "it has no trigger input; that takes a board with the parameter TRIGGER")
+        if period is not None and not 0 < period < GATE_AT_TRIGGER:
+            raise bad_input("period", f"{period}, expected 1 to {GATE_AT_TRIGGER - 1}")
+        gate = period if period is not None else GATE_AT_TRIGGER if on_trigger else GATE_AT_END
         self._ask(Command.GATE, gate & 0xFFFF, gate >> 16 & 0xFFFF, gate >> 32)
 
     def push(self, indices: Sequence[int], dwell: int, period: int | None = None) -> int:
@@ -193,10 +200,11 @@ class Client:
         self.write(PARAMETERS_BASE + 2 * PARAMETERS_WORDS.index("foci_count"), struct.pack("<H", room))
         self.write(RING_BASE, ring)
 
-    def start(self, first: int = 1, length: int = 0, loops: int = 0, period: int | None = None, at_end: bool = False) -> None:
-        """With length 0 as the sequence's header says. It begins at once, not before the carrier period of this number, or at the
-        end of what plays."""
-        self._gate(period, at_end)
+    def start(self, first: int = 1, length: int = 0, loops: int = 0, period: int | None = None, at_end: bool = False,
+              on_trigger: bool = False) -> None:  # fmt: skip
+        """With length 0 as the sequence's header says. It begins at once, not before the carrier period of this number, at the
+        end of what plays, or when the trigger input says so (set_trigger); whatever turns outputs off ends that wait."""
+        self._gate(period, at_end, on_trigger)
         self._ask(Command.START, first, length, loops)
 
     def modulate(self, divider: int, length: int = 0, loop: bool = True, first: int = 0, period: int | None = None, at_end: bool = False) -> None:
@@ -206,6 +214,20 @@ class Client:
             raise bad_input("first", f"sample {first}, expected an even number up to 65534")
         self._gate(period, at_end)
         self._ask(Command.MODULATE, divider, length, first | int(loop))
+
+    def set_trigger(self, settings: TriggerSettings) -> None:
+        """The trigger pins and the test output; they stay so over a reset."""
+        self._require_triggers()
+        self.write(TRIGGER_BASE, settings.block(self.identity))
+
+    def trigger(self) -> Trigger:
+        """How often the trigger pins did something, when last, and the board's clock, all of one moment."""
+        self._require_triggers()
+        return Trigger.of(self.read(TRIGGER_BASE + 2 * TRIGGER_SETTINGS, 2 * (len(TRIGGER_WORDS) - TRIGGER_SETTINGS)))
+
+    def _require_triggers(self) -> None:
+        if not self.identity.features >> Feature.TRIGGER & 1:
+            raise device_error("board", "it has no trigger pins; that takes a board with the parameter TRIGGER")
 
     def set_role(self, role: Role) -> None:
         """Resets the board, and then keeps its carrier cycles in step with other boards."""

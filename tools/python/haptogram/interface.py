@@ -4,7 +4,7 @@ import enum
 from typing import NamedTuple
 
 NAME = 'Haptogram'
-VERSION = (2, 3)
+VERSION = (2, 4)
 PRIMARY_BASE = 0x00000000
 SEQUENCE_BASE = 0x10000000
 IDENTITY_BASE = 0x20000000
@@ -14,6 +14,7 @@ GEOMETRY_BASE = 0x60000000
 MODULATION_BASE = 0x70000000
 RING_BASE = 0x80000000
 STREAM_BASE = 0x90000000
+TRIGGER_BASE = 0xa0000000
 DESCRIPTION_BASE = 0x40000000
 RECORD_HEADER_WORDS = 4
 SILENT_TIMING = 0xffff
@@ -51,6 +52,7 @@ STATUS_WORDS = ["flags", "present_index", "underruns", "refused_records", "frame
 PARAMETERS_WORDS = ["foci_base", "foci_count", "foci_form", "foci_cycle", "wave_number_low", "wave_number_high", "gain", "slew_mode", "phase_rate", "amplitude_rate", "arrival_periods"]
 RING_WORDS = ["base", "first", "count"]
 STREAM_WORDS = ["first", "slot_form", "hold", "fade"]
+TRIGGER_WORDS = ["out_form", "out_periods", "out_length_low", "out_length_high", "in_form", "in_least", "test_form", "test_channel", "now_low", "now_middle", "now_high", "out_count", "out_low", "out_middle", "out_high", "in_count", "in_low", "in_middle", "in_high"]
 DESCRIPTION_WORDS = ["magic", "format", "channels", "records", "sequence_words", "bits", "clock_hz_low", "clock_hz_high", "board_records", "modulation_samples", "modulation_divider", "min_pulse_clocks"]
 
 # Lowest and highest value of the core's parameters; whether it is a power of two; whether it may also be 0.
@@ -76,10 +78,12 @@ PARAMETER_RANGES = {
     "chain": (0, 1, False, False),
     "net": (0, 1, False, False),
     "stream": (4, 1024, True, True),
+    "trigger": (0, 1, False, False),
 }
 
 STATUS_UNTIMED_WORDS = 17  # of boards without schedule
 STATUS_UNSTREAMED_WORDS = 21  # of boards without stream
+TRIGGER_SETTINGS = 8  # words of the trigger block which a host may write
 
 
 class BitField(NamedTuple):
@@ -121,7 +125,8 @@ SEQUENCE_HEADER_FIELDS = {
     "loops": BitField(16, 16),
 }
 SEQUENCE_ENTRY_FIELDS = {
-    "index": BitField(0, 16),
+    "index": BitField(0, 15),
+    "mark": BitField(15, 1),
     "dwell": BitField(16, 16),
 }
 IDENTITY_FIELDS = {
@@ -201,6 +206,25 @@ STREAM_FIELDS = {
     "hold": BitField(32, 16),
     "fade": BitField(48, 16),
 }
+TRIGGER_FIELDS = {
+    "event": BitField(0, 3),
+    "out_periods": BitField(16, 16),
+    "out_length": BitField(32, 24),
+    "in_low": BitField(64, 1),
+    "in_level": BitField(65, 1),
+    "in_gates": BitField(66, 1),
+    "in_least": BitField(80, 16),
+    "test": BitField(96, 2),
+    "test_channel": BitField(112, 16),
+    "now": BitField(128, 32),
+    "now_high": BitField(160, 16),
+    "out_count": BitField(176, 16),
+    "out": BitField(192, 32),
+    "out_high": BitField(224, 16),
+    "in_count": BitField(240, 16),
+    "in": BitField(256, 32),
+    "in_high": BitField(288, 16),
+}
 DESCRIPTION_FIELDS = {
     "magic": BitField(0, 16),
     "format": BitField(16, 16),
@@ -234,6 +258,7 @@ class Feature(enum.IntEnum):
     SCHEDULE = 8
     LIVE_FOCI = 9
     STREAM = 10
+    TRIGGER = 11
     SYNC = 12
     CHAIN = 13
     NET = 14
@@ -250,6 +275,22 @@ class Role(enum.IntEnum):
     ALONE = 0
     MASTER = 1
     SLAVE = 2
+
+
+class Event(enum.IntEnum):
+    NONE = 0
+    START = 1
+    MARK = 2
+    PASS = 3
+    PERIOD = 4
+    SAMPLES = 5
+
+
+class Test(enum.IntEnum):
+    OFF = 0
+    CARRIER = 1
+    CYCLE = 2
+    INDEX = 3
 
 
 class Command(enum.IntEnum):
