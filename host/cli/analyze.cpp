@@ -107,6 +107,11 @@ int analyze_source(const AnalyzeOptions& options) {
             fmt::format("the strongest focus would warm skin more than is safe in tissue from {:.0f} mN on "
                         "(Hoshi 2010, 2.4), {:.1f} times its force here",
                         hottest->heat_limit_n * 1e3, hottest->heat_limit_n / hottest->focus.force_n));
+        const auto lost = std::ranges::min_element(analysis.points, {}, &PointAnalysis::left_in_other_air);
+        report.add("least_left_in_other_air", lost->left_in_other_air,
+                   fmt::format("air that is {:.0f} degrees C warmer or colder than computed for leaves {:.1f} % of the "
+                               "pressure of a focus",
+                               other_air_c, 100.0 * lost->left_in_other_air));
         const auto windiest = std::ranges::max_element(analysis.points, {}, &PointAnalysis::impulse_ns);
         report.tell(fmt::format(
             "the flow of air behind a focus grows with its force's impulse in a dwell, {:.4g} mN·ms at most "

@@ -8,7 +8,9 @@
 #include <string>
 
 #include "command.hpp"
+#include "haptogram/array/medium.hpp"
 #include "haptogram/base/error.hpp"
+#include "haptogram/link/air.hpp"
 #include "haptogram/link/device.hpp"
 #include "haptogram/link/rig_devices.hpp"
 #include "haptogram/link/to_json.hpp"
@@ -27,12 +29,15 @@ struct PlayOptions {
     link::PlaySettings play{.warn = complain};
     bool sequence = false;  ///< the default, which may be asked for
     std::optional<std::string> am, am_law;
+    std::optional<double> temperature_c;
     bool json = false;
 };
 
 int play_rig(const PlayOptions& options) {
-    if (options.play.rate > 0.0 || options.am)
-        throw bad_argument(options.am ? "am" : "rate",
+    if (options.play.rate > 0.0 || options.am || options.temperature_c)
+        throw bad_argument(options.am              ? "am"
+                           : options.temperature_c ? "temperature"
+                                                   : "rate",
                            "a rig plays as it was compiled; compile it with that setting, or play one board");
     const RigBundle bundle = load_rig_bundle(options.ports.rig);
     const link::RigDevices devices(bundle, options.ports.of(bundle));
@@ -56,6 +61,13 @@ int play(const PlayOptions& options) {
     catch_interrupts();
     if (options.ports.is_rig()) return play_rig(options);
     link::Device device(options.ports.one());
+    std::optional<link::AirOn> air;
+    if (options.temperature_c) {
+        const double speed_m_s = speed_of_sound(*options.temperature_c);
+        air.emplace(device, speed_m_s, complain);
+        complain(
+            fmt::format("foci for sound of {:.1f} m/s; the image has {:.1f} m/s", speed_m_s, air->own_speed_m_s()));
+    }
     ProgressLine progress("play");
     link::PlaySettings settings = options.play;
     settings.am = {options.am.value_or(""), law_of(options.am_law.value_or("pressure"))};
@@ -94,6 +106,9 @@ void add_play(CLI::App& app, Action& action) {
         ->check(positive())
         ->excludes(index);
     sub->add_option("--seconds", options->play.seconds, "Not longer than this")->check(positive());
+    sub->add_option("--temperature", options->temperature_c,
+                    "Of the air now, degrees C: a board that computes foci does so for this speed of sound meanwhile")
+        ->check(CLI::Range(-50.0, 100.0));
     add_am(*sub, options->am, options->am_law);
     add_watchdog_option(*sub, options->play.watchdog_ms);
     sub->add_flag("--json", options->json, "Print the outcome as JSON");

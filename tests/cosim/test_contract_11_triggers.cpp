@@ -27,7 +27,7 @@ struct TriggerBench : Bench {
     /// Three records, each for two cycles, the second one with a mark.
     TriggerBench() {
         std::vector<Record> records;
-        for (std::uint16_t timing : {10, 20, 30}) records.push_back(record(channels(), 250, 5, 100, timing));
+        for (const std::uint16_t timing : std::initializer_list<std::uint16_t>{10, 20, 30}) records.push_back(record(channels(), 250, 5, 100, timing));
         Image image = image_of(channels(), std::move(records));
         for (SequenceEntry& e : image.sequence) e.dwell = 2;
         load(image);

@@ -4,7 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <complex>
 #include <numbers>
+
+#include "haptogram/acoustics/propagation.hpp"
 
 namespace haptogram {
 namespace {
@@ -29,7 +33,27 @@ Vec3 middle_of(const Array& array) {
     return sum * (1.0 / static_cast<double>(array.elements.size()));
 }
 
+/// The least of warmer and colder air.
+double left_in_other_air(const Array& array, Vec3 focus) {
+    constexpr double zero_k = 273.15;
+    const double ratio = array.medium.speed_m_s / speed_of_sound(0.0), temperature_c = zero_k * (ratio * ratio - 1.0);
+    return std::min(left_at_speed(array, focus, speed_of_sound(temperature_c + other_air_c)),
+                    left_at_speed(array, focus, speed_of_sound(temperature_c - other_air_c)));
+}
+
 }  // namespace
+
+double left_at_speed(const Array& array, Vec3 focus, double speed_m_s) {
+    const double turns_per_m = array.carrier_hz / speed_m_s - array.carrier_hz / array.medium.speed_m_s;
+    std::complex<double> sum;
+    double whole = 0.0;
+    for (const Element& element : array.elements) {
+        const double pressure = std::abs(propagation(array, element, focus));
+        sum += std::polar(pressure, 2.0 * std::numbers::pi * turns_per_m * distance(element, focus));
+        whole += pressure;
+    }
+    return whole > 0.0 ? std::abs(sum) / whole : 1.0;
+}
 
 ImageAnalysis analyze(const Timeline& timeline, double least_force_n, const Progress& progress) {
     const Manifest& manifest = timeline.manifest;
@@ -54,6 +78,7 @@ ImageAnalysis analyze(const Timeline& timeline, double least_force_n, const Prog
             point.heat_limit_n = point.focus.force_n * highest_pa / point.focus.radiation_pa;
             point.impulse_ns =
                 point.focus.force_n * static_cast<double>(point.dwell_cycles) / manifest.array.carrier_hz;
+            point.left_in_other_air = left_in_other_air(manifest.array, focus.position);
             point.too_weak = point.focus.force_n < least_force_n;
             far += norm(focus.position - middle) > farthest ? 1 : 0;
             weak += point.too_weak ? 1 : 0;

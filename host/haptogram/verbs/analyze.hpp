@@ -19,6 +19,13 @@ inline constexpr double recommended_for_ears_db = 110.0;
 inline constexpr double safe_in_tissue_w_m2 = 1000.0;
 inline constexpr double absorbed_by_skin = 1e-3;
 
+/// By how much a room's air may differ unnoticed.
+inline constexpr double other_air_c = 10.0;
+
+/// The share of the pressure of a focus that is left where it was to be, when all elements meet there in phase for the
+/// array's speed of sound and the true one is another.
+[[nodiscard]] double left_at_speed(const Array& array, Vec3 focus, double speed_m_s);
+
 /// One focus of what plays.
 struct PointAnalysis {
     std::size_t record = 0;          ///< index of the first record that makes it
@@ -26,6 +33,8 @@ struct PointAnalysis {
     std::uint64_t dwell_cycles = 0;  ///< carrier periods that it plays, in one pass or in all that was measured
     bool too_weak = false;           ///< less than the least force
     double heat_limit_n = 0.0;       ///< the force with which the focus' peak would leave the safe intensity in tissue
+    double left_in_other_air =
+        1.0;                  ///< of its pressure, where the air is other_air_c warmer or colder than computed for
     double impulse_ns = 0.0;  ///< of the force in one dwell, which drives the air behind it (Hoshi et al. 2010, eq. 8)
 };
 
