@@ -34,12 +34,6 @@ async function openSite(t, options) {
   return page;
 }
 
-const dropDesign = async (page, name, text) => {
-  await drop(page, [{ name: `${name}.toml`, bytes: Buffer.from(text) }]);
-  await page.locator("footer", { hasText: `${name}: ` }).waitFor();
-  await settled(page);
-};
-
 test("image and manifest from the static page are the command line's, of the gallery and of random designs", { skip }, async (t) => {
   const page = await openSite(t);
   const where = await folder(t);
@@ -63,15 +57,38 @@ test("image and manifest from the static page are the command line's, of the gal
   const seed = Number(process.env.HAPTOGRAM_SEED ?? Math.floor(1e9 * Math.random()));
   t.diagnostic(`HAPTOGRAM_SEED=${seed}`);
   const random = randomOf(seed);
-  for (let i = 0; i < 20; i++) {
-    const design = randomDesign(random);
-    const text = toml(design);
-    await dropDesign(page, `random-${i}`, text);
+  const made = await page.evaluate(imagesOf, Array.from({ length: 50 }, () => randomDesign(random)));
+  for (const { text, image } of made) {
     const project = join(where, "project.toml");
-    writeFileSync(project, String(await takeAway(page, "Project (.toml)")));
-    assert.equal(String(await takeAway(page, "Image (.hex)")), (await compiled(project))[0], text);
+    writeFileSync(project, text);
+    assert.equal(image, (await compiled(project))[0], text);
   }
 });
+
+/** In the page: each design as a project file and its image, by an engine of its own. */
+async function imagesOf(designs) {
+  const worker = new Worker("worker.js", { type: "module" });
+  const next = (isIt) => new Promise((done) => worker.addEventListener("message", function take({ data }) {
+    if (!isIt(data)) return;
+    worker.removeEventListener("message", take);
+    done(data);
+  }));
+  const ask = async (message, isIt) => {
+    const answer = next(isIt);
+    worker.postMessage(message);
+    return await answer;
+  };
+  const get = async (method, target, body = "") => new TextDecoder().decode((await ask({ request: 1, method, target, body: new TextEncoder().encode(body).buffer }, (told) => told.request === 1)).body);
+  await next((told) => told.ready);
+  const made = [];
+  for (const document of designs) {
+    const { scene, error } = JSON.parse((await ask({ message: JSON.stringify({ t: "scene", n: 1, document }) }, (told) => told.text)).text);
+    const { text } = JSON.parse(await get("POST", "/api/project", JSON.stringify(document)));
+    made.push({ text, image: scene ? await get("GET", `/api/take?scene=${scene.name}&as=hex`) : error.message });
+  }
+  worker.terminate();
+  return made;
+}
 
 /** The same but for the last digits: sines are those of another C library, and a hash of what they give is another. */
 function alike(found, expected, where) {
@@ -79,12 +96,6 @@ function alike(found, expected, where) {
   if (typeof expected !== "object" || expected === null) return where.endsWith(".inputs_sha256") || assert.equal(found, expected, where);
   assert.deepEqual(Object.keys(found), Object.keys(expected), where);
   for (const [key, value] of Object.entries(expected)) alike(found[key], value, `${where}.${key}`);
-}
-
-/** A random design as a project file. */
-function toml({ place, shape, ...top }) {
-  const line = ([key, value]) => `${key} = ${JSON.stringify(value)}`;
-  return [...Object.entries(top).map(line), "[place]", ...Object.entries(place).map(line), ...shape.flatMap((each) => ["[[shape]]", ...Object.entries(each).map(line)])].join("\n");
 }
 
 test("a static page is there soon, is small, and computes quickly", { skip }, async (t) => {
@@ -175,8 +186,8 @@ test("a static page sees, authors and takes away as with the program", { skip },
   await page.getByLabel("Step", { exact: true }).fill("4");
   await page.keyboard.press("Enter");
   const field = String(await takeAway(page, "Field (.csv)")).trim().split("\n");
-  const command = (await page.locator("pre.command").innerText()).split("\n").find((line) => line.startsWith("haptogram field"));
-  const args = command.split(" ").slice(2).map((word) => word.replaceAll("'", "")).map((word) => (word.endsWith(".hex") ? join(where, "dropped.hex") : word));
+  const asked = (await page.locator("pre.command").innerText()).split("\n").find((line) => line.startsWith("haptogram field"));
+  const args = asked.split(" ").slice(2).map((word) => word.replaceAll("'", "")).map((word) => (word.endsWith(".hex") ? join(where, "dropped.hex") : word));
   const output = join(where, "field.csv");
   args[args.findIndex((word) => word === "-o" || word === "--output") + 1] = output;
   await run("field", ...args);
@@ -189,6 +200,16 @@ test("a static page sees, authors and takes away as with the program", { skip },
   assert.ok(ours.every((value, i) => Math.abs(value - theirs[i]) < 1e-4 * greatest), "the field is the command line's");
   const report = String(await takeAway(page, "Report (.html)"));
   assert.match(report, /<h2>Foci<\/h2>/);
+  // Analyses that a newer design overtakes hold nothing up, and the newest is what is shown.
+  const force = page.locator("#feel");
+  const strong = await force.innerText();
+  for (const amplitude of [90, 80, 70, 60]) {
+    await page.getByLabel("Amplitude", { exact: true }).fill(String(amplitude));
+    await page.keyboard.press("Enter");
+    await settled(page);
+  }
+  await lookedAt(page);
+  assert.notEqual(await force.innerText(), strong);
   // A design is kept across a reload, and a hand is rendered.
   await page.getByLabel("Amplitude", { exact: true }).fill("55");
   await page.keyboard.press("Enter");
@@ -200,6 +221,10 @@ test("a static page sees, authors and takes away as with the program", { skip },
   await openDesign(page, "Touched ball");
   await page.locator("footer", { hasText: "Touched ball: " }).waitFor();
   await settled(page);
+  const path = await takeAway(page, "Path of this frame");
+  const command = (await page.getByLabel("Commands that make these paths").innerText()).split("\n")[0];
+  await run(...command.split(" ").slice(1, -1), join(where, "path.json"));
+  alike(JSON.parse(String(path)), JSON.parse(readFileSync(join(where, "path.json"), "utf8")), "path");
   const before = await slices(page);
   await page.getByLabel("Middle z").fill("140");
   await page.keyboard.press("Enter");

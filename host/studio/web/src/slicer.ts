@@ -15,7 +15,7 @@ export class Slicer {
   latencyMs = 0;
   private underWay: { n: number; asked: number } | undefined;
   private wanted: { moving: boolean } | undefined;
-  private costMs = 0; // of a point, by the last answers
+  private costMs: number | undefined; // of a point, by the last answers
   private rest: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
@@ -40,7 +40,7 @@ export class Slicer {
     if (underWay?.n !== slice.n) return false;
     this.latencyMs = performance.now() - underWay.asked;
     const cost = slice.tookMs / slice.values.length;
-    this.costMs = this.costMs > 0 ? 0.7 * this.costMs + 0.3 * cost : cost;
+    this.costMs = this.costMs === undefined ? cost : 0.7 * this.costMs + 0.3 * cost;
     this.shown += 1;
     this.underWay = undefined;
     this.next();
@@ -71,9 +71,11 @@ export class Slicer {
     const of = this.of();
     this.busy(this.underWay !== undefined || this.wanted !== undefined || this.rest !== undefined);
     if (this.underWay !== undefined || this.wanted === undefined || of === undefined || !this.link.open) return;
-    let points = full;
-    if (this.wanted.moving && this.costMs > 0) points = Math.max(least, Math.min(full, Math.floor(Math.sqrt(budgetMs / this.costMs))));
-    this.wanted = undefined;
+    // The first of all says what a point costs, and is there soon.
+    const first = this.costMs === undefined;
+    let points = first ? least : full;
+    if (this.wanted.moving && this.costMs !== undefined) points = Math.max(least, Math.min(full, Math.floor(Math.sqrt(budgetMs / this.costMs))));
+    this.wanted = first ? { moving: false } : undefined;
     const n = this.link.send({ ...of, ...this.edges(), width: points, height: points, view: 0 });
     this.underWay = { n, asked: performance.now() };
   }

@@ -76,12 +76,20 @@ export class SlowWork {
     this.known = new Set();
   }
 
+  /** What is under way cannot be done; the next work has another Worker. */
+  private fail(why: string): void {
+    this.end();
+    const work = this.queue.shift();
+    if (!work) return;
+    const error = { where: "", message: `the browser ended this computation, perhaps for want of memory: ${why}` };
+    if (isRequest(work)) this.told({ request: work.request, status: 500, body: new TextEncoder().encode(JSON.stringify({ error })).buffer });
+    else this.told({ text: JSON.stringify({ t: "failed", n: work.n, error }) });
+    this.begin();
+  }
+
   private hear(told: FromWorker): void {
     if ("ready" in told) return;
-    if ("lost" in told) {
-      this.end();
-      return this.told(told);
-    }
+    if ("lost" in told) return this.fail(told.lost);
     const work = this.queue[0];
     if (!work) return;
     const ends = isRequest(work)
