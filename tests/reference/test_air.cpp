@@ -22,7 +22,7 @@ using namespace haptogram;
 namespace {
 
 constexpr double cycle = 1250;
-const Vec3 place{0.02, -0.01, 0.12};
+const Vec3 spot{0.02, -0.01, 0.12};
 
 struct Bench {
     interface::CoreConfiguration configuration = *interface::find_configuration("tile-100-wide");
@@ -34,7 +34,7 @@ struct Bench {
     Bench() {
         client.identify();
         Path still;
-        still.steps = {{.foci = {{place, 1.0}}, .periods = 1}};
+        still.steps = {{.foci = {{spot, 1.0}}, .periods = 1}};
         upload(client, compile(still, array, {"tile-100-wide", configuration.parameters}, 0, "image",
                                Method::gauss_newton, {}, ImageKind::foci)
                            .bundle.image);
@@ -55,9 +55,9 @@ struct Bench {
         client.enable();
         client.start(1, 1, 0);
         board.run(static_cast<std::uint64_t>(40 * cycle));
-        client.turn_off();
-        board.on_edge({});
+        board.on_edge({});  // a pulse that is cut has another middle
         board.on_cycle_start({});
+        client.turn_off();
         return found;
     }
     /// The worst of all channels, as a part of a turn, against the way of the sound.
@@ -65,7 +65,7 @@ struct Bench {
         const std::vector<double> found = middles();
         double worst = 0.0;
         for (std::size_t i = 0; i < found.size(); ++i) {
-            const double ways = (distance(array.elements[0], place) - distance(array.elements[i], place)) *
+            const double ways = (distance(array.elements[0], spot) - distance(array.elements[i], spot)) *
                                 array.carrier_hz / speed_m_s;
             const double off = found[i] - found[0] - ways;
             worst = std::max(worst, std::abs(off - std::round(off)));
@@ -110,15 +110,15 @@ TEST_CASE("what another air leaves of a focus is what the field says", "[air]") 
     std::vector<std::complex<double>> drives, there;
     for (const Element& element : array.elements) {
         const auto phase_at = [&](const Array& air) {
-            return 2.0 * std::numbers::pi / air.wavelength_m() * distance(element, place);
+            return 2.0 * std::numbers::pi / air.wavelength_m() * distance(element, spot);
         };
         drives.push_back(std::polar(1.0, phase_at(array)));
         there.push_back(std::polar(1.0, phase_at(other)));
     }
-    const std::vector<Vec3> points{place};
+    const std::vector<Vec3> points{spot};
     const double kept =
         std::abs(pressure_at(other, drives, points).front()) / std::abs(pressure_at(other, there, points).front());
-    CHECK(left_at_speed(array, place, other.medium.speed_m_s) == Approx(kept).epsilon(1e-3));
+    CHECK(left_at_speed(array, spot, other.medium.speed_m_s) == Approx(kept).epsilon(1e-3));
     CHECK(kept < 0.999);
-    CHECK(left_at_speed(array, place, array.medium.speed_m_s) == Approx(1.0));
+    CHECK(left_at_speed(array, spot, array.medium.speed_m_s) == Approx(1.0));
 }
