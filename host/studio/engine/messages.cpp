@@ -10,9 +10,8 @@
 #include <cstring>
 #include <initializer_list>
 #include <limits>
-#include <map>
 #include <optional>
-#include <set>
+#include <utility>
 
 #include "haptogram/shape/place.hpp"
 
@@ -133,34 +132,53 @@ void append(std::vector<float>& values, Vec3 point) {
     for (const double each : {point.x, point.y, point.z}) values.push_back(static_cast<float>(each / millimetre));
 }
 
+using Triangle = std::array<std::uint32_t, 3>;  ///< numbers of vertices
+
+/// Of triangles with the same corners the first; none that is a line or a point. By sorting, as a set takes a block of
+/// memory for each.
+std::vector<Triangle> once(const std::vector<Triangle>& triangles) {
+    std::vector<std::pair<Triangle, std::size_t>> sorted;
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+        Triangle corners = triangles[i];
+        std::sort(corners.begin(), corners.end());
+        if (corners[0] != corners[1] && corners[1] != corners[2]) sorted.emplace_back(corners, i);
+    }
+    std::sort(sorted.begin(), sorted.end());
+    std::vector<std::size_t> places;
+    for (std::size_t i = 0; i < sorted.size(); ++i)
+        if (i == 0 || sorted[i].first != sorted[i - 1].first) places.push_back(sorted[i].second);
+    std::sort(places.begin(), places.end());
+    std::vector<Triangle> kept;
+    for (const std::size_t place : places) kept.push_back(triangles[place]);
+    return kept;
+}
+
 /// A mesh of fewer triangles for drawing: a vertex becomes the first one of those in its cell of a grid, which has so
 /// many cells along the longest side of the mesh. What becomes a line or a point, or is there already, is left out.
-std::vector<std::array<std::uint32_t, 3>> coarser(const Mesh& mesh, double cells) {
+std::vector<Triangle> coarser(const Mesh& mesh, double cells) {
     const Box box = bounding_box(Shape{{mesh}});
     const Vec3 extent = box.extent();
     const double cell = std::max({extent.x, extent.y, extent.z}) / cells;
-    std::map<std::array<std::int64_t, 3>, std::uint32_t> first;
-    std::vector<std::uint32_t> becomes;
+    const double per_m = cell > 0.0 ? 1.0 / cell : 0.0;
+    constexpr std::uint32_t nobody = ~std::uint32_t{0};
+    const auto side = static_cast<std::size_t>(cells) + 2;
+    std::vector<std::uint32_t> first_in(side * side * side, nobody), becomes;
     for (const Vec3& vertex : mesh.vertices) {
-        const Vec3 place = (1.0 / cell) * (vertex - box.low);
-        const std::array<std::int64_t, 3> key{std::llround(place.x), std::llround(place.y), std::llround(place.z)};
-        becomes.push_back(first.try_emplace(key, static_cast<std::uint32_t>(becomes.size())).first->second);
+        const Vec3 place = per_m * (vertex - box.low);
+        std::size_t at = 0;
+        for (const double each : {place.x, place.y, place.z})
+            at = at * side + static_cast<std::size_t>(std::lround(each));
+        if (first_in[at] == nobody) first_in[at] = static_cast<std::uint32_t>(becomes.size());
+        becomes.push_back(first_in[at]);
     }
-    std::vector<std::array<std::uint32_t, 3>> triangles;
-    std::set<std::array<std::uint32_t, 3>> known;
-    for (const auto& [a, b, c] : mesh.triangles) {
-        const std::array<std::uint32_t, 3> triangle{becomes[a], becomes[b], becomes[c]};
-        std::array<std::uint32_t, 3> sorted = triangle;
-        std::sort(sorted.begin(), sorted.end());
-        if (sorted[0] != sorted[1] && sorted[1] != sorted[2] && known.insert(sorted).second)
-            triangles.push_back(triangle);
-    }
-    return triangles;
+    std::vector<Triangle> triangles;
+    for (const auto& [a, b, c] : mesh.triangles) triangles.push_back({becomes[a], becomes[b], becomes[c]});
+    return once(triangles);
 }
 
 /// The triangles of a mesh that are drawn, `most` at most.
-std::vector<std::array<std::uint32_t, 3>> drawn(const Mesh& mesh, std::size_t most) {
-    std::vector<std::array<std::uint32_t, 3>> triangles = mesh.triangles;
+std::vector<Triangle> drawn(const Mesh& mesh, std::size_t most) {
+    std::vector<Triangle> triangles = mesh.triangles;
     for (double cells = 96.0; triangles.size() > most; cells /= 1.5) triangles = coarser(mesh, cells);
     return triangles;
 }
@@ -178,7 +196,7 @@ struct Drawing {
 };
 
 /// Adds a mesh's triangles, with those of its vertices that they have.
-void append(Drawing& drawing, const Mesh& mesh, const std::vector<std::array<std::uint32_t, 3>>& triangles) {
+void append(Drawing& drawing, const Mesh& mesh, const std::vector<Triangle>& triangles) {
     std::vector<std::optional<std::uint32_t>> number(mesh.vertices.size());
     for (const auto& triangle : triangles)
         for (const std::uint32_t corner : triangle) {
