@@ -145,13 +145,14 @@ Path path_of(const Bundle& bundle) {
     std::uint32_t last = 0;
     for (const SequenceEntry& entry : bundle.image.sequence) {
         if (entry.dwell == 0) continue;  // holds until the next record is ready, less than a period later
-        if (!path.steps.empty() && entry.index == last) {
+        if (!path.steps.empty() && entry.index == last && !entry.mark) {
             path.steps.back().periods += entry.dwell;
             continue;
         }
         last = entry.index;
         PathStep& step = path.steps.emplace_back();
         step.periods = entry.dwell;
+        step.mark = entry.mark;
         if (entry.index == 0) continue;
         const RecordMeaning& record = bundle.manifest.records.at(place_of(bundle.image, entry.index).value());
         step.foci = record.foci;

@@ -206,6 +206,7 @@ std::vector<std::uint32_t> sequence_words(const Image& image) {
     for (std::size_t i = 0; i < image.sequence.size(); ++i) {
         entry_field::index.set(&words[i + 1], image.sequence[i].index);
         entry_field::dwell.set(&words[i + 1], image.sequence[i].dwell);
+        entry_field::mark.set(&words[i + 1], image.sequence[i].mark ? 1 : 0);
     }
     return words;
 }
@@ -366,7 +367,8 @@ Image from_intel_hex(std::string_view text, const std::string& where) {
     image.loops = static_cast<std::uint16_t>(header_field::loops.get(sequence));
     for (std::size_t i = 1; i < sequence.size(); ++i)
         image.sequence.push_back({static_cast<std::uint16_t>(entry_field::index.get(&sequence[i])),
-                                  static_cast<std::uint16_t>(entry_field::dwell.get(&sequence[i]))});
+                                  static_cast<std::uint16_t>(entry_field::dwell.get(&sequence[i])),
+                                  entry_field::mark.get(&sequence[i]) != 0});
     if (has_foci) {
         const auto geometry = from_little_endian<std::uint16_t>(
             region(segments, interface::geometry_base, std::size_t{8} * image.channels, "the geometry", where));
@@ -492,6 +494,8 @@ void require_fits(const Image& image, const interface::CoreParameters& core, con
     require(image.sequence.size() < core.sequence_depth,
             fmt::format("the image has {} sequence entries, the board holds {}", image.sequence.size(),
                         core.sequence_depth - 1));
+    require(core.trigger > 0 || std::ranges::none_of(image.sequence, &SequenceEntry::mark),
+            "the image marks entries for a trigger output, the board has none");
     const auto require_cycle = [&](std::uint64_t clocks, const std::string& of) {
         require(image.min_pulse_clocks == core.min_pulse_clocks,
                 fmt::format("the image is for shortest pulses of {} clocks, the board's have {}",

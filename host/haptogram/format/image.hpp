@@ -19,6 +19,7 @@ namespace haptogram {
 struct SequenceEntry {
     std::uint16_t index = 0;  ///< 0 silence, 1… records
     std::uint16_t dwell = 1;  ///< carrier cycles
+    bool mark = false;        ///< its beginning is an event of a board's trigger output
     friend bool operator==(const SequenceEntry&, const SequenceEntry&) = default;
 };
 

@@ -18,6 +18,7 @@ struct Focus {
 struct PathStep {
     std::vector<Focus> foci;
     std::uint32_t periods = 1;  ///< of the carrier, for which they last
+    bool mark = false;          ///< its beginning is told at a board's trigger output
     friend bool operator==(const PathStep&, const PathStep&) = default;
 };
 

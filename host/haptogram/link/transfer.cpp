@@ -125,7 +125,8 @@ DeviceSequence download_sequence(Commands& device, const std::string& where, boo
     DeviceSequence found{{}, static_cast<std::uint16_t>(header::loops.get(words))};
     for (std::size_t i = 1; i < words.size(); ++i)
         found.entries.push_back({static_cast<std::uint16_t>(entry::index.get(&words[i])),
-                                 static_cast<std::uint16_t>(entry::dwell.get(&words[i]))});
+                                 static_cast<std::uint16_t>(entry::dwell.get(&words[i])),
+                                 entry::mark.get(&words[i]) != 0});
     return found;
 }
 

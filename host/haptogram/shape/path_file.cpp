@@ -26,6 +26,7 @@ constexpr double carrier_tolerance = 1e-3;
 
 ordered_json to_json(const PathStep& step) {
     ordered_json json = {{"periods", step.periods}, {"foci", ordered_json::array()}};
+    if (step.mark) json["mark"] = true;
     for (const Focus& focus : step.foci) {
         const Vec3 p = focus.position;
         json["foci"].push_back(
@@ -114,9 +115,13 @@ Path path_from_json(std::string_view text, const std::string& where, double carr
                                            counted_hz, carrier_hz));
     Path path;
     for (const JsonMember& step : json.at("steps").list()) {
-        step.only({"periods", "foci"});
+        step.only({"periods", "foci", "mark"});
         PathStep& added = path.steps.emplace_back();
         added.periods = whole_periods(step.at("periods"));
+        if (const auto mark = step.find("mark")) {
+            if (!mark->value().is_boolean()) throw mark->wrong("true or false");
+            added.mark = mark->value().get<bool>();
+        }
         for (const JsonMember& focus : step.at("foci").list()) added.foci.push_back(focus_from_json(focus));
     }
     if (path.steps.empty()) throw json.at("steps").wrong("a list of at least one step");

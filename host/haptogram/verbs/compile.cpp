@@ -121,6 +121,7 @@ public:
         std::uint64_t now = 0;
         for (std::size_t step = 0; now < end; step = (step + 1) % path_.steps.size()) {
             const std::uint64_t until = now + path_.steps[step].periods;
+            bool mark = path_.steps[step].mark;  // of its first entry
             while (now < until) {
                 std::uint64_t next = until;
                 double factor = 1.0;
@@ -130,17 +131,18 @@ public:
                     next = std::min(until, (at + 1) * path_.modulation.periods_a_sample);
                 }
                 const std::uint16_t index = record_of(path_.steps[step], factor);
-                if (!samples.empty() && index == waiting_index_) {  // samples that round to the same pulse
+                if (!samples.empty() && index == waiting_index_ && !mark) {  // samples that round to the same pulse
                     waiting_ += next - now;
                 } else {
-                    play(waiting_index_, waiting_);
+                    play_waiting();
                     waiting_index_ = index;
                     waiting_ = next - now;
+                    waiting_mark_ = std::exchange(mark, false);
                 }
                 now = next;
             }
         }
-        play(waiting_index_, waiting_);
+        play_waiting();
         return std::move(recorded_);
     }
 
@@ -168,9 +170,9 @@ private:
         return static_cast<std::uint16_t>(entry->second);
     }
 
-    void play(std::uint16_t index, std::uint64_t periods) {
+    void play_waiting() {
         auto& entries = recorded_.entries;
-        while (periods > 0) {
+        for (std::uint64_t periods = waiting_; periods > 0;) {
             const auto dwell = static_cast<std::uint16_t>(std::min<std::uint64_t>(periods, most_dwell));
             if (entries.size() + 1 >= core_.parameters.sequence_depth)
                 throw bad_input(core_.name,
@@ -178,7 +180,7 @@ private:
                                             "points or a coarser modulation",
                                             core_.parameters.sequence_depth - 1),
                                 {"points", "board", "array"});
-            entries.push_back({index, dwell});
+            entries.push_back({waiting_index_, dwell, std::exchange(waiting_mark_, false)});
             periods -= dwell;
         }
     }
@@ -189,6 +191,7 @@ private:
     const std::optional<Segments>& segments_;
     std::uint16_t waiting_index_ = 0;  ///< of the next entry, which may still grow
     std::uint64_t waiting_ = 0;
+    bool waiting_mark_ = false;
     RecordedPath recorded_;
     std::map<std::string, std::size_t> records_;
 };

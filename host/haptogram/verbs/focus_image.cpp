@@ -129,6 +129,7 @@ FocusImage focus_image_of(const Path& path, const Array& array, const Core& core
                                 {"points", "board", "array"});
             index = static_cast<std::uint16_t>(p.records + 1 + entry->second);
         }
+        bool mark = path.steps[i].mark;
         for (std::uint32_t left = path.steps[i].periods; left > 0;) {
             const std::uint32_t dwell = std::min<std::uint32_t>(left, interface::sequence_entry_field::dwell.most());
             if (image.sequence.size() + 1 >= p.sequence_depth)
@@ -137,7 +138,7 @@ FocusImage focus_image_of(const Path& path, const Array& array, const Core& core
                     fmt::format("the path needs more sequence entries than the board's {}; take fewer points",
                                 p.sequence_depth - 1),
                     {"points", "board", "array"});
-            image.sequence.push_back({index, static_cast<std::uint16_t>(dwell)});
+            image.sequence.push_back({index, static_cast<std::uint16_t>(dwell), std::exchange(mark, false)});
             left -= dwell;
         }
     }

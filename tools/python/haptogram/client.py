@@ -15,7 +15,7 @@ from .chain import ChainedLine, split
 from .errors import HaptogramError, Interrupted, bad_input, device_error
 from .foci import FOCUS_BYTES, Focus
 from .frame import Reply, Request
-from .image import Image, Piece
+from .image import HIGHEST_INDEX, Image, Piece
 from .interface import (
     KNOWN_RATES,
     PARAMETERS_BASE,
@@ -346,7 +346,7 @@ class Client:
         size = 2 * (identity.channels + RECORD_HEADER_WORDS)
         sequence = bytearray(self._read_long(SEQUENCE_BASE, 4 * words, size // 4 * 4))
         sequence[:4] = pack(SEQUENCE_HEADER_FIELDS, 4, **{**unpack(SEQUENCE_HEADER_FIELDS, sequence), "autostart": 0})
-        records = max(index for index, _ in struct.iter_unpack("<HH", sequence[4:]))
+        records = max(index & HIGHEST_INDEX for index, _ in struct.iter_unpack("<HH", sequence[4:]))
         if identity.records < records <= self.highest_index():
             raise device_error("board", f"its sequence plays the focus record of index {records}, and the geometry of foci cannot be read back; "
                                "keep the image that was uploaded")  # fmt: skip

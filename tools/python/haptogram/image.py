@@ -25,12 +25,15 @@ from .interface import (
     RECORD_FIELDS,
     RECORD_HEADER_WORDS,
     SEQUENCE_BASE,
+    SEQUENCE_ENTRY_FIELDS,
     SEQUENCE_HEADER_FIELDS,
+    Feature,
     Kind,
     pack,
     unpack,
 )
 
+HIGHEST_INDEX = (1 << SEQUENCE_ENTRY_FIELDS["index"].width) - 1  # of an entry
 HEADER_BYTES = 2 * RECORD_HEADER_WORDS
 SHORT_DESCRIPTION_WORDS = DESCRIPTION_FIELDS["board_records"].offset // 16  # of the format that knows records and a sequence alone
 
@@ -90,7 +93,12 @@ class Image:
     @property
     def entries(self) -> list[tuple[int, int]]:
         """Index and dwell of each step of the sequence."""
-        return list(struct.iter_unpack("<HH", self.sequence))[1:]
+        return [(index & HIGHEST_INDEX, dwell) for index, dwell in struct.iter_unpack("<HH", self.sequence)][1:]
+
+    @property
+    def has_marks(self) -> bool:
+        """Whether an entry's beginning is to be told at a trigger output."""
+        return any(index > HIGHEST_INDEX for index, _ in list(struct.iter_unpack("<HH", self.sequence))[1:])
 
     @property
     def _has_amplitudes(self) -> bool:
@@ -120,6 +128,7 @@ class Image:
             (len(self.records) <= board.records, f"the image has {len(self.records)} records, the board holds {board.records}"),
             (len(self.entries) < board.sequence_depth,
              f"the image has {len(self.entries)} sequence entries, the board holds {board.sequence_depth - 1}"),
+            (board.features >> Feature.TRIGGER & 1 or not self.has_marks, "the image marks entries for a trigger output, the board has none"),
             (board.width_bits > 0 or all(record.kind == Kind.TIMINGS for record in self.records),
              "the image has records of amplitudes, the board has no amplitudes"),
             (board.width_bits == 0 or all(record.cycle_length * record.prescaler >= 8 for record in self.records),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Contract 11: an event's pulse and its stamp name the clock of what happened at the pins, a trigger's stamp that of
+// Contract 14: an event's pulse and its stamp name the clock of what happened at the pins, a trigger's stamp that of
 // its edge, and nothing at the trigger input turns outputs on. Clocks are those of the bench, which counts edges by
 // itself.
 #include <algorithm>
@@ -73,7 +73,7 @@ std::vector<std::uint64_t> behind(std::vector<std::uint64_t> clocks) {
 
 }  // namespace
 
-TEST_CASE("contract 11: a pulse comes one clock behind each beginning of a marked entry, with its stamp") {
+TEST_CASE("contract 14: a pulse comes one clock behind each beginning of a marked entry, with its stamp") {
     TriggerBench bench;
     bench.set({.event = Event::mark, .pulse_s = 700 * clock_s});
     bench.client.enable();
@@ -92,7 +92,7 @@ TEST_CASE("contract 11: a pulse comes one clock behind each beginning of a marke
     REQUIRE(told.out == bench.rises().back() + 1);  // the clock that begins with this edge
 }
 
-TEST_CASE("contract 11: a pass is told each time, also where one entry is all of it") {
+TEST_CASE("contract 14: a pass is told each time, also where one entry is all of it") {
     TriggerBench bench;
     bench.set({.event = Event::pass, .pulse_s = 10 * clock_s});
     bench.client.enable();
@@ -106,7 +106,7 @@ TEST_CASE("contract 11: a pass is told each time, also where one entry is all of
     REQUIRE(bench.rises() == passes);
 }
 
-TEST_CASE("contract 11: each third carrier period is told, whatever plays, and none twice") {
+TEST_CASE("contract 14: each third carrier period is told, whatever plays, and none twice") {
     TriggerBench bench;
     bench.set({.event = Event::period, .every_periods = 3, .pulse_s = 10 * clock_s});
     bench.board.run(30 * period_clocks);
@@ -115,7 +115,7 @@ TEST_CASE("contract 11: each third carrier period is told, whatever plays, and n
     for (std::size_t i = 1; i < rises.size(); ++i) REQUIRE(rises[i] - rises[i - 1] == 3ULL * period_clocks);
 }
 
-TEST_CASE("contract 11: playing begins once, and a mark of what is not heard is none") {
+TEST_CASE("contract 14: playing begins once, and a mark of what is not heard is none") {
     TriggerBench bench;
     bench.set({.event = Event::mark});
     bench.client.start(1, 3, 0);
@@ -132,7 +132,7 @@ TEST_CASE("contract 11: playing begins once, and a mark of what is not heard is 
 }
 
 TEST_CASE(
-    "contract 11: a trigger's stamp is the clock of its edge, whatever must last how long; shorter ones do not count") {
+    "contract 14: a trigger's stamp is the clock of its edge, whatever must last how long; shorter ones do not count") {
     auto g = generator();
     TriggerBench bench;
     unsigned counted = 0;
@@ -160,7 +160,7 @@ TEST_CASE(
     REQUIRE(counted > 10);
 }
 
-TEST_CASE("contract 11: from a trigger to the first pulse is the same time, but for less than a carrier period") {
+TEST_CASE("contract 14: from a trigger to the first pulse is the same time, but for less than a carrier period") {
     auto g = generator();
     TriggerBench bench;
     bench.client.enable();
@@ -182,7 +182,7 @@ TEST_CASE("contract 11: from a trigger to the first pulse is the same time, but 
     REQUIRE(most - least > period_clocks / 2);  // the moments were of all kinds
 }
 
-TEST_CASE("contract 11: what goes on at a trigger has no gap before it: the next bank") {
+TEST_CASE("contract 14: what goes on at a trigger has no gap before it: the next bank") {
     TriggerBench bench;
     bench.client.enable();
     bench.client.start(1, 1, 0);
@@ -199,7 +199,7 @@ TEST_CASE("contract 11: what goes on at a trigger has no gap before it: the next
 }
 
 TEST_CASE(
-    "contract 11: a trigger turns nothing on that the host did not, and what switched outputs off ends the wait") {
+    "contract 14: a trigger turns nothing on that the host did not, and what switched outputs off ends the wait") {
     TriggerBench bench;
     SECTION("outputs were never on") {
         bench.client.start(1, 3, 0, When::at_trigger());
@@ -266,7 +266,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("contract 11: while the input gates, no pin is high, and the sequence goes on in time") {
+TEST_CASE("contract 14: while the input gates, no pin is high, and the sequence goes on in time") {
     TriggerBench bench;
     bench.set({.gates = true});
     bench.client.enable();
@@ -287,7 +287,7 @@ TEST_CASE("contract 11: while the input gates, no pin is high, and the sequence 
     for (std::size_t i = 1; i < begun.size(); ++i) REQUIRE(begun[i] - begun[i - 1] == 6ULL * period_clocks);
 }
 
-TEST_CASE("contract 11: the test output shows a pin, the cycles, or the changes of index") {
+TEST_CASE("contract 14: the test output shows a pin, the cycles, or the changes of index") {
     TriggerBench bench;
     bench.set({.test = link::Test::carrier, .channel = 5});
     bench.client.enable();
@@ -318,7 +318,7 @@ TEST_CASE("contract 11: the test output shows a pin, the cycles, or the changes 
     }
 }
 
-TEST_CASE("contract 11: what makes no sense is refused by name, and what can only be read cannot be written") {
+TEST_CASE("contract 14: what makes no sense is refused by name, and what can only be read cannot be written") {
     TriggerBench bench;
     REQUIRE_THROWS_WITH(bench.set({.channel = 16}), Catch::Contains("16, expected 0 to 15"));
     REQUIRE_THROWS_WITH(bench.set({.pulse_s = 1.0}), Catch::Contains("expected 0 to 335.5"));
