@@ -13,6 +13,9 @@ CSHARP = ROOT / "host/c/unity/Runtime/Native.cs"
 NUMBERS = {"int32_t": "int", "uint32_t": "uint", "uint16_t": "ushort", "uint64_t": "ulong", "double": "double", "size_t": "UIntPtr"}
 
 
+KEYWORDS = {"event"}  # of C#
+
+
 @dataclass
 class Parameter:
     type: str  # without const
@@ -24,7 +27,8 @@ class Parameter:
 @dataclass
 class Header:
     abi: int
-    codes: dict  # name: value
+    codes: dict  # name: value, of all enums
+    enums: dict  # name: [names of its values]
     structs: dict  # name: [Parameter]
     functions: dict  # name: (Parameter of what it returns, [Parameter])
 
@@ -47,12 +51,13 @@ def fields(text):
 def read(path=HEADER):
     text = re.sub(r"/\*.*?\*/", "", path.read_text(encoding="utf-8"), flags=re.DOTALL)
     codes = {name: int(value) for name, value in re.findall(r"(HAPTOGRAM_\w+) = (\d+)", text)}
+    enums = {name: re.findall(r"HAPTOGRAM_\w+", body) for body, name in re.findall(r"typedef enum \w+ \{(.*?)\} (\w+);", text, re.DOTALL)}
     structs = {name: list(fields(body)) for body, name in re.findall(r"typedef struct \w+ \{(.*?)\} (\w+);", text, re.DOTALL)}
     functions = {}
     for returns, name, arguments in re.findall(r"HAPTOGRAM_API ([\w ]+\**)\s*(haptogram_\w+)\((.*?)\);", text, re.DOTALL):
         given = [] if arguments == "void" else [parameter(re.sub(r"\s+", " ", one)) for one in arguments.split(",")]
         functions[name] = (parameter(returns), given)
-    return Header(int(re.search(r"#define HAPTOGRAM_ABI (\d+)", text)[1]), codes, structs, functions)
+    return Header(int(re.search(r"#define HAPTOGRAM_ABI (\d+)", text)[1]), codes, enums, structs, functions)
 
 
 def camel(name):
@@ -73,12 +78,15 @@ def csharp_type(p, structs, in_struct=False):
 
 def csharp(header):
     lines = ["// SPDX-License-Identifier: Apache-2.0", "// Written by tools/c_header.py from host/c/haptogram.h.", "using System;",
-             "using System.Runtime.InteropServices;", "", "namespace Haptogram", "{", "    public enum Code", "    {"]
-    lines += [f"        {camel(name.removeprefix('HAPTOGRAM_').lower())} = {value}," for name, value in header.codes.items()]
-    lines += ["    }", ""]
+             "using System.Runtime.InteropServices;", "", "namespace Haptogram", "{"]
+    for name, values in header.enums.items():
+        first = "HAPTOGRAM_" if name == "haptogram_code" else name.upper() + "_"
+        lines += [f"    public enum {camel(name)}", "    {"]
+        lines += [f"        {camel(value.removeprefix(first).lower())} = {header.codes[value]}," for value in values]
+        lines += ["    }", ""]
     for name, members in header.structs.items():
         lines += ["    [StructLayout(LayoutKind.Sequential)]", f"    internal struct Native{camel(name)}", "    {"]
-        lines += [f"        public {csharp_type(p, header.structs, True)} {p.name};" for p in members]
+        lines += [f"        public {csharp_type(p, header.structs, True)} {'@' * (p.name in KEYWORDS)}{p.name};" for p in members]
         lines += ["    }", ""]
     lines += ["    internal static class Native", "    {", f"        internal const int Abi = {header.abi};", '        private const string Library = "haptogram";']
     for name, (returns, given) in header.functions.items():

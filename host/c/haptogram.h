@@ -168,6 +168,35 @@ HAPTOGRAM_API haptogram_code haptogram_shut_off(haptogram_board* board);
 /* Of all that the uploaded image plays, 0 to 1; also while it plays. */
 HAPTOGRAM_API haptogram_code haptogram_set_intensity(haptogram_board* board, double factor);
 
+/* Pins for other instruments, on boards with triggers; they stay as they are set up until the board's power is cut. */
+
+typedef enum haptogram_event { /* what makes a pulse at the trigger output */
+    HAPTOGRAM_EVENT_NONE = 0,
+    HAPTOGRAM_EVENT_START = 1,     /* playing begins */
+    HAPTOGRAM_EVENT_MARK = 2,      /* a step with a mark begins */
+    HAPTOGRAM_EVENT_PASS = 3,      /* a pass of the sequence begins */
+    HAPTOGRAM_EVENT_PERIOD = 4,    /* every so many carrier periods */
+    HAPTOGRAM_EVENT_MODULATION = 5 /* the modulation begins anew */
+} haptogram_event;
+
+typedef struct haptogram_trigger {
+    uint32_t size;
+    uint32_t event;         /* a haptogram_event */
+    uint32_t every_periods; /* of HAPTOGRAM_EVENT_PERIOD; default: 1 */
+    double pulse_s;         /* for which the output is high; default: 1 ms */
+    int32_t active_low;     /* the trigger input is active while it is low */
+    int32_t gates;          /* no pulse reaches the transducers while the input is not active */
+    double settle_s;        /* for which a change of the input must last before it counts */
+} haptogram_trigger;
+HAPTOGRAM_API haptogram_code haptogram_set_trigger(haptogram_board* board, const haptogram_trigger* trigger);
+
+typedef struct haptogram_trigger_times {
+    uint32_t size;
+    uint32_t out_count, in_count;          /* events since power-up, modulo 65536 */
+    uint64_t now_clock, out_clock, in_clock; /* of the board, since its power-up; of the last events */
+} haptogram_trigger_times;
+HAPTOGRAM_API haptogram_code haptogram_get_trigger_times(haptogram_board* board, haptogram_trigger_times* times);
+
 #ifdef __cplusplus
 }
 #endif

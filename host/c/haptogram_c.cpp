@@ -25,6 +25,7 @@
 #include "haptogram/link/background_player.hpp"
 #include "haptogram/link/background_rig.hpp"
 #include "haptogram/link/port.hpp"
+#include "haptogram/link/trigger.hpp"
 #include "haptogram/solve/solver.hpp"
 #include "haptogram/verbs/compile.hpp"
 #include "haptogram/verbs/rig.hpp"
@@ -459,6 +460,33 @@ haptogram_code haptogram_shut_off(haptogram_board* board) {
 
 haptogram_code haptogram_set_intensity(haptogram_board* board, double factor) {
     return guarded([&] { alone(board, "intensity").set_intensity(factor); });
+}
+
+haptogram_code haptogram_set_trigger(haptogram_board* board, const haptogram_trigger* trigger) {
+    return guarded([&] {
+        const haptogram_trigger given = known_part(trigger, "trigger");
+        haptogram::link::TriggerSettings settings;
+        if (given.event > HAPTOGRAM_EVENT_MODULATION)
+            throw bad_argument("event", fmt::format("found {}, expected 0 to {}", given.event,
+                                                    static_cast<int>(HAPTOGRAM_EVENT_MODULATION)));
+        if (given.every_periods > 65535)
+            throw bad_argument("every_periods", fmt::format("found {}, expected at most 65535", given.every_periods));
+        settings.event = static_cast<haptogram::link::Event>(given.event);
+        if (given.every_periods != 0) settings.every_periods = static_cast<std::uint16_t>(given.every_periods);
+        if (given.pulse_s != 0.0) settings.pulse_s = given.pulse_s;
+        settings.active_low = given.active_low != 0;
+        settings.gates = given.gates != 0;
+        settings.settle_s = given.settle_s;
+        alone(board, "trigger").ask([&](haptogram::link::Commands& device) { set_trigger(device, settings); });
+    });
+}
+
+haptogram_code haptogram_get_trigger_times(haptogram_board* board, haptogram_trigger_times* times) {
+    return guarded([&] {
+        haptogram::link::TriggerTimes found;
+        alone(board, "trigger").ask([&](haptogram::link::Commands& device) { found = trigger_times(device); });
+        give(times, {0, found.out_count, found.in_count, found.now, found.out, found.in}, "times");
+    });
 }
 
 }  // extern "C"

@@ -202,6 +202,20 @@ def test_a_board_without_streams_says_so(c, board):
     c.fails(c.wait(board, 5000, None), "DEVICE", "STREAM")
 
 
+@pytest.mark.parametrize("board", [b"reference:ulx3s-85f"], indirect=True)
+def test_triggers(c, board):
+    """A pulse at the trigger output for each 400th carrier period, counted by the board."""
+    c.ok(c.set_trigger(board, ctypes.byref(c.struct("trigger", event=c.header.codes["HAPTOGRAM_EVENT_PERIOD"], every_periods=400, pulse_s=1e-4))))
+    times = c.struct("trigger_times")
+    c.ok(c.get_trigger_times(board, ctypes.byref(times)))
+    count, clock = times.out_count, times.now_clock
+    until(lambda: c.get_trigger_times(board, ctypes.byref(times)) == 0 and times.now_clock - clock > 25_000_000, 20)
+    assert abs(times.out_count - count - (times.now_clock - clock) / 500_000) <= 1.5  # 400 periods of 1250 clocks
+    assert 0 <= times.now_clock - times.out_clock <= 500_000 and times.in_count == 0
+    c.fails(c.set_trigger(board, ctypes.byref(c.struct("trigger", event=9))), "BAD_ARGUMENT", "event: found 9")
+    c.fails(c.set_trigger(board, ctypes.byref(c.struct("trigger", pulse_s=10))), "BAD_ARGUMENT", "pulse")
+
+
 PAIR = """format = "haptogram-rig-1"
 name = "pair"
 [[unit]]

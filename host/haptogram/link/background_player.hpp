@@ -60,6 +60,8 @@ public:
     void stop();
     void shut_off();
     void set_intensity(double factor);
+    /// Something that ends soon, beside what plays.
+    void ask(const std::function<void(Commands&)>& work) { work(*device_.channel()); }
 
 private:
     /// Told what goes on; false ends it.

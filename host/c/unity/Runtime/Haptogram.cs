@@ -390,6 +390,13 @@ namespace Haptogram
             return busy != 0;
         }
 
+        /// <summary>Sets up the trigger output, on boards that have one.</summary>
+        public void SetTrigger(Event what, uint everyPeriods = 1, double pulseSeconds = 1e-3)
+        {
+            var trigger = new NativeTrigger { size = Library.SizeOf<NativeTrigger>(), @event = (uint)what, every_periods = everyPeriods, pulse_s = pulseSeconds };
+            Library.Check(Native.haptogram_set_trigger(handle, ref trigger));
+        }
+
         /// <summary>Ends what was begun in good order, and turns the outputs off.</summary>
         public void Stop()
         {

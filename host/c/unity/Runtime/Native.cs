@@ -15,6 +15,16 @@ namespace Haptogram
         Cancelled = 5,
     }
 
+    public enum Event
+    {
+        None = 0,
+        Start = 1,
+        Mark = 2,
+        Pass = 3,
+        Period = 4,
+        Modulation = 5,
+    }
+
     [StructLayout(LayoutKind.Sequential)]
     internal struct NativeProject
     {
@@ -102,6 +112,29 @@ namespace Haptogram
         public double seconds;
         public IntPtr am;
         public double step_s;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal struct NativeTrigger
+    {
+        public uint size;
+        public uint @event;
+        public uint every_periods;
+        public double pulse_s;
+        public int active_low;
+        public int gates;
+        public double settle_s;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    internal struct NativeTriggerTimes
+    {
+        public uint size;
+        public uint out_count;
+        public uint in_count;
+        public ulong now_clock;
+        public ulong out_clock;
+        public ulong in_clock;
     }
 
     internal static class Native
@@ -198,5 +231,11 @@ namespace Haptogram
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Code haptogram_set_intensity(IntPtr board, double factor);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Code haptogram_set_trigger(IntPtr board, ref NativeTrigger trigger);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
+        internal static extern Code haptogram_get_trigger_times(IntPtr board, ref NativeTriggerTimes times);
     }
 }
