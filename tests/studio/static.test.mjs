@@ -128,11 +128,13 @@ test("a static page is there soon, is small, and computes quickly", { skip }, as
     const isScene = (told) => told.text && JSON.parse(told.text).t === "scene";
     const compile = [], one = [], sequence = [];
     let scene = "";
-    for (let i = 0; i < 8; i++) {
-      document.place.center_mm[0] = i; // another document each time, so that none is known already
+    for (let i = 0; i < 20; i++) {
+      document.place.center_mm[0] = i / 2; // another document each time, so that none is known already
+      const drawn = next((told) => told.bulk);
       const { answer, ms } = await ask({ t: "scene", n: i, document }, isScene);
       scene = JSON.parse(answer.text).scene.name;
       compile.push(ms);
+      await drawn; // the next is not to wait for this one's drawing
     }
     const slice = async (record, points) => {
       const { answer } = await ask({ t: "slice", n: 100, scene, origin: [-80, -80, 150], u: [160, 0, 0], v: [0, 160, 0], width: points, height: points, record, view: 0 }, (told) => told.bulk && new DataView(told.bulk).getUint32(8, true) === points);
