@@ -8,28 +8,29 @@
 namespace haptogram::sim {
 namespace {
 
-namespace field = interface::trigger_field;
+namespace trigger_bits = interface::trigger_field;
 using interface::Event;
 using interface::Test;
 using Word = interface::TriggerWord;
 
-constexpr Clock pin_clocks = 2;    // from the pin until it is seen
-constexpr Clock known_clocks = 3;  // from the last clock of a reset until it is looked at
-constexpr Clock gate_clocks = 2;   // from the input's change until what waits for it begins
+constexpr Clock trigger_pin_clocks = 2;  // from the pin until it is seen
+constexpr Clock known_clocks = 3;        // from the last clock of a reset until it is looked at
+constexpr Clock gate_clocks = 2;         // from the input's change until what waits for it begins
 
 }  // namespace
 
 TriggerPins::TriggerPins(const interface::CoreParameters& p) {
-    for (const auto& f : {field::event, field::out_periods, field::out_length, field::in_low, field::in_level,
-                          field::in_gates, field::in_least, field::test})
+    for (const auto& f :
+         {trigger_bits::event, trigger_bits::out_periods, trigger_bits::out_length, trigger_bits::in_low,
+          trigger_bits::in_level, trigger_bits::in_gates, trigger_bits::in_least, trigger_bits::test})
         f.set(masks_, f.most());
     masks_[static_cast<unsigned>(Word::test_channel)] =
         static_cast<std::uint16_t>((1U << std::bit_width(p.channels - 1)) - 1);
 }
 
 void TriggerPins::drive(Clock clock, bool level) {
-    while (!changes_.empty() && changes_.back().clock >= clock + pin_clocks) changes_.pop_back();
-    changes_.push_back({clock + pin_clocks, level});
+    while (!changes_.empty() && changes_.back().clock >= clock + trigger_pin_clocks) changes_.pop_back();
+    changes_.push_back({clock + trigger_pin_clocks, level});
 }
 
 Clock TriggerPins::next() const {
@@ -61,9 +62,9 @@ void TriggerPins::output(Clock clock, bool resets) {
         out_clock_ = clock + 1;
     }
     if (resets || falls_at_ == clock) falls_at_ = never;
-    if (happens && !resets) falls_at_ = clock + std::max(get(field::out_length), 1U);
+    if (happens && !resets) falls_at_ = clock + std::max(get(trigger_bits::out_length), 1U);
     set_level(clock, falls_at_ != never);
-    if (starts_at_ == clock) left_ = left_ > 0 ? left_ - 1 : std::max(get(field::out_periods), 1U) - 1;
+    if (starts_at_ == clock) left_ = left_ > 0 ? left_ - 1 : std::max(get(trigger_bits::out_periods), 1U) - 1;
 }
 
 void TriggerPins::input(Clock clock, bool resets) {
@@ -72,9 +73,9 @@ void TriggerPins::input(Clock clock, bool resets) {
     const bool begins = turns && active_;
     if (begins) {
         ++in_count_;
-        in_clock_ = differs_from_ - pin_clocks;
+        in_clock_ = differs_from_ - trigger_pin_clocks;
     }
-    const bool by_level = get(field::in_level) != 0;
+    const bool by_level = get(trigger_bits::in_level) != 0;
     while (!fires_.empty() && fires_.back().clock >= clock) fires_.pop_back();
     fires_.push_back({clock, !resets && (by_level ? was_active : begins)});
     if (turns || begins) wake_to_ = std::max(wake_to_, clock + gate_clocks + 2);
@@ -96,19 +97,19 @@ void TriggerPins::look_at_input(Clock clock, bool resets, bool turned) {
         changes_.pop_front();
     }
     const bool known = reset_to_ + known_clocks <= clock + 1;
-    const bool differs = (known && pin_ != (get(field::in_low) != 0)) != active_;
+    const bool differs = (known && pin_ != (get(trigger_bits::in_low) != 0)) != active_;
     if (!differs)
         differs_from_ = never;
     else if (differs_from_ == never || turned || resets)
         differs_from_ = clock + 1;
-    turns_at_ = differs ? std::max(clock + 1, differs_from_ + get(field::in_least)) : never;
-    mute_ = get(field::in_gates) != 0 && !active_;
-    fires_.push_back({clock + 1, get(field::in_level) != 0 && active_});
+    turns_at_ = differs ? std::max(clock + 1, differs_from_ + get(trigger_bits::in_least)) : never;
+    mute_ = get(trigger_bits::in_gates) != 0 && !active_;
+    fires_.push_back({clock + 1, get(trigger_bits::in_level) != 0 && active_});
     while (fires_.size() > 2 && fires_[1].clock + gate_clocks <= clock) fires_.pop_front();
 }
 
 void TriggerPins::look_at_ports(Clock clock, const Ports& ports) {
-    const auto event = static_cast<Event>(get(field::event));
+    const auto event = static_cast<Event>(get(trigger_bits::event));
     const bool samples = ports.starts && samples_from_ <= clock + 1;
     if (samples) samples_from_ = never;
     if (ports.samples) samples_from_ = std::min(samples_from_, clock + 2);
@@ -142,17 +143,17 @@ void TriggerPins::answer(Clock clock) {
         low.set(words_, value & low.most());
         words_[static_cast<unsigned>(high)] = static_cast<std::uint16_t>(value >> low.width);
     };
-    tell(field::now, Word::now_high, clock);
-    tell(field::out, Word::out_high, out_clock_);
-    tell(field::in, Word::in_high, in_clock_);
-    field::out_count.set(words_, out_count_ & field::out_count.most());
-    field::in_count.set(words_, in_count_ & field::in_count.most());
+    tell(trigger_bits::now, Word::now_high, clock);
+    tell(trigger_bits::out, Word::out_high, out_clock_);
+    tell(trigger_bits::in, Word::in_high, in_clock_);
+    trigger_bits::out_count.set(words_, out_count_ & trigger_bits::out_count.most());
+    trigger_bits::in_count.set(words_, in_count_ & trigger_bits::in_count.most());
 }
 
 std::uint16_t TriggerPins::word(std::uint32_t address) const { return words_[address]; }
 
 bool TriggerPins::test(Clock last, const std::function<bool(std::uint32_t)>& pin) const {
-    switch (static_cast<Test>(get(field::test))) {
+    switch (static_cast<Test>(get(trigger_bits::test))) {
         case Test::off: return false;
         case Test::carrier: return pin(words_[static_cast<unsigned>(Word::test_channel)]);
         case Test::cycle: return cycles_ != (cycle_at_ == last);

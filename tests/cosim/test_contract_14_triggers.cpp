@@ -27,7 +27,8 @@ struct TriggerBench : Bench {
     /// Three records, each for two cycles, the second one with a mark.
     TriggerBench() {
         std::vector<Record> records;
-        for (const std::uint16_t timing : std::initializer_list<std::uint16_t>{10, 20, 30}) records.push_back(record(channels(), 250, 5, 100, timing));
+        for (const std::uint16_t timing : std::initializer_list<std::uint16_t>{10, 20, 30})
+            records.push_back(record(channels(), 250, 5, 100, timing));
         Image image = image_of(channels(), std::move(records));
         for (SequenceEntry& e : image.sequence) e.dwell = 2;
         load(image);
@@ -132,7 +133,8 @@ TEST_CASE("contract 14: playing begins once, and a mark of what is not heard is 
 }
 
 TEST_CASE(
-    "contract 14: a trigger's stamp is the clock of its edge, whatever must last how long; shorter ones do not count") {
+    "contract 14: a trigger's stamp is the clock of its edge, whatever must last how long, and shorter ones do not "
+    "count") {
     auto g = generator();
     TriggerBench bench;
     unsigned counted = 0;

@@ -269,7 +269,7 @@ TEST_CASE("contract 5: identify names the instrument", "[contract5]") {
     REQUIRE(identity.timing_bits == p.timing_bits);
     REQUIRE(identity.pulse_bits == p.pulse_bits);
     REQUIRE(identity.clock_hz == p.clock_hz);
-    REQUIRE(identity.features == 0x10f);
+    REQUIRE(identity.features == 0x90f);
     REQUIRE(identity.frame_bytes == 6 + 2 * (p.channels + 4));
 }
 

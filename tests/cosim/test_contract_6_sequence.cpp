@@ -144,12 +144,12 @@ TEST_CASE("contract 6: index 0 is silence, indices run from 1 to the last record
 TEST_CASE("contract 6: an index in memory above RECORDS is refused and silent for its dwell", "[contract6]") {
     Bench bench;
     Image image = twelve_records();
-    image.sequence = {{1, 1}, {41, 4}, {65535, 1}, {2, 1}};
+    image.sequence = {{1, 1}, {41, 4}, {32767, 1}, {2, 1}};
     bench.load(image);
     bench.open();
     bench.client.start(1, 4, 1);
     bench.board.run(3000);
-    REQUIRE(played(bench) == Steps{{1, 1}, {41, 4}, {65535, 1}, {2, 1}});
+    REQUIRE(played(bench) == Steps{{1, 1}, {41, 4}, {32767, 1}, {2, 1}});
     for (const Pulse& p : bench.recorder.pulses()) REQUIRE(p.index <= 2);
     REQUIRE(bench.client.status().refused_records == 2);
 }

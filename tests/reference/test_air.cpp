@@ -65,8 +65,8 @@ struct Bench {
         const std::vector<double> found = middles();
         double worst = 0.0;
         for (std::size_t i = 0; i < found.size(); ++i) {
-            const double ways = (distance(array.elements[0], spot) - distance(array.elements[i], spot)) *
-                                array.carrier_hz / speed_m_s;
+            const double ways =
+                (distance(array.elements[0], spot) - distance(array.elements[i], spot)) * array.carrier_hz / speed_m_s;
             const double off = found[i] - found[0] - ways;
             worst = std::max(worst, std::abs(off - std::round(off)));
         }
