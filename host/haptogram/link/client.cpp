@@ -19,8 +19,8 @@ constexpr unsigned rounds_before_break = 2;
 // After the user has asked to end: two seconds until the program has ended are promised.
 constexpr unsigned rounds_when_interrupted = 4;
 constexpr unsigned tries_when_interrupted = 2;
-constexpr int most_alive = 4;                          // keep-alives on the line
-constexpr std::chrono::milliseconds longest_look{20};  // until an interrupt or the keep-alive is looked at again
+constexpr int most_alive = 4;                            // keep-alives on the line
+constexpr std::chrono::milliseconds longest_listen{20};  // until an interrupt or the keep-alive is looked at again
 
 bool applied(const Reply& reply) {
     return reply.status == interface::Status::ok || reply.status == interface::Status::repeated;
@@ -87,7 +87,7 @@ void Client::exchange(std::chrono::microseconds at_most) {
         say_alive();
         say_first_again();
         std::chrono::microseconds slice = std::min(at_most, patience_ - waited_);
-        if (looks_up) slice = std::min<std::chrono::microseconds>(slice, longest_look);
+        if (looks_up) slice = std::min<std::chrono::microseconds>(slice, longest_listen);
         const std::uint64_t heard = heard_;
         const std::chrono::microseconds passed = hear(slice, arrived);
         const bool quiet = heard_ == heard;
@@ -372,7 +372,7 @@ std::optional<bool> Client::is_off() const {
 void Client::listen_for_off(std::chrono::microseconds at_most) {
     std::vector<Reply> arrived;
     const std::chrono::microseconds patience = heeded_ ? least_patience_ : patience_;
-    waited_ += hear(std::min({at_most, patience, std::chrono::microseconds(longest_look)}), arrived);
+    waited_ += hear(std::min({at_most, patience, std::chrono::microseconds(longest_listen)}), arrived);
     for (const Reply& reply : arrived) {
         off_->disabled |= reply.command == Command::disable && reply.sequence == off_->number;
         off_->stopped |=

@@ -12,9 +12,9 @@ namespace haptogram::link {
 namespace {
 
 namespace field = interface::parameters_field;
-constexpr std::uint32_t highest_index = 65535;
+constexpr std::uint32_t last_index = 65535;
 
-Error device_error(const std::string& message) { return {ErrorCode::device, "board", message}; }
+Error ring_error(const std::string& message) { return {ErrorCode::device, "board", message}; }
 
 FocusRing ring_on_board(Commands& device, std::uint32_t each) {
     namespace ring = interface::ring_field;
@@ -28,16 +28,16 @@ FocusRing ring_on_board(Commands& device, std::uint32_t each) {
 FocusRing make_ring(Commands& device) {
     const Identity& identity = device.identity();
     if (!interface::has(identity.features, interface::Feature::live_foci))
-        throw device_error("it takes no foci while it plays; that takes a board with the parameter FOCI");
+        throw ring_error("it takes no foci while it plays; that takes a board with the parameter FOCI");
     const Bytes parameters =
         device.read(interface::parameters_base, static_cast<std::uint16_t>(2 * interface::parameters_words));
     const std::uint32_t gain = field::gain.get(parameters), stored = field::foci_count.get(parameters);
     const std::uint32_t each = field::foci_last.get(parameters) + 1, base = field::foci_base.get(parameters);
     if (gain == 0 || stored == 0)
-        throw device_error("it holds no image of foci, which says where its channels are; upload one first");
+        throw ring_error("it holds no image of foci, which says where its channels are; upload one first");
     const std::uint32_t fours = identity.records * static_cast<std::uint32_t>(record_words(identity.channels)) / 4;
     const std::uint32_t room = base < fours ? (fours - base) / each : 0;
-    const std::uint32_t all = std::min(room, highest_index - identity.records);
+    const std::uint32_t all = std::min(room, last_index - identity.records);
     const std::uint32_t count = identity.live_depth + 1;
     const std::uint32_t before = all > count ? all - count : 0;
     const FocusRing ring{static_cast<std::uint16_t>(base + before * each),
@@ -45,7 +45,7 @@ FocusRing make_ring(Commands& device) {
                          each};
     const bool is_there = stored == all && ring_on_board(device, each) == ring;
     if (all <= count || (stored > before && !is_there))
-        throw device_error(fmt::format(
+        throw ring_error(fmt::format(
             "its memory has room for {} focus records behind the image's other records, and the image has {}; {} more "
             "are needed for the ring of those that wait; upload a smaller image",
             all, stored, count));

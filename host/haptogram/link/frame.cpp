@@ -6,7 +6,7 @@ namespace {
 
 constexpr std::size_t longest_run = 254;
 constexpr std::size_t reply_header = 6;
-constexpr std::size_t longest_frame = 1 << 13;  // a line that never sends a zero must not fill the memory
+constexpr std::size_t longest_reply = 1 << 13;  // a line that never sends a zero must not fill the memory
 
 std::optional<Reply> decode_reply(std::span<const std::uint8_t> code) {
     const auto bytes = cobs_decode(code);
@@ -76,7 +76,7 @@ Bytes encode_request(std::uint8_t sequence, interface::Command command, std::spa
 void ReplyDecoder::feed(std::span<const std::uint8_t> bytes, std::vector<Reply>& replies) {
     for (const std::uint8_t byte : bytes) {
         if (byte != 0) {
-            if (frame_.size() < longest_frame) frame_.push_back(byte);
+            if (frame_.size() < longest_reply) frame_.push_back(byte);
             continue;
         }
         if (frame_.empty()) continue;

@@ -25,7 +25,7 @@ struct Releaser {
     }
 };
 using Context = std::unique_ptr<ftdi_context, Releaser<ftdi_free>>;
-using Device = std::unique_ptr<libusb_device, Releaser<libusb_unref_device>>;
+using UsbDevice = std::unique_ptr<libusb_device, Releaser<libusb_unref_device>>;
 using Handle = std::unique_ptr<libusb_device_handle, Releaser<libusb_close>>;
 using Transfer = std::unique_ptr<libusb_transfer, Releaser<libusb_free_transfer>>;
 
@@ -37,7 +37,7 @@ constexpr std::size_t name_length = std::char_traits<char>::length("ftdi:0403:60
 
 /// A device that was found.
 struct Found : FtdiDevice {
-    Device device;
+    UsbDevice device;
     int opened;  ///< libusb's result of opening it
 };
 
@@ -68,7 +68,7 @@ std::vector<Found> find(libusb_context* usb, const std::string& wanted) {
         const std::string serial = handle ? text(opened, about.iSerialNumber) : "";
         if (!serial.empty()) name += ":" + serial;
         found.push_back(
-            {{name, handle ? text(opened, about.iProduct) : ""}, Device(libusb_ref_device(list[i])), result});
+            {{name, handle ? text(opened, about.iProduct) : ""}, UsbDevice(libusb_ref_device(list[i])), result});
     }
     if (count >= 0) libusb_free_device_list(list, 1);
     std::ranges::sort(found, {}, &Found::name);

@@ -31,7 +31,7 @@ std::optional<std::vector<double>> numbers_in(const std::string& line) {
     }
 }
 
-constexpr double most_dwell = 65535.0;
+constexpr double longest_dwell = 65535.0;
 
 bool is_whole(double number, double most) { return number >= 0.0 && number <= most && number == std::floor(number); }
 
@@ -42,7 +42,7 @@ std::optional<SequenceEntry> StreamLines::next(std::chrono::milliseconds patienc
     if (!line) return {};
     const auto numbers = numbers_in(*line);
     const bool good = numbers && (numbers->size() == 1 || numbers->size() == 2) &&
-                      is_whole(numbers->front(), records_) && is_whole(numbers->back(), most_dwell);
+                      is_whole(numbers->front(), records_) && is_whole(numbers->back(), longest_dwell);
     if (!good)
         throw bad_input(text_.where(),
                         fmt::format("found '{}', expected 'index' or 'index dwell': an index from 0 to {}, a dwell "
@@ -57,7 +57,7 @@ std::optional<FocusEntry> FocusLines::next(std::chrono::milliseconds patience) {
     if (!line) return {};
     const auto numbers = numbers_in(*line);
     const std::size_t count = numbers ? numbers->size() : 0;
-    if (count < 3 || count > 5 || (count == 5 && !is_whole(numbers->back(), most_dwell)))
+    if (count < 3 || count > 5 || (count == 5 && !is_whole(numbers->back(), longest_dwell)))
         throw bad_input(text_.where(),
                         fmt::format("found '{}', expected 'x y z', 'x y z amplitude' or 'x y z amplitude dwell': "
                                     "millimetres, an amplitude from 0 to 1, a dwell from 0 to 65535 cycles",

@@ -11,7 +11,7 @@
 namespace haptogram::link {
 namespace {
 
-namespace field = interface::trigger_field;
+namespace trigger_bits = interface::trigger_field;
 using Word = interface::TriggerWord;
 
 void require_triggers(const Commands& device) {
@@ -48,14 +48,14 @@ void set_trigger(Commands& device, const TriggerSettings& settings) {
     if (settings.every_periods == 0)
         throw Error(ErrorCode::bad_argument, "every_periods", "0, expected 1 to 65535 carrier periods");
     Bytes block(std::size_t{2} * interface::trigger_settings);
-    field::event.set(block, static_cast<unsigned>(settings.event));
-    field::out_periods.set(block, settings.every_periods);
-    field::out_length.set(block, clocks("pulse", settings.pulse_s, identity, field::out_length.most()));
-    field::in_low.set(block, settings.active_low ? 1 : 0);
-    field::in_level.set(block, settings.by_level ? 1 : 0);
-    field::in_gates.set(block, settings.gates ? 1 : 0);
-    field::in_least.set(block, clocks("settle", settings.settle_s, identity, field::in_least.most()));
-    field::test.set(block, static_cast<unsigned>(settings.test));
+    trigger_bits::event.set(block, static_cast<unsigned>(settings.event));
+    trigger_bits::out_periods.set(block, settings.every_periods);
+    trigger_bits::out_length.set(block, clocks("pulse", settings.pulse_s, identity, trigger_bits::out_length.most()));
+    trigger_bits::in_low.set(block, settings.active_low ? 1 : 0);
+    trigger_bits::in_level.set(block, settings.by_level ? 1 : 0);
+    trigger_bits::in_gates.set(block, settings.gates ? 1 : 0);
+    trigger_bits::in_least.set(block, clocks("settle", settings.settle_s, identity, trigger_bits::in_least.most()));
+    trigger_bits::test.set(block, static_cast<unsigned>(settings.test));
     block[2 * static_cast<unsigned>(Word::test_channel)] = static_cast<std::uint8_t>(settings.channel);
     block[2 * static_cast<unsigned>(Word::test_channel) + 1] = static_cast<std::uint8_t>(settings.channel >> 8);
     device.write(interface::trigger_base, block);
@@ -64,21 +64,21 @@ void set_trigger(Commands& device, const TriggerSettings& settings) {
 TriggerSettings trigger_settings(Commands& device) {
     const Bytes block = read_words(device, 0, interface::trigger_settings);
     const double clock_hz = device.identity().clock_hz;
-    const std::uint32_t event = field::event.get(block);
+    const std::uint32_t event = trigger_bits::event.get(block);
     if (event > static_cast<unsigned>(Event::samples))
         throw Error(ErrorCode::device, "trigger",
                     fmt::format("the board says that its event is {}, expected 0 to {}", event,
                                 static_cast<unsigned>(Event::samples)));
     TriggerSettings settings;
     settings.event = static_cast<Event>(event);
-    settings.every_periods = static_cast<std::uint16_t>(std::max(field::out_periods.get(block), 1U));
-    settings.pulse_s = std::max(field::out_length.get(block), 1U) / clock_hz;
-    settings.active_low = field::in_low.get(block) != 0;
-    settings.by_level = field::in_level.get(block) != 0;
-    settings.gates = field::in_gates.get(block) != 0;
-    settings.settle_s = field::in_least.get(block) / clock_hz;
-    settings.test = static_cast<Test>(field::test.get(block));
-    settings.channel = field::test_channel.get(block);
+    settings.every_periods = static_cast<std::uint16_t>(std::max(trigger_bits::out_periods.get(block), 1U));
+    settings.pulse_s = std::max(trigger_bits::out_length.get(block), 1U) / clock_hz;
+    settings.active_low = trigger_bits::in_low.get(block) != 0;
+    settings.by_level = trigger_bits::in_level.get(block) != 0;
+    settings.gates = trigger_bits::in_gates.get(block) != 0;
+    settings.settle_s = trigger_bits::in_least.get(block) / clock_hz;
+    settings.test = static_cast<Test>(trigger_bits::test.get(block));
+    settings.channel = trigger_bits::test_channel.get(block);
     return settings;
 }
 
@@ -91,11 +91,11 @@ TriggerTimes trigger_times(Commands& device) {
         return std::uint64_t{high.get(block)} << low.width | low.get(block);
     };
     TriggerTimes times;
-    times.now = whole(field::now, field::now_high);
-    times.out_count = static_cast<std::uint16_t>(field::out_count.get(block));
-    times.out = whole(field::out, field::out_high);
-    times.in_count = static_cast<std::uint16_t>(field::in_count.get(block));
-    times.in = whole(field::in, field::in_high);
+    times.now = whole(trigger_bits::now, trigger_bits::now_high);
+    times.out_count = static_cast<std::uint16_t>(trigger_bits::out_count.get(block));
+    times.out = whole(trigger_bits::out, trigger_bits::out_high);
+    times.in_count = static_cast<std::uint16_t>(trigger_bits::in_count.get(block));
+    times.in = whole(trigger_bits::in, trigger_bits::in_high);
     return times;
 }
 
