@@ -200,7 +200,8 @@ def cells(utilisation, family):
 
 
 def budget_of(board):
-    return "_with_network" if "network" in board else "_with_amplitudes" if board["parameters"]["WIDTH_BITS"] else ""
+    parameters = board["parameters"]
+    return "_with_network" if "network" in board else "_with_amplitudes" if parameters["WIDTH_BITS"] else "_with_trigger" if parameters["TRIGGER"] else ""
 
 
 def build(name, options):
