@@ -46,7 +46,7 @@ def test_warnings(centre, small):
     found = json.loads(succeed(["analyze", "image.hex", "--json"], cwd=small.folder).stdout)  # 8 points in 2 ms: 10 cycles each
     assert any("left before 90 %" in warning for warning in found["warnings"])
     table = succeed(["analyze", "image.hex"], cwd=small.folder).stdout.decode()
-    assert len(table.splitlines()) == 1 + 8 + len(found["warnings"]) + 7 and "no certification" in table
+    assert len(table.splitlines()) == 1 + 8 + len(found["warnings"]) + 8 and "no certification" in table
     impulse = max(point["impulse_mn_ms"] for point in found["points"])
     assert f"{impulse:.4g} mN·ms at most (Hoshi 2010, eq. 8)" in table and "eq. 8" in found["source_of_impulse"]
 

@@ -238,7 +238,7 @@ def test_a_board_is_like_another_but_for_what_it_says(folder):
     shown, other = pinout("variants/own.toml", cwd=folder), pinout("board.toml", cwd=folder)
     differs = {"board": "own", "description": "As the other", "parameters": parameters("colorlight-5a-75e-v7.1") | {"BAUD": 1000000, "CHANNELS": 3}}
     assert shown == other | differs
-    (folder / "own.toml").write_text(LIKE.replace("board.toml", SMALL) + "SYNC = 1\n")  # as it has pins for it
+    (folder / "own.toml").write_text(LIKE.replace("board.toml", SMALL) + "SYNC = 1\nSCHEDULE = 1\nTRIGGER = 1\n")  # as it has pins for them
     assert pinout("own.toml", "--array", "pair.toml", cwd=folder)["fpga"] == {"speed": None, **board_file(SMALL)["fpga"]}
 
 

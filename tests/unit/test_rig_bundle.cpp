@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Images of a rig: what each tile gets, what they are together, and their files.
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <map>
@@ -238,7 +240,10 @@ TEST_CASE("rig: what cannot be compiled for a rig says why", "[rig]") {
     CHECK_THAT(refused(rig), Contains("rig.toml:9") && Contains("board must be"));
     two(wide + "port = \"a\"\n", wide + "port = \"a\"\n");
     CHECK_THAT(refused(rig), Contains("its port is a"));
-    two("board = \"ulx3s-85f\"\n", "board = \"ulx3s-85f\"\n");
+    const std::string small =
+        fmt::format("array = \"{}/arrays/tile-4x4.toml\"\nboard = \"small-16-sync\"\n", HAPTOGRAM_TEST_DATA);
+    write_file(rig, "format = \"haptogram-rig-1\"\n[[unit]]\norigin_mm = [-50, 0, 0]\n" + small +
+                        "[[unit]]\norigin_mm = [50, 0, 0]\n" + small);
     CHECK_THAT(refused(rig), Contains("SYNC, but no SCHEDULE"));
     project.array = "tile-10x10";
     CHECK_THAT(refused("2x2"), Contains("a rig has arrays of its own"));
