@@ -46,7 +46,7 @@ TEST_CASE("second instrument: the board says what it has", "[second][wide]") {
 TEST_CASE("second instrument: a board without it says so", "[second]") {
     Bench plain;
     const link::Identity without = plain.client.identify();
-    REQUIRE(without.features == 0x10f);
+    REQUIRE(without.features == 0x90f);
     REQUIRE(without.width_bits + without.foci + without.modulation_words == 0);
 }
 
