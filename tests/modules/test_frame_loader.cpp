@@ -34,7 +34,7 @@ public:
 
     Loader() {
         bench->i_preempt = bench->i_entry = bench->i_common = bench->i_set_geometry = bench->i_take_over = 0;
-        bench->i_index = bench->i_dwell = bench->i_word = bench->i_set_address = bench->i_set_word = 0;
+        bench->i_index = bench->i_dwell = bench->i_tag = bench->i_word = bench->i_set_address = bench->i_set_word = 0;
         bench->i_foci_base = bench->i_foci_count = bench->i_foci_last = bench->i_foci_whole = 0;
         bench->i_foci_cycle = 1250;
         bench->i_wave_number = bench->i_gain = 0;

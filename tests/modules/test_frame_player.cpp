@@ -38,7 +38,7 @@ public:
         bench->i_preempt = bench->i_entry = bench->i_enable = bench->i_disable = 0;
         bench->i_together = bench->i_hold = bench->i_streams = bench->i_fades = 0;
         bench->i_set_parameter = bench->i_set_geometry = bench->i_set_sample = bench->i_modulate = 0;
-        bench->i_drop = bench->i_modulates = bench->i_at_pass_end = 0;
+        bench->i_drop = bench->i_mute = bench->i_tag = bench->i_modulates = bench->i_at_pass_end = 0;
         bench->i_set_address = bench->i_set_word = bench->i_read_address = bench->i_word = 0;
         bench->i_divider = bench->i_length = bench->i_form = bench->i_index = bench->i_dwell = 0;
         bench.reset();
