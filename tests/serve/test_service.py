@@ -301,7 +301,8 @@ def test_four_clients_at_once(service):
         time.sleep(0.001)
     for watcher in watchers:
         watcher.join()
-    assert not wrong and driver.ok("status")["enabled"]
+    said = driver.ok("status")
+    assert not wrong and said["enabled"], said
     driver.ok("stop")
 
 
