@@ -196,6 +196,11 @@ int trigger(const DeviceOptions& options) {
         settings.test = named<link::Test>(options.test, static_cast<unsigned>(link::Test::index));
         settings.channel = options.channel;
     }
+    if (options.every != 0 && settings.event != link::Event::period)
+        throw bad_argument("every", fmt::format("is of --out period; the event is {}", to_string(settings.event)));
+    if (options.channel != 0 && settings.test != link::Test::carrier)
+        throw bad_argument("channel",
+                           fmt::format("is of --test carrier; the test output is {}", to_string(settings.test)));
     if (settings != before) set_trigger(device, settings);
     nlohmann::ordered_json told = to_json(trigger_settings(device));
     told.update(to_json(trigger_times(device), device.identity().clock_hz));
@@ -400,8 +405,11 @@ void add_device(CLI::App& app, Action& action) {
     pins->add_option("--every", options->every, "Of period: carrier periods from one pulse to the next")
         ->check(whole(1, 65535));
     pins->add_option("--pulse", options->pulse_ms, "How long the output is high, in ms")->check(CLI::Range(0.0, 1e4));
-    auto* input = pins->add_option("--in", options->input, "The level at which the trigger input is active")
-                      ->check(CLI::IsMember(std::vector<std::string>{"high", "low"}));
+    auto* input =
+        pins->add_option(
+                "--in", options->input,
+                "The level at which the trigger input is active; without --level and --gate, these are off then")
+            ->check(CLI::IsMember(std::vector<std::string>{"high", "low"}));
     pins->add_flag("--level", options->level,
                    "What waits for the trigger begins while the input is active, not only when it becomes so")
         ->needs(input);

@@ -39,7 +39,7 @@ struct StreamOptions {
     link::StreamSettings stream{.warn = complain};
     std::uint16_t dwell = 1;
     double rate = 0.0;
-    bool foci = false, live = false;
+    bool foci = false, live = false, dwell_given = false;
     std::optional<std::string> am, am_law;
     bool json = false;
 };
@@ -101,6 +101,8 @@ int stream_rig(const StreamOptions& options) {
 
 /// A pattern, or a record of foci, for each carrier period.
 int stream_patterns(const StreamOptions& options) {
+    if (options.dwell_given && !options.foci)
+        throw bad_argument("dwell", "a pattern lasts for one carrier period; with --foci a line's dwell counts");
     const link::PortSettings port = options.ports.one();
     catch_interrupts();
     link::Device device(port);
@@ -236,7 +238,10 @@ void add_stream(CLI::App& app, Action& action) {
     add_am(*sub, options->am, options->am_law);
     add_watchdog_option(*sub, options->stream.watchdog_ms);
     sub->add_flag("--json", options->json, "Print the outcome as JSON");
-    sub->callback([options, &action] { action = [options] { return stream(*options); }; });
+    sub->callback([options, dwell, &action] {
+        options->dwell_given = dwell->count() > 0;
+        action = [options] { return stream(*options); };
+    });
 }
 
 }  // namespace haptogram::cli

@@ -247,6 +247,10 @@ def test_foci_are_streamed_a_record_for_each_period(tmp_path):
         assert said["sent"] == 4000 and said["late"] < 0.9 * said["sent"]
 
 
+def test_a_dwell_of_patterns_is_refused():
+    assert_one_message(run(["stream", "--live", "--dwell", "3", "--port", "udp:127.0.0.1", os.devnull]), USAGE, "--dwell", "one carrier period")
+
+
 def test_a_board_without_streams_says_so(tmp_path):
     with virtual_board(tmp_path, "--model", "reference", "--board", "tile-100"):
         assert_one_message(run(["stream", "--live", "--port", "port", os.devnull], cwd=tmp_path), DEVICE, "STREAM")

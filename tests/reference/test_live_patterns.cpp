@@ -117,3 +117,22 @@ TEST_CASE("a host's patterns play each in its own carrier period", "[reference]"
     fmt::print("{} patterns sent, {} played in their own period, {} pulses elsewhere, lead {} periods\n", played.sent,
                whole, bench.wrong, played.lead);
 }
+
+TEST_CASE("the least slots still play, and fewer are refused", "[reference]") {
+    Bench bench;
+    link::Client client(bench.line);
+    client.identify();
+    std::uint64_t filled = 0;
+    const auto source = [&](std::uint64_t period, std::span<std::uint16_t> patterns) -> std::optional<std::size_t> {
+        if (filled >= 500) return {};
+        return filled += patterns.size() / channels, fill(period, patterns);
+    };
+    const link::PlayedPatterns played = play_patterns(client, {.slots = 16, .clock = bench.clock()}, source);
+    CHECK(played.sent >= 500);
+    std::uint64_t whole = 0;
+    for (const auto& [period, pulses] : bench.right) whole += pulses == channels ? 1 : 0;
+    CHECK(whole + played.late + played.early >= 500);  // 16 periods are less than the time between two sendings
+    for (const std::uint32_t slots : {8U, 24U})
+        CHECK_THROWS_WITH(link::PatternStream(client, {.slots = slots}), Catch::Contains("a power of two from 16 on"));
+    CHECK_THROWS_WITH(link::PatternStream(client, {.slots = 512}), Catch::Contains("512 slots"));
+}

@@ -20,10 +20,12 @@ namespace {
 
 constexpr std::uint32_t most_slots = 1024;  // that a core can have
 constexpr std::uint32_t least_ahead = 4;    // periods: what plays is decided 1.4 before, and a datagram takes a half
-constexpr double look_s = 5e-3;             // between two looks at the device's clock and counters
-constexpr double step_s = 1e-3;             // between two sendings
-constexpr double lead_growth = 1.5;         // when patterns came too late; a third of it is given back when too early
-constexpr unsigned lost_probes = 3;         // on a line that loses
+constexpr std::uint32_t least_lead = 2 * least_ahead;  // with no more than least_ahead nothing would be sent
+constexpr std::uint32_t least_slots = 16;              // for a lead that can still change
+constexpr double look_s = 5e-3;                        // between two looks at the device's clock and counters
+constexpr double step_s = 1e-3;                        // between two sendings
+constexpr double lead_growth = 1.5;  // when patterns came too late; a third of it is given back when too early
+constexpr unsigned lost_probes = 3;  // on a line that loses
 
 Error no_stream(const std::string& why) { return {ErrorCode::device, "board", why}; }
 
@@ -62,7 +64,7 @@ public:
         if (now.late != counts_.late)
             played.lead = std::min(slots_ - least_ahead, static_cast<std::uint32_t>(played.lead * lead_growth) + 1);
         else if (now.early != counts_.early)
-            played.lead = std::max(least_ahead, static_cast<std::uint32_t>(played.lead / lead_growth));
+            played.lead = std::max(least_lead, static_cast<std::uint32_t>(played.lead / lead_growth));
         played.late += further(now.late, counts_.late);
         played.lost += further(now.lost, counts_.lost);
         played.early += further(now.early, counts_.early);
@@ -91,8 +93,9 @@ PatternStream::PatternStream(Commands& device, const PatternSettings& settings) 
     if (!interface::has(identity.features, interface::Feature::stream))
         throw no_stream("it takes no streams of patterns; that takes a board with the parameter STREAM");
     if (device.status().stopped) throw no_stream("its stop input is active; release it first");
-    if (settings.slots != 0 && (settings.slots < 2 || !std::has_single_bit(settings.slots)))
-        throw bad_argument("slots", fmt::format("found {}, expected a power of two from 2 on", settings.slots));
+    if (settings.slots != 0 && (settings.slots < least_slots || !std::has_single_bit(settings.slots)))
+        throw bad_argument("slots",
+                           fmt::format("found {}, expected a power of two from {} on", settings.slots, least_slots));
     words_ = identity.channels;
     std::uint32_t room = identity.records;
     if (settings.foci) {
@@ -104,7 +107,7 @@ PatternStream::PatternStream(Commands& device, const PatternSettings& settings) 
     most_ = (identity.frame_bytes - before_patterns) / (2 * words_);
     std::uint32_t slots = settings.slots != 0 ? settings.slots : std::min(most_slots, std::bit_floor(room));
     while (slots > room || !takes(slots, settings)) {
-        if (settings.slots != 0 || slots <= 2)
+        if (settings.slots != 0 || slots <= least_slots)
             throw no_stream(
                 fmt::format("it refuses a stream through {} slots; the STREAM of its configuration says "
                             "how many it has, and the slots are among its {} records",

@@ -13,8 +13,9 @@ namespace haptogram::link {
 
 struct PatternSettings {
     bool foci = false;  ///< patterns are focus records, which the device computes, instead of records of amplitudes
-    std::uint32_t slots = 0;  ///< how many periods ahead the host can be, a power of two; 0: as many as the device has
-    std::uint16_t hold = 40;  ///< for so many periods without a pattern the last one plays on
+    std::uint32_t slots =
+        0;  ///< how many periods ahead the host can be, a power of two from 16 on; 0: as many as the device has
+    std::uint16_t hold = 40;          ///< for so many periods without a pattern the last one plays on
     std::uint16_t fade = 1024;        ///< then amplitudes lose so much a period, of 65,535
     std::uint16_t watchdog_ms = 500;  ///< outputs go off when this host is silent for so long; 0: never
     HostClock clock = steady_clock();

@@ -24,6 +24,7 @@ from .interface import (
 Buffer = bytes | bytearray | memoryview  # or anything else that has bytes, such as a numpy array
 CARRIER_HZ = 40_000
 LEAST_LEAD = 4  # periods: the board decides what plays 1.4 periods ahead, and a datagram takes a half
+LEAST_SLOTS = 16  # so that the lead can grow and shrink
 STATUS_S = 0.005  # between two looks at the board's clock and counters
 STEP_S = 0.001  # between two datagrams, or several at once
 GROWTH = 1.5  # of the lead when patterns came too late, and a third of it is given back when some came too early
@@ -40,8 +41,8 @@ class PatternStream:
             raise device_error("board", "it takes no streams of patterns; that takes a board with the parameter STREAM")
         self._board = board
         record_bytes = 2 * (board.identity.channels + RECORD_HEADER_WORDS)
-        if slots < 2 or slots & (slots - 1) or not 0 < first <= board.identity.records + 1 - slots:
-            raise bad_input("slots", f"{slots} from record {first} on, expected a power of two, and all of them within the {board.identity.records} records")
+        if slots < LEAST_SLOTS or slots & (slots - 1) or not 0 < first <= board.identity.records + 1 - slots:
+            raise bad_input("slots", f"{slots} from record {first} on, expected a power of two from {LEAST_SLOTS} on, and all of them within the {board.identity.records} records")
         self.slots = slots
         self.pattern_bytes = 2 * board.identity.channels
         self._each = (board.identity.frame_bytes - 8) // self.pattern_bytes
@@ -92,7 +93,7 @@ class PatternStream:
                 if status.stream_late != late:
                     lead = min(self.slots - LEAST_LEAD, int(lead * GROWTH) + 1)
                 elif status.stream_early != early:
-                    lead = max(LEAST_LEAD, int(lead / GROWTH))
+                    lead = max(2 * LEAST_LEAD, int(lead / GROWTH))  # with no more than LEAST_LEAD nothing would be sent
                 late, early = status.stream_late, status.stream_early
             period = status.period + int(min(now - seen, STATUS_S) * rate)  # the answer was on its way: a little less than there is
             following = max(following, period + LEAST_LEAD)
