@@ -20,7 +20,7 @@ unsigned most_looks(std::uint16_t watchdog_ms) {
     return bytes_of_answers + (watchdog_ms == 0 ? without_watchdog : watchdog_ms);
 }
 
-constexpr std::uint64_t least_lead = 200;    // carrier periods, 5 ms
+constexpr std::uint64_t least_start_lead = 200;    // carrier periods, 5 ms
 constexpr std::uint64_t lead_of_a_tile = 8;  // exchanges with all tiles: what one needs to be armed and turned on
 constexpr unsigned most_attempts = 5;
 
@@ -208,7 +208,7 @@ std::uint64_t PlayingTiles::begin_together(const std::function<void(const Tile&,
         const std::uint64_t from = period();
         ask();
         const std::vector<std::optional<Status>> known = statuses_;
-        lead_ = std::max(least_lead, lead_of_a_tile * tiles_.size() * (period() - from)) << (attempt - 1);
+        lead_ = std::max(least_start_lead, lead_of_a_tile * tiles_.size() * (period() - from)) << (attempt - 1);
         const std::uint64_t wanted = std::max(before, period() + lead_);
         const auto too_late = [&] {
             ask();
