@@ -34,32 +34,28 @@ void LinkCounters::out(std::span<const std::uint8_t> bytes) {
 
 Served serve(Board& board, HostLine& line, const ServeOptions& options,
              const std::function<bool(const Served&)>& watch) {
-    using Clock = std::chrono::steady_clock;
     constexpr std::uint64_t slice = 2000;  // clocks, less than one byte at 115,200 baud
-    constexpr double most_behind_s = 0.1;
     const double clock_hz = board.parameters().clock_hz;
-    const auto begun = Clock::now();
-    const auto wall = [begun] { return std::chrono::duration<double>(Clock::now() - begun).count(); };
     Served served;
-    double given_up_s = 0.0;  // real time that a slow simulation has lost, and does not try to make up for
+    Pace pace(most_behind_s);
     const auto go_on = [&] {
         served.simulated_s = static_cast<double>(board.now()) / clock_hz;
-        served.wall_s = wall();
+        served.wall_s = pace.wall_s();
         served.index = board.present().index;
         served.enabled = board.present().enabled;
         return watch(served) && (options.seconds == 0.0 || served.simulated_s < options.seconds);
     };
     while (go_on()) {
-        const double ahead_s = served.simulated_s + given_up_s - wall();
-        if (ahead_s < -most_behind_s) given_up_s -= ahead_s + most_behind_s;
+        pace.give_up(served.simulated_s);
+        const double ahead_s = pace.ahead_s(served.simulated_s);
         const bool waits = options.real_time && ahead_s > 1e-3;
         const auto arrived = line.read(std::chrono::milliseconds(waits ? static_cast<int>(1e3 * ahead_s) : 0));
         board.send(arrived);
-        const double before_s = wall();
+        const double before_s = pace.wall_s();
         board.run(slice);
         if (board.present().playing()) {
             served.playing_clocks += slice;
-            served.playing_s += wall() - before_s;
+            served.playing_s += pace.wall_s() - before_s;
         }
         const auto answer = board.receive();
         line.write(answer);

@@ -9,6 +9,7 @@
 #include "haptogram/format/core.hpp"
 #include "haptogram/link/frame.hpp"
 #include "host_line.hpp"
+#include "pace.hpp"
 
 namespace haptogram::sim {
 
@@ -30,6 +31,8 @@ private:
     bool in_frame_ = false;
     link::ReplyDecoder decoder_;
 };
+
+inline constexpr double most_behind_s = 0.1;  ///< that a served board makes up for
 
 struct ServeOptions {
     bool real_time = true;  ///< run no faster than a real board; otherwise as fast as this machine can

@@ -13,8 +13,6 @@
 namespace haptogram::sim {
 namespace {
 
-using WallClock = std::chrono::steady_clock;
-
 double seconds_of(Femtoseconds time) { return 1e-15 * static_cast<double>(time); }
 
 bool is_cut(std::span<const TileFault> faults, std::size_t tile, double now_s) {
@@ -58,16 +56,13 @@ std::string_view tile_model_with_channels(std::uint32_t channels,
 ServedTiles serve(Tiles& tiles, std::span<const std::unique_ptr<PseudoTerminal>> terminals, const ServeOptions& options,
                   std::span<const TileFault> faults, const std::function<bool(const ServedTiles&)>& watch) {
     constexpr Femtoseconds slice = 40 * microsecond;  // less than one byte at 115,200 baud
-    constexpr double most_behind_s = 0.1;
-    const auto begun = WallClock::now();
-    const auto wall = [begun] { return std::chrono::duration<double>(WallClock::now() - begun).count(); };
+    Pace pace(most_behind_s);
     ServedTiles served;
     served.enabled.resize(tiles.size());
     std::vector<LinkCounters> links(terminals.size(), LinkCounters(tiles.chained() ? 2 : 0));
-    double given_up_s = 0.0;  // real time that a slow simulation has lost, and does not try to make up for
     const auto go_on = [&] {
         served.simulated_s = seconds_of(tiles.now());
-        served.wall_s = wall();
+        served.wall_s = pace.wall_s();
         served.frames = served.applied = 0;
         for (const LinkCounters& link : links) {
             served.frames += link.frames;
@@ -76,8 +71,8 @@ ServedTiles serve(Tiles& tiles, std::span<const std::unique_ptr<PseudoTerminal>>
         return watch(served) && (options.seconds == 0.0 || served.simulated_s < options.seconds);
     };
     while (go_on()) {
-        const double ahead_s = served.simulated_s + given_up_s - wall();
-        if (ahead_s < -most_behind_s) given_up_s -= ahead_s + most_behind_s;
+        pace.give_up(served.simulated_s);
+        const double ahead_s = pace.ahead_s(served.simulated_s);
         int patience_ms = options.real_time && ahead_s > 1e-3 ? static_cast<int>(1e3 * ahead_s) : 0;
         for (const TileFault& fault : faults) {
             if (served.simulated_s < fault.at_s) continue;
