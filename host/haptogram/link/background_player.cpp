@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptogram/link/background_player.hpp"
 
+#include <fmt/core.h>
+
 #include <utility>
 
 #include "haptogram/base/error.hpp"
@@ -13,6 +15,10 @@ namespace haptogram::link {
 namespace {
 
 constexpr std::chrono::seconds confirmation{2};
+
+void require_unset(bool set, const char* setting, const char* with) {
+    if (set) throw bad_argument(setting, fmt::format("has no meaning with {}; leave it out", with));
+}
 
 }  // namespace
 
@@ -50,6 +56,7 @@ void BackgroundPlayer::begin(std::function<void(Commands&)> work) {
 }
 
 void BackgroundPlayer::play(const BackgroundPlay& how) {
+    require_unset(how.step_s.has_value(), "step_s", "an image, which has times of its own");
     begin([this, how](Commands& device) {
         const PlaySettings settings{
             .loops = how.loops, .seconds = how.seconds, .watchdog_ms = how.watchdog_ms, .am = {.waveform = how.am}};
@@ -58,13 +65,18 @@ void BackgroundPlayer::play(const BackgroundPlay& how) {
 }
 
 void BackgroundPlayer::play_live(const BackgroundPlay& how) {
-    begin_live(how, 0.0, [this, how](Commands& device, const Told& told) {
-        play_live_focus(device, {.watchdog_ms = how.watchdog_ms, .step_s = how.step_s}, mailbox_,
+    require_unset(how.loops.has_value(), "loops", "live foci, which have no end");
+    LiveFocusSettings settings{.watchdog_ms = how.watchdog_ms};
+    if (how.step_s) settings.step_s = *how.step_s;
+    begin_live(how, 0.0, [this, settings](Commands& device, const Told& told) {
+        play_live_focus(device, settings, mailbox_,
                         [&](const LiveFocusPlaying& now) { return told({.sent = now.sent, .lead_s = now.lead_s}); });
     });
 }
 
 void BackgroundPlayer::play_patterns(const BackgroundPlay& how) {
+    require_unset(how.loops.has_value(), "loops", "live patterns, which have no end");
+    require_unset(how.step_s.has_value(), "step_s", "live patterns, of which each lasts one carrier period");
     begin_live(how, 1.0 / pattern_period_s, [this, how](Commands& device, const Told& told) {
         const PatternSource source = [this](std::uint64_t, std::span<std::uint16_t> patterns) {
             return std::optional(patterns_.take(patterns));

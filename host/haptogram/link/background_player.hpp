@@ -20,9 +20,10 @@ namespace haptogram::link {
 
 /// How something is played in the background.
 struct BackgroundPlay {
-    std::optional<std::uint16_t> loops{};  ///< 0: for ever
+    std::optional<std::uint16_t> loops{};  ///< of an image; 0: for ever
+    std::optional<double> step_s{};        ///< of live foci
     std::uint16_t watchdog_ms = 500;
-    double seconds = 0.0, step_s = LiveFocusSettings{}.step_s;
+    double seconds = 0.0;
     std::string am{};
 };
 
@@ -49,6 +50,7 @@ public:
     [[nodiscard]] BackgroundWork work() const;
 
     void upload(const Bundle& bundle);
+    /// These three throw Error{bad_argument} naming a setting that has no meaning with what is to play.
     void play(const BackgroundPlay& how);
     void play_live(const BackgroundPlay& how);
     void set_focus(const Focus& focus) { mailbox_.put(focus); }

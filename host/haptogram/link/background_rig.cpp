@@ -63,21 +63,27 @@ void BackgroundRig::stop() {
     thread_.wait(std::chrono::milliseconds(0));
 }
 
-/// What plays turns its own outputs off when it is interrupted; what was left on by others, here.
+/// What plays turns its own outputs off when it is interrupted; what was left on by others, here: every tile that can be
+/// reached, whatever becomes of another.
 void BackgroundRig::shut_off() {
     off_ = true;
     thread_.end();
     thread_.forget_trouble();
     off_ = false;
-    const RigDevices devices(bundle_, ports_);
-    std::vector<Client*> clients;
-    for (const Tile& tile : devices.tiles()) clients.push_back(&tile.device);
-    const std::vector<bool> confirmed = link::shut_off(clients);
-    for (std::size_t i = 0; i < confirmed.size(); ++i)
-        if (!confirmed[i]) throw Error(ErrorCode::device, devices.tiles()[i].name, not_confirmed({}));
-    const std::lock_guard lock(mutex_);
-    for (std::optional<Status>& status : statuses_)
-        if (status) status->enabled = false;
+    std::vector<std::string> on;
+    for (std::size_t i = 0; i < ports_.size(); ++i) {
+        const std::string tile = name_of_tile(i, ports_[i].port);
+        bool off = false;
+        try {
+            off = Device(ports_[i]).turn_off();
+            if (!off) on.push_back(fmt::format("{}: {}", tile, not_confirmed({})));
+        } catch (const Error& error) {
+            on.push_back(fmt::format("{}: {}", tile, error.message()));
+        }
+        const std::lock_guard lock(mutex_);
+        if (off && statuses_[i]) statuses_[i]->enabled = false;
+    }
+    if (!on.empty()) throw Error(ErrorCode::device, "rig", fmt::format("{}", fmt::join(on, "; ")));
 }
 
 }  // namespace haptogram::link
