@@ -37,6 +37,8 @@ void add_robot(CLI::App& app, Action& action);
 void add_board(CLI::App& app, Action& action);
 void add_board_run(CLI::App& board, Action& action);
 void add_device(CLI::App& app, Action& action);
+void add_device_list(CLI::App& device, Action& action);
+void add_device_trigger(CLI::App& device, Action& action);
 void add_self_test(CLI::App& device, Action& action);
 void add_upload(CLI::App& app, Action& action);
 void add_download(CLI::App& app, Action& action);

@@ -14,8 +14,6 @@
 #include "haptogram/link/rig_devices.hpp"
 #include "haptogram/link/to_json.hpp"
 #include "haptogram/link/transfer.hpp"
-#include "haptogram/link/trigger.hpp"
-#include "haptogram/link/udp_port.hpp"
 #include "interrupt.hpp"
 #include "port.hpp"
 #include "report.hpp"
@@ -35,15 +33,8 @@ struct DeviceOptions {
     std::uint64_t at_period = 0;
     std::uint32_t in_periods = 0;
     bool after = false, on_trigger = false;
-    std::string event, input, test;
-    double pulse_ms = -1, settle_ms = -1;
-    std::uint16_t every = 0;
-    std::uint32_t channel = 0;
-    bool level = false, gate = false;
     bool once = false, off = false;
     std::string role;
-    bool net = false;
-    std::vector<std::string> at;
     bool json = false;
 };
 
@@ -161,53 +152,6 @@ int modulate(const DeviceOptions& options) {
     return after_change(device, options);
 }
 
-/// The value of this name; the options' checks let no other pass.
-template <class Value>
-Value named(const std::string& name, unsigned last) {
-    unsigned value = 0;
-    while (value < last && to_string(static_cast<Value>(value)) != name) ++value;
-    return static_cast<Value>(value);
-}
-
-template <class Value>
-std::vector<std::string> names_up_to(Value last) {
-    std::vector<std::string> names;
-    for (unsigned value = 0; value <= static_cast<unsigned>(last); ++value)
-        names.emplace_back(to_string(static_cast<Value>(value)));
-    return names;
-}
-
-/// What was said changes, the rest stays. Prints all of it, and what the board has seen.
-int trigger(const DeviceOptions& options) {
-    link::Device device(options.port);
-    const link::TriggerSettings before = trigger_settings(device);
-    link::TriggerSettings settings = before;
-    if (!options.event.empty())
-        settings.event = named<link::Event>(options.event, static_cast<unsigned>(link::Event::samples));
-    if (options.every != 0) settings.every_periods = options.every;
-    if (options.pulse_ms >= 0) settings.pulse_s = 1e-3 * options.pulse_ms;
-    if (!options.input.empty()) {
-        settings.active_low = options.input == "low";
-        settings.by_level = options.level;
-        settings.gates = options.gate;
-    }
-    if (options.settle_ms >= 0) settings.settle_s = 1e-3 * options.settle_ms;
-    if (!options.test.empty()) {
-        settings.test = named<link::Test>(options.test, static_cast<unsigned>(link::Test::index));
-        settings.channel = options.channel;
-    }
-    if (options.every != 0 && settings.event != link::Event::period)
-        throw bad_argument("every", fmt::format("is of --out period; the event is {}", to_string(settings.event)));
-    if (options.channel != 0 && settings.test != link::Test::carrier)
-        throw bad_argument("channel",
-                           fmt::format("is of --test carrier; the test output is {}", to_string(settings.test)));
-    if (settings != before) set_trigger(device, settings);
-    nlohmann::ordered_json told = to_json(trigger_settings(device));
-    told.update(to_json(trigger_times(device), device.identity().clock_hz));
-    tell(told, options.json);
-    return 0;
-}
-
 constexpr std::array roles = {link::Role::alone, link::Role::master, link::Role::slave};
 
 std::vector<std::string> role_names() {
@@ -225,64 +169,6 @@ int sync(const DeviceOptions& options) {
     return after_change(device, options);
 }
 
-/// Who answers behind each port that was named, instead of which ports there are.
-int list_chains(const DeviceOptions& options) {
-    nlohmann::ordered_json found = nlohmann::ordered_json::array();
-    for (const std::string& port : options.ports.ports) {
-        const link::PortSettings settings{.port = port, .baud = options.ports.baud, .found = tell_rate};
-        for (const link::FoundDevice& device : link::devices_behind(settings)) {
-            const link::Identity& identity = device.identity;
-            if (!options.json)
-                fmt::print("{} {} channels, {} records, {} MHz\n", device.port, identity.channels, identity.records,
-                           identity.clock_hz / 1e6);
-            nlohmann::ordered_json row{{"port", device.port}};
-            row.update(to_json(identity));
-            found.push_back(std::move(row));
-        }
-    }
-    if (options.json) tell(found, true);
-    return 0;
-}
-
-/// Who answers a question to all.
-int list_networks(const DeviceOptions& options) {
-    nlohmann::ordered_json found = nlohmann::ordered_json::array();
-    constexpr std::chrono::milliseconds patience{300};
-    std::vector<link::AboutBoard> boards = link::boards_of_networks(patience);
-    for (const std::string& port : options.at)
-        if (const auto board = link::UdpPort(port).ask(patience)) boards.push_back(*board);
-    for (const link::AboutBoard& board : boards) {
-        const link::Identity& identity = board.identity;
-        if (!options.json)
-            fmt::print("{} {} channels, {} records, {} MHz, {}, outputs {}\n", board.port, identity.channels,
-                       identity.records, identity.clock_hz / 1e6, board.held ? "held by a peer" : "free",
-                       board.enabled ? "on" : "off");
-        nlohmann::ordered_json row{{"port", board.port},
-                                   {"held", board.held},
-                                   {"enabled", board.enabled},
-                                   {"datagrams_taken", board.accepted},
-                                   {"datagrams_refused", board.refused},
-                                   {"datagrams_damaged", board.damaged}};
-        row.update(to_json(identity));
-        found.push_back(std::move(row));
-    }
-    if (options.json) tell(found, true);
-    return 0;
-}
-
-int list(const DeviceOptions& options) {
-    if (options.net) return list_networks(options);
-    if (!options.ports.ports.empty()) return list_chains(options);
-    const bool as_json = options.json;
-    const std::vector<link::PortInfo> ports = link::available_ports();
-    if (as_json) {
-        tell(link::to_json(ports), true);
-        return 0;
-    }
-    for (const link::PortInfo& port : ports) fmt::print("{} {}\n", port.port, port.name);
-    return 0;
-}
-
 }  // namespace
 
 void add_device(CLI::App& app, Action& action) {
@@ -290,14 +176,12 @@ void add_device(CLI::App& app, Action& action) {
     sub->callback([sub, &action] {
         if (sub->get_subcommands().empty())
             action = []() -> int {
-                throw Error(
-                    ErrorCode::bad_argument, "device",
-                    "expected a subcommand: list, info, status, enable, disable, stop, start, modulate, trigger, "
-                    "sync or "
-                    "self-test; see "
-                    "haptogram device --help");
+                throw Error(ErrorCode::bad_argument, "device",
+                            "expected a subcommand: list, info, status, enable, disable, stop, start, modulate, sync, "
+                            "trigger or self-test; see haptogram device --help");
             };
     });
+    add_device_list(*sub, action);
     auto options = std::make_shared<DeviceOptions>();
     const auto add = [&](const char* name, const char* about, int (*what)(const DeviceOptions&)) {
         CLI::App* command = sub->add_subcommand(name, about);
@@ -306,29 +190,6 @@ void add_device(CLI::App& app, Action& action) {
         command->callback([options, &action, what] { action = [options, what] { return what(*options); }; });
         return command;
     };
-    CLI::App* ports =
-        sub->add_subcommand("list", "Print the serial ports and the FTDI chips, or who answers behind one");
-    ports
-        ->add_option("--port", options->ports.ports,
-                     "Ask behind this port: each tile of a chain, or the one board there; again for each port")
-        ->expected(1)
-        ->allow_extra_args(false)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    add_baud_option(*ports, options->ports.baud);
-    auto* net = ports
-                    ->add_flag("--net", options->net,
-                               "Ask all networks of this machine, and virtual boards on it, which boards there are")
-                    ->excludes(ports->get_option("--port"));
-    ports
-        ->add_option("--at", options->at,
-                     "Ask udp:ADDRESS[:PORT], too, where no question to all arrives; again for each")
-        ->needs(net)
-        ->expected(1)
-        ->allow_extra_args(false)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    ports->add_flag("--json", options->json, "As JSON");
-    ports->callback([options, &action] { action = [options] { return list(*options); }; });
-
     add("info", "Print what the board is", info);
     CLI::App* now = sub->add_subcommand("status", "Print what it is doing, and its counters; or each board of a rig");
     add_rig_port_options(*now, options->ports);
@@ -394,42 +255,11 @@ void add_device(CLI::App& app, Action& action) {
     add_when(*modulation);
     auto* once = modulation->add_flag("--once", options->once, "Not over and over; the last sample stays");
     modulation->add_flag("--off", options->off, "End the modulation")->excludes(once);
-    CLI::App* pins = add("trigger",
-                         "Set up the trigger pins and the test output of a board that has them, and print how they "
-                         "are and when they changed last; what is not said stays as it is",
-                         trigger);
-    pins->add_option("--out", options->event,
-                     "What makes a pulse at the trigger output: start of playing, mark of an entry, pass of a "
-                     "sequence, period of the carrier, or samples of the modulation from the first one")
-        ->check(CLI::IsMember(names_up_to(link::Event::samples)));
-    pins->add_option("--every", options->every, "Of period: carrier periods from one pulse to the next")
-        ->check(whole(1, 65535));
-    pins->add_option("--pulse", options->pulse_ms, "How long the output is high, in ms")->check(CLI::Range(0.0, 1e4));
-    auto* input =
-        pins->add_option(
-                "--in", options->input,
-                "The level at which the trigger input is active; without --level and --gate, these are off then")
-            ->check(CLI::IsMember(std::vector<std::string>{"high", "low"}));
-    pins->add_flag("--level", options->level,
-                   "What waits for the trigger begins while the input is active, not only when it becomes so")
-        ->needs(input);
-    pins->add_flag("--gate", options->gate, "No pulse reaches the transducers while the input is not active")
-        ->needs(input);
-    pins->add_option("--settle", options->settle_ms,
-                     "For which a change of the input must last before it counts, in ms")
-        ->check(CLI::Range(0.0, 1e3));
-    auto* test = pins->add_option("--test", options->test,
-                                  "What an oscilloscope sees at the test output: the carrier of a channel, a change at "
-                                  "each cycle, or with each new index")
-                     ->check(CLI::IsMember(names_up_to(link::Test::index)));
-    pins->add_option("--channel", options->channel, "Of carrier")
-        ->check(whole(0, 999))
-        ->capture_default_str()
-        ->needs(test);
     add("sync", "Reset the board, and then keep its carrier cycles in step with other boards over the wire SYNC", sync)
         ->add_option("role", options->role, "alone, master or slave")
         ->required()
         ->check(CLI::IsMember(role_names()));
+    add_device_trigger(*sub, action);
     add_self_test(*sub, action);
 }
 
