@@ -72,8 +72,9 @@ int play(const PlayOptions& options) {
     link::PlaySettings settings = options.play;
     settings.am = {options.am.value_or(""), law_of(options.am_law.value_or("pressure"))};
     const link::Played played = link::play(device, settings, [&](const link::Playing& now) {
-        progress.note(
-            fmt::format("{:.1f} s, record {}, {} underruns", now.seconds, now.status.present_index, now.underruns));
+        progress.note(now.status.waiting ? std::string("waits for the trigger")
+                                         : fmt::format("{:.1f} s, record {}, {} underruns", now.seconds,
+                                                       now.status.present_index, now.underruns));
         return !interrupted();
     });
     if (options.play.rate > 0.0)
@@ -101,6 +102,11 @@ void add_play(CLI::App& app, Action& action) {
         ->excludes(index);
     sub->add_flag("--sequence", options->sequence, "The whole sequence, which is what is played without --index")
         ->excludes(index);
+    sub->add_flag("--on-trigger", options->play.on_trigger,
+                  "The sequence begins when the board's trigger input says so (device trigger); until then the outputs "
+                  "are on, and silent")
+        ->excludes(index)
+        ->excludes(rig);
     sub->add_option("--rate", options->play.rate,
                     "Passes a second, instead of as it was compiled; the indices go over the link then")
         ->check(positive())

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Trigger pins of a virtual board: what is set stays, what the board counts, what waits for a trigger, and what is refused."""
 import json
+import signal
+import subprocess
 import time
 
 import pytest
-from support import DEVICE, USAGE, ask, assert_one_message, run, status, succeed, virtual_board
+from support import DEVICE, PROGRAM, USAGE, ask, assert_one_message, run, status, succeed, virtual_board
 
 
 @pytest.fixture
@@ -36,6 +38,25 @@ def test_a_start_waits_for_it_and_stop_ends_the_wait(board):
     ask(board, "device", "stop")
     said = status(board)
     assert not said["waiting"] and said["outputs"] == "off"
+
+
+def test_playing_waits_for_it(board):
+    """Nothing drives the pin of a virtual board: it is low, which is active or not as it is set."""
+    succeed(["compile", "--shape", "circle", "--points", "4", "--rate", "500", "--board", "ulx3s-85f", "-o", "c.hex"], cwd=board)
+    ask(board, "upload", "c.hex")
+    trigger(board, "--in", "low", "--level", "--out", "start")
+    assert json.loads(ask(board, "play", "--loops", "3", "--on-trigger", "--json").stdout)["underruns"] == 0
+    assert trigger(board)["out_count"] == 1
+    trigger(board, "--in", "high", "--level")
+    waits = subprocess.Popen([PROGRAM, "play", "--loops", "3", "--seconds", "0.01", "--on-trigger", "--port", "port"], cwd=board, stderr=subprocess.DEVNULL,
+                             stdout=subprocess.DEVNULL)  # fmt: skip
+    time.sleep(1.0)
+    assert waits.poll() is None, "its seconds begin with the trigger"
+    waits.send_signal(signal.SIGINT)
+    waits.communicate(timeout=20)
+    assert trigger(board)["out_count"] == 1 and status(board)["outputs"] == "off" and not status(board)["waiting"]
+    for more in (["--rate", "20"], ["--index", "1"]):
+        assert_one_message(run(["play", "--on-trigger", *more, "--port", "port"], cwd=board), USAGE, "on-trigger")
 
 
 @pytest.mark.parametrize("options, needle", [(["--every", "3"], "--every"), (["--out", "mark", "--every", "3"], "event is mark"), (["--gate"], "--in"),

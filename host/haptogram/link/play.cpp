@@ -77,8 +77,12 @@ std::optional<ModulationOn> modulated(Commands& device, const PlaySettings& sett
 }  // namespace
 
 Played play(Commands& device, const PlaySettings& settings, const Watch& watch) {
-    if (settings.rate > 0.0 || (!settings.am.waveform.empty() && device.identity().modulation_words == 0))
-        return play_live(device, settings, wanted(device, settings), watch);
+    const bool live = settings.rate > 0.0 || (!settings.am.waveform.empty() && device.identity().modulation_words == 0);
+    if (settings.on_trigger && (live || settings.index != 0))
+        throw bad_argument("on-trigger",
+                           "one record, and what goes over the link, cannot wait for a trigger; the sequence in the "
+                           "board's memory can");
+    if (live) return play_live(device, settings, wanted(device, settings), watch);
     using Clock = std::chrono::steady_clock;
     const Status before = device.status();
     std::uint16_t length = 0;
@@ -99,13 +103,15 @@ Played play(Commands& device, const PlaySettings& settings, const Watch& watch) 
         if (settings.index != 0)
             device.select(settings.index);
         else
-            device.start(1, settings.loops ? length : std::uint16_t{0}, settings.loops.value_or(0));
-        const auto begun = Clock::now();
+            device.start(1, settings.loops ? length : std::uint16_t{0}, settings.loops.value_or(0),
+                         settings.on_trigger ? When::at_trigger() : When::at_once());
+        auto begun = Clock::now();
         // Asking for the status also keeps the watchdog quiet.
         const std::chrono::milliseconds pause = keep_alive_pause(settings.watchdog_ms);
         do {
             std::this_thread::sleep_for(pause);
             now.status = sure_status(device);
+            if (now.status.waiting) begun = Clock::now();
             now.seconds = std::chrono::duration<double>(Clock::now() - begun).count();
             now.underruns = since(now.status, &Status::underruns);
             interrupted = watch && !watch(now);

@@ -11,7 +11,7 @@ namespace haptogram::link {
 
 /// What goes on while a device plays.
 struct Playing {
-    double seconds = 0.0;    ///< since the outputs came on
+    double seconds = 0.0;    ///< since the outputs came on; 0 while a trigger is waited for
     Status status;           ///< as the device said last
     std::uint64_t sent = 0;  ///< indices that went over the link
     std::uint16_t underruns = 0;
@@ -25,7 +25,8 @@ struct PlaySettings {
     std::uint16_t index = 0;               ///< one record, until it is ended; 0: the sequence
     std::optional<std::uint16_t> loops{};  ///< passes over the sequence, 0 for ever; without: as the image says
     double rate = 0.0;                     ///< passes a second; 0: as the image says
-    double seconds = 0.0;                  ///< not longer than this; 0: no limit
+    double seconds = 0.0;                  ///< not longer than this, from a trigger on; 0: no limit
+    bool on_trigger = false;               ///< the sequence begins when the board's trigger input says so
     std::uint16_t watchdog_ms = 500;       ///< outputs go off when this host is silent for so long; 0: never
     Warning warn{};
     Am am{};  ///< by which all amplitudes are multiplied meanwhile
@@ -43,7 +44,8 @@ struct Played {
 /// dwells, and the memory stays as it is.
 /// @throws what modulate.hpp says, for a waveform,
 ///         Error{device} when there is nothing to play, or the device turns its outputs off or does not confirm that
-///         they are off in the end, Error{bad_argument} for a "rate" that no whole number of carrier cycles makes
+///         they are off in the end, Error{bad_argument} for a "rate" that no whole number of carrier cycles makes, and
+///         for what goes over the link "on_trigger", which has effect on the memory's sequence alone
 Played play(Commands& device, const PlaySettings& settings, const Watch& watch = {});
 
 }  // namespace haptogram::link

@@ -35,7 +35,7 @@ def end_like_ctrl_c() -> None:
 
 def _is_over(status: Status) -> bool:
     """Whether nothing plays and nothing is to come."""
-    return status.present_index == 0 and status.live_level == 0 and status.mode in ("idle", "live")
+    return status.present_index == 0 and status.live_level == 0 and not status.waiting and status.mode in ("idle", "live")
 
 
 def _watch(board: Client) -> Status:
@@ -57,10 +57,14 @@ def _outcome(before: Status, now: Status, interrupted: bool) -> Outcome:
     return Outcome(since("underruns"), since("refused_records"), since("watchdog_trips"), since("guard_trips"), interrupted)
 
 
+def _nothing() -> None: ...
+
+
 def play(board: Client, *, index: int = 0, loops: int | None = None, seconds: float = 0.0, watchdog_ms: int = 500,
-         stopped: Callable[[], bool] = never) -> Outcome:  # fmt: skip
+         stopped: Callable[[], bool] = never, started: Callable[[], None] = _nothing) -> Outcome:  # fmt: skip
     """Plays one record, or with index 0 the sequence, `loops` times (0 for ever; None as its header says), until its end,
-    for at most so many seconds (0: no limit), or until `stopped` says so; if it does before the outputs are on, they stay off."""
+    for at most so many seconds (0: no limit), or until `stopped` says so; if it does before the outputs are on, they stay off.
+    Calls `started` when the board has said that it plays."""
     length = 0 if index else board.sequence_length()
     before = now = board.status()
     interrupted = True
@@ -71,6 +75,7 @@ def play(board: Client, *, index: int = 0, loops: int | None = None, seconds: fl
             board.start()
         else:
             board.start(1, length, loops)
+        started()
         end = time.monotonic() + seconds
         while not stopped() and not (seconds and time.monotonic() >= end):
             board.rest()
