@@ -71,7 +71,7 @@ def csharp_type(p, structs, in_struct=False):
         return "out IntPtr"
     if not in_struct and p.type in structs and structs[p.type][0].name == "size":  # the others come in rows
         return f"ref Native{camel(p.type)}"
-    if not in_struct and not p.const and p.type in NUMBERS and p.type != "double":
+    if not in_struct and p.type in NUMBERS and (p.const or p.type != "double"):  # doubles that are written may be NULL
         return f"ref {NUMBERS[p.type]}"
     return "IntPtr"
 

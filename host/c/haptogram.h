@@ -75,6 +75,7 @@ typedef struct haptogram_path {
     uint32_t each;  /* foci at the same time; default: 1 */
     uint16_t loops; /* passes when it is played by itself; 0: for ever */
     int32_t board_computes; /* not 0: an image of foci, for boards that compute their phases; needed for live foci */
+    const uint8_t* marks; /* of each step: not 0 when the trigger output of a board tells its beginning; default: none */
 } haptogram_path;
 HAPTOGRAM_API haptogram_code haptogram_compile_path(const haptogram_path* path, haptogram_image** image);
 
@@ -138,11 +139,11 @@ HAPTOGRAM_API haptogram_code haptogram_upload(haptogram_board* board, const hapt
 
 typedef struct haptogram_playing {
     uint32_t size;
-    int32_t loops;        /* passes; default: as the image says; −1: for ever */
+    int32_t loops;        /* passes of an image; default: as the image says; −1: for ever */
     uint32_t watchdog_ms; /* outputs go off when this program is silent for so long, up to 65535; default: 500 */
     double seconds;       /* not longer than this; default: no limit */
     const char* am;       /* a waveform for all amplitudes, such as "sine:200"; default: the image's own */
-    double step_s;        /* live: how long a focus stays before a newer one can follow; default: 0.2 ms, and longer on a line that is too slow */
+    double step_s;        /* live foci: how long one stays before a newer one can follow; default: 0.2 ms, and longer on a line that is too slow */
 } haptogram_playing;
 /* Begins, and returns; NULL is all defaults. The outputs are on until it ends. One at a time. */
 HAPTOGRAM_API haptogram_code haptogram_play(haptogram_board* board, const haptogram_playing* playing);

@@ -173,6 +173,7 @@ haptogram::Path path_for(const haptogram_path& given) {
     for (std::size_t i = 0; i < given.steps; ++i) {
         haptogram::PathStep& step = path.steps.emplace_back();
         step.periods = given.periods != nullptr ? given.periods[i] : 1;
+        step.mark = given.marks != nullptr && given.marks[i] != 0;
         for (std::size_t k = i * each; k < (i + 1) * each; ++k) step.foci.push_back(focus_of(foci[k]));
     }
     return path;
@@ -215,6 +216,7 @@ haptogram::link::BackgroundPlay playing_alone(const haptogram_playing* given) {
 haptogram::link::RigSettings playing_together(const haptogram_playing* given) {
     const haptogram_playing known = known_playing(given);
     if (known.am != nullptr) throw bad_argument("am", "a rig plays as it was compiled; compile it with that setting");
+    if (known.step_s != 0.0) throw bad_argument("step_s", "has no meaning with an image, which has times of its own");
     return playing_of<haptogram::link::RigSettings>(known);
 }
 

@@ -58,7 +58,8 @@ static class Tries
             board.PlayPatterns();
             int put = board.PutPatterns(words);
             while (board.Status.Busy && (board.Status.FociSent < 100 || !board.Status.Enabled)) board.Wait(1);
-            board.SetPattern(new ushort[100]);
+            Span<ushort> silent = stackalloc ushort[100];
+            board.SetPattern(silent);
             Console.WriteLine("patterns " + put + " enabled " + board.Status.Enabled);
             board.Stop();
         }

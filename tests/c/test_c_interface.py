@@ -182,6 +182,8 @@ def test_patterns(c, board):
     taken = ctypes.c_size_t(7)
     c.ok(c.put_patterns(board, words, 5000, ctypes.byref(taken)))
     assert taken.value == 4096, "and the caller keeps the rest"
+    c.fails(c.play_patterns(board, ctypes.byref(c.struct("playing", loops=2))), "BAD_ARGUMENT", "loops")
+    c.fails(c.play_patterns(board, ctypes.byref(c.struct("playing", step_s=1e-3))), "BAD_ARGUMENT", "step_s")
     c.ok(c.play_patterns(board, ctypes.byref(c.struct("playing", am=b"sine:200"))))
     until(lambda: status_of(c, board).foci_sent > 5000)
     found = status_of(c, board)
@@ -212,6 +214,18 @@ def test_triggers(c, board):
     until(lambda: c.get_trigger_times(board, ctypes.byref(times)) == 0 and times.now_clock - clock > 25_000_000, 20)
     assert abs(times.out_count - count - (times.now_clock - clock) / 500_000) <= 1.5  # 400 periods of 1250 clocks
     assert 0 <= times.now_clock - times.out_clock <= 500_000 and times.in_count == 0
+    marked = path_of_foci(c, [(0, 0, 0.15), (0.01, 0, 0.15), (0.02, 0, 0.15)], periods=(ctypes.c_uint32 * 3)(40, 40, 40),
+                          marks=(ctypes.c_uint8 * 3)(1, 0, 1), board=b"ulx3s-85f", array=b"tile-10x10")  # fmt: skip
+    image = c.made(c.compile_path, marked)
+    c.ok(c.set_trigger(board, ctypes.byref(c.struct("trigger", event=c.header.codes["HAPTOGRAM_EVENT_MARK"], pulse_s=1e-5))))
+    c.ok(c.upload(board, image))
+    c.ok(c.get_trigger_times(board, ctypes.byref(times)))
+    count = times.out_count
+    c.ok(c.play(board, ctypes.byref(c.struct("playing", loops=50))))
+    until(lambda: not status_of(c, board).busy, 20)
+    c.ok(c.get_trigger_times(board, ctypes.byref(times)))
+    assert times.out_count - count == 2 * 50, "two of three steps are marked"
+    c.free_image(image)
     c.fails(c.set_trigger(board, ctypes.byref(c.struct("trigger", event=9))), "BAD_ARGUMENT", "event: found 9")
     c.fails(c.set_trigger(board, ctypes.byref(c.struct("trigger", pulse_s=10))), "BAD_ARGUMENT", "pulse")
 
@@ -259,6 +273,15 @@ def test_a_rig(c, tmp_path):
         c.ok(c.shut_off(rig))
         c.ok(c.wait(rig, 0, None))
         assert not status_of(c, rig).enabled
+        def device(*command):
+            return subprocess.run([PROGRAM, "device", *command, "--port", ports.split()[1]], check=True, capture_output=True).stdout
+
+        device("enable", "--watchdog", "0")
+        assert json.loads(device("status", "--json"))["outputs"] == "on"
+        os.rename(tmp_path / "port-1", tmp_path / "away")  # one tile cannot be reached, and the other is shut off all the same
+        c.fails(c.shut_off(rig), "DEVICE", "tile 1")
+        assert json.loads(device("status", "--json"))["outputs"] == "off"
+        os.rename(tmp_path / "away", tmp_path / "port-1")
         c.close(rig)
     finally:
         process.send_signal(signal.SIGINT)
@@ -272,6 +295,8 @@ def test_a_live_focus(c, live_image, board, ends):
     busy = ctypes.c_int32()
     c.fails(c.wait(board, 5000, ctypes.byref(busy)), "DEVICE", "foci")
     c.ok(c.upload(board, live_image))
+    c.fails(c.play_live(board, ctypes.byref(c.struct("playing", loops=2))), "BAD_ARGUMENT", "loops")
+    c.fails(c.play(board, ctypes.byref(c.struct("playing", step_s=1e-3))), "BAD_ARGUMENT", "step_s")
     c.ok(c.play_live(board, ctypes.byref(c.struct("playing", am=b"sine:200"))))
     c.fails(c.set_focus(board, 0, 0, 0.15, 2.0), "BAD_INPUT", "amplitude")
     c.fails(c.set_focus(board, 5, 0, 0.15, 1.0), "BAD_INPUT", "5")

@@ -94,6 +94,13 @@ TEST_CASE("path file: rows of a CSV are foci that last until the next row", "[pa
     REQUIRE(seconds == Path{{{{{from_mm(1, 2, 130)}}, 40}, {{{from_mm(3, 4, 130)}}, 40}}, {}});
 }
 
+TEST_CASE("path file: a CSV's column of marks is that of the steps, also of silence", "[path_file]") {
+    const Path path = path_from_csv(
+        "time_ms,x_mm,y_mm,z_mm,mark,intensity\n0,0,0,130,0,1\n1,0,0,130,1,0\n2,0,0,130,1,1\n", "p.csv", carrier_hz);
+    const Path expected{{{{{from_mm(0, 0, 130)}}, 40}, {{}, 40, true}, {{{from_mm(0, 0, 130)}}, 40, true}}, {}};
+    REQUIRE(path == expected);
+}
+
 TEST_CASE("path file: a CSV's times are kept on average, whatever the carrier period", "[path_file]") {
     std::string text = "time_ms,x_mm,y_mm,z_mm\n";
     for (int i = 0; i < 100; ++i) text += std::to_string(i * 0.1111) + ",0," + std::to_string(i % 2) + ",130\n";
@@ -137,6 +144,8 @@ TEST_CASE("path file: mistakes are named with their place", "[path_file]") {
     refuses_csv(head + "0,0,0,130,1\n", "found 1 rows");
     refuses_csv(head + "0,0,0,130,1\n0.00001,0,0,130,1\n", "line 3: 1e-05 s after");
     refuses_csv(head + "0,0,0,130,1\n0.1,0,0,130,2\n", "intensity of 2");
+    refuses_csv("time_s,x_mm,y_mm,z_mm,mark\n0,0,0,130,2\n", "line 2: a mark of 2; expected 0 or 1");
+    refuses_csv("time_s,x_mm,y_mm,z_mm,mark,mark\n", "a second time");
     refuses_csv(head + "0,0,0,130\n", "found 4 columns, expected 5");
     refuses_csv(head + "0,0,0,x,1\n", "line 2");
     REQUIRE_THROWS_WITH(load_path("p.txt", carrier_hz, 10), Contains(".json, .csv or .adaptics"));

@@ -143,7 +143,7 @@ Path path_of(const std::vector<Stretch>& stretches) {
                                          stretch.periods),
                              {"points"});
         }
-        path.steps.push_back({stretch.foci, static_cast<std::uint32_t>(periods)});
+        path.steps.push_back({stretch.foci, static_cast<std::uint32_t>(periods), stretch.mark});
     }
     return path;
 }

@@ -29,6 +29,7 @@ inline constexpr double usual_speed_m_s = 7.0;
 struct Stretch {
     std::vector<Focus> foci;
     double periods = 0.0;
+    bool mark = false;  ///< its beginning is told at a board's trigger output
 };
 
 /// A pass over curves: what plays one after the other, and the numbers that describe it.

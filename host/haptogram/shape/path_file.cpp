@@ -56,7 +56,7 @@ Focus focus_from_json(const JsonMember& json) {
 /// Which field of a row is what.
 struct PathColumns {
     std::array<std::size_t, 4> numbers{};  ///< time, x, y, z
-    std::optional<std::size_t> intensity;
+    std::optional<std::size_t> intensity, mark;
     double seconds = 1.0;  ///< a unit of the time
     std::size_t width = 0;
 };
@@ -66,9 +66,10 @@ PathColumns columns_of(const Fields& fields, const std::string& where) {
     columns.width = fields.size();
     std::array<bool, 4> found{};
     const auto expected = [&](const std::string& what) {
-        return bad_input(where, fmt::format("{}; expected a first row that names time_s or time_ms, x_mm, y_mm, z_mm "
-                                            "and, if it is not always 1, intensity, each once",
-                                            what));
+        return bad_input(where,
+                         fmt::format("{}; expected a first row that names time_s or time_ms, x_mm, y_mm, z_mm "
+                                     "and, where they are wanted, intensity (0 to 1) and mark (0 or 1), each once",
+                                     what));
     };
     for (std::size_t i = 0; i < fields.size(); ++i) {
         const std::string name = lower_case(fields[i]);
@@ -78,11 +79,14 @@ PathColumns columns_of(const Fields& fields, const std::string& where) {
             place = 0;
             columns.seconds = 1e-3;
         }
-        const bool again = place < 4 ? found.at(place) : columns.intensity.has_value();
-        if ((place == 4 && name != "intensity") || again)
+        std::optional<std::size_t>* const optional = name == "intensity" ? &columns.intensity
+                                                     : name == "mark"    ? &columns.mark
+                                                                         : nullptr;
+        const bool again = place < 4 ? found.at(place) : optional != nullptr && optional->has_value();
+        if ((place == 4 && optional == nullptr) || again)
             throw expected(fmt::format("found {}{}", shown(fields[i]), again ? " a second time" : ""));
         if (place == 4)
-            columns.intensity = i;
+            *optional = i;
         else
             columns.numbers.at(place) = i;
         if (place < 4) found.at(place) = true;
@@ -173,6 +177,9 @@ Path path_from_csv(std::string_view text, const std::string& where, double carri
         }
         last_s = time_s;
         Stretch& added = stretches.emplace_back();
+        const double mark = columns->mark ? number(*columns->mark) : 0.0;
+        if (mark != 0.0 && mark != 1.0) throw bad_input(line, fmt::format("a mark of {}; expected 0 or 1", mark));
+        added.mark = mark != 0.0;
         if (amplitude > 0.0) added.foci = {{from_mm(number(at[1]), number(at[2]), number(at[3])), amplitude}};
     }
     if (stretches.size() < 2)

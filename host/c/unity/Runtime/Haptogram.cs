@@ -149,10 +149,13 @@ namespace Haptogram
 
         /// <summary>Of foci one after the other, each for so many carrier periods; null: one.</summary>
         /// <param name="boardComputes">an image of foci, for boards that compute their phases; needed for live foci</param>
-        public static Image OfFoci(Focus[] foci, uint[] periods = null, string board = null, string array = null, bool boardComputes = false)
+        /// <param name="marks">of each focus: not 0 when the trigger output of a board tells its beginning</param>
+        public static Image OfFoci(Focus[] foci, uint[] periods = null, string board = null, string array = null, bool boardComputes = false, byte[] marks = null)
         {
             if (periods != null && periods.Length != foci.Length) throw new ArgumentException("give one for each focus", "periods");
+            if (marks != null && marks.Length != foci.Length) throw new ArgumentException("give one for each focus", "marks");
             GCHandle places = GCHandle.Alloc(foci, GCHandleType.Pinned), times = GCHandle.Alloc(periods, GCHandleType.Pinned);
+            GCHandle marked = GCHandle.Alloc(marks, GCHandleType.Pinned);
             using (var boardName = new Utf8(board))
             using (var arrayName = new Utf8(array))
             {
@@ -162,6 +165,7 @@ namespace Haptogram
                     {
                         size = Library.SizeOf<NativePath>(), board = boardName.Pointer, array = arrayName.Pointer, foci = places.AddrOfPinnedObject(),
                         periods = periods == null ? IntPtr.Zero : times.AddrOfPinnedObject(), steps = (UIntPtr)foci.Length, board_computes = boardComputes ? 1 : 0,
+                        marks = marks == null ? IntPtr.Zero : marked.AddrOfPinnedObject(),
                     };
                     IntPtr found;
                     Library.Check(Native.haptogram_compile_path(ref path, out found));
@@ -171,6 +175,7 @@ namespace Haptogram
                 {
                     places.Free();
                     times.Free();
+                    marked.Free();
                 }
             }
         }
@@ -217,19 +222,18 @@ namespace Haptogram
         public string Warnings => TextOf(Native.haptogram_image_warnings);
 
         /// <summary>The amplitude of the pressure, Pa, at x, y, z, x, y, …, while a record plays; 0: over the whole sequence.</summary>
-        public double[] Pressure(double[] pointsM, uint record = 0)
+        public double[] Pressure(ReadOnlySpan<double> pointsM, uint record = 0)
         {
             if (pointsM.Length % 3 != 0) throw new ArgumentException("expected three coordinates for each point", "pointsM");
             var found = new double[pointsM.Length / 3];
-            GCHandle points = GCHandle.Alloc(pointsM, GCHandleType.Pinned), to = GCHandle.Alloc(found, GCHandleType.Pinned);
+            GCHandle to = GCHandle.Alloc(found, GCHandleType.Pinned);
             try
             {
-                Library.Check(Native.haptogram_pressure(handle, record, points.AddrOfPinnedObject(), (UIntPtr)found.Length, to.AddrOfPinnedObject()));
+                Library.Check(Native.haptogram_pressure(handle, record, ref MemoryMarshal.GetReference(pointsM), (UIntPtr)found.Length, to.AddrOfPinnedObject()));
                 return found;
             }
             finally
             {
-                points.Free();
                 to.Free();
             }
         }
@@ -351,35 +355,19 @@ namespace Haptogram
 
         /// <summary>Appends patterns, each a word for each channel: phase in 1/256 of the period in bits 7…0, amplitude in bits 15…8. Never waits.</summary>
         /// <returns>how many of them there was room for</returns>
-        public int PutPatterns(ushort[] words)
+        public int PutPatterns(ReadOnlySpan<ushort> words)
         {
             if (words.Length % Channels != 0) throw new ArgumentException($"expected whole patterns of {Channels} words", "words");
-            GCHandle pinned = GCHandle.Alloc(words, GCHandleType.Pinned);
-            try
-            {
-                var taken = UIntPtr.Zero;
-                Library.Check(Native.haptogram_put_patterns(handle, pinned.AddrOfPinnedObject(), (UIntPtr)(words.Length / Channels), ref taken));
-                return (int)taken;
-            }
-            finally
-            {
-                pinned.Free();
-            }
+            var taken = UIntPtr.Zero;
+            Library.Check(Native.haptogram_put_patterns(handle, ref MemoryMarshal.GetReference(words), (UIntPtr)(words.Length / Channels), ref taken));
+            return (int)taken;
         }
 
         /// <summary>One pattern that stays, in the place of all that wait. Never waits.</summary>
-        public void SetPattern(ushort[] words)
+        public void SetPattern(ReadOnlySpan<ushort> words)
         {
             if (words.Length != Channels) throw new ArgumentException($"expected {Channels} words", "words");
-            GCHandle pinned = GCHandle.Alloc(words, GCHandleType.Pinned);
-            try
-            {
-                Library.Check(Native.haptogram_set_pattern(handle, pinned.AddrOfPinnedObject()));
-            }
-            finally
-            {
-                pinned.Free();
-            }
+            Library.Check(Native.haptogram_set_pattern(handle, ref MemoryMarshal.GetReference(words)));
         }
 
         /// <summary>Waits until what was begun has ended, at most so long. Whether it goes on.</summary>

@@ -57,6 +57,7 @@ namespace Haptogram
         public uint each;
         public ushort loops;
         public int board_computes;
+        public IntPtr marks;
     }
 
     [StructLayout(LayoutKind.Sequential)]
@@ -182,7 +183,7 @@ namespace Haptogram
         internal static extern void haptogram_free_image(IntPtr image);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_pressure(IntPtr image, uint record, IntPtr points_m, UIntPtr points, IntPtr pressure_pa);
+        internal static extern Code haptogram_pressure(IntPtr image, uint record, ref double points_m, UIntPtr points, IntPtr pressure_pa);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Code haptogram_solve(IntPtr array, IntPtr foci, UIntPtr count, IntPtr method, IntPtr drives, ref UIntPtr elements);
@@ -215,10 +216,10 @@ namespace Haptogram
         internal static extern Code haptogram_play_patterns(IntPtr board, ref NativePlaying playing);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_put_patterns(IntPtr board, IntPtr words, UIntPtr patterns, ref UIntPtr taken);
+        internal static extern Code haptogram_put_patterns(IntPtr board, ref ushort words, UIntPtr patterns, ref UIntPtr taken);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-        internal static extern Code haptogram_set_pattern(IntPtr board, IntPtr words);
+        internal static extern Code haptogram_set_pattern(IntPtr board, ref ushort words);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
         internal static extern Code haptogram_wait(IntPtr board, uint milliseconds, ref int busy);
