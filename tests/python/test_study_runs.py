@@ -507,6 +507,52 @@ def test_stimuli_on_a_board(place):
     assert_says(run(study("run", "fingers_surface", *described), place), BAD_INPUT, "another apparatus")
 
 
+def markers_of(place, monkeypatch, *options):
+    """What a recorder gets of a session that marks: (time, marker), and the session's end."""
+    (place / "lsl.cfg").write_text("[multicast]\nResolveScope = machine\n[log]\nlevel = -2\n", encoding="utf-8")
+    monkeypatch.setenv("LSLAPICFG", str(place / "lsl.cfg"))
+    monkeypatch.setitem(boards.ENVIRONMENT, "LSLAPICFG", str(place / "lsl.cfg"))
+    import pylsl
+
+    command = [str(word) for word in session("--observer", "simulated:protocol", "--lsl", *options)]
+    process = subprocess.Popen(command, cwd=place, env=boards.ENVIRONMENT, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    begun_s = pylsl.local_clock()
+    found = pylsl.resolve_byprop("name", "haptogram", 1, 30.0)
+    assert found and found[0].type() == "Markers"
+    inlet, got = pylsl.StreamInlet(found[0]), []
+    inlet.open_stream(10.0)
+    while (sample := inlet.pull_sample(0.5))[0] or process.poll() is None:
+        if sample[0]:
+            got.append((sample[1], json.loads(sample[0][0])))
+    said = process.communicate()[1]
+    assert process.returncode == OK and "waits until somebody records" in said, said
+    times = [time_s for time_s, _ in got]
+    assert times == sorted(times) and begun_s < times[0] and times[-1] < pylsl.local_clock()
+    assert [(marker["kind"], marker["trial"]) for _, marker in got] == [(kind, n) for n in range(1, 5) for kind in ("start", "answer", "stop")]
+    return got
+
+
+def test_markers_have_the_time_of_the_board_that_tells_it(place, monkeypatch):
+    few = SMALL.replace('compile = ["--rate", "10"]', 'compile = ["--rate", "500", "--points", "4", "--shape", "circle", "--board", "ulx3s-85f"]').replace("sets = 2", "sets = 1")
+    (place / "small.toml").write_text("\n".join(line for line in few.splitlines() if not line.startswith("path =")))
+    shown = ("--port", "port", "--program", boards.PROGRAM)
+    for event, by in (("start", "board"), ("pass", "host")):
+        (place / "out.jsonl").unlink(missing_ok=True)
+        with virtual_board(place, "--board", "ulx3s-85f", "--model", "reference", speed="real"):
+            before = json.loads(boards.haptogram(place, "device", "trigger", "--out", event, "--port", "port", "--json"))
+            markers = markers_of(place, monkeypatch, *shown)
+            after = json.loads(boards.haptogram(place, "device", "trigger", "--port", "port", "--json"))
+        starts = [(at_s, marker) for at_s, marker in markers if marker["kind"] == "start"]
+        assert all(marker["by"] == by and marker["played"] for _, marker in starts)
+        if by == "board":
+            assert after["out_count"] - before["out_count"] == len(starts), "the board had one start for each"
+
+
+def test_a_session_that_plays_nothing_marks_it(place, monkeypatch):
+    (place / "small.toml").write_text(SMALL.replace("sets = 2", "sets = 1"))
+    assert not any(marker["played"] for _, marker in markers_of(place, monkeypatch) if marker["kind"] == "start")
+
+
 def test_every_path_of_two_factors_has_its_own_hash(place):
     p = protocol.read(place / "small.toml")
     found = {}

@@ -29,9 +29,11 @@ from .interface import (
     SEQUENCE_BASE,
     SEQUENCE_HEADER_FIELDS,
     TRIGGER_BASE,
+    TRIGGER_FIELDS,
     TRIGGER_SETTINGS,
     TRIGGER_WORDS,
     Command,
+    Event,
     Feature,
     Role,
     pack,
@@ -39,7 +41,7 @@ from .interface import (
 )
 from .port import Port, never
 from .session import Line, Session, keep_alive_pause, shut_off
-from .trigger import Trigger, TriggerSettings
+from .trigger import ClockSample, Trigger, TriggerSettings
 from .udp import UdpLine, names_udp
 
 GATE_AT_END = (1 << 48) - 1  # a period that means the end of what plays
@@ -224,6 +226,19 @@ class Client:
         """How often the trigger pins did something, when last, and the board's clock, all of one moment."""
         self._require_triggers()
         return Trigger.of(self.read(TRIGGER_BASE + 2 * TRIGGER_SETTINGS, 2 * (len(TRIGGER_WORDS) - TRIGGER_SETTINGS)))
+
+    def trigger_event(self) -> Event:
+        """What makes a pulse at the trigger output; none on a board without one."""
+        if not self.identity.features >> Feature.TRIGGER & 1:
+            return Event.NONE
+        block = self.read(TRIGGER_BASE, 2 * TRIGGER_SETTINGS)
+        return Event(unpack(TRIGGER_FIELDS, block.ljust(2 * len(TRIGGER_WORDS), b"\0"))["event"])
+
+    def clock_sample(self) -> ClockSample:
+        """The board's clock between two of time.monotonic(), for fit_clocks()."""
+        asked_s = time.monotonic()
+        now = self.trigger().now
+        return ClockSample(asked_s, time.monotonic(), now)
 
     def _require_triggers(self) -> None:
         if not self.identity.features >> Feature.TRIGGER & 1:

@@ -52,6 +52,7 @@ class Trigger:
 
     @classmethod
     def of(cls, told: bytes) -> Self:
+        """The words of the trigger block behind its settings."""
         assert len(told) == 2 * (len(TRIGGER_WORDS) - TRIGGER_SETTINGS)
         found = unpack(TRIGGER_FIELDS, bytes(2 * TRIGGER_SETTINGS) + told)
         now, out, in_ = (found[f"{name}_high"] << 32 | found[name] for name in ("now", "out", "in"))

@@ -13,6 +13,7 @@ from pathlib import Path
 from .. import __version__
 from ..cli import Parser, whole
 from ..errors import ErrorCode, HaptogramError
+from ..markers import Markers, no_mark
 from . import protocol as protocols
 from . import results
 from .asking import Keyboard, Observer, Page, Stopped
@@ -84,6 +85,15 @@ def _observer(options: argparse.Namespace, protocol: Protocol) -> Observer:
     return simulated(protocol, options.observer)
 
 
+def _marking(options: argparse.Namespace, protocol: Protocol) -> Callable[..., None]:
+    if not options.lsl:
+        return no_mark
+    markers = Markers(f"haptogram {protocol.name} {options.participant}")
+    say("waits until somebody records the stream haptogram, of the type Markers")
+    markers.wait()
+    return markers.mark
+
+
 def _end(number: int, frame: object) -> None:
     """The program that shows the page ends a session as Ctrl-C does: outputs off, and results that can be gone on with."""
     signal.signal(number, signal.SIG_IGN)  # once is enough
@@ -98,6 +108,7 @@ def run_command(options: argparse.Namespace) -> int:
             say(f"{options.output}: its last line was not complete; it is now in {file.moved}, and its trial is asked again")
         same = list(file.same_session(protocol=protocol.name, protocol_sha256=protocol.sha256, participant=options.participant, seed=options.seed,
                                       observer=observer.name))  # fmt: skip
+        mark = _marking(options, protocol)
         presenter = _presenter(options, protocol)
         if not options.port:
             say("no --port was given: no stimulus is played")
@@ -106,7 +117,8 @@ def run_command(options: argparse.Namespace) -> int:
         elif observer.waits:
             for text in (protocol.title, *protocol.instructions):
                 observer.tell(text)
-        session = Session(protocol, options.participant, options.seed, observer, presenter, file.append, before=same, versions=_versions(presenter))
+        session = Session(protocol, options.participant, options.seed, observer, presenter, file.append, before=same, versions=_versions(presenter),
+                          mark=mark)  # fmt: skip
         try:
             signal.signal(signal.SIGTERM, _end)
             session.run()
@@ -203,6 +215,7 @@ def parser() -> Parser:
     run.add_argument("--port", help="serial port of the board that plays the stimuli; without one nothing is played")
     run.add_argument("--baud", type=whole(300, 12_000_000), help="its rate (default: the one at which it answers)")
     run.add_argument("--images", help="folder of the stimuli's images (with --port: study-images); without a port they are compiled only")
+    run.add_argument("--lsl", action="store_true", help="mark starts, answers and stops on a stream of the Lab Streaming Layer (pip install 'haptogram[lsl]')")
     run.add_argument("--program", help="the C++ program (HAPTOGRAM_PROGRAM, or haptogram)")
     analyse = add("analyse", analyse_command, "the statistics that a protocol asks for, of results")
     analyse.add_argument("protocol")
@@ -236,7 +249,8 @@ def main() -> int:
         say("; ".join([str(error), *getattr(error, "__notes__", [])]))
         return error.code
     except ModuleNotFoundError as error:
-        say(f"Python's {error.name} is missing; install the package with its extra: pip install 'haptogram[study]'")
+        extra = "lsl" if error.name == "pylsl" else "study"
+        say(f"Python's {error.name} is missing; install the package with its extra: pip install 'haptogram[{extra}]'")
         return ErrorCode.USAGE
     except OSError as error:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # or Python tries again at its end

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 from ..errors import bad_input
+from ..markers import no_mark
 from . import design
 from .asking import Answer, Observer, Occasion, Stopped
 from .design import Cell
@@ -35,8 +36,8 @@ class Session:
     """`before` are the records of an earlier part of the same session; they are checked, not asked again. `emit` takes new ones."""
 
     def __init__(self, protocol: Protocol, participant: int, seed: int, observer: Observer, presenter: Presenter, emit: Callable[[Record], None], *,
-                 before: Iterable[tuple[str, Record]] = (), versions: dict[str, str] | None = None) -> None:  # fmt: skip
-        self.protocol, self.observer, self.presenter, self.emit = protocol, observer, presenter, emit
+                 before: Iterable[tuple[str, Record]] = (), versions: dict[str, str] | None = None, mark: Callable[..., None] = no_mark) -> None:  # fmt: skip
+        self.protocol, self.observer, self.presenter, self.emit, self.mark = protocol, observer, presenter, emit, mark
         self.participant, self.seed = participant, seed
         self.cells = design.cells(protocol, participant, seed)
         self._before: Iterator[tuple[str, Record]] = iter(before)
@@ -91,17 +92,27 @@ class Session:
         stimulus = self.presenter.prepare(values)
         occasion = Occasion(self.participant, self.seed, cell, level, ("trial", cell.number, step))
         self.observer.ready(occasion, fill(self.protocol.stimulus.text, values))
-        answers = {}
+        answers, answered_s = {}, {}
         self.presenter.start()
         try:
             for question in questions:
                 answers[question.name] = judged(question, *self.observer.ask(question, occasion), values)
+                answered_s[question.name] = time.monotonic()
         finally:
             self.presenter.stop()
+            self._mark({"trial": cell.number, "step": step}, stimulus, answered_s)
         self.asked += 1
         record = self._write("trial", cell.number, step, expected | {"stimulus": stimulus, "answers": answers})
         self._rest(time.monotonic() - begun)
         return record
+
+    def _mark(self, trial: dict[str, int], stimulus: dict[str, object], answered_s: dict[str, float]) -> None:
+        """In the order of their times, which a board tells after its stimulus only."""
+        found = self.presenter
+        self.mark("start", found.began_s, **trial, by=found.began_by, played=stimulus["played"], sha256=stimulus["sha256"])
+        for name, at_s in answered_s.items():
+            self.mark("answer", at_s, **trial, question=name)
+        self.mark("stop", found.ended_s, **trial)
 
     def _require_answers(self, found: Record, questions: list[Question]) -> Record:
         answers = found.get("answers")

@@ -6,6 +6,8 @@ import os
 import shutil
 import subprocess
 import threading
+import time
+from collections import deque
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -13,9 +15,12 @@ from ..client import Client
 from ..driving import play
 from ..errors import HaptogramError, bad_input, device_error
 from ..image import Image
+from ..interface import Event
+from ..trigger import ClockSample, fit_clocks
 from .protocol import PLACEHOLDER, PathPlan, Protocol, Stimulus, Value, canonical, fill
 
 MOST_ROWS = 100_000
+MOST_CLOCKS = 200
 
 
 def _number(value: Value, values: Mapping[str, object], where: str) -> float:
@@ -102,6 +107,8 @@ class Presenter:
         self.protocol = protocol
         self._hashes: dict[tuple[str, ...], dict[str, object]] = {}
         self._used = sorted(used_places(protocol.stimulus))
+        self.began_s = self.ended_s = 0.0  # of the last stimulus, by time.monotonic()
+        self.began_by = "host"
 
     def prepare(self, values: Mapping[str, object]) -> dict[str, object]:
         """What the results say of the stimulus: `sha256` of its description, and `played`."""
@@ -114,9 +121,11 @@ class Presenter:
     def _more(self, description: dict[str, object]) -> dict[str, object]:
         return {}
 
-    def start(self) -> None: ...
+    def start(self) -> None:
+        self.began_s = time.monotonic()
 
-    def stop(self) -> None: ...
+    def stop(self) -> None:
+        self.ended_s = time.monotonic()
 
     def close(self) -> None: ...
 
@@ -153,32 +162,50 @@ class Compiler(Presenter):
 
 
 class Board(Compiler):
-    """Plays the images on a board: from start() to stop(), or to the image's end."""
+    """Plays the images on a board: from start() to stop(), or to the image's end. When the board's trigger output tells each start, a
+    stimulus began when the board says so, and otherwise when this computer knew that it plays."""
 
     def __init__(self, protocol: Protocol, folder: Path, program: str, port: str, baud: int | None) -> None:
         super().__init__(protocol, folder, program)
         self._client = Client.open(port, baud)
         self._thread: threading.Thread | None = None
-        self._asked = threading.Event()
+        self._asked, self._begun = threading.Event(), threading.Event()
         self._failed: BaseException | None = None
+        self._clocks: deque[ClockSample] | None = None
+        if self._client.trigger_event() == Event.START:
+            self._clocks, self.began_by = deque(maxlen=MOST_CLOCKS), "board"
 
     def prepare(self, values: Mapping[str, object]) -> dict[str, object]:
         found = super().prepare(values)
         path = self._folder / str(found["image"])
         self._client.upload(Image.load(str(path)), str(path))
+        self._sample_clock()
         return found | {"played": True}
 
+    def _sample_clock(self) -> None:
+        if self._clocks is not None:
+            self._clocks.append(self._client.clock_sample())
+
     def start(self) -> None:
+        """Returns when the board plays, or has failed to, of which stop() tells."""
         self._asked.clear()
+        self._begun.clear()
         self._failed = None
         self._thread = threading.Thread(target=self._play, daemon=True)
         self._thread.start()
+        self._begun.wait()
 
     def _play(self) -> None:
         try:
-            play(self._client, stopped=self._asked.is_set)
+            play(self._client, stopped=self._asked.is_set, started=self._begin)
         except BaseException as error:
             self._failed = error
+        finally:
+            self._begun.set()
+
+    def _begin(self) -> None:
+        super().start()
+        self._begun.set()
 
     def stop(self) -> None:
         """Outputs off. Raises HaptogramError when playing had failed."""
@@ -190,9 +217,14 @@ class Board(Compiler):
             raise self._failed
         if self._failed:
             raise device_error("board", f"playing failed: {self._failed}") from self._failed
+        super().stop()
+        if self._clocks is not None:
+            self._sample_clock()
+            self.began_s = fit_clocks(self._clocks).host_s(self._client.trigger().out)
 
     def close(self) -> None:
         try:
-            self.stop()
+            if self._thread:
+                self.stop()
         finally:
             self._client.__exit__(None, None, None)
