@@ -15,6 +15,7 @@
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/base/process.hpp"
 #include "haptogram/format/manifest.hpp"
 
 using namespace haptogram;
@@ -23,19 +24,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-struct Folder {
-    fs::path path;
-    Folder() {
-        std::string name = (fs::temp_directory_path() / "haptogramXXXXXX").string();
-        path = mkdtemp(name.data());
-    }
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-    ~Folder() { fs::remove_all(path); }
-
+struct Folder : TemporaryFolder {
     [[nodiscard]] fs::path file(const std::string& name, const std::string& text) const {
-        write_file(path / name, text);
-        return path / name;
+        write_file(path() / name, text);
+        return path() / name;
     }
     [[nodiscard]] Array array(const std::string& more) const {
         return load_array(file("a.toml", "[array]\nelements_mm = [[0, 0]]\n" + more));
@@ -135,7 +127,7 @@ TEST_CASE("transducers: the shipped ones, and the reference's table of the T4010
 
 TEST_CASE("transducers: files by name, by path, with keys of the array's own", "[transducer][array]") {
     const Folder folder;
-    fs::create_directory(folder.path / "kinds");
+    fs::create_directory(folder.path() / "kinds");
     (void)folder.file("kinds/own.toml", "radius_mm = 6.0\nsource_pa_m = 3.0\ndirectivity = \"own.csv\"\n");
     (void)folder.file("kinds/own.csv", "angle_deg,amplitude\n0,1\n30,0.5\n90,0.2\n");
     Transducer t = folder.array("[transducer]\nfile = \"kinds/own.toml\"\nsource_pa_m = 4.5\n").transducer;

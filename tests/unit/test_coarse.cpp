@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Interpolated fields, fields by fitted patterns, and gradients, against sums that are written here anew.
-#include <hwy/targets.h>
 #include <tbb/global_control.h>
 
 #include <algorithm>
@@ -10,6 +9,7 @@
 #include <numbers>
 #include <random>
 
+#include "every_target.hpp"
 #include "haptogram/acoustics/coarse.hpp"
 #include "haptogram/acoustics/field.hpp"
 #include "haptogram/acoustics/pattern.hpp"
@@ -238,25 +238,13 @@ TEST_CASE("coarse: what cannot be interpolated is summed", "[coarse]") {
 TEST_CASE("coarse: one, two and three threads, and every instruction set", "[coarse]") {
     CAPTURE(reseed());
     const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism, 4);
-    struct Restore {
-        ~Restore() {
-            hwy::SetSupportedTargetsForTest(0);
-            hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-        }
-    } restore;
     const std::vector<Case> cases = interpolated_cases();
-    int tested = 0;
-    for (std::int64_t targets = hwy::SupportedTargets(); targets != 0; targets &= targets - 1) {
-        const std::int64_t target = targets & -targets;
-        hwy::SetSupportedTargetsForTest(target);
-        hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-        if (std::string(wave_target()) != hwy::TargetName(target)) continue;  // not compiled for
-        ++tested;
+    on_every_target(wave_target, [&] {
         for (const std::size_t i : {0U, 3U, 5U}) {
             const Case& c = cases[i];
             const Drive drives = random_drives(c.array);
             const PressureField found = pressure_field(c.array, drives, c.grid);
-            CAPTURE(hwy::TargetName(target), c.name);
+            CAPTURE(c.name);
             REQUIRE(found.method == FieldMethod::interpolated);
             REQUIRE(error_of(c.array, drives, c.grid, found.values, 200) <= found.error);
             for (const unsigned threads : {2U, 3U}) {
@@ -266,8 +254,7 @@ TEST_CASE("coarse: one, two and three threads, and every instruction set", "[coa
                                     found.values.size() * sizeof(found.values[0])) == 0);
             }
         }
-    }
-    REQUIRE(tested > 0);
+    });
 }
 
 TEST_CASE("coarse: progress of an interpolated field, and its end", "[coarse]") {
@@ -394,18 +381,8 @@ TEST_CASE("coarse: the mean square of one set of drives keeps the error that it 
 
 TEST_CASE("coarse: gradients equal differences of the sums", "[coarse]") {
     CAPTURE(reseed());
-    struct Restore {
-        ~Restore() {
-            hwy::SetSupportedTargetsForTest(0);
-            hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-        }
-    } restore;
     Array upright = grid_array(4, 5, 0.011), tilted = around();
-    for (std::int64_t targets = hwy::SupportedTargets(); targets != 0; targets &= targets - 1) {
-        const std::int64_t target = targets & -targets;
-        hwy::SetSupportedTargetsForTest(target);
-        hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-        if (std::string(wave_target()) != hwy::TargetName(target)) continue;  // not compiled for
+    on_every_target(wave_target, [&] {
         for (Array array : {upright, tilted})
             for (const Pattern pattern : {Pattern::piston, Pattern::point, Pattern::table})
                 for (const double radius : {4.5e-3, 9e-3, 0.015}) {
@@ -433,11 +410,11 @@ TEST_CASE("coarse: gradients equal differences of the sums", "[coarse]") {
                                           std::abs(slope({0, h, 0}) - Complex(found[i].y)),
                                           std::abs(slope({0, 0, h}) - Complex(found[i].z))});
                     }
-                    CAPTURE(hwy::TargetName(target), static_cast<int>(pattern), radius, array.elements.size());
+                    CAPTURE(static_cast<int>(pattern), radius, array.elements.size());
                     // Straight lines that meet within the difference's step have two slopes.
                     REQUIRE(worst / (k * most) <= (pattern == Pattern::table ? 5e-3 : 1e-4));
                 }
-    }
+    });
     REQUIRE_THROWS_AS(pressure_gradient_at(upright, Drive(3), {}), Error);
     std::vector<Vec3> on{upright.elements[3].position};
     REQUIRE_THROWS_AS(pressure_gradient_at(upright, Drive(20, 1.0), on), Error);

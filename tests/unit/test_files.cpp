@@ -11,6 +11,7 @@
 #include "haptogram/array/array.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/base/process.hpp"
 #include "haptogram/format/manifest.hpp"
 #include "haptogram/format/pulses.hpp"
 
@@ -20,18 +21,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-struct Folder {
-    fs::path path;
-    Folder() {
-        std::string name = (fs::temp_directory_path() / "haptogram-XXXXXX").string();
-        REQUIRE(::mkdtemp(name.data()) != nullptr);
-        path = name;
-    }
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-    ~Folder() { fs::remove_all(path); }
+struct Folder : TemporaryFolder {
     [[nodiscard]] std::size_t files() const {
-        return static_cast<std::size_t>(std::distance(fs::directory_iterator(path), fs::directory_iterator()));
+        return static_cast<std::size_t>(std::distance(fs::directory_iterator(path()), fs::directory_iterator()));
     }
 };
 
@@ -52,10 +44,10 @@ TEST_CASE("files: sha256 against the standard's test vectors", "[files]") {
 
 TEST_CASE("files: a failed write leaves what was there and nothing beside it", "[files]") {
     Folder folder;
-    const fs::path a = folder.path / "a";
-    const fs::path b = folder.path / "b";
+    const fs::path a = folder.path() / "a";
+    const fs::path b = folder.path() / "b";
     write_file(a, "old");
-    REQUIRE_THROWS_WITH(write_files({{a, "new"}, {folder.path / "no/such/folder", "x"}}),
+    REQUIRE_THROWS_WITH(write_files({{a, "new"}, {folder.path() / "no/such/folder", "x"}}),
                         Contains("cannot be written"));
     REQUIRE(read_file(a) == "old");
     // A full disk, as the kernel tells of it.
@@ -79,8 +71,8 @@ TEST_CASE("files: a failed write leaves what was there and nothing beside it", "
 
 TEST_CASE("files: permissions and symbolic links survive a rewrite", "[files]") {
     Folder folder;
-    const fs::path file = folder.path / "file";
-    const fs::path link = folder.path / "link";
+    const fs::path file = folder.path() / "file";
+    const fs::path link = folder.path() / "link";
     write_file(file, "1");
     fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write);
     fs::create_symlink(file, link);
@@ -88,9 +80,9 @@ TEST_CASE("files: permissions and symbolic links survive a rewrite", "[files]") 
     REQUIRE(fs::is_symlink(link));
     REQUIRE(read_file(file) == "2");
     REQUIRE(fs::status(file).permissions() == (fs::perms::owner_read | fs::perms::owner_write));
-    REQUIRE_THROWS_WITH(read_file(folder.path / "none"), Contains("none") && Contains("cannot be opened"));
-    REQUIRE_THROWS_WITH(read_file(folder.path), Contains("cannot be read"));
-    REQUIRE_THROWS_WITH(write_file(folder.path, "x"), Contains("cannot be written"));
+    REQUIRE_THROWS_WITH(read_file(folder.path() / "none"), Contains("none") && Contains("cannot be opened"));
+    REQUIRE_THROWS_WITH(read_file(folder.path()), Contains("cannot be read"));
+    REQUIRE_THROWS_WITH(write_file(folder.path(), "x"), Contains("cannot be written"));
 }
 
 TEST_CASE("array files: the shipped ones", "[array]") {
@@ -113,7 +105,7 @@ TEST_CASE("array files: speed of sound", "[array]") {
 
 TEST_CASE("array files: explicit elements, and every mistake named with its line", "[array]") {
     Folder folder;
-    const fs::path file = folder.path / "a.toml";
+    const fs::path file = folder.path() / "a.toml";
     write_file(file, "[array]\nelements_mm = [[0, 0], [1.5, -2]]\n");
     const Array array = load_array(file);
     REQUIRE(array.elements.size() == 2);
@@ -149,7 +141,7 @@ TEST_CASE("array files: explicit elements, and every mistake named with its line
 
 TEST_CASE("array files: the largest grid is read at once", "[array]") {
     Folder folder;
-    const fs::path file = folder.path / "large.toml";
+    const fs::path file = folder.path() / "large.toml";
     write_file(file, "[array]\nrows = 1000\ncolumns = 1000\npitch_mm = 10\n");
     REQUIRE(load_array(file).elements.size() == 1'000'000);
     // A list is looked through for elements at the same place, which must not take a comparison of each with each.

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <hwy/targets.h>
-
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <random>
 
+#include "every_target.hpp"
 #include "haptogram/array/rig.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/solve/focal_law.hpp"
@@ -53,27 +51,6 @@ Timer timer_of(std::uint32_t cycle_ticks) {
     return timer;
 }
 
-/// Calls `check` once for each instruction set of this processor that the law is compiled for.
-void on_every_target(const std::function<void()>& check) {
-    const struct AllTargets {
-        ~AllTargets() {
-            hwy::SetSupportedTargetsForTest(0);
-            hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-        }
-    } afterwards;
-    int tested = 0;
-    for (std::int64_t targets = hwy::SupportedTargets(); targets != 0; targets &= targets - 1) {
-        const std::int64_t target = targets & -targets;
-        hwy::SetSupportedTargetsForTest(target);
-        hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-        if (std::string(focal_law_target()) != hwy::TargetName(target)) continue;  // not compiled for
-        CAPTURE(hwy::TargetName(target));
-        ++tested;
-        check();
-    }
-    REQUIRE(tested > 0);
-}
-
 std::size_t differing(const std::vector<std::uint16_t>& a, const std::vector<std::uint16_t>& b) {
     REQUIRE(a.size() == b.size());
     std::size_t count = 0;
@@ -98,7 +75,8 @@ TEST_CASE("focal law: a million ticks equal to double precision, on every instru
     Generator g(Catch::rngSeed());
     const std::vector<Vec3> foci = random_foci(g, 1'000'000 / array.elements.size() + 1, 0.08, 0.03, 0.3);
     const auto expected = plain_law(array, timer_of(cycle), foci);
-    on_every_target([&] { REQUIRE(differing(focal_law(array, timer_of(cycle), foci), expected) == 0); });
+    on_every_target(focal_law_target,
+                    [&] { REQUIRE(differing(focal_law(array, timer_of(cycle), foci), expected) == 0); });
 }
 
 TEST_CASE("focal law: a hundred million ticks equal to double precision", "[focus]") {
@@ -130,7 +108,8 @@ TEST_CASE("focal law: exact for foci near, far, behind, beside and in the array,
     for (const std::uint32_t cycle : {1U, 2U, 3U, 7U, 255U, 511U, 512U, 513U, 4096U, 16383U, 32767U, 32768U, 65535U}) {
         CAPTURE(cycle);
         const auto expected = plain_law(array, timer_of(cycle), foci);
-        on_every_target([&] { REQUIRE(differing(focal_law(array, timer_of(cycle), foci), expected) == 0); });
+        on_every_target(focal_law_target,
+                        [&] { REQUIRE(differing(focal_law(array, timer_of(cycle), foci), expected) == 0); });
     }
 }
 
@@ -148,7 +127,9 @@ TEST_CASE("focal law: exact where delays fall on the middle between two ticks", 
         array.elements = {{{0.0, 0.0, 0.0}}, {{half * 0.5 * tick_m, 0.0, 0.0}}};
         const std::vector<Vec3> foci{{2.0, 0.0, 0.0}};
         const auto expected = static_cast<std::uint16_t>((half + 1) / 2 % 250);  // halves up
-        on_every_target([&] { REQUIRE(focal_law(array, timer, foci) == std::vector<std::uint16_t>{0, expected}); });
+        on_every_target(focal_law_target, [&] {
+            REQUIRE(focal_law(array, timer, foci) == std::vector<std::uint16_t>{0, expected});
+        });
     }
 }
 
@@ -182,7 +163,8 @@ TEST_CASE("focal law: exact for arrays that are no grid, for rigs, and for any n
             CAPTURE(array.name, array.elements.size(), count);
             const std::vector<Vec3> foci = random_foci(g, count, 0.1, 0.05, 0.25);
             const auto expected = plain_law(array, timer_of(250), foci);
-            on_every_target([&] { REQUIRE(differing(focal_law(array, timer_of(250), foci), expected) == 0); });
+            on_every_target(focal_law_target,
+                            [&] { REQUIRE(differing(focal_law(array, timer_of(250), foci), expected) == 0); });
         }
 }
 

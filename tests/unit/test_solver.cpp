@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <hwy/targets.h>
-
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <numbers>
 #include <random>
 
+#include "every_target.hpp"
 #include "haptogram/acoustics/field.hpp"
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/array/rig.hpp"
@@ -80,26 +78,6 @@ SolveOptions by(Method method, bool amplitudes = false) {
     options.method = method;
     options.amplitudes = amplitudes;
     return options;
-}
-
-void on_every_target(const std::function<void()>& check) {
-    const struct AllTargets {
-        ~AllTargets() {
-            hwy::SetSupportedTargetsForTest(0);
-            hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-        }
-    } afterwards;
-    int tested = 0;
-    for (std::int64_t targets = hwy::SupportedTargets(); targets != 0; targets &= targets - 1) {
-        const std::int64_t target = targets & -targets;
-        hwy::SetSupportedTargetsForTest(target);
-        hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-        if (std::string(fast_solver_target()) != hwy::TargetName(target)) continue;  // not compiled for
-        CAPTURE(hwy::TargetName(target));
-        ++tested;
-        check();
-    }
-    REQUIRE(tested > 0);
 }
 
 }  // namespace
@@ -527,7 +505,7 @@ TEST_CASE("fast solver: as good as the one in double precision, on every instruc
     for (const auto& [array, count] : cases) {
         const std::vector<Focus> foci = random_foci(g, count);
         const Quality exact = quality_of(array, foci, solve(array, foci));
-        on_every_target([&] {
+        on_every_target(fast_solver_target, [&] {
             FastSolver fast(array, count);
             fast.solve(foci);
             const auto drives = fast.drives();

@@ -14,22 +14,13 @@
 
 #include "haptogram/solve/fast_solver.hpp"
 #include "haptogram/solve/focal_law.hpp"
+#include "least.hpp"
 
 namespace {
 
 using namespace haptogram;
+using bench::least_s;
 using Foci = std::vector<Focus>;
-
-template <class Call>
-double least_s(int repeats, Call call) {
-    double least = 1e9;
-    for (int i = 0; i < repeats; ++i) {
-        const auto begun = std::chrono::steady_clock::now();
-        call();
-        least = std::min(least, std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count());
-    }
-    return least;
-}
 
 Timer timer_of(std::uint32_t cycle_ticks) {
     Timer timer;
