@@ -63,8 +63,8 @@ void BackgroundRig::stop() {
     thread_.wait(std::chrono::milliseconds(0));
 }
 
-/// What plays turns its own outputs off when it is interrupted; what was left on by others, here: every tile that can be
-/// reached, whatever becomes of another.
+/// What plays turns its own outputs off when it is interrupted; what was left on by others, here: every tile that can
+/// be reached, whatever becomes of another.
 void BackgroundRig::shut_off() {
     off_ = true;
     thread_.end();

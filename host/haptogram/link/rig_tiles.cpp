@@ -20,8 +20,8 @@ unsigned most_looks(std::uint16_t watchdog_ms) {
     return bytes_of_answers + (watchdog_ms == 0 ? without_watchdog : watchdog_ms);
 }
 
-constexpr std::uint64_t least_start_lead = 200;    // carrier periods, 5 ms
-constexpr std::uint64_t lead_of_a_tile = 8;  // exchanges with all tiles: what one needs to be armed and turned on
+constexpr std::uint64_t least_start_lead = 200;  // carrier periods, 5 ms
+constexpr std::uint64_t lead_of_a_tile = 8;      // exchanges with all tiles: what one needs to be armed and turned on
 constexpr unsigned most_attempts = 5;
 
 /// Why a tile cannot play on; empty when it can.
