@@ -10,7 +10,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 HEADER = ROOT / "host/c/haptogram.h"
 CSHARP = ROOT / "host/c/unity/Runtime/Native.cs"
-NUMBERS = {"int32_t": "int", "uint32_t": "uint", "uint16_t": "ushort", "uint64_t": "ulong", "double": "double", "size_t": "UIntPtr"}
+NUMBERS = {"uint8_t": "byte", "int32_t": "int", "uint32_t": "uint", "uint16_t": "ushort", "uint64_t": "ulong", "double": "double", "size_t": "UIntPtr"}
 
 
 KEYWORDS = {"event"}  # of C#

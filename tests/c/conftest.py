@@ -13,7 +13,7 @@ import c_header  # noqa: E402
 
 LIBRARY = Path(os.environ.get("HAPTOGRAM_LIBRARY", ROOT / "build/release/host/c/libhaptogram.so")).resolve()
 PROGRAM = Path(os.environ.get("HAPTOGRAM_PROGRAM", ROOT / "build/release/host/cli/haptogram")).resolve()
-NUMBERS = {"int32_t": ctypes.c_int32, "uint32_t": ctypes.c_uint32, "uint16_t": ctypes.c_uint16, "uint64_t": ctypes.c_uint64,
+NUMBERS = {"uint8_t": ctypes.c_uint8, "int32_t": ctypes.c_int32, "uint32_t": ctypes.c_uint32, "uint16_t": ctypes.c_uint16, "uint64_t": ctypes.c_uint64,
            "double": ctypes.c_double, "size_t": ctypes.c_size_t, "haptogram_code": ctypes.c_int}
 
 

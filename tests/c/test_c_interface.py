@@ -215,7 +215,7 @@ def test_triggers(c, board):
     assert abs(times.out_count - count - (times.now_clock - clock) / 500_000) <= 1.5  # 400 periods of 1250 clocks
     assert 0 <= times.now_clock - times.out_clock <= 500_000 and times.in_count == 0
     marked = path_of_foci(c, [(0, 0, 0.15), (0.01, 0, 0.15), (0.02, 0, 0.15)], periods=(ctypes.c_uint32 * 3)(40, 40, 40),
-                          marks=(ctypes.c_uint8 * 3)(1, 0, 1), board=b"ulx3s-85f", array=b"tile-10x10")  # fmt: skip
+                          marks=(ctypes.c_uint8 * 3)(1, 0, 1), board=b"ulx3s-85f")  # fmt: skip
     image = c.made(c.compile_path, marked)
     c.ok(c.set_trigger(board, ctypes.byref(c.struct("trigger", event=c.header.codes["HAPTOGRAM_EVENT_MARK"], pulse_s=1e-5))))
     c.ok(c.upload(board, image))
@@ -304,8 +304,9 @@ def test_a_live_focus(c, live_image, board, ends):
         c.ok(c.set_focus(board, 1e-4 * i, 0, 0.15, 1.0))
         c.ok(c.wait(board, 2, ctypes.byref(busy)))
         assert busy.value == 1
+    until(lambda: status_of(c, board).foci_sent > 400)
     found = status_of(c, board)
-    assert found.connected and found.enabled and found.foci_sent > 400 and 0.001 < found.lead_s <= 0.05
+    assert found.connected and found.enabled and 0.001 < found.lead_s <= 0.05
     c.ok(getattr(c, ends)(board))
     found = status_of(c, board)
     assert not found.enabled and not found.busy

@@ -220,7 +220,7 @@ class Board(Compiler):
         super().stop()
         if self._clocks is not None:
             self._sample_clock()
-            self.began_s = fit_clocks(self._clocks).host_s(self._client.trigger().out)
+            self.began_s = fit_clocks(list(self._clocks)).host_s(self._client.trigger().out)
 
     def close(self) -> None:
         try:
