@@ -120,6 +120,7 @@ def test_the_installed_studio_has_its_page(package, work):
         return
     assert json.loads(studio_address(package / "bin/haptogram"))["page"] is True
     assert (package / "share/haptogram/python/haptogram/study/protocols/haptogram_shapes.toml").is_file(), "the runner of studies"
+    assert (package / "share/haptogram/schemas/project.schema.json").is_file(), "the schemas of file formats"
     moved = work / "moved"
     shutil.copytree(package / "bin", moved / "bin")
     shutil.copytree(package / page, moved / page)

@@ -58,6 +58,7 @@ def test_the_program_compiles_simulates_draws_and_has_its_page(place, tmp_path):
     run(place, program, "field", tmp_path / "point.hex", "--plane", "xy@z=130", "--step", "2", "-o", tmp_path / "point.png")
     assert (tmp_path / "point.png").read_bytes().startswith(b"\x89PNG")
     assert (place / "haptogram/_program/share/haptogram/studio/page.json").exists()
+    assert (place / "haptogram/_program/share/haptogram/schemas/project.schema.json").exists()
 
 
 def test_without_openblas_it_solves_the_same(place):
