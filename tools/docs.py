@@ -91,9 +91,9 @@ CLIENT = ("Client", "Image", "Record", "Focus", "Identity", "Status", "play", "s
 
 def python_page() -> str:
     """Names that the packages export; what mkdocstrings reads in the sources of the client, and in the native module itself."""
-    page = "# Python\n\n## haptogram\n\nThe client of boards: [how to use it](../tools/python/README.md).\n\n"
+    page = "# Python\n\n## haptogram\n\nThe client of boards: [how to use it](../python/README.md).\n\n"
     page += "".join(f"::: haptogram.{name}\n\n" for name in CLIENT)
-    page += "## haptogram_native\n\nThe C++ libraries for numpy: [how to use them](../tools/python-native/README.md). `Array`,\n`Compiled` and `Field` also have `plot(axes=None)`, by matplotlib.\n\n::: haptogram_native._native\n"
+    page += "## haptogram_native\n\nThe C++ libraries for numpy: [how to use them](../python/native/README.md). `Array`,\n`Compiled` and `Field` also have `plot(axes=None)`, by matplotlib.\n\n::: haptogram_native._native\n"
     return page
 
 
@@ -108,7 +108,7 @@ def notebook_pages(stage: Stage, build: Path) -> None:
     for path in notebooks.all_notebooks():
         print(f"docs: running {path.name}", file=sys.stderr)
         name = str(path.relative_to(ROOT))
-        text, pictures = notebooks.page(notebooks.run(path, build / "host/cli/haptogram", build / "tools/python-native"), path.stem)
+        text, pictures = notebooks.page(notebooks.run(path, build / "host/cli/haptogram", build / "python/native"), path.stem)
         for picture, content in pictures.items():
             (PAGES / name).parent.mkdir(parents=True, exist_ok=True)
             (PAGES / name).with_name(picture).write_bytes(content)
@@ -132,7 +132,7 @@ def main() -> int:
     if not cpp_pages():
         return 1
     mkdocs = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--clean", "-f", str(ROOT / "tools/docs/mkdocs.yml")]
-    environment = {**os.environ, "PYTHONPATH": str(build / "tools/python-native")}
+    environment = {**os.environ, "PYTHONPATH": str(build / "python/native")}
     if subprocess.run(mkdocs, check=False, env=environment).returncode:
         return 1
     dead = sorted(set(links.dead_in_site(SITE, without="reference/cpp")))

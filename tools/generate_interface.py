@@ -626,7 +626,7 @@ FILES = {
     "rtl/command_table.v": verilog_commands,
     "host/haptogram/format/interface.hpp": cpp,
     "host/haptogram/link/known_rates.hpp": cpp_rates,
-    "tools/python/haptogram/interface.py": python,
+    "python/haptogram/interface.py": python,
     "rtl/INTERFACE.md": page,
     "sim/configurations.cmake": cmake,
 }

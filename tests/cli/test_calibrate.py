@@ -14,7 +14,7 @@ from scipy.io import wavfile
 from support import BAD_INPUT, ROOT, USAGE, refuse, succeed, text
 
 sys.path.insert(0, str(ROOT / "tools"))
-sys.path.insert(0, str(ROOT / "tools/python"))
+sys.path.insert(0, str(ROOT / "python"))
 import record_calibration as model  # noqa: E402
 from haptogram.image import Image  # noqa: E402
 

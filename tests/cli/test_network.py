@@ -187,7 +187,7 @@ with Client.open(sys.argv[1]) as board:
     assert not board.status().enabled
 """
     with net_board(tmp_path) as board:
-        done = subprocess.run([sys.executable, "-c", script, board.port], env={"PYTHONPATH": str(ROOT / "tools/python")}, capture_output=True, text=True)
+        done = subprocess.run([sys.executable, "-c", script, board.port], env={"PYTHONPATH": str(ROOT / "python")}, capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
 
 
@@ -213,7 +213,7 @@ print(json.dumps({"refused": refused, "sent": sent[0], "streaming": any(seen), "
                   "early": status.stream_early, "repeated": status.stream_repeated, "refused_records": status.refused_records}))
 """
     with net_board(tmp_path) as board:
-        done = subprocess.run([sys.executable, "-c", script, board.port], env={"PYTHONPATH": str(ROOT / "tools/python")}, capture_output=True, text=True)
+        done = subprocess.run([sys.executable, "-c", script, board.port], env={"PYTHONPATH": str(ROOT / "python")}, capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
     told = json.loads(done.stdout)
     assert "expected a power of two" in told["refused"]  # more than there are records

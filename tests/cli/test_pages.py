@@ -16,9 +16,9 @@ OTHERS = {
     "CONTRIBUTING.md": "builds and tests the whole",
     "tests/coverage/README.md": "the same",
     "tests/mutation/README.md": "the same",
-    "tools/python/README.md": "installs, and needs boards and cameras; tests/python has the commands",
-    "tools/python/haptogram/study/README.md": "asks people; tests/python has the commands",
-    "tools/sweep/README.md": "installs; docs/notebooks/sweep.ipynb is run",
+    "python/README.md": "installs, and needs boards and cameras; tests/python has the commands",
+    "python/haptogram/study/README.md": "asks people; tests/python has the commands",
+    "python/haptogram_sweep/README.md": "installs; docs/notebooks/sweep.ipynb is run",
 }
 BLOCK = re.compile(r"^```(sh|toml \S+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 

@@ -25,7 +25,7 @@ def by_python(*args):
 
 
 def ask_python(folder, state, *args):
-    environment = {**os.environ, **state, "PYTHONPATH": str(ROOT / "tools/python"), "PYTHONDONTWRITEBYTECODE": "1"}
+    environment = {**os.environ, **state, "PYTHONPATH": str(ROOT / "python"), "PYTHONDONTWRITEBYTECODE": "1"}
     return subprocess.run(by_python(*args), cwd=folder, env=environment, capture_output=True, timeout=60, check=False)
 
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A client written from rtl/INTERFACE.md alone, with nothing of this project's: what the page says must be enough. It waits for the
-answer to each frame before it sends the next, and is as short as it can be, so for work the package in tools/python is better."""
+answer to each frame before it sends the next, and is as short as it can be, so for work the package haptogram in python/ is better."""
 import binascii
 import random
 import struct

@@ -163,7 +163,7 @@ test("a session by buttons and by keys, stopped, gone on with, and equal to the 
   assert.ok(readFileSync(join(where, "p2.jsonl"), "utf8").endsWith("}\n"));
   const terminal = spawn(python, ["-m", "haptogram.study", "run", "short.toml", "--participant", "2", "--seed", "7", "-o", "terminal.jsonl"], {
     cwd: where,
-    env: { ...process.env, PYTHONPATH: join(root, "tools/python") },
+    env: { ...process.env, PYTHONPATH: join(root, "python") },
     stdio: ["pipe", "ignore", "ignore"],
   });
   terminal.stdin.end(["a\n2\n80", "l\n4\n12.5", "a\n4\n12.5", "l\n4\n12.5"].map((each) => `\n${each}\n`).join("") + "soft <b>& warm\n");

@@ -8,9 +8,9 @@ import sys
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-NATIVE = os.environ.get("PYTHONPATH") or str(ROOT / "build/release/tools/python-native")
+NATIVE = os.environ.get("PYTHONPATH") or str(ROOT / "build/release/python/native")
 # For the program, and for workers that a test starts itself.
-os.environ["PYTHONPATH"] = os.pathsep.join([str(ROOT / "tools/sweep"), *(os.path.abspath(part) for part in NATIVE.split(os.pathsep))])
+os.environ["PYTHONPATH"] = os.pathsep.join([str(ROOT / "python"), *(os.path.abspath(part) for part in NATIVE.split(os.pathsep))])
 sys.path[:0] = os.environ["PYTHONPATH"].split(os.pathsep)
 
 

@@ -13,7 +13,7 @@ from nbclient import NotebookClient
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "docs/notebooks"
-PACKAGES = [ROOT / "tools/python", ROOT / "tools/sweep"]
+PACKAGES = ROOT / "python"
 
 
 def commands(folder: Path, program: Path) -> None:
@@ -38,7 +38,7 @@ def run(notebook: Path, program: Path, native: Path) -> nbformat.NotebookNode:
         work.mkdir()
         commands(bin_, program)
         kernel(Path(place, "kernels/haptogram"))
-        environment = {"PATH": f"{bin_}:{os.environ['PATH']}", "PYTHONPATH": ":".join(map(str, [*PACKAGES, native])), "JUPYTER_PATH": place}
+        environment = {"PATH": f"{bin_}:{os.environ['PATH']}", "PYTHONPATH": f"{PACKAGES}:{native}", "JUPYTER_PATH": place}
         client = NotebookClient(nbformat.read(notebook, as_version=4), timeout=120, kernel_name="haptogram", resources={"metadata": {"path": str(work)}})
         with mock.patch.dict(os.environ, environment):
             return client.execute()

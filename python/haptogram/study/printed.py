@@ -414,7 +414,7 @@ def page(lines: list[Line]) -> str:
         "# What the papers print, and what follows",
         "",
         "Each number stands beside what follows from the same paper's data and formulas. `python3 -m haptogram.study printed --markdown` writes",
-        "this page from `tools/python/haptogram/study/printed.toml`; a test fails when it is stale. `make figures` compares what needs a simulation.",
+        "this page from `python/haptogram/study/printed.toml`; a test fails when it is stale. `make figures` compares what needs a simulation.",
         "",
         "*Agrees* and *differs*: ours rounds to the printed digits, or does not. *Possible* and *impossible*: whether whole numbers of answers, or any",
         "answers on the scale, can give the printed number. *Not printed*: it follows from what is printed. *No data*: nothing to compute it from.",
