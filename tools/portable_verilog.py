@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Reads all Verilog of rtl/ and tests/ by slang, which holds it to Verilog-2005 where Yosys, Icarus and Verilator let things pass:
-above all a net that is used before its declaration. Each way to build is read: the core in every named configuration, the network port, the top of every
+above all a net that is used before its declaration. Each way to build is read: the core in every named configuration, the network port, the records in an SDRAM, the top of every
 board, every proof with its assertions, and the benches. Prints each error once; exit code 1 when there is any.
 """
 import re
@@ -21,6 +21,7 @@ except ImportError:
 ROOT = bitstream.ROOT
 RTL = sorted(ROOT.glob("rtl/*.v"))
 NET = sorted(ROOT.glob("rtl/net/*.v"))
+SDRAM = sorted(ROOT.glob("rtl/sdram/*.v"))
 BOARDS = sorted(ROOT.glob("rtl/boards/*.v"))
 BENCHES = sorted(set(ROOT.glob("tests/**/*.v")) - set(ROOT.glob("tests/formal/*.v")))
 ERROR = re.compile(r"(\S+:\d+:\d+: )?(fatal )?error: ")
@@ -48,6 +49,8 @@ def readings():
         yield "haptogram_core", parameters, PLAIN, RTL
         yield "haptogram_core", parameters, WITH_ASSERTIONS, RTL
     yield "udp_link", {}, PLAIN, [*RTL, *NET]
+    for mib in (4, 8):
+        yield "sdram_memory", {"MIB": mib}, PLAIN, [*RTL, *SDRAM]
     for name in boards.names():
         board = bitstream.load(name)
         # The vendors' primitives are in no file of ours.
@@ -57,7 +60,7 @@ def readings():
         yield proof["top"], proof.get("parameters", {}), [*WITH_ASSERTIONS, *(f"-D{name}" for name in proof.get("defines", []))], sources
     for bench in BENCHES:
         if not bench.stem.isupper():  # the stand-in of a vendor's primitive, read below its bench
-            yield bench.stem, {}, [*PLAIN, "--timescale", "1ns/1ps"], [*RTL, *NET, *BOARDS, *BENCHES]
+            yield bench.stem, {}, [*PLAIN, "--timescale", "1ns/1ps"], [*RTL, *NET, *SDRAM, *BOARDS, *BENCHES]
 
 
 def main():
