@@ -20,7 +20,7 @@ struct ScatterCommand {
     ScatterSource source;
     std::vector<std::string> foci;
     std::optional<double> radius_mm, length_mm, edge_mm;
-    std::string plane_wave, center, rotate = "0,0,0", unit = "mm";
+    std::string plane_wave, ring, inward, center, rotate = "0,0,0", unit = "mm";
     bool json = false;
     std::string output;
 };
@@ -46,6 +46,11 @@ void print(const Scattered& s) {
                in_mm(s.body.panels[s.highest].centre));
     fmt::print("mean force ({:.3f}, {:.3f}, {:.3f}) mN, {:.3f} mN in all\n", s.force_n.x * 1e3, s.force_n.y * 1e3,
                s.force_n.z * 1e3, norm(s.force_n) * 1e3);
+    if (s.ring)
+        fmt::print(
+            "ring of {} foci: the strongest presses {:.2f} times as much as the weakest, at most {:.1f} mm off its "
+            "place\n",
+            s.ring->foci, s.ring->uneven, s.ring->farthest_m / millimetre);
     if (s.resting > 0.0) fmt::print("nothing plays for {:.1f} % of the time\n", 100.0 * s.resting);
 }
 
@@ -59,6 +64,8 @@ int scatter(const ScatterCommand& command) {
         require_distinct({{"the mesh", file}, {"--path", source.path}}, {{"--output", command.output}});
     for (const std::string& text : command.foci) source.foci.push_back(parse_point_mm("focus", text));
     if (!command.plane_wave.empty()) source.plane_wave = parse_point_mm("plane-wave", command.plane_wave);
+    if (!command.ring.empty()) source.ring = parse_point_mm("ring", command.ring);
+    if (!command.inward.empty()) source.inward = parse_point_mm("inward", command.inward);
     source.body.radius_m = in_metres(command.radius_mm);
     source.body.length_m = in_metres(command.length_mm);
     source.body.edge_m = in_metres(command.edge_mm);
@@ -95,6 +102,15 @@ void add_scatter(CLI::App& app, Action& action) {
                     "Or a plane wave of 1 Pa that travels in the direction x,y,z, at the array's frequency")
         ->excludes(focus)
         ->excludes(path);
+    auto* ring = sub->add_option("--ring", options->ring,
+                                 "Or ten foci around the built-in finger, where a surface through x,y,z (mm) cuts it")
+                     ->excludes(focus)
+                     ->excludes(path);
+    sub->add_option("--inward", options->inward, "Of the ring's surface: into the object, x,y,z (default: 0,0,-1)")
+        ->needs(ring);
+    sub->add_flag("--weighed", options->source.weighed,
+                  "The ring's foci as live plays them: weaker where more of the sound arrives")
+        ->needs(ring);
     auto* array =
         sub->add_option("--array", options->source.array, "Array file or shipped array")->capture_default_str();
     sub->add_option("--rig", options->source.rig, "Rig file or shipped rig instead: several arrays in their places")

@@ -132,6 +132,41 @@ def test_a_rig_in_field_solve_and_scatter(tmp_path):
     refuse(tmp_path, ["field", "--focus", "0,0,150", "--rig", "cube-400"], BAD_INPUT, "cube-400", "cube-300")
 
 
+RING = ["scatter", "finger", "--rotate", "0,90,0", "--center", "0,0,150", "--ring", "0,0,150", "--inward", "-1,0,0", "--json"]
+
+
+def test_a_ring_on_four_sides_is_even_when_it_is_weighed():
+    plain, weighed = (json.loads(text(succeed([*RING, "--rig", "cube-300", *more], timeout=120).stdout)) for more in ([], ["--weighed"]))
+    for report in (plain, weighed):
+        highest = [step["highest_radiation_pa"] for step in report["steps"]]
+        assert len(highest) == 10 == report["ring"]["foci"]
+        assert report["ring"]["uneven"] == pytest.approx(max(highest) / min(highest))
+        assert report["ring"]["farthest_mm"] < 2
+        for step in report["steps"]:
+            x, y, z = step["foci"][0]["position_mm"]
+            assert x == pytest.approx(0, abs=1e-6) and np.hypot(y, z - 150) == pytest.approx(8, rel=0.01)
+    assert plain["ring"]["uneven"] > 3
+    assert weighed["ring"]["uneven"] < 1.5
+    assert min(step["foci"][0]["amplitude"] for step in weighed["steps"]) < 0.7
+
+
+def test_a_ring_that_one_tile_cannot_close():
+    """From below alone the sound that is aimed at the finger's back presses on its underside."""
+    tile = [word.replace("0,0,150", "0,0,130") for word in RING]
+    plain, weighed = (json.loads(text(succeed([*tile, *more]).stdout)) for more in ([], ["--weighed"]))
+    assert plain["ring"]["foci"] == 10 and plain["ring"]["farthest_mm"] > 8
+    assert 3 <= weighed["ring"]["foci"] <= 6 and weighed["ring"]["farthest_mm"] < 5
+    assert weighed["resting"] == pytest.approx(1 - weighed["ring"]["foci"] / 10)
+    assert weighed["ring"]["uneven"] < 1.5
+
+
+def test_what_is_refused_of_a_ring(tmp_path):
+    refuse(tmp_path, [*BALL, "--ring", "0,0,120"], USAGE, "built-in finger")
+    refuse(tmp_path, [*RING[:6], "--ring", "0,0,190"], USAGE, "does not cut")
+    refuse(tmp_path, [*RING, "--radius", "12", "--weighed"], USAGE, "radii from 5")
+    refuse(tmp_path, [*BALL, *AIM, "--weighed"], USAGE, "--ring")
+
+
 def test_what_is_refused(tmp_path):
     corners, triangles = icosphere(2, 5.0)
     write_obj(tmp_path / "open.obj", corners, triangles[:-1])

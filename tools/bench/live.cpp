@@ -7,10 +7,13 @@
 #include <vector>
 
 #include "haptogram/array/array.hpp"
+#include "haptogram/array/rig.hpp"
+#include "haptogram/hand/ring.hpp"
 #include "haptogram/hand/synthetic.hpp"
 #include "haptogram/live/depth_renderer.hpp"
 #include "haptogram/live/shot_rings.hpp"
 #include "haptogram/live/source.hpp"
+#include "haptogram/verbs/ring_on_finger.hpp"
 #include "least.hpp"
 
 namespace {
@@ -53,6 +56,18 @@ nlohmann::ordered_json measured(const std::vector<DepthCamera>& cameras, const S
     return {{"ms", 1e3 * least}, {"points", points}, {"rings", foci}};
 }
 
+/// Milliseconds in which a ring's foci are weighed.
+double weighed_ms(const Array& array) {
+    const Vec3 at{0, 0, 0.15};
+    const auto contact = contact_of({at, {0, 0, 1}, 8e-3}, at, {0, 0, -1});
+    const std::vector<Vec3> places = ring_points(contact->section, 10);
+    const auto form = form_of(*contact);
+    RingWeigher weigher(array);
+    double sum = 0.0;
+    const double least = bench::least_s(200, [&] { sum += weigher.weigh(places, *form)->even_pa; });
+    return sum > 0.0 ? 1e3 * least : -1.0;
+}
+
 }  // namespace
 
 int main() {
@@ -63,6 +78,8 @@ int main() {
     nlohmann::ordered_json found;
     found["one_640"] = measured({below}, scene);
     found["four_848"] = measured(cameras_around(target, 0.3, 4), scene);
+    found["weigh_tile"] = weighed_ms(find_array("tile-10x10"));
+    found["weigh_cube"] = weighed_ms(joined(find_rig("cube-300")));
     fmt::print("{}\n", found.dump());
     return 0;
 }

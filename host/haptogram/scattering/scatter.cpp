@@ -12,12 +12,14 @@
 #include "haptogram/array/rig.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/format/waveform.hpp"
+#include "haptogram/hand/ring.hpp"
 #include "haptogram/scattering/round_bodies.hpp"
 #include "haptogram/scattering/scatterer.hpp"
 #include "haptogram/scattering/skin.hpp"
 #include "haptogram/shape/import.hpp"
 #include "haptogram/shape/path_file.hpp"
 #include "haptogram/solve/solver.hpp"
+#include "haptogram/verbs/ring_on_finger.hpp"
 
 namespace haptogram {
 namespace {
@@ -44,11 +46,62 @@ std::vector<ScatteredStep> steps_of(const Path& path) {
     return steps;
 }
 
+/// The built-in finger in its place.
+FingerForm finger_of(const BodySource& body) {
+    if (body.name != "finger")
+        throw bad_argument("ring", fmt::format("is around the built-in finger, and the body is {}", body.name));
+    const double radius = body.radius_m.value_or(default_radius_m);
+    const auto [x, y, z] = body.placement.rotate_deg;
+    const Vec3 to_hand = pose_of({}, {x, y, z}).turned({0, 0, 1});
+    const double half = 0.5 * body.length_m.value_or(default_length_m);
+    return {body.placement.center.value_or(Vec3{}) - (half - radius) * to_hand, to_hand, radius};
+}
+
+/// What `live` plays around the finger, from what it sees of it.
+Path ring_path_of(const ScatterSource& source, const Array& array) {
+    if (!(norm(source.inward) > 0.0)) throw bad_argument("inward", "expected a direction, found 0,0,0");
+    const auto contact = contact_of(finger_of(source.body), *source.ring, unit(source.inward));
+    if (!contact)
+        throw bad_argument("ring", fmt::format("a surface through {} does not cut the finger as a finger is cut: move "
+                                               "it, or turn it with --inward",
+                                               in_mm(*source.ring)));
+    const RingOptions options;
+    const std::vector<Vec3> places = ring_points(contact->section, options.points);
+    std::vector<double> amplitudes(places.size(), 1.0);
+    if (source.weighed) {
+        RingWeigher weigher(array);
+        const auto form = form_of(*contact);
+        const auto reach = form ? weigher.weigh(places, *form) : std::nullopt;
+        if (!reach)
+            throw bad_argument("weighed",
+                               fmt::format("is known of fingers with radii from {:.1f} to {:.1f} mm",
+                                           weigher.radii_m()[0] / millimetre, weigher.radii_m()[1] / millimetre));
+        amplitudes = reach->amplitudes;
+    }
+    Path path;
+    for (std::size_t i = 0; i < places.size(); ++i) path.steps.push_back({{{places[i], amplitudes[i]}}, 1});
+    return path;
+}
+
+RingEvenness evenness_of(const std::vector<ScatteredStep>& steps) {
+    RingEvenness even{.foci = steps.size()};
+    double least = HUGE_VAL, most = 0.0;
+    for (const ScatteredStep& step : steps) {
+        least = std::min(least, step.highest_pa);
+        most = std::max(most, step.highest_pa);
+        even.farthest_m = std::max(even.farthest_m, distance(step.highest_at, step.foci.front().position));
+    }
+    even.uneven = most / least;
+    return even;
+}
+
 Path path_of(const ScatterSource& source, const Array& array) {
-    const int given = (source.foci.empty() ? 0 : 1) + (source.path.empty() ? 0 : 1) + (source.plane_wave ? 1 : 0);
+    const int given = (source.foci.empty() ? 0 : 1) + (source.path.empty() ? 0 : 1) + (source.plane_wave ? 1 : 0) +
+                      (source.ring ? 1 : 0);
     if (given != 1)
-        throw bad_argument("focus", "give foci, a path or a plane wave, just one of them",
-                           {"focus", "path", "plane-wave"});
+        throw bad_argument("focus", "give foci, a path, a plane wave or a ring, just one of them",
+                           {"focus", "path", "plane-wave", "ring"});
+    if (source.ring) return ring_path_of(source, array);
     if (source.plane_wave) {
         if (!is_finite(*source.plane_wave) || norm(*source.plane_wave) == 0.0)
             throw bad_argument("plane-wave", "goes nowhere: give a direction x,y,z");
@@ -68,7 +121,7 @@ void check(const ScatterSource& source, const Array& array, const Body& body, co
         if (const std::string why = array.unreachable(focus.position); !why.empty())
             throw bad_input(fmt::format("focus {}", in_mm(focus.position)), why);
         const double outside = body.solid.distance(focus.position);
-        if (!source.foci_inside && outside < -body.longest_edge())
+        if (!source.foci_inside && !source.ring && outside < -body.longest_edge())
             throw impossible(
                 "focus",
                 fmt::format("{} is {:.2f} mm inside of the body; sound cannot get there. Move it to the skin, "
@@ -118,10 +171,12 @@ void require_clear(const Array& array, const Body& body) {
 }
 
 std::string title_of(const ScatterSource& source, const Scattered& found) {
-    const std::string what = source.plane_wave         ? "a plane wave of 1 Pa"
-                             : !source.path.empty()    ? source.path
-                             : source.foci.size() == 1 ? fmt::format("a focus at {}", in_mm(source.foci.front()))
-                                                       : fmt::format("{} foci in turn", source.foci.size());
+    const std::string what =
+        source.ring         ? fmt::format("a ring of {} foci{}", found.steps.size(), source.weighed ? ", weighed," : "")
+        : source.plane_wave ? "a plane wave of 1 Pa"
+        : !source.path.empty()    ? source.path
+        : source.foci.size() == 1 ? fmt::format("a focus at {}", in_mm(source.foci.front()))
+                                  : fmt::format("{} foci in turn", source.foci.size());
     return fmt::format("{}: {} on {} of {} triangles", found.array.name, what, found.body.name,
                        found.body.panels.size());
 }
@@ -170,7 +225,6 @@ Scattered scatter(const ScatterSource& source, const Progress& progress) {
     const Body& body = found.body;
     require_fine(body, array.wavelength_m(), source.least_elements);
     if (!source.plane_wave) require_clear(array, body);
-    found.title = title_of(source, found);
     const double weaker = path.modulation.samples.empty() ? 1.0 : mean_square_of(path.modulation);
     for (ScatteredStep& step : steps_of(path)) {
         check(source, array, body, step);
@@ -182,6 +236,7 @@ Scattered scatter(const ScatterSource& source, const Progress& progress) {
             found.resting += step.share;
     }
     if (found.steps.empty()) throw bad_input(source.path, "nothing is played: all of it is silence");
+    found.title = title_of(source, found);
 
     const double wave_number = 2.0 * std::numbers::pi / array.wavelength_m();
     progress(0.0, "matrix");
@@ -227,6 +282,7 @@ Scattered scatter(const ScatterSource& source, const Progress& progress) {
         found.radiation.push_back(static_cast<float>(radiation[i]));
     }
     found.highest = static_cast<std::size_t>(std::max_element(radiation.begin(), radiation.end()) - radiation.begin());
+    if (source.ring) found.ring = evenness_of(found.steps);
     if (source.flat_estimate) found.flat = flat_radiation(found, weaker);
     if (array.transducer.pattern == Pattern::table) found.pattern_error = pattern_error;
     return found;

@@ -34,6 +34,10 @@ struct ScatterSource {
     std::vector<Vec3> foci;            ///< exact phases for one after the other, for equal times; or
     std::string path;                  ///< a path file; or
     std::optional<Vec3> plane_wave{};  ///< a plane wave of 1 Pa that travels in this direction, from no array
+    std::optional<Vec3>
+        ring{};             ///< or ten foci in turn around the built-in finger, where a surface through here cuts it
+    Vec3 inward{0, 0, -1};  ///< of the ring: into the object whose surface that is
+    bool weighed = false;   ///< of the ring: with the amplitudes that `live` gives it (verbs/ring_on_finger.hpp)
     std::string array = "tile-10x10";
     std::string rig;              ///< instead of the array
     bool foci_inside = false;     ///< foci inside of the body are meant, and no mistake
@@ -48,6 +52,13 @@ struct ScatteredStep {
     double highest_pa = 0.0;  ///< radiation pressure
     Vec3 highest_at;
     Vec3 force_n;
+};
+
+/// Of a ring: how alike its foci's highest radiation pressures are, and how far each lies from its focus.
+struct RingEvenness {
+    std::size_t foci = 0;  ///< that sound
+    double uneven = 0.0;   ///< the most over the least
+    double farthest_m = 0.0;
 };
 
 /// What a body's skin gets.
@@ -65,6 +76,7 @@ struct Scattered {
     std::size_t rounds = 0;           ///< of the iteration; 0 when the matrix was taken apart instead
     double residual = 0.0;            ///< of the linear equations, relative
     double pattern_error = 0.0;       ///< of the transducers' directivity, of the amplitude on the axis
+    std::optional<RingEvenness> ring;  ///< when one was played
 
     [[nodiscard]] double elements_per_wavelength() const { return array.wavelength_m() / body.mean_edge(); }
 };
@@ -80,7 +92,7 @@ struct ErrorRange {
 /// The sound on a rigid body's skin by boundary elements (scattering/scatterer.hpp). Foci that the source plays are
 /// those in free air: the body is in the way of their sound, and no drive makes up for it. Absorption is taken into
 /// account on the way to the body.
-/// @throws Error{bad_argument} when not just one of foci, path and plane wave is given; Error{bad_input} as
+/// @throws Error{bad_argument} when not just one of foci, path, plane wave and ring is given; Error{bad_input} as
 /// open_body(), for triangles that are too large, for foci out of reach, or inside of the body, and for transducers
 /// inside of it
 [[nodiscard]] Scattered scatter(const ScatterSource& source, const Progress& progress = {});

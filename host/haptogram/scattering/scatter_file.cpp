@@ -73,6 +73,9 @@ std::string to_json_text(const Scattered& s) {
                          {"force_mn", newtons(s.force_n)},
                          {"resting", s.resting},
                          {"steps", ordered_json::array()}};
+    if (s.ring)
+        json["ring"] = {
+            {"foci", s.ring->foci}, {"uneven", s.ring->uneven}, {"farthest_mm", s.ring->farthest_m / millimetre}};
     if (!s.flat.empty()) json["flat_estimate"] = flat_json(s);
     for (const ScatteredStep& step : s.steps) {
         ordered_json foci = ordered_json::array();
