@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "command.hpp"
+#include "haptogram/array/rig.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/link/device.hpp"
@@ -38,7 +39,8 @@ constexpr const char* reference_prefix = "reference:";
 const std::vector<std::string> rings = {"ring", "still"};
 
 struct LiveCommand {
-    std::string from, algorithm = "ring", array = "tile-10x10", record, scene, scene_in, settings;
+    std::vector<std::string> from;
+    std::string algorithm = "ring", array = "tile-10x10", rig, record, scene, scene_in, settings;
     std::string low, high;
     ObjectArguments object{.name = "cube", .size_mm = 40.0};
     std::string predict = "velocity", method = "distance-weighted";
@@ -100,6 +102,7 @@ live::FingerOptions fingers_of(const LiveCommand& command, const ObjectSource& s
         scene.size_m = source.size_m.value_or(ObjectMeasures{}.size);
         scene.height_m = source.height_m.value_or(scene.size_m);
     }
+    options.middle = source.centre;
     // The floor is what the object stands on when it begins.
     scene.world.low.z = source.centre.z - 0.5 * scene.size_m;
     scene.world.high.z = scene.world.low.z + 0.25;
@@ -133,6 +136,11 @@ void tell_run(Report& report, const live::LoopReport& done, const live::Latency&
     report.tell(fmt::format(
         "fingers           {} behind the middle, {} without a section, {} seen from one side, {} out of reach",
         done.through, done.no_section, done.constrained, done.out_of_reach));
+    if (done.hidden > 0 || done.unweighed > 0)
+        report.tell(
+            fmt::format("rings             {} had places behind the finger, which were silent; {} were not weighed, "
+                        "of fingers too thick or thin",
+                        done.hidden, done.unweighed));
     report.tell(fmt::format("deadlines         {} missed, {} fades, {} underruns of the board", done.missed, done.fades,
                             done.underruns));
     const auto line = [](const live::Latency& latency, const std::string& by) {
@@ -149,13 +157,15 @@ void tell_run(Report& report, const live::LoopReport& done, const live::Latency&
 
 /// Options of simulated cameras are for those alone; a recording of hands can be cut, too.
 void require_simulated(const LiveCommand& command) {
-    if (live::has_simulated_cameras(command.from)) return;
-    const bool recorded = command.from.starts_with("leap:") || command.from.starts_with("poses:") ||
-                          command.from.starts_with("synthetic:");
+    if (std::ranges::any_of(command.from, live::has_simulated_cameras)) return;
+    const bool recorded = std::ranges::any_of(command.from, [](const std::string& name) {
+        return name.starts_with("leap:") || name.starts_with("poses:") || name.starts_with("synthetic:");
+    });
     for (const CLI::Option* option : command.of_cameras)
         if (option->count() > 0 && !(recorded && option->get_name() == "--seconds"))
-            throw bad_argument(option->get_name().substr(2),
-                               fmt::format("{} has no simulated cameras; this is for those", command.from));
+            throw bad_argument(
+                option->get_name().substr(2),
+                fmt::format("{} has no simulated cameras; this is for those", fmt::join(command.from, ", ")));
 }
 
 /// @param hands  the source gives hands, not depth
@@ -193,10 +203,15 @@ void check_options(const LiveCommand& command, bool hands) {
         throw bad_argument("scene-in",
                            "rings are around one object, which stays or is moved by hands; take a tracker "
                            "and an algorithm from A to L");
-    if (command.scene_in == "-" && command.from == "leap-pipe:-")
+    if (std::ranges::count_if(command.from, [](const std::string& name) { return name.ends_with("-pipe:-"); }) > 1)
+        throw bad_argument("from", "standard input can be that of one source alone; give the others named pipes");
+    if (command.from.size() > 1 && !command.record.empty())
+        throw bad_argument("record", "keeps the pictures of one source; take one");
+    if (command.scene_in == "-" && std::ranges::find(command.from, "leap-pipe:-") != command.from.end())
         throw bad_argument("scene-in", "standard input has the tracker's frames; give the lines a named pipe");
     require_simulated(command);
-    std::vector<NamedPath> inputs = {{"--from", command.from}};
+    std::vector<NamedPath> inputs;
+    for (const std::string& name : command.from) inputs.push_back({"--from", name});
     if (!command.scene_in.empty()) inputs.push_back({"--scene-in", command.scene_in});
     require_distinct(inputs, {{"--scene", command.scene}});
     if (command.scene == "-" && command.json)
@@ -207,7 +222,7 @@ void check_options(const LiveCommand& command, bool hands) {
 std::unique_ptr<live::Feeler> feeler_of(const LiveCommand& command, const live::OpenedSource& source,
                                         const ObjectSource& object, const Array& array, live::PlayerOptions& player,
                                         std::shared_ptr<live::SceneInput>& scene) {
-    const bool hands = source.depth == nullptr;
+    const bool hands = source.only_hands();
     if (hands && !command.has_rings()) {
         const live::HandOptions options = hand_options_of(command);
         player.pace.foci = live::most_foci(options);
@@ -222,8 +237,7 @@ std::unique_ptr<live::Feeler> feeler_of(const LiveCommand& command, const live::
     player.pace = {fingers * options.ring.foci(),
                    static_cast<std::uint32_t>(array.carrier_hz /
                                               (options.ring.passes_hz() * static_cast<double>(options.ring.points)))};
-    return std::make_unique<live::ShotRings>(array, array.carrier_hz, options,
-                                             source.depth ? source.depth->cameras() : std::vector<DepthCamera>{});
+    return std::make_unique<live::ShotRings>(array, array.carrier_hz, options, source.cameras());
 }
 
 int live_loop(const LiveCommand& command) {
@@ -232,29 +246,31 @@ int live_loop(const LiveCommand& command) {
     cameras.target = object.centre;
     cameras.distance_m = command.distance_mm * millimetre;
     const live::OpenedSource source =
-        live::open_source(command.from, cameras, object.centre, 0.5 * object.size_m.value_or(ObjectMeasures{}.size));
-    const bool hands = source.depth == nullptr;
+        live::open_sources(command.from, cameras, object.centre, 0.5 * object.size_m.value_or(ObjectMeasures{}.size));
+    const bool hands = source.only_hands();
     check_options(command, hands);
     const bool simulated_time = command.port.port.starts_with(reference_prefix);
     if (source.frames->live() && simulated_time)
         throw bad_argument("port", fmt::format("{} keeps its own time, in which live frames come at odd times; start "
                                                "'haptogram board run --model reference' and name its port",
                                                command.port.port));
-    const Array array = find_array(command.array);
+    const Array array = command.rig.empty() ? find_array(command.array) : joined(find_rig(command.rig));
     live::PlayerOptions player_options{.method = method_of(command.method, "method"),
                                        .rate_hz = source.frames->rate_hz(),
                                        .watchdog_ms = command.loop.watchdog_ms};
     std::shared_ptr<live::SceneInput> objects;
     const auto feeler = feeler_of(command, source, object, array, player_options, objects);
     std::optional<DepthRecorder> recorder;
-    if (!command.record.empty()) recorder.emplace(command.record, source.depth->cameras(), player_options.rate_hz);
+    if (!command.record.empty()) recorder.emplace(command.record, source.cameras(), player_options.rate_hz);
     std::optional<LineOutput> scene;
     if (!command.scene.empty()) scene.emplace(command.scene);
     catch_interrupts();  // before this, while a pipe says nothing, nothing is on
     const auto board = open_board(command.port);
     const link::HostClock clock = board->clock();
     const live::ChosenPlayer chosen = live::choose_player(board->client(), clock, array, player_options);
+    for (const std::string& words : feeler->about()) complain(words);
     complain(chosen.about);
+    if (!chosen.shortfall.empty()) complain("warning: " + chosen.shortfall);
     live::LoopOptions loop_options = command.loop;
     loop_options.interval_s = chosen.interval_s;
     live::Loop loop(board->client(), clock, *chosen.player, loop_options);
@@ -280,11 +296,13 @@ int live_loop(const LiveCommand& command) {
     if (command.fingers.magnitude)
         report.tell(fmt::format("magnitude         {:g}, on a palm; {} shots with a finger that cannot feel so",
                                 *command.fingers.magnitude, done.without_magnitude));
-    if (const auto* pipe = dynamic_cast<const live::HandPipe*>(source.frames.get())) {
-        const auto [lines, why] = pipe->junk();
-        report.add("junk", lines);
+    std::uint64_t junk = 0;
+    for (const live::HandPipe* tracker : source.trackers) {
+        const auto [lines, why] = tracker->junk();
+        junk += lines;
         if (lines > 0) report.tell(fmt::format("junk              {} lines were no frames; the first: {}", lines, why));
     }
+    if (!source.trackers.empty()) report.add("junk", junk);
     if (objects && objects->junk() > 0)
         report.tell(fmt::format("scene-in          {} lines made no sense and changed nothing", objects->junk()));
     if (scene && scene->dropped() > 0)
@@ -293,11 +311,7 @@ int live_loop(const LiveCommand& command) {
     if (!command.record.empty())
         write_file(std::filesystem::path(command.record) / "run.json", live::run_to_json(done, latency).dump(1) + "\n");
     report.print(command.json);
-    if (done.with_rings > 0 && 2 * done.unsent > done.shots)
-        throw Error(ErrorCode::failed, "live",
-                    fmt::format("what {} of {} shots made was not on the board in time; take fewer frames a second, or "
-                                "a faster line",
-                                done.unsent, done.shots));
+    live::require_played(done);
     return 0;
 }
 
@@ -353,6 +367,7 @@ void add_live(CLI::App& app, Action& action) {
     CLI::App* sub = app.add_subcommand(
         "live", "Bare fingers touch an object, as in Fingers: depth cameras to rings of foci on a board, as it comes");
     sub->add_option("--from", options->from,
+                    "Given again, several at a time: "
                     "depth:FOLDER (a recording of cameras), depth-pipe:- (cameras of another program, such as "
                     "haptogram-realsense, on standard input or a named pipe), leap-pipe:- (hands from haptogram-leap), "
                     "leap:FILE, poses:FILE or synthetic:SCRIPT:HEIGHT (hands as render takes them; @MOUNTING behind a "
@@ -381,7 +396,11 @@ void add_live(CLI::App& app, Action& action) {
         "Serial port of the board, or of 'haptogram board run', or reference:CONFIGURATION: the reference board in "
         "this "
         "process, whose time the loop then keeps");
-    sub->add_option("--array", options->array, "Array file or shipped array")->capture_default_str();
+    auto* array = sub->add_option("--array", options->array, "Array file or shipped array")->capture_default_str();
+    sub->add_option(
+           "--rig", options->rig,
+           "Rig file or shipped rig instead, whose arrays are all on the channels of one board, in their order")
+        ->excludes(array);
     add_press(*sub, *options);
     sub->add_option("--magnitude", options->fingers.magnitude,
                     "How strong the still focus feels to a palm, from the array's force and the Multimodal paper's "

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <random>
 
 #include "command.hpp"
@@ -29,6 +30,7 @@ struct TaskCommand {
     std::uint64_t seed = 1;
     double distance_mm = 300.0;
     bool hidden = false, exact = false, json = false;
+    std::optional<double> angle_deg, height_mm;  ///< of the surface, instead of drawn ones
 };
 
 live::CameraOptions cameras_of(const TaskCommand& command, std::uint64_t trial) {
@@ -124,29 +126,32 @@ int find_surfaces(const TaskCommand& command) {
         options.cameras = cameras_of(command, trial);
         options.cameras.count = 1;
         options.middle = {0, 0, 0.15};
+        options.nothing = command.felt == "none";
+        options.sense.emplace();
+        options.person_seed = command.seed * 1'000'003U + trial;
         options.fingers.ring.motion = command.felt == "static" ? FocusMotion::still : FocusMotion::revolving;
         live::draw_surface(options, random);
+        if (command.angle_deg) options.angle_deg = *command.angle_deg;
+        if (command.height_mm) options.height_m = *command.height_mm * millimetre;
         const live::SurfaceReport one = live::find_surface(array, options);
-        report.tell(fmt::format("trial {:<5} {:.1f}° and {:.1f} mm: {}", trial, options.angle_deg,
-                                1e3 * options.height_m,
-                                one.done ? fmt::format("answer {:.1f}° and {:.1f} mm after {:.2f} s", one.angle_deg,
-                                                       1e3 * one.height_m, one.time_s)
-                                         : fmt::format("no answer, felt at {} places", one.felt_places)));
-        if (one.done) {
-            angle_deg.add(std::abs(one.angle_error_deg));
-            height_mm.add(1e3 * std::abs(one.height_error_m));
-            time_s.add(one.time_s);
-        }
+        report.tell(fmt::format("trial {:<5} {:.1f}° and {:.1f} mm: {} {:.1f}° and {:.1f} mm", trial, options.angle_deg,
+                                1e3 * options.height_m, one.guessed ? "guessed" : "answer", one.angle_deg,
+                                1e3 * one.height_m));
+        angle_deg.add(std::abs(one.angle_error_deg));
+        height_mm.add(1e3 * std::abs(one.height_error_m));
+        if (one.done) time_s.add(one.time_s);
         return live::to_json(options, one);
     });
     report.add("task", "surface").add("felt", command.felt);
     report.add("trials", trials);
     report.add("answered", time_s.count, fmt::format("answered    {} of {}", time_s.count, trials.size()));
-    if (time_s.count > 0) {
+    if (angle_deg.count > 0) {
         report.add("mean_angle_error_deg", angle_deg.value(),
                    fmt::format("angle       off by {:.2f}° on average", angle_deg.value()));
         report.add("mean_height_error_mm", height_mm.value(),
                    fmt::format("height      off by {:.2f} mm on average", height_mm.value()));
+    }
+    if (time_s.count > 0) {
         report.add("mean_time_s", time_s.value(),
                    fmt::format("mean time   {:.2f} s from the first touch", time_s.value()));
     }
@@ -173,9 +178,14 @@ void add_task(CLI::App& app, Action& action) {
     lift->callback([options, &action] { action = [options] { return lift_cubes(*options); }; });
     CLI::App* surface = task->add_subcommand("surface", "A finger finds the angle and the height of a surface");
     add_shared(*surface, *options);
-    surface->add_option("--felt", options->felt, "What the finger feels")
-        ->check(CLI::IsMember({"dynamic", "static"}))
+    surface->add_option("--felt", options->felt, "What is played at the finger, which feels it by its skin")
+        ->check(CLI::IsMember({"dynamic", "static", "none"}))
         ->capture_default_str();
+    surface
+        ->add_option("--angle", options->angle_deg, "Of the surface, degrees about y, in every trial (default: drawn)")
+        ->check(CLI::Range(-60.0, 60.0));
+    surface->add_option("--height", options->height_mm, "Over the middle, mm, in every trial (default: drawn)")
+        ->check(CLI::Range(-20.0, 20.0));
     surface->callback([options, &action] { action = [options] { return find_surfaces(*options); }; });
 }
 

@@ -114,6 +114,49 @@ def test_a_line_that_is_too_slow_is_refused_and_foci_fit_it(tmp_path):
     assert hand["missed"] == 0 and hand["underruns"] == 0 and hand["latency_ms"]["rings"] > 0
 
 
+def test_it_says_what_the_array_can_do_before_it_plays(tmp_path):
+    told = succeed([*PRESS, *BOARD], cwd=tmp_path).stderr.decode()
+    assert re.search(r"from above, 4 mm deep at \(0, 0, 200\) mm: 10 of 10 places of its ring are reached", told)
+    assert re.search(r"aslant .*: [0-9]+ of 10 places", told)
+    assert "warning" not in told
+    told = succeed([*PRESS, "--port", "reference:colorlight-5a-75e-v7.1-wide"], cwd=tmp_path).stderr.decode()
+    assert "warning: the line cannot keep up" in told
+    out = succeed([*PRESS[:6], "0,200,40", "--seconds", "0.1", *BOARD], cwd=tmp_path).stderr.decode()
+    assert "no ring, the array does not reach it" in out
+
+
+def test_a_rig_on_one_board(tmp_path):
+    words = [*HAND, "--algorithm", "A", "--rig", "hoshi-9x36", "--port", "reference:hoshi-324", "--seconds", "0.2", "--json"]
+    felt = json.loads(succeed(words, cwd=tmp_path).stdout)
+    assert felt["with_rings"] > 0
+    refuse(tmp_path, [*HAND, "--algorithm", "A", "--rig", "cube-300", *BOARD], BAD_INPUT, "996 elements")
+    refuse(tmp_path, [*HAND, "--rig", "cube-300", "--array", "tile-10x10", *BOARD], USAGE, "--array")
+
+
+def test_cameras_and_a_tracker_at_a_time_each_in_its_place(tmp_path):
+    """Two recordings of one press, of which one has its tracker turned and moved, and its mounting says so."""
+    succeed([*PRESS, *BOARD, "--record", "hand"], cwd=tmp_path)
+    cameras = (tmp_path / "hand/cameras.toml").read_text()
+    (tmp_path / "moved").mkdir()
+    for folder in (tmp_path / "hand").glob("camera[0-9]"):
+        (tmp_path / "moved" / folder.name).symlink_to(folder)
+    # Seen from 30 mm lower, all stands 30 mm higher.
+    higher = re.sub(r"(position_mm = \[[^,]+,[^,]+,)([^\]]+)\]", lambda m: f"{m[1]} {float(m[2]) + 30}]", cameras)
+    assert higher != cameras
+    (tmp_path / "moved/cameras.toml").write_text(higher)
+    (tmp_path / "desk.toml").write_text("position_mm = [0, 0, -30]\nright = [1, 0, 0]\nforward = [0, 0, 1]\n")
+    place = ["--size", "60", "--center", "0,0,170", *BOARD, "--json"]
+    one = json.loads(succeed(["live", "--from", "depth:hand", *place], cwd=tmp_path).stdout)
+    same = json.loads(succeed(["live", "--from", "depth:moved@desk.toml", *place], cwd=tmp_path).stdout)
+    assert same["with_rings"] == one["with_rings"] > 6
+    both = json.loads(succeed(["live", "--from", "depth:hand", "--from", "depth:moved@desk.toml", "--from", "synthetic:press", *place, "--scene", "s.jsonl"], cwd=tmp_path).stdout)
+    assert both["shots"] > 2 * one["shots"] and both["with_rings"] > one["with_rings"]
+    seen = lines(tmp_path / "s.jsonl")
+    assert any(shot["hands"] for shot in seen) and any(shot["points"] > 100 and shot["sections"] for shot in seen)
+    refuse(tmp_path, ["live", "--from", "depth:hand", "--from", "synthetic:press", "--algorithm", "A", *place], USAGE, "algorithm")
+    refuse(tmp_path, ["live", "--from", "depth:hand", "--from", "depth:hand", "--record", "new", *place], USAGE, "record")
+
+
 def test_the_scene_comes_while_it_happens(tmp_path):
     """Each line is as the table of the README says, and comes as a datagram before the run is over."""
     readme = (ROOT / "host/haptogram/live/README.md").read_text()

@@ -94,6 +94,18 @@ private:
 
 }  // namespace
 
+TEST_CASE("live: a session of which nothing was played is a failure") {
+    live::LoopReport report;
+    CHECK_NOTHROW(live::require_played(report));  // nothing was felt
+    report.shots = 24;
+    report.with_rings = 24;
+    CHECK_THROWS_AS(live::require_played(report), Error);
+    report.rings.resize(1);
+    CHECK_NOTHROW(live::require_played(report));
+    report.unsent = 13;
+    CHECK_THROWS_AS(live::require_played(report), Error);
+}
+
 TEST_CASE("live: two fingers at 30 Hz through the board, from depth to pulses") {
     LiveBench bench("tile-100");
     const Array array = find_array("tile-10x10");

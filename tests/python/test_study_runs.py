@@ -17,7 +17,8 @@ import pytest
 import scipy.ndimage
 from boards import BAD_INPUT, OK, RUN_FAILED, USAGE, run, virtual_board
 from haptogram import HaptogramError
-from haptogram.study import analysis, figures, observers, protocol, results
+from haptogram.study import analysis, figures, observers, protocol, results, touching
+from haptogram.study.asking import Occasion
 from haptogram.study.design import cells
 from haptogram.study.session import Session
 from haptogram.study.stimulus import Presenter
@@ -472,6 +473,18 @@ def test_observers_of_a_file(place):
     (place / "people.toml").write_text('[answer]\nmodel = "preference"\nweights = { circle = 1 }\n')
     assert_says(run(session("--observer", "simulated:people.toml"), place), BAD_INPUT, "people.toml: answer: weights: line", "missing")
     assert_says(run(session("--observer", "oracle"), place), USAGE, "oracle", "simulated:chance")
+
+
+def test_a_hand_that_touches_answers_what_the_task_found(place):
+    p = protocol.read(protocol.find("fingers_surface"))
+    hand, trial = touching.Hand(p, str(boards.PROGRAM)), cells(p, 1, 7)[0]
+    angle, height = p.questions
+    value, seconds = hand.ask(angle, Occasion(1, 7, trial, None, ("trial", 1, 1)))
+    assert isinstance(value, float) and value % 0.5 == 0 and seconds > 0
+    assert abs(value - trial.drawn["angle_deg"]) < 60 and abs(hand.ask(height, Occasion(1, 7, trial, None, ("trial", 1, 1)))[0]) < 30
+    again = touching.Hand(p, str(boards.PROGRAM))
+    assert again.ask(angle, Occasion(1, 7, trial, None, ("trial", 1, 1)))[0] == value
+    assert_says(run(session("--observer", "simulated:hand"), place), BAD_INPUT, "fingers_surface", "another observer")
 
 
 def test_commands_of_the_terminal(place):

@@ -4,6 +4,7 @@
 #include <random>
 
 #include "haptogram/array/rig.hpp"
+#include "haptogram/hand/ring.hpp"
 #include "haptogram/live/lift_task.hpp"
 #include "haptogram/live/surface_task.hpp"
 #include "message_of.hpp"
@@ -65,6 +66,44 @@ TEST_CASE("task: angle and height of a surface are found by one finger before on
     CHECK(report.felt_places >= 3);
     CHECK(std::abs(report.angle_error_deg) <= 2.0);
     CHECK(std::abs(report.height_error_m) <= 1e-3);
+    CHECK_FALSE(report.guessed);
     options.places = 1;
     CHECK_THAT(message_of([&] { (void)live::find_surface(cube_of_units(), options); }), Contains("places"));
+}
+
+TEST_CASE("task: who feels nothing of a surface guesses") {
+    live::SurfaceOptions options;
+    options.middle = {0, 0, 0.15};
+    options.cameras.count = 1;
+    options.sense.emplace();
+    options.nothing = true;
+    const live::SurfaceReport report = live::find_surface(cube_of_units(), options);
+    CHECK_FALSE(report.done);
+    CHECK(report.guessed);
+    CHECK(report.felt_places == 0);
+    CHECK(std::abs(report.angle_deg) <= 45.0);
+}
+
+TEST_CASE("task: skin feels what vibrates and is strong enough, about where it is") {
+    const Vec3 at{0, 0, 0.15};
+    const FingerForm finger{at, {0, 0, 1}, 8e-3};
+    const auto contact = contact_of(finger, at, {0, 0, -1});
+    REQUIRE(contact);
+    const Array& array = cube_of_units();
+    const std::optional<Vec3> start;
+    Path ring = ring_path({&contact->section, 1}, {&start, 1}, array.carrier_hz);
+    std::mt19937_64 random(Catch::rngSeed());
+    live::SkinSense sense(array, {});
+    for (int look = 0; look < 5; ++look) {
+        const auto felt = sense.feel(ring, finger, random);
+        REQUIRE(felt);
+        CHECK(felt->over_db > 10.0);
+        CHECK(distance(felt->place, at) < 9e-3);  // in the finger: the noise is 1.5 mm
+    }
+    Path weak = ring, steady = ring;
+    for (PathStep& step : weak.steps)
+        for (Focus& focus : step.foci) focus.amplitude = 0.01;
+    for (PathStep& step : steady.steps) step.foci = ring.steps.front().foci;
+    CHECK_FALSE(sense.feel(weak, finger, random));
+    CHECK_FALSE(sense.feel(steady, finger, random));
 }

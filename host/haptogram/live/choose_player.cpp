@@ -20,6 +20,7 @@ constexpr std::size_t others_in_fifo = 8;  // beside a turn
 constexpr std::size_t banks = 3;
 constexpr double record_share = 0.8;        // may go into records
 constexpr double usual_interval_s = 20e-3;  // between two paths: fewer steps that come faster do not feel better
+constexpr double slack = 1.02;              // of what a line is measured to do
 constexpr double longest_interval_s = 0.1;  // that still follows a hand
 
 bool computes_foci(const link::Identity& board, const Array& array) {
@@ -33,7 +34,16 @@ ChosenPlayer with_foci(link::Commands& device, const link::HostClock& clock, con
     std::string about = fmt::format("the board computes foci: {} at a time, new ones every {:.2f} ms", pace.foci,
                                     1e3 * pace.periods * player->timer().period_s());
     if (pace.foci < options.pace.foci) about += fmt::format("; up to {} play in turn", options.pace.foci);
-    return {std::move(player), std::move(about)};
+    const double wanted_s = options.pace.periods / array.carrier_hz;
+    const double parts = std::ceil(static_cast<double>(options.pace.foci) / static_cast<double>(pace.foci));
+    const double takes_s = parts * pace.periods * player->timer().period_s();
+    std::string shortfall;
+    if (takes_s > slack * wanted_s)
+        shortfall = fmt::format(
+            "the line cannot keep up: each place of {} is renewed every {:.2f} ms where {:.2f} ms are "
+            "wanted, so paths have fewer places; take a faster line, at least {:.0f} baud",
+            options.pace.foci, 1e3 * takes_s, 1e3 * wanted_s, 10.0 * line.bytes_s * takes_s / wanted_s);
+    return {std::move(player), std::move(about), 0.0, std::move(shortfall)};
 }
 
 ChosenPlayer with_records(link::Commands& device, const link::HostClock& clock, const Array& array,
@@ -55,11 +65,17 @@ ChosenPlayer with_records(link::Commands& device, const link::HostClock& clock, 
                     fmt::format("the {} records of a path take {:.0f} ms on this line, which is too slow to follow a "
                                 "hand; take a board that computes foci, or a line of at least {:.0f} baud",
                                 steps, 1e3 * path_s, 10.0 * line.bytes_s * path_s / longest_interval_s));
+    std::string shortfall;
+    if (path_s * options.rate_hz > slack)
+        shortfall = fmt::format(
+            "the line cannot keep up with {:.0f} frames a second, and the rest are skipped; take a "
+            "board that computes foci, or at least {:.0f} baud",
+            options.rate_hz, 10.0 * line.bytes_s * path_s * options.rate_hz);
     return {std::make_unique<RingPlayer>(device, clock, array, steps, options.method, options.watchdog_ms),
             fmt::format("the board plays records: {} a path, which take {:.1f} ms on the line, so it follows {:.0f} "
                         "frames a second",
                         steps, 1e3 * path_s, std::min(options.rate_hz, 1.0 / path_s)),
-            path_s};
+            path_s, std::move(shortfall)};
 }
 
 }  // namespace

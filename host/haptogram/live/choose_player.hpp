@@ -21,11 +21,12 @@ struct PlayerOptions {
     std::uint16_t watchdog_ms = 500;
 };
 
-/// A player, and what board and line can do for it, a sentence.
+/// A player, and what board and line can do for it.
 struct ChosenPlayer {
     std::unique_ptr<Player> player;
     std::string about;
     double interval_s = 0.0;  ///< for LoopOptions: what a path takes on the line
+    std::string shortfall{};  ///< what they cannot keep up with; empty when they can
 };
 
 /// Foci where the board computes them for this array, and records elsewhere.

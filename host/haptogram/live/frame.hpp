@@ -14,12 +14,18 @@
 
 namespace haptogram::live {
 
-/// What a source saw at one time: the pictures of cameras, or a tracker's hands.
+/// What cameras and trackers saw together.
+struct Together {
+    DepthShot shot;  ///< with the pictures of all cameras
+    HandFrame hands;
+};
+
+/// What a source saw at one time: the pictures of cameras, a tracker's hands, or both.
 struct Frame {
     std::uint64_t number = 0;        ///< counts up by one from frame to frame; a gap is lost frames
     double time_s = 0.0;             ///< by the source's own clock
     std::optional<double> came_s{};  ///< by the loop's clock, when that is not when the loop gets it
-    std::variant<DepthShot, HandFrame> seen;
+    std::variant<DepthShot, HandFrame, Together> seen;
 };
 
 /// Where frames come from. It knows neither the object nor what plays.
@@ -65,6 +71,8 @@ struct ShotCounts {
     std::uint64_t constrained = 0;               ///< a section was seen from one side
     std::uint64_t out_of_reach = 0;              ///< something that is felt was where the array makes no focus
     std::uint64_t without_magnitude = 0;         ///< a finger's focus cannot feel as strong as it shall
+    std::uint64_t hidden = 0;     ///< a part of a ring was behind the finger, where no sound arrives, and was silent
+    std::uint64_t unweighed = 0;  ///< a finger was of a size whose sound is unknown; its ring was not weighed
 };
 
 /// What makes a path of each frame. It needs no board.
@@ -79,6 +87,8 @@ public:
     /// the report then names the troubles
     [[nodiscard]] virtual std::optional<Path> feel(const Frame& frame, ShotReport& report) = 0;
     [[nodiscard]] virtual ShotCounts counts() const = 0;
+    /// What can be felt there, to be said before it plays: sentences.
+    [[nodiscard]] virtual std::vector<std::string> about() const { return {}; }
 };
 
 }  // namespace haptogram::live

@@ -14,17 +14,21 @@ namespace {
 constexpr double forget_s = 0.1;     ///< a hand that was not seen for so long is a new one
 constexpr std::uint32_t dwell = 10;  ///< carrier periods between two foci of a pass
 
-/// Whether sound from the array's middle comes upon the skin from outside.
-bool faces_array(const SkinPoint& at) { return dot(at.position, at.normal) < 0.0; }
+/// Whether sound from the middle of the array, or of one of a rig's, comes upon the skin from outside.
+bool faces(const Array& array, const SkinPoint& at) {
+    if (array.faces.empty()) return dot(at.position, at.normal) < 0.0;
+    return std::any_of(array.faces.begin(), array.faces.end(),
+                       [&](const Pose& face) { return dot(at.position - face.origin, at.normal) < 0.0; });
+}
 
 /// Leaves out what the sound cannot press on, and holds what is too short for a step as long as one.
 /// @return whether anything was left out
-bool keep_felt(std::vector<Voice>& voices, double step_s) {
+bool keep_felt(const Array& array, std::vector<Voice>& voices, double step_s) {
     bool hidden = false;
     for (Voice& voice : voices) {
         hidden = std::erase_if(voice.legs,
-                               [](const Leg& leg) {
-                                   return !leg.silent && !faces_array(leg.from) && !faces_array(leg.to);
+                               [&](const Leg& leg) {
+                                   return !leg.silent && !faces(array, leg.from) && !faces(array, leg.to);
                                }) > 0 ||
                  hidden;
         const double seconds = voice.seconds();
@@ -73,7 +77,7 @@ Path HandFeeler::pass_of(const Touch& touch, ShotReport& report) {
     std::vector<Voice> voices = touch.voices;
     if (touch.am_hz > 0.0)
         for (Voice& voice : voices) voice.am_hz = touch.am_hz;
-    if (keep_felt(voices, dwell / carrier_hz_) && voices.empty())
+    if (keep_felt(array_, voices, dwell / carrier_hz_) && voices.empty())
         report.troubles.emplace_back("all skin that touches faces away from the array");
     if (voices.empty()) return {};
     PathPen pen(array_, carrier_hz_, dwell);

@@ -153,6 +153,21 @@ LoopReport Loop::run(FrameSource& source, Feeler& feeler, const Told& told, cons
     return report_;
 }
 
+void require_played(const LoopReport& report) {
+    if (report.with_rings == 0) return;
+    if (report.rings.empty())
+        throw Error(
+            ErrorCode::failed, "live",
+            fmt::format("nothing was played: {} of {} shots made something to feel, and none was on the board in "
+                        "time; take fewer frames a second, a faster line, or a board that computes foci",
+                        report.with_rings, report.shots));
+    if (2 * report.unsent > report.shots)
+        throw Error(ErrorCode::failed, "live",
+                    fmt::format("what {} of {} shots made was not on the board in time; take fewer frames a second, or "
+                                "a faster line",
+                                report.unsent, report.shots));
+}
+
 Latency latency_of(std::span<const SentRing> rings, std::span<const std::pair<double, std::uint16_t>> starts) {
     std::vector<double> latencies;
     for (const SentRing& ring : rings) {

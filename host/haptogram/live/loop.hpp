@@ -72,6 +72,10 @@ private:
     bool holds_ = false;    ///< a shot is there, and waits for the line
 };
 
+/// @throws Error{failed} when frames made something to feel of which nothing, or less than half, was on the board in
+/// time
+void require_played(const LoopReport& report);
+
 /// When each ring's first pulse left the board, after its shot.
 struct Latency {
     std::size_t rings = 0;

@@ -49,6 +49,7 @@ ShotRings::ShotRings(const Array& array, double carrier_hz, const FingerOptions&
       clouds_(options.cloud),
       scene_(options.scene),
       predictor_(options.predict),
+      weigher_(array),
       tables_(perception::find_tables()) {
     haptogram::require_sound(options.ring);
     if (!(options.rate_hz > 0.0))
@@ -71,6 +72,32 @@ std::optional<std::string> ShotRings::give_magnitude(Path& ring) {
         for (Focus& focus : step.foci)
             if ((focus.amplitude *= make_up) > 1.0) return "the array is too weak there for a wave in steps";
     return {};
+}
+
+std::vector<std::string> ShotRings::about() const {
+    if (options_.ring.motion != FocusMotion::revolving) return {};
+    constexpr double step_m = 0.5e-3, highest_m = 0.3;
+    Vec3 top = options_.middle;
+    while (scene_.distance_to(top) < 0.0 && top.z < options_.middle.z + highest_m) top.z += step_m;
+    return reach_in_words(array_, top, options_.ring.points);
+}
+
+/// Gives each focus of a ring the amplitude with which all places feel alike, and takes away those that the finger
+/// hides.
+void ShotRings::weigh(Path& ring, const FingerCut& contact) {
+    std::vector<Vec3> places;
+    for (const PathStep& step : ring.steps) places.push_back(step.foci.front().position);
+    const std::optional<FingerForm> form = form_of(contact);
+    const std::optional<RingReach> reach = form ? weigher_.weigh(places, *form) : std::nullopt;
+    if (!reach) {
+        ++counts_.unweighed;
+        return;
+    }
+    if (reach->reached < places.size()) ++counts_.hidden;
+    for (std::size_t j = 0; j < places.size(); ++j) {
+        ring.steps[j].foci.front().amplitude *= reach->amplitudes[j];
+        if (reach->amplitudes[j] == 0.0) ring.steps[j].foci.clear();
+    }
 }
 
 std::optional<Path> ShotRings::ring_of(const SceneFinger& finger, const std::optional<Vec3>& sight,
@@ -98,6 +125,9 @@ std::optional<Path> ShotRings::ring_of(const SceneFinger& finger, const std::opt
         return refuse(counts_.out_of_reach, fmt::format("is out of the array's reach, {}", why));
     if (const auto why = give_magnitude(ring))
         return refuse(counts_.without_magnitude, fmt::format("cannot feel with that magnitude, {}", *why));
+    const Vec3 moved = placed.centre - section->ellipse.centre;
+    if (options_.ring.motion == FocusMotion::revolving)
+        weigh(ring, {placed, finger.inward, finger.place + moved, finger.deepest_m});
     if (section->constrained) ++counts_.constrained;
     report.sections.push_back(section->ellipse);
     report.centres.push_back(placed.centre);
@@ -169,8 +199,12 @@ std::vector<Vec3> ShotRings::cloud_of(const Hand& hand) const {
 std::optional<Path> ShotRings::feel(const Frame& frame, ShotReport& report) {
     if (const auto* shot = std::get_if<DepthShot>(&frame.seen)) return take(cameras_, *shot, report);
     std::vector<Vec3> cloud;
-    const auto& hands = std::get<HandFrame>(frame.seen).hands;
-    for (const Hand& hand : hands) {
+    const auto* both = std::get_if<Together>(&frame.seen);
+    if (both != nullptr) {
+        note_cameras(both->shot, report);
+        cloud = clouds_.cloud(cameras_, both->shot);
+    }
+    for (const Hand& hand : (both != nullptr ? both->hands : std::get<HandFrame>(frame.seen)).hands) {
         const std::vector<Vec3> some = cloud_of(hand);
         cloud.insert(cloud.end(), some.begin(), some.end());
     }

@@ -17,6 +17,7 @@
 #include "haptogram/live/prediction.hpp"
 #include "haptogram/live/touch_scene.hpp"
 #include "haptogram/perception/path_magnitude.hpp"
+#include "haptogram/verbs/ring_on_finger.hpp"
 
 namespace haptogram::live {
 
@@ -27,8 +28,9 @@ struct FingerOptions {
     SectionOptions section;
     RingOptions ring;
     PredictorOptions predict;
-    SkinOptions skin;       ///< of a tracker's hands
-    double rate_hz = 30.0;  ///< of shots
+    SkinOptions skin;        ///< of a tracker's hands
+    double rate_hz = 30.0;   ///< of shots
+    Vec3 middle{0, 0, 0.2};  ///< of the object as it begins
     /// How strong a still focus feels by the Multimodal paper's tables (perception/path_magnitude.hpp), which are of
     /// palms and of one focus that rests and is modulated.
     std::optional<double> magnitude;
@@ -54,12 +56,15 @@ public:
     [[nodiscard]] std::optional<Path> feel(const Frame& frame, ShotReport& report) override;
 
     [[nodiscard]] ShotCounts counts() const override { return counts_; }
+    /// What rings this array can make around a finger on top of the object.
+    [[nodiscard]] std::vector<std::string> about() const override;
     [[nodiscard]] const TouchScene& scene() const { return scene_; }
 
 private:
     [[nodiscard]] std::optional<Path> ring_of(const SceneFinger& finger, const std::optional<Vec3>& sight,
                                               ShotReport& report);
     [[nodiscard]] std::optional<std::string> give_magnitude(Path& ring);
+    void weigh(Path& ring, const FingerCut& contact);
     [[nodiscard]] std::optional<Path> rings_of(std::span<const Vec3> cloud, const std::optional<Vec3>& eye,
                                                ShotReport& report);
     [[nodiscard]] std::vector<Vec3> cloud_of(const Hand& hand) const;
@@ -72,6 +77,7 @@ private:
     CloudMaker clouds_;
     TouchScene scene_;
     Predictor predictor_;
+    RingWeigher weigher_;
     ShotCounts counts_;
     std::map<std::uint64_t, Vec3> last_start_;  ///< by finger: where its ring begins
     perception::Tables tables_;

@@ -95,6 +95,37 @@ private:
     std::vector<Vec3> felt_;
 };
 
+/// The finger that bodies() shows.
+FingerForm finger_in(const std::vector<RoundedBody>& bodies) {
+    const RoundedBody& body = bodies.front();
+    return {body.middle - body.half_a, unit(body.half_a), body.radius};
+}
+
+/// Where something is felt, if it is and within the disc.
+class Feeling {
+public:
+    Feeling(const Array& array, const SurfaceOptions& options) : random_(options.person_seed), disc_m_(options.disc_m) {
+        if (options.sense) sense_.emplace(array, *options.sense);
+        if (options.sense) off_m_ = options.hand_sd_m * std::normal_distribution<double>()(random_);
+    }
+    [[nodiscard]] std::optional<Vec3> at(const ShotReport& shot, const std::optional<Path>& path, Vec3 disc,
+                                         const FingerForm& finger) {
+        std::optional<Vec3> felt;
+        for (const Vec3& centre : shot.centres)
+            if (distance(centre, disc) < disc_m_) felt = centre;
+        if (!sense_ || !felt || !path) return felt;
+        const std::optional<Sensed> sensed = sense_->feel(*path, finger, random_);
+        if (!sensed) return {};
+        return sensed->place + Vec3{0, 0, off_m_};
+    }
+    [[nodiscard]] std::mt19937_64& random() { return random_; }
+
+private:
+    std::mt19937_64 random_;
+    double disc_m_, off_m_ = 0.0;
+    std::optional<SkinSense> sense_;
+};
+
 double to_keys(double value, double key) { return key * std::round(value / key); }
 
 /// The line z = height + slope·x of least squares.
@@ -133,20 +164,21 @@ SurfaceReport find_surface(const Array& array, const SurfaceOptions& given,
     const std::vector<DepthCamera> cameras = cameras_of(options.cameras);
     const Vec3 disc = options.fingers.scene.pose.origin;
     Explorer finger(options, options.middle);
+    Feeling feeling(array, options);
     const double step_s = 1.0 / options.cameras.rate_hz;
     SurfaceReport report;
     std::optional<double> touched;
     for (; static_cast<double>(report.shots) * step_s < options.at_most_s && !finger.ended(); ++report.shots) {
         const double time_s = static_cast<double>(report.shots) * step_s;
-        const DepthShot shot = render_shot(finger.bodies(), cameras, options.cameras.noise, report.shots, time_s);
+        const std::vector<RoundedBody> bodies = finger.bodies();
+        const DepthShot shot = render_shot(bodies, cameras, options.cameras.noise, report.shots, time_s);
         ShotReport now;
         now.number = report.shots;
         now.time_s = time_s;
-        (void)rings.take(cameras, shot, now);
+        const std::optional<Path> path = rings.take(cameras, shot, now);
         if (told) told(now);
-        std::optional<Vec3> felt;
-        for (const Vec3& centre : now.centres)
-            if (distance(centre, disc) < options.disc_m) felt = centre;
+        const std::optional<Vec3> felt =
+            options.nothing ? std::nullopt : feeling.at(now, path, disc, finger_in(bodies));
         if (felt && !touched) touched = time_s;
         if (touched) report.time_s = time_s - *touched;
         finger.step(step_s, felt);
@@ -155,7 +187,17 @@ SurfaceReport find_surface(const Array& array, const SurfaceOptions& given,
     report.felt_places = finger.felt_places();
     const auto line = line_through(finger.felt(), options.middle);
     report.done = finger.ended() && report.felt_places >= 2 && line.has_value();
-    if (!report.done) return report;
+    if (!report.done && !options.sense) return report;
+    if (!report.done) {
+        SurfaceOptions guess = given;
+        draw_surface(guess, feeling.random());
+        report.guessed = true;
+        report.angle_deg = guess.angle_deg;
+        report.height_m = guess.height_m;
+        report.angle_error_deg = report.angle_deg - options.angle_deg;
+        report.height_error_m = report.height_m - options.height_m;
+        return report;
+    }
     // A turn about y by the right hand lowers the side of positive x.
     report.angle_deg = to_keys(-std::atan(line->second) / degree, options.key_deg);
     report.height_m = to_keys(line->first, options.key_m);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "haptogram/live/shot_rings.hpp"
+#include "haptogram/live/skin_sense.hpp"
 #include "haptogram/live/source.hpp"
 
 namespace haptogram::live {
@@ -24,13 +25,20 @@ struct SurfaceOptions {
     std::size_t stay = 3;                  ///< shots for which it stays there
     double at_most_s = 30.0;               ///< then the trial has failed
     double key_deg = 0.5, key_m = 0.5e-3;  ///< what a key of the answer changes
+    bool nothing = false;                  ///< no ring is played
+    /// A person who feels by the skin; without, the finger knows exactly where the rings are, which tells the errors of
+    /// cameras and sections.
+    std::optional<SenseOptions> sense{};
+    double hand_sd_m = 5e-3;        ///< of a person: how far off the own hand's height is thought to be, a trial
+    std::uint64_t person_seed = 1;  ///< of all that a person does by chance
 };
 
 /// Draws angle and height as the paper does, in steps of the keys: -45° to 45°, and -10 to 10 mm.
 void draw_surface(SurfaceOptions& options, std::mt19937_64& random);
 
 struct SurfaceReport {
-    bool done = false;  ///< the finger felt the surface at two places at least
+    bool done = false;     ///< the finger felt the surface at two places at least
+    bool guessed = false;  ///< a person who felt less answered by chance
     std::size_t felt_places = 0;
     std::uint64_t shots = 0;
     double time_s = 0.0;                                 ///< from the first touch to the answer
@@ -40,8 +48,8 @@ struct SurfaceReport {
 };
 
 /// A finger that comes down at several places, stays where it feels its ring, and goes on to the next. The answer is
-/// the line of least squares through the middles of what it felt, which is what a person could know who feels exactly
-/// where the rings are: its errors are those of cameras and sections, not of people.
+/// the line of least squares through what it felt. A person (`sense`) who felt it at less than two places guesses
+/// within the range of draw_surface().
 /// @throws Error{bad_argument} for measures that make no sense, and as ShotRings
 [[nodiscard]] SurfaceReport find_surface(const Array& array, const SurfaceOptions& options,
                                          const std::function<void(const ShotReport&)>& told = {});

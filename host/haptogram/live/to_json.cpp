@@ -37,7 +37,8 @@ constexpr std::size_t most_foci_told = 64;  ///< of a path; longer ones are told
 
 Json hands_of(const Frame& frame) {
     Json hands = Json::array();
-    const auto* seen = std::get_if<HandFrame>(&frame.seen);
+    const auto* both = std::get_if<Together>(&frame.seen);
+    const auto* seen = both != nullptr ? &both->hands : std::get_if<HandFrame>(&frame.seen);
     if (seen == nullptr) return hands;
     for (const Hand& hand : seen->hands) {
         Json fingers = Json::array();
@@ -123,6 +124,8 @@ Json to_json(const LoopReport& report, const Latency& latency) {
                  {"constrained", report.constrained},
                  {"out_of_reach", report.out_of_reach},
                  {"without_magnitude", report.without_magnitude},
+                 {"hidden", report.hidden},
+                 {"unweighed", report.unweighed},
                  {"missed", report.missed},
                  {"fades", report.fades},
                  {"underruns", report.underruns}};
@@ -165,7 +168,8 @@ Json to_json(const LiftOptions& asked, const LiftReport& report) {
 Json to_json(const SurfaceOptions& asked, const SurfaceReport& report) {
     Json json = {{"asked_deg", asked.angle_deg}, {"asked_mm", 1e3 * asked.height_m},  {"done", report.done},
                  {"shots", report.shots},        {"felt_places", report.felt_places}, {"time_s", report.time_s}};
-    if (report.done) {
+    json["guessed"] = report.guessed;
+    if (report.done || report.guessed) {
         json["answer_deg"] = report.angle_deg;
         json["answer_mm"] = 1e3 * report.height_m;
         json["angle_error_deg"] = report.angle_error_deg;

@@ -15,7 +15,7 @@ from ..cli import Parser, whole
 from ..errors import ErrorCode, HaptogramError
 from ..markers import Markers, no_mark
 from . import protocol as protocols
-from . import results
+from . import results, touching
 from .asking import Keyboard, Observer, Page, Stopped
 from .observers import simulated
 from .protocol import Protocol
@@ -82,6 +82,8 @@ def _observer(options: argparse.Namespace, protocol: Protocol) -> Observer:
         return Keyboard()
     if options.observer == "page":
         return Page(protocol.trials)
+    if options.observer == touching.NAME:
+        return touching.Hand(protocol, program(options.program))
     return simulated(protocol, options.observer)
 
 
@@ -211,7 +213,7 @@ def parser() -> Parser:
     run.add_argument("--participant", type=whole(1, 100_000), required=True, help="number of the participant, from 1; it decides the orders")
     run.add_argument("--seed", type=whole(0, 2**63), default=1, help="of all random numbers (1)")
     run.add_argument("-o", "--output", required=True, help="results, JSON lines; an unfinished session in it goes on")
-    run.add_argument("--observer", default="keyboard", help="keyboard, page (lines of JSON, for a program that shows them), simulated:protocol, simulated:chance or simulated:FILE.toml")
+    run.add_argument("--observer", default="keyboard", help="keyboard, page (lines of JSON, for a program that shows them), simulated:protocol, simulated:chance, simulated:FILE.toml or simulated:hand, which touches")
     run.add_argument("--port", help="serial port of the board that plays the stimuli; without one nothing is played")
     run.add_argument("--baud", type=whole(300, 12_000_000), help="its rate (default: the one at which it answers)")
     run.add_argument("--images", help="folder of the stimuli's images (with --port: study-images); without a port they are compiled only")

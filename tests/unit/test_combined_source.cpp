@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <catch2/catch.hpp>
+#include <deque>
+#include <memory>
+
+#include "haptogram/live/combined_source.hpp"
+#include "haptogram/live/hand_source.hpp"
+#include "message_of.hpp"
+
+using namespace haptogram;
+using Catch::Contains;
+
+namespace {
+
+Hand hand_at(Vec3 palm, bool right = true, std::int64_t id = 1) {
+    Hand hand;
+    hand.id = id;
+    hand.right = right;
+    hand.palm = palm;
+    return hand;
+}
+
+/// Frames that are there from the beginning, of a recording or as they come.
+class Listed final : public live::FrameSource {
+public:
+    Listed(std::deque<live::Frame> frames, bool live) : frames_(std::move(frames)), live_(live) {}
+    [[nodiscard]] double rate_hz() const override { return 30.0; }
+    [[nodiscard]] bool live() const override { return live_; }
+    [[nodiscard]] bool ready() override { return true; }
+    [[nodiscard]] std::optional<live::Frame> next() override {
+        if (frames_.empty()) return {};
+        live::Frame frame = std::move(frames_.front());
+        frames_.pop_front();
+        return frame;
+    }
+
+private:
+    std::deque<live::Frame> frames_;
+    bool live_;
+};
+
+live::Frame hands_frame(std::uint64_t number, double time_s, std::vector<Hand> hands) {
+    return {number, time_s, {}, HandFrame{time_s, std::move(hands)}};
+}
+
+live::Frame depth_frame(std::uint64_t number, double time_s, std::uint16_t count) {
+    return {number, time_s, {}, DepthShot{number, time_s, {DepthPicture{count}}}};
+}
+
+live::CombinedSource::Part part(std::deque<live::Frame> frames, std::size_t cameras = 0, bool live = false) {
+    return {std::make_unique<Listed>(std::move(frames), live), cameras};
+}
+
+template <class... Parts>
+live::CombinedSource combined(Parts&&... parts) {
+    std::vector<live::CombinedSource::Part> list;
+    (list.push_back(std::move(parts)), ...);
+    return live::CombinedSource(std::move(list));
+}
+
+}  // namespace
+
+TEST_CASE("several sources: recordings come in the order of their times, with what the others saw last", "[live]") {
+    auto all =
+        combined(part({depth_frame(0, 0.00, 10), depth_frame(1, 0.04, 11)}, 1), part({depth_frame(0, 0.02, 20)}, 1),
+                 part({hands_frame(0, 0.03, {hand_at({0, 0, 0.2})}), hands_frame(1, 0.30, {})}));
+    std::vector<double> times;
+    std::vector<std::pair<int, int>> counts;
+    std::vector<std::size_t> hands;
+    while (const auto frame = all.next()) {
+        const auto& seen = std::get<live::Together>(frame->seen);
+        REQUIRE(seen.shot.pictures.size() == 2);
+        const auto count = [&](std::size_t i) {
+            return seen.shot.pictures[i] ? static_cast<int>((*seen.shot.pictures[i])[0]) : -1;
+        };
+        times.push_back(frame->time_s);
+        counts.emplace_back(count(0), count(1));
+        hands.push_back(seen.hands.hands.size());
+        CHECK(frame->number + 1 == times.size());
+    }
+    CHECK(times == std::vector<double>{0.00, 0.02, 0.03, 0.04, 0.30});
+    // After a tenth of a second without a frame a source sees nothing.
+    CHECK(counts == std::vector<std::pair<int, int>>{{10, -1}, {10, 20}, {10, 20}, {11, 20}, {-1, -1}});
+    CHECK(hands == std::vector<std::size_t>{0, 0, 1, 1, 0});
+}
+
+TEST_CASE("several sources: a hand that two trackers see is one, of the tracker that was named first", "[live]") {
+    auto all = combined(part({hands_frame(0, 0.0, {hand_at({0, 0, 0.2})})}),
+                        part({hands_frame(0, 0.01, {hand_at({0.02, 0, 0.21}), hand_at({0.02, 0, 0.21}, false, 2)})}));
+    REQUIRE(all.next());
+    const auto frame = all.next();
+    REQUIRE(frame);
+    const auto& hands = std::get<HandFrame>(frame->seen).hands;
+    REQUIRE(hands.size() == 2);
+    CHECK(hands[0].palm.x == 0.0);
+    CHECK_FALSE(hands[1].right);
+    CHECK(hands[0].id != hands[1].id);
+}
+
+TEST_CASE("several sources: lost frames of one are lost ones of all", "[live]") {
+    auto all = combined(part({hands_frame(4, 0.0, {}), hands_frame(7, 0.1, {})}), part({hands_frame(0, 0.05, {})}));
+    std::vector<std::uint64_t> numbers;
+    while (const auto frame = all.next()) numbers.push_back(frame->number);
+    CHECK(numbers == std::vector<std::uint64_t>{0, 1, 4});
+}
+
+TEST_CASE("several sources: as they happen, by one clock, and no recordings among them", "[live]") {
+    double now_s = 5.0;
+    std::vector<live::CombinedSource::Part> parts;
+    parts.push_back(part({hands_frame(0, 900.0, {}), hands_frame(1, 900.1, {})}, 0, true));
+    parts.push_back(part({hands_frame(0, 3.0, {})}, 0, true));
+    live::CombinedSource all(std::move(parts), [&] { return now_s += 0.01; });
+    std::vector<double> times;
+    while (const auto frame = all.next()) times.push_back(frame->time_s);
+    REQUIRE(times.size() == 3);
+    for (std::size_t i = 1; i < 3; ++i) CHECK(times[i] == Approx(times[i - 1] + 0.01).margin(0.011));
+    CHECK(all.ready());
+    CHECK_THAT(message_of([] { (void)combined(part({}, 0, true), part({})); }), Contains("no common time"));
+}
