@@ -174,7 +174,7 @@ std::optional<PlaneEllipse> fit_constrained(std::span<const PlanePoint> points, 
                         frame.scale * circle->radius, frame.scale * circle->radius * ratio, 0.0};
 }
 
-std::optional<Section> section_of(std::span<const Vec3> points, Vec3 surface, Vec3 inward,
+std::optional<FingerSection> section_of(std::span<const Vec3> points, Vec3 surface, Vec3 inward,
                                   const std::optional<Vec3>& sight, const SectionOptions& options) {
     if (points.size() < 5) return {};
     const Vec3 level = std::abs(inward.x) < 0.9 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
@@ -206,7 +206,7 @@ std::optional<Section> section_of(std::span<const Vec3> points, Vec3 surface, Ve
                 fit_width(projected, options.usual_ratio, sighted || fitted->y > frame_of(projected).y ? 1.0 : -1.0);
         if (!finger_like(*fitted, options)) return {};
     }
-    Section section;
+    FingerSection section;
     section.constrained = !trusted;
     Ellipse& e = section.ellipse;
     e.centre = surface + fitted->x * x + fitted->y * y;

@@ -47,7 +47,7 @@ struct SectionOptions {
     double usual_ratio = 0.8125;            ///< of the half axes of a finger, where only a part of it is seen
 };
 
-struct Section {
+struct FingerSection {
     Ellipse ellipse;
     bool constrained = false;  ///< the direct fit was not to be trusted
 };
@@ -58,7 +58,7 @@ struct Section {
 /// @param sight    from the camera to the finger, when there is one camera: half of the outline is behind it. Without
 ///                 it the seen part of the outline tells the side
 /// @return nothing when there are fewer than 5 points, or no ellipse of a finger's size fits
-[[nodiscard]] std::optional<Section> section_of(std::span<const Vec3> points, Vec3 surface, Vec3 inward,
+[[nodiscard]] std::optional<FingerSection> section_of(std::span<const Vec3> points, Vec3 surface, Vec3 inward,
                                                 const std::optional<Vec3>& sight = {},
                                                 const SectionOptions& options = {});
 
