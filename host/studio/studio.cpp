@@ -10,6 +10,7 @@
 
 #include "answers.hpp"
 #include "assets.hpp"
+#include "board_json.hpp"
 #include "computing.hpp"
 #include "failure.hpp"
 #include "haptogram/base/error.hpp"
@@ -20,6 +21,7 @@
 #include "haptogram/link/to_json.hpp"
 #include "http.hpp"
 #include "messages.hpp"
+#include "page_sight.hpp"
 #include "player.hpp"
 #include "scenes.hpp"
 #include "study.hpp"
@@ -63,8 +65,7 @@ public:
 private:
     struct Visitor {
         std::shared_ptr<Page> page;
-        Clock::time_point heard = Clock::now();
-        std::optional<Clock::time_point> hidden{};  ///< since when
+        PageSight sight{};
     };
     struct Stop {
         std::uint64_t page;
@@ -125,7 +126,7 @@ private:
     void take(Page& page, const std::string& text) {
         const auto visitor = visitors_.find(page.number());
         if (visitor == visitors_.end()) return;
-        visitor->second.heard = Clock::now();
+        visitor->second.sight.heard();
         std::optional<Message> message;
         if (const auto error = error_of([&] { message = read_message(text); })) {
             page.send(to_text({{"t", "error"}, {"error", *error}}));
@@ -202,7 +203,7 @@ private:
             require_no_other_driver(visitor);
             driver_work_ = work();
             driver_ = visitor.page->number();
-            visitor.hidden = {};
+            visitor.sight.seen();
         });
     }
 
@@ -308,7 +309,7 @@ private:
         if (shown["show"] != "ask" || visitor == visitors_.end()) return;
         driver_ = study_->page;
         driver_work_ = 0;  // none of the player's
-        visitor->second.hidden = {};
+        visitor->second.sight.seen();
     }
 
     [[nodiscard]] Study::Settings study_settings(std::uint64_t number) {
@@ -362,30 +363,19 @@ private:
         });
     }
 
-    void act(Visitor& visitor, const BeatMessage& message) {
-        if (!message.hidden)
-            visitor.hidden = {};
-        else if (!visitor.hidden)
-            visitor.hidden = Clock::now();
-    }
+    static void act(Visitor& visitor, const BeatMessage& message) { visitor.sight.beat(message.hidden); }
 
     // The board: what it tells, and what keeps its outputs on.
 
     [[nodiscard]] ordered_json device_json() const {
         if (study_ && study_->borrowed) return {{"t", "device"}, {"connection", "lent"}, {"port", port_}};
         if (!player_.connected()) return {{"t", "device"}, {"connection", "none"}};
-        ordered_json json{{"t", "device"},
-                          {"connection", to_string(state_.connection)},
-                          {"port", port_},
-                          {"intensity", player_.intensity()}};
-        if (state_.connection != link::Connection::connecting) {
-            json["identity"] = link::to_json(state_.identity);
-            json["status"] = link::to_json(state_.status);
-            if (!port_.starts_with("virtual"))
-                json["baud"] = baud_ != 0 ? baud_ : link::remembered_rate(port_).value_or(0);
-        }
-        if (!state_.trouble.empty()) json["trouble"] = state_.trouble;
-        return json;
+        std::uint32_t baud = baud_;
+        if (port_.starts_with("virtual"))
+            baud = 0;
+        else if (baud == 0 && state_.connection != link::Connection::connecting)
+            baud = link::remembered_rate(port_).value_or(0);
+        return studio::device_json(state_, port_, baud, player_.intensity());
     }
 
     void tell(const link::DeviceState& state) {
@@ -418,13 +408,8 @@ private:
 
     bool tick(const std::function<bool()>& ended) {
         const Clock::time_point now = Clock::now();
-        if (driver_) {
-            const Visitor& visitor = visitors_.at(*driver_);
-            if (now - visitor.heard > (visitor.hidden ? most_silence_hidden : most_silence))
-                outputs_off("the page that drove the board was silent");
-            else if (visitor.hidden && now - *visitor.hidden > most_hidden)
-                outputs_off("the page that drove the board was out of sight");
-        }
+        if (driver_)
+            if (const auto why = visitors_.at(*driver_).sight.too_long()) outputs_off(*why);
         std::erase_if(stops_, [&](const Stop& stop) {
             if (now - stop.asked < std::chrono::seconds(2)) return false;
             tell_off(stop, false);

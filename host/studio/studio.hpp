@@ -1,19 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
 
 namespace haptogram::studio {
-
-/// A page that drives the outputs says so often that it is alive; after this long without a word they go off.
-inline constexpr std::chrono::milliseconds most_silence{1000};
-/// Of a page out of sight browsers call the timers once a second only.
-inline constexpr std::chrono::milliseconds most_silence_hidden{2500};
-/// After this long out of sight they go off, too.
-inline constexpr std::chrono::seconds most_hidden{10};
 
 struct Options {
     std::filesystem::path project;  ///< that the page begins with; empty: an example

@@ -1,32 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page of `make site`, which no program serves: its images are the command line's, it is quick and small, and says what it leaves out.
 import assert from "node:assert/strict";
-import { existsSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
-import { createServer } from "node:http";
-import { extname, join } from "node:path";
-import { fileURLToPath } from "node:url";
+import { existsSync, readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
 import { test } from "node:test";
 import { gzipSync } from "node:zlib";
 import { accessible, drop, folder, lookedAt, openDesign, openPage, panel, picture, run, settled, shapes, show, slices, startBrowser, takeAway } from "./support.mjs";
 import { randomDesign, randomOf } from "./designs.mjs";
-
-const site = process.env.HAPTOGRAM_SITE ?? fileURLToPath(new URL("../../build/site/studio", import.meta.url));
-const skip = existsSync(join(site, "studio_engine.wasm")) ? false : `there is no static page in ${site}: it needs Emscripten (tools/setup dev), then \`make site\``;
-const types = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".json": "application/json", ".svg": "image/svg+xml", ".wasm": "application/wasm" };
-
-/** Any web host: it knows the kinds of files, and sets no other header. */
-async function host(t) {
-  const server = createServer((request, response) => {
-    const path = new URL(request.url, "http://any").pathname;
-    const file = join(site, path === "/" ? "index.html" : path);
-    if (!file.startsWith(site) || !existsSync(file)) return response.writeHead(404).end();
-    response.writeHead(200, { "Content-Type": types[extname(file)] ?? "application/octet-stream" }).end(readFileSync(file));
-  });
-  await new Promise((done) => server.listen(0, "127.0.0.1", done));
-  t.after(() => server.close());
-  const name = `127.0.0.1:${server.address().port}`;
-  return { address: `http://${name}/`, host: name };
-}
+import { host, site, skip } from "./site.mjs";
 
 async function openSite(t, options) {
   const page = await openPage(t, await startBrowser(t), await host(t), options);
@@ -164,12 +145,25 @@ test("all that a static page shows is accessible, and it says what it leaves out
     assert.ok((await accessible(page)) > 10);
     await picture(page, `static-${step}`);
   }
-  assert.match(await page.locator("header").innerText(), /No program behind this page/);
-  assert.ok(await page.locator("button.play").isDisabled());
-  assert.ok(!(await page.locator("#stop").isVisible()));
+  // A browser in which pages use serial ports: a board can be chosen.
+  assert.match(await page.locator("header").innerText(), /No board\. Play asks for one/);
+  assert.ok(await page.locator("button.play").isEnabled());
+  assert.ok(await page.locator("#stop").isVisible());
   for (const title of ["Board", "Pins"]) assert.match(await panel(page, title).innerText(), /haptogram studio NAME\.haptogram/);
   assert.match(await panel(page, "Take away").innerText(), /bitstreams by the program/);
   assert.equal(await page.getByRole("button", { name: "Field (.png)" }).count(), 0);
+});
+
+test("a static page in a browser without serial ports says where boards are reached", { skip }, async (t) => {
+  const before = (page) => page.addInitScript(() => delete Navigator.prototype.serial);
+  const page = await openSite(t, { before });
+  await show(page, "Play");
+  assert.ok((await accessible(page)) > 10);
+  await picture(page, "static-without-serial");
+  assert.match(await page.locator("header").innerText(), /This browser cannot reach boards/);
+  assert.ok(await page.locator("button.play").isDisabled());
+  assert.ok(!(await page.locator("#stop").isVisible()));
+  assert.match(await panel(page, "Board").innerText(), /Chrome, Edge and Chromium/);
 });
 
 test("a static page sees, authors and takes away as with the program", { skip }, async (t) => {

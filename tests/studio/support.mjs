@@ -69,9 +69,9 @@ export async function startBrowser(t, ...args) {
 /**
  * A page of the studio. After the test it must have had no error on its console, no violation of its policy, and no request
  * but to its server. Errors on its console that a test provokes are `allowed`; `mayFail` is for lost servers, of which the browser
- * says many things.
+ * says many things. `before` prepares the page before it is loaded.
  */
-export async function openPage(t, browser, studio, { colorScheme = "light", mayFail = false, allowed = /^$/, firstVisit = false } = {}) {
+export async function openPage(t, browser, studio, { colorScheme = "light", mayFail = false, allowed = /^$/, firstVisit = false, before = async () => undefined } = {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, colorScheme, acceptDownloads: true });
   context.setDefaultTimeout(patience);
   const page = await context.newPage();
@@ -87,6 +87,7 @@ export async function openPage(t, browser, studio, { colorScheme = "light", mayF
     addEventListener("securitypolicyviolation", (event) => window.reportViolation(`${event.violatedDirective} ${event.blockedURI}`));
   });
   page.on("dialog", (dialog) => dialog.accept()); // of leaving a design that is not saved
+  await before(page);
   if (!firstVisit) await page.addInitScript(() => localStorage.setItem("hinted", ""));
   await page.goto(studio.address);
   t.after(() => mayFail || assert.deepEqual(wrong.filter((each) => !allowed.test(each)), []));
@@ -97,10 +98,10 @@ export async function openPage(t, browser, studio, { colorScheme = "light", mayF
 const steps = {
   Make: ["Shape", "Focal points", "Passes a second", "Drawings a second", "Amplitude", "Modulation", "Pace", "Speed", "Passes in all", "Array", "For board", "All points feel alike", "Size", "Of several", "+ Add an object", "Remove this one",
     "Unit of the file", "Upwards in the file", ...["x", "y", "z"].flatMap((axis) => [`Centre ${axis}`, `Turn about ${axis}`]), ".file", ".gallery", ".wrong-value", "Recording", "Algorithm", "Kind", "Frame", "This frame", "Frame number", "Palm height",
-    "output.frame", "Touched object", "Hand", "Path", "Commands that make these paths", "Back to an object of focal points", "Path of this frame", "How strong each of 300 frames is; 300 touch the object", "Points of a pass", "Look through all frames", "Height (object)"],
+    "output.frame", "Touched object", "Hand", "Path", "Commands that make these paths", "Back to an object of focal points", "Path of this frame", "How strong each of 300 frames is; 300 touch the object", "Points of a pass", "Look through all frames", "Height (object)", "Let it move", "Let it stay in its place", "Remove this key frame", "Add a key frame after this one", "At", "From here it", "Beats", "Grown to", "Strength here", ...["x", "y", "z"].flatMap((axis) => [`Moved by ${axis}`, `Turned by ${axis}`]), ...[1, 2, 3].map((i) => `Key frame ${i}, at ${(i - 1) / 2} s`)],
   See: ["Shown", "Colours", "Range", "Hold the top of the scale", "Top", "Plane", "Height", "Middle x", "Middle y", "Middle z", "Of the marked focal point alone", "What one focus could have at each point", "Surface", "Handles", "Profile", "Numbers",
     "Compare", "Keep this to compare", "Show the kept one", "Go back to it", "Forget it", ".curve.kept", "Pins", "Simulate", "Stop simulating", "Simulate and measure the pins", "[data-verdict]", "[data-verdict=good]", "Along", "Carrier periods"],
-  Play: ["Start a virtual board", "Simulate the FPGA's Verilog", "Port", "Rate", "Connect", "Disconnect", "Upload", "Intensity", "Follow the slider", "Modulate as shown", "Board", "Image", "Manifest", "Project", "Records", "Sequence", "Bundle", "Step", "pre.command",
+  Play: ["Start a virtual board", "Choose a board…", "Simulate the FPGA's Verilog", "Port", "Rate", "Connect", "Disconnect", "Upload", "Intensity", "Follow the slider", "Modulate as shown", "Board", "Image", "Manifest", "Project", "Records", "Sequence", "Bundle", "Step", "pre.command",
     "Copy as command", "Copy methods text", "with autostart", "Report", "Study", "Field (.csv)", "Field (.png)", "Field (.npy)", "Field (.vti)", "Take away"],
 };
 function stepOf(name) {

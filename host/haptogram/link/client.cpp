@@ -315,24 +315,29 @@ void Client::make_ready() {
     if (in_doubt_) identify();
 }
 
-Identity Client::identify() {
+void Client::begin(std::function<void()> begun) {
     forget();
     next_ = static_cast<std::uint8_t>(next_ + 128);  // far from what may still be under way
     session_ = next_;
     in_doubt_ = true;
     heed_interrupt();
     transport_.write(Bytes{0});
-    Bytes block;
-    submit({Command::identify, {}}, [&block](const Reply& reply) { block = reply.data; });
+    submit({Command::identify, {}}, [this, begun = std::move(begun)](const Reply& reply) {
+        identity_ = to_identity(reply.data);
+        in_doubt_ = false;
+        most_asking_ = std::max<std::size_t>(1, identity_.frame_bytes / policy::asking_bytes);
+        if (begun) begun();
+    });
+}
+
+Identity Client::identify() {
+    begin({});
     try {
         wait();
     } catch (...) {
         forget();
         throw;
     }
-    identity_ = to_identity(block);
-    in_doubt_ = false;
-    most_asking_ = std::max<std::size_t>(1, identity_.frame_bytes / policy::asking_bytes);
     return identity_;
 }
 

@@ -30,6 +30,9 @@ public:
     /// Starts a session; nothing else is answered before it.
     /// @throws Error{device} also when what answers is no Haptogram
     Identity identify();
+    /// The same, but returns at once; exchange() then waits for the answer, and tells of it. It throws what identify()
+    /// does.
+    void begin(std::function<void()> begun);
     [[nodiscard]] const Identity& identity() const override { return identity_; }
 
     /// Turns the outputs off ahead of everything, and needs no session for it: drops what is queued, takes back what
@@ -40,6 +43,9 @@ public:
     [[nodiscard]] std::optional<bool> is_off() const;
     /// shut_off(), and the waiting for it. @return whether it was confirmed
     bool turn_off() override;
+    /// Ends a shut_off() once is_off() is known: one that was not confirmed with a break of the line.
+    /// @return whether it was confirmed
+    bool end_shut_off();
 
     void submit(Request request, std::function<void(const Reply&)> done = {}) override;
     /// The same, but a refusal is told to `refused` instead of thrown, and what is queued behind is still carried out.
@@ -123,8 +129,6 @@ private:
     void say_off();
     void send_break();
     void listen_for_off(std::chrono::microseconds at_most);
-    bool end_shut_off();
-    friend std::vector<bool> shut_off(std::span<Client* const> devices);
 
     std::unique_ptr<Transport> owned_;
     Transport& transport_;

@@ -193,6 +193,20 @@ Request write_request(std::uint32_t address, std::span<const std::uint16_t> word
     return {Command::write, followed_by(payload_of(address, address >> 16), words)};
 }
 
+Request select_request(std::uint16_t index, std::uint16_t dwell) { return {Command::select, payload_of(index, dwell)}; }
+
+Request start_request(std::uint16_t first, std::uint16_t length, std::uint16_t loops) {
+    return {Command::start, payload_of(first, length, loops)};
+}
+
+Request modulate_request(std::uint16_t divider, std::uint16_t length, bool loop, std::uint32_t first) {
+    if (first % 2 != 0 || first > 0xffff)
+        throw bad_argument("first", fmt::format("sample {}, expected an even number up to 65534", first));
+    return {Command::modulate, payload_of(divider, length, first | (loop ? 1U : 0U))};
+}
+
+Request watchdog_request(std::uint16_t milliseconds) { return {Command::watchdog, payload_of(milliseconds)}; }
+
 Request stream_request(std::uint64_t period, std::span<const std::uint16_t> patterns) {
     return {Command::stream, followed_by(payload_of(period, period >> 16, period >> 32), patterns)};
 }
@@ -231,9 +245,7 @@ std::vector<Reply> Commands::pipeline(std::vector<Request> requests, const Progr
 
 Status Commands::status() { return to_status(request({Command::status, {}}).data); }
 
-void Commands::select(std::uint16_t index, std::uint16_t dwell) {
-    request({Command::select, payload_of(index, dwell)});
-}
+void Commands::select(std::uint16_t index, std::uint16_t dwell) { request(select_request(index, dwell)); }
 
 void Commands::set_gate(When when) {
     if (when == When::at_once()) return;
@@ -255,17 +267,16 @@ std::uint16_t Commands::push_foci(std::span<const std::uint16_t> words, std::uin
 
 void Commands::start(std::uint16_t first, std::uint16_t length, std::uint16_t loops, When when) {
     set_gate(when);
-    request({Command::start, payload_of(first, length, loops)});
+    request(start_request(first, length, loops));
 }
 
 void Commands::modulate(std::uint16_t divider, std::uint16_t length, bool loop, std::uint32_t first, When when) {
-    if (first % 2 != 0 || first > 0xffff)
-        throw bad_argument("first", fmt::format("sample {}, expected an even number up to 65534", first));
+    Request wanted = modulate_request(divider, length, loop, first);
     set_gate(when);
-    request({Command::modulate, payload_of(divider, length, first | (loop ? 1U : 0U))});
+    request(std::move(wanted));
 }
 
-void Commands::set_watchdog(std::uint16_t milliseconds) { request({Command::watchdog, payload_of(milliseconds)}); }
+void Commands::set_watchdog(std::uint16_t milliseconds) { request(watchdog_request(milliseconds)); }
 
 void Commands::set_role(Role role) { request({Command::sync, payload_of(static_cast<std::uint16_t>(role))}); }
 

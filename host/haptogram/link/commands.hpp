@@ -120,6 +120,11 @@ struct Request {
 
 /// Writes words of 16 bits.
 [[nodiscard]] Request write_request(std::uint32_t address, std::span<const std::uint16_t> words);
+/// What Commands::select(), start(), modulate() and set_watchdog() send, of what takes effect at once.
+[[nodiscard]] Request select_request(std::uint16_t index, std::uint16_t dwell);
+[[nodiscard]] Request start_request(std::uint16_t first, std::uint16_t length, std::uint16_t loops);
+[[nodiscard]] Request modulate_request(std::uint16_t divider, std::uint16_t length, bool loop, std::uint32_t first = 0);
+[[nodiscard]] Request watchdog_request(std::uint16_t milliseconds);
 /// Patterns for this carrier period and those after it, for tell().
 [[nodiscard]] Request stream_request(std::uint64_t period, std::span<const std::uint16_t> patterns);
 

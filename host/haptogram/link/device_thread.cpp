@@ -65,11 +65,6 @@ std::exception_ptr shut_off_error() {
 
 }  // namespace
 
-std::string_view to_string(Connection connection) {
-    constexpr std::string_view names[] = {"connecting", "connected", "lost"};
-    return names[static_cast<unsigned>(connection)];
-}
-
 class DeviceThread::Core {
 public:
     explicit Core(Settings settings) : settings_(std::move(settings)) {}

@@ -4,27 +4,12 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <string>
-#include <string_view>
 
 #include "haptogram/link/client.hpp"
+#include "haptogram/link/device_state.hpp"
 #include "haptogram/link/transport.hpp"
 
 namespace haptogram::link {
-
-/// How the connection to a device is.
-enum class Connection { connecting, connected, lost };
-[[nodiscard]] std::string_view to_string(Connection connection);
-
-/// What a DeviceThread knows of its device.
-struct DeviceState {
-    Connection connection = Connection::connecting;
-    Identity identity;            ///< of the present or last session
-    Status status;                ///< as the device said last; old when the connection is lost
-    std::string trouble;          ///< why there is no connection, or what went wrong last; empty when all is well
-    std::uint64_t shut_offs = 0;  ///< how often shut_off() was called
-    std::uint64_t confirmed = 0;  ///< how many of these the device has confirmed, by an answer to disable
-};
 
 /// Owns a port in a thread of its own, so that a program can do other things while a device works: a server, a window,
 /// a script's prompt.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "haptogram/base/error.hpp"
@@ -21,6 +22,13 @@ constexpr std::uint32_t pulse_word = 1;  // of a record: the pulse's length, and
 
 bool is_timings(const Record& record) { return record.kind == interface::Kind::timings; }
 
+void require_modulation(const Identity& identity) {
+    if (identity.modulation_words == 0)
+        throw bad_input("board",
+                        "it holds amplitudes, and has no modulation by which they could become weaker; compile "
+                        "with another amplitude");
+}
+
 }  // namespace
 
 bool can_be_modulated(const Image& image) {
@@ -32,36 +40,41 @@ Intensity::Intensity(Image image) : image_(std::move(image)), has_amplitudes_(ca
 }
 
 void Intensity::set(Commands& device, double factor) {
+    device.pipeline(requests(device.identity(), has_amplitudes_ && device.status().modulated, factor));
+}
+
+std::vector<Request> Intensity::requests(const Identity& identity, bool modulates, double factor) {
     if (!(factor >= 0.0 && factor <= 1.0))
         throw bad_argument("intensity", fmt::format("found {}, expected 0 to 1", factor));
-    if (has_amplitudes_) require_modulation(device);
+    if (has_amplitudes_) require_modulation(identity);
     factor_ = factor;
-    set_pulses(device, factor);
-    if (has_amplitudes_) set_samples(device, false);
+    std::vector<Request> requests;
+    add_pulses(requests, identity, factor);
+    // Samples that a device plays may change while it does; it goes on where it is in its loop.
+    if (has_amplitudes_) add_samples(requests, identity, !modulates);
+    return requests;
 }
 
 void Intensity::modulate(Commands& device, const std::optional<SampledModulation>& modulation) {
+    device.pipeline(requests(device.identity(), modulation));
+}
+
+std::vector<Request> Intensity::requests(const Identity& identity, const std::optional<SampledModulation>& modulation) {
     if (!has_amplitudes_)
         throw bad_input("image", "it has timings and no amplitudes that the board could modulate; play it anew");
-    require_modulation(device);
-    const std::size_t most = std::size_t{2} * device.identity().modulation_words;
+    require_modulation(identity);
+    const std::size_t most = std::size_t{2} * identity.modulation_words;
     if (modulation && modulation->samples.size() > most)
         throw bad_input("modulation",
                         fmt::format("it has {} samples; the board holds {}", modulation->samples.size(), most));
     image_.modulation = modulation;
-    set_samples(device, true);
+    std::vector<Request> requests;
+    add_samples(requests, identity, true);
+    return requests;
 }
 
-void Intensity::require_modulation(Commands& device) const {
-    if (device.identity().modulation_words == 0)
-        throw bad_input("board",
-                        "it holds amplitudes, and has no modulation by which they could become weaker; compile "
-                        "with another amplitude");
-}
-
-void Intensity::set_pulses(Commands& device, double factor) {
-    const std::uint32_t least_clocks = std::max(device.identity().min_pulse_clocks, 1U);
-    std::vector<Piece> pieces;
+void Intensity::add_pulses(std::vector<Request>& requests, const Identity& identity, double factor) {
+    const std::uint32_t least_clocks = std::max(identity.min_pulse_clocks, 1U);
     for (std::size_t i = 0; i < image_.records.size(); ++i) {
         const Record& record = image_.records[i];
         if (!is_timings(record)) continue;
@@ -73,24 +86,23 @@ void Intensity::set_pulses(Commands& device, double factor) {
         interface::record_field::cycle_length.set(header, record.cycle_length);
         interface::record_field::pulse_length.set(header, pulse);
         const std::uint32_t word = static_cast<std::uint32_t>(i) * record_words(image_.channels) + pulse_word;
-        pieces.push_back(
-            {interface::primary_base + word_bytes * word,
-             {static_cast<std::uint8_t>(header[pulse_word]), static_cast<std::uint8_t>(header[pulse_word] >> 8)}});
+        requests.push_back(writing(Piece{
+            interface::primary_base + word_bytes * word,
+            {static_cast<std::uint8_t>(header[pulse_word]), static_cast<std::uint8_t>(header[pulse_word] >> 8)}}));
         pulses_[i] = pulse;
     }
-    device.pipeline(writing(pieces));
 }
 
-/// @param anew  from the first sample on, and with another divider; otherwise samples that play go on
-void Intensity::set_samples(Commands& device, bool anew) const {
+/// @param starts  whether the samples are played from the first on, and with the image's divider
+void Intensity::add_samples(std::vector<Request>& requests, const Identity& identity, bool starts) const {
     Image weaker;
     weaker.channels = image_.channels;
     weaker.modulation = image_.modulation.value_or(SampledModulation{1, {255, 255}});
     for (std::uint8_t& sample : weaker.modulation->samples)
         sample = static_cast<std::uint8_t>(std::lround(factor_ * sample));
-    // Samples that a device plays may change while it does; it goes on where it is in its loop.
-    write_settings(device, weaker);
-    if (anew || !device.status().modulated) start_modulation(device, weaker);
+    std::ranges::move(settings_requests(weaker), std::back_inserter(requests));
+    if (!starts) return;
+    if (std::optional<Request> start = modulation_request(weaker, identity)) requests.push_back(std::move(*start));
 }
 
 }  // namespace haptogram::link

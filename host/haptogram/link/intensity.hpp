@@ -23,15 +23,22 @@ public:
     /// @throws Error{bad_argument} for another "intensity"; Error{bad_input} when the image has amplitudes and the
     ///         device no modulation
     void set(Commands& device, double factor);
+    /// What set() sends, for who cannot wait.
+    /// @param modulates  whether the device modulates now, as its status says
+    [[nodiscard]] std::vector<Request> requests(const Identity& identity, bool modulates, double factor);
 
     /// Another modulation for all amplitudes, from the next carrier period on, or none; of the same factor.
     /// @throws Error{bad_input} when the image has no amplitudes, or the device no modulation or too few samples
     void modulate(Commands& device, const std::optional<SampledModulation>& modulation);
+    /// What modulate() sends.
+    [[nodiscard]] std::vector<Request> requests(const Identity& identity,
+                                                const std::optional<SampledModulation>& modulation);
+    /// Whether set() needs the device's status.
+    [[nodiscard]] bool has_amplitudes() const { return has_amplitudes_; }
 
 private:
-    void require_modulation(Commands& device) const;
-    void set_pulses(Commands& device, double factor);
-    void set_samples(Commands& device, bool anew) const;
+    void add_pulses(std::vector<Request>& requests, const Identity& identity, double factor);
+    void add_samples(std::vector<Request>& requests, const Identity& identity, bool starts) const;
 
     Image image_;
     double factor_ = 1.0;

@@ -41,18 +41,25 @@ std::vector<Request> writing(const std::vector<Piece>& pieces) {
     return requests;
 }
 
-std::vector<Piece> differing(Commands& device, const std::vector<Piece>& pieces, const Progress& progress) {
+std::vector<Request> asking(Command command, const std::vector<Piece>& pieces) {
     std::vector<Request> requests;
     requests.reserve(pieces.size());
-    for (const Piece& piece : pieces) requests.push_back(asking(Command::digest, piece));
-    const std::vector<Reply> replies = device.pipeline(std::move(requests), progress);
+    for (const Piece& piece : pieces) requests.push_back(asking(command, piece));
+    return requests;
+}
+
+std::vector<Piece> differing(Commands& device, const std::vector<Piece>& pieces, const Progress& progress) {
+    return differing(pieces, device.pipeline(asking(Command::digest, pieces), progress));
+}
+
+std::vector<Piece> differing(const std::vector<Piece>& pieces, const std::vector<Reply>& digests) {
     std::vector<Piece> found;
     for (std::size_t i = 0; i < pieces.size(); ++i) {
         const auto digest = static_cast<std::uint32_t>(
             ::crc32(0, pieces[i].bytes.data(), static_cast<unsigned>(pieces[i].bytes.size())));
         const Bytes expected = {static_cast<std::uint8_t>(digest), static_cast<std::uint8_t>(digest >> 8),
                                 static_cast<std::uint8_t>(digest >> 16), static_cast<std::uint8_t>(digest >> 24)};
-        if (replies[i].data != expected) found.push_back(pieces[i]);
+        if (digests[i].data != expected) found.push_back(pieces[i]);
     }
     return found;
 }

@@ -41,11 +41,14 @@ template <class Word>
 
 /// A READ or DIGEST of a piece: it names the length of what it asks for.
 [[nodiscard]] Request asking(interface::Command command, const Piece& piece);
+[[nodiscard]] std::vector<Request> asking(interface::Command command, const std::vector<Piece>& pieces);
 /// The WRITE of a piece.
 [[nodiscard]] Request writing(const Piece& piece);
 [[nodiscard]] std::vector<Request> writing(const std::vector<Piece>& pieces);
 
-/// The pieces that a device does not hold, told by its digests of them.
+/// The pieces that a device does not hold, told by its replies to a DIGEST of each.
+[[nodiscard]] std::vector<Piece> differing(const std::vector<Piece>& pieces, const std::vector<Reply>& digests);
+/// The same; it asks for them.
 [[nodiscard]] std::vector<Piece> differing(Commands& device, const std::vector<Piece>& pieces,
                                            const Progress& progress = {});
 

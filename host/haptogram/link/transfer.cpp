@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <thread>
 #include <utility>
 
@@ -55,37 +56,72 @@ std::unique_ptr<Commands> connect_again(const Connect& connect, Clock::time_poin
 
 }  // namespace
 
+UploadSteps::UploadSteps(const Image& image, const Identity& identity)
+    : pieces_(pieces_of(image)), unread_(unread_pieces_of(image)), start_(modulation_request(image, identity)) {}
+
+std::optional<std::vector<Request>> UploadSteps::next(const std::vector<Reply>& replies) {
+    switch (step_) {
+        case Step::none: step_ = Step::compares; return asking(Command::digest, pieces_);
+        case Step::compares: {
+            step_ = Step::writes;
+            wrong_ = differing(pieces_, replies);
+            std::vector<Request> requests = writing(unread_);
+            std::ranges::move(writing(wrong_), std::back_inserter(requests));
+            return requests;
+        }
+        case Step::writes: step_ = Step::compares_again; return asking(Command::digest, wrong_);
+        case Step::compares_again: {
+            const std::vector<Piece> still = differing(wrong_, replies);
+            if (!still.empty())
+                throw Error(ErrorCode::device, "board",
+                            fmt::format("its memory differs from what was written, from address {:#010x} on; does "
+                                        "another program write to this board?",
+                                        still.front().address));
+            step_ = Step::starts;
+            return start_ ? std::vector<Request>{*start_} : std::vector<Request>{};
+        }
+        default: step_ = Step::over; return {};
+    }
+}
+
+Progress UploadSteps::part(const Progress& progress) const {
+    constexpr double compared = 0.05, written = 0.95;  // about the time that each takes of the whole
+    if (step_ == Step::compares) return progress.between(0.0, compared);
+    if (step_ == Step::writes) return progress.between(compared, written);
+    if (step_ == Step::compares_again) return progress.between(written, 1.0);
+    return {};
+}
+
 Uploaded upload(Commands& device, const Image& image, const Progress& progress) {
-    const std::vector<Piece> pieces = pieces_of(image);
-    const std::vector<Piece> unread = unread_pieces_of(image);
-    const std::vector<Piece> wrong = differing(device, pieces, progress.between(0.0, 0.05));
-    std::vector<Request> requests = writing(unread);
-    std::ranges::move(writing(wrong), std::back_inserter(requests));
-    device.pipeline(std::move(requests), progress.between(0.05, 0.95));
-    const std::vector<Piece> still = differing(device, wrong, progress.between(0.95, 1.0));
-    if (!still.empty())
-        throw Error(ErrorCode::device, "board",
-                    fmt::format("its memory differs from what was written, from address {:#010x} on; does another "
-                                "program write to this board?",
-                                still.front().address));
-    start_modulation(device, image);
-    return {pieces.size() + unread.size(), wrong.size() + unread.size()};
+    UploadSteps steps(image, device.identity());
+    std::vector<Reply> replies;
+    while (std::optional<std::vector<Request>> requests = steps.next(replies))
+        replies = device.pipeline(std::move(*requests), steps.part(progress));
+    return steps.uploaded();
 }
 
 bool holds(Commands& device, const Image& image) { return differing(device, pieces_of(image)).empty(); }
 
-void write_settings(Commands& device, const Image& image) {
+std::vector<Request> settings_requests(const Image& image) {
     std::vector<Piece> pieces = unread_pieces_of(image);
     cut(pieces, interface::parameters_base, parameters_words(image), frame_bytes(image));
     cut(pieces, interface::modulation_base, modulation_words(image), frame_bytes(image));
-    device.pipeline(writing(pieces));
+    return writing(pieces);
+}
+
+void write_settings(Commands& device, const Image& image) { device.pipeline(settings_requests(image)); }
+
+std::optional<Request> modulation_request(const Image& image, const Identity& identity) {
+    if (image.modulation)
+        return modulate_request(image.modulation->divider, static_cast<std::uint16_t>(image.modulation->samples.size()),
+                                true);
+    if (identity.modulation_words > 0) return modulate_request(0, 0, false);
+    return {};
 }
 
 void start_modulation(Commands& device, const Image& image) {
-    if (image.modulation)
-        device.modulate(image.modulation->divider, static_cast<std::uint16_t>(image.modulation->samples.size()), true);
-    else if (device.identity().modulation_words > 0)
-        device.modulate(0, 0, false);
+    if (std::optional<Request> request = modulation_request(image, device.identity()))
+        device.request(std::move(*request));
 }
 
 std::uint32_t highest_index(Commands& device) {
@@ -98,10 +134,7 @@ std::uint32_t highest_index(Commands& device) {
 
 std::string compare(Commands& device, const Image& image, const Progress& progress) {
     const std::vector<Piece> pieces = pieces_of(image);
-    std::vector<Request> requests;
-    requests.reserve(pieces.size());
-    for (const Piece& piece : pieces) requests.push_back(asking(Command::read, piece));
-    const std::vector<Reply> replies = device.pipeline(std::move(requests), progress);
+    const std::vector<Reply> replies = device.pipeline(asking(Command::read, pieces), progress);
     for (std::size_t i = 0; i < pieces.size(); ++i) {
         const auto [expected, found] = std::ranges::mismatch(pieces[i].bytes, replies[i].data);
         if (expected == pieces[i].bytes.end() && found == replies[i].data.end()) continue;

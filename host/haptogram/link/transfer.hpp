@@ -4,11 +4,14 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "haptogram/base/progress.hpp"
 #include "haptogram/format/image.hpp"
 #include "haptogram/link/commands.hpp"
+#include "haptogram/link/memory.hpp"
 #include "haptogram/link/transport.hpp"
 
 namespace haptogram::link {
@@ -17,6 +20,28 @@ namespace haptogram::link {
 struct Uploaded {
     std::size_t pieces = 0;   ///< frames that the image has
     std::size_t written = 0;  ///< those that the device did not hold already
+};
+
+/// An upload in steps, for who cannot wait: each step is requests, and the next one needs their replies.
+class UploadSteps {
+public:
+    /// @param image  was checked to fit the device
+    UploadSteps(const Image& image, const Identity& identity);
+    /// @param replies  to the requests of the step before, in order; of the first, none
+    /// @return empty when all is done  @throws Error{device} when the digests still differ after writing
+    [[nodiscard]] std::optional<std::vector<Request>> next(const std::vector<Reply>& replies);
+    /// Progress of the present step in that of all steps.
+    [[nodiscard]] Progress part(const Progress& progress) const;
+    [[nodiscard]] Uploaded uploaded() const {
+        return {pieces_.size() + unread_.size(), wrong_.size() + unread_.size()};
+    }
+
+private:
+    enum class Step { none, compares, writes, compares_again, starts, over };
+    Step step_ = Step::none;
+    std::vector<Piece> pieces_, unread_;
+    std::vector<Piece> wrong_;  // of the pieces, what the device did not hold
+    std::optional<Request> start_;
 };
 
 /// @throws Error{bad_input} saying why the image does not fit the device
@@ -32,11 +57,16 @@ Uploaded upload(Commands& device, const Image& image, const Progress& progress =
 /// Whether a device's memories hold an image, told by their digests; of the geometry of foci nothing can be told.
 [[nodiscard]] bool holds(Commands& device, const Image& image);
 
-/// Writes what an image has of parameters, geometry and modulation, which no bitstream holds. It starts nothing.
+/// Requests that write what an image has of parameters, geometry and modulation, which no bitstream holds. They start
+/// nothing.
+[[nodiscard]] std::vector<Request> settings_requests(const Image& image);
+/// Writes them.
 void write_settings(Commands& device, const Image& image);
 
-/// Starts the modulation that an image has, with its first sample, over and over. Where it has none, a device that
-/// could modulate stops doing so.
+/// The request that starts the modulation that an image has, with its first sample, over and over. Where it has none, a
+/// device that could modulate stops doing so.
+[[nodiscard]] std::optional<Request> modulation_request(const Image& image, const Identity& identity);
+/// Sends it.
 void start_modulation(Commands& device, const Image& image);
 
 /// The highest index of a record that a device holds; of foci, as its parameters say.

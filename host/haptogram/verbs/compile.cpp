@@ -518,6 +518,11 @@ Compiled compile_on(const ProjectInstrument& instrument, const Project& project,
             path = path_of(stretches);
         }
     }
+    if (!project.key_frames.empty()) {
+        path = moved_by(project.key_frames, path, bounding_box(shape).center(), timer.carrier_hz(),
+                        core.sequence_depth - 1);
+        require_reachable(path, instrument.array);
+    }
     const std::vector<double> am_hz = modulate(path, project, timer.carrier_hz(), most_samples, hashes);
     const auto magnitude = feel(path, project, instrument.array);
     progress(0.8, "focusing");

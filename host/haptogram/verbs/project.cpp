@@ -72,6 +72,27 @@ ShapeSource read_shape(const std::string& file, const toml::table& table) {
     return source;
 }
 
+constexpr std::string_view eases[] = {"linear", "smooth", "step"};  // as Ease has them
+
+KeyFrame read_key_frame(const std::string& file, const toml::table& table) {
+    const Section section(file, table);
+    section.only({"time_s", "move_mm", "rotate_deg", "scale", "amplitude", "am_hz", "ease", "mark"});
+    KeyFrame frame;
+    frame.time_s = section.required(section.number("time_s", 0.0, 1e6), "time_s", "seconds since the path begins");
+    if (const auto move = section.numbers("move_mm", 3)) frame.move = from_mm((*move)[0], (*move)[1], (*move)[2]);
+    if (const auto angles = section.numbers("rotate_deg", 3))
+        frame.turn_deg = {(*angles)[0], (*angles)[1], (*angles)[2]};
+    assign(frame.scale, section.number("scale", 1e-9, 1e9));
+    assign(frame.amplitude, section.number("amplitude", 0.0, 1.0));
+    assign(frame.am_hz, section.number("am_hz", 0.0, 1e6));
+    if (const auto ease = section.text("ease", "\"linear\", \"smooth\" or \"step\"", [](const std::string& text) {
+            return std::ranges::find(eases, text) != std::end(eases);
+        }))
+        frame.ease = static_cast<Ease>(std::ranges::find(eases, *ease) - std::begin(eases));
+    assign(frame.mark, section.flag("mark"));
+    return frame;
+}
+
 HandSource read_hand(const Section& section) {
     section.only({"recording", "model", "frames_hz", "object", "size_mm", "height_mm", "center_mm", "rotate_deg",
                   "unit", "algorithm", "frame"});
@@ -149,6 +170,23 @@ std::string to_toml(const ShapeSource& source) {
     return text + to_toml(source.placement);
 }
 
+std::string to_toml(const KeyFrame& frame) {
+    const KeyFrame standard;
+    std::string text = fmt::format("\n[[keyframe]]\ntime_s = {}\n", number_text(frame.time_s));
+    if (frame.move != standard.move)
+        text += fmt::format("move_mm = [{}, {}, {}]\n", in_mm(frame.move.x), in_mm(frame.move.y), in_mm(frame.move.z));
+    if (frame.turn_deg != standard.turn_deg)
+        text += fmt::format("rotate_deg = [{}, {}, {}]\n", number_text(frame.turn_deg.x), number_text(frame.turn_deg.y),
+                            number_text(frame.turn_deg.z));
+    if (frame.scale != standard.scale) text += fmt::format("scale = {}\n", number_text(frame.scale));
+    if (frame.amplitude != standard.amplitude) text += fmt::format("amplitude = {}\n", number_text(frame.amplitude));
+    if (frame.am_hz != standard.am_hz) text += fmt::format("am_hz = {}\n", number_text(frame.am_hz));
+    if (frame.ease != standard.ease)
+        text += fmt::format("ease = \"{}\"\n", eases[static_cast<std::size_t>(frame.ease)]);
+    if (frame.mark) text += "mark = true\n";
+    return text;
+}
+
 std::string to_toml(const HandSource& hand) {
     const HandSource standard;
     const ObjectSource& object = hand.object;
@@ -189,7 +227,7 @@ Project project_from_toml(std::string_view text, const std::string& where) {
     const Section whole(where, root);
     whole.only({"format",       "array", "board", "points", "seed",   "clip",      "rate_hz",   "speed_m_s",
                 "frequency_hz", "jump",  "even",  "am",     "am_law", "magnitude", "amplitude", "quantise",
-                "image",        "loops", "place", "shape",  "path",   "hand"});
+                "image",        "loops", "place", "shape",  "path",   "hand",      "keyframe"});
     const auto format = whole.required(whole.text("format"), "format", fmt::format("\"{}\"", format_name));
     if (format != format_name)
         throw whole.wrong(*whole.find("format"), "format", fmt::format("\"{}\" for this version", format_name));
@@ -209,6 +247,13 @@ Project project_from_toml(std::string_view text, const std::string& where) {
         if (list == nullptr || !list->is_array_of_tables())
             throw bad_input(section::place(where, *shapes), "shapes are tables of their own, each under [[shape]]");
         for (const toml::node& shape : *list) project.shapes.push_back(read_shape(where, *shape.as_table()));
+    }
+    if (const toml::node* frames = root.get("keyframe")) {
+        const toml::array* list = frames->as_array();
+        if (list == nullptr || !list->is_array_of_tables())
+            throw bad_input(section::place(where, *frames),
+                            "key frames are tables of their own, each under [[keyframe]]");
+        for (const toml::node& frame : *list) project.key_frames.push_back(read_key_frame(where, *frame.as_table()));
     }
     assign(project.path, whole.text("path"));
     if (const Section hand(where, root, "hand"); hand.exists()) project.hand = read_hand(hand);
@@ -291,6 +336,7 @@ std::string to_toml(const Project& project) {
     const std::string placed = to_toml(project.placement);
     if (!placed.empty()) text += "\n[place]\n" + placed;
     for (const ShapeSource& shape : project.shapes) text += to_toml(shape);
+    for (const KeyFrame& frame : project.key_frames) text += to_toml(frame);
     return text;
 }
 

@@ -9,6 +9,7 @@
 
 #include "haptogram/format/waveform.hpp"
 #include "haptogram/shape/draw.hpp"
+#include "haptogram/shape/key_frames.hpp"
 #include "haptogram/shape/place.hpp"
 #include "haptogram/shape/primitives.hpp"
 #include "haptogram/verbs/hand_source.hpp"
@@ -36,15 +37,16 @@ struct Project {
     std::optional<HandSource> hand;   ///< or a hand that feels an object
     Placement placement;              ///< of the whole; built-in shapes alone stand at (0, 0, 130 mm), unless it or one
                                       ///< of them has a centre
-    std::size_t points = 200;         ///< focal points to take from a surface, a curve or a larger cloud, samples of
-                                      ///< an AdapTics pattern, or steps of the pass of a hand's one frame
-    std::uint64_t seed = 1;           ///< of the sampling
-    bool clip = false;                ///< leave out points that the array cannot reach
-    double rate_hz = 10.0;            ///< passes over the shape a second, when there is no pace
-    Pace pace;                        ///< draw the shape at a speed or a frequency instead; at most one is given
-    Jump jump = Jump::hop;            ///< between the curves that are drawn
-    bool even = false;                ///< dwells that make all points feel alike, instead of equal ones
-    std::string am;                   ///< waveform of the amplitude, as modulation_of() reads it; empty: none
+    std::vector<KeyFrame> key_frames;  ///< between which the shapes move; empty: they stay
+    std::size_t points = 200;          ///< focal points to take from a surface, a curve or a larger cloud, samples of
+                                       ///< an AdapTics pattern, or steps of the pass of a hand's one frame
+    std::uint64_t seed = 1;            ///< of the sampling
+    bool clip = false;                 ///< leave out points that the array cannot reach
+    double rate_hz = 10.0;             ///< passes over the shape a second, when there is no pace
+    Pace pace;                         ///< draw the shape at a speed or a frequency instead; at most one is given
+    Jump jump = Jump::hop;             ///< between the curves that are drawn
+    bool even = false;                 ///< dwells that make all points feel alike, instead of equal ones
+    std::string am;                    ///< waveform of the amplitude, as modulation_of() reads it; empty: none
     AmplitudeLaw am_law = AmplitudeLaw::pressure;  ///< what the waveform's values are
     double amplitude = 1.0;  ///< of all that is played, of the most that the array can make there: above 0, at most 1
     std::optional<double> magnitude;   ///< how strong each focus feels under that waveform (perception/magnitude.hpp)

@@ -33,6 +33,7 @@ constexpr Setting of_projects[] = {
     {"--rotate", "", of_shapes, shapes},
     {"--scale", "", of_shapes, shapes},
     {"", "shape", of_shapes, shapes},
+    {"", "keyframe", of_shapes, shapes},
     {"--points", "points", is_sampled,
      "shapes, of an AdapTics pattern, and of one frame of a hand: add a frame to [hand]"},
     {"--seed", "seed", has_chance, "shapes, and of a hand's algorithms E and F"},

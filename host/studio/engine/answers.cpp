@@ -13,6 +13,8 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/format/board.hpp"
 #include "haptogram/hand/object.hpp"
+#include "haptogram/hand/surface.hpp"
+#include "haptogram/hand/synthetic.hpp"
 #include "haptogram/hand/touch.hpp"
 #include "haptogram/shape/path_file.hpp"
 #include "haptogram/shape/primitives.hpp"
@@ -107,6 +109,22 @@ std::string report_of(const Scene& scene, const ReportPicture& draw, const Progr
     for (const Finding& finding : findings_of(scene.settings, scene.compiled, analysis))
         findings.push_back(finding.message);
     return report_page(timeline, analysis, findings, draw(timeline, progress.between(0.5, 1.0)));
+}
+
+/// The edges of a hand's palmar surface as line segments, millimetres: its palm down in the origin, its fingers along
+/// y.
+ordered_json hand_outline() {
+    const Hand hand = synthetic_hand(HandScript::press, 0.0);
+    ordered_json segments = ordered_json::array();
+    for (const SkinRegion& region : palmar_surface(hand)) {
+        std::vector<Vec3> edge;
+        for (std::size_t row = 0; row < region.rows; ++row) edge.push_back(region.point(row, 0));
+        for (std::size_t row = region.rows; row-- > 0;) edge.push_back(region.point(row, region.columns - 1));
+        for (std::size_t i = 0; i < edge.size(); ++i)
+            for (const Vec3& end : {edge[i] - hand.palm, edge[(i + 1) % edge.size()] - hand.palm})
+                segments.push_back({end.x / millimetre, end.y / millimetre, end.z / millimetre});
+    }
+    return {{"segments", segments}};
 }
 
 }  // namespace
@@ -204,6 +222,7 @@ std::optional<Answer> answer_at_once(Scenes& scenes, Request request) {
     if (request.path == "/api/project" && request.method == "POST") return project_answer(request.body);
     if (request.path == "/api/files") return files_answer(scenes, std::move(request));
     if (request.path == "/api/take") return take_answer(scenes, request);
+    if (request.path == "/api/outline") return Answer{.body = to_text(hand_outline())};
     return {};
 }
 

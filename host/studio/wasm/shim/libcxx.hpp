@@ -50,13 +50,34 @@ auto find(Range&& range, const Value& value, Projection projection = {}) {
     return std::find_if(std::begin(range), std::end(range),
                         [&](const auto& each) { return invoke(projection, each) == value; });
 }
+/// A function, or a member that is a flag, as the algorithms of before take it.
+template <class Is>
+auto asked(const Is& is) {
+    return [&is](const auto& each) { return static_cast<bool>(invoke(is, each)); };
+}
+template <class Range, class Is>
+bool all_of(Range&& range, Is is) {
+    return std::all_of(std::begin(range), std::end(range), asked(is));
+}
 template <class Range, class Is>
 bool any_of(Range&& range, Is is) {
-    return std::any_of(std::begin(range), std::end(range), is);
+    return std::any_of(std::begin(range), std::end(range), asked(is));
 }
 template <class Range, class Is>
 bool none_of(Range&& range, Is is) {
-    return std::none_of(std::begin(range), std::end(range), is);
+    return std::none_of(std::begin(range), std::end(range), asked(is));
+}
+template <class Range, class Is>
+auto find_if(Range&& range, Is is) {
+    return std::find_if(std::begin(range), std::end(range), asked(is));
+}
+template <class Range, class Is>
+auto count_if(Range&& range, Is is) {
+    return std::count_if(std::begin(range), std::end(range), asked(is));
+}
+template <class Range, class Other>
+auto mismatch(Range&& range, Other&& other) {
+    return std::mismatch(std::begin(range), std::end(range), std::begin(other), std::end(other));
 }
 template <class Range, class Compare = std::less<>, class Projection = std::identity>
 void stable_sort(Range&& range, Compare compare = {}, Projection projection = {}) {
@@ -73,6 +94,14 @@ auto min_element(Range&& range, Compare compare = {}, Projection projection = {}
 template <class Range>
 auto max_element(Range&& range) {
     return std::max_element(std::begin(range), std::end(range));
+}
+template <class Range, class Value>
+void replace(Range&& range, const Value& before, const Value& after) {
+    std::replace(std::begin(range), std::end(range), before, after);
+}
+template <class Range>
+void rotate(Range&& range, decltype(std::begin(range)) first) {
+    std::rotate(std::begin(range), first, std::end(range));
 }
 template <class Range, class Output>
 void move(Range&& range, Output output) {

@@ -8,7 +8,7 @@ import { ofAllFrames } from "./hand_reader";
 import { filesOfScene, type Link } from "./link";
 import { look, quantities } from "./quantity";
 import type { Session } from "./session";
-import { type Actions, boardOf, shownRecord, state, tell } from "./state";
+import { type Actions, boardOf, noProgram, shownRecord, state, tell } from "./state";
 
 function save(blob: Blob, name: string): void {
   const anchor = document.createElement("a");
@@ -46,7 +46,7 @@ export function actionsOf(session: Session, link: Link): Actions {
       if (!scene) return;
       if (state.device.value.connection === "none") {
         state.playsNext.value = true;
-        link.send({ t: "connect", port: "virtual", scene: scene.name });
+        link.send({ t: "connect", port: noProgram.value ? "" : "virtual", scene: scene.name });
       } else {
         link.send({ t: "play", scene: scene.name });
         state.played.value = scene.name;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page: puts the parts together. The view is the page; panels stand around it, and each step shows those that it needs.
 import { effect } from "@preact/signals";
-import { Maximize, PanelLeft, PanelRight } from "lucide-preact";
+import { Hand, Maximize, PanelLeft, PanelRight } from "lucide-preact";
 import { render } from "preact";
 import { actionsOf } from "./actions";
 import { Board, tellBoard } from "./board";
@@ -21,7 +21,7 @@ import { look } from "./quantity";
 import { Session } from "./session";
 import { Properties, Subject } from "./shape";
 import { Splitter } from "./splitter";
-import { type Actions, noProgram, shownRecord, state, tell } from "./state";
+import { type Actions, boards, shownRecord, state, tell } from "./state";
 import { StudyPage } from "./study";
 import { Surfaces } from "./surface";
 import { theme } from "./theme";
@@ -34,7 +34,7 @@ export function start(link: Link): void {
   const tools = document.getElementById("tools");
   const playing = document.getElementById("playing");
   if (!host || !tools || !playing) throw new Error("the page has no place for the view");
-  noProgram.value = !link.isProgram;
+  boards.value = link.boards;
   const session = new Session(link, (shown) => {
     if (shown === 1) performance.mark("first slice");
     host.dataset["slices"] = String(shown);
@@ -113,6 +113,7 @@ function Page({ actions }: { actions: Actions }) {
         <div class="float at-left">
           <button type="button" class="ghost" aria-expanded={!left} aria-controls="left" onClick={() => fold("left")} title="Objects" aria-label="Panel at the left"><PanelLeft size={16} /></button>
           <button type="button" class="ghost" onClick={actions.frame} title="Show all" aria-label="Show all"><Maximize size={16} /></button>
+          <button type="button" class="ghost" aria-pressed={state.outline.value} onClick={() => (state.outline.value = !state.outline.value)} title="The outline of a hand, as a scale" aria-label="Hand for scale"><Hand size={16} /></button>
         </div>
         <div class="float at-right">
           <button type="button" class="ghost" aria-expanded={!right} aria-controls="right" onClick={() => fold("right")} title="Properties" aria-label="Panel at the right"><PanelRight size={16} /></button>
@@ -124,7 +125,7 @@ function Page({ actions }: { actions: Actions }) {
       </main>
       {!right && <Splitter side="right" />}
       <aside id="right" aria-label="Properties" hidden={right} tabIndex={0}>
-        {step === "Make" && <>{project.value?.hand ? <HandReport /> : <Properties />}</>}
+        {step === "Make" && <>{project.value?.hand ? <HandReport /> : <Properties actions={actions} />}</>}
         {step === "See" && <><SliceControls actions={actions} /><ProfilePlot actions={actions} /><Numbers /></>}
         {step === "Play" && <Board actions={actions} />}
       </aside>
@@ -154,7 +155,8 @@ function Restore({ actions }: { actions: Actions }) {
       {state.hints.value && (
         <div class="card hints">
           <p><b>This shape is made of air:</b> points of ultrasound, drawn in turn. Take another from the gallery, or drop a file.</p>
-          {!noProgram.value && <p><b>Play</b> starts a virtual board when there is no other. STOP or Esc turns all outputs off.</p>}
+          {boards.value === "program" && <p><b>Play</b> starts a virtual board when there is no other. STOP or Esc turns all outputs off.</p>}
+          {boards.value === "serial" && <p><b>Play</b> asks for a board at a USB port of yours. STOP or Esc turns its outputs off.</p>}
           <button type="button" onClick={hinted}>Got it</button>
         </div>
       )}
@@ -205,6 +207,15 @@ function follow(session: Session, link: Link, host: HTMLElement): void {
     if (theme.value) view?.paint();
   });
   effect(() => view?.showLook(look.value));
+  let outline: Promise<Point[]> | undefined;
+  effect(() => {
+    const on = state.outline.value;
+    localStorage.setItem("outline", on ? "on" : "off");
+    if (!on) return view?.showOutline(undefined);
+    if (!state.hello.value) return; // the engine is not there yet
+    outline ??= link.outline();
+    void outline.then((ends) => state.outline.peek() && view?.showOutline(ends)).catch(tell);
+  });
   const surfaces = new Surfaces(
     link,
     (geometry) => {

@@ -3,11 +3,10 @@
 import { useId, useState } from "preact/hooks";
 import { Panel } from "./controls";
 import type { Device } from "./link";
-import { type Actions, noProgram, state } from "./state";
+import { type Actions, boards, state } from "./state";
 
 function boardWords(device: Device): string {
-  if (noProgram.value) return "No program behind this page, so no board";
-  if (device.connection === "none") return "No board. Play starts a virtual one";
+  if (device.connection === "none") return { program: "No board. Play starts a virtual one", serial: "No board. Play asks for one", none: "This browser cannot reach boards" }[boards.value];
   const name = device.port === "virtual" ? "Virtual board" : device.port === "virtual-rtl" ? "Virtual board of Verilog" : `Board at ${device.port ?? ""}`;
   if (device.connection === "lent") return `${name}, lent to the study`;
   if (device.connection !== "connected") return `${name}, ${device.connection === "lost" ? "connection lost" : "connecting…"}`;
@@ -29,11 +28,50 @@ export function tellBoard(): void {
   document.title = on ? "● Outputs on: Haptogram studio" : "Haptogram studio";
 }
 
+interface Reach {
+  actions: Actions;
+  /** of the line; 0: it is found */
+  baud: number;
+  /** whether it can be one */
+  known: boolean;
+}
+
+/** Boards at the ports of the computer that the browser is on. */
+function OwnPorts({ actions, baud, known }: Reach) {
+  return (
+    <>
+      <button type="button" class="wide" disabled={!known} onClick={() => actions.send("connect", { port: "", baud, scene: "" })}>Choose a board…</button>
+      <p class="hint">The browser shows the serial ports of this computer. A port is used by one program at a time.</p>
+      <NeedsProgram what="Boards with a network port, FTDI chips in their fast mode and virtual boards are driven" />
+    </>
+  );
+}
+
+/** Boards that the program reaches. */
+function ProgramsBoards({ actions, baud, known }: Reach) {
+  const scene = state.scene.value;
+  const [port, setPort] = useState("");
+  const id = useId();
+  return (
+    <>
+      <button type="button" class="wide" disabled={scene === undefined} onClick={() => actions.send("connect", { port: "virtual", scene: scene?.name ?? "" })}>Start a virtual board</button>
+      <p class="hint">It answers and plays as a real board does, in real time. Play starts it by itself.</p>
+      <button type="button" class="wide" disabled={scene === undefined} onClick={() => actions.send("connect", { port: "virtual-rtl", scene: scene?.name ?? "" })}>Simulate the FPGA's Verilog</button>
+      <p class="hint">The same by the FPGA's own circuit, cycle by cycle; some ten times slower than a board.</p>
+      <div class="field port">
+        <label for={id}>Port</label>
+        <input id={id} type="text" list="ports" value={port} placeholder="/dev/ttyUSB0" onInput={(e) => setPort(e.currentTarget.value)} />
+        <datalist id="ports">{state.hello.value?.ports.map((each) => <option key={each.port} value={each.port}>{each.name}</option>)}</datalist>
+        <button type="button" disabled={port === "" || !known} onClick={() => actions.send("connect", { port, baud, scene: scene?.name ?? "" })}>Connect</button>
+      </div>
+    </>
+  );
+}
+
 export function Board({ actions }: { actions: Actions }) {
   const device = state.device.value;
   const scene = state.scene.value;
   const work = state.work.value;
-  const [port, setPort] = useState("");
   const [rate, setRate] = useState("find");
   const baud = rate === "find" || rate === "" ? 0 : Number(rate);
   const known = Number.isInteger(baud) && (baud === 0 || (baud >= 300 && baud <= 12_000_000));
@@ -50,18 +88,14 @@ export function Board({ actions }: { actions: Actions }) {
   };
   return (
     <Panel title="Board">
-      {noProgram.value ? <NeedsProgram what="Boards, real ones and the virtual one, are driven" /> : device.connection === "none" ? (
+      {boards.value === "none" ? (
         <>
-          <button type="button" class="wide" disabled={scene === undefined} onClick={() => actions.send("connect", { port: "virtual", scene: scene?.name ?? "" })}>Start a virtual board</button>
-          <p class="hint">It answers and plays as a real board does, in real time. Play starts it by itself.</p>
-          <button type="button" class="wide" disabled={scene === undefined} onClick={() => actions.send("connect", { port: "virtual-rtl", scene: scene?.name ?? "" })}>Simulate the FPGA's Verilog</button>
-          <p class="hint">The same by the FPGA's own circuit, cycle by cycle; some ten times slower than a board.</p>
-          <div class="field port">
-            <label for={id}>Port</label>
-            <input id={id} type="text" list="ports" value={port} placeholder="/dev/ttyUSB0" onInput={(e) => setPort(e.currentTarget.value)} />
-            <datalist id="ports">{state.hello.value?.ports.map((each) => <option key={each.port} value={each.port}>{each.name}</option>)}</datalist>
-            <button type="button" disabled={port === "" || !known} onClick={() => actions.send("connect", { port, baud, scene: scene?.name ?? "" })}>Connect</button>
-          </div>
+          <p class="hint">This browser lets no page use serial ports; Chrome, Edge and Chromium on a computer do. Open this page there, with a board at a USB port.</p>
+          <NeedsProgram what="Every other board, and the virtual one, is driven" />
+        </>
+      ) : device.connection === "none" ? (
+        <>
+          {boards.value === "serial" ? <OwnPorts actions={actions} baud={baud} known={known} /> : <ProgramsBoards actions={actions} baud={baud} known={known} />}
           <div class="field">
             <label for={`${id}-rate`}>Rate</label>
             <span class="box"><input id={`${id}-rate`} type="text" inputMode="numeric" value={rate} onInput={(e) => setRate(e.currentTarget.value.trim())} /><span class="unit">baud</span></span>

@@ -43,7 +43,8 @@ function begin(link: Link): void {
   );
 }
 
-function beginWithServer(link: Link): void {
+/** STOP, and what a board says of its outputs. */
+function takeStop(link: Link): void {
   const stop = (): void => {
     element("board").textContent = "Stopping…";
     link.stop();
@@ -53,19 +54,26 @@ function beginWithServer(link: Link): void {
     if (event.key === "Escape") stop();
   });
   link.listen((event) => {
+    if (event.t === "off" && !event.confirmed)
+      show("The board has not confirmed that its outputs are off. Its watchdog should have done it; to be sure, switch its power off.");
+    if (event.t === "notice") show(event.message);
+  });
+}
+
+function beginWithServer(link: Link): void {
+  takeStop(link);
+  link.listen((event) => {
     if (event.t === "open") show("");
     if (event.t === "lost")
       show("The server is gone. If the board was playing, its watchdog has turned the outputs off. Trying to reach it again…");
     if (event.t === "refused") show("The server does not take this page's key: open the address that “haptogram studio” printed last.");
-    if (event.t === "off" && !event.confirmed)
-      show("The board has not confirmed that its outputs are off. Its watchdog should have done it; to be sure, switch its power off.");
-    if (event.t === "notice") show(event.message);
   });
   begin(link);
 }
 
 function beginInPage(link: Link): void {
-  element("stop").hidden = true; // nothing plays from here
+  if (link.boards === "none") element("stop").hidden = true; // nothing plays from here
+  else takeStop(link);
   element("board").textContent = "Loading what computes in this page";
   link.listen((event) => {
     if (event.t === "lost") show("What computes in this page has ended: the browser gives it too little memory, or has no WebAssembly. Load the page again; it offers the design that was open.");

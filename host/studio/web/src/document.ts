@@ -36,6 +36,20 @@ export interface HandTable {
   frame?: number;
 }
 
+/** Where the shapes are at a time, from where they were placed on. */
+export interface KeyFrame {
+  time_s: number;
+  move_mm?: number[];
+  rotate_deg?: number[];
+  scale?: number;
+  /** of the strength, 0 to 1 */
+  amplitude?: number;
+  /** how often the strength rises and falls */
+  am_hz?: number;
+  ease?: "linear" | "smooth" | "step";
+  mark?: boolean;
+}
+
 export interface ProjectDocument {
   format: string;
   array?: string;
@@ -53,6 +67,8 @@ export interface ProjectDocument {
   amplitude?: number;
   place?: Place;
   shape?: ShapeEntry[];
+  /** between which the shapes move */
+  keyframe?: KeyFrame[];
   /** a file in place of shapes, with places and times of its own */
   path?: string;
   /** in place of shapes */

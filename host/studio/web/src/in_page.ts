@@ -2,6 +2,8 @@
 // The page's own engine, for a page that no program serves: the libraries as WebAssembly, in Workers (worker.ts). One answers what is
 // shown while a design changes; another does what takes long, so that nothing waits for it.
 import { type Event, Link, type Message, wrongIn } from "./link";
+import { PageBoard } from "./page_board";
+import { hasSerial } from "./serial";
 import { SlowWork } from "./slow_work";
 
 /** What a Worker is told: a message, or a request that it answers by its number. */
@@ -19,11 +21,15 @@ export function startWorker(told: (told: FromWorker) => void): Worker {
 const takesLong = (target: string): boolean => target.startsWith("/api/field") || target.startsWith("/api/report");
 
 export class InPage extends Link {
-  readonly isProgram = false;
+  readonly boards = hasSerial ? "serial" : "none";
   private readonly quick = startWorker((told) => this.hear(told));
   private readonly slow = new SlowWork((told) => this.hear(told));
   private readonly documents = new Map<number, unknown>(); // of scenes under way, by their message
   private readonly waiting = new Map<number, (answer: { status: number; body: ArrayBuffer }) => void>();
+  private readonly board = new PageBoard(
+    (text) => this.tell(JSON.parse(text) as Event),
+    async (scene) => await this.request("GET", `/api/take?scene=${scene}&as=hex`),
+  );
   private requests = 0;
   private ready = false;
 
@@ -31,10 +37,12 @@ export class InPage extends Link {
     return this.ready;
   }
 
-  /** No board can be played from here, so there is nothing to turn off. */
-  stop(): void {}
+  stop(): void {
+    this.send({ t: "stop" });
+  }
 
   protected post(message: Message & { n: number }): void {
+    if (this.board.take(message)) return;
     if (message.t === "cancel") return this.slow.cancel(String(message["what"]));
     if (message.t === "analyze" || message.t === "path") return this.slow.ask(message);
     if (message.t === "scene") this.documents.set(message.n, message["document"]);

@@ -321,8 +321,8 @@ export abstract class Link {
   private n = 0;
   protected readonly listeners: ((event: Event) => void)[] = [];
 
-  /** Whether it is a program, which has boards and all else that a page alone has not. */
-  abstract readonly isProgram: boolean;
+  /** By what it reaches boards: by a program, which also has all else that a page alone has not, by the browser's serial ports, or not at all. */
+  abstract readonly boards: "program" | "serial" | "none";
   /** Whether the engine can be reached now. */
   abstract get open(): boolean;
   /** Outputs off. */
@@ -355,6 +355,11 @@ export abstract class Link {
   /** A file that was sent, or that the project has. */
   async file(name: string): Promise<Blob> {
     return await this.request("GET", `/api/files?name=${encodeURIComponent(name)}`);
+  }
+
+  /** The outline of a hand: ends of line segments, millimetres, its palm in the origin. */
+  async outline(): Promise<Point[]> {
+    return (await this.json<{ segments: Point[] }>("GET", "/api/outline")).segments;
   }
 
   /** A project file's text as a document. */

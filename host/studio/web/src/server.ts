@@ -7,7 +7,7 @@ const beatPause = 200; // ms between signs of life
 const stopPatience = 100; // ms until STOP also goes over HTTP
 
 export class Server extends Link {
-  readonly isProgram = true;
+  readonly boards = "program";
   private socket: WebSocket | undefined;
   private pause = 250;
   private everOpen = false;

@@ -277,6 +277,7 @@ export class Session {
     this.pins.fail(n);
     if (!this.sceneEnded(n) && !this.drives.came(n) && this.slicer.fail(n) && state.showsKept.peek()) return this.comparer.resend();
     if (event.work) state.work.value = event;
+    state.playsNext.value = false;
     state.failure.value = error;
   }
 }

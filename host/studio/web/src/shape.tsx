@@ -4,6 +4,7 @@ import { Choice, MaybeField, More, NumberField, Panel, PointField } from "./cont
 import { edit, having, project, type ProjectDocument, type ShapeEntry } from "./document";
 import { HandSettings } from "./hand";
 import { InstrumentFields, Strength } from "./instrument";
+import { KeyFrames } from "./key_frames";
 import { moved, placed, placeOf, withAnother, without } from "./placing";
 import { type Actions, state } from "./state";
 
@@ -101,7 +102,7 @@ export function Subject({ actions }: { actions: Actions }) {
 }
 
 /** Where it is, and how it is sampled and played. */
-export function Properties() {
+export function Properties({ actions }: { actions: Actions }) {
   const hello = state.hello.value;
   const now = project.value;
   if (!hello || !now || now.hand) return null;
@@ -122,6 +123,7 @@ export function Properties() {
           <InstrumentFields hello={hello} now={now} set={change} />
         </More>
       </Panel>
+      {!now.path && <KeyFrames actions={actions} now={now} />}
     </>
   );
 }

@@ -3,7 +3,7 @@
 import { computed, signal } from "@preact/signals";
 import type { ProjectDocument } from "./document";
 import type { Design } from "./keeper";
-import type { Analysis, Device, Drawn, Drives, Event, Failure, FileOfScene, FrameReport, HandFrame, Hello, PinReport, Point, PulseWindow, Scene, SliceData, Studies, StudyQuestion } from "./link";
+import type { Analysis, Device, Drawn, Drives, Event, Failure, FileOfScene, FrameReport, HandFrame, Hello, Link, PinReport, Point, PulseWindow, Scene, SliceData, Studies, StudyQuestion } from "./link";
 import type { Edges, Orientation } from "./view";
 
 /** What a user is at: each step shows what it needs. */
@@ -105,6 +105,10 @@ export const state = {
   probe: signal<{ at: Point; square: number } | undefined>(undefined),
   /** Which of several objects is placed; none: all together. */
   chosen: signal<number | undefined>(undefined),
+  /** Whether the outline of a hand is in the view, as a scale. */
+  outline: signal(localStorage.getItem("outline") === "on"),
+  /** Which key frame is edited. */
+  keyFrame: signal(0),
   kept: signal<Kept | undefined>(undefined),
   /** Whether the kept scene is shown in place of the present one. */
   showsKept: signal(false),
@@ -129,8 +133,10 @@ export const state = {
   profiles: signal<{ now: Profile | undefined; kept: Profile | undefined }>({ now: undefined, kept: undefined }),
 };
 
-/** Whether no program is behind the page: then there are no boards, no simulated Verilog, no bitstreams, pictures and studies. */
-export const noProgram = signal(false);
+/** By what boards are reached. */
+export const boards = signal<Link["boards"]>("program");
+/** Whether no program is behind the page: then there are no virtual boards, no simulated Verilog, no bitstreams, pictures and studies. */
+export const noProgram = computed(() => boards.value !== "program");
 
 /** The shipped board that a document is for, if it names one. */
 export const boardOf = (document: ProjectDocument | undefined): Hello["boards"][number] | undefined => state.hello.value?.boards.find(({ name }) => name === document?.board);

@@ -4,6 +4,7 @@ import { computed } from "@preact/signals";
 import { PanelBottom } from "lucide-preact";
 import { useId, useRef, useState } from "preact/hooks";
 import { Choice } from "./controls";
+import { project } from "./document";
 import type { Analysis, Scene } from "./link";
 import { short } from "./quantity";
 import { type Actions, state } from "./state";
@@ -74,6 +75,7 @@ export function Timeline({ actions }: { actions: Actions }) {
   const entry = at === undefined ? undefined : tour[at];
   const shown = windowOf(scene, zoom, at);
   const scale = width / (shown.to - shown.from);
+  const keys = (project.value?.keyframe ?? []).map(({ time_s }) => time_s);
   const scrub = (event: PointerEvent): void => {
     const box = lane.current?.getBoundingClientRect();
     if (!box || event.buttons !== 1) return;
@@ -83,8 +85,9 @@ export function Timeline({ actions }: { actions: Actions }) {
   const ms = (seconds: number): string => `${short(seconds * 1e3)} ms`;
   return (
     <div class="scrubber" role="group" aria-label="Timeline">
-      {!folded && <svg ref={lane} class="lane" viewBox={`0 0 ${width} ${height}`} preserveAspectRatio="none" role="img" aria-label={`${tour.length} entries in ${ms(scene.pass_s)}, shown from ${ms(shown.from)} to ${ms(shown.to)}`} onPointerDown={scrub} onPointerMove={scrub}>
+      {!folded && <svg ref={lane} class="lane" viewBox={`0 0 ${width} ${height}`} preserveAspectRatio="none" role="img" aria-label={`${tour.length} entries${keys.length > 0 ? ` and ${keys.length} key frames` : ""} in ${ms(scene.pass_s)}, shown from ${ms(shown.from)} to ${ms(shown.to)}`} onPointerDown={scrub} onPointerMove={scrub}>
         <path class="blocks" d={blocks(scene, shown)} />
+        {keys.map((time) => <path key={time} class="key" d={`M${(time - shown.from) * scale} 0v${height}`} />)}
         {entry && <rect class="mark-here" x={(entry.from_s - shown.from) * scale} y={0} width={Math.max(3, entry.dwell_s * scale)} height={height} />}
       </svg>}
       <div class="row">

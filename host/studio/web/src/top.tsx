@@ -4,7 +4,7 @@ import { Contrast, Eye, FolderOpen, Hand, Moon, PencilRuler, Play, Redo2, Save, 
 import { useEffect, useRef } from "preact/hooks";
 import { canRedo, canUndo, designName, isSaved, redo, rename, undo } from "./document";
 import { designs, keptAt } from "./keeper";
-import { type Actions, noProgram, state, type StepName, stepNames } from "./state";
+import { type Actions, boards, noProgram, state, type StepName, stepNames } from "./state";
 import { nextTheme, theme } from "./theme";
 
 interface WithActions {
@@ -75,11 +75,13 @@ function choose(step: StepName): void {
   state.step.value = step;
 }
 
-/** Plays on the board, and starts a virtual one when there is none. */
+const titles = { program: "Starts a virtual board and plays", serial: "Asks for a board and plays", none: "This browser cannot reach boards: Chrome, Edge and Chromium can" };
+
+/** Plays on the board, and starts a virtual one when there is none, or asks for one. */
 export function PlayButton({ actions }: WithActions) {
   const { device, scene, current, work, playsNext } = state;
   const { connection } = device.value;
   const busy = work.value?.t === "progress" || playsNext.value;
-  const ready = !noProgram.value && scene.value !== undefined && current.value && !busy && (connection === "connected" || connection === "none");
-  return <button type="button" class="play" disabled={!ready} onClick={() => actions.play()} title={noProgram.value ? "Playing needs the program, which is not behind this page" : connection === "none" ? "Starts a virtual board and plays" : "Outputs on"}><Play size={14} aria-hidden="true" /> Play</button>;
+  const ready = boards.value !== "none" && scene.value !== undefined && current.value && !busy && (connection === "connected" || connection === "none");
+  return <button type="button" class="play" disabled={!ready} onClick={() => actions.play()} title={connection !== "none" ? "Outputs on" : titles[boards.value]}><Play size={14} aria-hidden="true" /> Play</button>;
 }

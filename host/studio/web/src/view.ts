@@ -82,6 +82,7 @@ export class View {
   private readonly surface = new Group();
   private readonly path = new Group();
   private readonly hand = new HandDrawing();
+  private readonly outline = new Group();
   private readonly axes = new Axes();
   private readonly pivot = new Group();
   private middleOfAll = new Vector3();
@@ -116,7 +117,7 @@ export class View {
 
     const sun = new DirectionalLight(0xffffff, 2);
     sun.position.set(1, -2, 3);
-    this.world.add(new AmbientLight(0xffffff, 1.6), sun, this.array, this.object, this.surface, this.path, this.hand.group, this.plane, this.axes.group);
+    this.world.add(new AmbientLight(0xffffff, 1.6), sun, this.array, this.object, this.surface, this.path, this.hand.group, this.outline, this.plane, this.axes.group);
 
     const { uniforms } = this;
     this.sheet = new Mesh(new PlaneGeometry(1, 1), new ShaderMaterial({ side: DoubleSide, transparent: true, uniforms, vertexShader, fragmentShader }));
@@ -273,6 +274,18 @@ export class View {
     this.paint();
   }
 
+  /** The outline of a hand whose palm is where the object is, as a scale; without ends of segments, none. */
+  showOutline(ends: Point[] | undefined): void {
+    this.clear(this.outline);
+    if (ends) {
+      const lines = new LineSegments(geometryOf(flat(ends)), new LineBasicMaterial());
+      lines.userData["colour"] = "--skin-edge";
+      this.outline.add(lines);
+    }
+    this.placePivot();
+    this.paint();
+  }
+
   /** No scene: neither focal points nor a field. */
   clearScene(): void {
     this.clear(this.path);
@@ -300,6 +313,7 @@ export class View {
   }
 
   private placePivot(): void {
+    this.outline.position.copy(this.middleOfAll);
     if (!this.gizmo.dragging) this.pivot.position.copy(this.centreOfOne ?? this.middleOfAll);
   }
 
@@ -348,7 +362,7 @@ export class View {
     this.hand.paint(colour);
     this.axes.paint(colour);
     this.paintDiscs();
-    for (const group of [this.object, this.surface, this.path])
+    for (const group of [this.object, this.surface, this.path, this.outline])
       for (const part of group.children)
         (part as Mesh<BufferGeometry, MeshBasicMaterial>).material.color = colour(part.userData["colour"] as string);
     this.redraw();
@@ -357,7 +371,7 @@ export class View {
   /** Looks at the array, the object and the plane as a whole, from where it looked. */
   frameAll(): void {
     const box = new Box3();
-    for (const group of [this.array, this.object, this.path, this.hand.group, this.plane]) box.expandByObject(group);
+    for (const group of [this.array, this.object, this.path, this.hand.group, this.outline, this.plane]) box.expandByObject(group);
     if (box.isEmpty()) return;
     const middle = box.getCenter(new Vector3());
     const radius = box.getSize(new Vector3()).length() / 2;

@@ -2,20 +2,12 @@
 // The Worker of a page without a server: hands on between the page and the libraries. One thing is done at a time, in the order in which
 // it was asked for.
 import type { FromWorker, ToWorker } from "./in_page";
+import { lend } from "./lend";
 import start, { type Engine } from "./studio_engine.js";
 
 const tell = (told: FromWorker, moved: Transferable[] = []): void => (postMessage as (message: FromWorker, moved: Transferable[]) => void)(told, moved);
 const utf8 = new TextEncoder();
 let answering = 0; // number of the request
-
-/** Calls with bytes that lie in the engine's memory for so long. */
-function lend(engine: Engine, bytes: Uint8Array, call: (place: number) => void): void {
-  const place = engine._malloc(bytes.length + 1);
-  engine.HEAPU8.set(bytes, place);
-  engine.HEAPU8[place + bytes.length] = 0;
-  call(place);
-  engine._free(place);
-}
 
 function take(engine: Engine, asked: ToWorker): void {
   if ("message" in asked) {
@@ -37,6 +29,7 @@ start({
   text: (text) => tell({ text: new TextDecoder().decode(text) }),
   bulk: ({ buffer }) => tell({ bulk: buffer }, [buffer]),
   answer: (status, { buffer }) => tell({ request: answering, status, body: buffer }, [buffer]),
+  port: () => undefined,
 }).then(
   (engine) => {
     onmessage = ({ data }: MessageEvent<ToWorker>) => take(engine, data);

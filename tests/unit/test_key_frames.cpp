@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+// Shapes that move from key frame to key frame: where each focus is, when, and how strong; and the project file's table
+// of them.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "haptogram/base/error.hpp"
+#include "haptogram/shape/key_frames.hpp"
+#include "haptogram/verbs/compile.hpp"
+#include "haptogram/verbs/document.hpp"
+#include "haptogram/verbs/project.hpp"
+#include "message_of.hpp"
+
+using namespace haptogram;
+
+namespace {
+
+constexpr double carrier_hz = 40'000.0;
+constexpr std::size_t many = 100'000;
+const Vec3 centre{0.0, 0.0, 0.13};
+
+/// Two points, 10 mm at either side of the centre, each for 5 ms.
+Path pass() {
+    Path path;
+    for (const double x : {-0.01, 0.01}) path.steps.push_back({{{centre + Vec3{x, 0.0, 0.0}, 1.0}}, 200});
+    return path;
+}
+
+double from_centre_mm(const PathStep& step) { return 1e3 * distance(step.foci.at(0).position, centre); }
+
+}  // namespace
+
+TEST_CASE("key frames: passes follow each other until the last key frame, and nothing moves without a reason") {
+    const Path path = moved_by({{.time_s = 0.0}, {.time_s = 0.1}}, pass(), centre, carrier_hz, many);
+    REQUIRE(path.periods() == 4000);
+    REQUIRE(path.steps.size() == 20);
+    for (std::size_t i = 0; i < path.steps.size(); ++i) REQUIRE(path.steps[i] == pass().steps[i % 2]);
+    // The last pass is cut where the path ends.
+    const Path cut = moved_by({{.time_s = 0.0}, {.time_s = 0.0125}}, pass(), centre, carrier_hz, many);
+    REQUIRE(cut.periods() == 500);
+    REQUIRE(cut.steps.back().periods == 100);
+}
+
+TEST_CASE("key frames: movement, size, turn and strength go evenly, slowly at the ends, or in a step") {
+    const Ease ease = GENERATE(Ease::linear, Ease::smooth, Ease::step);
+    const std::vector<KeyFrame> frames = {
+        {.time_s = 0.0, .ease = ease},
+        {.time_s = 0.2, .move = {0.0, 0.02, 0.01}, .turn_deg = {0.0, 0.0, 90.0}, .scale = 3.0, .amplitude = 0.5}};
+    const Path path = moved_by(frames, pass(), centre, carrier_hz, many);
+    REQUIRE(path.steps.size() == 40);
+    std::uint64_t before = 0;
+    for (std::size_t i = 0; i < path.steps.size(); ++i) {
+        const double part = (static_cast<double>(before) + 100.0) / 8000.0;
+        // Of the smooth way: the sum over its speed, which is a parabola 6 u (1 − u).
+        double eased = ease == Ease::linear ? part : 0.0;
+        if (ease == Ease::smooth)
+            for (int k = 0; k < 10'000; ++k) {
+                const double u = part * (k + 0.5) / 10'000;
+                eased += 6.0 * u * (1.0 - u) * part / 10'000;
+            }
+        const double angle = eased * std::numbers::pi / 2.0;
+        const double reach = (i % 2 == 0 ? -0.01 : 0.01) * (1.0 + 2.0 * eased);
+        const Vec3 expected =
+            centre + Vec3{reach * std::cos(angle), reach * std::sin(angle) + 0.02 * eased, 0.01 * eased};
+        const Focus& focus = path.steps[i].foci.at(0);
+        REQUIRE(distance(focus.position, expected) < 1e-8);
+        REQUIRE(std::abs(focus.amplitude - (1.0 - 0.5 * eased)) < 1e-7);
+        before += path.steps[i].periods;
+    }
+}
+
+TEST_CASE("key frames: a step is cut where a key frame falls into it, which is where a mark is told") {
+    const std::vector<KeyFrame> frames = {{.time_s = 0.0, .ease = Ease::step},
+                                          {.time_s = 0.0075, .scale = 2.0, .ease = Ease::step, .mark = true},
+                                          {.time_s = 0.02}};
+    const Path path = moved_by(frames, pass(), centre, carrier_hz, many);
+    REQUIRE(path.periods() == 800);
+    REQUIRE(path.steps.size() == 5);
+    for (std::size_t i = 0; i < 5; ++i) {
+        INFO(i);
+        REQUIRE(path.steps[i].periods == (i == 1 || i == 2 ? 100 : 200));
+        REQUIRE(path.steps[i].mark == (i == 2));
+        REQUIRE(std::abs(from_centre_mm(path.steps[i]) - (i < 2 ? 10.0 : 20.0)) < 1e-9);
+    }
+}
+
+TEST_CASE("key frames: an amplitude beats as often as its frequency says, which may change, and silence has no foci") {
+    Path one;
+    one.steps.push_back({{{centre, 1.0}}, 10});  // 0.25 ms
+    const auto beats = [](const Path& path) {
+        int count = 0;
+        for (std::size_t i = 1; i + 1 < path.steps.size(); ++i) {
+            const auto at = [&](std::size_t k) { return path.steps[k].foci.at(0).amplitude; };
+            if (at(i) < at(i - 1) && at(i) <= at(i + 1)) ++count;
+        }
+        return count;
+    };
+    REQUIRE(beats(moved_by({{.time_s = 0.0, .am_hz = 100.0}, {.time_s = 1.0, .am_hz = 100.0}}, one, centre, carrier_hz,
+                           many)) == 100);
+    // From 50 to 150 Hz: as many as at their mean.
+    REQUIRE(beats(moved_by({{.time_s = 0.0, .am_hz = 50.0}, {.time_s = 1.0, .am_hz = 150.0}}, one, centre, carrier_hz,
+                           many)) == 100);
+    const Path silent = moved_by(
+        {{.time_s = 0.0, .amplitude = 0.0, .ease = Ease::step}, {.time_s = 0.01, .amplitude = 1.0}, {.time_s = 0.02}},
+        pass(), centre, carrier_hz, many);
+    REQUIRE(silent.steps[0].foci.empty());
+    REQUIRE(silent.steps[1].foci.empty());
+    REQUIRE(silent.steps[2].foci.size() == 1);
+}
+
+TEST_CASE("key frames: what makes no sense is named") {
+    const auto message = [](const std::vector<KeyFrame>& frames, std::size_t most = many) {
+        return message_of([&] { (void)moved_by(frames, pass(), centre, carrier_hz, most); });
+    };
+    const KeyFrame first{}, last{.time_s = 1.0};
+    REQUIRE(message({first}) ==
+            "keyframe: found 1, expected at least two key frames: one at 0 s, and one where the path ends");
+    REQUIRE(message({{.time_s = 0.5}, last}) ==
+            "keyframe: key frame 1: found the time 0.5, expected 0 s, as it is the first");
+    REQUIRE(message({first, last, {.time_s = 1.00001}}) ==
+            "keyframe: key frame 3: found the time 1.00001, expected a later one than that of the frame before, by at "
+            "least a carrier period");
+    REQUIRE(message({first, {.time_s = 1.0, .amplitude = 1.5}}) ==
+            "keyframe: key frame 2: found the amplitude 1.5, expected 0 to 1");
+    REQUIRE(message({first, {.time_s = 1.0, .scale = 0.0}}) ==
+            "keyframe: key frame 2: found the scale 0, expected above 0");
+    REQUIRE(message({first, {.time_s = 1.0, .am_hz = 3e4}}) ==
+            "keyframe: key frame 2: found am_hz 30000, expected 0 to half of the carrier's frequency");
+    REQUIRE(message({first, {.time_s = 1.0, .move = {0.0, NAN, 0.0}}})
+                .starts_with("keyframe: key frame 2: found a movement"));
+    REQUIRE(message({first, last}, 199) ==
+            "keyframe: the path has more than 199 steps, which is what the board can play; take fewer points, fewer "
+            "passes a second, or a shorter time");
+    REQUIRE(message({first, last}, 200) == "no error");
+}
+
+TEST_CASE("key frames: a project has them, as a file and as a page's document, and its image plays them") {
+    const std::string text =
+        "format = \"haptogram-project-1\"\npoints = 10\nrate_hz = 20\n\n[[shape]]\nkind = \"circle\"\ndiameter_mm = "
+        "30\n"
+        "\n[[keyframe]]\ntime_s = 0\nease = \"smooth\"\nmark = true\n"
+        "\n[[keyframe]]\ntime_s = 1\nmove_mm = [20, 0, 10]\nrotate_deg = [0, 30, 0]\nscale = 1.5\namplitude = "
+        "0.5\nam_hz = 80\nease = \"step\"\n"
+        "\n[[keyframe]]\ntime_s = 1.5\n";
+    const Project project = project_from_toml(text, "moves.toml");
+    REQUIRE(project.key_frames.size() == 3);
+    REQUIRE(project.key_frames[0] == KeyFrame{.ease = Ease::smooth, .mark = true});
+    REQUIRE(project.key_frames[1] == KeyFrame{.time_s = 1.0,
+                                              .move = from_mm(20, 0, 10),
+                                              .turn_deg = {0.0, 30.0, 0.0},
+                                              .scale = 1.5,
+                                              .amplitude = 0.5,
+                                              .am_hz = 80.0,
+                                              .ease = Ease::step});
+    REQUIRE(project_from_toml(to_toml(project), "again").key_frames == project.key_frames);
+    REQUIRE(project_from_toml(toml_of(document_of(text, "moves.toml")), "again").key_frames == project.key_frames);
+    const Compiled compiled = compile(project, "moves");
+    REQUIRE(compiled.path.periods() == 60'000);
+    REQUIRE(compiled.path.steps.size() == 300);
+    REQUIRE(compiled.path.steps.front().mark);
+    // Where the shape was placed, and from there on.
+    const auto middle = [&](std::size_t from) {
+        Vec3 sum;
+        for (std::size_t i = from; i < from + 10; ++i) sum = sum + 0.1 * compiled.path.steps[i].foci.at(0).position;
+        return sum;
+    };
+    REQUIRE(distance(middle(0), from_mm(0, 0, 130)) < 1e-3);
+    REQUIRE(distance(middle(200), from_mm(20, 0, 140)) < 1e-9);
+    REQUIRE(message_of([&] { (void)project_from_toml(text + "path = \"a.json\"\n", "moves.toml"); }) != "no error");
+    const std::string hand =
+        "format = \"haptogram-project-1\"\n[hand]\nrecording = \"synthetic:press\"\n[[keyframe]]\ntime_s = 0\n";
+    REQUIRE_THAT(message_of([&] { (void)project_from_toml(hand, "hand.toml"); }),
+                 Catch::Contains("keyframe is of shapes"));
+    REQUIRE_THAT(message_of([&] { (void)project_from_toml(text + "speed = 1\n", "moves.toml"); }),
+                 Catch::Contains("speed"));
+}
