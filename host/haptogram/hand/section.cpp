@@ -175,7 +175,7 @@ std::optional<PlaneEllipse> fit_constrained(std::span<const PlanePoint> points, 
 }
 
 std::optional<FingerSection> section_of(std::span<const Vec3> points, Vec3 surface, Vec3 inward,
-                                  const std::optional<Vec3>& sight, const SectionOptions& options) {
+                                        const std::optional<Vec3>& sight, const SectionOptions& options) {
     if (points.size() < 5) return {};
     const Vec3 level = std::abs(inward.x) < 0.9 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
     Vec3 x = level - dot(level, inward) * inward;

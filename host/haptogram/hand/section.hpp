@@ -59,7 +59,7 @@ struct FingerSection {
 ///                 it the seen part of the outline tells the side
 /// @return nothing when there are fewer than 5 points, or no ellipse of a finger's size fits
 [[nodiscard]] std::optional<FingerSection> section_of(std::span<const Vec3> points, Vec3 surface, Vec3 inward,
-                                                const std::optional<Vec3>& sight = {},
-                                                const SectionOptions& options = {});
+                                                      const std::optional<Vec3>& sight = {},
+                                                      const SectionOptions& options = {});
 
 }  // namespace haptogram
