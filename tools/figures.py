@@ -16,7 +16,7 @@ import matplotlib
 import numpy as np
 
 matplotlib.use("Agg")
-sys.path.insert(0, str(pathlib.Path(__file__).parent / "python"))
+sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / "python"))
 from figures import haptogram_paper, hoshi, multimodal, page, scattering, shapes, studies  # noqa: E402
 from figures.work import Work  # noqa: E402
 

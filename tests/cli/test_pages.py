@@ -16,6 +16,7 @@ OTHERS = {
     "CONTRIBUTING.md": "builds and tests the whole",
     "tests/coverage/README.md": "the same",
     "tests/mutation/README.md": "the same",
+    "host/haptogram/scattering/README.md": "takes minutes; test_scatter.py has the commands",
     "python/README.md": "installs, and needs boards and cameras; tests/python has the commands",
     "python/haptogram/study/README.md": "asks people; tests/python has the commands",
     "python/haptogram_sweep/README.md": "installs; docs/notebooks/sweep.ipynb is run",

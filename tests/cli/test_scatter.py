@@ -179,7 +179,7 @@ def test_what_is_refused(tmp_path):
     refuse(tmp_path, ["scatter", "coarse.obj", *at], BAD_INPUT, "coarse.obj", "too large", "1.43 mm")
     refuse(tmp_path, ["scatter", "cloud.xyz", *at], BAD_INPUT, "cloud.xyz", "no faces")
     refuse(tmp_path, [*BALL, "--focus", "0,0,120"], BAD_INPUT, "inside of the body", "--foci-inside")
-    refuse(tmp_path, [*BALL], USAGE, "foci, a path or a plane wave")
+    refuse(tmp_path, [*BALL], USAGE, "a plane wave or a ring")
     refuse(tmp_path, [*BALL, *AIM, "--length", 20], USAGE, "length", "finger")
     refuse(tmp_path, [*BALL, *AIM, "--edge", 9], USAGE, "edge", "5 mm")
     refuse(tmp_path, [*BALL, *AIM, "-o", "ball.stl"], USAGE, ".vtp")

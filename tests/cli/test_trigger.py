@@ -48,7 +48,7 @@ def test_playing_waits_for_it(board):
     assert json.loads(ask(board, "play", "--loops", "3", "--on-trigger", "--json").stdout)["underruns"] == 0
     assert trigger(board)["out_count"] == 1
     trigger(board, "--in", "high", "--level")
-    waits = subprocess.Popen([PROGRAM, "play", "--loops", "3", "--seconds", "0.01", "--on-trigger", "--port", "port"], cwd=board, stderr=subprocess.DEVNULL,
+    waits = subprocess.Popen([PROGRAM, "play", "--loops", "3", "--seconds", "0.01", "--watchdog", "20000", "--on-trigger", "--port", "port"], cwd=board, stderr=subprocess.DEVNULL,
                              stdout=subprocess.DEVNULL)  # fmt: skip
     time.sleep(1.0)
     assert waits.poll() is None, "its seconds begin with the trigger"

@@ -540,7 +540,8 @@ def markers_of(place, monkeypatch, *options):
     said = process.communicate()[1]
     assert process.returncode == OK and "waits until somebody records" in said, said
     times = [time_s for time_s, _ in got]
-    assert times == sorted(times) and begun_s < times[0] and times[-1] < pylsl.local_clock()
+    # The board's clock is known to a millisecond or so.
+    assert all(later > earlier - 0.02 for earlier, later in zip(times, times[1:])) and begun_s < times[0] and times[-1] < pylsl.local_clock()
     assert [(marker["kind"], marker["trial"]) for _, marker in got] == [(kind, n) for n in range(1, 5) for kind in ("start", "answer", "stop")]
     return got
 
