@@ -72,9 +72,10 @@ int play(const PlayOptions& options) {
     link::PlaySettings settings = options.play;
     settings.am = {options.am.value_or(""), law_of(options.am_law.value_or("pressure"))};
     const link::Played played = link::play(device, settings, [&](const link::Playing& now) {
-        progress.note(now.status.waiting ? std::string("waits for the trigger")
-                                         : fmt::format("{:.1f} s, record {}, {} underruns", now.seconds,
-                                                       now.status.present_index, now.underruns));
+        progress.note(settings.on_trigger && now.status.waiting
+                          ? std::string("waits for the trigger")
+                          : fmt::format("{:.1f} s, record {}, {} underruns", now.seconds, now.status.present_index,
+                                        now.underruns));
         return !interrupted();
     });
     if (options.play.rate > 0.0)

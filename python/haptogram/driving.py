@@ -35,7 +35,7 @@ def end_like_ctrl_c() -> None:
 
 def _is_over(status: Status) -> bool:
     """Whether nothing plays and nothing is to come."""
-    return status.present_index == 0 and status.live_level == 0 and not status.waiting and status.mode in ("idle", "live")
+    return status.present_index == 0 and status.live_level == 0 and status.mode in ("idle", "live")
 
 
 def _watch(board: Client) -> Status:

@@ -63,7 +63,7 @@ void require_on(const Status& status, const Status* before) {
 }
 
 bool is_over(const Status& status) {
-    return status.present_index == 0 && status.live_level == 0 && !status.waiting &&
+    return status.present_index == 0 && status.live_level == 0 &&
            (status.mode == Mode::idle || status.mode == Mode::live);
 }
 

@@ -106,17 +106,20 @@ Played play(Commands& device, const PlaySettings& settings, const Watch& watch) 
             device.start(1, settings.loops ? length : std::uint16_t{0}, settings.loops.value_or(0),
                          settings.on_trigger ? When::at_trigger() : When::at_once());
         auto begun = Clock::now();
+        // A modulation that somebody else lets wait neither keeps this on nor stops its seconds.
+        const auto waits = [&] { return settings.on_trigger && now.status.waiting; };
         // Asking for the status also keeps the watchdog quiet.
         const std::chrono::milliseconds pause = keep_alive_pause(settings.watchdog_ms);
         do {
             std::this_thread::sleep_for(pause);
             now.status = sure_status(device);
-            if (now.status.waiting) begun = Clock::now();
+            if (waits()) begun = Clock::now();
             now.seconds = std::chrono::duration<double>(Clock::now() - begun).count();
             now.underruns = since(now.status, &Status::underruns);
             interrupted = watch && !watch(now);
             require_on(now.status, &before);
-        } while (!interrupted && !is_over(now.status) && (settings.seconds == 0.0 || now.seconds < settings.seconds));
+        } while (!interrupted && (waits() || !is_over(now.status)) &&
+                 (settings.seconds == 0.0 || now.seconds < settings.seconds));
     });
     return {.underruns = now.underruns,
             .refused_records = since(now.status, &Status::refused_records),
