@@ -59,6 +59,16 @@ def test_playing_waits_for_it(board):
         assert_one_message(run(["play", "--on-trigger", *more, "--port", "port"], cwd=board), USAGE, "on-trigger")
 
 
+def test_another_command_that_waits_does_not_hold_up_the_end(tmp_path):
+    with virtual_board(tmp_path, "--model", "reference", "--board", "tile-100-wide"):
+        succeed(["compile", "--shape", "circle", "--points", "4", "--rate", "500", "--board", "tile-100-wide", "--array", "tile-10x10", "-o", "c.hex"], cwd=tmp_path)
+        ask(tmp_path, "upload", "c.hex")
+        ask(tmp_path, "device", "modulate", "--samples", "4", "--at-period", "4000000000000")
+        assert status(tmp_path)["waiting"]
+        ask(tmp_path, "play", "--loops", "3", "--watchdog", "0")
+        assert status(tmp_path)["outputs"] == "off"
+
+
 @pytest.mark.parametrize("options, needle", [(["--every", "3"], "--every"), (["--out", "mark", "--every", "3"], "event is mark"), (["--gate"], "--in"),
                                              (["--test", "cycle", "--channel", "2"], "--channel"), (["--out", "never"], "--out"),
                                              (["--test", "carrier", "--channel", "999"], "channel"), (["--pulse", "9999"], "clocks at most")])  # fmt: skip
