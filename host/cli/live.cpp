@@ -268,7 +268,7 @@ int live_loop(const LiveCommand& command) {
     const auto board = open_board(command.port);
     const link::HostClock clock = board->clock();
     const live::ChosenPlayer chosen = live::choose_player(board->client(), clock, array, player_options);
-    for (const std::string& words : feeler->about()) complain(words);
+    if (const std::string words = feeler->about(); !words.empty()) complain(words);
     complain(chosen.about);
     if (!chosen.shortfall.empty()) complain("warning: " + chosen.shortfall);
     live::LoopOptions loop_options = command.loop;

@@ -88,7 +88,7 @@ public:
     [[nodiscard]] virtual std::optional<Path> feel(const Frame& frame, ShotReport& report) = 0;
     [[nodiscard]] virtual ShotCounts counts() const = 0;
     /// What can be felt there, to be said before it plays: sentences.
-    [[nodiscard]] virtual std::vector<std::string> about() const { return {}; }
+    [[nodiscard]] virtual std::string about() const { return {}; }
 };
 
 }  // namespace haptogram::live

@@ -74,7 +74,7 @@ std::optional<std::string> ShotRings::give_magnitude(Path& ring) {
     return {};
 }
 
-std::vector<std::string> ShotRings::about() const {
+std::string ShotRings::about() const {
     if (options_.ring.motion != FocusMotion::revolving) return {};
     constexpr double step_m = 0.5e-3, highest_m = 0.3;
     Vec3 top = options_.middle;

@@ -57,7 +57,7 @@ public:
 
     [[nodiscard]] ShotCounts counts() const override { return counts_; }
     /// What rings this array can make around a finger on top of the object.
-    [[nodiscard]] std::vector<std::string> about() const override;
+    [[nodiscard]] std::string about() const override;
     [[nodiscard]] const TouchScene& scene() const { return scene_; }
 
 private:

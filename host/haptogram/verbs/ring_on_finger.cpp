@@ -242,30 +242,26 @@ std::optional<RingReach> RingWeigher::weigh(std::span<const Vec3> places, const 
     return reach;
 }
 
-std::vector<std::string> reach_in_words(const Array& array, Vec3 place, std::size_t points) {
+std::string reach_in_words(const Array& array, Vec3 place, std::size_t points) {
+    const std::string what =
+        fmt::format("a finger of {:g} mm, {:g} mm deep at ({:.0f}, {:.0f}, {:.0f}) mm", 2.0 * usual_radius_m / millimetre,
+                    usual_depth_m / millimetre, place.x / millimetre, place.y / millimetre, place.z / millimetre);
+    if (const std::string why = array.unreachable(place); !why.empty())
+        return fmt::format("{}: no ring, the array does not reach it, {}", what, why);
     RingWeigher weigher(array);
-    std::vector<std::string> words;
+    std::string words;
     for (const auto& [way, name] :
          {std::pair(Vec3{0, 0, 1}, "from above"), std::pair(unit(Vec3{0, -1, 1}), "aslant from above and the front")}) {
         const FingerForm finger{place + (usual_radius_m - usual_depth_m) * Vec3{0, 0, 1}, way, usual_radius_m};
-        const std::string what =
-            fmt::format("a finger of {:g} mm that comes {}, {:g} mm deep at ({:.0f}, {:.0f}, {:.0f}) mm",
-                        2.0 * usual_radius_m / millimetre, name, usual_depth_m / millimetre, place.x / millimetre,
-                        place.y / millimetre, place.z / millimetre);
-        if (const std::string why = array.unreachable(place); !why.empty()) {
-            words.push_back(fmt::format("{}: no ring, the array does not reach it, {}", what, why));
-            continue;
-        }
         const auto contact = contact_of(finger, place, {0, 0, -1});
         const auto reach = contact ? weigher.weigh(ring_points(contact->section, points), finger) : std::nullopt;
         if (!reach) continue;
-        words.push_back(
-            fmt::format("{}: {} of {} places of its ring are reached, the strongest {:.1f} times as strongly as the "
-                        "weakest; weighed, "
-                        "each gets {:.3g} Pa",
-                        what, reach->reached, points, reach->uneven, reach->even_pa));
+        words += fmt::format(
+            "{}{}, {} of {} places of its ring are reached, the strongest {:.1f} times as strongly as the weakest; "
+            "weighed, each gets {:.3g} Pa",
+            words.empty() ? ": " : ". Or ", name, reach->reached, points, reach->uneven, reach->even_pa);
     }
-    return words;
+    return words.empty() ? words : what + words;
 }
 
 }  // namespace haptogram

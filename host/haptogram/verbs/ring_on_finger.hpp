@@ -89,8 +89,9 @@ private:
     FingerSound::Values of_size_, slice_;
 };
 
-/// In words, what a ring around a usual finger becomes that touches a place from above: straight, and aslant.
+/// In words, what a ring around a usual finger becomes that touches a place from above: straight, and aslant; empty
+/// where it has none.
 /// @param points  of the ring
-[[nodiscard]] std::vector<std::string> reach_in_words(const Array& array, Vec3 place, std::size_t points);
+[[nodiscard]] std::string reach_in_words(const Array& array, Vec3 place, std::size_t points);
 
 }  // namespace haptogram
