@@ -13,8 +13,8 @@ import subprocess
 import sys
 import tempfile
 import time
-import tomllib
 
+import boards
 import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
@@ -306,7 +306,7 @@ def board_rows(program, folder):
         if built["core_alone"]:
             continue
         board, used, fmax = built["board"], built["cells"], built["fmax_mhz"]
-        most = tomllib.loads((ROOT / "tools/budgets.toml").read_text(encoding="utf-8"))[built["fpga"]["family"]]["cells"]
+        most = boards.load(board)["budget"]["cells"]
         yield (f"{board}: cells", f"≤ {most:,}", used <= most, f"{used:,} of {built['cells_available']:,}")
         yield (f"{board}: lowest Fmax", f"≥ {fmax['goal']:.1f} MHz", fmax["lowest"] >= fmax["goal"], f"{fmax['lowest']:.1f} MHz over {fmax['seeds']} seeds")
         seconds = patch_s(program, folder, board)

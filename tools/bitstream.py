@@ -5,7 +5,7 @@
 Leaves in OUTPUT/BOARD/: BOARD.bin or .bit with empty memories, what `haptogram bitstream` needs to put an image into it
 (placed.asc or placed.config, primary.hex, sequence.hex), core.v (the netlist of haptogram_core that was placed, for tests/netlist), the tools'
 logs, and report.json. With --configuration the core alone in that configuration, for a question of size: placed and routed in
-OUTPUT/BOARD-CONFIGURATION, without pins or a bitstream. Exit code 0, 1 when a tool fails or a budget of tools/budgets.toml is exceeded, 2 on wrong usage.
+OUTPUT/BOARD-CONFIGURATION, without pins or a bitstream. Exit code 0, 1 when a tool fails or the budget in the board's file is exceeded, 2 on wrong usage.
 """
 import argparse
 import json
@@ -15,7 +15,6 @@ import shutil
 import subprocess
 import sys
 import time
-import tomllib
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -199,11 +198,6 @@ def cells(utilisation, family):
     return tuple(utilisation[kind][key] for kind in (logic, ram) for key in ("used", "available"))
 
 
-def budget_of(board):
-    parameters = board["parameters"]
-    return "_with_network" if "network" in board else "_with_amplitudes" if parameters["WIDTH_BITS"] else "_with_trigger" if parameters["TRIGGER"] else ""
-
-
 def build(name, options):
     board, start = load(name), time.monotonic()
     folder = options.output.resolve() / name
@@ -215,7 +209,7 @@ def build(name, options):
         folder = folder.with_name(f"{name}-{options.configuration}")
     folder.mkdir(parents=True, exist_ok=True)
     family, clock_mhz = board["fpga"]["family"], board["parameters"]["CLOCK_HZ"] / 1e6
-    budget = tomllib.loads((ROOT / "tools" / "budgets.toml").read_text())[family + budget_of(board)]
+    budget = board["budget"]
     goal = clock_mhz * (1.0 if alone else budget["clock_margin"])  # of size only, not of a board's margin
     fingerprint(folder, board)
     print(f"{folder.name}: synthesised in {synthesise(folder, board):.0f} s", file=sys.stderr, flush=True)

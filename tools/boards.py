@@ -14,10 +14,15 @@ def names():
     return sorted(p.stem for p in BOARDS.glob("*.toml"))
 
 
-def load(name):
-    """A board's file, with what it has from the board that it is like. `haptogram board list` checks files; this does not."""
+def own(name):
+    """A board's file, without what it has from the board that it is like."""
     path = BOARDS / f"{name}.toml"
     if not path.exists():
         raise Unknown(f"no board {name}; there are {', '.join(names())}")
-    own = tomllib.loads(path.read_text(encoding="utf-8"))
-    return load(own["like"]) | own if "like" in own else own
+    return tomllib.loads(path.read_text(encoding="utf-8"))
+
+
+def load(name):
+    """A board's file, with what it has from the board that it is like. `haptogram board list` checks files; this does not."""
+    said = own(name)
+    return load(said["like"]) | said if "like" in said else said

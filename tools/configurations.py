@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The core's parameters and its named configurations, from tools/interface.toml.
+"""The core's parameters and its named configurations, from tools/interface.toml and the board files of constraints/.
 
 As a program it prints one configuration, for scripts: `tools/configurations.py tile-100 --as verilator`; without a name, all names.
 """
 import argparse
 import tomllib
 from pathlib import Path
+
+import boards
 
 TABLE = Path(__file__).resolve().parent / "interface.toml"
 FORMATS = {"verilator": "-G{}={}", "iverilog": "-P haptogram_core.{}={}", "yosys": "-set {} {}", "text": "{} = {}\n"}
@@ -51,32 +53,34 @@ def check(name, values, parameters):
 
 
 def configurations(table=None):
-    """Every configuration: its name and a dict of all parameters, in the order of the table."""
+    """Every configuration: its name and a dict of all parameters, in the order of the table; then the boards that have parameters of
+    their own."""
     table = table or load()
+    rows = [(row["name"], row["parameters"]) for row in table["configuration"]]
+    rows += [(name, own) for name in boards.names() if (own := boards.own(name).get("parameters")) and "configuration" not in own]
     result = {}
-    for row in table["configuration"]:
-        values = {p["name"]: p["default"] for p in table["parameter"]} | row["parameters"]
-        check(row["name"], values, table["parameter"])
-        if row["name"] in result:
-            raise Wrong(f"there are two configurations {row['name']}")
-        result[row["name"]] = values
+    for name, differing in rows:
+        values = {p["name"]: p["default"] for p in table["parameter"]} | differing
+        check(name, values, table["parameter"])
+        if name in result:
+            raise Wrong(f"there are two configurations {name}")
+        result[name] = values
     return result
 
 
 def configuration(name):
     known = configurations()
     if name not in known:
-        raise Wrong(f"no configuration {name}; tools/interface.toml has {', '.join(known)}")
+        raise Wrong(f"no configuration {name}; there are {', '.join(known)}")
     return known[name]
 
 
 def parameters_of(board):
-    """The parameters that a board file of constraints/ asks for: of a named configuration, or each by itself, but for those that are 0
-    by default."""
+    """The parameters of a board file: what it says, and for the rest those of the configuration that it names, or the defaults."""
     table = dict(board["parameters"])
     name = table.pop("configuration", None)
     parameters = load()["parameter"]
-    values = {p["name"]: 0 for p in parameters if p["default"] == 0} | table if name is None else configuration(name) | table
+    values = ({p["name"]: p["default"] for p in parameters} if name is None else configuration(name)) | table
     check(name or board.get("description", "of the board"), values, parameters)
     return values
 

@@ -547,7 +547,7 @@ def page(table):
         out.append(f"| {p['name']} | {', '.join(bounds)} | {p['default']} | {p['about']} | {p['why']} |")
     rows = configurations(table)
     default = {p["name"]: p["default"] for p in table["parameter"]}
-    out += ["", "## Named configurations", "", "A parameter that is not named has its default. `tools/interface.toml` has more, for tests; each board has one of its own name, whose",
+    out += ["", "## Named configurations", "", "A parameter that is not named has its default. `tools/interface.toml` has more, for tests; each board of `constraints/` is one, whose",
             "parameters `haptogram board pinout BOARD --json` tells.", "", "| configuration | parameters | what |", "|---|---|---|"]
     for row in table["configuration"]:
         if "about" in row:

@@ -22,11 +22,11 @@ def board_file(name):
 
 @functools.cache
 def parameters(name):
-    """Of the core that a board file asks for, by its configuration's name."""
+    """Of the core that a board file asks for."""
     table = tomllib.loads((ROOT / "tools/interface.toml").read_text(encoding="utf-8"))
-    file = board_file(name)["parameters"]
-    (differs,) = [row["parameters"] for row in table["configuration"] if row["name"] == file["configuration"]]
-    return {p["name"]: p["default"] for p in table["parameter"]} | differs | {k: v for k, v in file.items() if k != "configuration"}
+    file = dict(board_file(name)["parameters"])
+    like = file.pop("configuration", None)
+    return (parameters(like) if like else {p["name"]: p["default"] for p in table["parameter"]}) | file
 
 
 def array_file(name):
@@ -307,7 +307,7 @@ def test_files_that_are_not_there(folder):
 
 
 REQUIRED = ["description", "sources", "array", *(f"fpga.{k}" for k in ("family", "device", "package", "speed", "top")),
-            *(f"parameters.{k}" for k in parameters(LARGE) if k not in ("WIDTH_BITS", "MODULATION_DEPTH", "SLEW", "FOCI", "SCHEDULE", "SYNC", "CHAIN", "NET", "STREAM", "TRIGGER")), *(f"flash.{k}" for k in ("load", "write", "note")),
+            *(f"flash.{k}" for k in ("load", "write", "note")),
             *(f"pins.{k}" for k in ("clk", "rx", "tx", "high"))]  # fmt: skip
 
 
@@ -339,6 +339,8 @@ BAD = {
     "unknown FPGA key": ("speed = 6", "speeed = 6", [r"fpga\.speeed", "speed"]),
     "unknown configuration": ("CHANNELS = 3", 'configuration = "tile-99"', ["tile-99"]),
     "unknown parameter": ("RECORDS", "RECORD", [r"parameters\.RECORD\b", "RECORDS"]),
+    "unknown budget key": ("[flash]", "[budget]\nslices = 3\n[flash]", [r"budget\.slices", "cells"]),
+    "odd budget": ("[flash]", "[budget]\ncells = 'few'\n[flash]", [r"budget\.cells", "whole number"]),
     "unknown flash key": ("note =", "notes =", [r"flash\.notes", "note"]),
     "odd stop level": ('led = "A4"', 'stop_level = 2', [r"pins\.stop_level", "2"]),
     "neither high nor low": ('led = "A4"', 'active = "up"', [r"pins\.active", "high", "low", "up"]),
@@ -492,6 +494,11 @@ def test_a_parameter_beside_a_configuration_takes_the_place_of_its_value(folder)
     begin, end = GOOD.index("CHANNELS = 3"), GOOD.index("[flash]")
     (folder / "board.toml").write_text(GOOD[:begin] + 'configuration = "ulx3s-85f"\nCHANNELS = 3\n' + GOOD[end:])
     assert pinout("board.toml", cwd=folder)["parameters"] == {**parameters("ulx3s-85f"), "CHANNELS": 3}
+
+
+def test_a_parameter_that_is_not_there_has_its_default(folder):
+    (folder / "board.toml").write_text("".join(line for line in GOOD.splitlines(True) if not line.startswith("BAUD =")))
+    assert pinout("board.toml", cwd=folder)["parameters"]["BAUD"] == 1000000
 
 
 def test_the_largest_image_of_the_ice40_board(tmp_path):

@@ -72,8 +72,7 @@ Board::Fpga read_fpga(const Section& section) {
     return fpga;
 }
 
-/// The parameters: those of a named configuration, or all of them one by one, but for those that are 0 by default.
-/// Parameters that stand beside a configuration replace its own.
+/// The parameters that the file says, and for the rest those of the configuration that it names, or the defaults.
 interface::CoreParameters read_core(const Section& section) {
     std::vector<std::string> known = {"configuration"};
     for (const auto& one : interface::core_parameters) known.emplace_back(one.name);
@@ -85,13 +84,17 @@ interface::CoreParameters read_core(const Section& section) {
         } catch (const Error& error) {
             throw bad_input(section.at("configuration"), error.what());
         }
-    } else {
-        for (const auto& one : interface::core_parameters)
-            if (parameters.*one.member != 0 && section.find(one.name) == nullptr)
-                throw section.missing(one.name, fmt::format("a whole number from {} to {}", one.low, one.high));
     }
     read_parameters(parameters, section, KeyStyle::verilog);
     return parameters;
+}
+
+/// What a build may use is for tools/bitstream.py.
+void check_budget(const Section& section) {
+    section.only({"cells", "clock_margin", "network_mhz"});
+    section.whole("cells", 1, 1'000'000);
+    section.number("clock_margin", 1.0, 10.0);
+    section.number("network_mhz", 125.0, 1000.0);
 }
 
 Board::Flash read_flash(const Section& section) {
@@ -287,7 +290,8 @@ struct BoardFile {
 BoardFile read_file_of(const std::filesystem::path& path) {
     BoardFile file{path, section::parse(path)};
     Section(path.string(), file.tables)
-        .only({"description", "like", "sources", "array", "outputs", "fpga", "parameters", "flash", "pins", "network"});
+        .only({"description", "like", "sources", "array", "outputs", "fpga", "parameters", "budget", "flash", "pins",
+               "network"});
     return file;
 }
 
@@ -329,6 +333,7 @@ Board read_board(const std::filesystem::path& path) {
     if (is_path(board.array)) board.array = named_in(holder("array").path.parent_path(), board.array).string();
     board.fpga = read_fpga(table_of("fpga"));
     board.parameters = read_core(table_of("parameters"));
+    if (holder("budget").tables.get("budget") != nullptr) check_budget(table_of("budget"));
     board.flash = read_flash(table_of("flash"));
     board.pins = read_pins(table_of("pins"), board.fpga, board.parameters);
     const bool has_network = holder("network").tables.get("network") != nullptr;
