@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """HAPTOGRAM_QUICK compiles many sources as one. Which come together follows from their number, so no two sources of a target may use
 one name for two things: all of them are read as one here. Usage: one_unit.py BUILD TARGET…"""
+import collections
 import json
 import shlex
 import subprocess
@@ -8,29 +9,29 @@ import sys
 import tempfile
 from pathlib import Path
 
-LEFT_OUT = {"-Werror", "-Winvalid-pch", "-c"}
 ALONE = {"serial_rate_linux.cpp"}  # SKIP_UNITY_BUILD_INCLUSION
-WITH_VALUE = {"-o", "-include"}  # the precompiled header, which is another for each target
+LEFT_OUT = {"-Werror", "-Winvalid-pch", "-c", "-MD"}
+WITH_VALUE = {"-o", "-MT", "-MF", "-include"}  # the precompiled header, which is another for each target
 
 
-def command_of(entries):
-    """The compiler's command for all of the entries at once, without what says the output."""
-    words = [word for entry in entries for word in shlex.split(entry["command"])]
-    first = shlex.split(entries[0]["command"])
-    begin = next(k for k, word in enumerate(first) if word.endswith("++"))
-    command, skip = [], False
-    for word in first[begin:] + sorted({word for word in words if word.startswith("-D")} - set(first)):
-        if not skip and word not in LEFT_OUT and word not in WITH_VALUE and word != entries[0]["file"]:
-            command.append(word)
+def options_of(entry):
+    """The compiler and its options, without what names the source, what is written, and the precompiled header."""
+    words, skip = shlex.split(entry["command"]), False
+    options = []
+    for word in words[next(k for k, word in enumerate(words) if word.endswith("++")):]:
+        if not skip and word not in LEFT_OUT and word not in WITH_VALUE and word != entry["file"]:
+            options.append(word)
         skip = not skip and word in WITH_VALUE
-    return command + ["-w", "-fsyntax-only"]
+    return tuple(options)
 
 
 def entries_of(build, target):
+    """Its sources, but for those with options of their own, which CMake compiles alone, too."""
     found = [entry for entry in json.loads((build / "compile_commands.json").read_text(encoding="utf-8"))
              if f"/{target}.dir/" in entry["command"] and "cmake_pch" not in entry["file"] and Path(entry["file"]).name not in ALONE]
     assert len(found) > 1, f"{target}: compile_commands.json has {len(found)} sources of it"
-    return found
+    usual = collections.Counter(map(options_of, found)).most_common(1)[0][0]
+    return [entry for entry in found if options_of(entry) == usual]
 
 
 def errors_in(build, target):
@@ -38,7 +39,7 @@ def errors_in(build, target):
     with tempfile.NamedTemporaryFile("w", suffix=".cpp", encoding="utf-8") as unit:
         unit.writelines(f'#include "{entry["file"]}"\n' for entry in entries)
         unit.flush()
-        done = subprocess.run([*command_of(entries), unit.name], cwd=entries[0]["directory"], capture_output=True, text=True)
+        done = subprocess.run([*options_of(entries[0]), "-w", "-fsyntax-only", unit.name], cwd=entries[0]["directory"], capture_output=True, text=True)
     return [line for line in done.stderr.splitlines() if "error:" in line] if done.returncode else []
 
 

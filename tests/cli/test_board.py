@@ -339,8 +339,8 @@ BAD = {
     "unknown FPGA key": ("speed = 6", "speeed = 6", [r"fpga\.speeed", "speed"]),
     "unknown configuration": ("CHANNELS = 3", 'configuration = "tile-99"', ["tile-99"]),
     "unknown parameter": ("RECORDS", "RECORD", [r"parameters\.RECORD\b", "RECORDS"]),
-    "unknown budget key": ("[flash]", "[budget]\nslices = 3\n[flash]", [r"budget\.slices", "cells"]),
-    "odd budget": ("[flash]", "[budget]\ncells = 'few'\n[flash]", [r"budget\.cells", "whole number"]),
+    "unknown budget key": ("outputs = [", "budget = { slices = 3 }\noutputs = [", [r"budget\.slices", "cells"]),
+    "odd budget": ("outputs = [", "budget = { cells = 'few' }\noutputs = [", [r"budget\.cells", "whole number"]),
     "unknown flash key": ("note =", "notes =", [r"flash\.notes", "note"]),
     "odd stop level": ('led = "A4"', 'stop_level = 2', [r"pins\.stop_level", "2"]),
     "neither high nor low": ('led = "A4"', 'active = "up"', [r"pins\.active", "high", "low", "up"]),
@@ -480,7 +480,7 @@ def compiled(folder, *arguments):
 def test_the_timer_is_the_finest_that_the_timing_bits_hold(bits, timer, tmp_path):
     """On the iCE40 board, whatever it is built with."""
     board = (ROOT / "constraints/ice40-hx8k-breakout.toml").read_text(encoding="utf-8")
-    board = board.replace("[parameters]\n", f"[parameters]\nTIMING_BITS = {bits}\nPULSE_BITS = {min(bits, 8)}\n")
+    board = board.replace("TIMING_BITS = 8\n", f"TIMING_BITS = {bits}\nPULSE_BITS = {min(bits, 8)}\n")
     (tmp_path / "board.toml").write_text(board, encoding="utf-8")
     manifest, image = compiled(tmp_path, "--points", "20", "--board", "board.toml", "--array", "tile-10x10")
     assert tuple(manifest["timer"][key] for key in ("prescaler", "cycle_ticks", "pulse_ticks")) == timer

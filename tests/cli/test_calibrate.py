@@ -9,6 +9,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from scipy.io import wavfile
 from support import BAD_INPUT, ROOT, USAGE, refuse, succeed, text
@@ -47,12 +48,20 @@ def takes(folder, code, bought, places, seed, **recorder):
 
 def kept(folder, array, bought):
     """The pressure of a compiled focus, where it is highest, over what the elements could make there."""
-    centre = ",".join(f"{1e3 * part:g}" for part in FOCUS)
-    succeed(["compile", "--shape", "point", "--center", centre, "--array", array, "-o", "point.hex"], cwd=folder)
+    compile_focus(folder, array)
     (record,) = Image.load(str(folder / "point.hex")).records
     ticks = np.array(record.timings)
-    phases = np.where(ticks == 0xFFFF, 0, np.exp(-2j * np.pi * ticks / record.cycle_length))[bought.channel]
-    best = 0.0
+    return share(np.where(ticks == 0xFFFF, 0, np.exp(-2j * np.pi * ticks / record.cycle_length)), bought)
+
+
+def compile_focus(folder, array):
+    centre = ",".join(f"{1e3 * part:g}" for part in FOCUS)
+    succeed(["compile", "--shape", "point", "--center", centre, "--array", array, "-o", "point.hex"], cwd=folder)
+
+
+def share(by_channel, bought):
+    """The same of channels with these phases, as complex numbers."""
+    phases, best = by_channel[bought.channel], 0.0
     for x in np.arange(-3e-3, 3.1e-3, 0.5e-3):
         for y in np.arange(-3e-3, 3.1e-3, 0.5e-3):
             waves = model.transfer(np.array(FOCUS) + (x, y, 0), bought.speed)[0] * bought.response
@@ -127,6 +136,34 @@ def test_a_meter_of_amplitudes_brings_the_focus_back(tmp_path):
     for line, said in (("7,0.5\n", "record 7 was read before"), ("401,-1\n", "not negative"), ("402,1\n", "no reading of record 401")):
         (tmp_path / "meter.csv").write_text("index,reading\n" + "".join(lines) + line)
         refuse(tmp_path, ["calibrate", "fit", "meter.csv", "--at=0,0,150", "-o", "x.toml"], BAD_INPUT, said, outputs=["x.toml"])
+
+
+def phases_at_the_pins(folder, image):
+    """Each record's phases, as complex numbers, from the middles of the pulses at the simulated core's pins; 0 where a pin is low."""
+    succeed(["simulate", image, "--load", "direct", "--pulses", "pins.csv"], cwd=folder, timeout=600)
+    pulses = pd.read_csv(folder / "pins.csv")
+    (folder / "pins.csv").unlink()
+    clocks = 1250  # of a carrier period
+    pulses["turn"] = np.exp(-2j * np.pi * (0.5 * (pulses.rise_clk + pulses.fall_clk) % clocks) / clocks)
+    mean = pulses.groupby(["index", "channel"]).turn.mean().unstack(fill_value=0).reindex(columns=range(model.CHANNELS), fill_value=0)
+    return mean.sort_index().to_numpy()
+
+
+def test_a_calibration_from_pulses_at_the_pins_to_a_focus_of_them(code, tmp_path):
+    """Pins, waves, sound files, calibration, and pins again: nothing is taken from an image."""
+    records, periods = model.read_code(code)
+    played = phases_at_the_pins(tmp_path, code)
+    assert played.shape == records.shape and abs(abs(played) - 1).max() < 0.02  # where patterns meet, a pulse lies between both
+    bought = model.Bought.random(SEED)
+    rng, options = np.random.default_rng(SEED), []
+    for number, place in enumerate(PLACES[:3]):
+        write_wav(tmp_path / f"{number}.wav", model.record((played, periods), bought, np.array(place) * 1e-3 + rng.uniform(-2e-3, 2e-3, 3), rng))
+        options += [f"{number}.wav", f"--at={','.join(map(str, place))}"]
+    found = calibrate(tmp_path, options)
+    assert elements(found, "dead") == bought.dead and elements(found, "reversed") == bought.reversed
+    compile_focus(tmp_path, "./tile.toml")
+    (focus,) = phases_at_the_pins(tmp_path, "point.hex")
+    assert share(focus, bought) >= 0.99
 
 
 def sound_array():

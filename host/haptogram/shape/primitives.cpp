@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include "haptogram/base/error.hpp"
@@ -177,13 +178,27 @@ std::vector<std::string> primitive_kinds() {
     return names;
 }
 
-Shape make_primitive(const PrimitiveSpec& spec) {
-    for (const Kind& kind : kinds())
-        if (kind.defaults.kind == spec.kind)
-            return place(kind.make(completed(spec, kind.defaults)), {.center = Vec3{}});
+namespace {
+
+const Kind& kind_of(const PrimitiveSpec& spec, const std::vector<Kind>& known) {
+    for (const Kind& kind : known)
+        if (kind.defaults.kind == spec.kind) return kind;
     throw bad_argument(
         "shape", fmt::format("found \"{}\", expected one of {}; choose one", spec.kind, listed(primitive_kinds())),
         {"shape"});
+}
+
+}  // namespace
+
+void check_primitive(const PrimitiveSpec& spec) {
+    const auto known = kinds();
+    std::ignore = completed(spec, kind_of(spec, known).defaults);
+}
+
+Shape make_primitive(const PrimitiveSpec& spec) {
+    const auto known = kinds();
+    const Kind& kind = kind_of(spec, known);
+    return place(kind.make(completed(spec, kind.defaults)), {.center = Vec3{}});
 }
 
 }  // namespace haptogram

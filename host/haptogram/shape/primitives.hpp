@@ -30,4 +30,7 @@ struct PrimitiveSpec {
 ///         does not take, that is not positive and finite, or, of `sides`, not in 3…1000
 [[nodiscard]] Shape make_primitive(const PrimitiveSpec& spec);
 
+/// Throws what make_primitive() would.
+void check_primitive(const PrimitiveSpec& spec);
+
 }  // namespace haptogram

@@ -12,6 +12,7 @@
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/toml_section.hpp"
 #include "haptogram/base/toml_value.hpp"
+#include "haptogram/shape/primitives.hpp"
 #include "haptogram/solve/segments.hpp"
 #include "haptogram/verbs/settings.hpp"
 
@@ -68,6 +69,11 @@ ShapeSource read_shape(const std::string& file, const toml::table& table) {
         throw bad_input(where, "diameter_mm, length_mm, height_mm, sides and turns measure built-in shapes, not files");
     if (source.file.empty() && section.find("unit") != nullptr)
         throw bad_input(section.at("unit"), "unit is that of a file's coordinates; a built-in shape has none");
+    if (source.file.empty()) try {
+            check_primitive(source.primitive);
+        } catch (const Error& error) {
+            throw bad_input(error.where() == "shape" ? section.at("kind") : where, error.message());
+        }
     read_placement(source.placement, section);
     return source;
 }
