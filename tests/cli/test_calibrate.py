@@ -4,6 +4,7 @@ numpy model. HAPTOGRAM_ARRAYS arrays are drawn."""
 import dataclasses
 import json
 import os
+import signal
 import sys
 import time
 from pathlib import Path
@@ -12,7 +13,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from scipy.io import wavfile
-from support import BAD_INPUT, ROOT, USAGE, refuse, succeed, text
+from support import BAD_INPUT, ROOT, USAGE, ask, refuse, succeed, text, virtual_board
 
 sys.path.insert(0, str(ROOT / "tools"))
 sys.path.insert(0, str(ROOT / "python"))
@@ -140,7 +141,10 @@ def test_a_meter_of_amplitudes_brings_the_focus_back(tmp_path):
 
 def phases_at_the_pins(folder, image):
     """Each record's phases, as complex numbers, from the middles of the pulses at the simulated core's pins; 0 where a pin is low."""
-    succeed(["simulate", image, "--load", "direct", "--pulses", "pins.csv"], cwd=folder, timeout=600)
+    with virtual_board(folder, "--image", image, "--pulses", "pins.csv") as board:
+        ask(folder, "play", "--loops", "1", "--watchdog", "0")
+        board.send_signal(signal.SIGINT)
+        assert board.wait(120) == 0
     pulses = pd.read_csv(folder / "pins.csv")
     (folder / "pins.csv").unlink()
     clocks = 1250  # of a carrier period
