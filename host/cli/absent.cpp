@@ -52,6 +52,9 @@ std::unique_ptr<LiveBoard> reference_board(const std::string&) {
     throw bad_argument(
         "port", fmt::format("this build has no simulated board; name a serial port, or build with {}", with_verilator));
 }
+std::unique_ptr<LiveBoard> reference_rig(const std::string& configuration, const Rig&, const link::RigSettings&) {
+    return reference_board(configuration);
+}
 #endif
 #endif
 

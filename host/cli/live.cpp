@@ -11,7 +11,6 @@
 #include "haptogram/array/rig.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
-#include "haptogram/link/device.hpp"
 #include "haptogram/live/choose_player.hpp"
 #include "haptogram/live/depth_folder.hpp"
 #include "haptogram/live/hand_feeler.hpp"
@@ -34,8 +33,6 @@
 namespace haptogram::cli {
 namespace {
 
-constexpr const char* reference_prefix = "reference:";
-
 const std::vector<std::string> rings = {"ring", "still"};
 
 struct LiveCommand {
@@ -44,7 +41,7 @@ struct LiveCommand {
     std::string low, high;
     ObjectArguments object{.name = "cube", .size_mm = 40.0};
     std::string predict = "velocity", method = "distance-weighted";
-    link::PortSettings port;
+    RigPorts ports;
     double mass_g = 0.0, distance_mm = 300.0;
     std::optional<double> latency_ms;
     live::CameraOptions cameras;
@@ -57,23 +54,6 @@ struct LiveCommand {
 
     [[nodiscard]] bool has_rings() const { return std::ranges::find(rings, algorithm) != rings.end(); }
 };
-
-class PortBoard final : public LiveBoard {
-public:
-    explicit PortBoard(const link::PortSettings& port) : device_(port) {}
-    link::Client& client() override { return device_; }
-    link::HostClock clock() override { return link::steady_clock(); }
-
-private:
-    link::Device device_;
-};
-
-std::unique_ptr<LiveBoard> open_board(link::PortSettings port) {
-    port.interrupt = interrupts;
-    if (port.port.starts_with(reference_prefix))
-        return reference_board(port.port.substr(std::string(reference_prefix).size()));
-    return std::make_unique<PortBoard>(port);
-}
 
 live::PredictorOptions prediction_of(const LiveCommand& command, bool hands) {
     // Of a depth camera with its line of records, and of a hand tracker.
@@ -240,7 +220,39 @@ std::unique_ptr<live::Feeler> feeler_of(const LiveCommand& command, const live::
     return std::make_unique<live::ShotRings>(array, array.carrier_hz, options, source.cameras());
 }
 
+/// What is said of some settings alone.
+void tell_setting(Report& report, const LiveCommand& command, const live::LoopReport& done, LiveBoard& board) {
+    if (const std::size_t boards = board.parts().size(); boards > 0) {
+        report.add("begun_together", board.beginnings());
+        report.tell(
+            fmt::format("rig               {} boards, which have begun together {} times", boards, board.beginnings()));
+    }
+    if (command.algorithm == "still")
+        report.tell(fmt::format("focus             still, modulated at {:g} Hz", command.fingers.ring.still_am_hz));
+    if (command.fingers.magnitude)
+        report.tell(fmt::format("magnitude         {:g}, on a palm; {} shots with a finger that cannot feel so",
+                                *command.fingers.magnitude, done.without_magnitude));
+}
+
+/// What came in and made no sense, and what went out and found no room.
+void tell_dropped(Report& report, const live::OpenedSource& source, const live::SceneInput* objects,
+                  std::uint64_t dropped) {
+    std::uint64_t junk = 0;
+    for (const live::HandPipe* tracker : source.trackers) {
+        const auto [lines, why] = tracker->junk();
+        junk += lines;
+        if (lines > 0) report.tell(fmt::format("junk              {} lines were no frames; the first: {}", lines, why));
+    }
+    if (!source.trackers.empty()) report.add("junk", junk);
+    if (objects != nullptr && objects->junk() > 0)
+        report.tell(fmt::format("scene-in          {} lines made no sense and changed nothing", objects->junk()));
+    if (dropped > 0)
+        report.tell(fmt::format("scene             {} lines found no room in the pipe and were dropped", dropped));
+}
+
 int live_loop(const LiveCommand& command) {
+    if (command.from.empty())
+        throw bad_argument("from", "is missing; name what sees the hand, such as leap-pipe:- or fingers:press");
     const ObjectSource object = object_of(command.object, command.given);
     live::CameraOptions cameras = command.cameras;
     cameras.target = object.centre;
@@ -249,12 +261,14 @@ int live_loop(const LiveCommand& command) {
         live::open_sources(command.from, cameras, object.centre, 0.5 * object.size_m.value_or(ObjectMeasures{}.size));
     const bool hands = source.only_hands();
     check_options(command, hands);
-    const bool simulated_time = command.port.port.starts_with(reference_prefix);
+    const bool simulated_time = keeps_own_time(command.ports);
     if (source.frames->live() && simulated_time)
         throw bad_argument("port", fmt::format("{} keeps its own time, in which live frames come at odd times; start "
                                                "'haptogram board run --model reference' and name its port",
-                                               command.port.port));
-    const Array array = command.rig.empty() ? find_array(command.array) : joined(find_rig(command.rig));
+                                               command.ports.ports.front()));
+    std::optional<Rig> rig;
+    if (!command.rig.empty()) rig = find_rig(command.rig);
+    const Array array = rig ? joined(*rig) : find_array(command.array);
     live::PlayerOptions player_options{.method = method_of(command.method, "method"),
                                        .rate_hz = source.frames->rate_hz(),
                                        .watchdog_ms = command.loop.watchdog_ms};
@@ -265,8 +279,9 @@ int live_loop(const LiveCommand& command) {
     std::optional<LineOutput> scene;
     if (!command.scene.empty()) scene.emplace(command.scene);
     catch_interrupts();  // before this, while a pipe says nothing, nothing is on
-    const auto board = open_board(command.port);
+    const auto board = open_live_board(command.ports, rig, command.loop.watchdog_ms);
     const link::HostClock clock = board->clock();
+    player_options.parts = board->parts();
     const live::ChosenPlayer chosen = live::choose_player(board->client(), clock, array, player_options);
     if (const std::string words = feeler->about(); !words.empty()) complain(words);
     complain(chosen.about);
@@ -291,23 +306,8 @@ int live_loop(const LiveCommand& command) {
     const auto latency = live::latency_of(done.rings, board->starts());
     Report report(live::to_json(done, latency));
     tell_run(report, done, latency);
-    if (command.algorithm == "still")
-        report.tell(fmt::format("focus             still, modulated at {:g} Hz", command.fingers.ring.still_am_hz));
-    if (command.fingers.magnitude)
-        report.tell(fmt::format("magnitude         {:g}, on a palm; {} shots with a finger that cannot feel so",
-                                *command.fingers.magnitude, done.without_magnitude));
-    std::uint64_t junk = 0;
-    for (const live::HandPipe* tracker : source.trackers) {
-        const auto [lines, why] = tracker->junk();
-        junk += lines;
-        if (lines > 0) report.tell(fmt::format("junk              {} lines were no frames; the first: {}", lines, why));
-    }
-    if (!source.trackers.empty()) report.add("junk", junk);
-    if (objects && objects->junk() > 0)
-        report.tell(fmt::format("scene-in          {} lines made no sense and changed nothing", objects->junk()));
-    if (scene && scene->dropped() > 0)
-        report.tell(
-            fmt::format("scene             {} lines found no room in the pipe and were dropped", scene->dropped()));
+    tell_setting(report, command, done, *board);
+    tell_dropped(report, source, objects.get(), scene ? scene->dropped() : 0);
     if (!command.record.empty())
         write_file(std::filesystem::path(command.record) / "run.json", live::run_to_json(done, latency).dump(1) + "\n");
     report.print(command.json);
@@ -371,10 +371,8 @@ void add_live(CLI::App& app, Action& action) {
                     "depth:FOLDER (a recording of cameras), depth-pipe:- (cameras of another program, such as "
                     "haptogram-realsense, on standard input or a named pipe), leap-pipe:- (hands from haptogram-leap), "
                     "leap:FILE, poses:FILE or synthetic:SCRIPT:HEIGHT (hands as render takes them; @MOUNTING behind a "
-                    "file, from "
-                    "align, says where the tracker is), fingers:press (scripted "
-                    "fingers, which simulated cameras see)")
-        ->required();
+                    "file, from align, says where the tracker is), fingers:press (scripted fingers, which simulated "
+                    "cameras see)");
     std::vector<std::string> algorithms = rings;
     for (const AlgorithmName& one : algorithm_names()) algorithms.emplace_back(1, one.letter);
     sub->add_option("--algorithm", options->algorithm,
@@ -391,15 +389,16 @@ void add_live(CLI::App& app, Action& action) {
     sub->add_option("--mass", options->mass_g, "g; 0: it stays where it is. Cube, sphere or cylinder, on a floor")
         ->check(not_negative())
         ->capture_default_str();
-    add_port_options(*sub, options->port);
-    sub->get_option("--port")->description(
-        "Serial port of the board, or of 'haptogram board run', or reference:CONFIGURATION: the reference board in "
-        "this "
-        "process, whose time the loop then keeps");
+    sub->add_option("--port", options->ports.ports,
+                    "Serial port of the board, or of 'haptogram board run', or as play has it; or "
+                    "reference:CONFIGURATION: the reference board in this process, whose time the loop then keeps. "
+                    "Given again, once for each array of --rig");
+    add_baud_option(*sub, options->ports.baud);
     auto* array = sub->add_option("--array", options->array, "Array file or shipped array")->capture_default_str();
     sub->add_option(
            "--rig", options->rig,
-           "Rig file or shipped rig instead, whose arrays are all on the channels of one board, in their order")
+           "Rig file or shipped rig instead: with a --port for each array, boards that play as one, kept in step over "
+           "SYNC; with one --port, all arrays on the channels of one board, in their order")
         ->excludes(array);
     add_press(*sub, *options);
     sub->add_option("--magnitude", options->fingers.magnitude,
@@ -428,7 +427,7 @@ void add_live(CLI::App& app, Action& action) {
     sub->add_flag("--json", options->json, "Print as JSON");
     sub->callback([options, sub, &action] {
         action = [options, sub] {
-            if (!options->settings.empty()) take_settings(*sub, options->settings, "live");
+            if (!options->settings.empty()) take_live_table(*sub, options->settings);
             options->given = given_to(*sub);
             return live_loop(*options);
         };

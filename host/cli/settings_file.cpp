@@ -5,26 +5,46 @@
 
 #include <algorithm>
 
+#include "command.hpp"
 #include "haptogram/base/error.hpp"
-#include "haptogram/live/settings_table.hpp"
+#include "haptogram/verbs/live_table.hpp"
 
 namespace haptogram::cli {
+namespace {
 
-void take_settings(CLI::App& command, const std::string& file, const std::string& table) {
-    for (const live::TableEntry& entry : live::settings_table(file, table)) {
-        std::string name = fmt::format("--{}", entry.key);
+/// An option that was given and excludes this one.
+const CLI::Option* rival_of(const CLI::Option& option) {
+    const auto& rivals = option.get_excludes();
+    const auto given = std::ranges::find_if(rivals, [](const CLI::Option* rival) { return rival->count() > 0; });
+    return given == rivals.end() ? nullptr : *given;
+}
+
+void take(CLI::Option& option, const LiveSetting& setting) {
+    try {
+        if (option.get_items_expected_max() > 1)
+            option.add_result(setting.parts);
+        else
+            option.add_result(fmt::format("{}", fmt::join(setting.parts, ",")));
+        option.run_callback();
+    } catch (const CLI::Error& error) {
+        throw bad_input(setting.where, error.what());
+    }
+}
+
+}  // namespace
+
+void take_live_table(CLI::App& command, const std::string& file) {
+    const std::vector<std::string> given = given_to(command);
+    for (const LiveSetting& setting : load_live_table(file)) {
+        std::string name = fmt::format("--{}", setting.key);
         std::replace(name.begin(), name.end(), '_', '-');
-        CLI::Option* option = command.get_option_no_throw(name);
-        if (option == nullptr)
-            throw bad_input(entry.where, fmt::format("found {}, expected the name of an option of '{}', with _ for -",
-                                                     entry.key, command.get_name()));
+        CLI::Option* option = command.get_option(name);
         if (option->count() > 0) continue;
-        try {
-            option->add_result(entry.value);
-            option->run_callback();
-        } catch (const CLI::Error& error) {
-            throw bad_input(entry.where, error.what());
-        }
+        if (const CLI::Option* rival = rival_of(*option); rival == nullptr)
+            take(*option, setting);
+        else if (!is_among(given, rival->get_name()))
+            throw bad_input(setting.where, fmt::format("{} and {} exclude each other; keep one", setting.key,
+                                                       rival->get_name().substr(2)));
     }
 }
 

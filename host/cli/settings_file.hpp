@@ -5,9 +5,9 @@
 
 namespace haptogram::cli {
 
-/// Options of a command that a table of a TOML file gives: its keys are their names, with _ for -. What the command
-/// line gives stays.
-/// @throws Error{bad_input} naming the file and the key
-void take_settings(CLI::App& command, const std::string& file, const std::string& table);
+/// Options of `haptogram live` that the table [live] of a project gives. What the command line gives stays, also
+/// against what it excludes.
+/// @throws Error{bad_input} naming the file, the line and the key
+void take_live_table(CLI::App& command, const std::string& file);
 
 }  // namespace haptogram::cli

@@ -3,8 +3,10 @@
 
 import json
 import re
+import signal
 import socket
 import subprocess
+import time
 
 import numpy as np
 import pytest
@@ -133,6 +135,65 @@ def test_a_rig_on_one_board(tmp_path):
     refuse(tmp_path, [*HAND, "--rig", "cube-300", "--array", "tile-10x10", *BOARD], USAGE, "--array")
 
 
+PAIR = '''format = "haptogram-rig-1"
+name = "pair"
+[[unit]]
+array = "tile-10x10"
+origin_mm = [-50, 0, 0]
+board = "tile-100-wide"
+port = "port-1"
+[[unit]]
+array = "tile-10x10"
+origin_mm = [50, 0, 0]
+board = "tile-100-wide"
+port = "port-2"
+'''
+
+
+@pytest.mark.parametrize("words", [[*HAND, "--algorithm", "A"], [*HAND, "--algorithm", "H"], PRESS[:-2]], ids=["A", "H", "ring"])
+def test_a_rig_of_two_boards(tmp_path, words):
+    """Boards that play as one; in the board's time one has no underruns, and begins as often as the finger comes."""
+    (tmp_path / "pair.toml").write_text(PAIR)
+    two = ["--rig", "pair.toml", *["--port", "reference:tile-100-wide"] * 2]
+    told = succeed([*words, *two, "--seconds", "0.4", "--scene", "s.jsonl", "--json"], cwd=tmp_path)
+    felt = json.loads(told.stdout)
+    assert felt["with_rings"] > 6 and felt["underruns"] == 0 and felt["begun_together"] >= 1 and felt["missed"] <= 1
+    assert "the board computes foci" in told.stderr.decode()
+    assert 0 < felt["latency_ms"]["least"] < felt["latency_ms"]["median"] < 60
+    refuse(tmp_path, [*words, *two, "--port", "reference:tile-100-wide"], USAGE, "3 given", "2 arrays")
+    refuse(tmp_path, [*words, *two[:-1], "reference:tile-100"], USAGE, "one configuration")
+    refuse(tmp_path, [*words, *two[:-1], "port"], USAGE, "time")
+    refuse(tmp_path, [*words, *two[:2], *["--port", "reference:tile-100"] * 2], DEVICE, "tile 1", "no SYNC")
+    refuse(tmp_path, [*words, *two[2:]], USAGE, "need --rig")
+
+
+def test_a_rig_of_two_boards_behind_lines(tmp_path):
+    """The ports are those of the rig's file. The boards are off afterwards, also when the program is told to end, or one is cut off."""
+    (tmp_path / "pair.toml").write_text(PAIR)
+    command = [PROGRAM, "board", "run", "--tiles", "2", "--model", "reference", "--pty", "port", "--json"]
+    with subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as boards:
+        try:
+            boards.stdout.readline()
+            words = [*HAND, "--algorithm", "A", "--rig", "pair.toml", "--json"]
+            felt = json.loads(succeed([*words, "--seconds", "0.6"], cwd=tmp_path, timeout=60).stdout)
+            assert felt["with_rings"] > 20 and felt["rings"] > 10 and felt["begun_together"] >= 1
+            with subprocess.Popen([PROGRAM, *words], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as playing:
+                playing.stderr.readline()
+                time.sleep(1.0)
+                playing.send_signal(signal.SIGINT)
+                said = json.loads(playing.communicate(timeout=30)[0])
+            assert said["rings"] > 0
+            for port in ("port-1", "port-2"):
+                status = json.loads(succeed(["device", "status", "--port", port, "--json"], cwd=tmp_path).stdout)
+                assert status["outputs"] == "off"
+            swapped = [*HAND, "--algorithm", "A", "--rig", "pair.toml", "--port", "port-1", "--port", "port-1"]
+            refuse(tmp_path, swapped, USAGE, "two tiles")
+        finally:
+            boards.send_signal(signal.SIGINT)
+            told = boards.communicate(timeout=60)[0]
+    assert json.loads(told)["enabled"] == [False, False]
+
+
 def test_cameras_and_a_tracker_at_a_time_each_in_its_place(tmp_path):
     """Two recordings of one press, of which one has its tracker turned and moved, and its mounting says so."""
     succeed([*PRESS, *BOARD, "--record", "hand"], cwd=tmp_path)
@@ -216,17 +277,54 @@ def test_junk_in_the_pipe_is_counted_and_the_session_goes_on(tmp_path):
     refuse(tmp_path, [*PRESS, "--algorithm", "A", *BOARD], USAGE, "a tracker")
 
 
-def test_options_stand_in_a_file_too(tmp_path):
-    (tmp_path / "p.toml").write_text('[live]\nalgorithm = "A"\nobject = "sphere"\nsize = 80\ncenter = [0, 40, 160]\nseconds = 0.3\n')
-    given = ["live", "--from", "synthetic:press", "--port", "reference:tile-100-wide", "--json"]
-    told = [json.loads(succeed([*given, *rest], cwd=tmp_path).stdout) for rest in (["--settings", "p.toml"], [*HAND[3:], "--algorithm", "A", "--seconds", "0.3"])]
+# Sessions by their options, on several lines of the table [live] or in words.
+SESSIONS = {
+    "hands": {"from": "synthetic:press", "object": "sphere", "size": 80, "center": [0, 40, 160], "algorithm": "A", "port": "reference:tile-100-wide", "seconds": 0.3},
+    "cameras": {"from": "fingers:press", "size": 60, "center": "0,0,170", "algorithm": "L", "port": "reference:tile-100", "seconds": 0.4, "rate": 25, "cameras": 3, "seed": 5, "distance": 280.5, "press_frequency": 5, "press_radius": 2.5, "press_foci": 2, "voxel": 2.5, "filter": 3, "workspace_low": [-100, -100, 30], "static_friction": 0.9, "damping": 2, "mass": 90, "predict": "kalman", "latency": 30, "watchdog": 400},
+    "several": {"from": ["fingers:press", "synthetic:press"], "size": 60, "center": [0, 0, 170], "port": "reference:tile-100", "seconds": 0.2},
+}
+
+
+def in_words(options):
+    """Options as a command line has them."""
+    words = []
+    for key, value in options.items():
+        for one in value if key == "from" and isinstance(value, list) else [value]:
+            words += ["--" + key.replace("_", "-"), ",".join(map(str, one)) if isinstance(one, list) else str(one)]
+    return words
+
+
+@pytest.mark.parametrize("session", SESSIONS)
+def test_a_table_of_a_project_makes_the_same_session(tmp_path, session):
+    options = SESSIONS[session]
+    table = "".join(f"{key} = {json.dumps(value)}\n" for key, value in options.items())
+    (tmp_path / "p.toml").write_text(f'format = "haptogram-project-1"\nshape = [{{kind = "circle"}}]\n[live]\n{table}json = true\n')
+    told = [json.loads(succeed(["live", *words, "--scene", f"scene{n}"], cwd=tmp_path).stdout) for n, words in enumerate((["--settings", "p.toml"], [*in_words(options), "--json"]))]
     for one in told:
         del one["compute_ms"]
-    assert told[0] == told[1] and told[0]["with_rings"] == 30
-    assert json.loads(succeed([*given, "--settings", "p.toml", "--seconds", "0.1"], cwd=tmp_path).stdout)["shots"] == 10
-    for line, needle in (("sizes = 80", "p.toml:2: found sizes"), ("size = -1", "p.toml:2: "), ("voxel = 1", "voxel")):
-        (tmp_path / "p.toml").write_text(f"[live]\n{line}\nalgorithm = 'A'\n")
-        refuse(tmp_path, [*given, "--settings", "p.toml"], USAGE if "voxel" in line else BAD_INPUT, needle)
+    assert told[0] == told[1] and told[0]["with_rings"] > 0
+    scenes = [lines(tmp_path / f"scene{n}") for n in (0, 1)]
+    for shot in [*scenes[0], *scenes[1]]:
+        del shot["compute_ms"]
+    assert scenes[0] == scenes[1] and any(shot["foci"] for shot in scenes[0])
+
+
+def test_what_a_project_says_of_live(tmp_path):
+    """The command line comes first; every option has a key; what makes no sense is named by file and line."""
+    head = "[live]\nfrom = 'synthetic:press'\nport = 'reference:tile-100-wide'\nalgorithm = 'A'\nseconds = 0.3\narray = 'hoshi'\n"
+    (tmp_path / "p.toml").write_text(head)
+    given = ["live", "--settings", "p.toml", "--array", "tile-10x10", "--json"]
+    assert json.loads(succeed([*given, "--seconds", "0.1"], cwd=tmp_path).stdout)["shots"] == 10
+    named = re.findall(r"^  --([a-z-]+)", re.sub(r"-h,--help", "", succeed(["live", "--help"]).stdout.decode()), re.MULTILINE)
+    assert {name.replace("-", "_") for name in named} - {"settings"} == set(json.loads((ROOT / "docs/schemas/project.schema.json").read_text())["$defs"]["live"]["properties"])
+    for line, needle in (("sizes = 80", r"p.toml:7: unknown key live.sizes"), ("size = -1", r"p.toml:7: .*positive"), ("size = []", "p.toml:7: .*something in it"), ("rig = 'hoshi-9x36'", "exclude each other")):
+        (tmp_path / "p.toml").write_text(f"{head}{line}\n")
+        refuse(tmp_path, ["live", "--settings", "p.toml", *([] if "rig" in line else given[3:])], BAD_INPUT, needle)
+    (tmp_path / "p.toml").write_text(f"{head}voxel = 1\n")
+    refuse(tmp_path, given, USAGE, "voxel")
+    (tmp_path / "p.toml").write_text("[lives]\n")
+    refuse(tmp_path, given, BAD_INPUT, r"no table \[live\]")
+    refuse(tmp_path, ["live"], USAGE, "--from")
 
 
 def frame_of(at_us):

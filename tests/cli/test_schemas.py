@@ -209,6 +209,9 @@ BROKEN_PROJECTS = {
     "a hand with an unknown algorithm": also(without("shape"), without("place"), without("rate_hz"), put({**HAND, "algorithm": "M"}, "hand")),
     "a hand without a recording": also(without("shape"), without("place"), without("rate_hz"), put({"algorithm": "A"}, "hand")),
     "a hand with a seed, whose lines are not at random": also(without("shape"), without("place"), without("rate_hz"), put(HAND, "hand"), put(3, "seed")),
+    "an unknown option of live": put({"sizes": 80}, "live"),
+    "an option of live in braces": put({"size": {"mm": 80}}, "live"),
+    "an option of live without a value": put({"from": []}, "live"),
     "all frames of a hand with points": also(without("shape"), without("place"), without("rate_hz"), put({"recording": "synthetic:press"}, "hand")),
 }
 
@@ -240,6 +243,7 @@ def test_what_a_schema_refuses_the_program_refuses(tmp_path, name, document, cha
         ("path", PATH, without("modulation")),
         ("path", PATH, put([*PATH["steps"], {"periods": 3, "foci": []}], "steps")),
         ("project", PROJECT, put(0, "loops")),
+        ("project", PROJECT, put({"from": ["leap-pipe:-", "depth:hand"], "center": [0, 40, 160.5], "json": True}, "live")),
         ("project", PROJECT, also(without("rate_hz"), put(7, "speed_m_s"), put("blank", "jump"), put(4, "seed"))),
         ("project", PROJECT, also(without("shape"), without("place"), without("rate_hz"), put({**HAND, "algorithm": "E"}, "hand"), put(3, "seed"))),
         ("project", PROJECT, also(without("shape"), without("place"), without("rate_hz"), without("points"), put("path.json", "path"))),
@@ -319,6 +323,7 @@ def known(tmp_path, document, change):
         (PROJECT, put(1, "place", "nothing"), SCHEMAS["project"]["properties"]["place"]),
         (PROJECT, put(1, "shape", 0, "nothing"), SCHEMAS["project"]["$defs"]["shape"]),
         (PROJECT, also(without("shape"), without("place"), without("rate_hz"), put({**HAND, "nothing": 1}, "hand")), SCHEMAS["project"]["$defs"]["hand"]),
+        (PROJECT, put({"nothing": 1}, "live"), SCHEMAS["project"]["$defs"]["live"]),
     ],
 )
 def test_a_schema_knows_the_keys_that_the_program_knows(tmp_path, document, change, part):

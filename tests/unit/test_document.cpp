@@ -41,6 +41,12 @@ scale = 0.5
 size_mm = 30.5
 rotate_deg = [0, 90, 0.25]
 center_mm = [10, -20, 140]
+
+[live]
+from = ["leap-pipe:-", "depth:\"a\" folder"]
+center = [0, 40, 160.5]
+mass = 1e2
+json = true
 )";
 
 }  // namespace
@@ -50,6 +56,7 @@ TEST_CASE("document: every key of a project survives the way to JSON and back") 
     CHECK(document["place"]["center_mm"][2] == 150);
     CHECK(document["shape"][0]["file"] == "a \"quoted\" \\ file ä ●.ply");
     CHECK(document["clip"] == true);
+    CHECK(project_from_toml(all_keys, "all").live.size() == 4);
     const std::string back = toml_of(document);
     CHECK(to_toml(project_from_toml(back, "back")) == to_toml(project_from_toml(all_keys, "all")));
     // Also through a program that writes whole numbers without a point, as JavaScript does.

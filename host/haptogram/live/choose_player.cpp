@@ -23,13 +23,27 @@ constexpr double usual_interval_s = 20e-3;  // between two paths: fewer steps th
 constexpr double slack = 1.02;              // of what a line is measured to do
 constexpr double longest_interval_s = 0.1;  // that still follows a hand
 
-bool computes_foci(const link::Identity& board, const Array& array) {
-    return interface::has(board.features, interface::Feature::live_foci) && board.channels == array.elements.size();
+bool computes_foci(const std::vector<DevicePart>& parts) {
+    return std::ranges::all_of(parts, [](const DevicePart& part) {
+        const link::Identity& board = part.device.identity();
+        return interface::has(board.features, interface::Feature::live_foci) && board.channels == part.elements;
+    });
+}
+
+/// Boards with a role play nothing else.
+void require_common_period(const Timer& timer, const link::Identity& board) {
+    constexpr std::uint32_t common_hz = 40'000;
+    const std::uint32_t wanted = board.clock_hz / common_hz, made = timer.prescaler * timer.cycle_ticks;
+    if (made != wanted)
+        throw bad_input("rig", fmt::format("its carrier period is {} clocks, but boards in step play only records of "
+                                           "{}, which is a period of {} Hz; take arrays with that carrier",
+                                           made, wanted, common_hz));
 }
 
 ChosenPlayer with_foci(link::Commands& device, const link::HostClock& clock, const Array& array,
                        const PlayerOptions& options, const Line& line) {
-    auto player = std::make_unique<FocusPlayer>(device, clock, array, options.pace, line, options.watchdog_ms);
+    auto player =
+        std::make_unique<FocusPlayer>(device, clock, array, options.pace, line, options.watchdog_ms, options.parts);
     const FocusPace pace = player->pace();
     std::string about = fmt::format("the board computes foci: {} at a time, new ones every {:.2f} ms", pace.foci,
                                     1e3 * pace.periods * player->timer().period_s());
@@ -49,8 +63,12 @@ ChosenPlayer with_foci(link::Commands& device, const link::HostClock& clock, con
 ChosenPlayer with_records(link::Commands& device, const link::HostClock& clock, const Array& array,
                           const PlayerOptions& options, const Line& line) {
     const link::Identity& board = device.identity();
+    // Each board has a line of its own.
+    std::uint32_t most_channels = 0;
+    for (const DevicePart& part : options.parts)
+        most_channels = std::max(most_channels, part.device.identity().channels);
     const double record_s =
-        (2.0 * static_cast<double>(record_words(board.channels)) + record_frame_bytes) / line.bytes_s;
+        (2.0 * static_cast<double>(record_words(most_channels)) + record_frame_bytes) / line.bytes_s;
     std::size_t steps = options.steps;
     if (steps == 0) {
         const double interval_s = std::max(1.0 / options.rate_hz, usual_interval_s);
@@ -71,20 +89,25 @@ ChosenPlayer with_records(link::Commands& device, const link::HostClock& clock, 
             "the line cannot keep up with {:.0f} frames a second, and the rest are skipped; take a "
             "board that computes foci, or at least {:.0f} baud",
             options.rate_hz, 10.0 * line.bytes_s * path_s * options.rate_hz);
-    return {std::make_unique<RingPlayer>(device, clock, array, steps, options.method, options.watchdog_ms),
-            fmt::format("the board plays records: {} a path, which take {:.1f} ms on the line, so it follows {:.0f} "
-                        "frames a second",
-                        steps, 1e3 * path_s, std::min(options.rate_hz, 1.0 / path_s)),
-            path_s, std::move(shortfall)};
+    return {
+        std::make_unique<RingPlayer>(device, clock, array, steps, options.method, options.watchdog_ms, options.parts),
+        fmt::format("the board plays records: {} a path, which take {:.1f} ms on the line, so it follows {:.0f} "
+                    "frames a second",
+                    steps, 1e3 * path_s, std::min(options.rate_hz, 1.0 / path_s)),
+        path_s, std::move(shortfall)};
 }
 
 }  // namespace
 
 ChosenPlayer choose_player(link::Commands& device, const link::HostClock& clock, const Array& array,
                            const PlayerOptions& options) {
+    PlayerOptions all = options;
+    if (all.parts.empty()) all.parts = one_part(device, array);
     const Line line = measured_line(device, clock);
-    return computes_foci(device.identity(), array) ? with_foci(device, clock, array, options, line)
-                                                   : with_records(device, clock, array, options, line);
+    ChosenPlayer chosen = computes_foci(all.parts) ? with_foci(device, clock, array, all, line)
+                                                   : with_records(device, clock, array, all, line);
+    if (all.parts.size() > 1) require_common_period(chosen.player->timer(), device.identity());
+    return chosen;
 }
 
 }  // namespace haptogram::live

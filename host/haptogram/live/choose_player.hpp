@@ -19,6 +19,7 @@ struct PlayerOptions {
     FocusPace pace{};                           ///< where foci are sent
     double rate_hz = 30.0;                      ///< of frames
     std::uint16_t watchdog_ms = 500;
+    std::vector<DevicePart> parts{};  ///< of a rig's boards; none: the device is one
 };
 
 /// A player, and what board and line can do for it.
@@ -30,7 +31,8 @@ struct ChosenPlayer {
 };
 
 /// Foci where the board computes them for this array, and records elsewhere.
-/// @throws Error{device} when the line takes too long for a path's records to follow a hand
+/// @throws Error{bad_input} when several boards cannot keep the array's carrier together, Error{device} when the line
+/// takes too long for a path's records to follow a hand
 [[nodiscard]] ChosenPlayer choose_player(link::Commands& device, const link::HostClock& clock, const Array& array,
                                          const PlayerOptions& options);
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptogram/live/focus_player.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -35,11 +37,17 @@ Timer timer_for(const link::Commands& device, const Array& array) {
 }  // namespace
 
 FocusPlayer::FocusPlayer(link::Commands& device, const link::HostClock& clock, const Array& array,
-                         const FocusPace& wanted, const Line& line, std::uint16_t watchdog_ms)
+                         const FocusPace& wanted, const Line& line, std::uint16_t watchdog_ms,
+                         const std::vector<DevicePart>& parts)
     : Player(device, clock, timer_for(device, array), watchdog_ms) {
     choose_pace(wanted, line);
-    upload(array);
-    ring_ = link::make_ring(device);
+    Array rest = array;
+    for (const DevicePart& part : parts.empty() ? one_part(device, array) : parts) {
+        Array own = rest;
+        own.elements.resize(part.elements);
+        rest.elements.erase(rest.elements.begin(), rest.elements.begin() + static_cast<std::ptrdiff_t>(part.elements));
+        upload(part, own);
+    }
     const double bytes = status_bytes + frame_bytes + static_cast<double>(frame_ * ring_.each) * focus_bytes;
     lead_s_ = least_lead_s + bytes / line.bytes_s + line.trip_s;
 }
@@ -65,16 +73,24 @@ void FocusPlayer::choose_pace(const FocusPace& wanted, const Line& line) {
                                      std::max<std::size_t>(room, 1));
 }
 
-void FocusPlayer::upload(const Array& array) {
+/// Writes what a board needs to compute foci for its elements. All have their ring in the same place.
+void FocusPlayer::upload(const DevicePart& part, const Array& array) {
+    const link::Identity& board = part.device.identity();
     PathStep step;
     constexpr double apart_m = 1e-3;  // records have as many foci as the image's step
     for (std::size_t i = 0; i < ring_.each; ++i)
         step.foci.push_back({{apart_m * static_cast<double>(i), 0.0, 0.2}, 1.0});
-    Image image =
-        focus_image_of({{step}, {}}, array, Core{device_.identity().name, device_.identity().core()}, 0).image;
+    Image image = focus_image_of({{step}, {}}, array, Core{board.name, board.core()}, 0).image;
     // A lone focus has all that the array can make; where several meet in phase, a channel has no more than that.
     image.foci->engine.gain = gain_word(1.0 / std::sin(std::numbers::pi * timer_.duty()));
-    static_cast<void>(link::upload(device_, image));
+    static_cast<void>(link::upload(part.device, image));
+    const link::FocusRing ring = link::make_ring(part.device);
+    if (ring_.count > 0 && ring != ring_)
+        throw Error(ErrorCode::device, "rig",
+                    fmt::format("its boards have the ring of foci in different places, from record {} on and from {}; "
+                                "take boards with as many RECORDS",
+                                ring_.first, ring.first));
+    ring_ = ring;
 }
 
 void FocusPlayer::replace(const Path& path, std::uint64_t shot, double shot_s) {

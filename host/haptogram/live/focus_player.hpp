@@ -25,10 +25,11 @@ struct FocusPace {
 class FocusPlayer final : public Player {
 public:
     /// Uploads the array's geometry in an image of foci, in place of what the board holds.
-    /// @param line  to the board
+    /// @param line   to the board
+    /// @param parts  of the device, each with the elements of its own; none: it is one board
     /// @throws Error{bad_input} as focus_image_of() does
     FocusPlayer(link::Commands& device, const link::HostClock& clock, const Array& array, const FocusPace& wanted,
-                const Line& line, std::uint16_t watchdog_ms = 500);
+                const Line& line, std::uint16_t watchdog_ms = 500, const std::vector<DevicePart>& parts = {});
 
     /// @param path  without a modulation
     void replace(const Path& path, std::uint64_t shot, double shot_s) override;
@@ -44,7 +45,7 @@ public:
 
 private:
     void choose_pace(const FocusPace& wanted, const Line& line);
-    void upload(const Array& array);
+    void upload(const DevicePart& part, const Array& array);
     [[nodiscard]] std::vector<FocusWords> next_words();
     [[nodiscard]] const PathStep& step_now() const;
     void send(std::size_t count);

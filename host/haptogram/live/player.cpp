@@ -54,13 +54,13 @@ void Player::send_entries(link::Request request, std::span<const std::uint16_t> 
     submit(std::move(request), indices.size());
 }
 
-void Player::submit(link::Request request, std::size_t entries) {
-    device_.submit(std::move(request), [fifo = fifo_, entries, now = clock_.now_s](const link::Reply& reply) {
+void Player::submit_to(link::Commands& device, link::Request request, std::size_t entries) {
+    device.submit(std::move(request), [fifo = fifo_, entries, now = clock_.now_s](const link::Reply& reply) {
         fifo->under_way -= entries;
         fifo->level = reply.live_level;
         fifo->told_s = now();
     });
-    device_.flush();
+    device.flush();
     said_s_ = clock_.now_s();
 }
 

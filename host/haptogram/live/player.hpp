@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "haptogram/array/array.hpp"
 #include "haptogram/format/path.hpp"
 #include "haptogram/format/timer.hpp"
 #include "haptogram/link/clock.hpp"
@@ -28,6 +29,16 @@ struct SentRing {
     /// of paths that were silenced before a status showed them.
     std::optional<Between> began_s{};
 };
+
+/// One of the boards that a device's channels are on, and how many of the array's elements it drives, in their order.
+struct DevicePart {
+    link::Commands& device;
+    std::size_t elements = 0;
+};
+/// The parts of a device that is one board.
+[[nodiscard]] inline std::vector<DevicePart> one_part(link::Commands& device, const Array& array) {
+    return {{device, array.elements.size()}};
+}
 
 /// How fast the line to a device is, measured by reading from its memory.
 struct Line {
@@ -84,7 +95,8 @@ protected:
     void push(std::span<const std::uint16_t> indices, std::uint16_t dwell);
     /// Sends a request that puts so many entries into the FIFO.
     void send_entries(link::Request request, std::span<const std::uint16_t> indices, std::uint16_t dwell);
-    void submit(link::Request request, std::size_t entries = 0);
+    void submit(link::Request request, std::size_t entries = 0) { submit_to(device_, std::move(request), entries); }
+    void submit_to(link::Commands& device, link::Request request, std::size_t entries = 0);
     /// Keeps the watchdog quiet, and takes answers in. @return whether there was anything to do
     bool idle();
     [[nodiscard]] double level() const;

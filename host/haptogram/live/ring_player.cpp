@@ -27,6 +27,15 @@ std::size_t low_water(double entry_s) {
     return entries < static_cast<double>(most_low_water) ? static_cast<std::size_t>(entries) : most_low_water;
 }
 
+/// The channels of a record that a part has. Those beyond its elements are silent.
+Record part_of(const Record& record, std::size_t first, const DevicePart& part) {
+    Record own = record;
+    const auto begin = record.timings.begin() + static_cast<std::ptrdiff_t>(first);
+    own.timings.assign(begin, begin + static_cast<std::ptrdiff_t>(part.elements));
+    own.timings.resize(part.device.identity().channels, interface::silent_timing);
+    return own;
+}
+
 link::Bytes write_of(const Record& record, std::uint16_t index) {
     Image image;
     image.channels = static_cast<std::uint32_t>(record.timings.size());
@@ -58,15 +67,17 @@ Path in_steps(const Path& path, std::size_t count) {
 }  // namespace
 
 RingPlayer::RingPlayer(link::Commands& device, const link::HostClock& clock, const Array& array, std::size_t steps,
-                       Method method, std::uint16_t watchdog_ms)
+                       Method method, std::uint16_t watchdog_ms, const std::vector<DevicePart>& parts)
     : Player(device, clock, choose_timer(array, Core{device.identity().name, device.identity().core()}), watchdog_ms),
       array_(array),
+      parts_(parts.empty() ? one_part(device, array) : parts),
       steps_(steps),
       method_(method) {
     const link::Identity& board = device.identity();
-    if (array.elements.size() > board.channels)
-        throw bad_input("board", fmt::format("it has {} channels; the array {} has {} elements", board.channels,
-                                             array.name, array.elements.size()));
+    for (const DevicePart& part : parts_)
+        if (part.elements > part.device.identity().channels)
+            throw bad_input("board", fmt::format("it has {} channels; the array {} has {} elements",
+                                                 part.device.identity().channels, array.name, part.elements));
     free_at_.assign(std::min<std::size_t>(most_banks, board.records / steps), 0);
     if (free_at_.size() < 3)
         throw bad_input("board", fmt::format("it has {} records; rings of {} steps need three times as many",
@@ -99,12 +110,17 @@ void RingPlayer::give_bank(Ring& ring, std::size_t bank) const {
     for (const PathStep& step : ring.path.steps)
         if (!step.foci.empty()) loud.push_back(step);
     const std::vector<double> full(loud.size(), 1.0);
-    const std::vector<Record> records = records_of(array_, timer_, device_.identity().channels, loud, full, method_);
+    const auto elements = static_cast<std::uint32_t>(array_.elements.size());
+    const std::vector<Record> records = records_of(array_, timer_, elements, loud, full, method_);
     std::size_t next = 0;
     for (std::size_t j = 0; j < steps_; ++j) {
         const auto index = static_cast<std::uint16_t>(bank * steps_ + j + 1);
         ring.indices.push_back(ring.path.steps[j].foci.empty() ? std::uint16_t{0} : index);
-        if (!ring.path.steps[j].foci.empty()) ring.writes.push_back(write_of(records[next++], index));
+        if (ring.path.steps[j].foci.empty()) continue;
+        std::size_t first = 0;
+        for (std::size_t k = 0; k < parts_.size(); first += parts_[k++].elements)
+            ring.writes.emplace_back(k, write_of(part_of(records[next], first, parts_[k]), index));
+        ++next;
     }
     ring.about.first_index = ring.indices[ring.first_loud()];
     std::reverse(ring.writes.begin(), ring.writes.end());
@@ -174,8 +190,11 @@ void RingPlayer::bring() {
         if (device_.unanswered() == 0) submit({interface::Command::status, {}});
         device_.wait(device_.unanswered() - 1);
     } else if (!next_->writes.empty()) {
-        submit({interface::Command::write, std::move(next_->writes.back())});
-        next_->writes.pop_back();
+        for (std::size_t i = 0; i < parts_.size(); ++i) {  // a record, of which each part has its own
+            auto& [part, payload] = next_->writes.back();
+            submit_to(parts_[part].device, {interface::Command::write, std::move(payload)});
+            next_->writes.pop_back();
+        }
         device_.wait(most_unanswered);
     } else if (device_.unanswered() > 0) {  // only what the board has acknowledged may be played
         device_.wait(device_.unanswered() - 1);

@@ -27,9 +27,10 @@ public:
     /// @param steps   of every ring
     /// @param method  for several foci at a time, by phases alone
     /// @param watchdog_ms  of the device, which hears from here in time, silent or not
-    /// @throws Error{bad_input} when the device has too few channels for the array, or too few records or FIFO places
+    /// @param parts   of the device, each with the elements of its own; none: it is one board
+    /// @throws Error{bad_input} when a board has too few channels for the array, or too few records or FIFO places
     RingPlayer(link::Commands& device, const link::HostClock& clock, const Array& array, std::size_t steps,
-               Method method, std::uint16_t watchdog_ms = 500);
+               Method method, std::uint16_t watchdog_ms = 500, const std::vector<DevicePart>& parts = {});
 
     /// What plays goes on until the new ring is complete.
     /// @param ring  without a modulation; one of other steps is played in those of all rings
@@ -49,7 +50,8 @@ private:
         Path path;
         SentRing about;
         std::size_t bank = 0;
-        std::vector<link::Bytes> writes;  ///< payloads that are left to be sent, the last one first
+        /// Payloads that are left to be sent, the last one first, and to which part.
+        std::vector<std::pair<std::size_t, link::Bytes>> writes;
         std::vector<std::uint16_t> indices;
         std::uint16_t dwell = 0;
         bool begun = false;  ///< a turn of it was pushed
@@ -69,6 +71,7 @@ private:
     void push_turn();
 
     Array array_;
+    std::vector<DevicePart> parts_;
     std::size_t steps_;
     Method method_;
     std::vector<std::uint64_t> free_at_;  ///< of each bank: how many entries must have left the FIFO

@@ -96,6 +96,7 @@ std::string settings_text(Project project) {
     }
     project.array.reset();
     project.board.reset();
+    project.live.clear();
     // Written apart, because a project file cannot hold the largest seeds.
     const std::uint64_t seed = std::exchange(project.seed, Project{}.seed);
     return fmt::format("{}seed {}\n", to_toml(project), seed);

@@ -114,6 +114,14 @@ std::vector<Core> cores_of(const Rig& rig, const std::optional<std::string>& boa
     return cores;
 }
 
+RigBundle boards_of(const Rig& rig) {
+    RigBundle bundle;
+    bundle.rig = bundle.name = rig.name;
+    bundle.parts = parts_of(rig, cores_of(rig));
+    bundle.tiles.resize(bundle.parts.size());
+    return bundle;
+}
+
 ProjectInstrument instrument_of_rig(const std::string& name) {
     const Rig rig = find_rig(name);
     const std::vector<Core> cores = cores_of(rig);

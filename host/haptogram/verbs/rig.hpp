@@ -14,6 +14,10 @@ namespace haptogram {
 /// @param board  takes the place of all of them
 [[nodiscard]] std::vector<Core> cores_of(const Rig& rig, const std::optional<std::string>& board = {});
 
+/// A rig's boards and their ports, without images, for who makes what they play as it plays.
+/// @throws Error{bad_input} for an array whose board is not known, or has fewer channels
+[[nodiscard]] RigBundle boards_of(const Rig& rig);
+
 /// A rig as one array, with the core of its units' boards, widened to all elements: each unit has a board of its own,
 /// and all count the same ticks.
 /// @throws Error{bad_input} for a file that cannot be used, or units whose boards differ in their clocks or timers
