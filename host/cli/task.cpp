@@ -30,7 +30,8 @@ struct TaskCommand {
     std::uint64_t seed = 1;
     double distance_mm = 300.0;
     bool hidden = false, exact = false, json = false;
-    std::optional<double> angle_deg, height_mm;  ///< of the surface, instead of drawn ones
+    std::optional<double> angle_deg, height_mm;           ///< of the surface, instead of drawn ones
+    std::optional<double> edge_mm, x_mm, y_mm, turn_deg;  ///< of the cube, likewise
 };
 
 live::CameraOptions cameras_of(const TaskCommand& command, std::uint64_t trial) {
@@ -90,6 +91,10 @@ int lift_cubes(const TaskCommand& command) {
                        : command.felt == "static" ? live::Felt::still
                                                   : live::Felt::nothing;
         live::draw_cube(options, random);
+        if (command.edge_mm) options.edge_m = *command.edge_mm * millimetre;
+        if (command.x_mm) options.x_m = *command.x_mm * millimetre;
+        if (command.y_mm) options.y_m = *command.y_mm * millimetre;
+        options.turn_deg = command.turn_deg.value_or(options.turn_deg);
         const live::LiftReport one = live::lift(array, options);
         report.tell(fmt::format(
             "trial {:<5} cube of {:.0f} mm at ({:.0f}, {:.0f}) mm, turned by {:.0f}°: {} after {:.2f} s; "
@@ -175,6 +180,13 @@ void add_task(CLI::App& app, Action& action) {
     lift->add_option("--cameras", options->cameras, "Around the room; 1: below it")
         ->check(whole(1, 8))
         ->capture_default_str();
+    const CLI::Range beside(-60.0, 60.0);
+    lift->add_option("--edge", options->edge_mm, "Of the cube, mm, in every trial (default: drawn)")
+        ->check(CLI::Range(30.0, 50.0));
+    lift->add_option("--x", options->x_mm, "Of its place on the floor, mm, likewise")->check(beside);
+    lift->add_option("--y", options->y_mm, "The same along y")->check(beside);
+    lift->add_option("--turn", options->turn_deg, "Of the cube on the floor, degrees, likewise")
+        ->check(CLI::Range(0.0, 90.0));
     lift->callback([options, &action] { action = [options] { return lift_cubes(*options); }; });
     CLI::App* surface = task->add_subcommand("surface", "A finger finds the angle and the height of a surface");
     add_shared(*surface, *options);

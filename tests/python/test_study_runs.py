@@ -9,13 +9,14 @@ import subprocess
 import sys
 import time
 import types
+from dataclasses import replace
 
 import boards
 import matplotlib
 import numpy as np
 import pytest
 import scipy.ndimage
-from boards import BAD_INPUT, OK, RUN_FAILED, USAGE, run, virtual_board
+from boards import BAD_INPUT, DEVICE, OK, RUN_FAILED, USAGE, haptogram, run, virtual_board
 from haptogram import HaptogramError
 from haptogram.study import analysis, figures, observers, protocol, results, touching
 from haptogram.study.asking import Occasion
@@ -484,7 +485,50 @@ def test_a_hand_that_touches_answers_what_the_task_found(place):
     assert abs(value - trial.drawn["angle_deg"]) < 60 and abs(hand.ask(height, Occasion(1, 7, trial, None, ("trial", 1, 1)))[0]) < 30
     again = touching.Hand(p, str(boards.PROGRAM))
     assert again.ask(angle, Occasion(1, 7, trial, None, ("trial", 1, 1)))[0] == value
+    # An answer beyond the scale is refused, not moved to its end.
+    with pytest.raises(HaptogramError, match=f"trial 1: angle: the hand answers {value:g}, expected .* wider scale"):
+        again.ask(replace(angle, low=value + 0.5), Occasion(1, 7, trial, None, ("trial", 1, 1)))
     assert_says(run(session("--observer", "simulated:hand"), place), BAD_INPUT, "fingers_surface", "another observer")
+
+
+def test_a_hand_that_lifts_answers_what_the_task_found(place):
+    """A short session: times of cubes that were lifted, and ratings of what was lifted and felt."""
+    text = protocol.find("fingers_lift_visible").read_text().replace("sets = 25", "sets = 1").replace("from = 30\nto = 50", "from = 40\nto = 50")
+    (place / "fingers_lift_visible.toml").write_text(text)
+    command = study("run", "fingers_lift_visible.toml", "--participant", "1", "--seed", "3", "-o", "h.jsonl", "--observer", "simulated:hand")
+    assert_says(run(command, place), OK, "complete, 9 new answers")
+    trials = {r["factors"]["feedback"]: r for r in records(place / "h.jsonl") if r["kind"] == "trial"}
+    ratings = {(r["question"], r["factors"]["feedback"]): r["answers"][r["question"]]["value"] for r in records(place / "h.jsonl") if r["kind"] == "question"}
+    assert set(trials) == {"dynamic", "static", "none"}
+    for feedback, trial in trials.items():
+        time_s = trial["answers"]["time_s"]["value"]
+        assert ratings["as_desired", feedback] == (1 if time_s is None else 7) and (time_s is None or 1.5 <= time_s < 12)
+    assert ratings["present", "none"] == 1 < ratings["present", "dynamic"] and sum(t["answers"]["time_s"]["value"] is not None for t in trials.values()) >= 2
+    # One that goes on carries out again what the ratings are of.
+    kept = (place / "h.jsonl").read_text().splitlines(keepends=True)
+    (place / "h.jsonl").write_text("".join(kept[:-2]))
+    assert_says(run(command, place), OK, "complete, 2 new answers")
+    assert [r["answers"] for r in records(place / "h.jsonl")] == [json.loads(line)["answers"] for line in kept]
+
+
+def test_placeholders_with_numbers():
+    values = {"edge_mm": "40.5", "freq-2": "7"}
+    assert protocol.fill("{edge_mm*0.5+100},{edge_mm-1},{edge_mm},{freq-2}", values) == "120.25,39.5,40.5,7"
+    assert protocol.names_in("{edge_mm*0.5+100} {freq-2}", values) == ["edge_mm", "freq-2"]
+
+
+def test_stimuli_for_a_tracked_hand_are_played(place):
+    """`haptogram live` plays from the trial's beginning to its answers; then outputs are off. Without feedback nothing plays."""
+    (place / "lift.toml").write_text(protocol.find("fingers_lift_visible").read_text().replace("sets = 25", "sets = 1"))
+    command = study("run", "lift.toml", "--participant", "1", "-o", "l.jsonl", "--observer", "simulated:chance", "--port", "port")
+    with virtual_board(place, "--model", "reference", "--board", "tile-100-wide", speed="real"):
+        assert_says(run(command, place), BAD_INPUT, "--from", "tracked hand")
+        assert_says(run([*command, "--from", "synthetic:press"], place), OK, "complete")
+        found = {r["factors"]["feedback"]: r["stimulus"] for r in records(place / "l.jsonl") if r["kind"] == "trial"}
+        assert {name: one["played"] for name, one in found.items()} == {"dynamic": True, "static": True, "none": False}
+        assert json.loads(haptogram(place, "device", "status", "--port", "port", "--json"))["outputs"] == "off"
+        (place / "l.jsonl").unlink()
+        assert_says(run([*command, "--from", "nobody:1"], place), DEVICE, "haptogram live", "ended with code")
 
 
 def test_commands_of_the_terminal(place):

@@ -170,7 +170,11 @@ LiftReport lift(const Array& array, const LiftOptions& given, const std::functio
         now.time_s = time_s;
         (void)rings.take(cameras, shot, now);
         if (told) told(now);
-        if (!touched && now.fingers > 0) touched = time_s;
+        if (now.fingers > 0) {
+            if (!touched) touched = time_s;
+            ++report.touched_shots;
+            if (options.felt != Felt::nothing && !now.sections.empty()) ++report.felt_shots;
+        }
         const double balance = rings.scene().energy() - rings.scene().work();
         lowest = std::min(lowest, balance);
         report.energy_made_j = std::max(report.energy_made_j, balance - lowest);

@@ -42,11 +42,13 @@ void draw_cube(LiftOptions& options, std::mt19937_64& random);
 struct LiftReport {
     bool done = false;
     std::uint64_t shots = 0;
-    double first_touch_s = 0.0;  ///< of the cube by any finger
-    double time_s = 0.0;         ///< from then to the end of the task
-    double lifted_m = 0.0;       ///< at most
-    double most_force_n = 0.0;   ///< of both fingers together
-    double mean_force_n = 0.0;   ///< while it was held up
+    std::uint64_t touched_shots = 0;  ///< of these, in which a finger touched the cube
+    std::uint64_t felt_shots = 0;     ///< of those, in which it felt a ring or a focus
+    double first_touch_s = 0.0;       ///< of the cube by any finger
+    double time_s = 0.0;              ///< from then to the end of the task
+    double lifted_m = 0.0;            ///< at most
+    double most_force_n = 0.0;        ///< of both fingers together
+    double mean_force_n = 0.0;        ///< while it was held up
     double energy_made_j = 0.0;  ///< by how much the energy less the fingers' work ever grew; see TouchScene::work()
     ShotCounts counts;
 };

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from .. import __version__
 from ..cli import Parser, whole
-from ..errors import ErrorCode, HaptogramError
+from ..errors import ErrorCode, HaptogramError, bad_input
 from ..markers import Markers, no_mark
 from . import protocol as protocols
 from . import results, touching
@@ -20,7 +20,7 @@ from .asking import Keyboard, Observer, Page, Stopped
 from .observers import simulated
 from .protocol import Protocol
 from .session import Session
-from .stimulus import Board, Compiler, Presenter, program
+from .stimulus import Board, Compiler, Live, Presenter, program
 
 NOT_FINISHED = 1
 
@@ -38,7 +38,7 @@ def list_command(options: argparse.Namespace) -> int:
         except HaptogramError as error:
             bad[name] = str(error)
     if options.json:
-        good = {name: {"title": p.title, "source": p.source, "trials": p.trials, "participants": p.participants, "playable": bool(p.stimulus.compile)}
+        good = {name: {"title": p.title, "source": p.source, "trials": p.trials, "participants": p.participants, "playable": bool(p.stimulus.compile or p.stimulus.live)}
                 for name, p in found.items()}  # fmt: skip
         print(json.dumps(good | {name: {"error": error} for name, error in bad.items()}, indent=1))
     else:
@@ -62,6 +62,10 @@ def check_command(options: argparse.Namespace) -> int:
 
 
 def _presenter(options: argparse.Namespace, protocol: Protocol) -> Presenter:
+    if protocol.stimulus.live and options.port:
+        return Live(protocol, program(options.program), options.port, options.baud, options.sources)
+    if options.sources:
+        raise bad_input("--from", f"{protocol.name} has no live stimuli, or no --port was given to play them on")
     if options.port:
         return Board(protocol, Path(options.images or "study-images"), program(options.program), options.port, options.baud)
     if options.images:
@@ -71,7 +75,7 @@ def _presenter(options: argparse.Namespace, protocol: Protocol) -> Presenter:
 
 def _versions(presenter: Presenter) -> dict[str, str]:
     found = {"haptogram-py": __version__, "python": platform.python_version()}
-    if isinstance(presenter, Compiler):
+    if isinstance(presenter, Compiler | Live):
         said = subprocess.run([presenter.program, "--version"], capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False)
         found["haptogram"] = said.stdout.strip().removeprefix("haptogram ")
     return found
@@ -216,6 +220,7 @@ def parser() -> Parser:
     run.add_argument("--observer", default="keyboard", help="keyboard, page (lines of JSON, for a program that shows them), simulated:protocol, simulated:chance, simulated:FILE.toml or simulated:hand, which touches")
     run.add_argument("--port", help="serial port of the board that plays the stimuli; without one nothing is played")
     run.add_argument("--baud", type=whole(300, 12_000_000), help="its rate (default: the one at which it answers)")
+    run.add_argument("--from", action="append", default=[], dest="sources", metavar="SOURCE", help="of live stimuli, with --port: what sees the hand, as haptogram live has it; may be given again")
     run.add_argument("--images", help="folder of the stimuli's images (with --port: study-images); without a port they are compiled only")
     run.add_argument("--lsl", action="store_true", help="mark starts, answers and stops on a stream of the Lab Streaming Layer (pip install 'haptogram[lsl]')")
     run.add_argument("--program", help="the C++ program (HAPTOGRAM_PROGRAM, or haptogram)")

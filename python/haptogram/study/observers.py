@@ -237,13 +237,10 @@ def _guess(question: Question) -> Model:
     return lambda occasion, dice: (answer(occasion, dice), 1.0)
 
 
-class Simulated:
-    """Answers at once and reproducibly: all follows from seed, participant and trial."""
+class Silent:
+    """One who answers at once, reproducibly, and needs to be told nothing: all follows from seed, participant and trial."""
 
     waits = False
-
-    def __init__(self, name: str, models: dict[str, Model]) -> None:
-        self.name, self._models = name, models
 
     def tell(self, text: str) -> None:
         pass
@@ -253,6 +250,13 @@ class Simulated:
 
     def rest(self, seconds: float) -> None:
         pass
+
+
+class Simulated(Silent):
+    """Answers by models."""
+
+    def __init__(self, name: str, models: dict[str, Model]) -> None:
+        self.name, self._models = name, models
 
     def ask(self, question: Question, occasion: Occasion) -> tuple[Answer, float]:
         dice = random.Random(digest(occasion.seed, occasion.participant, "answer", question.name, *occasion.key))

@@ -6,7 +6,7 @@ import hashlib
 import json
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,9 @@ SHIPPED = Path(__file__).parent / "protocols"
 CLAIM = re.compile(rb'^\s*format\s*=\s*"haptogram-protocol-', re.MULTILINE)
 NAME = re.compile(r"[a-z][a-z0-9_]*")
 PLACEHOLDER = re.compile(r"\{([^{}]*)\}")
+TERM = re.compile(r"(.+?)(?:\*(\d+(?:\.\d+)?))?([+-]\d+(?:\.\d+)?)?")  # of a number: {edge_mm*0.5+100}
+RUNNERS = {"compile": ("-o", "--output", "--manifest", "--json", "--path", "--save-path", "--readmemh"),
+           "live": ("--from", "--port", "--baud", "--settings", "--json")}  # options that the runner adds
 ORDERS = ("fixed", "random", "latin-square")
 WITHIN = (*ORDERS, "independent")
 KINDS = ("choice", "yes-no", "scale", "number", "text")
@@ -100,7 +103,8 @@ class PathPlan:
 @dataclass(frozen=True)
 class Stimulus:
     text: str
-    compile: tuple[str, ...]  # arguments of `haptogram compile`; none: another apparatus presents it
+    compile: tuple[str, ...]  # arguments of `haptogram compile`; none: it is live, or another apparatus presents it
+    live: tuple[str, ...]  # arguments of `haptogram live`, for a tracked hand
     path: PathPlan | None
     array: str
 
@@ -214,9 +218,27 @@ def find(name: str) -> Path:
     return path
 
 
+def _term(place: str) -> tuple[str, float, float]:
+    """What stands in a placeholder: a name, and by how much its number is multiplied and made larger."""
+    match = TERM.fullmatch(place)
+    return (match[1], float(match[2] or 1.0), float(match[3] or 0.0)) if match else (place, 1.0, 0.0)
+
+
+def names_in(text: str, known: Container[str]) -> list[str]:
+    """The names of a text's placeholders."""
+    return [place if place in known else _term(place)[0] for place in PLACEHOLDER.findall(text)]
+
+
 def fill(text: str, values: Mapping[str, object]) -> str:
     """The text with each {placeholder} replaced."""
-    return PLACEHOLDER.sub(lambda match: str(values[match[1]]), text)
+
+    def value(match: re.Match[str]) -> str:
+        if match[1] in values:
+            return str(values[match[1]])
+        name, factor, more = _term(match[1])
+        return repr(round(float(str(values[name])) * factor + more, 9))
+
+    return PLACEHOLDER.sub(value, text)
 
 
 def places(protocol: Protocol, levels: Mapping[str, Level], drawn: Mapping[str, float], level_db: float | None = None) -> dict[str, object]:
@@ -361,7 +383,7 @@ def _placeholders(factors: tuple[Factor, ...], drawn: tuple[Drawn, ...], lookups
 
 
 def _checked(table: Table, key: str, text: str, known: set[str]) -> str:
-    for found in PLACEHOLDER.findall(text):
+    for found in names_in(text, known):
         if found not in known:
             table.fail(key, "{" + found + "}", f"a placeholder among {', '.join(sorted(known)) or 'none'}")
     return text
@@ -375,13 +397,20 @@ def _coordinate(table: Table, key: str, value: object, known: set[str]) -> Value
     return float(value)
 
 
+def _arguments(table: Table, command: str, known: set[str]) -> tuple[str, ...]:
+    words = tuple(table.list(command, [], of=str, expected=f"a list of arguments of 'haptogram {command}'"))
+    for word in words:
+        _checked(table, command, word, known)
+        if word.split("=")[0] in RUNNERS[command]:
+            table.fail(command, word, f"none of {', '.join(RUNNERS[command])}: the runner adds what it needs of them")
+    return words
+
+
 def _stimulus(table: Table, known: set[str]) -> Stimulus:
     text = _checked(table, "text", table.text("text"), known)
-    words = tuple(table.list("compile", [], of=str, expected="a list of arguments of 'haptogram compile'"))
-    for word in words:
-        _checked(table, "compile", word, known)
-        if word.split("=")[0] in ("-o", "--output", "--manifest", "--json", "--path", "--save-path", "--readmemh"):
-            table.fail("compile", word, "no outputs and no path: the runner adds them")
+    words, live = (_arguments(table, key, known) for key in ("compile", "live"))
+    if words and live:
+        table.fail("live", " ".join(live), "either `compile` or `live`")
     path_table = table.table("path", None)
     path = None
     if path_table is not None:
@@ -401,7 +430,9 @@ def _stimulus(table: Table, known: set[str]) -> Stimulus:
             table.fail("path", "a path", "also `compile`, the arguments that play it")
     array = table.text("array", "")
     table.done()
-    return Stimulus(text, words, path, array)
+    if array and live:
+        table.fail("array", array, "no array beside `live`; give it there, as --array")
+    return Stimulus(text, words, live, path, array)
 
 
 def _question(table: Table, factors: tuple[Factor, ...], known: set[str]) -> Question:

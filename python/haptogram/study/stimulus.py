@@ -4,11 +4,12 @@ import hashlib
 import math
 import os
 import shutil
+import signal
 import subprocess
 import threading
 import time
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Container, Mapping, Sequence
 from pathlib import Path
 
 from ..client import Client
@@ -17,7 +18,7 @@ from ..errors import HaptogramError, bad_input, device_error
 from ..image import Image
 from ..interface import Event
 from ..trigger import ClockSample, fit_clocks
-from .protocol import PLACEHOLDER, PathPlan, Protocol, Stimulus, Value, canonical, fill
+from .protocol import PathPlan, Protocol, Stimulus, Value, canonical, fill, names_in
 
 MOST_ROWS = 100_000
 MOST_CLOCKS = 200
@@ -77,6 +78,8 @@ def describe(stimulus: Stimulus, values: Mapping[str, object], where: str) -> di
     found: dict[str, object] = {"text": fill(stimulus.text, values)}
     if stimulus.compile:
         found["compile"] = [fill(word, values) for word in stimulus.compile]
+    if stimulus.live:
+        found["live"] = [fill(word, values) for word in stimulus.live]
     if stimulus.path:
         found["path"] = path_rows(stimulus.path, values, where)
     if stimulus.array:
@@ -84,11 +87,12 @@ def describe(stimulus: Stimulus, values: Mapping[str, object], where: str) -> di
     return found
 
 
-def used_places(stimulus: Stimulus) -> set[str]:
+def used_places(stimulus: Stimulus, known: Container[str]) -> set[str]:
     """Names of the placeholders that a stimulus depends on."""
     path = stimulus.path
     numbers = [v for point in path.waypoints_mm for v in point] + [path.intensity, path.square_hz] if path else []
-    return {name for text in (stimulus.text, *stimulus.compile, *(v for v in numbers if isinstance(v, str))) for name in PLACEHOLDER.findall(text)}
+    texts = (stimulus.text, *stimulus.compile, *stimulus.live, *(v for v in numbers if isinstance(v, str)))
+    return {name for text in texts for name in names_in(text, known)}
 
 
 def program(given: str | None) -> str:
@@ -106,13 +110,12 @@ class Presenter:
     def __init__(self, protocol: Protocol) -> None:
         self.protocol = protocol
         self._hashes: dict[tuple[str, ...], dict[str, object]] = {}
-        self._used = sorted(used_places(protocol.stimulus))
         self.began_s = self.ended_s = 0.0  # of the last stimulus, by time.monotonic()
         self.began_by = "host"
 
     def prepare(self, values: Mapping[str, object]) -> dict[str, object]:
         """What the results say of the stimulus: `sha256` of its description, and `played`."""
-        key = tuple(str(values[name]) for name in self._used)
+        key = tuple(str(values[name]) for name in sorted(used_places(self.protocol.stimulus, values)))
         if key not in self._hashes:
             found = describe(self.protocol.stimulus, values, f"{self.protocol.path}: stimulus")
             self._hashes[key] = {"sha256": hashlib.sha256(canonical(found)).hexdigest(), **self._more(found)}
@@ -137,8 +140,8 @@ class Compiler(Presenter):
         super().__init__(protocol)
         self._folder, self.program = folder, program
         if not protocol.stimulus.compile:
-            raise bad_input(str(protocol.path), "its stimuli are presented by another apparatus, `haptogram` has no image of them; run it without "
-                            "--port and --images")  # fmt: skip
+            raise bad_input(str(protocol.path), "its stimuli have no images: they are live, or presented by another apparatus; run it without --images, "
+                            "and a live one with --port and --from")  # fmt: skip
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -228,3 +231,60 @@ class Board(Compiler):
                 self.stop()
         finally:
             self._client.__exit__(None, None, None)
+
+
+class Live(Presenter):
+    """Plays for a tracked hand: `haptogram live`, from start() to stop(). One whose algorithm is `none` plays nothing."""
+
+    def __init__(self, protocol: Protocol, program: str, port: str, baud: int | None, sources: Sequence[str]) -> None:
+        super().__init__(protocol)
+        if not sources:
+            raise bad_input("--from", f"is missing; {protocol.name} is for a tracked hand: say what sees it, such as leap-pipe:FIFO or depth-pipe:FIFO")
+        self.program = program
+        self._more_words = [*(word for source in sources for word in ("--from", source)), "--port", port, *(["--baud", str(baud)] if baud else [])]
+        self._words: list[str] = []
+        self._running: subprocess.Popen[str] | None = None
+        self._said: list[str] = []
+        self._reading: threading.Thread | None = None
+
+    def prepare(self, values: Mapping[str, object]) -> dict[str, object]:
+        self._words = [fill(word, values) for word in self.protocol.stimulus.live]
+        silent = self._words[self._words.index("--algorithm") + 1 :][:1] == ["none"] if "--algorithm" in self._words else False
+        if silent:
+            self._words = []
+        return super().prepare(values) | {"played": not silent}
+
+    def start(self) -> None:
+        """Returns when the board is about to play, or the program has failed to, of which stop() tells."""
+        if self._words:
+            self._said = []
+            self._running = subprocess.Popen([self.program, "live", *self._words, *self._more_words], text=True, stdin=subprocess.DEVNULL,
+                                             stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)  # fmt: skip
+            begun = threading.Event()
+            self._reading = threading.Thread(target=self._listen, args=(self._running, begun), daemon=True)
+            self._reading.start()
+            begun.wait()
+        super().start()
+
+    def _listen(self, running: "subprocess.Popen[str]", begun: threading.Event) -> None:
+        assert running.stderr is not None
+        for line in running.stderr:
+            self._said.append(line.strip())
+            if ": the board " in line:  # what it can do, which is said before the outputs are turned on
+                begun.set()
+        begun.set()
+
+    def stop(self) -> None:
+        """Outputs off. Raises HaptogramError when playing had failed."""
+        running, self._running = self._running, None
+        if running and self._reading:
+            running.send_signal(signal.SIGINT)
+            code = running.wait()
+            self._reading.join()
+            if code:
+                raise device_error("live", f"'haptogram live {' '.join([*self._words, *self._more_words])}' ended with code {code}: {'; '.join(self._said[-2:])}")
+        super().stop()
+
+    def close(self) -> None:
+        if self._running:
+            self.stop()

@@ -1,67 +1,89 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A simulated hand that touches what is asked for: each trial is one of `haptogram task`, in which cameras see a scripted finger, rings are made
-around it as `haptogram live` makes them, and it feels them by the pressure on its skin, thresholds and noise. No answer is drawn from the paper's."""
+"""A simulated hand that touches what is asked for: each trial is one of `haptogram task`, in which cameras see scripted fingers, rings are made
+around them as `haptogram live` makes them, and they feel by the pressure on their skin, thresholds and noise. No answer is drawn from the paper's."""
 import json
 import subprocess
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 from ..errors import HaptogramError, ErrorCode, bad_input
+from . import design
 from .asking import Answer, Occasion
 from .design import digest
+from .observers import Silent
 from .protocol import Protocol, Question, fill, places
 
 NAME = "simulated:hand"
+Found = dict[str, Any]  # a trial of a task's report
+
+
+def _share(found: list[Found], good: Callable[[Found], float]) -> int:
+    """A rating from 1 to 7: how much of what was tried was good."""
+    return 1 + round(6 * sum(map(good, found)) / len(found))
 
 
 @dataclass(frozen=True)
 class _Task:
     words: tuple[str, ...]  # of the program, with the protocol's placeholders
-    answers: dict[str, str]  # of each question, the member of the task's report
+    answers: dict[str, Callable[[Found], Answer]]  # of each question of a trial, from the task's report; None: the time ran out
+    ratings: dict[str, Callable[[list[Found]], int]]  # of each question at the end, from those of all trials with the same level
+
+
+def _lift(*more: str) -> _Task:
+    """The cube, its time if it was lifted, and two ratings: of how many it lifted, and for how much of its trials it felt something."""
+    return _Task(
+        ("lift", "--felt", "{feedback}", "--edge", "{edge_mm}", *more),
+        {"time_s": lambda found: found["time_s"] if found["done"] else None},
+        {"as_desired": lambda all: _share(all, lambda one: one["done"]), "present": lambda all: _share(all, lambda one: one["felt_shots"] / max(1, one["touched_shots"]))},
+    )
 
 
 TASKS = {
     "fingers_surface": _Task(
         ("surface", "--felt", "{method}", "--angle", "{angle_deg}", "--height", "{height_mm}"),
-        {"angle": "answer_deg", "height": "answer_mm"},
+        {"angle": lambda found: found["answer_deg"], "height": lambda found: found["answer_mm"]},
+        {},
     ),
+    "fingers_lift_visible": _lift("--x", "{x_mm}", "--y", "{y_mm}", "--turn", "{angle_deg}"),
+    "fingers_lift_hidden": _lift("--hidden"),  # a scripted hand does not search, so the task draws a place before it
 }
 
+class Hand(Silent):
+    """Answers by the program's tasks."""
 
-class Hand:
-    """Answers by the program's tasks, reproducibly: all follows from seed, participant and trial."""
-
-    waits = False
     name = NAME
 
     def __init__(self, protocol: Protocol, program: str) -> None:
         if protocol.name not in TASKS:
             raise bad_input(str(protocol.path), f"{NAME} has no task for it, only for {', '.join(TASKS)}; take another observer")
         self._protocol, self._program, self._task = protocol, program, TASKS[protocol.name]
-        self._key: tuple[object, ...] = ()
-        self._found: dict[str, float] = {}
-
-    def tell(self, text: str) -> None:
-        pass
-
-    def ready(self, occasion: Occasion, presented: str) -> None:
-        pass
-
-    def rest(self, seconds: float) -> None:
-        pass
+        self._known: dict[tuple[object, ...], Found] = {}
 
     def ask(self, question: Question, occasion: Occasion) -> tuple[Answer, float]:
-        key = (occasion.seed, occasion.participant, *occasion.key)
-        if key != self._key:
-            self._found, self._key = self._touch(occasion), key
-        answer = self._found[self._task.answers[question.name]]
-        return min(max(answer, question.low), question.high), self._found["time_s"]
+        if question.when == "end":
+            return self._task.ratings[question.name](self._all_like(occasion)), 1.0
+        found = self._touch(occasion)
+        answer = self._task.answers[question.name](found)
+        if isinstance(answer, float) and not question.low <= answer <= question.high:
+            raise HaptogramError(ErrorCode.RUN_FAILED, f"trial {occasion.cell.number}", f"{question.name}: the hand answers {answer:g}, expected "
+                                 f"{question.low:g} to {question.high:g}; give the protocol's question a wider scale")  # fmt: skip
+        return answer, found["time_s"]
 
-    def _touch(self, occasion: Occasion) -> dict[str, float]:
-        values = places(self._protocol, occasion.cell.levels, occasion.cell.drawn, occasion.level_db)
-        seed = int.from_bytes(digest(occasion.seed, occasion.participant, "hand", *occasion.key)[:4], "big")
-        words = ["task", *(fill(word, values) for word in self._task.words), "--trials", "1", "--seed", str(seed), "--json"]
-        done = subprocess.run([self._program, *words], capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False)
-        if done.returncode:
-            raise HaptogramError(ErrorCode.RUN_FAILED, NAME, f"'haptogram {' '.join(words)}' failed: {done.stderr.strip()}")
-        found: dict[str, float] = json.loads(done.stdout)["trials"][0]
-        return found
+    def _all_like(self, end: Occasion) -> list[Found]:
+        """The trials of the session with the levels of a question at its end; those of an earlier part are carried out again."""
+        wanted = {name: level.value for name, level in end.cell.levels.items()}
+        cells = [cell for cell in design.cells(self._protocol, end.participant, end.seed) if all(cell.levels[name].value == value for name, value in wanted.items())]
+        return [self._touch(Occasion(end.participant, end.seed, cell, None, ("trial", cell.number, 1))) for cell in cells]
+
+    def _touch(self, occasion: Occasion) -> Found:
+        key = (occasion.seed, occasion.participant, *occasion.key)
+        if key not in self._known:
+            values = places(self._protocol, occasion.cell.levels, occasion.cell.drawn, occasion.level_db)
+            seed = int.from_bytes(digest(occasion.seed, occasion.participant, "hand", *occasion.key)[:4], "big")
+            words = ["task", *(fill(word, values) for word in self._task.words), "--trials", "1", "--seed", str(seed), "--json"]
+            done = subprocess.run([self._program, *words], capture_output=True, text=True, stdin=subprocess.DEVNULL, check=False)
+            if done.returncode:
+                raise HaptogramError(ErrorCode.RUN_FAILED, NAME, f"'haptogram {' '.join(words)}' failed: {done.stderr.strip()}")
+            self._known[key] = json.loads(done.stdout)["trials"][0]
+        return self._known[key]
