@@ -40,6 +40,7 @@ FIGURES = {
     "fingers-7": (scattering.fingers_7, "Fingers, Fig. 7: radiation pressure on a finger, ten foci in turn"),
     "fingers-8": (scattering.fingers_8, "Fingers, Fig. 8: dynamic and static focus over the depth of the finger"),
     "shapes-strength": (shapes.shapes_strength, "Shapes: strength over speed, spacing and dwell of a drawn circle"),
+    "shapes-algorithms": (shapes.shapes_algorithms, "Shapes, section IV: how long and how strong the lines of A, E, F and G are"),
     "multimodal-magnitude": (multimodal.multimodal_magnitude, "Multimodal, eq. 10 and 11, Tables I–III: command, output, perceived magnitude, thresholds"),
     "multimodal-waveforms": (multimodal.multimodal_waveforms, "Multimodal, eq. 8, 9 and 13: waveforms and duties"),
     "multimodal-workspace": (multimodal.multimodal_workspace, "Multimodal, Fig. 4: useful workspace of the cable robot"),
