@@ -243,9 +243,9 @@ std::optional<RingReach> RingWeigher::weigh(std::span<const Vec3> places, const 
 }
 
 std::string reach_in_words(const Array& array, Vec3 place, std::size_t points) {
-    const std::string what =
-        fmt::format("a finger of {:g} mm, {:g} mm deep at ({:.0f}, {:.0f}, {:.0f}) mm", 2.0 * usual_radius_m / millimetre,
-                    usual_depth_m / millimetre, place.x / millimetre, place.y / millimetre, place.z / millimetre);
+    const std::string what = fmt::format("a finger of {:g} mm, {:g} mm deep at ({:.0f}, {:.0f}, {:.0f}) mm",
+                                         2.0 * usual_radius_m / millimetre, usual_depth_m / millimetre,
+                                         place.x / millimetre, place.y / millimetre, place.z / millimetre);
     if (const std::string why = array.unreachable(place); !why.empty())
         return fmt::format("{}: no ring, the array does not reach it, {}", what, why);
     RingWeigher weigher(array);
