@@ -1,20 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The board of a page without a program. A Worker of its own speaks to it (board_worker.ts), so that STOP never waits for a field; this
-// hands on messages, images of scenes, and the port's bytes.
+// The board of a page without a program. A Worker of its own speaks to it, and has its port (board_worker.ts), so that neither STOP nor a
+// byte waits for a field or for the page; this hands on messages and the images of scenes.
 import type { Message } from "./link";
-import { type FromPort, Port } from "./serial";
+import { type Chosen, choosePort } from "./serial";
 
-/** What the board's Worker is told: a message, the image of a scene, or what the port tells. */
-export type ToBoard = { message: string } | { scene: string; hex: ArrayBuffer } | FromPort;
-/** What it tells: that it cannot be, an answer, or what is to be done with the port. */
-export type FromBoard =
-  | { broken: string }
-  | { text: string }
-  | { open: number }
-  | { write: Uint8Array }
-  | { discard: true }
-  | { hold: number }
-  | { close: true };
+/** What the board's Worker is told: a message, the image of a scene, or which port it has from now on. */
+export type ToBoard = { message: string } | { scene: string; hex: ArrayBuffer } | { port: Chosen };
+/** What it tells: that it cannot be, or an answer. */
+export type FromBoard = { broken: string } | { text: string };
 
 const ofBoards = new Set(["connect", "disconnect", "upload", "play", "stream", "intensity", "modulate", "stop"]);
 const mostImages = 4; // that the Worker keeps
@@ -22,7 +15,6 @@ const beatPause = 200; // ms between signs of life
 
 export class PageBoard {
   private worker: Worker | undefined; // none before the first board
-  private port: Port | undefined;
   private readonly sent: string[] = []; // scenes whose images the Worker has had last
   private stops = 0;
 
@@ -42,14 +34,11 @@ export class PageBoard {
   }
 
   private async connect(message: Message & { n: number }): Promise<void> {
-    const port = await Port.choose((told) => {
-      if (port === this.port) this.tell(told, "received" in told ? [told.received.buffer] : []);
-    }).catch((error: unknown) => {
+    const port = await choosePort().catch((error: unknown) => {
       throw error instanceof DOMException && error.name === "NotFoundError" ? new Error("No board was chosen.") : error;
     });
-    await this.port?.close();
-    this.port = port;
     this.begin();
+    this.tell({ port });
     this.send({ ...message, port: port.name, scene: "" });
   }
 
@@ -94,11 +83,6 @@ export class PageBoard {
 
   private hear(told: FromBoard): void {
     if ("text" in told) this.told(told.text);
-    else if ("open" in told) this.port?.open(told.open);
-    else if ("write" in told) this.port?.write(told.write);
-    else if ("discard" in told) this.port?.discard();
-    else if ("hold" in told) this.port?.hold(told.hold);
-    else if ("close" in told) void this.port?.close();
     else this.told(JSON.stringify({ t: "notice", message: `What speaks to the board has ended: ${told.broken}. Load the page again; the board's watchdog has turned its outputs off.` }));
   }
 }

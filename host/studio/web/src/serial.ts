@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A serial port of the browser (Web Serial), which carries bytes for the engine's board and knows nothing of what they mean.
+// A serial port of the browser (Web Serial), which carries bytes for the engine's board and knows nothing of what they mean. The page lets
+// the user choose it; the board's Worker opens it, so that no byte waits for what the page draws.
 
 /** As much of Web Serial as is used; TypeScript's own types have none of it. */
 interface SerialPort extends EventTarget {
@@ -11,17 +12,46 @@ interface SerialPort extends EventTarget {
   getInfo(): { usbVendorId?: number; usbProductId?: number };
 }
 
-const serial = (navigator as { serial?: { requestPort(): Promise<SerialPort> } }).serial;
+const serial = (navigator as { serial?: { requestPort(): Promise<SerialPort>; getPorts(): Promise<SerialPort[]> } }).serial;
 
 /** Whether this browser lets pages use serial ports. */
 export const hasSerial = serial !== undefined;
 
-const bufferSize = 16_384; // for what arrives while the page draws
+const bufferSize = 16_384; // for what arrives while the Worker computes
 const mostAtOnce = 512; // bytes that are handed to the browser before the next can be taken back
 
 export type FromPort = { opened: true } | { lost: string } | { received: Uint8Array<ArrayBuffer> };
 
+/** A port that the user has chosen, as one thread tells another: ports themselves cannot be sent. */
+export interface Chosen {
+  /** of the ports that the page may use, in the browser's order */
+  place: number;
+  /** what it is called: browsers tell of its adapter alone */
+  name: string;
+}
+
+function nameOf(port: SerialPort): string {
+  const { usbVendorId, usbProductId } = port.getInfo();
+  const hex = (number: number): string => number.toString(16).padStart(4, "0");
+  return usbVendorId === undefined ? "a serial port" : `USB ${hex(usbVendorId)}:${hex(usbProductId ?? 0)}`;
+}
+
+/** Lets the user choose, which a browser only does when a button was pressed. @throws DOMException when none is chosen */
+export async function choosePort(): Promise<Chosen> {
+  if (!serial) throw new Error("This browser cannot reach boards: Chrome, Edge and Chromium can");
+  const port = await serial.requestPort();
+  return { place: (await serial.getPorts()).indexOf(port), name: nameOf(port) };
+}
+
+async function find({ place, name }: Chosen): Promise<SerialPort> {
+  if (!serial) throw new Error("this browser lets no Worker use ports; take a newer Chrome, Edge or Chromium");
+  const port = (await serial.getPorts())[place];
+  if (!port || nameOf(port) !== name) throw new Error("ports were plugged or pulled meanwhile; choose the board again");
+  return port;
+}
+
 export class Port {
+  private port: SerialPort | undefined; // once it is found
   private queue: Uint8Array[] = [];
   private writer: WritableStreamDefaultWriter<Uint8Array> | undefined;
   private reader: ReadableStreamDefaultReader<Uint8Array<ArrayBuffer>> | undefined;
@@ -31,24 +61,15 @@ export class Port {
   private isHeld = false; // until it is closed, whatever became of it
   private steps: Promise<void> = Promise.resolve(); // opening and closing, one after the other
 
-  private constructor(private readonly port: SerialPort, private readonly told: (told: FromPort) => void) {}
-
-  /** Lets the user choose, which a browser only does when a button was pressed. @throws DOMException when none is chosen */
-  static async choose(told: (told: FromPort) => void): Promise<Port> {
-    if (!serial) throw new Error("This browser cannot reach boards: Chrome, Edge and Chromium can");
-    return new Port(await serial.requestPort(), told);
-  }
-
-  /** What the port is called: browsers tell of its adapter alone. */
-  get name(): string {
-    const { usbVendorId, usbProductId } = this.port.getInfo();
-    const hex = (number: number): string => number.toString(16).padStart(4, "0");
-    return usbVendorId === undefined ? "a serial port" : `USB ${hex(usbVendorId)}:${hex(usbProductId ?? 0)}`;
+  /** @param before  what must have ended before this one is used */
+  constructor(private readonly chosen: Chosen, private readonly told: (told: FromPort) => void, before: Promise<void>) {
+    this.steps = before;
   }
 
   open(baudRate: number): void {
     this.next(async () => {
       await this.end();
+      this.port ??= await find(this.chosen);
       await this.port.open({ baudRate, bufferSize });
       this.isOpen = this.isHeld = true;
       this.writer = this.port.writable?.getWriter();
@@ -75,7 +96,7 @@ export class Port {
     void writer?.abort().catch(() => undefined).then(() => {
       writer.releaseLock();
       if (!this.isOpen || this.writer) return;
-      this.writer = this.port.writable?.getWriter();
+      this.writer = this.port?.writable?.getWriter();
       if (!this.pumping) void this.pump();
     });
   }
@@ -83,9 +104,9 @@ export class Port {
   /** Holds the line low. */
   hold(milliseconds: number): void {
     const signals = async (): Promise<void> => {
-      await this.port.setSignals({ break: true });
+      await this.port?.setSignals({ break: true });
       await new Promise((done) => setTimeout(done, milliseconds));
-      await this.port.setSignals({ break: false });
+      await this.port?.setSignals({ break: false });
     };
     if (this.isOpen) void signals().catch((error: unknown) => this.lose(error));
   }
@@ -106,7 +127,7 @@ export class Port {
     await this.reading;
     await writer?.close().catch(() => undefined);
     writer?.releaseLock();
-    await this.port.close().catch(() => undefined); // one that was pulled is closed already
+    await this.port?.close().catch(() => undefined); // one that was pulled is closed already
   }
 
   private lose(error: unknown): void {
@@ -133,7 +154,7 @@ export class Port {
 
   /** Damaged bytes end a stream, and another begins; a port that is gone has no other. */
   private async read(): Promise<void> {
-    while (this.isOpen && this.port.readable) {
+    while (this.isOpen && this.port?.readable) {
       const reader = this.port.readable.getReader();
       this.reader = reader;
       try {
