@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shapes that move from key frame to key frame: where each focus is, when, and how strong; and the project file's table
 // of them.
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/shape/key_frames.hpp"
@@ -107,6 +111,105 @@ TEST_CASE("key frames: an amplitude beats as often as its frequency says, which 
     REQUIRE(silent.steps[0].foci.empty());
     REQUIRE(silent.steps[1].foci.empty());
     REQUIRE(silent.steps[2].foci.size() == 1);
+}
+
+TEST_CASE("key frames: a form's points are matched by the turn and the sense of least squares") {
+    // All ways to lay one tour on the other, one by one, from the tour turned by hand.
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> anywhere(-0.05, 0.05);
+    for (const std::size_t size : {1U, 2U, 7U, 12U}) {
+        std::vector<Vec3> pass(12), tour(size);
+        for (Vec3& point : pass) point = {anywhere(random), anywhere(random), anywhere(random)};
+        for (Vec3& point : tour) point = {anywhere(random), anywhere(random), anywhere(random)};
+        const auto way = [&](const std::vector<Vec3>& becomes) {
+            double sum = 0.0;
+            for (std::size_t i = 0; i < pass.size(); ++i) sum += std::pow(distance(pass[i], becomes[i]), 2);
+            return sum;
+        };
+        double least = 1e9;
+        for (int sense = 0; sense < 2; ++sense) {
+            for (std::size_t k = 0; k < size; ++k) {
+                std::vector<Vec3> becomes;
+                for (std::size_t i = 0; i < pass.size(); ++i) becomes.push_back(tour[i * size / pass.size()]);
+                least = std::min(least, way(becomes));
+                std::ranges::rotate(tour, tour.begin() + 1);
+            }
+            std::ranges::reverse(tour);
+        }
+        const std::vector<Vec3> found = matched(pass, tour);
+        REQUIRE(std::abs(way(found) - least) < 1e-12);
+        for (const Vec3& point : tour) REQUIRE(std::ranges::find(found, point) != found.end());
+    }
+}
+
+TEST_CASE(
+    "key frames: a circle grows into another one, and becomes a square whose points are those of the square alone") {
+    const std::string head = "format = \"haptogram-project-1\"\npoints = 24\nrate_hz = 20\n";
+    const std::string circle = "[[shape]]\nkind = \"circle\"\ndiameter_mm = 40\n";
+    const std::string larger = "[[shape]]\nkind = \"circle\"\ndiameter_mm = 60\n";
+    const std::string square = "[[shape]]\nkind = \"square\"\nlength_mm = 50\n";
+    const std::string frames =
+        "[[keyframe]]\ntime_s = 0\n[[keyframe]]\ntime_s = 0.5\nshape = 2\n[[keyframe]]\ntime_s = 0.55\nshape = 2\n";
+    const auto path_of_text = [](const std::string& text) {
+        return compile(project_from_toml(text, "forms.toml"), "forms").path;
+    };
+    // Evenly spread points of two circles lie on the same rays, so the radius tells how far it is.
+    const Path grows = path_of_text(head + circle + larger + frames);
+    REQUIRE(grows.periods() == 22'000);
+    std::uint64_t now = 0;
+    for (const PathStep& step : grows.steps) {
+        const double part = std::min(1.0, (static_cast<double>(now) + 0.5 * step.periods) / 20'000.0);
+        REQUIRE(std::abs(distance(step.foci.at(0).position, from_mm(0, 0, 130)) - 1e-3 * (20.0 + 10.0 * part)) < 1e-9);
+        now += step.periods;
+    }
+    // The last pass is of the square alone, point by point, from wherever; no pass on the way is longer than its two
+    // ends.
+    const Path becomes = path_of_text(head + circle + square + frames);
+    const Path alone = path_of_text(head + square), first = path_of_text(head + circle);
+    const auto pass_at = [](const Path& path, std::size_t from) {
+        std::vector<Vec3> points;
+        for (std::size_t i = from; i < from + 24; ++i) points.push_back(path.steps.at(i).foci.at(0).position);
+        return points;
+    };
+    const auto length = [](const std::vector<Vec3>& points) {
+        double sum = 0.0;
+        for (std::size_t i = 0; i < points.size(); ++i) sum += distance(points[i], points[(i + 1) % points.size()]);
+        return sum;
+    };
+    const std::vector<Vec3> last = pass_at(becomes, becomes.steps.size() - 24);
+    for (const Vec3& point : pass_at(alone, 0))
+        REQUIRE(std::ranges::any_of(last, [&](const Vec3& each) { return distance(each, point) < 1e-12; }));
+    const double longest = std::max(length(pass_at(first, 0)), length(last));
+    for (std::size_t i = 0; i + 24 <= becomes.steps.size(); i += 24)
+        REQUIRE(length(pass_at(becomes, i)) < 1.02 * longest);
+}
+
+TEST_CASE("key frames: which shape a frame has is said, and what cannot be is named") {
+    const std::string text =
+        "format = \"haptogram-project-1\"\npoints = 10\nrate_hz = 20\n[[shape]]\nkind = \"circle\"\n[[shape]]\nkind = "
+        "\"square\"\n[[keyframe]]\ntime_s = 0\nshape = {}\n[[keyframe]]\ntime_s = 1\nshape = {}\n";
+    const auto with = [&](int first, int second) {
+        return project_from_toml(fmt::format(fmt::runtime(text), first, second), "forms.toml");
+    };
+    REQUIRE(with(1, 2).key_frames[1].shape == 2);
+    REQUIRE(project_from_toml(to_toml(with(2, 1)), "again").key_frames == with(2, 1).key_frames);
+    REQUIRE(message_of([&] { (void)with(1, 3); }) ==
+            "forms.toml:13: shape must be a whole number from 1 to 2, found 3");
+    // The first frame's is gone through when all are named.
+    Project circle = with(1, 2);
+    circle.shapes.pop_back();
+    circle.key_frames.clear();
+    const Path alone = compile(circle, "circle").path, both = compile(with(1, 2), "forms").path;
+    for (std::size_t i = 0; i < 10; ++i)
+        REQUIRE(distance(both.steps[i].foci[0].position, alone.steps[i].foci[0].position) < 2e-3);
+    Project half = with(1, 2);
+    half.key_frames.push_back({.time_s = 2.0});
+    REQUIRE(message_of([&] { (void)compile(half, "forms"); }) ==
+            "keyframe: key frame 3 names no shape, and all shapes are named by others; name one there, too, or add the "
+            "shape that it has of itself");
+    REQUIRE(message_of([&] {
+                (void)moved_by({{.time_s = 0.0}, {.time_s = 1.0, .shape = 2}}, pass(), centre, carrier_hz, many);
+            }) == "keyframe: key frame 2: found the shape 2, which is not there");
 }
 
 TEST_CASE("key frames: what makes no sense is named") {

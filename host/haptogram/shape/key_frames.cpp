@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 
 #include "haptogram/array/pose.hpp"
@@ -19,11 +20,15 @@ double eased(Ease ease, double part) {
     return ease == Ease::linear ? part : part * part * (3.0 - 2.0 * part);
 }
 
-/// What holds between two key frames.
-KeyFrame between(const KeyFrame& from, const KeyFrame& to, double time_s) {
-    const double part = eased(from.ease, (time_s - from.time_s) / (to.time_s - from.time_s));
-    const auto mix = [part](const auto& a, const auto& b) { return a + part * (b - a); };
-    return {.time_s = time_s,
+template <class Value>
+Value mixed(const Value& from, const Value& to, double part) {
+    return from + part * (to - from);
+}
+
+/// What holds between two key frames, but for the form.
+KeyFrame between(const KeyFrame& from, const KeyFrame& to, double part) {
+    const auto mix = [part](const auto& a, const auto& b) { return mixed(a, b, part); };
+    return {.time_s = mix(from.time_s, to.time_s),
             .move = mix(from.move, to.move),
             .turn_deg = mix(from.turn_deg, to.turn_deg),
             .scale = mix(from.scale, to.scale),
@@ -32,7 +37,7 @@ KeyFrame between(const KeyFrame& from, const KeyFrame& to, double time_s) {
 }
 
 /// Key frames' times in whole carrier periods.
-std::vector<std::uint64_t> times_of(const std::vector<KeyFrame>& frames, double carrier_hz) {
+std::vector<std::uint64_t> times_of(const std::vector<KeyFrame>& frames, double carrier_hz, const Forms& forms) {
     constexpr double longest_s = 1e6;
     std::vector<std::uint64_t> times;
     for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -50,6 +55,9 @@ std::vector<std::uint64_t> times_of(const std::vector<KeyFrame>& frames, double 
         require(frame.amplitude >= 0.0 && frame.amplitude <= 1.0, "the amplitude", frame.amplitude, "0 to 1");
         require(frame.am_hz >= 0.0 && frame.am_hz <= carrier_hz / 2.0, "am_hz", frame.am_hz,
                 "0 to half of the carrier's frequency");
+        if (frame.shape != 0 && !forms.contains(frame.shape))
+            throw bad_argument("keyframe",
+                               fmt::format("key frame {}: found the shape {}, which is not there", i + 1, frame.shape));
         times.push_back(static_cast<std::uint64_t>(std::llround(frame.time_s * carrier_hz)));
         require(i == 0 || times[i] > times[i - 1], "the time", frame.time_s,
                 "a later one than that of the frame before, by at least a carrier period");
@@ -57,16 +65,58 @@ std::vector<std::uint64_t> times_of(const std::vector<KeyFrame>& frames, double 
     return times;
 }
 
+/// The sum of squared ways from points of a pass to those of a tour. @param every  of the pass's points is looked at
+double squares(const std::vector<Vec3>& pass, const std::vector<Vec3>& tour, std::size_t first, bool backwards,
+               std::size_t every) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < pass.size(); i += every) {
+        const std::size_t along = i * tour.size() / pass.size();
+        const Vec3 way = tour[(first + (backwards ? tour.size() - along : along)) % tour.size()] - pass[i];
+        sum += dot(way, way);
+    }
+    return sum;
+}
+
+/// How many foci a path has before each of its steps.
+std::vector<std::size_t> foci_before(const Path& path) {
+    std::vector<std::size_t> before{0};
+    for (const PathStep& step : path.steps) before.push_back(before.back() + step.foci.size());
+    return before;
+}
+
 }  // namespace
 
+std::vector<Vec3> matched(const std::vector<Vec3>& pass, const std::vector<Vec3>& tour) {
+    constexpr std::size_t most = 1024;
+    const std::size_t every = (pass.size() + most - 1) / most;
+    double least = std::numeric_limits<double>::infinity();
+    std::size_t best = 0;
+    bool best_backwards = false;
+    for (const bool backwards : {false, true})
+        for (std::size_t first = 0; first < tour.size(); ++first)
+            if (const double sum = squares(pass, tour, first, backwards, every); sum < least) {
+                least = sum;
+                best = first;
+                best_backwards = backwards;
+            }
+    std::vector<Vec3> becomes;
+    becomes.reserve(pass.size());
+    for (std::size_t i = 0; i < pass.size(); ++i) {
+        const std::size_t along = i * tour.size() / pass.size();
+        becomes.push_back(tour[(best + (best_backwards ? tour.size() - along : along)) % tour.size()]);
+    }
+    return becomes;
+}
+
 Path moved_by(const std::vector<KeyFrame>& frames, const Path& pass, Vec3 centre, double carrier_hz,
-              std::size_t most_steps) {
+              std::size_t most_steps, const Forms& forms) {
     if (frames.size() < 2)
         throw bad_argument(
             "keyframe",
             fmt::format("found {}, expected at least two key frames: one at 0 s, and one where the path ends",
                         frames.size()));
-    const std::vector<std::uint64_t> times = times_of(frames, carrier_hz);
+    const std::vector<std::uint64_t> times = times_of(frames, carrier_hz, forms);
+    const std::vector<std::size_t> before = foci_before(pass);
     Path path;
     path.modulation = pass.modulation;
     double beats = 0.0;  // of the amplitude's rise and fall
@@ -83,7 +133,9 @@ Path moved_by(const std::vector<KeyFrame>& frames, const Path& pass, Vec3 centre
                                             most_steps),
                                 {"points", "rate"});
             const double middle_s = 0.5 * static_cast<double>(now + until) / carrier_hz;
-            const KeyFrame at = between(frames[key], frames[key + 1], middle_s);
+            const KeyFrame &from = frames[key], &to = frames[key + 1];
+            const double part = eased(from.ease, (middle_s - from.time_s) / (to.time_s - from.time_s));
+            const KeyFrame at = between(from, to, part);
             const double lasts_s = static_cast<double>(until - now) / carrier_hz;
             const double factor =
                 at.am_hz == 0.0 ? 1.0
@@ -92,9 +144,15 @@ Path moved_by(const std::vector<KeyFrame>& frames, const Path& pass, Vec3 centre
             const Pose pose = pose_of(centre + at.move, at.turn_deg);
             PathStep step{.foci = {}, .periods = static_cast<std::uint32_t>(until - now)};
             step.mark = now == times[key] && frames[key].mark;
-            for (const Focus& focus : pass.steps[i].foci)
+            for (std::size_t k = 0; k < pass.steps[i].foci.size(); ++k) {
+                const Focus& focus = pass.steps[i].foci[k];
+                const auto place = [&](const KeyFrame& frame) {
+                    return frame.shape == 0 ? focus.position : forms.at(frame.shape)[before[i] + k];
+                };
                 if (const double amplitude = focus.amplitude * at.amplitude * factor; amplitude > 0.0)
-                    step.foci.push_back({pose.outwards(at.scale * (focus.position - centre)), amplitude});
+                    step.foci.push_back(
+                        {pose.outwards(at.scale * (mixed(place(from), place(to), part) - centre)), amplitude});
+            }
             path.steps.push_back(std::move(step));
             now = until;
         }

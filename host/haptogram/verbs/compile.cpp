@@ -47,7 +47,9 @@ Shape load(const ShapeSource& source, const std::string& name, const std::string
 
 /// The union of a project's shapes.
 /// @param hashes  gets the hash of every file's content
-Shape gather(const Project& project, std::string& hashes, std::vector<std::string>& warnings) {
+/// @param ends    gets, of each shape, how many pieces there are with it
+Shape gather(const Project& project, std::string& hashes, std::vector<std::string>& warnings,
+             std::vector<std::size_t>* ends = nullptr) {
     Shape shape;
     for (const ShapeSource& source : project.shapes) {
         Shape part;
@@ -62,6 +64,7 @@ Shape gather(const Project& project, std::string& hashes, std::vector<std::strin
         }
         if (source.placement != Placement{}) part = place(part, source.placement);
         std::move(part.pieces.begin(), part.pieces.end(), std::back_inserter(shape.pieces));
+        if (ends != nullptr) ends->push_back(shape.pieces.size());
     }
     if (shape.pieces.empty())
         throw bad_argument("shape", fmt::format("there is nothing to compile: give a file, or one of the built-in "
@@ -196,6 +199,57 @@ private:
     RecordedPath recorded_;
     std::map<std::string, std::size_t> records_;
 };
+
+/// A project's shapes where they are, and which pieces are of which.
+struct PlacedShapes {
+    Shape whole;
+    std::vector<std::size_t> ends;
+
+    void add(Shape& shape, std::size_t i) const {
+        for (std::size_t k = i == 0 ? 0 : ends[i - 1]; k < ends[i]; ++k) shape.pieces.push_back(whole.pieces[k]);
+    }
+};
+
+/// What the focus goes through at first: the shapes that no key frame names, or, when all are named, that of the first.
+Shape own_shape(const Project& project, const PlacedShapes& placed) {
+    const std::vector<KeyFrame>& frames = project.key_frames;
+    Shape own;
+    for (std::size_t i = 0; i < placed.ends.size(); ++i)
+        if (std::ranges::find(frames, i + 1, &KeyFrame::shape) == frames.end()) placed.add(own, i);
+    if (!own.pieces.empty()) return own;
+    if (const auto none = std::ranges::find(frames, 0U, &KeyFrame::shape); none != frames.end())
+        throw bad_argument("keyframe",
+                           fmt::format("key frame {} names no shape, and all shapes are named by others; name "
+                                       "one there, too, or add the shape that it has of itself",
+                                       none - frames.begin() + 1));
+    placed.add(own, frames.front().shape - 1);
+    return own;
+}
+
+/// @param pass  over the shape itself, whose centre is given
+/// @param warnings  gets what is left out of the shapes that key frames name
+Path move(const Project& project, const Path& pass, Vec3 centre, const PlacedShapes& placed, const Array& array,
+          double carrier_hz, ShapePathOptions options, std::size_t most_steps, std::vector<std::string>& warnings) {
+    std::vector<Vec3> foci;
+    for (const PathStep& step : pass.steps)
+        for (const Focus& focus : step.foci) foci.push_back(focus.position);
+    options.points = foci.size();
+    Forms forms;
+    for (const KeyFrame& frame : project.key_frames) {
+        if (frame.shape == 0 || forms.contains(frame.shape)) continue;
+        Shape shape;
+        placed.add(shape, frame.shape - 1);
+        const TouredPoints tour = tour_of(shape, array, options);
+        if (tour.clipped > 0)
+            warnings.push_back(
+                fmt::format("shape {}, which the key frames name: {} points are out of reach and left out", frame.shape,
+                            tour.clipped));
+        forms.emplace(frame.shape, matched(foci, tour.points));
+    }
+    Path path = moved_by(project.key_frames, pass, centre, carrier_hz, most_steps, forms);
+    require_reachable(path, array);
+    return path;
+}
 
 /// Draws a shape's curves, or, when it has surfaces or clouds, visits its points in a short tour.
 Drawing drawing_of(const Project& project, const Shape& shape, const Array& array, double carrier_hz,
@@ -487,7 +541,9 @@ Compiled compile_on(const ProjectInstrument& instrument, const Project& project,
         return compiled;
     }
     std::vector<std::string> warnings;
-    Shape shape = place(gather(project, hashes, warnings), placement(project));
+    PlacedShapes all;
+    all.whole = place(gather(project, hashes, warnings, &all.ends), placement(project));
+    const Shape shape = own_shape(project, all);
     progress(0.3, "sampling");
     const interface::CoreParameters& core = instrument.core.parameters;
     const std::uint32_t held = kind == ImageKind::foci ? instrument.core.most_focus_records() : core.records;
@@ -519,17 +575,15 @@ Compiled compile_on(const ProjectInstrument& instrument, const Project& project,
             path = path_of(stretches);
         }
     }
-    if (!project.key_frames.empty()) {
-        path = moved_by(project.key_frames, path, bounding_box(shape).center(), timer.carrier_hz(),
-                        core.sequence_depth - 1);
-        require_reachable(path, instrument.array);
-    }
+    if (!project.key_frames.empty())
+        path = move(project, path, bounding_box(shape).center(), all, instrument.array, timer.carrier_hz(), options,
+                    core.sequence_depth - 1, warnings);
     const std::vector<double> am_hz = modulate(path, project, timer.carrier_hz(), most_samples, hashes);
     const auto magnitude = feel(path, project, instrument.array);
     progress(0.8, "focusing");
     Compiled compiled = compile_path(std::move(path), instrument, project.loops, name, settings_text(project) + hashes,
                                      Method::gauss_newton, project.quantise, kind);
-    if (placed != nullptr) *placed = std::move(shape);
+    if (placed != nullptr) *placed = std::move(all.whole);
     compiled.warnings.insert(compiled.warnings.begin(), warnings.begin(), warnings.end());
     compiled.points = std::move(points);
     compiled.pace = pace;

@@ -80,9 +80,10 @@ ShapeSource read_shape(const std::string& file, const toml::table& table) {
 
 constexpr std::string_view eases[] = {"linear", "smooth", "step"};  // as Ease has them
 
-KeyFrame read_key_frame(const std::string& file, const toml::table& table) {
+/// @param shapes  how many there are
+KeyFrame read_key_frame(const std::string& file, const toml::table& table, std::size_t shapes) {
     const Section section(file, table);
-    section.only({"time_s", "move_mm", "rotate_deg", "scale", "amplitude", "am_hz", "ease", "mark"});
+    section.only({"time_s", "move_mm", "rotate_deg", "scale", "amplitude", "am_hz", "ease", "mark", "shape"});
     KeyFrame frame;
     frame.time_s = section.required(section.number("time_s", 0.0, 1e6), "time_s", "seconds since the path begins");
     if (const auto move = section.numbers("move_mm", 3)) frame.move = from_mm((*move)[0], (*move)[1], (*move)[2]);
@@ -96,6 +97,7 @@ KeyFrame read_key_frame(const std::string& file, const toml::table& table) {
         }))
         frame.ease = static_cast<Ease>(std::ranges::find(eases, *ease) - std::begin(eases));
     assign(frame.mark, section.flag("mark"));
+    frame.shape = section.whole("shape", 1, static_cast<std::uint32_t>(std::max<std::size_t>(shapes, 1))).value_or(0);
     return frame;
 }
 
@@ -190,6 +192,7 @@ std::string to_toml(const KeyFrame& frame) {
     if (frame.ease != standard.ease)
         text += fmt::format("ease = \"{}\"\n", eases[static_cast<std::size_t>(frame.ease)]);
     if (frame.mark) text += "mark = true\n";
+    if (frame.shape != 0) text += fmt::format("shape = {}\n", frame.shape);
     return text;
 }
 
@@ -259,7 +262,8 @@ Project project_from_toml(std::string_view text, const std::string& where) {
         if (list == nullptr || !list->is_array_of_tables())
             throw bad_input(section::place(where, *frames),
                             "key frames are tables of their own, each under [[keyframe]]");
-        for (const toml::node& frame : *list) project.key_frames.push_back(read_key_frame(where, *frame.as_table()));
+        for (const toml::node& frame : *list)
+            project.key_frames.push_back(read_key_frame(where, *frame.as_table(), project.shapes.size()));
     }
     assign(project.path, whole.text("path"));
     if (const Section hand(where, root, "hand"); hand.exists()) project.hand = read_hand(hand);

@@ -48,6 +48,8 @@ export interface KeyFrame {
   am_hz?: number;
   ease?: "linear" | "smooth" | "step";
   mark?: boolean;
+  /** which of the shapes they have become, from 1; without it, those that no key frame names */
+  shape?: number;
 }
 
 export interface ProjectDocument {

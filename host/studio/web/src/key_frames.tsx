@@ -2,6 +2,7 @@
 // Key frames: where the shape is, and how strong, at times between which it moves.
 import { Choice, MaybeField, More, NumberField, Panel, PointField } from "./controls";
 import { edit, having, type KeyFrame, type ProjectDocument } from "./document";
+import { formsFor, withForm, withoutOldForms } from "./placing";
 import { type Actions, state } from "./state";
 import { entryAt } from "./timeline";
 
@@ -19,7 +20,7 @@ const rounded = (seconds: number): number => Number(seconds.toFixed(3));
 
 export function KeyFrames({ actions, now }: { actions: Actions; now: ProjectDocument }) {
   const frames = now.keyframe ?? [];
-  const put = (keyframe: KeyFrame[] | undefined): void => edit(having(now, { keyframe }));
+  const put = (keyframe: KeyFrame[] | undefined, of = now): void => edit(withoutOldForms(having(of, { keyframe }), frames));
   const begin = (): void => {
     edit(having(now, { keyframe: [{ time_s: 0 }, { time_s: 1 }], points: Math.min(now.points ?? 200, fewPoints) }));
     state.keyFrame.value = 1;
@@ -51,6 +52,11 @@ export function KeyFrames({ actions, now }: { actions: Actions; now: ProjectDocu
     put(left.length > 1 ? left : undefined);
   };
   const [least, most] = [(frames[at - 1]?.time_s ?? 0) + 0.001, next ? next.time_s - 0.001 : 3600];
+  const become = (form: string): void => {
+    if (form === "" || Number(form) > 0) return change({ shape: form === "" ? undefined : Number(form) });
+    const more = withForm(now, form);
+    put(frames.map((each, i) => (i === at ? { ...each, shape: more.shape?.length } as KeyFrame : each)), more);
+  };
   return (
     <Panel title="Movement">
       <div class="buttons keys" role="group" aria-label="Key frames">
@@ -58,6 +64,7 @@ export function KeyFrames({ actions, now }: { actions: Actions; now: ProjectDocu
         <button type="button" onClick={add} aria-label="Add a key frame after this one">+</button>
       </div>
       {at > 0 && <NumberField label="At" unit="s" value={frame.time_s} step={0.1} least={rounded(least)} most={rounded(most)} onValue={(time_s) => change({ time_s: rounded(time_s) })} />}
+      <Choice label="It has become" value={String(frame.shape ?? "")} choices={formsFor(now, state.hello.value?.primitives ?? [])} onValue={become} />
       <PointField label="Moved by" each="Moved by" unit="mm" value={frame.move_mm ?? [0, 0, 0]} onValue={(move_mm) => change({ move_mm })} />
       <NumberField label="Grown to" unit="×" value={frame.scale ?? 1} step={0.1} least={0.01} most={100} onValue={(scale) => change({ scale })} />
       <PointField label="Turned by" each="Turned by" unit="°" step={5} value={frame.rotate_deg ?? [0, 0, 0]} onValue={(rotate_deg) => change({ rotate_deg })} />

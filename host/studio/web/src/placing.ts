@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where objects are: a document places the whole, and each of its shapes before that.
-import { having, type Place, type ProjectDocument, type ShapeEntry } from "./document";
+import { having, type KeyFrame, type Place, type ProjectDocument, type ShapeEntry } from "./document";
 import type { Point } from "./link";
 
 const standard: Point = [0, 0, 130]; // of built-in shapes, none of which has a centre
@@ -46,7 +46,35 @@ export function withAnother(document: ProjectDocument, another: ShapeEntry): Pro
   return having(document, { shape: [{ ...only, ...place }, another], place: undefined });
 }
 
-/** Without one of several objects. */
+/** Without one of several objects. Key frames keep the shapes that they name. */
 export function without(document: ProjectDocument, object: number): ProjectDocument {
-  return having(document, { shape: (document.shape ?? []).filter((_, i) => i !== object) });
+  const keyframe = document.keyframe?.map(({ shape, ...frame }) => {
+    if (shape === undefined || shape === object + 1) return frame;
+    return { ...frame, shape: shape > object + 1 ? shape - 1 : shape };
+  });
+  return having(document, { shape: (document.shape ?? []).filter((_, i) => i !== object), keyframe });
+}
+
+/** What several objects are called. */
+export const nameOf = (shape: ShapeEntry, i: number): string => `${i + 1}: ${shape.kind ?? shape.file ?? "?"}`;
+
+const isNamed = (i: number, frames: KeyFrame[] = []): boolean => frames.some(({ shape }) => shape === i + 1);
+
+/** What a key frame may say that the object has become: itself, one of the objects, or a new one of a kind. */
+export function formsFor({ shape = [], keyframe }: ProjectDocument, kinds: string[]): [string, string][] {
+  const own = shape.map(nameOf).filter((_, i) => !isNamed(i, keyframe));
+  const others = shape.flatMap((each, i): [string, string][] => (isNamed(i, keyframe) || own.length > 1 ? [[String(i + 1), nameOf(each, i)]] : []));
+  return [["", `itself${shape.length > 1 ? ` (${own.join(", ")})` : ""}`], ...others, ...kinds.map((kind): [string, string] => [kind, `a new ${kind}`])];
+}
+
+/** One more object, which stands where the first one does, for a key frame to become. */
+export function withForm(document: ProjectDocument, kind: string): ProjectDocument {
+  const center_mm = document.place?.center_mm ?? document.shape?.[0]?.center_mm ?? standard;
+  return withAnother(document, { kind, center_mm });
+}
+
+/** Without the objects that only key frames had, and none has any more: else they would join those that are there from the first on. */
+export function withoutOldForms(document: ProjectDocument, before: KeyFrame[]): ProjectDocument {
+  const old = (document.shape ?? []).map((_, i) => i).filter((i) => isNamed(i, before) && !isNamed(i, document.keyframe));
+  return old.reduceRight(without, document);
 }
