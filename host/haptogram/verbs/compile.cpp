@@ -228,8 +228,9 @@ Shape own_shape(const Project& project, const PlacedShapes& placed) {
 
 /// @param pass  over the shape itself, whose centre is given
 /// @param warnings  gets what is left out of the shapes that key frames name
-Path move(const Project& project, const Path& pass, Vec3 centre, const PlacedShapes& placed, const Array& array,
-          double carrier_hz, ShapePathOptions options, std::size_t most_steps, std::vector<std::string>& warnings) {
+Path with_key_frames(const Project& project, const Path& pass, Vec3 centre, const PlacedShapes& placed,
+                     const Array& array, double carrier_hz, ShapePathOptions options, std::size_t most_steps,
+                     std::vector<std::string>& warnings) {
     std::vector<Vec3> foci;
     for (const PathStep& step : pass.steps)
         for (const Focus& focus : step.foci) foci.push_back(focus.position);
@@ -543,7 +544,8 @@ Compiled compile_on(const ProjectInstrument& instrument, const Project& project,
     std::vector<std::string> warnings;
     PlacedShapes all;
     all.whole = place(gather(project, hashes, warnings, &all.ends), placement(project));
-    const Shape shape = own_shape(project, all);
+    const Shape own = project.key_frames.empty() ? Shape{} : own_shape(project, all);
+    const Shape& shape = project.key_frames.empty() ? all.whole : own;
     progress(0.3, "sampling");
     const interface::CoreParameters& core = instrument.core.parameters;
     const std::uint32_t held = kind == ImageKind::foci ? instrument.core.most_focus_records() : core.records;
@@ -576,8 +578,8 @@ Compiled compile_on(const ProjectInstrument& instrument, const Project& project,
         }
     }
     if (!project.key_frames.empty())
-        path = move(project, path, bounding_box(shape).center(), all, instrument.array, timer.carrier_hz(), options,
-                    core.sequence_depth - 1, warnings);
+        path = with_key_frames(project, path, bounding_box(shape).center(), all, instrument.array, timer.carrier_hz(),
+                               options, core.sequence_depth - 1, warnings);
     const std::vector<double> am_hz = modulate(path, project, timer.carrier_hz(), most_samples, hashes);
     const auto magnitude = feel(path, project, instrument.array);
     progress(0.8, "focusing");
