@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
-import { accessible, eventually, folder, hasValue, lookedAt, openPage, picture, pixels, run, settled, startBrowser, takeAway } from "./support.mjs";
+import { accessible, eventually, folder, hasValue, keptPicture, lookedAt, openPage, picture, pixels, run, settled, startBrowser, takeAway } from "./support.mjs";
 import { host, skip } from "./site.mjs";
 
 async function openSite(t, options) {
@@ -41,9 +41,9 @@ test("a shape moves from key frame to key frame, and its image is the command li
   await lookedAt(page);
   assert.equal(await page.locator("path.key").count(), 3);
   assert.ok((await accessible(page)) > 10);
-  await picture(page, "movement-light");
+  await keptPicture(page, "movement-light");
   await page.getByRole("button", { name: "Theme" }).click();
-  await picture(page, "movement-dark");
+  await keptPicture(page, "movement-dark");
   const project = String(await takeAway(page, "Project (.toml)"));
   assert.equal(project.match(/\[\[keyframe\]\]/g).length, 3);
   assert.match(project, /time_s = 0\.5[\s\S]*am_hz = 40[\s\S]*ease = "smooth"|time_s = 0\.5[\s\S]*ease = "smooth"[\s\S]*am_hz = 40/);
@@ -62,6 +62,38 @@ test("a shape moves from key frame to key frame, and its image is the command li
   await page.getByRole("button", { name: "Let it stay in its place" }).click();
   await page.getByRole("button", { name: "Let it move" }).waitFor();
   await settled(page);
+});
+
+test("a shape becomes another one at a key frame, and its image is the command line's", { skip }, async (t) => {
+  const page = await openSite(t);
+  const where = await folder(t);
+  await page.getByRole("button", { name: "Let it move" }).click();
+  const form = page.getByLabel("It has become", { exact: true });
+  await form.selectOption("square");
+  await settled(page);
+  await hasValue(form, "2");
+  await fill(page, "Grown to", 0.8);
+  await settled(page);
+  const compiled = async (name) => {
+    const bundle = join(where, `${name}.haptogram`);
+    writeFileSync(bundle, await takeAway(page, "Bundle (.haptogram)"));
+    await run("compile", bundle, "-o", join(where, `${name}.hex`));
+    assert.equal(String(await takeAway(page, "Image (.hex)")), readFileSync(join(where, `${name}.hex`), "utf8"));
+    return String(await takeAway(page, "Project (.toml)"));
+  };
+  const project = await compiled("becomes");
+  assert.deepEqual(project.match(/kind = "\w+"/g), ['kind = "hemisphere"', 'kind = "square"']);
+  assert.match(project, /time_s = 1\.?0?\nscale = 0\.8\nshape = 2/);
+  // Another one takes its place; without any, the object is alone again.
+  await form.selectOption("triangle");
+  await settled(page);
+  assert.deepEqual((await compiled("other")).match(/kind = "\w+"/g), ['kind = "hemisphere"', 'kind = "triangle"']);
+  await form.selectOption("");
+  await settled(page);
+  assert.deepEqual((await compiled("alone")).match(/kind = "\w+"|shape = \d/g), ['kind = "hemisphere"']);
+  // A chosen key frame is seen to be.
+  const colours = async (i) => await page.getByRole("button", { name: `Key frame ${i}, at ${i - 1} s` }).evaluate((each) => getComputedStyle(each).backgroundColor);
+  assert.notEqual(await colours(1), await colours(2));
 });
 
 test("the outline of a hand stands where the object is, as large as the hand of the library", { skip }, async (t) => {

@@ -2,7 +2,7 @@
 // What the tests of the studio in a browser share: a server, a browser, and a page that is watched for what must not happen.
 import assert from "node:assert/strict";
 import { execFile, spawn } from "node:child_process";
-import { mkdirSync, readFileSync } from "node:fs";
+import { existsSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { mkdtemp, rm } from "node:fs/promises";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
@@ -98,7 +98,7 @@ export async function openPage(t, browser, studio, { colorScheme = "light", mayF
 const steps = {
   Make: ["Shape", "Focal points", "Passes a second", "Drawings a second", "Amplitude", "Modulation", "Pace", "Speed", "Passes in all", "Array", "For board", "All points feel alike", "Size", "Of several", "+ Add an object", "Remove this one",
     "Unit of the file", "Upwards in the file", ...["x", "y", "z"].flatMap((axis) => [`Centre ${axis}`, `Turn about ${axis}`]), ".file", ".gallery", ".wrong-value", "Recording", "Algorithm", "Kind", "Frame", "This frame", "Frame number", "Palm height",
-    "output.frame", "Touched object", "Hand", "Path", "Commands that make these paths", "Back to an object of focal points", "Path of this frame", "How strong each of 300 frames is; 300 touch the object", "Points of a pass", "Look through all frames", "Height (object)", "Let it move", "Let it stay in its place", "Remove this key frame", "Add a key frame after this one", "At", "From here it", "Beats", "Grown to", "Strength here", ...["x", "y", "z"].flatMap((axis) => [`Moved by ${axis}`, `Turned by ${axis}`]), ...[1, 2, 3].map((i) => `Key frame ${i}, at ${(i - 1) / 2} s`)],
+    "output.frame", "Touched object", "Hand", "Path", "Commands that make these paths", "Back to an object of focal points", "Path of this frame", "How strong each of 300 frames is; 300 touch the object", "Points of a pass", "Look through all frames", "Height (object)", "Let it move", "Let it stay in its place", "Remove this key frame", "Add a key frame after this one", "At", "From here it", "It has become", "Lasts", "Draw a path by hand", "Draw another path", "Back to a built-in shape", "Beats", "Grown to", "Strength here", ...["x", "y", "z"].flatMap((axis) => [`Moved by ${axis}`, `Turned by ${axis}`]), ...[1, 2, 3].map((i) => `Key frame ${i}, at ${(i - 1) / 2} s`)],
   See: ["Shown", "Colours", "Range", "Hold the top of the scale", "Top", "Plane", "Height", "Middle x", "Middle y", "Middle z", "Of the marked focal point alone", "What one focus could have at each point", "Surface", "Handles", "Profile", "Numbers",
     "Compare", "Keep this to compare", "Show the kept one", "Go back to it", "Forget it", ".curve.kept", "Pins", "Simulate", "Stop simulating", "Simulate and measure the pins", "[data-verdict]", "[data-verdict=good]", "Along", "Carrier periods"],
   Play: ["Start a virtual board", "Choose a board…", "Simulate the FPGA's Verilog", "Port", "Rate", "Connect", "Disconnect", "Upload", "Intensity", "Follow the slider", "Modulate as shown", "Board", "Image", "Manifest", "Project", "Records", "Sequence", "Bundle", "Step", "pre.command",
@@ -203,12 +203,78 @@ export async function accessible(page) {
   return found.passes.length;
 }
 
-/** Keeps a picture of the page when HAPTOGRAM_SCREENSHOTS names a folder. */
+const keptPictures = join(here, "pictures");
+const mostDifferent = 0.005; // of a picture's pixels
+const visible = 48; // difference of a colour, of 255, from which on it counts
+
+/** What pictures depend on beside the page: the browser, and how wide its letters are. */
+async function madeWith(page) {
+  const width = await page.evaluate(() => {
+    const context = document.createElement("canvas").getContext("2d");
+    context.font = getComputedStyle(document.body).font;
+    return context.measureText("Focal points in the air, 0123456789 mm").width;
+  });
+  return `Chromium ${page.context().browser().version().split(".")[0]}, letters ${width.toFixed(1)} wide`;
+}
+
+/** Half as large, without the line at the bottom, which has times. @param kept  a picture like it. @return itself, and the part of its pixels that differ */
+const compared = (page, shot, kept) =>
+  page.evaluate(
+    async ([now, before, visible]) => {
+      const half = async (url, scale) => {
+        const image = new Image();
+        image.src = url;
+        await image.decode();
+        const canvas = Object.assign(document.createElement("canvas"), { width: Math.round(image.width * scale), height: Math.round(image.height * scale) });
+        const context = canvas.getContext("2d");
+        context.drawImage(image, 0, 0, canvas.width, canvas.height);
+        return { canvas, values: context.getImageData(0, 0, canvas.width, canvas.height).data };
+      };
+      const { canvas, values } = await half(now, 0.5);
+      const small = canvas.toDataURL("image/webp", 0.85);
+      if (!before) return { small };
+      const { canvas: other, values: expected } = await half(before, 1);
+      if (other.width !== canvas.width || other.height !== canvas.height) return { small, different: 1 };
+      let count = 0;
+      for (let i = 0; i < values.length; i += 4) if ([0, 1, 2].some((k) => Math.abs(values[i + k] - expected[i + k]) > visible)) count++;
+      return { small, different: count / (values.length / 4) };
+    },
+    [`data:image/png;base64,${shot.toString("base64")}`, kept && `data:image/webp;base64,${kept.toString("base64")}`, visible],
+  );
+
+/** Leaves a picture of the page in the folder that HAPTOGRAM_SCREENSHOTS names, if any. */
 export async function picture(page, name) {
   const where = process.env.HAPTOGRAM_SCREENSHOTS;
   if (!where) return;
   mkdirSync(where, { recursive: true });
   await page.screenshot({ path: join(where, `${name}.png`) });
+}
+
+/**
+ * The same, and compares it with the one in pictures/, from which at most 0.5 % of its pixels may differ visibly. HAPTOGRAM_PICTURES=record
+ * keeps it instead. With another browser or other letters there is nothing to compare, which is said.
+ */
+export async function keptPicture(page, name) {
+  await picture(page, name);
+  await page.mouse.move(0, 0); // what the pointer is over has another colour
+  const { width, height } = page.viewportSize();
+  const shot = await page.screenshot({ clip: { x: 0, y: 0, width, height: height - 28 }, animations: "disabled" });
+  const [file, list] = [join(keptPictures, `${name}.webp`), join(keptPictures, "made_with.json")];
+  const now = await madeWith(page);
+  const all = existsSync(list) ? JSON.parse(readFileSync(list, "utf8")) : {};
+  if (process.env.HAPTOGRAM_PICTURES === "record") {
+    mkdirSync(keptPictures, { recursive: true });
+    writeFileSync(file, Buffer.from((await compared(page, shot)).small.split(",")[1], "base64"));
+    const sorted = Object.entries({ ...all, [name]: now }).sort(([a], [b]) => (a < b ? -1 : 1));
+    return writeFileSync(list, `${JSON.stringify(Object.fromEntries(sorted), null, 1)}\n`);
+  }
+  assert.ok(existsSync(file), `${file} is missing; HAPTOGRAM_PICTURES=record makes it`);
+  if (all[name] !== now) return console.log(`# ${name}: not compared; it was kept with ${all[name]}, and this is ${now}`);
+  const { different } = await compared(page, shot, readFileSync(file));
+  if (different <= mostDifferent) return;
+  const left = join(tmpdir(), `haptogram-${name}.png`);
+  writeFileSync(left, shot);
+  assert.fail(`${name}: ${(100 * different).toFixed(2)} % of the picture differ, expected at most ${100 * mostDifferent} %. Compare ${left} with ${file}; if it is right, HAPTOGRAM_PICTURES=record keeps it`);
 }
 
 /** What the status line of the board says. */

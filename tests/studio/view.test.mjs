@@ -216,7 +216,7 @@ test("the gallery, and the ways to play an object", async (t) => {
     return String(await takeAway(page, "Project"));
   };
   const names = await page.locator(".gallery").locator("b").allInnerTexts();
-  assert.equal(names.length, 12);
+  assert.equal(names.length, 13);
   for (const name of names) {
     await openDesign(page, name);
     await page.locator("footer", { hasText: new RegExp(`^${name}: \\d+ focal points`) }).waitFor();

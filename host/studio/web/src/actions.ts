@@ -6,9 +6,13 @@ import { project } from "./document";
 import { Files } from "./files";
 import { ofAllFrames } from "./hand_reader";
 import { filesOfScene, type Link } from "./link";
+import { Pen } from "./pen";
 import { look, quantities } from "./quantity";
 import type { Session } from "./session";
+import { evenly, farthest, type Sample, smoothed } from "./stroke";
 import { type Actions, boardOf, noProgram, shownRecord, state, tell } from "./state";
+
+const linePlaces = 200; // that a drawn line is passed at
 
 function save(blob: Blob, name: string): void {
   const anchor = document.createElement("a");
@@ -28,6 +32,14 @@ async function during(busy: Signal<boolean>, work: () => Promise<void>): Promise
 export function actionsOf(session: Session, link: Link): Actions {
   const designs = new Files(session, link);
   session.restore = async (design) => await designs.restore(design);
+  let pen: Pen | undefined;
+  /** A drawn line becomes the design's path. */
+  const drawn = async (samples: Sample[]): Promise<void> => {
+    const ms = state.smoothing.peek();
+    const line = smoothed(samples, ms);
+    const file = await designs.takePath(evenly(line, linePlaces), ((samples.at(-1)?.ms ?? 0) - (samples[0]?.ms ?? 0)) / 1000);
+    state.smoothed.value = { file, ms, mm: farthest(samples, line) };
+  };
   const actions: Actions = {
     place(orientation, middle) {
       state.orientation.value = orientation;
@@ -107,6 +119,25 @@ export function actionsOf(session: Session, link: Link): Actions {
       if (!view) return;
       view.handles = handles.startsWith("object") ? "object" : "plane";
       view.turning = handles.endsWith("turn");
+    },
+    draw(on) {
+      pen?.leave();
+      pen = state.pen.value = undefined;
+      if (!on) return;
+      if (!session.view) return tell(new Error("Without its 3-D view the page has no plane to draw on."));
+      actions.showAlone(false);
+      pen = new Pen(session.view, {
+        moved: (samples, at) => (state.pen.value = { at, places: samples.length }),
+        failed: (why) => tell(new Error(why)),
+        ended(samples) {
+          actions.draw(false);
+          void drawn(samples).catch(tell);
+        },
+      });
+    },
+    async last(seconds) {
+      const line = state.line.value;
+      if (line) await designs.takePath(line.places, seconds).catch(tell);
     },
     choose: (object) => (state.chosen.value = object),
     simulate: (on) => (on ? session.pins.simulate() : session.pins.cancel()),

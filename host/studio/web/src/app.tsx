@@ -19,9 +19,11 @@ import { Pins } from "./pins";
 import { ProfilePlot } from "./plot";
 import { look } from "./quantity";
 import { Session } from "./session";
+import { Drawing } from "./path";
 import { Properties, Subject } from "./shape";
 import { Splitter } from "./splitter";
 import { type Actions, boards, shownRecord, state, tell } from "./state";
+import { readPathFile } from "./stroke";
 import { StudyPage } from "./study";
 import { Surfaces } from "./surface";
 import { theme } from "./theme";
@@ -86,7 +88,10 @@ function takeKeys(actions: Actions): void {
   const noPlay = (): void => void (state.playsNext.value = false); // whatever was to come, STOP comes first
   document.getElementById("stop")?.addEventListener("click", noPlay);
   addEventListener("keydown", (event) => {
-    if (event.key === "Escape") noPlay();
+    if (event.key === "Escape") {
+      noPlay();
+      actions.draw(false);
+    }
     if (!(event.ctrlKey || event.metaKey)) return;
     const key = event.key.toLowerCase();
     const does = key === "s" ? () => void actions.saveBundle() : key === "y" || (key === "z" && event.shiftKey) ? redo : key === "z" ? undo : undefined;
@@ -119,6 +124,7 @@ function Page({ actions }: { actions: Actions }) {
           <button type="button" class="ghost" aria-expanded={!right} aria-controls="right" onClick={() => fold("right")} title="Properties" aria-label="Panel at the right"><PanelRight size={16} /></button>
         </div>
         <Restore actions={actions} />
+        <Drawing actions={actions} />
         <ScaleBar />
         <Bar />
         <Failed />
@@ -207,6 +213,15 @@ function follow(session: Session, link: Link, host: HTMLElement): void {
     if (theme.value) view?.paint();
   });
   effect(() => view?.showLook(look.value));
+  effect(() => {
+    const file = project.value?.path;
+    if (state.line.peek()?.file === file) return;
+    state.line.value = undefined;
+    void (file === undefined ? undefined : session.sent.get(file))?.text().then((text) => {
+      const read = readPathFile(text);
+      if (read && project.peek()?.path === file) state.line.value = { file: file ?? "", ...read };
+    }).catch(tell);
+  });
   let outline: Promise<Point[]> | undefined;
   effect(() => {
     const on = state.outline.value;

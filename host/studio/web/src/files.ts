@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Opens and saves designs: bundles, projects with their files, shapes, and what the browser kept.
 import { isProject, pack, type Parts, projectName, unpack } from "./bundle";
-import { designName, edit, history, markSaved, open, project } from "./document";
+import { designName, edit, having, history, markSaved, open, project } from "./document";
 import { withFiles } from "./dropping";
 import { type Design, filesOf, offered } from "./keeper";
 import type { Session } from "./session";
-import type { Link } from "./link";
+import type { Link, Point } from "./link";
 import { state } from "./state";
+import { pathFile } from "./stroke";
 
 const bundle = ".haptogram";
+const pathName = (number: number): string => `drawn-${number}.csv`;
 const stem = (name: string): string => name.replace(/^.*\//, "").replace(/\.[^.]*$/, "");
 
 export class Files {
@@ -35,6 +37,17 @@ export class Files {
     state.chosen.value = undefined;
     edit(withFiles(before, files.map(({ name }) => name)));
     this.session.ask(); // a file of the same name may have new contents
+  }
+
+  /** Places that are passed at equal times become the design's path. @return the file's name */
+  async takePath(places: Point[], seconds: number): Promise<string> {
+    let number = 1;
+    while (this.session.sent.has(pathName(number))) number++;
+    const name = pathName(number);
+    await this.send([new File([pathFile(places, seconds)], name)]);
+    const { format, array, board, am, am_law, amplitude, loops } = project.peek() ?? { format: "" };
+    edit(having({ format }, { array, board, am, am_law, amplitude, loops, path: name }));
+    return name;
   }
 
   /** A bundle that came with the page. */

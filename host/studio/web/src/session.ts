@@ -2,7 +2,7 @@
 // What the page has under way with the server: asks for the scene of the newest document and for what is shown of it, and
 // puts the answers into the state and into the view.
 import { Comparer } from "./comparer";
-import { project, type ProjectDocument } from "./document";
+import { history, project, type ProjectDocument } from "./document";
 import { openFirst } from "./files";
 import { begin as keep, type Design } from "./keeper";
 import { HandReader, type HandShown } from "./hand_reader";
@@ -72,9 +72,9 @@ export class Session {
   /** Opens what the browser kept. */
   restore: (design: Design) => Promise<void> = () => Promise.resolve();
 
-  /** Of the files that were sent, those that the document may name. */
+  /** Of the files that were sent, those that a step of the design may name. */
   private namedFiles(): File[] {
-    const text = JSON.stringify(project.peek());
+    const text = JSON.stringify(this.sent.size > 0 ? history.peek().steps : []);
     return [...this.sent.values()].filter(({ name }) => text.includes(JSON.stringify(name).slice(1, -1)));
   }
 

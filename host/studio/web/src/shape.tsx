@@ -5,7 +5,8 @@ import { edit, having, project, type ProjectDocument, type ShapeEntry } from "./
 import { HandSettings } from "./hand";
 import { InstrumentFields, Strength } from "./instrument";
 import { KeyFrames } from "./key_frames";
-import { moved, placed, placeOf, withAnother, without } from "./placing";
+import { PathPanel } from "./path";
+import { moved, nameOf, placed, placeOf, withAnother, without } from "./placing";
 import { type Actions, state } from "./state";
 
 /** What says how fast the object is played; the others follow. `usual` is what a change of pace begins with. */
@@ -18,9 +19,6 @@ const noPace = { rate_hz: undefined, speed_m_s: undefined, frequency_hz: undefin
 
 /** Waveforms of the amplitude, as a project file names them. */
 export const modulations = [["", "none"], ["sine:50", "sine, 50 Hz"], ["sine:100", "sine, 100 Hz"], ["sine:200", "sine, 200 Hz"], ["square:200", "square, 200 Hz"]] as const;
-
-/** What several objects are called. */
-const nameOf = (shape: ShapeEntry, i: number): string => `${i + 1}: ${shape.kind ?? shape.file ?? "?"}`;
 
 /** What the object is. Without measures of a kind of shape, the project file's default stands. */
 function ObjectPanel({ actions, now, primitives }: { actions: Actions; now: ProjectDocument; primitives: string[] }) {
@@ -57,6 +55,7 @@ function ObjectPanel({ actions, now, primitives }: { actions: Actions; now: Proj
         <button type="button" disabled={shapes.length === 0} onClick={add}>+ Add an object</button>
         {several && chosen !== undefined && <button type="button" onClick={() => { actions.choose(undefined); edit(without(now, chosen)); }}>Remove this one</button>}
       </div>
+      <button type="button" class="wide" onClick={() => actions.draw(true)}>Draw a path by hand</button>
       <label class="drop">
         Drop a file anywhere, or choose one
         <input type="file" multiple accept=".haptogram,.toml,.ply,.obj,.stl,.xyz,.csv,.adaptics" onChange={(e) => void actions.drop([...(e.currentTarget.files ?? [])])} />
@@ -97,7 +96,7 @@ export function Subject({ actions }: { actions: Actions }) {
   const now = project.value;
   if (!hello || !now) return <Panel title="Object"><p>Waiting for the server…</p></Panel>;
   if (now.hand) return <HandSettings actions={actions} now={now} hand={now.hand} />;
-  if (now.path) return <Panel title="Path"><p class="file">{now.path}</p><p class="hint">It has places and times of its own.</p></Panel>;
+  if (now.path) return <PathPanel actions={actions} now={now} />;
   return <ObjectPanel actions={actions} now={now} primitives={hello.primitives} />;
 }
 
@@ -113,7 +112,7 @@ export function Properties({ actions }: { actions: Actions }) {
     <>
       {!now.path && <PlacePanel now={now} />}
       <Panel title="Sample and play">
-        <NumberField label="Focal points" unit="" value={now.points ?? 200} step={10} least={1} most={65535} whole onValue={(points) => change({ points })} />
+        {!now.path?.endsWith(".csv") && <NumberField label="Focal points" unit="" value={now.points ?? 200} step={10} least={1} most={65535} whole onValue={(points) => change({ points })} />}
         {!now.path && <NumberField label={led.label} unit={led.unit} value={(now[pace] as number | undefined) ?? led.usual} least={0.000001} onValue={(value) => change({ [pace]: value })} />}
         <Strength now={now} set={change} />
         <Choice label="Modulation" value={now.am ?? ""} choices={[...new Set([...modulations.map(([key]) => key), now.am ?? ""])].map((key) => [key, modulations.find(([known]) => known === key)?.[1] ?? key])} onValue={(am) => change({ am: am || undefined })} />

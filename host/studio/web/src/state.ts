@@ -107,6 +107,13 @@ export const state = {
   chosen: signal<number | undefined>(undefined),
   /** Whether the outline of a hand is in the view, as a scale. */
   outline: signal(localStorage.getItem("outline") === "on"),
+  /** Where the pen is, and in how many places it was, while a line is drawn by hand. */
+  pen: signal<{ at: Point; places: number } | undefined>(undefined),
+  /** Over how long a drawn line is smoothed, ms, and how far that has moved it, of the file that it became. */
+  smoothing: signal(30),
+  smoothed: signal<{ file: string; ms: number; mm: number } | undefined>(undefined),
+  /** The document's path, if it was drawn by hand. */
+  line: signal<{ file: string; places: Point[]; seconds: number } | undefined>(undefined),
   /** Which key frame is edited. */
   keyFrame: signal(0),
   kept: signal<Kept | undefined>(undefined),
@@ -187,6 +194,10 @@ export interface Actions {
   /** Whether the field is what one focus could have at each point. */
   showReach(on: boolean): void;
   handle(handles: Handles): void;
+  /** Lets the user draw a path on the plane by hand, or ends that. */
+  draw(on: boolean): void;
+  /** The drawn path lasts so long. */
+  last(seconds: number): Promise<void>;
   /** Which of several objects is placed. */
   choose(object: number | undefined): void;
   /** Puts the present scene aside, or forgets the one that was. */

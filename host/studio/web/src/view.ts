@@ -4,7 +4,7 @@
 import {
   AmbientLight, BufferAttribute, BufferGeometry, CircleGeometry, Color, DataTexture, DirectionalLight, DoubleSide, FloatType, Group, InstancedMesh,
   Line, LineBasicMaterial, LineLoop, LineSegments, LinearFilter, type Material, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial, NearestFilter,
-  type Object3D, PerspectiveCamera, PlaneGeometry, Points, PointsMaterial, Raycaster, RedFormat, Scene as World, ShaderMaterial, Vector2, Vector3,
+  type Object3D, PerspectiveCamera, Plane, PlaneGeometry, Points, PointsMaterial, Raycaster, RedFormat, Scene as World, ShaderMaterial, Vector2, Vector3,
   WebGLRenderer, Box3,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
@@ -83,6 +83,7 @@ export class View {
   private readonly path = new Group();
   private readonly hand = new HandDrawing();
   private readonly outline = new Group();
+  private readonly stroke = new Group();
   private readonly axes = new Axes();
   private readonly pivot = new Group();
   private middleOfAll = new Vector3();
@@ -117,7 +118,7 @@ export class View {
 
     const sun = new DirectionalLight(0xffffff, 2);
     sun.position.set(1, -2, 3);
-    this.world.add(new AmbientLight(0xffffff, 1.6), sun, this.array, this.object, this.surface, this.path, this.hand.group, this.outline, this.plane, this.axes.group);
+    this.world.add(new AmbientLight(0xffffff, 1.6), sun, this.array, this.object, this.surface, this.path, this.hand.group, this.outline, this.stroke, this.plane, this.axes.group);
 
     const { uniforms } = this;
     this.sheet = new Mesh(new PlaneGeometry(1, 1), new ShaderMaterial({ side: DoubleSide, transparent: true, uniforms, vertexShader, fragmentShader }));
@@ -143,8 +144,7 @@ export class View {
     this.place("xy", [0, 0, 130]);
 
     this.canvas.addEventListener("pointermove", (event) => {
-      const box = this.canvas.getBoundingClientRect();
-      this.pointer = new Vector2((2 * (event.clientX - box.left)) / box.width - 1, 1 - (2 * (event.clientY - box.top)) / box.height);
+      this.pointer = this.onCanvas(event.clientX, event.clientY);
       this.redraw();
     });
     this.canvas.addEventListener("pointerleave", () => {
@@ -176,6 +176,40 @@ export class View {
   set turning(on: boolean) {
     this.gizmo.setMode(on ? "rotate" : "translate");
     this.redraw();
+  }
+
+  /** Whether the pointer draws instead of turning the view. */
+  set drawing(on: boolean) {
+    this.orbit.enabled = this.gizmo.enabled = this.gizmo.getHelper().visible = !on;
+    this.canvas.setAttribute("role", on ? "application" : "img");
+    this.canvas.setAttribute("aria-label", on ? "The plane, to draw on: arrow keys move the pen, Enter begins and ends the line" : "3-D view of the array, the object, its focal points and the field on a plane");
+    this.redraw();
+  }
+
+  /** What of the plane, however far it goes on, is at a place of the page; nothing where it is not seen. */
+  onPlane(clientX: number, clientY: number): Point | undefined {
+    const ray = new Raycaster();
+    ray.setFromCamera(this.onCanvas(clientX, clientY), this.camera);
+    const normal = new Vector3(0, 0, 1).applyQuaternion(this.plane.quaternion);
+    return ray.ray.intersectPlane(new Plane().setFromNormalAndCoplanarPoint(normal, this.plane.position), new Vector3())?.toArray();
+  }
+
+  /** @return the place so many millimetres beside another, along the plane's edges */
+  besideOnPlane(at: Point, right: number, up: number): Point {
+    const way = new Vector3(right, up, 0).applyQuaternion(this.plane.quaternion);
+    return at.map((each, i) => Math.round((each + way.getComponent(i)) * 1e6) / 1e6) as Point;
+  }
+
+  /** A line that is being drawn by hand; without places, none. */
+  showStroke(places: Point[]): void {
+    this.clear(this.stroke);
+    if (places.length > 1) {
+      const line = new Line(geometryOf(flat(places)), new LineBasicMaterial({ depthTest: false }));
+      line.renderOrder = 1;
+      line.userData["colour"] = "--focus";
+      this.stroke.add(line);
+    }
+    this.paint();
   }
 
   /** What the handles move. */
@@ -362,7 +396,7 @@ export class View {
     this.hand.paint(colour);
     this.axes.paint(colour);
     this.paintDiscs();
-    for (const group of [this.object, this.surface, this.path, this.outline])
+    for (const group of [this.object, this.surface, this.path, this.outline, this.stroke])
       for (const part of group.children)
         (part as Mesh<BufferGeometry, MeshBasicMaterial>).material.color = colour(part.userData["colour"] as string);
     this.redraw();
@@ -397,6 +431,12 @@ export class View {
       this.renderer.render(this.world, this.camera);
       this.probed(this.probe());
     });
+  }
+
+  /** A place of the page as the camera counts: from -1 to 1. */
+  private onCanvas(clientX: number, clientY: number): Vector2 {
+    const box = this.canvas.getBoundingClientRect();
+    return new Vector2((2 * (clientX - box.left)) / box.width - 1, 1 - (2 * (clientY - box.top)) / box.height);
   }
 
   private tellObject(done: boolean): void {
