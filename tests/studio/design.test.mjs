@@ -5,7 +5,7 @@ import { execFileSync } from "node:child_process";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
-import { accessible, boardSays, drop, eventually, folder, hasValue, lookedAt, openDesign, openPage, picture, run, settled, shapes, show, startBrowser, startStudio, takeAway } from "./support.mjs";
+import { accessible, boardSays, drop, eventually, folder, hasValue, lookedAt, keptPicture, openDesign, openPage, picture, run, settled, shapes, show, startBrowser, startStudio, takeAway } from "./support.mjs";
 
 const field = (page, label) => page.getByLabel(label, { exact: true });
 async function fill(page, label, value) {
@@ -62,7 +62,7 @@ for (const [width, height, theme, least] of [[1280, 800, "light", 0.4], [800, 60
       const short = await page.evaluate(() => [...document.querySelectorAll(".box > input")].filter((each) => each.checkVisibility() && each.scrollWidth > each.clientWidth).map((each) => each.value));
       assert.deepEqual(short, [], "no number is cut");
       await accessible(page);
-      await picture(page, `design-${step}-${width}-${theme}`);
+      await keptPicture(page, `design-${step}-${width}-${theme}`);
     }
   });
 

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { existsSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
-import { accessible, drop, eventually, folder, hasValue, openPage, panel, picture, run, settled, shapes, show, slices, startBrowser, startStudio, takeAway } from "./support.mjs";
+import { accessible, drop, eventually, folder, hasValue, keptPicture, lookedAt, openPage, panel, picture, run, settled, shapes, show, slices, startBrowser, startStudio, takeAway } from "./support.mjs";
 
 /** Numbers of a request over a WebSocket of the test's own, with the page's token. */
 const askSlice = (page, message) =>
@@ -48,7 +48,8 @@ for (const colorScheme of ["light", "dark"])
     assert.equal(page.url(), studio.origin + "/", "the token is not left in the address");
     assert.match(await panel(page, "Numbers").innerText(), /Focal points\s+200/);
     await accessible(page);
-    await picture(page, `start-${colorScheme}`);
+    await lookedAt(page);
+    await keptPicture(page, `start-${colorScheme}`);
 
     // The middle of the plane over the dome is not the page's ground: the field is drawn. Yellow is the strongest.
     const shot = await page.locator("#view canvas").screenshot();
