@@ -57,7 +57,7 @@ module focus_ring #(
     wire [19:0] all   = count_q * {16'd0, foci};     // foci in the ring
     wire [19:0] free  = i_live_free * {16'd0, foci};
     wire [16:0] last  = {1'b0, first_q} + {1'b0, count_q} - 17'd1;
-    wire [17:0] start = {base_q, 2'b00};
+    wire [27:0] start = {10'd0, base_q, 2'b00};
     wire        at_last = {1'b0, o_index} == last;
 
     assign o_fits     = {7'd0, i_tail_words} <= room_q;
@@ -75,7 +75,7 @@ module focus_ring #(
             default:        count_q <= i_set_word;
         endcase
         o_word   <= i_read_address == `HG_RING_BASE ? base_q : i_read_address == `HG_RING_FIRST ? first_q : count_q;
-        beyond_q <= {5'd0, start} + {1'b0, all, 2'b00};
+        beyond_q <= start[22:0] + {1'b0, all, 2'b00};
         o_usable <= count_q > LEAST && first_q > TOP_RECORD && last <= {1'b0, i_top_index} && beyond_q <= WORDS;
         room_q   <= {1'b0, free, 2'b00};
 

@@ -34,6 +34,12 @@ module haptogram_core #(
     output wire [7:0]          o_net_byte,
     input  wire [4:0]          i_identity_place,  // a word of the identity block for who only asks, combinational and constant
     output wire [15:0]         o_identity_word,
+    output wire [2:0]          o_sdram_command,   // with SDRAM, the chip that holds the records: see rtl/sdram
+    output wire [1:0]          o_sdram_bank,
+    output wire [10:0]         o_sdram_address,
+    output wire [31:0]         o_sdram_data,
+    output wire                o_sdram_drive,
+    input  wire [31:0]         i_sdram_data,
     input  wire                i_trigger,      // not synchronous to clk
     output wire                o_trigger,
     output wire                o_test,         // for an oscilloscope
@@ -92,7 +98,7 @@ module haptogram_core #(
     // ---- Commands
 
     wire [15:0] top_index;
-    wire        settle, write, hold, push, keep, take_back, answer, answered;
+    wire        settle, more, write, hold, push, keep, take_back, answer, answered;
     wire [7:0]  command, verdict, status, sequence_number, expected;
     wire [15:0] argument_0, argument_1, argument_2, tail_words, read_words, live_free, live_level;
     wire [WORD_BITS-1:0] command_address, ring_address, ring_start;
@@ -122,7 +128,7 @@ module haptogram_core #(
         .o_command(command), .o_argument_0(argument_0), .o_argument_1(argument_1), .o_argument_2(argument_2),
         .o_tail_words(tail_words), .o_settle(settle), .i_status(verdict), .i_top_index(top_index),
         .o_execute(execute), .o_repeated(repeated), .o_refused(refused),
-        .o_write(write), .i_hold(hold), .o_address(command_address), .o_region(region),
+        .o_more(more), .o_write(write), .i_hold(hold), .o_address(command_address), .o_region(region),
         .i_ring_address(ring_address), .i_ring_start(ring_start), .i_ring_wraps(ring_wraps), .i_ring_complete(ring_complete),
         .i_ring_split(ring_split), .o_streams(stream_takes), .o_close(closes), .i_stream_wait(stream_waits), .i_stream_place(stream_place), .i_stream_address(stream_address),
         .i_stream_keeps(stream_keeps), .i_stream_split(stream_split), .o_push(push), .o_keep(keep), .o_take_back(take_back),
@@ -153,12 +159,12 @@ module haptogram_core #(
     wire [WORD_BITS-1:0]     reply_address;
     wire [PRIMARY_BITS-1:0]  load_address;
     wire [SEQUENCE_BITS-1:0] sequence_address;
-    wire [15:0] primary_word, register_word, block_word, sample_word, answer_word;
+    wire [15:0] primary_word, record_word, register_word, block_word, sample_word, answer_word, sdram_word;
     wire [31:0] sequence_word;
-    wire        read, granted, loading, fetching, sampling;
+    wire        read, granted, loading, fetching, sampling, sdram_hold, sdram_granted;
 
     address_space #(
-        .PRIMARY_WORDS(PRIMARY_WORDS), .SEQUENCE_DEPTH(SEQUENCE_DEPTH), .WORD_BITS(WORD_BITS), .HAS_SAMPLES(MODULATION_DEPTH != 0 ? 1 : 0),
+        .PRIMARY_WORDS(PRIMARY_WORDS), .SEQUENCE_DEPTH(SEQUENCE_DEPTH), .WORD_BITS(WORD_BITS), .HAS_SAMPLES(MODULATION_DEPTH != 0 ? 1 : 0), .SDRAM(SDRAM),
         .PRIMARY_FILE(PRIMARY_FILE), .SEQUENCE_FILE(SEQUENCE_FILE)
     ) memories (
         .clk(clk), .i_region(region),
@@ -166,7 +172,7 @@ module haptogram_core #(
         .i_read_address(reply_address), .i_register_word(block_word), .i_sample_word(sample_word), .o_granted(granted), .o_read_word(answer_word),
         .i_loading(loading), .i_load_address(load_address), .o_primary_word(primary_word),
         .i_fetching(fetching), .i_sequence_address(sequence_address), .o_sequence_word(sequence_word),
-        .i_sampling(sampling));
+        .i_sampling(sampling), .i_sdram_hold(sdram_hold), .i_sdram_granted(sdram_granted), .i_sdram_word(sdram_word));
 
     reply_unit #(.WORD_BITS(WORD_BITS)) replies (
         .clk(clk), .rst(rst),
@@ -242,6 +248,35 @@ module haptogram_core #(
 
     synchronizer #(.RESET_VALUE(1'b1)) stop_switch (.clk(clk), .rst(rst), .i_foreign(i_stop), .o_synchronous(stopped));
 
+    // The records in an SDRAM: an entry goes on to the player when its record has been fetched.
+    wire        to_play;
+    wire [15:0] foci_base, foci_count;
+    wire [2:0]  foci_last;
+    generate
+        if (SDRAM != 0) begin : in_sdram
+            wire in_primary = region == `HG_REGION_PRIMARY;
+            wire unused_busy;
+            sdram_memory #(
+                .CHANNELS(CHANNELS), .RECORDS(RECORDS), .FOCI(FOCI), .MIB(SDRAM), .RUN_BITS(RING_BITS - 1), .CLOCK_HZ(CLOCK_HZ)
+            ) records (
+                .clk(clk), .rst(rst),
+                .i_more(more && in_primary), .i_write(write && in_primary), .i_ends(ring_wraps && command == `HG_COMMAND_PUSH_FOCI),
+                .i_write_address(command_address[PRIMARY_BITS-1:0]), .i_write_word(frame_word), .o_hold(sdram_hold), .o_busy(unused_busy),
+                .i_read(read && in_primary), .i_read_address(reply_address[PRIMARY_BITS-1:0]), .o_granted(sdram_granted), .o_read_word(sdram_word),
+                .i_entry(entry), .i_index(next_index), .o_entry(to_play), .i_take(take),
+                .i_foci_base(foci_base), .i_foci_count(foci_count), .i_foci_last(foci_last),
+                .i_forget(write && region == `HG_REGION_PARAMETERS), .i_load_address(load_address), .o_word(record_word),
+                .o_sdram_command(o_sdram_command), .o_sdram_bank(o_sdram_bank), .o_sdram_address(o_sdram_address),
+                .o_sdram_data(o_sdram_data), .o_sdram_drive(o_sdram_drive), .i_sdram_data(i_sdram_data));
+            wire unused_word = &{1'b0, primary_word};
+        end else begin : in_block_ram
+            assign {to_play, record_word} = {entry, primary_word};
+            assign {sdram_hold, sdram_granted, sdram_word} = 18'd0;
+            assign {o_sdram_command, o_sdram_bank, o_sdram_address, o_sdram_data, o_sdram_drive} = 49'd0;
+            wire unused_sdram = &{1'b0, more, i_sdram_data, foci_base, foci_count, foci_last};
+        end
+    endgenerate
+
     wire lingers, last, in_step, numbered, sync_missed;
     wire [1:0] role;
     wire together = role != `HG_ROLE_ALONE;
@@ -260,8 +295,8 @@ module haptogram_core #(
                 .MAX_DUTY_256(MAX_DUTY_256), .MAX_CYCLE_CLOCKS(MAX_CYCLE_CLOCKS), .SYNC(SYNC)
             ) play (
                 .clk(clk), .rst(play_rst),
-                .i_preempt(preempt), .i_drop(drop), .i_entry(entry), .o_take(take), .i_index(next_index), .i_dwell(next_dwell), .i_tag(next_tag),
-                .o_reading(loading), .o_address(load_address), .i_word(primary_word),
+                .i_preempt(preempt), .i_drop(drop), .i_entry(to_play), .o_take(take), .i_index(next_index), .i_dwell(next_dwell), .i_tag(next_tag),
+                .o_reading(loading), .o_address(load_address), .i_word(record_word),
                 .i_enable(does_enable), .i_disable(disables), .i_mute(mute),
                 .i_together(together), .i_hold(lingers), .o_last(last),
                 .o_pins(o_pins), .o_enabled(o_enabled), .o_alive(o_alive), .o_index(o_index), .o_tag(tag), .o_cycle_start(o_cycle_start),
@@ -273,11 +308,11 @@ module haptogram_core #(
             assign {sample_word, sampling, modulated, bent_period, far_foci, samples} = 21'd0;
             assign {stream_usable, stream_waits, stream_place, stream_keeps, stream_split, stream_address, stream_counts} = 0;
             assign {streams, stream_begins, stream_entry, stream_drop, stream_index} = 20'd0;
+            assign {foci_base, foci_count, foci_last} = 35'd0;
             wire   unused_stream = &{1'b0, stream_takes, closes};
         end else begin : own_widths
-            wire [15:0] parameter_word, ring_word, stream_word, foci_base, foci_count, fade;
+            wire [15:0] parameter_word, ring_word, stream_word, fade;
             wire        go, fades;
-            wire [2:0]  foci_last;
             wire [31:0] set_address = {{(32-WORD_BITS){1'b0}}, command_address}, read_address = {{(32-WORD_BITS){1'b0}}, reply_address};
             wire        unused = &{1'b0, set_address[31:16], read_address[31:16]};
             frame_player #(
@@ -287,8 +322,8 @@ module haptogram_core #(
                 .MAX_DUTY_256(MAX_DUTY_256), .MAX_CYCLE_CLOCKS(MAX_CYCLE_CLOCKS), .SYNC(SYNC)
             ) play (
                 .clk(clk), .rst(play_rst),
-                .i_preempt(preempt), .i_drop(drop), .i_entry(entry), .o_take(take), .i_index(next_index), .i_dwell(next_dwell), .i_tag(next_tag),
-                .o_reading(loading), .o_address(load_address), .i_word(primary_word),
+                .i_preempt(preempt), .i_drop(drop), .i_entry(to_play), .o_take(take), .i_index(next_index), .i_dwell(next_dwell), .i_tag(next_tag),
+                .o_reading(loading), .o_address(load_address), .i_word(record_word),
                 .i_set_parameter(write && region == `HG_REGION_PARAMETERS), .i_set_geometry(write && region == `HG_REGION_GEOMETRY),
                 .i_set_sample(write && region == `HG_REGION_MODULATION), .i_set_address(set_address[15:0]), .i_set_word(frame_word),
                 .i_read_address(read_address[15:0]), .o_parameter_word(parameter_word), .o_sample_word(sample_word),

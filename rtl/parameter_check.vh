@@ -22,3 +22,4 @@ generate if (CHAIN < 0 || CHAIN > 1) chain_out_of_range error(); endgenerate
 generate if (NET < 0 || NET > 1) net_out_of_range error(); endgenerate
 generate if (STREAM != 0 && (STREAM < 4 || STREAM > 1024 || (STREAM & (STREAM - 1)) != 0 || SCHEDULE == 0)) stream_out_of_range error(); endgenerate
 generate if (TRIGGER < 0 || TRIGGER > 1 || (TRIGGER != 0 && SCHEDULE == 0)) trigger_out_of_range error(); endgenerate
+generate if (SDRAM != 0 && (SDRAM < 4 || SDRAM > 8 || (SDRAM & (SDRAM - 1)) != 0)) sdram_out_of_range error(); endgenerate

@@ -4,7 +4,7 @@
 include(${CMAKE_CURRENT_LIST_DIR}/configurations.cmake)
 if(NOT DEFINED HAPTOGRAM_MODELS)  # not in the cache, which would keep an older list than this
   set(HAPTOGRAM_MODELS tile-100 small-16 small-16-sync hoshi-324 small-16-wide tile-100-wide tile-100-sync unit-36 amplitudes-256
-    small-16-net colorlight-5a-75e-v7.1-net)
+    small-16-net colorlight-5a-75e-v7.1-net colorlight-5a-75e-v7.1-sdram)
 endif()
 # Further options of Verilator for a model. The small cores, on which most contract tests run, check in every clock what the
 # proofs assert.

@@ -63,7 +63,8 @@ def load(name):
 def memories(board):
     """Width and depth of the memories that an image fills, by the name of their parameter."""
     p = board["parameters"]
-    return {"primary": (16, p["RECORDS"] * (p["CHANNELS"] + RECORD_HEADER_WORDS)), "sequence": (32, p["SEQUENCE_DEPTH"])}
+    primary = {} if p["SDRAM"] else {"primary": (16, p["RECORDS"] * (p["CHANNELS"] + RECORD_HEADER_WORDS))}
+    return primary | {"sequence": (32, p["SEQUENCE_DEPTH"])}
 
 
 def fingerprint(folder, board):
@@ -91,6 +92,7 @@ def defines(board):
     result += [f"-DHG_{key.upper()}" for key in ("sync_in", "sync_out", "trigger_in", "trigger_out", "test") if key in pins]
     result += ["-DHG_CHAIN"] if "next_rx" in pins else []
     result += [f"-DHG_HIGH={len(pins['high'])}"] if pins.get("high") else []
+    result += ["-DHG_SDRAM"] if "sdram" in board else []
     if "network" in board:
         net = board["network"]
         ip = "".join(f"{int(part):02x}" for part in net["ip"].split("."))
@@ -104,8 +106,9 @@ def synthesise(folder, board):
     family, top = board["fpga"]["family"], board["fpga"]["top"]
     sources = sorted(ROOT.glob("rtl/*.v"))
     sources += sorted(ROOT.glob("rtl/net/*.v")) if "network" in board else []
+    sources += sorted(ROOT.glob("rtl/sdram/*.v")) if board["parameters"]["SDRAM"] else []
     if top != "haptogram_core":
-        with_ecp5 = [top, "ecp5_50mhz", "clock_watch", "ecp5_rgmii"] if family == "ecp5" else [top]
+        with_ecp5 = [top, "ecp5_50mhz", "clock_watch", "ecp5_rgmii", "ecp5_sdram"] if family == "ecp5" else [top]
         sources += [ROOT / "rtl" / "boards" / f"{name}.v" for name in with_ecp5]
     sets = " ".join(f"-set {k} {v}" for k, v in board["parameters"].items())
     files = " ".join(f'-set {n.upper()}_FILE "{n}_init.hex"' for n in memories(board))
@@ -142,6 +145,13 @@ def network_sites(net):
         (f"{port}[{k}]", ball) for port, key in ways.items() for k, ball in enumerate(net[key])]
 
 
+def sdram_sites(chip):
+    """Ports and balls of the SDRAM."""
+    lists = {"o_sdram_bank": "bank", "o_sdram_address": "address", "io_sdram_data": "data"}
+    return [(f"o_sdram_{key}", chip[key]) for key in ("clk", "ras_n", "cas_n", "we_n")] + [
+        (f"{port}[{k}]", ball) for port, key in lists.items() for k, ball in enumerate(chip[key])]
+
+
 def constraints(board):
     """The pin file of nextpnr: .pcf for the iCE40, .lpf for the ECP5."""
     pins, channels = board["pins"], board["parameters"]["CHANNELS"]
@@ -151,6 +161,7 @@ def constraints(board):
                                                   ("o_alive", "alive"), ("i_sync", "sync_in"), ("o_sync", "sync_out"),
                                                   ("i_trigger", "trigger_in"), ("o_trigger", "trigger_out"), ("o_test", "test"),
                                                   ("i_next", "next_rx"), ("o_next", "next_tx")] if key in pins]
+    sites += sdram_sites(board["sdram"]) if "sdram" in board else []
     # At rest serial lines are high, SYNC and a trigger low, and a stop switch that nobody has fitted is not pressed.
     pulls = {"i_rx": "UP", "i_next": "UP", "i_sync": "DOWN", "i_trigger": "DOWN", "i_stop": "DOWN" if pins.get("stop_level", 0) else "UP"}
     sites += [(f"o_high[{i}]", ball) for i, ball in enumerate(pins.get("high", []))]
@@ -160,7 +171,8 @@ def constraints(board):
     outputs = (f" DRIVE={pins['drive_ma']}" if "drive_ma" in pins else "") + (f" SLEWRATE={pins['slew'].upper()}" if "slew" in pins else "")
 
     def attributes(port):
-        return f" PULLMODE={pulls[port]}" if port in pulls else outputs if port.startswith("o_pins") else ""
+        fast = " SLEWRATE=FAST" if "o_sdram" in port or "io_sdram" in port else ""
+        return f" PULLMODE={pulls[port]}" if port in pulls else outputs if port.startswith("o_pins") else fast
 
     text = "".join(f'LOCATE COMP "{port}" SITE "{ball}";\nIOBUF PORT "{port}" IO_TYPE=LVCMOS33{attributes(port)};\n' for port, ball in sites)
     text += f'FREQUENCY PORT "i_net_rx_clk" {NETWORK_MHZ} MHz;\n' if "network" in board else ""

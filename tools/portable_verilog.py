@@ -46,15 +46,15 @@ def said_of(top, parameters, options, sources):
 def readings():
     """(top, parameters, options, sources) of all that is read."""
     for parameters in configurations.configurations().values():
-        yield "haptogram_core", parameters, PLAIN, RTL
-        yield "haptogram_core", parameters, WITH_ASSERTIONS, RTL
+        yield "haptogram_core", parameters, PLAIN, [*RTL, *SDRAM]
+        yield "haptogram_core", parameters, WITH_ASSERTIONS, [*RTL, *SDRAM]
     yield "udp_link", {}, PLAIN, [*RTL, *NET]
     for mib in (4, 8):
         yield "sdram_memory", {"MIB": mib}, PLAIN, [*RTL, *SDRAM]
     for name in boards.names():
         board = bitstream.load(name)
         # The vendors' primitives are in no file of ours.
-        yield board["fpga"]["top"], board["parameters"], [*PLAIN, *bitstream.defines(board), "--ignore-unknown-modules"], [*RTL, *NET, *BOARDS]
+        yield board["fpga"]["top"], board["parameters"], [*PLAIN, *bitstream.defines(board), "--ignore-unknown-modules"], [*RTL, *NET, *SDRAM, *BOARDS]
     for proof in tomllib.loads((ROOT / "tests/formal/proofs.toml").read_text(encoding="utf-8"))["proof"]:
         sources = [ROOT / source for key in ("sources", "plain") for source in proof.get(key, [])]
         yield proof["top"], proof.get("parameters", {}), [*WITH_ASSERTIONS, *(f"-D{name}" for name in proof.get("defines", []))], sources

@@ -94,6 +94,12 @@ ordered_json to_json(const std::optional<Board::Network>& net) {
             {"tx", net->tx}};
 }
 
+ordered_json to_json(const std::optional<Board::Sdram>& sdram) {
+    if (!sdram) return nullptr;
+    return {{"clk", sdram->clk},   {"ras_n", sdram->ras_n},     {"cas_n", sdram->cas_n}, {"we_n", sdram->we_n},
+            {"bank", sdram->bank}, {"address", sdram->address}, {"data", sdram->data}};
+}
+
 ordered_json to_json(const Pinout& pinout) {
     const Board& board = pinout.board;
     ordered_json json = {
@@ -110,6 +116,7 @@ ordered_json to_json(const Pinout& pinout) {
         {"flash", {{"load", board.flash.load}, {"write", board.flash.write}, {"note", board.flash.note}}},
         {"pins", to_json(board.pins)},
         {"network", to_json(board.network)},
+        {"sdram", to_json(board.sdram)},
         {"array", pinout.array.name},
         {"outputs", ordered_json::array()}};
     for (const auto& one : interface::core_parameters) json["parameters"][one.name] = board.parameters.*one.member;
@@ -157,6 +164,8 @@ std::string to_text(const Pinout& pinout) {
     if (board.network)
         text += fmt::format("net    {}, MAC {}, UDP port {}; 1 Gbit/s\n", board.network->ip, board.network->mac,
                             interface::network::port);
+    if (board.sdram)
+        text += fmt::format("SDRAM  {} MiB, for {} records\n", board.parameters.sdram, board.parameters.records);
     if (pins.led) text += fmt::format("LED    ball {}\n", *pins.led);
     if (pins.stop)
         text += fmt::format("stop   ball {}; outputs are off while it is {}\n", *pins.stop, level(pins.stop_level));

@@ -79,6 +79,7 @@ PARAMETER_RANGES = {
     "net": (0, 1, False, False),
     "stream": (4, 1024, True, True),
     "trigger": (0, 1, False, False),
+    "sdram": (4, 8, True, True),
 }
 
 STATUS_UNTIMED_WORDS = 17  # of boards without schedule

@@ -13,6 +13,7 @@
 //   HG_ALIVE          when it has a pin that changes as long as there is a clock
 //   HG_ACTIVE_LOW     when a transducer's driver is on while its pin is low
 //   HG_NET            when a gigabit PHY is in the place of the serial line, with HG_NET_MAC, HG_NET_IP, HG_NET_RX_DELAY, HG_NET_TX_DELAY
+//   HG_SDRAM          when the records lie in a chip beside the FPGA, of SDRAM MiB
 // The enable is taken away by clock_watch, which has a clock of its own, when this one stops.
 `default_nettype none
 module ecp5_board #(
@@ -31,6 +32,15 @@ module ecp5_board #(
 `else
     input  wire                i_rx,
     output wire                o_tx,
+`endif
+`ifdef HG_SDRAM
+    output wire                o_sdram_clk,
+    output wire                o_sdram_ras_n,
+    output wire                o_sdram_cas_n,
+    output wire                o_sdram_we_n,
+    output wire [SDRAM/8:0]    o_sdram_bank,
+    output wire [10:0]         o_sdram_address,
+    inout  wire [31:0]         io_sdram_data,
 `endif
 `ifdef HG_STOP
     input  wire                i_stop,
@@ -103,7 +113,8 @@ module ecp5_board #(
 `endif
     wire clk, locked, starting, enabled, alive, running, playing, fault, cycle_start, led;
     wire [CHANNELS-1:0] pins;
-    ecp5_50mhz pll (.i_clk(i_clk), .clk(clk), .o_locked(locked));
+    wire late;
+    ecp5_50mhz pll (.i_clk(i_clk), .clk(clk), .o_late(late), .o_locked(locked));
     power_on start (.clk(clk), .i_locked(locked), .rst(starting));
     // A register of its own: the way to all that is reset is the longest there is.
     reg rst;
@@ -131,13 +142,29 @@ module ecp5_board #(
     assign rx = i_rx;
     assign o_tx = tx;
 `endif
+    wire [2:0]  sdram_command;
+    wire [1:0]  sdram_bank;
+    wire [10:0] sdram_address;
+    wire [31:0] sdram_data, sdram_word;
+    wire        sdram_drive;
+`ifdef HG_SDRAM
+    ecp5_sdram #(.BANK_BITS(SDRAM / 8 + 1)) chip (
+        .clk(clk), .i_late(late), .i_command(sdram_command), .i_bank(sdram_bank[SDRAM/8:0]), .i_address(sdram_address),
+        .i_data(sdram_data), .i_drive(sdram_drive), .o_data(sdram_word),
+        .o_clk(o_sdram_clk), .o_ras_n(o_sdram_ras_n), .o_cas_n(o_sdram_cas_n), .o_we_n(o_sdram_we_n), .o_bank(o_sdram_bank),
+        .o_address(o_sdram_address), .io_data(io_sdram_data));
+`else
+    assign sdram_word = 32'd0;
+`endif
     haptogram_core #(
         `include "parameter_connections.vh"
         .PRIMARY_FILE(PRIMARY_FILE), .SEQUENCE_FILE(SEQUENCE_FILE)
     ) core (
         .clk(clk), .rst(rst), .i_rx(rx), .i_stop(stop), .i_sync(sync_in), .o_sync(sync_out), .i_trigger(trigger_in), .o_trigger(trigger_out), .o_test(test_out), .o_tx(tx), .i_next(next_in), .o_next(next_out),
         .i_net_valid(net_valid), .i_net_byte(net_byte), .i_net_break(net_break), .i_net_stop(net_stop), .o_net_valid(reply_valid),
-        .i_net_ready(reply_ready), .o_net_byte(reply_byte), .i_identity_place(identity_place), .o_identity_word(identity_word), .o_pins(pins), .o_enabled(enabled), .o_alive(alive),
+        .i_net_ready(reply_ready), .o_net_byte(reply_byte), .i_identity_place(identity_place), .o_identity_word(identity_word),
+        .o_sdram_command(sdram_command), .o_sdram_bank(sdram_bank), .o_sdram_address(sdram_address), .o_sdram_data(sdram_data),
+        .o_sdram_drive(sdram_drive), .i_sdram_data(sdram_word), .o_pins(pins), .o_enabled(enabled), .o_alive(alive),
         .o_playing(playing), .o_fault(fault), .o_index(), .o_cycle_start(cycle_start));
     clock_watch watch (.i_alive(alive), .o_running(running));
 `ifdef HG_DRIVER_ENABLE

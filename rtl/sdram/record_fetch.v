@@ -3,7 +3,8 @@
 // Fetches the record that is to be loaded next out of an SDRAM into a buffer, from which memory_controller reads it as from block RAM.
 //
 // It stands in the way of the entries: o_entry goes on with i_entry when i_index's record is in the buffer; i_take is that of the
-// reader. There are two buffers: while a record is being read out of one, the next one comes into the other. Index 0 needs none, and of what
+// reader. What i_index is equal to is known a clock later, because it may come out of a block RAM: so an entry that is offered must stay until it
+// is taken, or the reader must not take in the clock in which another one takes its place. There are two buffers: while a record is being read out of one, the next one comes into the other. Index 0 needs none, and of what
 // memory_controller will refuse nothing is fetched.
 // What was fetched is forgotten when something is written before it is taken (i_written), and when i_forget says that foci may lie
 // elsewhere. So a record is never older than it would be if it were read in the clock in which its entry is taken.
@@ -52,6 +53,7 @@ module record_fetch #(
     reg [2:0]           state_q;
     reg [1:0]           steps_q;   // until the record is placed
     reg                 stale_q;
+    reg                 offered_q, same_q, silent_q;  // of the entry of a clock ago: there was one, of index_q, of index 0
     reg [15:0]          index_q;
     reg [25:0]          record_q;
     reg [WORD_BITS-1:0] first_q;
@@ -75,8 +77,8 @@ module record_fetch #(
     endgenerate
     wire [27:0] first = is_foci ? foci_first >> 1 : {2'd0, record_q};
     wire        refused = is_foci ? no_foci : index_q > TOP_RECORD;
-    wire        wanted = i_entry && i_index == index_q;
-    assign o_entry = i_entry && (i_index == 16'd0 || (state_q == FULL && i_index == index_q && !stale_q && !i_forget));
+    wire        wanted = i_entry && same_q;
+    assign o_entry = i_entry && (silent_q || (state_q == FULL && same_q && !stale_q && !i_forget));
     assign o_ask   = state_q == ASK;
     assign o_first = first_q;
     wire [31:0] count = {22'd0, count_q};
@@ -84,6 +86,9 @@ module record_fetch #(
 
     always @(posedge clk) begin
         record_q <= ({10'd0, index_q} - 26'd1) * STRIDE;
+        offered_q <= i_entry && !i_take;
+        same_q    <= i_entry && !i_take && i_index == index_q;
+        silent_q  <= i_entry && !i_take && i_index == 16'd0;
         if (i_forget) stale_q <= 1'b1;
         case (state_q)
             IDLE: if (i_entry && i_index != 16'd0) begin
@@ -102,10 +107,10 @@ module record_fetch #(
                  else if (!wanted || stale_q) state_q <= IDLE;
             READ: if (i_done) state_q <= FULL;
             default:
-                if (i_take && i_index != 16'd0) {state_q, bank_q} <= {IDLE, !bank_q};
-                else if (stale_q || i_written || (i_entry && !wanted)) state_q <= IDLE;
+                if (i_take && !silent_q) {state_q, bank_q} <= {IDLE, !bank_q};
+                else if (stale_q || i_written || (offered_q && !same_q)) state_q <= IDLE;
         endcase
-        if (rst) {state_q, bank_q} <= {IDLE, 1'b0};
+        if (rst) {state_q, bank_q, offered_q, same_q, silent_q} <= {IDLE, 4'd0};
     end
 
     // A run's words lie in the buffer by the lower bits of their addresses, which differ.

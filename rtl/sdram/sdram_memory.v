@@ -5,7 +5,7 @@
 // record_store writes a frame's words as one run, and record_fetch reads a record as one run, so that a record is never torn. Runs that
 // wait are begun in this order: what was written, so that what is read next is not older; the next record; a word of a reply. Only a record that
 // has waited for one run to be written goes before another one. So it waits for a refresh, a run and its own.
-// i_read_address is that of a reply's word, which is asked for until o_granted; o_read_word follows by two clocks. All other ports are those of the
+// i_read_address is that of a reply's word, which is asked for until o_granted, with which o_read_word comes and stays until the next one. All other ports are those of the
 // two modules and of sdram_controller. MIB is the chip's size, 4 or 8. RUN_BITS is as wide as the words of the longest frame.
 // CHANNELS must be even, because a record is to begin with a word of the chip. The chip's times hold up to 60 MHz.
 `default_nettype none
@@ -70,8 +70,6 @@ module sdram_memory #(
     reg                  waited_q;    // the next record has waited for a run to be written
     reg                  writing_q;
     reg                  replies_q;   // a reply's word was asked for
-    reg                  replied_q, high_q;
-    reg  [31:0]          reply_q;
 
     wire fetch_turn = fetch_asks && (!store_pends || waited_q);
     wire reply_asks = i_read && !replies_q && !o_granted;
@@ -121,11 +119,9 @@ module sdram_memory #(
         if (take && owner == REPLY) replies_q <= 1'b1;
         o_granted <= 1'b0;
         if (valid && owner_q == REPLY) begin
-            {reply_q, high_q}      <= {word, i_read_address[0]};
+            o_read_word <= i_read_address[0] ? word[31:16] : word[15:0];
             {o_granted, replies_q} <= 2'b10;
         end
-        replied_q   <= o_granted;
-        if (replied_q) o_read_word <= high_q ? reply_q[31:16] : reply_q[15:0];
         if (rst) {writing_q, waited_q, replies_q, o_granted} <= 4'd0;
     end
 

@@ -26,7 +26,7 @@ PLACED = ROOT / "build" / "boards"
 VENV = ROOT / "build" / "venv" / "bin"
 FILES = {p.stem: tomllib.loads(p.read_text()) for p in sorted((ROOT / "constraints").glob("*.toml"))}
 FPGAS = {name: (FILES[file["like"]] if "like" in file else file)["fpga"] for name, file in FILES.items()}
-BOARDS = {board: "asc" if fpga["family"] == "ice40" else "config" for board, fpga in FPGAS.items()}
+BOARDS = {board: "asc" if fpga["family"] == "ice40" else "config" for board, fpga in FPGAS.items() if "sdram" not in FILES[board]}
 IDCODES = {"25k": "0x41111043", "85k": "0x41113043"}  # of the ECP5s
 
 
@@ -148,6 +148,14 @@ def test_what_cannot_be_patched(board, image, tmp_path):
     fails(BAD_INPUT, "bitstream", "--board", board, "--image", tmp_path / "bad.hex", "-o", out, "--placed", PLACED)
     assert not out.exists()
     assert not (tmp_path / "out.bin.json").exists()
+
+
+def test_records_in_an_sdram_are_in_no_bitstream(tmp_path):
+    for board in FPGAS.keys() - BOARDS.keys():
+        run("compile", "--shape", "circle", "--points", "20", "--board", board, "--records", "-o", tmp_path / "image.hex")
+        said = fails(BAD_INPUT, "bitstream", "--board", board, "--image", tmp_path / "image.hex", "-o", tmp_path / "out.bin")
+        assert "SDRAM" in said and "upload" in said and not (tmp_path / "out.bin").exists()
+    assert FPGAS.keys() > BOARDS.keys()
 
 
 def test_a_damaged_placed_design_is_noticed(board, image, tmp_path):

@@ -126,6 +126,8 @@ def test_a_shipped_board_drives_its_array(board):
     balls += [pins[key] for key in ("rx", "tx", "led", "stop", "driver_enable", "alive", "sync_in", "sync_out", "trigger_in", "trigger_out", "test", "next_rx", "next_tx") if key in pins]
     network = file.get("network", {"rx": [], "tx": []})
     balls += [network[key] for key in ("rx_clk", "rx_ctl", "tx_clk", "tx_ctl") if key in network] + network["rx"] + network["tx"]
+    for named in file.get("sdram", {}).values():
+        balls += named if isinstance(named, list) else [named]
     assert len(set(balls)) == len(balls)
     assert len({(o["connector"], o["pin"]) for o in outputs}) == len(outputs)
 
@@ -142,6 +144,7 @@ def test_the_pinout_says_what_the_file_says(board):
               "drive_ma": None, "slew": None}  # fmt: skip
     assert shown["pins"] == unsaid | file["pins"]
     assert shown["network"] == file.get("network")
+    assert shown["sdram"] == file.get("sdram")
 
 
 @pytest.mark.parametrize("board", BOARDS)
@@ -158,7 +161,7 @@ def test_a_shipped_board_makes_its_carrier(board, tmp_path):
         assert record["pulse_length"] * record["prescaler"] < p["MAX_HIGH_CLOCKS"]
     succeed(["inspect", "image.hex"], cwd=tmp_path)
     manifest = read_json(tmp_path / "image.json")
-    unsaid = {"LIVE_DEPTH", "WATCHDOG_MS", "MAX_HIGH_CLOCKS", "MAX_DUTY_256", "SCHEDULE", "SYNC", "CHAIN", "NET", "STREAM", "TRIGGER"}
+    unsaid = {"LIVE_DEPTH", "WATCHDOG_MS", "MAX_HIGH_CLOCKS", "MAX_DUTY_256", "SCHEDULE", "SYNC", "CHAIN", "NET", "STREAM", "TRIGGER", "SDRAM"}
     if p["WIDTH_BITS"] == 0:
         unsaid |= {"MIN_PULSE_CLOCKS", "WIDTH_BITS", "MODULATION_DEPTH", "SLEW", "FOCI"}
     assert manifest["board"] == {"name": board, **{key.lower(): p[key] for key in p if key not in unsaid}}
@@ -438,6 +441,45 @@ def test_a_bad_network(case, folder):
 def test_a_network_that_the_core_does_not_have(folder):
     (folder / "board.toml").write_text(GOOD + NETWORK)
     refuse(folder, ["board", "pinout", "board.toml"], BAD_INPUT, r"board\.toml", "found a network", r"parameters\.NET = 1")
+
+
+SDRAM = f"""[sdram]
+clk = "M1"
+ras_n = "M2"
+cas_n = "M3"
+we_n = "M4"
+bank = ["M5"]
+address = [{", ".join(f'"M{k}"' for k in range(6, 17))}]
+data = [{", ".join(f'"D{k}"' for k in range(32))}]
+"""
+WITH_SDRAM = GOOD.replace("CHANNELS = 3", "CHANNELS = 2").replace("[flash]", "SDRAM = 4\n[flash]") + SDRAM
+BAD_SDRAM = {
+    "two bank balls": ('["M5"]', '["M5", "M20"]', [r"sdram\.bank", "1 balls"]),
+    "a ball less": ('"D0", ', "", [r"sdram\.data", "32 balls"]),
+    "used twice": ('"D1"', '"P1"', ["ball P1", r"pins\.clk", "sdram"]),
+    "unknown": ("we_n", "cke", [r"sdram\.cke", "we_n"]),
+    "none": (SDRAM, "", ["sdram is missing"]),
+    "of another size": ("SDRAM = 4", "SDRAM = 6", [r"parameters\.SDRAM"]),
+    "without SDRAM": ("SDRAM = 4\n", "", ["found an SDRAM", r"parameters\.SDRAM = 4"]),
+    "odd records": ("CHANNELS = 2", "CHANNELS = 3", [r"parameters\.SDRAM", "CHANNELS 3", "even"]),
+    "too many channels": ("CHANNELS = 2\nRECORDS = 5", "CHANNELS = 100\nRECORDS = 20165", [r"parameters\.RECORDS is 20165, expected at most 20164"]),
+}
+
+
+def test_a_board_with_an_sdram(folder):
+    (folder / "board.toml").write_text(WITH_SDRAM)
+    (folder / "pair.toml").write_text(ARRAY.replace(", [0, 12.5]", ""))
+    shown = pinout("board.toml", cwd=folder)
+    assert shown["sdram"]["bank"] == ["M5"] and len(shown["sdram"]["data"]) == 32
+    assert "SDRAM  4 MiB" in text(succeed(["board", "pinout", "board.toml"], cwd=folder).stdout)
+
+
+@pytest.mark.parametrize("case", BAD_SDRAM)
+def test_a_bad_sdram(case, folder):
+    there, instead, needles = BAD_SDRAM[case]
+    assert there in WITH_SDRAM
+    (folder / "board.toml").write_text(WITH_SDRAM.replace(there, instead, 1))
+    refuse(folder, ["board", "pinout", "board.toml"], BAD_INPUT, r"board\.toml", *needles)
 
 
 SHARED = {

@@ -557,6 +557,7 @@ TEST_CASE(
     "[second][wide][slew]") {
     const auto cause = GENERATE(0, 1, 2, 3, 4);
     Wide bench(cause == 4 ? "tile-100-wide" : "small-16-wide");
+    if (cause == 4 && bench.board.parameters().sync == 0) return;  // an executable with one core, which has no roles
     bench.open();
     full_record(bench, 1, phases_about_zero);
     full_record(bench, 2, {128});

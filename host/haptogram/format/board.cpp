@@ -73,6 +73,21 @@ Board::Fpga read_fpga(const Section& section) {
     return fpga;
 }
 
+/// What the RTL wants of a core whose records lie in an SDRAM.
+void require_room(const Section& section, const interface::CoreParameters& parameters) {
+    if (parameters.channels % 2 != 0 || parameters.clock_hz > 60'000'000)
+        throw bad_input(section.at("SDRAM"),
+                        fmt::format("parameters.SDRAM is beside CHANNELS {} and CLOCK_HZ {}, expected an even number "
+                                    "and at most 60000000, or no SDRAM",
+                                    parameters.channels, parameters.clock_hz));
+    const std::uint32_t most = (parameters.sdram << 19) / (parameters.channels + interface::record_header_words);
+    if (parameters.records > most)
+        throw bad_input(section.at("RECORDS"),
+                        fmt::format("parameters.RECORDS is {}, expected at most {}: {} MiB hold no more records of {} "
+                                    "channels",
+                                    parameters.records, most, parameters.sdram, parameters.channels));
+}
+
 /// The parameters that the file says, and for the rest those of the configuration that it names, or the defaults.
 interface::CoreParameters read_core(const Section& section) {
     std::vector<std::string> known = {"configuration"};
@@ -87,6 +102,7 @@ interface::CoreParameters read_core(const Section& section) {
         }
     }
     read_parameters(parameters, section, KeyStyle::verilog);
+    if (parameters.sdram != 0) require_room(section, parameters);
     return parameters;
 }
 
@@ -221,9 +237,25 @@ Board::Network read_network(const Section& section) {
     return network;
 }
 
+Board::Sdram read_sdram(const Section& section, std::uint32_t mib) {
+    section.only({"clk", "ras_n", "cas_n", "we_n", "bank", "address", "data"});
+    Board::Sdram sdram{ball(section, "clk"),          ball(section, "ras_n"),         ball(section, "cas_n"),
+                       ball(section, "we_n"),         list(section, "bank", is_word), list(section, "address", is_word),
+                       list(section, "data", is_word)};
+    const auto require = [&section](const std::string& key, std::size_t found, std::size_t count) {
+        if (found != count)
+            throw section.wrong(*section.find(key), key, fmt::format("a list of {} balls, that of bit 0 first", count));
+    };
+    require("bank", sdram.bank.size(), mib == 8 ? 2 : 1);
+    require("address", sdram.address.size(), 11);
+    require("data", sdram.data.size(), 32);
+    return sdram;
+}
+
 /// Reads the outputs, and checks that no ball has two uses. The other pins may use the balls of spare outputs.
 std::vector<Board::Output> read_outputs(const Section& root, const std::string& file, std::uint32_t channels,
-                                        const Board::Pins& pins, const std::optional<Board::Network>& network) {
+                                        const Board::Pins& pins, const std::optional<Board::Network>& network,
+                                        const std::optional<Board::Sdram>& sdram) {
     constexpr const char* expected = "a list of [connector, pin, net, ball]";
     constexpr const char* row_expected =
         "[connector, pin, net, ball], four texts in quotes without spaces, commas or quotes";
@@ -265,6 +297,11 @@ std::vector<Board::Output> read_outputs(const Section& root, const std::string& 
         for (const auto* several : {&network->rx, &network->tx})
             for (const std::string& ball : *several) use(file, ball, "in network");
     }
+    if (sdram) {
+        for (const auto* one : {&sdram->clk, &sdram->ras_n, &sdram->cas_n, &sdram->we_n}) use(file, *one, "in sdram");
+        for (const auto* several : {&sdram->bank, &sdram->address, &sdram->data})
+            for (const std::string& ball : *several) use(file, ball, "in sdram");
+    }
     if (pins.led) use(file, *pins.led, "pins.led");
     if (pins.stop) use(file, *pins.stop, "pins.stop");
     if (pins.driver_enable) use(file, *pins.driver_enable, "pins.driver_enable");
@@ -292,7 +329,7 @@ BoardFile read_file_of(const std::filesystem::path& path) {
     BoardFile file{path, section::parse(path)};
     Section(path.string(), file.tables)
         .only({"description", "like", "sources", "array", "outputs", "fpga", "parameters", "budget", "flash", "pins",
-               "network"});
+               "network", "sdram"});
     return file;
 }
 
@@ -341,8 +378,12 @@ Board read_board(const std::filesystem::path& path) {
     if (has_network && board.parameters.net == 0)
         throw bad_input(root("network").at("network"), "found a network, expected none, or parameters.NET = 1");
     if (board.parameters.net != 0) board.network = read_network(table_of("network"));
+    const bool has_sdram = holder("sdram").tables.get("sdram") != nullptr;
+    if (has_sdram && board.parameters.sdram == 0)
+        throw bad_input(root("sdram").at("sdram"), "found an SDRAM, expected none, or parameters.SDRAM = 4 or 8");
+    if (board.parameters.sdram != 0) board.sdram = read_sdram(table_of("sdram"), board.parameters.sdram);
     board.outputs = read_outputs(root("outputs"), holder("outputs").path.string(), board.parameters.channels,
-                                 board.pins, board.network);
+                                 board.pins, board.network, board.sdram);
     return board;
 }
 

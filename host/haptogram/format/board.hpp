@@ -51,6 +51,11 @@ struct Board {
         std::string rx_clk, rx_ctl, tx_clk, tx_ctl;  ///< balls; rx is from the PHY
         std::vector<std::string> rx, tx;             ///< four each, bit 0 first
     };
+    /// The chip that the records lie in, of boards with SDRAM.
+    struct Sdram {
+        std::string clk, ras_n, cas_n, we_n;           ///< balls
+        std::vector<std::string> bank, address, data;  ///< bit 0 first
+    };
     struct Output {
         std::string connector, pin, net, ball;
     };
@@ -65,7 +70,8 @@ struct Board {
     Flash flash;
     Pins pins;
     std::optional<Network> network;  ///< in the place of the serial line
-    std::vector<Output> outputs;     ///< output k is channel k; those beyond CHANNELS are spare
+    std::optional<Sdram> sdram;
+    std::vector<Output> outputs;  ///< output k is channel k; those beyond CHANNELS are spare
 
     /// What the compiler must know of it.
     [[nodiscard]] Core core() const { return {name, parameters}; }

@@ -140,6 +140,12 @@ Patched patch(const PatchOptions& options, const Progress& progress) {
     const Board board = load_board(options.board);
     if (!options.image && options.autostart)
         throw bad_argument("autostart", "there is nothing to play in an empty memory; give an image", {"image"});
+    if (options.image && board.parameters.sdram != 0)
+        throw bad_input(*options.image,
+                        fmt::format("the records of {} lie in an SDRAM, which is empty at power-up; upload them, or "
+                                    "build a board that keeps them in the FPGA",
+                                    board.name),
+                        {"image"});
     std::vector<Contents> memories = {{"primary", interface::primary_word_bits, {}},
                                       {"sequence", interface::sequence_word_bits, {}}};
     nlohmann::ordered_json manifest = {{"haptogram", version()}, {"board", board.name}};
@@ -154,6 +160,7 @@ Patched patch(const PatchOptions& options, const Progress& progress) {
     }
     memories[0].words.resize(std::size_t{board.parameters.records} * record_words(board.parameters.channels));
     memories[1].words.resize(board.parameters.sequence_depth);
+    if (board.parameters.sdram != 0) memories.erase(memories.begin());
     progress(0.1);
     Patched patched;
     patched.bitstream =
