@@ -4,6 +4,7 @@
 
 import argparse
 import json
+import math
 import os
 import pathlib
 import platform
@@ -112,6 +113,79 @@ def live_rows(build):
         yield (what, f"≤ {most} ms", one["ms"] <= most and one["rings"] > 0, f"{one['ms']:.1f} ms; {one['points']:,} points, {one['rings']} rings")
     for name, what in (("weigh_tile", "tile-10x10"), ("weigh_cube", "cube-300")):
         yield (f"ring of ten foci weighed, {what}", "≤ 0.1 ms", ours[name] <= 0.1, f"{ours[name]:.3f} ms")
+
+
+FRAME_HZ, FRAMES = 110, 10_000
+
+
+def tracked_frame(number):
+    """A Leap's message: an open right hand that rocks on the upper face of the cube of TOUCH."""
+    joints = ("mcpPosition", "pipPosition", "dipPosition", "tipPosition")
+    height = 191.0 + 5.0 * math.sin(2 * math.pi * 0.7 * number / FRAME_HZ)
+    fingers = [{"id": 10 + k, "handId": 1, "type": k, "width": 16.0, **{name: [20.0 * (k - 2), height, -10.0 - 25.0 * i] for i, name in enumerate(joints)}} for k in range(5)]
+    palm = {"id": 1, "type": "right", "palmPosition": [0.0, height + 20.0, 60.0], "palmNormal": [0, -1, 0], "direction": [0, 0, -1], "palmVelocity": [0, 0, 0]}
+    return json.dumps({"id": number, "timestamp": 1_000_000 + round(1e6 * number / FRAME_HZ), "hands": [palm], "pointables": fingers}) + "\n"
+
+
+TOUCH = ("--object", "cube", "--size", 80, "--center", "0,40,160")
+
+
+def touched(program, *words):
+    """What `live` reports; whatever it says meanwhile is of no interest here."""
+    result = subprocess.run([str(word) for word in (program, "live", *words, "--json")], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, timeout=LONGEST_S)
+    if result.returncode != 0:
+        sys.exit(f"bench: live {' '.join(map(str, words))} ended with exit code {result.returncode}")
+    return json.loads(result.stdout)
+
+
+def touch_rows(program, folder):
+    """Frames to first pulses. In the board's time nothing is computed; what a frame takes of the processor stands beside it. On a virtual
+    board, in real time, all of it counts."""
+    file = folder / "hand.jsonl"
+    file.write_text("".join(map(tracked_frame, range(FRAMES))))
+
+    def in_its_time(what, median, most, *words):
+        told = touched(program, *words)
+        found, computed = told["latency_ms"], told["compute_ms"]
+        return (f"{what}, the board's time", f"median ≤ {median} ms, most ≤ {most} ms", found["median"] <= median and found["most"] <= most,
+                f"{found['median']:.1f} ms, most {found['most']:.1f} ms of {found['rings']:,} paths of {told['shots'] + told['skipped']:,} frames; "
+                f"{computed['median']:.2f} ms, most {computed['most']:.2f} ms of the processor")  # fmt: skip
+
+    for board, about in (("tile-100-3m", "records at 3 Mbaud"), ("tile-100-wide", "foci at 1 Mbaud")):
+        for algorithm in "AH":
+            yield in_its_time(f"skeleton → path of {algorithm} → first pulse, {about}", 12, 20,
+                              "--from", f"leap-pipe:{file}", "--algorithm", algorithm, *TOUCH, "--port", f"reference:{board}")  # fmt: skip
+        yield in_its_time(f"depth picture of 640 × 480 → ring → first pulse, {about}", 15, 25,
+                          "--from", "fingers:press", "--cameras", 1, "--seconds", 10, "--size", 60, "--center", "0,0,170", "--port", f"reference:{board}")  # fmt: skip
+    told = touched_in_real_time(program, folder)
+    found, lost = told["stamped_latency_ms"], told["lost"] + told["skipped"]
+    yield (f"frames at {FRAME_HZ} Hz lost from a pipe, one core busy beside, board run --model reference", "0", lost == 0,
+           f"{lost} of {told['shots'] + lost:,}, {told['missed']} paths too late, {told['underruns']} underruns; a path of A begins after "
+           f"{found['median']:.1f} ms, most {found['most']:.1f} ms, ± {found['uncertain']:.1f}")  # fmt: skip
+
+
+def touched_in_real_time(program, folder):
+    """Frames at their pace to a virtual board that computes foci and counts carrier periods, while another process computes."""
+    port = folder / "touched"
+    busy = subprocess.Popen([sys.executable, "-c", "while True: pass"])
+    board = subprocess.Popen([program, "board", "run", "--model", "reference", "--board", "tile-100-wide", "--pty", port], stdout=subprocess.PIPE)
+    try:
+        board.stdout.readline()
+        command = [program, "live", "--from", "leap-pipe:-", "--algorithm", "A", *map(str, TOUCH), "--port", port, "--watchdog", "5000", "--json"]
+        host = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        begun = time.perf_counter()
+        for number in range(FRAMES):
+            time.sleep(max(0.0, begun + number / FRAME_HZ - time.perf_counter()))
+            host.stdin.write(tracked_frame(number).encode())
+            host.stdin.flush()
+        said, trouble = host.communicate(timeout=60)
+        if host.returncode != 0:
+            sys.exit(f"bench: live ended with exit code {host.returncode}: {trouble.decode().splitlines()[-1]}")
+    finally:
+        busy.kill()
+        board.send_signal(signal.SIGINT)
+        board.communicate()
+    return json.loads(said)
 
 
 def robot_rows(build):
@@ -366,6 +440,7 @@ PARTS = {
     "link": ("upload, stream and select over the link", lambda at: link_rows(at.build)),
     "robot": ("the cable robot", lambda at: robot_rows(at.build)),
     "live": ("depth to rings", lambda at: live_rows(at.build)),
+    "touch": ("frames to first pulses, six minutes", lambda at: touch_rows(at.program, at.folder)),
     "render": ("hands on objects to paths", lambda at: render_rows(at.program, at.folder)),
     "sweep": ("a sweep", lambda at: sweep_rows(at.build)),
     "scatter": ("boundary elements", lambda at: scatter_rows(at.build)),

@@ -132,7 +132,9 @@ void tell_run(Report& report, const live::LoopReport& done, const live::Latency&
         report.tell(
             line(stamped, fmt::format("by the board's carrier periods, ± {:.2f} ms", 1e3 * stamped.uncertain_s)));
     else if (at_pins.rings == 0 && !done.rings.empty())
-        report.tell("latency           unknown: the board does not count carrier periods (its parameter SCHEDULE)");
+        report.tell(
+            "latency           unknown: the board does not count carrier periods (its parameter SCHEDULE), or ran dry "
+            "too often");
 }
 
 /// Options of simulated cameras are for those alone; a recording of hands can be cut, too.
