@@ -38,7 +38,7 @@ def list_command(options: argparse.Namespace) -> int:
         except HaptogramError as error:
             bad[name] = str(error)
     if options.json:
-        good = {name: {"title": p.title, "source": p.source, "trials": p.trials, "participants": p.participants, "playable": bool(p.stimulus.compile or p.stimulus.live)}
+        good = {name: {"title": p.title, "source": p.source, "trials": p.trials, "participants": p.participants, "playable": bool(p.stimulus.compile)}
                 for name, p in found.items()}  # fmt: skip
         print(json.dumps(good | {name: {"error": error} for name, error in bad.items()}, indent=1))
     else:
