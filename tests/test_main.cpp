@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <random>
 
+#include "test_data.hpp"
+
 namespace {
 
 /// Catch prints the seed with a failed check only; a run that crashes or hangs must have told it, too.
@@ -17,6 +19,8 @@ struct SeedPrinter : Catch::TestEventListenerBase {
 CATCH_REGISTER_LISTENER(SeedPrinter)
 
 }  // namespace
+
+std::string test_data() { return HAPTOGRAM_TEST_DATA; }
 
 /// Random numbers are those of --rng-seed, else of HAPTOGRAM_SEED, else other ones in each run.
 int main(int argc, char** argv) {

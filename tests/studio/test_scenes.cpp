@@ -5,6 +5,7 @@
 #include <future>
 #include <thread>
 
+#include "../test_data.hpp"
 #include "assets.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/process.hpp"
@@ -21,7 +22,7 @@ using nlohmann::ordered_json;
 
 namespace {
 
-const std::string data = HAPTOGRAM_TEST_DATA;
+const std::string data = test_data();
 const std::string circle =
     "format = \"haptogram-project-1\"\npoints = 8\nrate_hz = 500\n\n[[shape]]\nkind = \"circle\"\n";
 

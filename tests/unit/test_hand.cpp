@@ -7,6 +7,7 @@
 #include <random>
 #include <string>
 
+#include "../test_data.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/hand/leap.hpp"
 #include "haptogram/hand/solid.hpp"
@@ -22,7 +23,7 @@ constexpr double pi = std::numbers::pi;
 
 /// Recordings of real hands that are not part of the repository, in a folder beside it.
 std::filesystem::path recordings() {
-    return std::filesystem::path(HAPTOGRAM_TEST_DATA).parent_path().parent_path().parent_path() / "shared/data/leap";
+    return std::filesystem::path(test_data()).parent_path().parent_path().parent_path() / "shared/data/leap";
 }
 
 /// The least of a convex function along a line from a to b.

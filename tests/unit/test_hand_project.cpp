@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "../test_data.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/shape/path_file.hpp"
@@ -207,7 +208,7 @@ TEST_CASE("hand project: files come from the reader that is given, and are known
     };
     CHECK_THROWS_WITH(open_hand(project, reader), Contains("is not here"));
     CHECK(asked.size() == 1);
-    const std::string box = HAPTOGRAM_TEST_DATA "/shapes/trimesh_binary.stl";
+    const std::string box = test_data() + "/shapes/trimesh_binary.stl";
     ObjectSource named, given;
     named.name = box;
     given.name = "box.stl";

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "../test_data.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/hand/pose_file.hpp"
@@ -20,7 +21,7 @@ namespace {
 
 /// Poses of real hands that are not part of the repository, in a folder beside it.
 std::filesystem::path recordings() {
-    return std::filesystem::path(HAPTOGRAM_TEST_DATA).parent_path().parent_path().parent_path() / "shared/data/poses";
+    return std::filesystem::path(test_data()).parent_path().parent_path().parent_path() / "shared/data/poses";
 }
 
 /// A model whose bones are boxes of 20 × 10 × 30 mm that begin 5 mm behind their joint, at their origin.

@@ -7,6 +7,7 @@
 #include <map>
 #include <random>
 
+#include "../test_data.hpp"
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/process.hpp"
@@ -241,7 +242,7 @@ TEST_CASE("rig: what cannot be compiled for a rig says why", "[rig]") {
     two(wide + "port = \"a\"\n", wide + "port = \"a\"\n");
     CHECK_THAT(refused(rig), Contains("its port is a"));
     const std::string small =
-        fmt::format("array = \"{}/arrays/tile-4x4.toml\"\nboard = \"small-16-sync\"\n", HAPTOGRAM_TEST_DATA);
+        fmt::format("array = \"{}/arrays/tile-4x4.toml\"\nboard = \"small-16-sync\"\n", test_data());
     write_file(rig, "format = \"haptogram-rig-1\"\n[[unit]]\norigin_mm = [-50, 0, 0]\n" + small +
                         "[[unit]]\norigin_mm = [50, 0, 0]\n" + small);
     CHECK_THAT(refused(rig), Contains("SYNC, but no SCHEDULE"));

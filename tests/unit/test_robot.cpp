@@ -9,6 +9,7 @@
 #include <numeric>
 #include <random>
 
+#include "../test_data.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/process.hpp"
@@ -27,7 +28,7 @@ namespace {
 constexpr double degree = std::numbers::pi / 180.0;
 
 /// A robot whose numbers were worked out by other means, and whose cables meet.
-Geometry crossing() { return load_geometry(HAPTOGRAM_TEST_DATA "/robots/crossing.toml"); }
+Geometry crossing() { return load_geometry(test_data() + "/robots/crossing.toml"); }
 
 /// The least distance of two segments, by trying places on both: 401 × 401, then finer around the best, three times.
 double sampled(const Vector3& a, const Vector3& b, const Vector3& c, const Vector3& d) {

@@ -4,6 +4,7 @@
 #include <numbers>
 #include <random>
 
+#include "../test_data.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/robot/admittance.hpp"
 #include "haptogram/robot/kinematics.hpp"
@@ -499,7 +500,7 @@ TEST_CASE("robot: a run tells its least room, and refuses a robot whose cables m
     CHECK(calm.nearest.room_m > 0.005);
     CHECK(calm.most_off_m < 0.015);  // what the servos lag behind a step of the force
     SimulationOptions options = pushed("", 1.0);
-    options.geometry = load_geometry(HAPTOGRAM_TEST_DATA "/robots/crossing.toml");
+    options.geometry = load_geometry(test_data() + "/robots/crossing.toml");
     REQUIRE_THAT(message_of([&] { (void)simulate(options); }), Contains("cannot rest") && Contains("cables 1 and 5"));
 }
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <set>
 
+#include "../test_data.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/shape/import.hpp"
@@ -14,7 +15,7 @@ using Catch::Contains;
 
 namespace {
 
-const std::filesystem::path data = std::filesystem::path(HAPTOGRAM_TEST_DATA) / "shapes";
+const std::filesystem::path data = std::filesystem::path(test_data()) / "shapes";
 
 Piece read(const std::string& content, ShapeFormat format, double unit = 1.0) {
     const Shape shape = load_shape(content, format, "a shape", unit);

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <set>
 
+#include "../test_data.hpp"
 #include "haptogram/shape/import.hpp"
 #include "haptogram/shape/place.hpp"
 
@@ -12,7 +13,7 @@ using namespace haptogram;
 
 namespace {
 
-const std::filesystem::path data = std::filesystem::path(HAPTOGRAM_TEST_DATA) / "shapes";
+const std::filesystem::path data = std::filesystem::path(test_data()) / "shapes";
 
 const std::vector<Vec3> corners{from_mm(0, 0, 0), from_mm(10, 0, 0), from_mm(0, 20, 0), from_mm(0, 0, 40.5)};
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "../test_data.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/shape/import.hpp"
@@ -14,7 +15,7 @@ using Catch::Contains;
 
 namespace {
 
-const std::filesystem::path data = std::filesystem::path(HAPTOGRAM_TEST_DATA) / "shapes";
+const std::filesystem::path data = std::filesystem::path(test_data()) / "shapes";
 
 /// What the loader says of a file that it must refuse.
 std::string refusal(const std::filesystem::path& path) {
