@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The commands of `python3 -m haptogram.study`. Messages are `haptogram-study: where: message` on stderr."""
 import argparse
+import atexit
 import json
 import os
 import platform
@@ -97,6 +98,7 @@ def _marking(options: argparse.Namespace, protocol: Protocol) -> Callable[..., N
     markers = Markers(f"haptogram {protocol.name} {options.participant}")
     say("waits until somebody records the stream haptogram, of the type Markers")
     markers.wait()
+    atexit.register(markers.close)
     return markers.mark
 
 
