@@ -24,13 +24,14 @@ BESIDE = {
     "STREAM": {"SCHEDULE": 1, "RECORDS": 1024, "CHANNELS": 2},
     "TRIGGER": {"SCHEDULE": 1},
 }
+SOURCES = [str(path) for folder in ("rtl", "rtl/sdram") for path in sorted((ROOT / folder).glob("*.v"))]
 WIDE = {"WIDTH_BITS": 10, "TIMING_BITS": 11, "PULSE_BITS": 8}
 
 
 def elaborates(parameters):
     """Whether it does, and what was said."""
     options = [f"-Phaptogram_core.{name}={value}" for name, value in parameters.items()]
-    command = ["iverilog", "-g2005", "-Irtl", "-s", "haptogram_core", "-t", "null", *options, *map(str, sorted((ROOT / "rtl").glob("*.v")))]
+    command = ["iverilog", "-g2005", "-Irtl", "-s", "haptogram_core", "-t", "null", *options, *SOURCES]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     return done.returncode == 0, done.stderr
 
@@ -63,7 +64,7 @@ def unknown_after_reset(wide, many):
     with tempfile.TemporaryDirectory() as folder:
         program = Path(folder) / "short_reset"
         options = [f"-Pshort_reset.WIDE={wide}", f"-Pshort_reset.MANY={many}"]
-        sources = ["tests/modules/short_reset.v", *map(str, sorted((ROOT / "rtl").glob("*.v")))]
+        sources = ["tests/modules/short_reset.v", *SOURCES]
         subprocess.run(["iverilog", "-g2005", "-Irtl", "-s", "short_reset", "-o", program, *options, *sources], cwd=ROOT, check=True)
         said = subprocess.run(["vvp", "-n", program], capture_output=True, text=True, check=True).stdout
     return "" if said.strip() == "known" else said
