@@ -68,7 +68,7 @@ deep-build: build/boards/ice40-hx8k-breakout/report.json
 	@$(call configure,deep)
 	@cmake --build --preset deep
 
-BITSTREAM_INPUTS := $(wildcard rtl/*.v rtl/*.vh rtl/boards/*.v constraints/*.toml) tools/bitstream.py tools/interface.toml
+BITSTREAM_INPUTS := $(wildcard rtl/*.v rtl/*.vh rtl/*/*.v constraints/*.toml) tools/bitstream.py tools/interface.toml
 build/boards/%/report.json: $(BITSTREAM_INPUTS)
 	@$(call need,yosys)
 	@$(PYTHON) tools/bitstream.py $*

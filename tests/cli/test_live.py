@@ -107,6 +107,12 @@ def test_a_hand_feels_by_every_kind_of_algorithm(tmp_path, algorithm, board):
     assert ("computes foci" if "wide" in board else "plays records") in done.stderr.decode()
 
 
+def test_it_wants_to_know_what_sees_the_hand(tmp_path):
+    refuse(tmp_path, ["live", "--port", "reference:tile-100-wide"], USAGE, "--from: is missing", "leap-pipe:-")
+    (tmp_path / "settings.toml").write_text("[live]\nalgorithm = \"A\"\n")
+    refuse(tmp_path, ["live", "--port", "reference:tile-100-wide", "--settings", "settings.toml"], USAGE, "--from: is missing")
+
+
 def test_a_line_that_is_too_slow_is_refused_and_foci_fit_it(tmp_path):
     slow = "reference:colorlight-5a-75e-v7.1"
     refuse(tmp_path, [*PRESS, "--port", slow], DEVICE, "take a board that computes foci")

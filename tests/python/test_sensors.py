@@ -342,7 +342,7 @@ class Service:
 VERSION = json.dumps({"serviceVersion": "5.0", "version": 6})
 
 
-@pytest.mark.parametrize("board, least", [("tile-100-wide", 100), ("tile-100", 30)])  # the line brings some 60 rings of records a second, a busy machine fewer
+@pytest.mark.parametrize("board, least", [("tile-100-wide", 100), ("tile-100", 50)])  # the line brings some 60 rings of records a second
 def test_hands_of_the_tracking_service_are_felt(tmp_path, board, least):
     messages = [VERSION, json.dumps({"event": {"type": "deviceEvent", "state": {"attached": True}}}, indent=1)]
     messages += [json.dumps(hand(5_000_000 + round(i * 1e6 / 110), approach(i))) for i in range(165)]
