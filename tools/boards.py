@@ -7,7 +7,7 @@ BOARDS = Path(__file__).resolve().parent.parent / "constraints"
 
 
 class Unknown(Exception):
-    """There is no board of this name."""
+    """There is no board of this name, or it is like itself."""
 
 
 def names():
@@ -23,6 +23,12 @@ def own(name):
 
 
 def load(name):
-    """A board's file, with what it has from the board that it is like. `haptogram board list` checks files; this does not."""
-    said = own(name)
-    return load(said["like"]) | said if "like" in said else said
+    """A board's file, with what it has from the board that it is like, and that one from its own. `haptogram board list` checks files; this
+    does not, but for boards that are like themselves."""
+    chain, said = [name], own(name)
+    while (like := said.pop("like", None)) is not None:
+        if like in chain:
+            raise Unknown(f"board {name} is like itself: {', like '.join([*chain, like])}")
+        chain.append(like)
+        said = own(like) | said
+    return said

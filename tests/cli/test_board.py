@@ -241,6 +241,9 @@ def test_a_board_is_like_another_but_for_what_it_says(folder):
     shown, other = pinout("variants/own.toml", cwd=folder), pinout("board.toml", cwd=folder)
     differs = {"board": "own", "description": "As the other", "parameters": parameters("colorlight-5a-75e-v7.1") | {"BAUD": 1000000, "CHANNELS": 3}}
     assert shown == other | differs
+    # Like one that is like a third: each table from the nearest that has it.
+    (folder / "third.toml").write_text('like = "variants/own.toml"\ndescription = "As both"\n')
+    assert pinout("third.toml", cwd=folder) == shown | {"board": "third", "description": "As both"}
     (folder / "own.toml").write_text(LIKE.replace("board.toml", SMALL) + "SYNC = 1\nSCHEDULE = 1\nTRIGGER = 1\n")  # as it has pins for them
     assert pinout("own.toml", "--array", "pair.toml", cwd=folder)["fpga"] == {"speed": None, **board_file(SMALL)["fpga"]}
 
@@ -262,10 +265,14 @@ def test_a_board_in_a_chain(folder):
 @pytest.mark.parametrize(
     "like, needles",
     [("nobody", ["own.toml:1", "nobody", "no shipped board"]), ("missing.toml", ["own.toml:1", "missing.toml"]),
-     ("second.toml", ["own.toml:1", "second.toml", "like another", "name that one"]), (3, ["own.toml:1", "like", "text"])],
+     ("own.toml", ["own.toml:1", "like itself", "own, like own", "another one"]), ("second.toml", ["second.toml:1", "own, like second, like second"]),
+     ("four.toml", ["two.toml:1", "more than 4 boards", "own, like four, like three, like two, like one", "fewer"]), (3, ["own.toml:1", "like", "text"])],
 )  # fmt: skip
 def test_a_board_like_none(like, needles, folder):
-    (folder / "second.toml").write_text(LIKE)
+    (folder / "second.toml").write_text(LIKE.replace("board.toml", "second.toml"))
+    for name, other in [("four", "three"), ("three", "two"), ("two", "one")]:
+        (folder / f"{name}.toml").write_text(LIKE.replace("board.toml", f"{other}.toml"))
+    (folder / "one.toml").write_text(LIKE)
     (folder / "own.toml").write_text(LIKE.replace('"board.toml"', json.dumps(like)))
     refuse(folder, ["board", "pinout", "own.toml"], BAD_INPUT, *needles)
 

@@ -338,25 +338,45 @@ std::optional<BoardFile> read_like(const BoardFile& own) {
     const Section root(own.path.string(), own.tables);
     const auto like = root.text("like", a_line, is_line);
     if (!like) return {};
-    BoardFile other = [&] {
-        try {
-            return read_file_of(is_path(*like)
-                                    ? named_in(own.path.parent_path(), *like)
-                                    : std::filesystem::path{path_or_shipped(*like, "boards", ".toml", "board")});
-        } catch (const Error& error) {
-            throw bad_input(root.at("like"), error.what());
-        }
-    }();
-    if (other.tables.get("like") != nullptr)
-        throw bad_input(root.at("like"), fmt::format("{} is like another board itself; name that one", *like));
-    return other;
+    try {
+        return read_file_of(is_path(*like) ? named_in(own.path.parent_path(), *like)
+                                           : std::filesystem::path{path_or_shipped(*like, "boards", ".toml", "board")});
+    } catch (const Error& error) {
+        throw bad_input(root.at("like"), error.what());
+    }
+}
+
+/// The files that make up a board: its own, then the one that it is like, then the one that this is like.
+std::vector<BoardFile> read_chain(const std::filesystem::path& path) {
+    constexpr std::size_t most = 4;
+    std::vector<BoardFile> chain;
+    chain.reserve(most);  // because a copy does not know its lines
+    chain.push_back(read_file_of(path));
+    std::string names = path.stem().string();
+    while (auto like = read_like(chain.back())) {
+        const std::string at = Section(chain.back().path.string(), chain.back().tables).at("like");
+        names += ", like " + like->path.stem().string();
+        const auto is_it = [&](const BoardFile& file) {
+            return file.path.lexically_normal() == like->path.lexically_normal();
+        };
+        if (std::any_of(chain.begin(), chain.end(), is_it))
+            throw bad_input(at, fmt::format("found a board that is like itself ({}), expected another one", names));
+        if (chain.size() == most)
+            throw bad_input(
+                at, fmt::format("found more than {} boards, each like the next ({}); name one that is like fewer", most,
+                                names));
+        chain.push_back(*std::move(like));
+    }
+    return chain;
 }
 
 Board read_board(const std::filesystem::path& path) {
-    const BoardFile own = read_file_of(path);
-    const std::optional<BoardFile> like = read_like(own);
+    const std::vector<BoardFile> chain = read_chain(path);
+    // The first that says it; where none does, the board's own, so that a message names that.
     const auto holder = [&](std::string_view key) -> const BoardFile& {
-        return like && own.tables.get(key) == nullptr ? *like : own;
+        const auto says = [key](const BoardFile& file) { return file.tables.get(key) != nullptr; };
+        const auto found = std::find_if(chain.begin(), chain.end(), says);
+        return found == chain.end() ? chain.front() : *found;
     };
     const auto root = [&](std::string_view key) { return Section(holder(key).path.string(), holder(key).tables); };
     const auto table_of = [&](const std::string& name) {

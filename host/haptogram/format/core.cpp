@@ -50,10 +50,10 @@ Core find_configuration(const std::string& name) {
 Core find_core(const std::string& name) {
     if (is_board(name)) return load_board(name).core();
     if (const auto* one = interface::find_configuration(name)) return {name, one->parameters};
-    throw bad_input(
-        name, fmt::format("no shipped board has this name (shipped are {}), nor has another configuration of the core "
-                          "({}); give the path of a .toml file",
-                          fmt::join(shipped_boards(), ", "), fmt::join(boardless_configurations(), ", ")));
+    throw bad_input(name,
+                    fmt::format("no shipped board has this name (`haptogram board list` has theirs), nor has another "
+                                "configuration of the core ({}); give the path of a .toml file",
+                                fmt::join(boardless_configurations(), ", ")));
 }
 
 Core core_of_array(const std::string& name) {
