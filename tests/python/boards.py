@@ -49,9 +49,9 @@ def assert_refused(result, code, *needles):
 
 
 @contextlib.contextmanager
-def virtual_board(folder, *options, speed="max"):
-    """A running board; its port is `folder`/port."""
-    command = [str(PROGRAM), "board", "run", "--json", "--speed", speed, "--pty", "port", *map(str, options)]
+def virtual_board(folder, *options, speed="max", port="port"):
+    """A running board; its port is `folder`/`port`."""
+    command = [str(PROGRAM), "board", "run", "--json", "--speed", speed, "--pty", port, *map(str, options)]
     process = subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     try:
         json.loads(process.stdout.readline())
@@ -59,4 +59,4 @@ def virtual_board(folder, *options, speed="max"):
     finally:
         process.kill()
         process.communicate()
-        (folder / "port").unlink(missing_ok=True)
+        (folder / port).unlink(missing_ok=True)

@@ -531,6 +531,20 @@ def test_stimuli_for_a_tracked_hand_are_played(place):
         assert_says(run([*command, "--from", "nobody:1"], place), DEVICE, "haptogram live", "ended with code")
 
 
+def test_two_arrays_side_by_side_play_at_once(place):
+    """*Shapes*' comparison: each array has a board, a session of its own and what sees the hand from it."""
+    command = study("run", "shapes_comparison", "--participant", "1", "-o", "s.jsonl", "--observer", "simulated:chance", "--port", "port", "--from", "synthetic:press")
+    kinds = ("--model", "reference", "--board", "tile-100-wide")
+    with virtual_board(place, *kinds, speed="real"), virtual_board(place, *kinds, speed="real", port="right"):
+        assert_says(run(command, place), BAD_INPUT, "--port", "2 arrays")
+        assert_says(run([*command, "--port", "right"], place), BAD_INPUT, "--from each")
+        assert_says(run([*command, "--port", "right", "--from", "nobody:1"], place), DEVICE, "haptogram live", "nobody")
+        for port in ("port", "right"):  # also of the other array when one fails
+            assert json.loads(haptogram(place, "device", "status", "--port", port, "--json"))["outputs"] == "off"
+        assert_says(run([*command, "--port", "right", "--from", "synthetic:press"], place), OK, "complete")
+    assert all(r["stimulus"]["played"] for r in records(place / "s.jsonl") if r["kind"] == "trial")
+
+
 def test_commands_of_the_terminal(place):
     assert_says(run(study("check", "small.toml", "absent.toml", "haptogram_shapes"), place), BAD_INPUT, "absent.toml", "no such file")
     listed = json.loads(run(study("list", "--json"), place).stdout)

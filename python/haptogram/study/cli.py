@@ -63,12 +63,14 @@ def check_command(options: argparse.Namespace) -> int:
 
 
 def _presenter(options: argparse.Namespace, protocol: Protocol) -> Presenter:
-    if protocol.stimulus.live and options.port:
-        return Live(protocol, program(options.program), options.port, options.baud, options.sources)
+    if protocol.stimulus.live and options.ports:
+        return Live(protocol, program(options.program), options.ports, options.baud, options.sources)
     if options.sources:
         raise bad_input("--from", f"{protocol.name} has no live stimuli, or no --port was given to play them on")
-    if options.port:
-        return Board(protocol, Path(options.images or "study-images"), program(options.program), options.port, options.baud)
+    if len(options.ports) > 1:
+        raise bad_input("--port", f"is given {len(options.ports)} times; the stimuli of {protocol.name} are for one board")
+    if options.ports:
+        return Board(protocol, Path(options.images or "study-images"), program(options.program), options.ports[0], options.baud)
     if options.images:
         return Compiler(protocol, Path(options.images), program(options.program))
     return Presenter(protocol)
@@ -118,7 +120,7 @@ def run_command(options: argparse.Namespace) -> int:
                                       observer=observer.name))  # fmt: skip
         mark = _marking(options, protocol)
         presenter = _presenter(options, protocol)
-        if not options.port:
+        if not options.ports:
             say("no --port was given: no stimulus is played")
         if same:
             say(f"{options.output}: goes on after {len(same)} records")
@@ -220,7 +222,7 @@ def parser() -> Parser:
     run.add_argument("--seed", type=whole(0, 2**63), default=1, help="of all random numbers (1)")
     run.add_argument("-o", "--output", required=True, help="results, JSON lines; an unfinished session in it goes on")
     run.add_argument("--observer", default="keyboard", help="keyboard, page (lines of JSON, for a program that shows them), simulated:protocol, simulated:chance, simulated:FILE.toml or simulated:hand, which touches")
-    run.add_argument("--port", help="serial port of the board that plays the stimuli; without one nothing is played")
+    run.add_argument("--port", action="append", default=[], dest="ports", metavar="PORT", help="serial port of the board that plays the stimuli; without one nothing is played; one for each array that stands side by side with others")
     run.add_argument("--baud", type=whole(300, 12_000_000), help="its rate (default: the one at which it answers)")
     run.add_argument("--from", action="append", default=[], dest="sources", metavar="SOURCE", help="of live stimuli, with --port: what sees the hand, as haptogram live has it; may be given again")
     run.add_argument("--images", help="folder of the stimuli's images (with --port: study-images); without a port they are compiled only")

@@ -6,7 +6,7 @@ import hashlib
 import json
 import math
 import re
-from collections.abc import Container, Mapping
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -104,7 +104,7 @@ class PathPlan:
 class Stimulus:
     text: str
     compile: tuple[str, ...]  # arguments of `haptogram compile`; none: it is live, or another apparatus presents it
-    live: tuple[str, ...]  # arguments of `haptogram live`, for a tracked hand
+    live: tuple[tuple[str, ...], ...]  # arguments of `haptogram live`, for a tracked hand; of each array, when several stand side by side
     path: PathPlan | None
     array: str
 
@@ -397,20 +397,30 @@ def _coordinate(table: Table, key: str, value: object, known: set[str]) -> Value
     return float(value)
 
 
-def _arguments(table: Table, command: str, known: set[str]) -> tuple[str, ...]:
-    words = tuple(table.list(command, [], of=str, expected=f"a list of arguments of 'haptogram {command}'"))
+def _arguments(table: Table, command: str, words: Sequence[object], known: set[str]) -> tuple[str, ...]:
+    found = []
     for word in words:
-        _checked(table, command, word, known)
+        if not isinstance(word, str):
+            table.fail(command, word, f"a list of arguments of 'haptogram {command}'")
+        found.append(_checked(table, command, word, known))
         if word.split("=")[0] in RUNNERS[command]:
             table.fail(command, word, f"none of {', '.join(RUNNERS[command])}: the runner adds what it needs of them")
-    return words
+    return tuple(found)
+
+
+def _sessions(table: Table, known: set[str]) -> tuple[tuple[str, ...], ...]:
+    """The arguments of `live`: a list, or a list of such lists, one for each array."""
+    given = table.list("live", [], of=(str, list), expected="a list of arguments of 'haptogram live', or such a list for each array")
+    several = bool(given) and isinstance(given[0], list)
+    return tuple(_arguments(table, "live", words, known) for words in (given if several else [given] if given else []))
 
 
 def _stimulus(table: Table, known: set[str]) -> Stimulus:
     text = _checked(table, "text", table.text("text"), known)
-    words, live = (_arguments(table, key, known) for key in ("compile", "live"))
+    words = _arguments(table, "compile", table.list("compile", [], of=str, expected="a list of arguments of 'haptogram compile'"), known)
+    live = _sessions(table, known)
     if words and live:
-        table.fail("live", " ".join(live), "either `compile` or `live`")
+        table.fail("live", live, "either `compile` or `live`")
     path_table = table.table("path", None)
     path = None
     if path_table is not None:

@@ -79,7 +79,7 @@ def describe(stimulus: Stimulus, values: Mapping[str, object], where: str) -> di
     if stimulus.compile:
         found["compile"] = [fill(word, values) for word in stimulus.compile]
     if stimulus.live:
-        found["live"] = [fill(word, values) for word in stimulus.live]
+        found["live"] = [[fill(word, values) for word in words] for words in stimulus.live]
     if stimulus.path:
         found["path"] = path_rows(stimulus.path, values, where)
     if stimulus.array:
@@ -91,7 +91,7 @@ def used_places(stimulus: Stimulus, known: Container[str]) -> set[str]:
     """Names of the placeholders that a stimulus depends on."""
     path = stimulus.path
     numbers = [v for point in path.waypoints_mm for v in point] + [path.intensity, path.square_hz] if path else []
-    texts = (stimulus.text, *stimulus.compile, *stimulus.live, *(v for v in numbers if isinstance(v, str)))
+    texts = (stimulus.text, *stimulus.compile, *(word for words in stimulus.live for word in words), *(v for v in numbers if isinstance(v, str)))
     return {name for text in texts for name in names_in(text, known)}
 
 
@@ -233,57 +233,80 @@ class Board(Compiler):
             self._client.__exit__(None, None, None)
 
 
-class Live(Presenter):
-    """Plays for a tracked hand: `haptogram live`, from start() to stop(). One whose algorithm is `none` plays nothing."""
+class _Session:
+    """One `haptogram live`, from its making to stop(). It is made when the board is about to play, or the program has failed to, of which stop() tells."""
 
-    def __init__(self, protocol: Protocol, program: str, port: str, baud: int | None, sources: Sequence[str]) -> None:
-        super().__init__(protocol)
-        if not sources:
-            raise bad_input("--from", f"is missing; {protocol.name} is for a tracked hand: say what sees it, such as leap-pipe:FIFO or depth-pipe:FIFO")
-        self.program = program
-        self._more_words = [*(word for source in sources for word in ("--from", source)), "--port", port, *(["--baud", str(baud)] if baud else [])]
-        self._words: list[str] = []
-        self._running: subprocess.Popen[str] | None = None
-        self._said: list[str] = []
-        self._reading: threading.Thread | None = None
+    def __init__(self, command: Sequence[str]) -> None:
+        self._command, self._said, self._begun = command, list[str](), threading.Event()
+        self._running = subprocess.Popen(command, text=True, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        self._reading = threading.Thread(target=self._listen, daemon=True)
+        self._reading.start()
 
-    def prepare(self, values: Mapping[str, object]) -> dict[str, object]:
-        self._words = [fill(word, values) for word in self.protocol.stimulus.live]
-        silent = self._words[self._words.index("--algorithm") + 1 :][:1] == ["none"] if "--algorithm" in self._words else False
-        if silent:
-            self._words = []
-        return super().prepare(values) | {"played": not silent}
-
-    def start(self) -> None:
-        """Returns when the board is about to play, or the program has failed to, of which stop() tells."""
-        if self._words:
-            self._said = []
-            self._running = subprocess.Popen([self.program, "live", *self._words, *self._more_words], text=True, stdin=subprocess.DEVNULL,
-                                             stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)  # fmt: skip
-            begun = threading.Event()
-            self._reading = threading.Thread(target=self._listen, args=(self._running, begun), daemon=True)
-            self._reading.start()
-            begun.wait()
-        super().start()
-
-    def _listen(self, running: "subprocess.Popen[str]", begun: threading.Event) -> None:
-        assert running.stderr is not None
-        for line in running.stderr:
+    def _listen(self) -> None:
+        assert self._running.stderr is not None
+        for line in self._running.stderr:
             self._said.append(line.strip())
             if ": the board " in line:  # what it can do, which is said before the outputs are turned on
-                begun.set()
-        begun.set()
+                self._begun.set()
+        self._begun.set()
+
+    def wait(self) -> None:
+        self._begun.wait()
 
     def stop(self) -> None:
         """Outputs off. Raises HaptogramError when playing had failed."""
-        running, self._running = self._running, None
-        if running and self._reading:
-            running.send_signal(signal.SIGINT)
-            code = running.wait()
-            self._reading.join()
-            # Who answers at once stops it before it plays, of which it says so.
-            if code and not any("because a signal asked to" in line for line in self._said):
-                raise device_error("live", f"'haptogram live {' '.join([*self._words, *self._more_words])}' ended with code {code}: {'; '.join(self._said[-2:])}")
+        self._running.send_signal(signal.SIGINT)
+        code = self._running.wait()
+        self._reading.join()
+        # Who answers at once stops it before it plays, of which it says so.
+        if code and not any("because a signal asked to" in line for line in self._said):
+            raise device_error("live", f"'haptogram {' '.join(self._command[1:])}' ended with code {code}: {'; '.join(self._said[-2:])}")
+
+
+class Live(Presenter):
+    """Plays for a tracked hand: `haptogram live`, from start() to stop(), on each array. One whose algorithm is `none` plays nothing."""
+
+    def __init__(self, protocol: Protocol, program: str, ports: Sequence[str], baud: int | None, sources: Sequence[str]) -> None:
+        super().__init__(protocol)
+        arrays = len(protocol.stimulus.live)
+        if not sources:
+            raise bad_input("--from", f"is missing; {protocol.name} is for a tracked hand: say what sees it, such as leap-pipe:FIFO or depth-pipe:FIFO")
+        if len(ports) != arrays or (arrays > 1 and len(sources) != arrays):
+            raise bad_input("--port", f"found {len(ports)} and {len(sources)} --from; {protocol.name} has {arrays} arrays, which want a --port each"
+                            + (" and a --from each, in the same order" if arrays > 1 else ""))  # fmt: skip
+        self.program = program
+        rate = ["--baud", str(baud)] if baud else []
+        self._more_words = [[*(word for source in ([sources[i]] if arrays > 1 else sources) for word in ("--from", source)), "--port", port, *rate]
+                            for i, port in enumerate(ports)]  # fmt: skip
+        self._commands: list[list[str]] = []
+        self._running: list[_Session] = []
+
+    def prepare(self, values: Mapping[str, object]) -> dict[str, object]:
+        self._commands = []
+        for arguments, more in zip(self.protocol.stimulus.live, self._more_words):
+            words = [fill(word, values) for word in arguments]
+            if "--algorithm" not in words or words[words.index("--algorithm") + 1 :][:1] != ["none"]:
+                self._commands.append([self.program, "live", *words, *more])
+        return super().prepare(values) | {"played": bool(self._commands)}
+
+    def start(self) -> None:
+        """Returns when each board is about to play, or its program has failed to, of which stop() tells."""
+        self._running = [_Session(command) for command in self._commands]
+        for session in self._running:
+            session.wait()
+        super().start()
+
+    def stop(self) -> None:
+        """Outputs off, of all boards. Raises HaptogramError when playing had failed."""
+        running, self._running = self._running, []
+        failed: HaptogramError | None = None
+        for session in running:
+            try:
+                session.stop()
+            except HaptogramError as error:
+                failed = failed or error
+        if failed:
+            raise failed
         super().stop()
 
     def close(self) -> None:
