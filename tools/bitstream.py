@@ -101,6 +101,27 @@ def defines(board):
     return result
 
 
+def commands(family, top, dsp=True):
+    """The commands of Yosys that make a netlist of the module `top`, up to what may follow the last one's options."""
+    if family == "ice40":
+        return f"synth_ice40 -top {top}"
+    synth, own = f"synth_ecp5{'' if dsp else ' -nodsp'} -top {top}", f"techmap -map {ROOT / 'tools' / 'ecp5_map.v'}"
+    return f"proc\n{own} t:$lt t:$le t:$gt t:$ge\n{synth} -run begin:map_gates\n{own} t:$alu\n{synth} -run map_gates:"
+
+
+def open_carries(netlist):
+    """Takes away the nets of carries that nothing reads: for each nextpnr would add a cell to bring it out."""
+    design = json.loads(netlist.read_text())
+    for module in design["modules"].values():
+        read = {bit for port in module["ports"].values() for bit in port["bits"]}
+        for cell in module["cells"].values():
+            read |= {bit for port, bits in cell["connections"].items() if cell["port_directions"][port] != "output" for bit in bits}
+        for cell in module["cells"].values():
+            if cell["type"] == "CCU2C" and not read & set(cell["connections"]["COUT"]):
+                cell["connections"]["COUT"] = ["x"]
+    netlist.write_text(json.dumps(design))
+
+
 def synthesise(folder, board):
     """Writes TOP.json for nextpnr and core.v, and returns the seconds that took."""
     family, top = board["fpga"]["family"], board["fpga"]["top"]
@@ -113,19 +134,22 @@ def synthesise(folder, board):
     sets = " ".join(f"-set {k} {v}" for k, v in board["parameters"].items())
     files = " ".join(f'-set {n.upper()}_FILE "{n}_init.hex"' for n in memories(board))
     # Without the one multiplier, for which Yosys has no simulation model; boards with amplitudes have too many of them for that.
-    synth = "synth_ice40" if family == "ice40" else "synth_ecp5" if board["parameters"]["WIDTH_BITS"] else "synth_ecp5 -nodsp"
+    synth = commands(family, top, dsp=board["parameters"]["WIDTH_BITS"] != 0)
     # The core stays a module of its own, so that what is tested is what is placed.
     apart = f"delete {top}\nhierarchy -auto-top\nrename -top haptogram_core\n" if top != "haptogram_core" else ""
     (folder / "synth.ys").write_text(f"""read_verilog {' '.join(defines(board))} -I{ROOT}/rtl -I{ROOT}/rtl/net {' '.join(map(str, sources))}
 chparam {sets} {files} {top}
 hierarchy -top {top}
 setattr -mod -set keep_hierarchy 1 *haptogram_core
-{synth} -top {top} -json {top}.json
+{synth} -json {top}.json
 {apart}chtype -set dp16kd t:DP16KD
 splitnets
 write_verilog -noattr core.v
 """)
-    return run(folder, "yosys.log", tool("yosys"), "-q", "synth.ys")
+    seconds = run(folder, "yosys.log", tool("yosys"), "-q", "synth.ys")
+    if family == "ecp5":
+        open_carries(folder / f"{top}.json")
+    return seconds
 
 
 def state_cells(folder, board):

@@ -8,6 +8,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT / "tools"))
+import bitstream  # noqa: E402
 import configurations  # noqa: E402
 
 
@@ -25,7 +26,7 @@ def main():
     options.output.parent.mkdir(parents=True, exist_ok=True)
     script = f"""read_verilog -I{ROOT}/rtl {' '.join(str(p) for p in sorted(ROOT.glob('rtl/*.v')))}
 chparam {sets} haptogram_core
-synth_{options.family} {'-nodsp' if options.family == 'ecp5' else ''} -top haptogram_core
+{bitstream.commands(options.family, "haptogram_core", dsp=False)}
 chtype -set dp16kd t:DP16KD
 splitnets
 write_verilog -noattr {options.output}
