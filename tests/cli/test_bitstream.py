@@ -25,7 +25,13 @@ def fails(code, *args):
 PLACED = ROOT / "build" / "boards"
 VENV = ROOT / "build" / "venv" / "bin"
 FILES = {p.stem: tomllib.loads(p.read_text()) for p in sorted((ROOT / "constraints").glob("*.toml"))}
-FPGAS = {name: (FILES[file["like"]] if "like" in file else file)["fpga"] for name, file in FILES.items()}
+
+
+def with_like(file):
+    return with_like(FILES[file["like"]]) | file if "like" in file else file
+
+
+FPGAS = {name: with_like(file)["fpga"] for name, file in FILES.items()}
 BOARDS = {board: "asc" if fpga["family"] == "ice40" else "config" for board, fpga in FPGAS.items() if "sdram" not in FILES[board]}
 IDCODES = {"25k": "0x41111043", "85k": "0x41113043"}  # of the ECP5s
 
