@@ -2,7 +2,8 @@
 //
 // Computes phase and amplitude of every channel from one to eight foci, so that a record of foci is as good as one of timings.
 //
-// Geometry, four words a channel: x, y, z (signed, in 1/128 mm, in the tile's frame) and an offset (of a turn, times 2^16).
+// Geometry, four words a channel: x, y, z (signed, in 1/128 mm, in the tile's frame); then the offset of its phase (of a turn,
+// times 256) in bits 15:8, and what its amplitude lacks of full (times 255) in bits 7:0.
 // A focus, four words: the lower 16 bits of x, y and z (signed, 18 bits, in the same unit); then the amplitude in bits 15:8, 0 in
 // bits 7:6, and the upper bits of z, y and x in 5:4, 3:2 and 1:0. Foci are written into one of two banks while the other is played.
 // i_start/o_ready hands over the bank with foci 0 to i_last_focus. Results follow in the order of the channels, one each
@@ -96,16 +97,17 @@ module focus_engine #(
     wire        phase_valid, phase_far, first, last, whole;
     wire [15:0] phase;
     wire [7:0]  amplitude;
-    focus_phase #(.BESIDE_BITS(11)) way (
+    wire [7:0]  lacks;
+    focus_phase #(.BESIDE_BITS(19)) way (
         .clk(clk), .rst(rst), .i_valid(valid_2_q),
         .i_focus_x({source_q[49:48], source_q[15:0]}), .i_focus_y({source_q[51:50], source_q[31:16]}),
         .i_focus_z({source_q[53:52], source_q[47:32]}),
-        .i_x(place_q[15:0]), .i_y(place_q[31:16]), .i_z(place_q[47:32]), .i_offset(place_q[63:48]),
-        .i_wave_number(i_wave_number), .i_beside({first_2_q, last_2_q, whole_2_q, source_q[63:56]}),
-        .o_valid(phase_valid), .o_phase(phase), .o_far(phase_far), .o_beside({first, last, whole, amplitude}));
+        .i_x(place_q[15:0]), .i_y(place_q[31:16]), .i_z(place_q[47:32]), .i_offset(place_q[63:56]),
+        .i_wave_number(i_wave_number), .i_beside({first_2_q, last_2_q, whole_2_q, place_q[55:48], source_q[63:56]}),
+        .o_valid(phase_valid), .o_phase(phase), .o_far(phase_far), .o_beside({first, last, whole, lacks, amplitude}));
     phasor_sum sum (
         .clk(clk), .rst(rst), .i_valid(phase_valid), .i_first(first), .i_last(last), .i_far(phase_far), .i_whole(whole),
-        .i_phase(phase), .i_amplitude(amplitude), .i_gain(i_gain),
+        .i_phase(phase), .i_amplitude(amplitude), .i_gain(i_gain), .i_lacks(lacks),
         .o_valid(o_valid), .o_far(o_far), .o_phase(o_phase), .o_amplitude(o_amplitude));
 
     assign o_last = o_valid && o_channel == LAST;

@@ -2,7 +2,7 @@
 //
 // The phase at which one channel must play so that its wave arrives in phase at one focus: one result a clock.
 //
-// o_phase = i_offset − distance · i_wave_number, as a fraction of the carrier period times 2^16, modulo 1. It is where in the
+// o_phase = i_offset / 256 − distance · i_wave_number, as a fraction of the carrier period times 2^16, modulo 1. It is where in the
 // period the middle of the channel's pulse lies, so a nearer channel plays later, as in the focal law (Haptogram eq. 2-5).
 // Lengths are signed, in 1/128 mm. The distance is found to 1/16 of that, and half a step is added, because the root is rounded
 // down; their product is rounded down to 16 bits of a turn. i_wave_number is turns per 1/128 mm, times 2^27.
@@ -18,7 +18,7 @@ module focus_phase #(
     input  wire                   i_valid,
     input  wire signed [17:0]     i_focus_x, i_focus_y, i_focus_z,
     input  wire signed [15:0]     i_x, i_y, i_z,
-    input  wire [15:0]            i_offset,
+    input  wire [7:0]             i_offset,
     input  wire [17:0]            i_wave_number,
     input  wire [BESIDE_BITS-1:0] i_beside,
     output wire                   o_valid,
@@ -61,14 +61,14 @@ module focus_phase #(
     // only one with bit 34.
     reg [LATENCY-2:0]             far_q;
     reg [LATENCY-1:0]             valid_q;
-    reg [(LATENCY-1)*16-1:0]      offset_q;
+    reg [(LATENCY-1)*8-1:0]       offset_q;
     reg [LATENCY*BESIDE_BITS-1:0] beside_q;
     wire too_wide = dx_q[18] != dx_q[17] || dy_q[18] != dy_q[17] || dz_q[18] != dz_q[17];
     always @(posedge clk) begin
         turns_q  <= product[TURN-1 -: 16];
-        o_phase  <= offset_q[(LATENCY-1)*16-1 -: 16] - turns_q;
+        o_phase  <= {offset_q[(LATENCY-1)*8-1 -: 8], 8'd0} - turns_q;
         far_q    <= {far_q[LATENCY-3:1], far_q[0] || xx_q[34] || yy_q[34] || zz_q[34], too_wide};
-        offset_q <= {offset_q[(LATENCY-2)*16-1:0], i_offset};
+        offset_q <= {offset_q[(LATENCY-2)*8-1:0], i_offset};
         beside_q <= {beside_q[(LATENCY-1)*BESIDE_BITS-1:0], i_beside};
         valid_q  <= rst ? {LATENCY{1'b0}} : {valid_q[LATENCY-2:0], i_valid};
     end

@@ -1,7 +1,7 @@
 // Generated from tools/interface.toml by tools/generate_interface.py; edit the table, not this file.
 // SPDX-License-Identifier: Apache-2.0
 
-`define HG_VERSION 16'h0204
+`define HG_VERSION 16'h0205
 `define HG_NAME 128'h000000000000006d6172676f74706148
 `define HG_REGION_PRIMARY 4'h0
 `define HG_REGION_SEQUENCE 4'h1

@@ -7,8 +7,8 @@
 // i_far counts as amplitude 0.
 // o_amplitude is the length times i_gain, but 65535 (full) at most: one focus of amplitude 255 is full at a gain of 39953, eight
 // of them that meet in phase at an eighth of it. With i_whole every sum is full, but for one whose length rounds to 0, which stays
-// 0. o_far says that one of the foci was far. Where o_amplitude is 0, o_phase means nothing.
-// Latency: 15 clocks from the last focus. i_gain must not change meanwhile; i_whole counts with i_last.
+// 0. Of that the channel has 255 − i_lacks parts of 255. o_far says that one of the foci was far. Where o_amplitude is 0, o_phase means nothing.
+// Latency: 15 clocks from the last focus. i_gain must not change meanwhile; i_whole and i_lacks count with i_last.
 `default_nettype none
 module phasor_sum (
     input  wire        clk,
@@ -21,6 +21,7 @@ module phasor_sum (
     input  wire [15:0] i_phase,      // 2^16 is one turn
     input  wire [7:0]  i_amplitude,
     input  wire [15:0] i_gain,
+    input  wire [7:0]  i_lacks,
     output reg         o_valid,
     output reg         o_far,
     output reg  [15:0] o_phase,
@@ -52,6 +53,7 @@ module phasor_sum (
     reg [TOLD:0] valid_q;  // of the foci in clocks 1 to 4, then of the sums
     reg [4:0]    whole_q;
     reg [79:0]   phase_q;
+    reg [39:0]   lacks_q;
     reg          lone_5_q, far_5_q;
     always @(posedge clk) begin
         valid_q <= rst ? {(TOLD+1){1'b0}} : {valid_q[TOLD-1:4], valid_q[3] && last_q[3], valid_q[2:0], i_valid};
@@ -60,6 +62,7 @@ module phasor_sum (
         far_q   <= {far_q[2:0], i_far};
         whole_q <= {whole_q[3:0], i_whole};
         phase_q <= {phase_q[63:0], i_phase};
+        lacks_q <= {lacks_q[31:0], i_lacks};
         if (valid_q[3]) begin
             lone_5_q <= first_q[3];  // and last, if it is a sum
             far_5_q  <= far_q[3] || (far_5_q && !first_q[3]);
@@ -98,27 +101,33 @@ module phasor_sum (
     wire [15:0] angle, lone_phase;
     wire [22:0] length;
     wire        lone, far, whole;
-    polar #(.BESIDE_BITS(19)) phasor (
-        .clk(clk), .i_re(re_5_q), .i_im(im_5_q), .i_beside({lone_5_q, far_5_q, whole_q[4], phase_q[79:64]}),
-        .o_angle(angle), .o_length(length), .o_beside({lone, far, whole, lone_phase}));
+    wire [7:0]  lacks;
+    polar #(.BESIDE_BITS(27)) phasor (
+        .clk(clk), .i_re(re_5_q), .i_im(im_5_q), .i_beside({lone_5_q, far_5_q, whole_q[4], phase_q[79:64], lacks_q[39:32]}),
+        .o_angle(angle), .o_length(length), .o_beside({lone, far, whole, lone_phase, lacks}));
 
     wire [17:0] rounded = length[22:5];  // as long as a factor of a multiplier
     wire [33:0] product = {16'd0, rounded} * {18'd0, i_gain};
     reg  [19:0] scaled_q;
     reg  [15:0] told_phase_q;
+    reg  [7:0]  part_q;
     reg         silent_q, whole_14_q, far_14_q;
+    // 255 parts are 256 of 256, so that full stays full.
+    wire [15:0] of_full = silent_q ? 16'd0 : whole_14_q || scaled_q[19:16] != 4'd0 ? 16'hffff : scaled_q[15:0];
+    wire [24:0] parted  = {9'd0, of_full} * {16'd0, {1'b0, part_q} + {8'd0, part_q[7]}};
     always @(posedge clk) begin
         scaled_q     <= product[33:14];
         silent_q     <= rounded == 18'd0;
         whole_14_q   <= whole;
+        part_q       <= ~lacks;
         far_14_q     <= far;
         told_phase_q <= lone ? lone_phase : angle;
         o_phase      <= told_phase_q;
         o_far        <= far_14_q;
         o_valid      <= valid_q[TOLD] && !rst;
-        o_amplitude  <= silent_q ? 16'd0 : whole_14_q || scaled_q[19:16] != 4'd0 ? 16'hffff : scaled_q[15:0];
+        o_amplitude  <= parted[23:8];
     end
 
-    wire unused = &{1'b0, im_4_q[5:0], re_4_q[5:0], length[4:0], product[13:0]};
+    wire unused = &{1'b0, im_4_q[5:0], re_4_q[5:0], length[4:0], product[13:0], parted[24], parted[7:0]};
 endmodule
 `default_nettype wire

@@ -4,7 +4,7 @@ import enum
 from typing import NamedTuple
 
 NAME = 'Haptogram'
-VERSION = (2, 4)
+VERSION = (2, 5)
 PRIMARY_BASE = 0x00000000
 SEQUENCE_BASE = 0x10000000
 IDENTITY_BASE = 0x20000000

@@ -67,12 +67,14 @@ TEST_CASE("a calibration file is read as it is written, and puts each element on
     made.elements[3] = {1.2, 0.5, true, false, 4, {}, {}};
     made.elements[4] = {0.8, -0.25, false, false, 3, 0.02, 0.125};
     made.elements[9].dead = true;
+    made.drive = Drive::equalised;
     const Written file(to_text(made));
     const Calibration read = load_calibration(file.path);
     CHECK(read.array == made.array);
     CHECK(read.date == made.date);
     CHECK(read.temperature_c == made.temperature_c);
     CHECK(read.residual == made.residual);
+    CHECK(read.drive == made.drive);
     CHECK(read.elements[4].gain_error == Approx(0.02));
     CHECK(read.elements[4].phase_error_rad.value() == Approx(0.125).margin(1e-4));
     const Array plain = find_array("tile-7x8"), array = find_array(file.path.string());
@@ -167,6 +169,64 @@ TEST_CASE("a board that computes foci takes the phases from its geometry") {
     for (std::size_t m = 0; m < 100; ++m)
         drives.push_back(std::polar(static_cast<double>(made[m].amplitude), -2.0 * pi * made[m].phase / 65536.0));
     CHECK(std::abs(pressure(array, drives, focus)) / (std::abs(drives[0]) * in_phase(array, focus)) > 0.9999);
+}
+
+TEST_CASE("a board that computes foci drives no dead element, and the others as the calibration asks") {
+    Calibration calibration;
+    calibration.array = "tile-7x8";
+    for (std::uint32_t m = 0; m < 56; ++m) {
+        calibration.elements.emplace_back();
+        calibration.elements[m].channel = m;
+        calibration.elements[m].gain = 0.8 + 0.01 * (m % 41);
+        calibration.elements[m].dead = m == 3 || m == 50;
+    }
+    const FocusWords words = pack_focus({focus});
+    const auto made = [&](Drive drive, bool whole) {
+        calibration.drive = drive;
+        const Written file(to_text(calibration));
+        return engine_drives(focus_engine(find_array(file.path.string())), {&words, 1}, whole);
+    };
+    const auto full = made(Drive::full, true), weighed = made(Drive::weighed, true),
+               even = made(Drive::equalised, true);
+    double power = 0.0, force = 0.0;
+    for (std::size_t m = 0; m < 56; ++m) {
+        const MeasuredElement& one = calibration.elements[m];
+        CHECK((full[m].amplitude == 0) == one.dead);
+        if (one.dead) {
+            CHECK(weighed[m].amplitude + even[m].amplitude == 0);
+            continue;
+        }
+        CHECK(full[m].amplitude == 65535);
+        CHECK(weighed[m].amplitude / 65535.0 == Approx(one.gain / 1.2).margin(0.004));
+        CHECK(even[m].amplitude / 65535.0 * one.gain == Approx(0.8).margin(0.005));
+        power += std::pow(weighed[m].amplitude / 65535.0, 2.0);
+        force += weighed[m].amplitude / 65535.0 * one.gain;
+    }
+    CHECK(made(Drive::equalised, false)[5].amplitude / 65535.0 ==
+          Approx(0.8 / calibration.elements[5].gain).margin(0.004));
+    // More pressure for its power than any other drive, by Cauchy and Schwarz.
+    double squares = 0.0;
+    for (const MeasuredElement& one : calibration.elements) squares += one.dead ? 0.0 : one.gain * one.gain;
+    CHECK(force * force / power == Approx(squares).epsilon(1e-4));
+}
+
+TEST_CASE("records of timings cannot have weights, and say so") {
+    Calibration calibration;
+    calibration.array = "tile-7x8";
+    calibration.elements.resize(56);
+    for (std::uint32_t m = 0; m < 56; ++m) calibration.elements[m].channel = m;
+    calibration.elements[5].gain = 0.9;
+    calibration.drive = Drive::weighed;
+    const Written file(to_text(calibration));
+    const Array array = find_array(file.path.string());
+    CHECK(array.elements[5].weight == Approx(0.9));
+    const Timer timer = choose_timer(array, Core{});
+    CHECK(message_of([&] {
+              (void)focal_law(array, timer, {&focus, 1});
+          }).find("all pulses of a record of timings") != std::string::npos);
+    FastSolver fast(array, 1);
+    std::vector<std::uint16_t> ticks(56);
+    CHECK(message_of([&] { fast.ticks(timer, ticks); }).find("drive = \"full\"") != std::string::npos);
 }
 
 TEST_CASE("fields are those of the elements as they are") {

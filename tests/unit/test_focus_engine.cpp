@@ -67,7 +67,7 @@ Worst worst_of(std::mt19937_64& g, std::size_t records, std::size_t fewest, std:
             channel = {any(-12'800, 12'800), any(-12'800, 12'800), any(-400, 400)};
             engine.geometry.push_back(
                 {static_cast<std::uint16_t>(channel.x & 0xffff), static_cast<std::uint16_t>(channel.y & 0xffff),
-                 static_cast<std::uint16_t>(channel.z & 0xffff), static_cast<std::uint16_t>(any(0, 0xffff))});
+                 static_cast<std::uint16_t>(channel.z & 0xffff), static_cast<std::uint16_t>(256 * any(0, 255))});
         }
         std::vector<Place> foci(static_cast<std::size_t>(any(static_cast<long>(fewest), static_cast<long>(most))));
         std::vector<unsigned> amplitudes;
@@ -185,7 +185,7 @@ TEST_CASE("focus engine: an offset makes a channel later, whole turns do not cou
         engine.geometry[3] = pack_geometry(array.elements[3].position, turns);
         CHECK(engine_drives(engine, words)[3].phase == static_cast<std::uint16_t>(before + 0x4000));
     }
-    CHECK(pack_geometry({}, 0.999999)[3] == 0);  // rounds to a whole turn
+    CHECK(pack_geometry({}, 0.999)[3] == 0);  // rounds to a whole turn
 }
 
 TEST_CASE("focus engine: the pressure at the foci is the ideal one", "[focus_engine]") {
@@ -259,6 +259,23 @@ TEST_CASE("focus engine: amplitude, gain, whole channels and silence", "[focus_e
     CHECK(amplitudes(1.0, {none}, true) == 0);
 }
 
+TEST_CASE("focus engine: a channel has its weight of the amplitude, also of one that is cut off", "[focus_engine]") {
+    const Array array = find_array("tile-10x10");
+    FocusEngine engine = focus_engine(array, 0.8);
+    const auto amplitude = [&](double weight, double of, bool whole) {
+        engine.geometry[3] = pack_geometry(array.elements[3].position, 0.0, weight);
+        const std::vector<FocusWords> words{pack_focus({{0.0, 0.0, 0.15}, of})};
+        return engine_drives(engine, words, whole)[3].amplitude / 65535.0;
+    };
+    for (const double weight : {1.0, 0.999, 0.75, 0.5, 0.3, 0.01, 0.0}) {
+        CHECK(amplitude(weight, 1.0, false) == Approx(weight).margin(0.004));
+        CHECK(amplitude(weight, 1.0, true) == Approx(weight).margin(0.004));
+        CHECK(amplitude(weight, 0.4, false) == Approx(0.5 * weight).margin(0.004));
+    }
+    CHECK(amplitude(1.0, 1.0, false) == 1.0);
+    CHECK(amplitude(0.0, 1.0, true) == 0.0);
+}
+
 TEST_CASE("focus engine: a focus that is too far is silent and reported", "[focus_engine]") {
     FocusEngine engine;
     engine.geometry = {pack_geometry({-0.25, 0.0, 0.0}), pack_geometry({0.0, 0.0, 0.0})};
@@ -282,6 +299,9 @@ TEST_CASE("focus engine: words by hand", "[focus_engine]") {
     CHECK(pack_focus({from_mm(100.0, -1.0 / 128.0, 600.0), 0.5}) == FocusWords{0x3200, 0xffff, 0x2c00, 0x801c});
     CHECK(pack_focus({from_mm(-1024.0, 1024.0 - 1.0 / 128.0, 0.0), 1.0}) == FocusWords{0x0000, 0xffff, 0x0000, 0xff06});
     CHECK(pack_geometry(from_mm(-45.0, 0.004, 255.99), -0.5) == GeometryWords{0xe980, 0x0001, 0x7fff, 0x8000});
+    CHECK(pack_geometry({}, 0.25, 1.0)[3] == 0x4000);
+    CHECK(pack_geometry({}, 0.25, 0.4)[3] == 0x4099);
+    CHECK(pack_geometry({}, 0.25, 0.0)[3] == 0x40ff);
     CHECK(wave_number_word(343.2 / 40e3) == 122'212);  // 2^27 / 128 / 8.58 mm
     CHECK(gain_word(1.0) == 39'953);
 }
@@ -293,6 +313,7 @@ TEST_CASE("focus engine: bad input is named", "[focus_engine]") {
                       Contains("an element at y = 256 mm") && Contains("less than 256 mm"));
     CHECK_THROWS_WITH(pack_geometry({nan, 0.0, 0.0}), Contains("an element at x = nan"));
     CHECK_THROWS_WITH(pack_geometry({}, infinity), Contains("an offset of inf turns"));
+    CHECK_THROWS_WITH(pack_geometry({}, 0.0, 1.1), Contains("a weight of 1.1; expected 0 to 1"));
     CHECK_THROWS_WITH(pack_focus({from_mm(0.0, 0.0, -1024.1), 1.0}),
                       Contains("a focus at z = -1024.1 mm; expected -1024 mm or more"));
     CHECK_THROWS_WITH(pack_focus({from_mm(1024.0, 0.0, 0.0), 1.0}), Contains("a focus at x = 1024 mm"));

@@ -143,6 +143,13 @@ void read_transducer(Transducer& transducer, const std::string& file, const toml
 
 }  // namespace
 
+void Array::require_one_weight() const {
+    if (std::ranges::any_of(elements, [](const Element& element) { return element.weight != 1.0; }))
+        throw bad_input(file,
+                        "its elements have weights, but all pulses of a record of timings have one length; take "
+                        "a board that computes foci, or drive = \"full\" in the calibration");
+}
+
 std::string Array::unreachable(Vec3 focus) const {
     if (faces.empty() && focus.z <= 0.0) return "on or behind the array";
     for (std::size_t m = 0; m < elements.size(); ++m) {

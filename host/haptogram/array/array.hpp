@@ -18,12 +18,15 @@ struct Element {
     Vec3 position;
     Vec3 normal{0.0, 0.0, 1.0};
     std::complex<double> response = 1.0;  ///< what it radiates of its drive: a gain, and a phase that leads; 0: dead
+    double weight = 1.0;                  ///< of full drive, how much it is given: more than 0, at most 1
 
-    /// A drive of length 1 whose wave has the phase of an element that is as its kind; 0 of a dead one.
+    /// The drive whose wave has the phase of an element that is as its kind: as long as its weight, 0 of a dead one.
     [[nodiscard]] std::complex<double> aligning() const {
         const double gain = std::abs(response);
-        return gain > 0.0 ? std::conj(response) / gain : 0.0;
+        return gain > 0.0 ? std::conj(response) / gain * weight : 0.0;
     }
+    /// Whether it is as its kind, and driven as any.
+    [[nodiscard]] bool plain() const { return response == 1.0 && weight == 1.0; }
     friend constexpr bool operator==(const Element&, const Element&) = default;
 };
 
@@ -49,6 +52,9 @@ struct Array {
     [[nodiscard]] double wavelength_m() const { return medium.speed_m_s / carrier_hz; }
     /// Why a focal point cannot be reached, in words; empty when it can.
     [[nodiscard]] std::string unreachable(Vec3 focus) const;
+    /// For what makes records of timings, in which all pulses have one length.
+    /// @throws Error{bad_input} when elements have weights
+    void require_one_weight() const;
 };
 
 /// Reads an array file (TOML); host/arrays/README.md describes its keys. If it has a table [board], format/core.hpp

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptogram/array/calibration.hpp"
 
+#include <algorithm>
+#include <limits>
 #include <numbers>
 
 #include "haptogram/base/shipped.hpp"
@@ -47,14 +49,28 @@ std::string line_of(const MeasuredElement& element, std::uint32_t number) {
     return line + (element.channel == number ? "" : fmt::format(", channel = {}", element.channel));
 }
 
+/// Weights of those that are alive.
+void weigh(std::vector<Element>& elements, Drive drive) {
+    double least = std::numeric_limits<double>::infinity(), most = 0.0;
+    for (const Element& element : elements) {
+        const double gain = std::abs(element.response);
+        if (gain > 0.0) least = std::min(least, gain);
+        most = std::max(most, gain);
+    }
+    for (Element& element : elements) {
+        const double gain = std::abs(element.response);
+        if (gain > 0.0 && drive != Drive::full) element.weight = drive == Drive::weighed ? gain / most : least / gain;
+    }
+}
+
 }  // namespace
 
 Calibration load_calibration(const std::filesystem::path& path) {
     const std::string file = path.string();
     const toml::table root = section::parse(path);
     const Section whole(file, root);
-    whole.only(
-        {"format", "array", "date", "temperature_c", "speed_m_s", "residual", "source_pa_m", "measured", "element"});
+    whole.only({"format", "array", "date", "temperature_c", "speed_m_s", "residual", "source_pa_m", "measured", "drive",
+                "element"});
     if (whole.required(whole.text("format"), "format", fmt::format("\"{}\"", calibration_format)) != calibration_format)
         throw whole.wrong(*whole.find("format"), "format", fmt::format("\"{}\"", calibration_format));
     Calibration found;
@@ -72,6 +88,12 @@ Calibration load_calibration(const std::filesystem::path& path) {
         throw bad_input(whole.at("source_pa_m"),
                         "source_pa_m and measured, which says how, go together; give both or "
                         "neither");
+    if (const auto drive = whole.text("drive")) {
+        const auto* const named_drive = std::ranges::find(drive_names, *drive, &std::pair<Drive, const char*>::second);
+        if (named_drive == drive_names.end())
+            throw whole.wrong(*whole.find("drive"), "drive", "\"full\", \"weighed\" or \"equalised\"");
+        found.drive = named_drive->first;
+    }
     const toml::array* list = root["element"].as_array();
     if (list == nullptr || list->empty() || !list->is_array_of_tables())
         throw bad_input(whole.at("element"),
@@ -93,6 +115,8 @@ std::string to_text(const Calibration& calibration) {
     add("residual", calibration.residual, 3);
     add("source_pa_m", calibration.source_pa_m, 4);
     if (!calibration.measured.empty()) text += fmt::format("measured = {}\n", quoted_text(calibration.measured));
+    if (calibration.drive != Drive::full)
+        text += fmt::format("drive = \"{}\"\n", drive_names[static_cast<std::size_t>(calibration.drive)].second);
     text += "element = [\n";
     for (std::uint32_t number = 0; number < calibration.elements.size(); ++number)
         text += fmt::format("    {{ {} }},  # {}\n", line_of(calibration.elements[number], number), number);
@@ -120,6 +144,7 @@ Array calibrated(Array array, const Calibration& calibration, const std::string&
         by_channel[one.channel].response =
             one.dead ? 0.0 : std::polar(one.gain, one.phase_rad + (one.reversed ? std::numbers::pi : 0.0));
     }
+    weigh(by_channel, calibration.drive);
     array.elements = std::move(by_channel);
     array.file = file;
     array.name = std::filesystem::path(file).stem().string();

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "haptogram/array/array.hpp"
@@ -12,6 +14,15 @@
 namespace haptogram {
 
 inline constexpr std::string_view calibration_format = "haptogram-calibration-1";
+
+/// How strongly elements that differ are driven, on boards that compute foci.
+enum class Drive {
+    full,       ///< all alike
+    weighed,    ///< each by its gain, of the strongest's: the most pressure for the power
+    equalised,  ///< so that each radiates as much as the weakest that is alive
+};
+inline constexpr std::array<std::pair<Drive, const char*>, 3> drive_names{
+    {{Drive::full, "full"}, {Drive::weighed, "weighed"}, {Drive::equalised, "equalised"}}};
 
 /// How one element was found to be. Errors are standard deviations.
 struct MeasuredElement {
@@ -30,7 +41,8 @@ struct Calibration {
     std::optional<double> residual;                  ///< rms of what the fit leaves, of the elements' sounds
     std::optional<double> source_pa_m;               ///< where the level was measured, too
     std::string measured;                            ///< how it was
-    std::vector<MeasuredElement> elements;           ///< in the order of the array file
+    Drive drive = Drive::full;
+    std::vector<MeasuredElement> elements;  ///< in the order of the array file
 };
 
 /// Reads a calibration file (TOML); host/arrays/README.md describes its keys.

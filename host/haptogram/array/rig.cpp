@@ -23,7 +23,8 @@ Array joined(const Rig& rig) {
                                                   rig.name, array.name, rig.arrays.front().array.name));
         whole.faces.push_back(pose);
         for (const Element& element : array.elements)
-            whole.elements.push_back({pose.outwards(element.position), pose.turned(element.normal), element.response});
+            whole.elements.push_back(
+                {pose.outwards(element.position), pose.turned(element.normal), element.response, element.weight});
     }
     return whole;
 }

@@ -82,7 +82,7 @@ Way phase_of(const GeometryWords& place, const FocusWords& focus, std::uint32_t 
     // In sixteenths of a unit. A double holds the square exactly, so its root, rounded down, is exact.
     const auto root = static_cast<std::uint64_t>(std::sqrt(static_cast<double>(square << 8U)));
     const std::uint64_t turns = (2U * root + 1U) * wave_number;
-    return {static_cast<std::uint16_t>(place[3] - (turns >> 16U)), far};
+    return {static_cast<std::uint16_t>((place[3] & 0xff00U) - (turns >> 16U)), far};
 }
 
 /// 2^17 times the sine of a phase (phasor_sum.v)
@@ -138,19 +138,29 @@ ChannelDrive drive_of(const GeometryWords& place, std::span<const FocusWords> fo
     const std::uint64_t amplitude = length == 0 ? 0
                                     : whole     ? 0xffff
                                                 : std::min<std::uint64_t>(length * gain >> 14U, 0xffff);
-    drive.amplitude = static_cast<std::uint16_t>(amplitude);
+    // 255 parts are 256 of 256.
+    const std::uint64_t parts = ~place[3] & 0xffU;
+    drive.amplitude = static_cast<std::uint16_t>(amplitude * (parts + (parts >> 7U)) >> 8U);
     if (foci.size() > 1) drive.phase = sum.angle;
     return drive;
 }
 
 }  // namespace
 
-GeometryWords pack_geometry(Vec3 position, double offset_turns) {
+GeometryWords pack_geometry(Vec3 position, double offset_turns, double weight) {
     if (!std::isfinite(offset_turns))
         throw bad_input("focus engine", fmt::format("an offset of {} turns; expected a finite number", offset_turns));
-    const double offset = std::round((offset_turns - std::floor(offset_turns)) * 65536.0);
+    if (!(weight >= 0.0 && weight <= 1.0))
+        throw bad_input("focus engine", fmt::format("a weight of {}; expected 0 to 1", weight));
+    const double offset = std::round((offset_turns - std::floor(offset_turns)) * 256.0);
+    const double lacks = std::round((1.0 - weight) * 255.0);
     return {low_half(units("an element", 'x', position.x, 16)), low_half(units("an element", 'y', position.y, 16)),
-            low_half(units("an element", 'z', position.z, 16)), low_half(static_cast<std::int32_t>(offset))};
+            low_half(units("an element", 'z', position.z, 16)),
+            low_half(static_cast<std::int32_t>(256.0 * offset + lacks))};
+}
+
+bool is_plain(std::span<const GeometryWords> geometry) {
+    return std::ranges::all_of(geometry, [](const GeometryWords& words) { return words[3] == 0; });
 }
 
 FocusWords pack_focus(const Focus& focus) {
@@ -206,7 +216,8 @@ FocusEngine focus_engine(const Array& array, double full) {
     FocusEngine engine{{}, wave_number_word(array.wavelength_m()), gain_word(full)};
     engine.geometry.reserve(array.elements.size());
     for (const Element& element : array.elements)
-        engine.geometry.push_back(pack_geometry(element.position, std::arg(element.response) / turn));
+        engine.geometry.push_back(pack_geometry(element.position, std::arg(element.response) / turn,
+                                                std::min(1.0, std::abs(element.aligning()))));
     return engine;
 }
 

@@ -16,7 +16,8 @@ namespace haptogram {
 inline constexpr double focus_unit_m = millimetre / 128.0;  ///< in which the engine counts lengths
 inline constexpr std::size_t most_record_foci = 8;          ///< of a record
 
-/// A channel's place, x, y and z in units, and the offset that is added to its phase, of a turn times 2^16.
+/// A channel's place, x, y and z in units; then the offset that is added to its phase, of a turn times 256, in bits
+/// 15:8, and what its amplitude lacks of full, times 255, in bits 7:0.
 using GeometryWords = std::array<std::uint16_t, 4>;
 /// A focus: the lower halves of x, y and z in units; then the amplitude in bits 15:8, 0 in bits 7:6, and the upper bits
 /// of z, y and x in 5:4, 3:2 and 1:0.
@@ -41,8 +42,12 @@ struct ChannelDrive {
 
 /// @param position      metres, in the array's frame, each coordinate from −256 mm to less than 256 mm
 /// @param offset_turns  of the carrier period; whole turns do not count
-/// @throws Error{bad_input} when a coordinate is out of this range, or a number is not finite
-[[nodiscard]] GeometryWords pack_geometry(Vec3 position, double offset_turns = 0.0);
+/// @param weight        of full amplitude, 0 to 1
+/// @throws Error{bad_input} when a number is out of its range or not finite
+[[nodiscard]] GeometryWords pack_geometry(Vec3 position, double offset_turns = 0.0, double weight = 1.0);
+
+/// Whether every channel has the phase and the amplitude that its place gives it, as boards of protocol 2.4 know it.
+[[nodiscard]] bool is_plain(std::span<const GeometryWords> geometry);
 
 /// @param focus  each coordinate from −1.024 m to less than 1.024 m, the amplitude from 0 to 1
 /// @throws Error{bad_input} when a number is out of its range
@@ -62,10 +67,12 @@ struct ChannelDrive {
 [[nodiscard]] Focus unpack_focus(const FocusWords& words);
 
 /// The sums that the engine rounds: Σ amplitude · e^{jkR} over the foci, one an element, R being an element's distance
-/// from a focus, less its response's phase, also of dead ones. At the length of the gain's `full`, amplitude is full.
+/// from a focus, less its response's phase, also of dead ones. At the length of the gain's `full`, amplitude is full
+/// for the weight 1.
 [[nodiscard]] std::vector<std::complex<double>> summed_drives(const Array& array, std::span<const Focus> foci);
 
-/// The engine for an array, element k on channel k; offsets take the phases of the elements' responses away.
+/// The engine for an array, element k on channel k; offsets take the phases of the elements' responses away, and
+/// dead ones are silent.
 /// @throws Error{bad_input} when an element is too far from the array's origin, or as gain_word and wave_number_word do
 [[nodiscard]] FocusEngine focus_engine(const Array& array, double full = 1.0);
 

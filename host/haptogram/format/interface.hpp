@@ -15,7 +15,7 @@ namespace haptogram::interface {
 
 inline constexpr std::string_view name = "Haptogram";
 inline constexpr unsigned version_major = 2;
-inline constexpr unsigned version_minor = 4;
+inline constexpr unsigned version_minor = 5;
 inline constexpr std::uint32_t primary_base = 0x00000000;
 inline constexpr unsigned primary_word_bits = 16;
 inline constexpr std::uint32_t sequence_base = 0x10000000;

@@ -70,9 +70,11 @@ Error bad_member(const std::string& where, const char* key, const char* expected
 
 void read_responses(Array& array, const ordered_json& json, const std::string& where) {
     if (json.size() != array.elements.size())
-        throw bad_member(where, "array.responses", "a list of [real, imaginary], one an element", json);
-    for (std::size_t m = 0; m < array.elements.size(); ++m)
+        throw bad_member(where, "array.responses", "a list of [real, imaginary, weight], one an element", json);
+    for (std::size_t m = 0; m < array.elements.size(); ++m) {
         array.elements[m].response = {json.at(m).at(0).get<double>(), json.at(m).at(1).get<double>()};
+        if (json.at(m).size() > 2) array.elements[m].weight = json.at(m).at(2).get<double>();
+    }
 }
 
 double positive(const ordered_json& json, const char* key, const std::string& where) {
@@ -222,9 +224,12 @@ ordered_json to_json(const Manifest& m) {
     json["image_sha256"] = m.image_sha256;
     json["array"] = {{"name", m.array.name}, {"carrier_hz", m.array.carrier_hz}, {"duty", m.array.duty}};
     for (const Element& element : m.array.elements) json["array"]["elements_mm"].push_back(element_to_json(element));
-    if (std::ranges::any_of(m.array.elements, [](const Element& e) { return e.response != 1.0; }))
-        for (const Element& element : m.array.elements)
-            json["array"]["responses"].push_back({element.response.real(), element.response.imag()});
+    if (std::ranges::any_of(m.array.elements, [](const Element& e) { return !e.plain(); }))
+        for (const Element& element : m.array.elements) {
+            ordered_json one{element.response.real(), element.response.imag()};
+            if (element.weight != 1.0) one.push_back(element.weight);
+            json["array"]["responses"].push_back(one);
+        }
     json["medium"] = {{"speed_m_s", m.array.medium.speed_m_s},
                       {"density_kg_m3", m.array.medium.density_kg_m3},
                       {"absorption_np_m", m.array.medium.absorption_np_m}};

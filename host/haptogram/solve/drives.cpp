@@ -57,6 +57,7 @@ Record quantise(std::span<const std::complex<double>> drives, const Timer& timer
 
 std::vector<Record> records_of(const Array& array, const Timer& timer, std::uint32_t channels,
                                std::span<const PathStep> steps, std::span<const double> amplitudes, Method method) {
+    array.require_one_weight();
     SolveOptions options;
     options.method = method;
     const std::size_t elements = array.elements.size();

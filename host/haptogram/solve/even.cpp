@@ -146,9 +146,10 @@ CrossTalk::CrossTalk(const Array& array, std::span<const Vec3> points)
             if (range == 0.0) throw coincidence();
             drives_re[m * padded_ + j] = static_cast<float>(std::cos(k * range));
             drives_im[m * padded_ + j] = static_cast<float>(std::sin(k * range));
-            amplitudes[j * elements + m] = static_cast<float>(std::abs(array.elements[m].response) *
-                                                              directivity(dot(ray, array.elements[m].normal) / range) /
-                                                              range * std::exp(-array.medium.absorption_np_m * range));
+            amplitudes[j * elements + m] =
+                static_cast<float>(std::abs(array.elements[m].response * array.elements[m].aligning()) *
+                                   directivity(dot(ray, array.elements[m].normal) / range) / range *
+                                   std::exp(-array.medium.absorption_np_m * range));
         }
     }
     at_points_.resize(count_ * padded_);

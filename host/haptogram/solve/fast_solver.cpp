@@ -543,6 +543,7 @@ void FastSolver::ticks(const Timer& timer, std::span<std::uint16_t> ticks) const
     const std::size_t elements = state_->array.elements.size();
     if (ticks.size() != elements)
         throw bad_argument("ticks", fmt::format("room for {}, expected {}: one an element", ticks.size(), elements));
+    state_->array.require_one_weight();
     HWY_DYNAMIC_DISPATCH(ticks_of_drives)(state_->problem, static_cast<float>(timer.cycle_ticks), state_->ticks.get());
     for (std::size_t m = 0; m < elements; ++m)
         ticks[m] = state_->array.elements[m].response == 0.0 ? interface::silent_timing

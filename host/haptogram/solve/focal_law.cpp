@@ -474,6 +474,7 @@ void focal_law(const Array& array, const Timer& timer, std::span<const Vec3> foc
         throw bad_argument("ticks", fmt::format("room for {}, expected {}: one for each of {} elements and {} foci",
                                                 ticks.size(), foci.size() * elements, elements, foci.size()));
     if (ticks.empty()) return;
+    array.require_one_weight();
     if (std::ranges::any_of(array.elements, [](const Element& e) { return e.response != 1.0; })) {
         corrected_law(array, timer, foci, ticks);
         return;

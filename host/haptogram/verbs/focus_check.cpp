@@ -32,6 +32,8 @@ std::vector<std::complex<double>> asked_drives(const Manifest& manifest, const R
     std::vector<std::complex<double>> drives = manifest.foci
                                                    ? summed_drives(manifest.array, record.foci)
                                                    : exact_drives(manifest.array, record.foci, manifest.solver);
+    if (manifest.foci)
+        for (std::size_t m = 0; m < drives.size(); ++m) drives[m] *= std::abs(manifest.array.elements[m].aligning());
     const double scale = manifest.foci ? manifest.array.transducer.source_pa_m / manifest.foci->full : 1.0;
     for (std::complex<double>& drive : drives) drive *= full * record.amplitude * scale;
     return drives;

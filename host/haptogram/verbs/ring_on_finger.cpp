@@ -130,7 +130,7 @@ void RingWeigher::add(const Element& element, double source_pa_m) {
     auto source = std::find_if(sources_.begin(), sources_.end(), near);
     if (source == sources_.end()) source = sources_.insert(source, Source{.normal = element.normal});
     source->position = source->position + element.position;
-    source->strength += source_pa_m * std::abs(element.response);
+    source->strength += source_pa_m * std::abs(element.response * element.aligning());
     ++source->elements;
 }
 

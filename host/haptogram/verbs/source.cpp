@@ -66,7 +66,7 @@ void require_made_for(const Source& source, const Manifest& manifest, const std:
     const auto near = [](double p, double q) { return std::abs(p - q) <= 1e-6 * std::abs(q); };
     const auto same_place = [](const Element& p, const Element& q) {
         return distance(p, q.position) < 1e-6 && distance(p.normal, q.normal) < 1e-6 &&
-               std::abs(p.response - q.response) < 1e-6;
+               std::abs(p.response - q.response) < 1e-6 && std::abs(p.weight - q.weight) < 1e-6;
     };
     if (near(array.medium.speed_m_s, other.medium.speed_m_s) && near(array.duty, other.duty) &&
         near(array.transducer.radius_m, other.transducer.radius_m) && a.channels == b.channels &&
