@@ -4,6 +4,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <ctime>
 #include <filesystem>
@@ -31,7 +32,7 @@ struct CalibrateCommand {
     double place_error_mm = 2.0;
     std::optional<double> temperature_c, measured_mn;
     std::optional<std::string> microphone, focus, steps;
-    std::string output, picture;
+    std::string output, picture, drive = "full";
     bool json = false;
 };
 
@@ -55,7 +56,7 @@ int write_code(const CalibrateCommand& command) {
 Array array_of(const CalibrateCommand& command) {
     Array array = instrument_of(command).array;
     for (const Element& element : array.elements)
-        if (element.response != 1.0)
+        if (!element.plain())
             throw bad_argument(
                 "array", fmt::format("{} is a calibration already; name the array file that it is of", array.file), {});
     if (command.temperature_c) array.medium.speed_m_s = speed_of_sound(*command.temperature_c);
@@ -136,9 +137,28 @@ void draw(const std::string& path, const Array& array, const Calibrated& found) 
     picture.draw(path, ".toml and --json");
 }
 
-HeardAt heard_in(const std::string& file, const Array& array, Vec3 place) {
-    if (const auto readings = read_steps(file)) return {from_steps(array, *readings, place, file), place};
-    return {decode(read_recording(file), array.elements.size(), array.carrier_hz), place};
+/// What a stage read at its places; its zero is at `zero`.
+void hear_scan(const Scan& scan, const std::string& file, const Array& array, Vec3 zero, std::vector<HeardAt>& heard) {
+    for (const StageReadings& place : scan.places) {
+        ElementSounds sounds;
+        if (scan.amplitudes) {
+            std::vector<double> readings;
+            for (const auto& reading : place.readings) readings.push_back(reading.real());
+            sounds = from_steps(array, readings, zero, file);
+        } else {
+            sounds = from_patterns(place.readings, array.elements.size(), file);
+        }
+        heard.push_back({std::move(sounds), zero + place.off});
+    }
+}
+
+void hear(const std::string& file, const Array& array, Vec3 place, std::vector<HeardAt>& heard) {
+    if (const auto scan = read_scan(file))
+        hear_scan(*scan, file, array, place, heard);
+    else if (const auto readings = read_steps(file))
+        heard.push_back({from_steps(array, *readings, place, file), place});
+    else
+        heard.push_back({decode(read_recording(file), array.elements.size(), array.carrier_hz), place});
 }
 
 int calibrate(const CalibrateCommand& command) {
@@ -159,12 +179,17 @@ int calibrate(const CalibrateCommand& command) {
     if (command.temperature_c) options.speed_error = 1e-3;
     if (command.microphone) options.microphone = find_transducer(*command.microphone);
     std::vector<HeardAt> heard;
-    for (std::size_t k = 0; k < command.recordings.size(); ++k)
-        heard.push_back(heard_in(command.recordings[k], array, parse_point_mm("at", command.places[k])));
+    std::vector<std::string> names;  // of the files in which they were
+    for (std::size_t k = 0; k < command.recordings.size(); ++k) {
+        hear(command.recordings[k], array, parse_point_mm("at", command.places[k]), heard);
+        names.resize(heard.size(), command.recordings[k]);
+    }
     Calibrated found = haptogram::calibrate(array, heard, options);
     found.calibration.array = name_beside(command.output, array);
     found.calibration.date = fmt::format("{:%F}", fmt::gmtime(std::time(nullptr)));
     found.calibration.temperature_c = command.temperature_c;
+    found.calibration.drive =
+        std::ranges::find(drive_names, command.drive, [](const auto& d) { return std::string(d.second); })->first;
     if (command.measured_mn) {
         const Array real = calibrated(array, found.calibration, array.file);
         const MeasuredLevel level =
@@ -174,7 +199,7 @@ int calibrate(const CalibrateCommand& command) {
     }
     if (!command.output.empty()) write_file(command.output, to_text(found.calibration));
     if (!command.picture.empty()) draw(command.picture, array, found);
-    if (command.output != "-") report_of(found, heard, command.recordings).print(command.json);
+    if (command.output != "-") report_of(found, heard, names).print(command.json);
     return 0;
 }
 
@@ -205,10 +230,11 @@ void add_calibrate(CLI::App& app, Action& action) {
     sub = calibrate_app->add_subcommand("fit", "The calibration, from recordings of the code");
     sub->add_option("recordings", fit->recordings,
                     "Sound files of one channel, 96 kHz or more (.wav, .flac), an oscilloscope's .csv of time and "
-                    "voltage, or a .csv "
-                    "index,reading of the records of code --steps")
+                    "voltage, a .csv index,reading of the records of code --steps, or a scanning stage's .csv "
+                    "x_mm,y_mm,z_mm,index,re,im of the code's records, or ,reading of those of code --steps")
         ->required();
-    sub->add_option("--at", fit->places, "Where the microphone was, x,y,z in mm; once for each recording")
+    sub->add_option("--at", fit->places,
+                    "Where the microphone was, or a stage's zero, x,y,z in mm; once for each recording")
         ->required()
         ->allow_extra_args(false);
     add_instrument(*sub, *fit);
@@ -228,6 +254,11 @@ void add_calibrate(CLI::App& app, Action& action) {
                         "this calibration, mN: it makes the level calibrated");
     measured->check(positive())->needs(focus);
     focus->needs(measured);
+    sub->add_option("--drive", fit->drive,
+                    "On boards that compute foci: all elements alike, weighed by their gains, or equalised to the "
+                    "weakest that is alive")
+        ->check(CLI::IsMember({"full", "weighed", "equalised"}))
+        ->capture_default_str();
     sub->add_option("-o,--output", fit->output,
                     "The calibration, TOML, which --array takes wherever it takes an array; - is standard output");
     sub->add_option("--picture", fit->picture, "The array with gains, phases and faults, .png or .svg");

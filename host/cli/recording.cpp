@@ -3,8 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <optional>
 #include <sndfile.hh>
@@ -16,16 +18,31 @@
 namespace haptogram::cli {
 namespace {
 
-/// The two numbers that a line begins with.
-std::optional<std::pair<double, double>> numbers_of(std::string_view line) {
-    double values[2];
+/// The numbers that a line begins with.
+template <std::size_t count = 2>
+std::optional<std::array<double, count>> numbers_of(std::string_view line) {
+    std::array<double, count> values;
     for (double& value : values) {
         line.remove_prefix(std::min(line.find_first_not_of(" \t,;"), line.size()));
         const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), value);
         if (error != std::errc() || !std::isfinite(value)) return {};
         line.remove_prefix(static_cast<std::size_t>(end - line.data()));
     }
-    return std::pair(values[0], values[1]);
+    return values;
+}
+
+constexpr double most_records = 65535.0;
+bool is_index(double number) { return number >= 1.0 && number <= most_records && number == std::floor(number); }
+
+/// The lines behind the header.
+template <class Take>
+void each_line(const std::string& file, const std::string& text, Take take) {
+    std::size_t number = 2;
+    for (std::size_t begin = text.find('\n'); begin != std::string::npos && begin + 1 < text.size(); ++number) {
+        const std::size_t end = std::min(text.find('\n', begin + 1), text.size());
+        take(std::string_view(text.data() + begin + 1, end - begin - 1), fmt::format("{}:{}", file, number));
+        begin = end;
+    }
 }
 
 Recording read_csv(const std::string& file) {
@@ -42,8 +59,8 @@ Recording read_csv(const std::string& file) {
         if (!values)
             throw bad_input(fmt::format("{}:{}", file, number + 1),
                             fmt::format("expected a time and a voltage, found '{}'", line));
-        times.push_back(values->first);
-        recording.samples.push_back(values->second);
+        times.push_back((*values)[0]);
+        recording.samples.push_back((*values)[1]);
     }
     if (times.size() < 2) throw bad_input(file, "no lines of time and voltage; export the trace as CSV");
     const double step_s = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
@@ -63,26 +80,53 @@ std::optional<std::vector<double>> read_steps(const std::string& file) {
     constexpr std::string_view header = "index,reading";
     if (!text.starts_with(header)) return {};
     std::vector<double> readings;
-    std::size_t number = 1;
-    for (std::size_t begin = text.find('\n'); begin != std::string::npos && begin + 1 < text.size(); ++number) {
-        const std::size_t end = std::min(text.find('\n', begin + 1), text.size());
-        const std::string_view line(text.data() + begin + 1, end - begin - 1);
-        begin = end;
+    each_line(file, text, [&](std::string_view line, const std::string& where) {
         const auto values = numbers_of(line);
-        constexpr double most = 65535.0;
-        if (!values || !(values->first >= 1.0 && values->first <= most) || !(values->second >= 0.0) ||
-            values->first != std::floor(values->first))
-            throw bad_input(fmt::format("{}:{}", file, number + 1),
+        if (!values || !is_index((*values)[0]) || !((*values)[1] >= 0.0))
+            throw bad_input(where,
                             fmt::format("expected a record's index and a reading, not negative, found '{}'", line));
-        const auto at = static_cast<std::size_t>(values->first) - 1;
+        const auto at = static_cast<std::size_t>((*values)[0]) - 1;
         if (at >= readings.size()) readings.resize(at + 1, -1.0);
-        if (readings[at] >= 0.0)
-            throw bad_input(fmt::format("{}:{}", file, number + 1), fmt::format("record {} was read before", at + 1));
-        readings[at] = values->second;
-    }
+        if (readings[at] >= 0.0) throw bad_input(where, fmt::format("record {} was read before", at + 1));
+        readings[at] = (*values)[1];
+    });
     for (std::size_t i = 0; i < readings.size(); ++i)
         if (readings[i] < 0.0) throw bad_input(file, fmt::format("no reading of record {}", i + 1));
     return readings;
+}
+
+std::optional<Scan> read_scan(const std::string& file) {
+    if (ending_of(file) != ".csv") return {};
+    const std::string text = read_file(file);
+    const bool complex = text.starts_with("x_mm,y_mm,z_mm,index,re,im");
+    if (!complex && !text.starts_with("x_mm,y_mm,z_mm,index,reading")) return {};
+    std::map<std::array<double, 3>, std::map<std::size_t, std::complex<double>>> places;
+    each_line(file, text, [&](std::string_view line, const std::string& where) {
+        const std::optional<std::array<double, 6>> values =
+            numbers_of<6>(complex ? std::string(line) : fmt::format("{},0", line.substr(0, line.find('\r'))));
+        if (!values || !is_index((*values)[3]) || !(complex || (*values)[4] >= 0.0))
+            throw bad_input(where,
+                            fmt::format("expected three coordinates, a record's index and {}, found '{}'",
+                                        complex ? "the two parts of a reading" : "a reading, not negative", line));
+        const auto& [x, y, z, index, re, im] = *values;
+        if (!places[{x, y, z}].try_emplace(static_cast<std::size_t>(index), re, im).second)
+            throw bad_input(where, fmt::format("record {} was read at this place before", index));
+    });
+    if (places.empty()) throw bad_input(file, "no lines behind the header; export the scan again");
+    Scan scan{!complex, {}};
+    const std::size_t records = places.begin()->second.rbegin()->first;
+    for (const auto& [at, of_records] : places) {
+        StageReadings& place = scan.places.emplace_back(StageReadings{from_mm(at[0], at[1], at[2]), {}});
+        for (std::size_t index = 1; index <= records; ++index) {
+            const auto found = of_records.find(index);
+            if (found == of_records.end() || of_records.size() > records)
+                throw bad_input(file, fmt::format("{} records were read at ({}, {}, {}), and {} at the first place; "
+                                                  "read each record at each place",
+                                                  of_records.size(), at[0], at[1], at[2], records));
+            place.readings.push_back(found->second);
+        }
+    }
+    return scan;
 }
 
 Recording read_recording(const std::string& file) {

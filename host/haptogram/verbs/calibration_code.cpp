@@ -202,6 +202,20 @@ Image calibration_image(const Array& array, const Core& core) {
     return image;
 }
 
+ElementSounds from_patterns(std::span<const Complex> readings, std::size_t elements, const std::string& name) {
+    const CalibrationCode code(elements);
+    if (readings.size() != code.patterns())
+        throw bad_input(name, fmt::format("{} readings at a place, expected {}: one of each record of the code for {} "
+                                          "elements",
+                                          readings.size(), code.patterns(), elements));
+    ElementSounds found{code.columns(readings)};
+    double silent = 0.0;
+    for (std::size_t j = elements; j < found.sounds.size(); ++j) silent += std::norm(found.sounds[j]);
+    found.noise = std::sqrt(silent / static_cast<double>(found.sounds.size() - elements));
+    found.sounds.resize(elements);
+    return found;
+}
+
 Image steps_image(const Array& array, const Core& core, Vec3 microphone) {
     require_held(4 * array.elements.size(), array, core);
     const Timer timer = choose_timer(array, core);

@@ -59,6 +59,11 @@ struct ElementSounds {
 /// @throws Error{bad_input} when the rate is too low, the recording clipped, no whole pass long, or without the code
 [[nodiscard]] ElementSounds decode(const Recording& recording, std::size_t elements, double carrier_hz);
 
+/// The elements' sounds from what a lock-in read of the code's patterns, in their order.
+/// @throws Error{bad_input} when there is not one of each
+[[nodiscard]] ElementSounds from_patterns(std::span<const std::complex<double>> readings, std::size_t elements,
+                                          const std::string& name);
+
 /// What tells phases to a meter that reads amplitudes alone. A few elements near the middle play at the phases of a
 /// focus on the microphone; each element in turn plays beside them, or of them, with that phase and three quarter turns
 /// ahead of it. Record 4 · element + step + 1, to be played one by one.
