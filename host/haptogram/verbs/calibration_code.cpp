@@ -115,6 +115,15 @@ std::vector<bool> steady_elements(const Array& array) {
     return steady;
 }
 
+/// A steady element's sound h, where R, without it, is less than the sum by h: h − |h|² / sum is what was measured. Of
+/// the two that are so, the one that is as long as others: where several are reversed, the sum is no longer than that.
+Complex steady_sound(Complex measured, double sum, double usual) {
+    const double across = measured.imag();
+    const double root = std::sqrt(std::max(0.0, 0.25 * sum * sum - sum * measured.real() - across * across));
+    const Complex less(0.5 * sum - root, across), more(0.5 * sum + root, across);
+    return std::abs(std::abs(less) - usual) <= std::abs(std::abs(more) - usual) ? less : more;
+}
+
 Image empty_image(const Core& core) {
     Image image;
     image.channels = core.parameters.channels;
@@ -257,14 +266,20 @@ ElementSounds from_steps(const Array& array, std::span<const double> readings, V
     const std::vector<Complex> focused = ideal_drives(array, microphone);
     ElementSounds found;
     double rest = 0.0;
+    std::vector<double> lengths;  // of those that are not steady, if there are any
     for (std::size_t j = 0; j < elements; ++j) {
         // Of the squares |R + h·jˢ|² of the others' sound R and the element's h, differences are 4·Re and −4·Im of
         // R*·h.
-        const Complex product((square(j, 0) - square(j, 2)) / 4.0, (square(j, 3) - square(j, 1)) / 4.0);
-        Complex own = product / sum;
-        for (int round = 0; steady[j] && round < 20; ++round) own = (product + std::norm(own)) / sum;  // R is less by h
-        found.sounds.push_back(own * std::conj(focused[j]) / std::abs(focused[j]));
+        found.sounds.emplace_back((square(j, 0) - square(j, 2)) / 4.0, (square(j, 3) - square(j, 1)) / 4.0);
+        found.sounds[j] /= sum;
+        if (!steady[j] || elements == static_cast<std::size_t>(count)) lengths.push_back(std::abs(found.sounds[j]));
         rest += std::pow(square(j, 0) + square(j, 2) - square(j, 1) - square(j, 3), 2.0);
+    }
+    std::ranges::sort(lengths);
+    const double usual = lengths[lengths.size() / 2];
+    for (std::size_t j = 0; j < elements; ++j) {
+        if (steady[j]) found.sounds[j] = steady_sound(found.sounds[j], sum, usual);
+        found.sounds[j] *= std::conj(focused[j]) / std::abs(focused[j]);
     }
     found.noise = std::sqrt(rest / static_cast<double>(elements)) / (4.0 * sum);
     return found;
