@@ -121,7 +121,9 @@ Complex steady_sound(Complex measured, double sum, double usual) {
     const double across = measured.imag();
     const double root = std::sqrt(std::max(0.0, 0.25 * sum * sum - sum * measured.real() - across * across));
     const Complex less(0.5 * sum - root, across), more(0.5 * sum + root, across);
-    return std::abs(std::abs(less) - usual) <= std::abs(std::abs(more) - usual) ? less : more;
+    const double off = std::abs(std::abs(more) - usual);
+    constexpr double alike = 0.4;  // of the usual; a dead one is measured as 0, whatever the sum
+    return off < alike * usual && off < std::abs(std::abs(less) - usual) ? more : less;
 }
 
 Image empty_image(const Core& core) {
