@@ -42,6 +42,7 @@ module command_unit #(
     output reg         o_repeated,          // it was applied before
     output reg         o_refused,
     // WRITE: each word for o_address in o_region
+    output wire        o_puts,              // a frame is here that writes; early in the clock
     output wire        o_more,              // one is here, to be written as soon as it is not held
     output wire        o_write,
     input  wire        i_hold,              // this word is being read, write it later
@@ -125,6 +126,7 @@ module command_unit #(
     assign o_tail_words  = {{(16-LENGTH_BITS){1'b0}}, tail_words_q};
     assign o_take        = i_valid && (state_q == LENGTH || state_q == HEADER || (!done && (takes_rest || takes_argument)));
     assign o_write       = state_q == TAIL && !done && !hold && puts && (!message || i_stream_keeps);
+    assign o_puts        = state_q == TAIL && !done && puts;
     assign o_more        = state_q == TAIL && !done && puts && (!message || (i_stream_keeps && !i_stream_wait));
     assign o_streams     = state_q == TAIL && !done && !hold && message;
     assign o_close       = state_q == CLOSE;

@@ -98,7 +98,7 @@ module haptogram_core #(
     // ---- Commands
 
     wire [15:0] top_index;
-    wire        settle, more, write, hold, push, keep, take_back, answer, answered;
+    wire        settle, puts, more, write, hold, push, keep, take_back, answer, answered;
     wire [7:0]  command, verdict, status, sequence_number, expected;
     wire [15:0] argument_0, argument_1, argument_2, tail_words, read_words, live_free, live_level;
     wire [WORD_BITS-1:0] command_address, ring_address, ring_start;
@@ -128,7 +128,7 @@ module haptogram_core #(
         .o_command(command), .o_argument_0(argument_0), .o_argument_1(argument_1), .o_argument_2(argument_2),
         .o_tail_words(tail_words), .o_settle(settle), .i_status(verdict), .i_top_index(top_index),
         .o_execute(execute), .o_repeated(repeated), .o_refused(refused),
-        .o_more(more), .o_write(write), .i_hold(hold), .o_address(command_address), .o_region(region),
+        .o_puts(puts), .o_more(more), .o_write(write), .i_hold(hold), .o_address(command_address), .o_region(region),
         .i_ring_address(ring_address), .i_ring_start(ring_start), .i_ring_wraps(ring_wraps), .i_ring_complete(ring_complete),
         .i_ring_split(ring_split), .o_streams(stream_takes), .o_close(closes), .i_stream_wait(stream_waits), .i_stream_place(stream_place), .i_stream_address(stream_address),
         .i_stream_keeps(stream_keeps), .i_stream_split(stream_split), .o_push(push), .o_keep(keep), .o_take_back(take_back),
@@ -265,7 +265,7 @@ module haptogram_core #(
                 .i_read(read && in_primary), .i_read_address(reply_address[PRIMARY_BITS-1:0]), .o_granted(sdram_granted), .o_read_word(sdram_word),
                 .i_entry(entry), .i_index(next_index), .o_entry(to_play), .i_take(take),
                 .i_foci_base(foci_base), .i_foci_count(foci_count), .i_foci_last(foci_last),
-                .i_forget(write && region == `HG_REGION_PARAMETERS), .i_load_address(load_address), .o_word(record_word),
+                .i_forget(puts && region == `HG_REGION_PARAMETERS), .i_load_address(load_address), .o_word(record_word),
                 .o_sdram_command(o_sdram_command), .o_sdram_bank(o_sdram_bank), .o_sdram_address(o_sdram_address),
                 .o_sdram_data(o_sdram_data), .o_sdram_drive(o_sdram_drive), .i_sdram_data(i_sdram_data));
             wire unused_word = &{1'b0, primary_word};
@@ -273,7 +273,7 @@ module haptogram_core #(
             assign {to_play, record_word} = {entry, primary_word};
             assign {sdram_hold, sdram_granted, sdram_word} = 18'd0;
             assign {o_sdram_command, o_sdram_bank, o_sdram_address, o_sdram_data, o_sdram_drive} = 49'd0;
-            wire unused_sdram = &{1'b0, more, i_sdram_data, foci_base, foci_count, foci_last};
+            wire unused_sdram = &{1'b0, puts, more, i_sdram_data, foci_base, foci_count, foci_last};
         end
     endgenerate
 

@@ -4,8 +4,8 @@
 //
 // It stands in the way of the entries: o_entry goes on with i_entry when i_index's record is in the buffer; i_take is that of the
 // reader. What i_index is equal to is known a clock later, because it may come out of a block RAM: so an entry that is offered must stay until it
-// is taken, or the reader must not take in the clock in which another one takes its place. There are two buffers: while a record is being read out of one, the next one comes into the other. Index 0 needs none, and of what
-// memory_controller will refuse nothing is fetched.
+// is taken, or the reader must not take in the clock in which another one takes its place. There are two buffers: while a record is being read out of one, the next one comes into the other. Index 0 needs none; what
+// memory_controller will refuse is fetched from wherever that may be.
 // What was fetched is forgotten when something is written before it is taken (i_written), and when i_forget says that foci may lie
 // elsewhere. So a record is never older than it would be if it were read in the clock in which its entry is taken.
 // o_word follows i_address, that of a 16-bit word of the record taken last, by two clocks.
@@ -64,19 +64,18 @@ module record_fetch #(
 
     wire        is_foci = FOCI != 0 && index_q > TOP_RECORD;
     wire [27:0] foci_first;
-    wire        no_foci;
     generate
         if (FOCI != 0) begin : with_foci
+            wire unused_refusal;
             focus_place #(.RECORDS(RECORDS), .PRIMARY_WORDS(RECORDS * RECORD_HALVES)) place (
                 .clk(clk), .i_index(index_q), .i_base(i_foci_base), .i_count(i_foci_count), .i_last(i_foci_last),
-                .o_first(foci_first), .o_refused(no_foci));
+                .o_first(foci_first), .o_refused(unused_refusal));
         end else begin : without_foci
-            assign {foci_first, no_foci} = 29'd0;
+            assign foci_first = 28'd0;
             wire unused_foci = &{1'b0, i_foci_base, i_foci_count, i_foci_last};
         end
     endgenerate
     wire [27:0] first = is_foci ? foci_first >> 1 : {2'd0, record_q};
-    wire        refused = is_foci ? no_foci : index_q > TOP_RECORD;
     wire        wanted = i_entry && same_q;
     assign o_entry = i_entry && (silent_q || (state_q == FULL && same_q && !stale_q && !i_forget));
     assign o_ask   = state_q == ASK;
@@ -101,7 +100,7 @@ module record_fetch #(
                 steps_q <= steps_q - 2'd1;
                 first_q <= first[WORD_BITS-1:0];
                 count_q <= is_foci ? {6'd0, i_foci_last, 1'b1} : LAST_OF_RECORD;
-                if (steps_q == 2'd0) state_q <= refused ? FULL : ASK;
+                if (steps_q == 2'd0) state_q <= ASK;
             end
             ASK: if (i_take_run) state_q <= READ;
                  else if (!wanted || stale_q) state_q <= IDLE;

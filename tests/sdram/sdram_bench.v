@@ -9,7 +9,7 @@
 module sdram_bench;
     parameter MIB = 4, READS = 300, SEED = 1, PHASE_NS = 5, PAD_NS = 2;
     parameter real T_START = 200000, T_RCD = 21, T_RP = 21, T_RAS = 49, T_RC = 70, T_RRD = 14, T_RFC = 70, T_WR = 39, T_MRD = 39, T_REFRESH = 15625;
-    localparam CHANNELS = 100, RECORDS = 16384, RECORD_WORDS = CHANNELS + 4, FEW = 40;
+    localparam CHANNELS = 100, RECORDS = 16383, RECORD_WORDS = CHANNELS + 4, FEW = 40;
     localparam BANK_BITS = MIB == 8 ? 2 : 1, BITS = $clog2(RECORDS * RECORD_WORDS);
 
     reg clk = 1'b0, rst = 1'b1, late = 1'b0;
