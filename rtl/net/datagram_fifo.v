@@ -4,7 +4,8 @@
 // a datagram is good is known at its very end, so this is what makes a damaged one vanish whole.
 //
 // A byte that is written while o_full is high is lost; then the writer has to drop the datagram. The other side is a valid/take stream. Both
-// take a byte a clock; i_flush there forgets what waits. BITS: there is room for 2^BITS bytes; 11 is one block RAM of an ECP5.
+// take a byte a clock; i_flush there forgets what waits. A register behind the memory, whose bytes come late in a clock, leaves time to look at
+// them. BITS: there is room for 2^BITS bytes; 11 is one block RAM of an ECP5.
 `default_nettype none
 module datagram_fifo #(
     parameter BITS = 12
@@ -25,7 +26,9 @@ module datagram_fifo #(
     (* no_rw_check *) reg [7:0] bytes [0:(1<<BITS)-1];  // none is read before it has been committed
     reg  [BITS:0] place_q, start_q, read_q;             // start_q: of the datagram that comes
     wire [BITS:0] committed, taken;
-    initial {place_q, start_q, read_q, o_valid} = {3*(BITS+1)+1{1'b0}};
+    reg           here_q;  // byte_q waits
+    reg  [7:0]    byte_q;
+    initial {place_q, start_q, read_q, here_q, o_valid} = {3*(BITS+1)+2{1'b0}};
     number_crossing #(.BITS(BITS+1)) forward (.i_clk(i_clk), .i_number(start_q), .o_clk(o_clk), .o_number(committed));
     number_crossing #(.BITS(BITS+1)) back    (.i_clk(o_clk), .i_number(read_q), .o_clk(i_clk), .o_number(taken));
 
@@ -38,11 +41,14 @@ module datagram_fifo #(
         if (i_commit) start_q <= place_q;
     end
 
-    wire [BITS:0] read_d = i_flush ? committed : o_valid && i_take ? read_q + ONE : read_q;
+    wire          moves  = !o_valid || i_take;
+    wire [BITS:0] read_d = i_flush ? committed : here_q && moves ? read_q + ONE : read_q;
     always @(posedge o_clk) begin
-        o_byte  <= bytes[read_d[BITS-1:0]];
-        o_valid <= read_d != committed;
-        read_q  <= read_d;
+        byte_q <= bytes[read_d[BITS-1:0]];
+        here_q <= read_d != committed;
+        read_q <= read_d;
+        if (moves) {o_valid, o_byte} <= {here_q, byte_q};
+        if (i_flush) o_valid <= 1'b0;
     end
 endmodule
 `default_nettype wire
