@@ -2,13 +2,36 @@
 #include "assets.hpp"
 
 #include <fmt/format.h>
+#include <zlib.h>
 
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 
 namespace haptogram::studio {
+namespace {
+
+/// What gzip has packed. @param bytes  that it has unpacked
+/// @return none when it is damaged, or has another number of bytes
+std::optional<std::string> unpacked(std::string& packed, std::size_t bytes) {
+    std::string plain(bytes + 1, '\0');  // room to see that there is more
+    z_stream stream{};
+    constexpr int with_gzip_header = 16 + MAX_WBITS;
+    if (inflateInit2(&stream, with_gzip_header) != Z_OK) return {};
+    stream.next_in = reinterpret_cast<Bytef*>(packed.data());
+    stream.avail_in = static_cast<uInt>(packed.size());
+    stream.next_out = reinterpret_cast<Bytef*>(plain.data());
+    stream.avail_out = static_cast<uInt>(plain.size());
+    const bool whole = inflate(&stream, Z_FINISH) == Z_STREAM_END && stream.total_out == bytes;
+    inflateEnd(&stream);
+    if (!whole) return {};
+    plain.resize(bytes);
+    return plain;
+}
+
+}  // namespace
 
 Assets load_assets(const std::filesystem::path& folder) {
     const std::filesystem::path list_path = folder / "page.json";
@@ -20,11 +43,12 @@ Assets load_assets(const std::filesystem::path& folder) {
             const std::string name = each.at("name");
             if (name.find('/') != std::string::npos)
                 throw bad_input(list_path.string(), fmt::format("'{}' is no name of a file beside it", name));
-            Asset asset{each.at("type"), read_file(folder / name), {}};
-            if (sha256(asset.plain) != each.at("sha256").get<std::string>())
-                throw bad_input((folder / name).string(), "is not the file that page.json lists; build the page again");
-            if (each.at("gzip")) asset.gzip = read_file(folder / (name + ".gz"));
-            assets["/" + name] = std::move(asset);
+            const std::filesystem::path path = folder / (name + ".gz");
+            std::string gzip = read_file(path);
+            std::optional<std::string> plain = unpacked(gzip, each.at("bytes"));
+            if (!plain || sha256(*plain) != each.at("sha256").get<std::string>())
+                throw bad_input(path.string(), "is not the file that page.json lists; build the page again");
+            assets["/" + name] = {each.at("type"), *std::move(plain), std::move(gzip)};
         }
         const auto index = assets.find("/index.html");
         if (index == assets.end()) throw bad_input(list_path.string(), "lists no index.html; build the page again");

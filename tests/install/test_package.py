@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Other people's projects, out of the tree: with the installed package, by find_package and by pkg-config, and with the sources."""
+import gzip
 import json
 import re
 import shutil
@@ -124,5 +125,5 @@ def test_the_installed_studio_has_its_page(package, work):
     moved = work / "moved"
     shutil.copytree(package / "bin", moved / "bin")
     shutil.copytree(package / page, moved / page)
-    (moved / page / "index.html").write_text("another")
+    (moved / page / "index.html.gz").write_bytes(gzip.compress(b"another"))
     assert "is not the file that page.json lists" in studio_address(moved / "bin/haptogram")

@@ -8,8 +8,9 @@ import { existsSync, mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync
 import { dirname, join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
 import { gzipSync } from "node:zlib";
-import { build } from "esbuild";
+import { build, transformSync } from "esbuild";
 import { zipSync } from "fflate";
+import { leanThree } from "./lean_three.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url));
 const [out, engine] = process.argv.slice(2).map((folder) => resolve(folder));
@@ -34,6 +35,7 @@ const built = await build({
   legalComments: "none", // notices.html has the whole texts
   chunkNames: "[name]-[hash]",
   metafile: true,
+  plugins: [leanThree],
 });
 
 /** A static page says by itself what a server says of one in its headers: it runs and loads its own files alone. */
@@ -46,7 +48,10 @@ function index() {
   return page;
 }
 writeFileSync(join(out, "index.html"), index());
-if (engine) for (const name of ["studio_engine.js", "studio_engine.wasm"]) writeFileSync(join(out, name), readFileSync(join(engine, name)));
+if (engine) {
+  writeFileSync(join(out, "studio_engine.js"), transformSync(readFileSync(join(engine, "studio_engine.js"), "utf8"), { minify: true, format: "esm" }).code);
+  writeFileSync(join(out, "studio_engine.wasm"), readFileSync(join(engine, "studio_engine.wasm")));
+}
 
 /** The packages whose code is in the bundle, and their licence texts. */
 function notices() {
@@ -99,11 +104,14 @@ let total = 0;
 for (const name of readdirSync(out).sort()) {
   const bytes = readFileSync(join(out, name));
   const packed = gzipSync(bytes, { level: 9 });
-  if (!engine) writeFileSync(join(out, `${name}.gz`), packed); // web hosts pack by themselves
+  if (!engine) { // web hosts pack by themselves
+    writeFileSync(join(out, `${name}.gz`), packed);
+    rmSync(join(out, name)); // the program unpacks it
+  }
   if (name !== "notices.html") total += packed.length; // which is loaded when it is asked for
-  files.push({ name, type: types[name.split(".").at(-1)], sha256: createHash("sha256").update(bytes).digest("hex"), gzip: true });
+  files.push({ name, type: types[name.split(".").at(-1)], sha256: createHash("sha256").update(bytes).digest("hex"), bytes: bytes.length });
 }
 if (total > mostBytes) throw new Error(`the page has ${total} bytes, compressed; ${mostBytes} is the limit`);
-if (!existsSync(join(out, "boot.js"))) throw new Error("boot.js was not made");
+if (!files.some(({ name }) => name === "boot.js")) throw new Error("boot.js was not made");
 if (!engine) writeFileSync(join(out, "page.json"), JSON.stringify({ files }, null, 1) + "\n");
 console.log(`studio: page of ${files.length} files, ${total} bytes compressed`);
