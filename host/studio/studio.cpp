@@ -13,6 +13,7 @@
 #include "board_json.hpp"
 #include "computing.hpp"
 #include "failure.hpp"
+#include "guest.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/process.hpp"
 #include "haptogram/base/token.hpp"
@@ -20,6 +21,7 @@
 #include "haptogram/link/port_rates.hpp"
 #include "haptogram/link/to_json.hpp"
 #include "http.hpp"
+#include "live.hpp"
 #include "messages.hpp"
 #include "page_sight.hpp"
 #include "player.hpp"
@@ -32,6 +34,8 @@ namespace {
 
 using nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds scene_pause{30};  // between scenes of a live session that a page is sent
 
 /// The one server with its pages, scenes and board. Its callbacks run in the server's thread.
 class Studio {
@@ -69,9 +73,22 @@ private:
     };
     struct Stop {
         std::uint64_t page;
-        std::optional<std::uint64_t> number;  ///< of the DeviceThread; none: until the study has ended
+        std::optional<std::uint64_t> number;  ///< of the DeviceThread; none: until the guest has ended
         std::uint32_t n;
         Clock::time_point asked = Clock::now();
+    };
+
+    /// A guest under way.
+    struct UnderWay {
+        std::uint64_t page = 0, number = 0;
+        bool live = false;      ///< not a study
+        bool plays = false;     ///< on a board
+        bool borrowed = false;  ///< that is the studio's
+        bool ends = false;      ///< it was asked to
+        Child::Command command{};
+        std::shared_ptr<TemporaryFolder> folder{};  ///< that it runs in, if it is of its own
+        Clock::time_point drawn{};                  ///< when a scene was sent last
+        std::unique_ptr<Guest> session{};           ///< none until its port is free
     };
 
     // Requests.
@@ -86,8 +103,8 @@ private:
     Answer answer_at_once(Request request) {
         if (request.path == "/api/hello") return {.body = to_text(hello())};
         if (request.path == "/api/stop" && request.method == "POST") {
-            const bool connected = player_.stop().has_value() || studying();
-            end_study();
+            const bool connected = player_.stop().has_value() || guest_plays();
+            end_guest();
             return {.body = to_text({{"connected", connected}})};
         }
         if (request.path.starts_with("/api/")) {
@@ -117,10 +134,10 @@ private:
 
     void close(Page& page) {
         computing_.forget(page);
-        protocols_.forget(page.number());
+        sessions_.forget(page.number());
         visitors_.erase(page.number());
         if (driver_ == page.number()) outputs_off("the page that drove the board was closed");
-        if (study_ && study_->page == page.number()) end_study();
+        if (guest_ && guest_->page == page.number()) end_guest();
     }
 
     void take(Page& page, const std::string& text) {
@@ -210,7 +227,7 @@ private:
     void require_no_other_driver(const Visitor& visitor) const {
         if (driver_ && *driver_ != visitor.page->number())
             throw Error(ErrorCode::device, "board", "another page drives it; press STOP there or here first");
-        if (studying()) throw Error(ErrorCode::device, "board", "a study plays; stop the study first");
+        if (guest_plays()) throw Error(ErrorCode::device, "board", "a study or a live session plays; stop it first");
     }
 
     [[nodiscard]] static std::optional<std::uint32_t> rate_of(const ConnectMessage& message) {
@@ -224,31 +241,31 @@ private:
     void act(Visitor& visitor, const StopMessage& message) {
         driver_ = {};
         const std::optional<std::uint64_t> number = player_.stop();
-        if (number || studying())
-            stops_.push_back({visitor.page->number(), studying() ? std::nullopt : number, message.n});
+        if (number || guest_plays())
+            stops_.push_back({visitor.page->number(), guest_plays() ? std::nullopt : number, message.n});
         else
             tell_off({visitor.page->number(), {}, message.n}, true);
-        end_study();
+        end_guest();
     }
 
-    // Studies. A page runs one; its participant's answers come from there alone.
+    // Guests: studies and live sessions. One page runs one; a participant's answers come from there alone.
 
     /// Whether a session may have a board of its own playing.
-    [[nodiscard]] bool studying() const { return study_ && study_->plays; }
+    [[nodiscard]] bool guest_plays() const { return guest_ && guest_->plays; }
 
-    void end_study() {
-        if (!study_) return;
-        study_->ends = true;
-        if (study_->session) study_->session->end();
+    void end_guest() {
+        if (!guest_) return;
+        guest_->ends = true;
+        if (guest_->session) guest_->session->end();
     }
 
     void require_own_port() const {
-        if (study_ && study_->borrowed)
-            throw Error(ErrorCode::device, "board", "a study plays on it; stop the study first");
+        if (guest_ && guest_->borrowed)
+            throw Error(ErrorCode::device, "board", "a study or a live session plays on it; stop that first");
     }
 
     void act(Visitor& visitor, const StudiesMessage& message) {
-        protocols_.ask(visitor.page->number(), [this, page = visitor.page, n = message.n] {
+        sessions_.ask(visitor.page->number(), [this, page = visitor.page, n = message.n] {
             tell_failure(*page, n, [&] {
                 page->send(to_text({{"t", "studies"},
                                     {"n", n},
@@ -260,8 +277,8 @@ private:
 
     void act(Visitor& visitor, const StudyMessage& message) {
         tell_failure(*visitor.page, message.n, [&] {
-            if (study_) throw Error(ErrorCode::failed, "study", "one is under way; stop it first");
-            UnderWay next{.page = visitor.page->number(), .number = ++study_number_};
+            require_no_guest();
+            UnderWay next{.page = visitor.page->number(), .number = ++guest_number_};
             std::optional<BoardPort> port;
             if (!message.port.empty()) {
                 require_no_other_driver(visitor);
@@ -275,80 +292,130 @@ private:
             Child::Command command = study_command(message, folder_, port);
             if (next.borrowed) {
                 const BoardPort lent = player_.lend(
-                    [this, number = next.number] { server_.post([this, number] { begin_study(number); }); });
+                    [this, number = next.number] { server_.post([this, number] { begin_guest(number); }); });
                 command = study_command(message, folder_, lent);
             }
             next.command = std::move(command);
-            study_ = std::move(next);
-            if (!study_->borrowed) begin_study(study_->number);
-            if (study_->plays) {
-                driver_ = {};
-                player_.stop();  // one thing plays at a time, so that one page is watched
-            }
-            if (study_->borrowed) broadcast(device_json());
-            tell_study({{"show", "begun"}, {"n", message.n}});
+            take_in(std::move(next), message.n);
         });
     }
 
-    /// Once its port is free.
-    void begin_study(std::uint64_t number) {
-        if (!study_ || study_->number != number) return;
-        if (study_->ends) {
-            study_ended({});
-            return;
-        }
-        study_->session = std::make_unique<Study>(std::move(study_->command), study_settings(number));
+    void require_no_guest() const {
+        if (guest_) throw Error(ErrorCode::failed, "session", "a study or a live session is under way; stop it first");
     }
 
-    /// While a trial's questions are asked its stimulus plays: then the page must be alive and in sight, as one that
+    void act(Visitor& visitor, const LiveMessage& message) {
+        // What the document names is opened in another thread, as it may take a while.
+        sessions_.ask(visitor.page->number(), [this, page = visitor.page, message] {
+            tell_failure(*page, message.n, [&] {
+                server_.post([this, number = page->number(), n = message.n, start = prepare_live(scenes_, message)] {
+                    begin_live(number, n, start);
+                });
+            });
+        });
+    }
+
+    void begin_live(std::uint64_t page, std::uint32_t n, const LiveStart& start) {
+        const auto visitor = visitors_.find(page);
+        if (visitor == visitors_.end()) return;
+        tell_failure(*visitor->second.page, n, [&] {
+            require_no_guest();
+            require_no_other_driver(visitor->second);
+            UnderWay next{.page = page, .number = ++guest_number_, .live = true, .plays = true, .borrowed = true};
+            const BoardPort lent =
+                player_.lend([this, number = next.number] { server_.post([this, number] { begin_guest(number); }); });
+            next.command = live_command(start, lent);
+            next.folder = start.folder;
+            take_in(std::move(next), n);
+        });
+    }
+
+    void take_in(UnderWay next, std::uint32_t n) {
+        guest_ = std::move(next);
+        if (!guest_->borrowed) begin_guest(guest_->number);
+        if (guest_->plays) {
+            driver_ = {};
+            player_.stop();  // one thing plays at a time, so that one page is watched
+        }
+        if (guest_->borrowed) broadcast(device_json());
+        tell_guest({{"show", "begun"}, {"n", n}});
+    }
+
+    /// Once its port is free.
+    void begin_guest(std::uint64_t number) {
+        if (!guest_ || guest_->number != number) return;
+        if (guest_->ends) {
+            guest_ended({});
+            return;
+        }
+        guest_->session = std::make_unique<Guest>(std::move(guest_->command), guest_settings(number));
+        if (guest_->live) drive_for_guest();
+    }
+
+    /// As long as a live session lasts, its page must be alive and in sight, as one that plays; of a study,
+    /// while a trial's questions are asked its stimulus plays: then the page must be alive and in sight, as one that
     /// plays. At other times the outputs are off.
-    void watch_study(const ordered_json& shown) {
-        if (!study_->plays || shown["show"] == "note" || shown["show"] == "wrong") return;
+    void watch_guest(const ordered_json& shown) {
+        if (guest_->live || !guest_->plays || shown["show"] == "note" || shown["show"] == "wrong") return;
         driver_ = {};
-        const auto visitor = visitors_.find(study_->page);
-        if (shown["show"] != "ask" || visitor == visitors_.end()) return;
-        driver_ = study_->page;
+        if (shown["show"] == "ask") drive_for_guest();
+    }
+
+    /// The guest's page keeps the outputs on.
+    void drive_for_guest() {
+        const auto visitor = visitors_.find(guest_->page);
+        if (visitor == visitors_.end()) return;
+        driver_ = guest_->page;
         driver_work_ = 0;  // none of the player's
         visitor->second.sight.seen();
     }
 
-    [[nodiscard]] Study::Settings study_settings(std::uint64_t number) {
+    [[nodiscard]] Guest::Settings guest_settings(std::uint64_t number) {
         return {.shown =
                     [this, number](ordered_json shown) {
                         server_.post([this, number, shown = std::move(shown)]() mutable {
-                            if (!study_ || study_->number != number) return;
-                            watch_study(shown);
-                            tell_study(std::move(shown));
+                            if (!guest_ || guest_->number != number || leaves_out(shown)) return;
+                            watch_guest(shown);
+                            tell_guest(std::move(shown));
                         });
                     },
                 .ended =
                     [this, number](std::optional<int> code) {
                         server_.post([this, number, code] {
-                            if (study_ && study_->number == number) study_ended(code);
+                            if (guest_ && guest_->number == number) guest_ended(code);
                         });
                     }};
     }
 
     void act(Visitor& visitor, const AnswerMessage& message) {
-        if (study_ && study_->session && study_->page == visitor.page->number())
-            study_->session->answer(message.number, message.text);
+        if (guest_ && guest_->session && guest_->page == visitor.page->number())
+            guest_->session->answer(message.number, message.text);
     }
 
     void act(Visitor& visitor, const LeaveMessage&) {
-        if (study_ && study_->session && study_->page == visitor.page->number()) study_->session->leave();
+        if (guest_ && guest_->session && guest_->page == visitor.page->number()) guest_->session->leave();
     }
 
-    void tell_study(ordered_json shown) {
-        const auto visitor = visitors_.find(study_->page);
+    /// A page draws no more scenes than it is asked to, whatever the rate of the tracker.
+    bool leaves_out(const ordered_json& shown) {
+        if (!shown.contains("scene")) return false;
+        const Clock::time_point now = Clock::now();
+        if (now - guest_->drawn < scene_pause) return true;
+        guest_->drawn = now;
+        return false;
+    }
+
+    void tell_guest(ordered_json shown) {
+        const auto visitor = visitors_.find(guest_->page);
         if (visitor == visitors_.end()) return;
-        visitor->second.page->send(to_text({{"t", "study"}, {"shown", std::move(shown)}}));
+        visitor->second.page->send(to_text({{"t", guest_->live ? "live" : "study"}, {"shown", std::move(shown)}}));
     }
 
-    void study_ended(std::optional<int> code) {
-        tell_study({{"show", "ended"}, {"code", code ? ordered_json(*code) : ordered_json()}});
-        const bool borrowed = study_->borrowed;
-        if (studying() && driver_ == study_->page) driver_ = {};
-        study_.reset();
+    void guest_ended(std::optional<int> code) {
+        tell_guest({{"show", "ended"}, {"code", code ? ordered_json(*code) : ordered_json()}});
+        const bool borrowed = guest_->borrowed;
+        if (guest_plays() && driver_ == guest_->page) driver_ = {};
+        guest_.reset();
         if (borrowed) {
             state_ = {};
             player_.take_back();
@@ -368,7 +435,7 @@ private:
     // The board: what it tells, and what keeps its outputs on.
 
     [[nodiscard]] ordered_json device_json() const {
-        if (study_ && study_->borrowed) return {{"t", "device"}, {"connection", "lent"}, {"port", port_}};
+        if (guest_ && guest_->borrowed) return {{"t", "device"}, {"connection", "lent"}, {"port", port_}};
         if (!player_.connected()) return {{"t", "device"}, {"connection", "none"}};
         std::uint32_t baud = baud_;
         if (port_.starts_with("virtual"))
@@ -402,7 +469,7 @@ private:
     void outputs_off(const std::string& why) {
         driver_ = {};
         player_.stop();
-        if (studying()) end_study();
+        if (guest_plays()) end_guest();
         broadcast({{"t", "notice"}, {"message", "Outputs off: " + why + "."}});
     }
 
@@ -424,16 +491,6 @@ private:
         for (const auto& [number, visitor] : visitors_) visitor.page->send(to_text(message));
     }
 
-    /// A study under way.
-    struct UnderWay {
-        std::uint64_t page = 0, number = 0;
-        bool plays = false;     ///< on a board
-        bool borrowed = false;  ///< that is the studio's
-        bool ends = false;      ///< it was asked to
-        Child::Command command{};
-        std::unique_ptr<Study> session{};  ///< none until its port is free
-    };
-
     Assets assets_;
     std::string name_;
     std::filesystem::path folder_;  // of the project: where protocols and results are
@@ -449,9 +506,9 @@ private:
     std::uint32_t baud_ = 0;  // 0: it is found
     Player player_;           // after what it tells of
     Computing computing_{scenes_, [this](std::function<void()> work) { server_.post(std::move(work)); }};
-    Worker protocols_;
-    std::uint64_t study_number_ = 0;
-    std::optional<UnderWay> study_;  // the last, so that it ends before the board that it may play on
+    Worker sessions_;
+    std::uint64_t guest_number_ = 0;
+    std::optional<UnderWay> guest_;  // the last, so that it ends before the board that it may play on
 };
 
 }  // namespace

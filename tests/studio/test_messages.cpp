@@ -89,6 +89,11 @@ TEST_CASE("studio messages: every kind is read, lengths become metres") {
     CHECK(study.seed == 7);
     CHECK(study.results == "p3.jsonl");
     CHECK(study.port == "/dev/ttyUSB0");
+    const auto live =
+        std::get<LiveMessage>(read_message(R"({"t":"live","n":14,"document":{"points":3},"from":"/tmp/hands"})"));
+    CHECK(live.n == 14);
+    CHECK(live.document["points"] == 3);
+    CHECK(live.from == "/tmp/hands");
     const auto answer =
         std::get<AnswerMessage>(read_message(R"({"t":"answer","n":12,"number":5,"text":"soft\nand ü"})"));
     CHECK(answer.number == 5);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Documents, files and scenes: the same bytes as without the studio, and no other files of this machine.
+#include <array>
 #include <catch2/catch.hpp>
 #include <complex>
 #include <future>
@@ -11,6 +12,7 @@
 #include "haptogram/base/process.hpp"
 #include "haptogram/shape/place.hpp"
 #include "haptogram/verbs/document.hpp"
+#include "live.hpp"
 #include "pins.hpp"
 #include "scenes.hpp"
 #include "worker.hpp"
@@ -343,22 +345,60 @@ TEST_CASE("studio worker: of an owner the newest work waits, and owners take tur
     CHECK(done == std::vector<int>{9'999, -2});
 }
 
+TEST_CASE("studio live: a session has the document's files in its folder, and no other of this machine") {
+    const std::string stl = read_file(std::filesystem::path(data) / "shapes/trimesh_binary.stl");
+    Scenes scenes;
+    scenes.add_file("solid.stl", stl);
+    const ordered_json hand = {
+        {"recording", "synthetic:press"}, {"object", "solid.stl"}, {"size_mm", 60}, {"algorithm", "B"}, {"frame", 1},
+        {"center_mm", {0, 5, 180}}};
+    const ordered_json document = {{"format", "haptogram-project-1"}, {"points", 20}, {"hand", hand}};
+    const LiveStart start = prepare_live(scenes, {1, document, ""});
+    CHECK(read_file(start.folder->path() / "solid.stl") == stl);
+    const Child::Command command = live_command(start, {"-port", 115200});
+    CHECK(command.folder == start.folder->path());
+    for (const std::string word :
+         {"live", "--scene=-", "--port=-port", "--baud=115200", "--from=synthetic:press", "--object=solid.stl",
+          "--size=60", "--center=0,5,180", "--rotate=0,0,0", "--unit=mm", "--algorithm=B", "--array=tile-10x10"}) {
+        INFO(word);
+        CHECK(std::ranges::find(command.words, word) != command.words.end());
+    }
+    CHECK_THROWS_WITH(prepare_live(scenes, {1, document, (start.folder->path() / "solid.stl").string()}),
+                      Contains("is no named pipe"));
+    ordered_json other = document;
+    other["hand"]["object"] = "/etc/other.stl";
+    CHECK_THROWS_WITH(prepare_live(scenes, {1, other, ""}), Contains("does not have this file"));
+}
+
 TEST_CASE("studio assets: a page is read as its list says, and nothing else") {
+    // What gzip makes of it.
+    constexpr std::array<unsigned char, 31> packed = {31, 139, 8,   0,  0,   0,  0,   0,   2,  3,   179,
+                                                      41, 176, 43,  72, 76,  79, 181, 209, 47, 176, 3,
+                                                      0,  104, 197, 77, 251, 11, 0,   0,   0};
+    const std::string plain = "<p>page</p>";
     TemporaryFolder folder;
-    write_file(folder.path() / "index.html", "<p>page</p>");
-    const auto list = [&](const std::string& name, const std::string& hash) {
+    write_file(folder.path() / "index.html.gz", std::string(packed.begin(), packed.end()));
+    const auto list = [&](const std::string& name, const std::string& hash, std::size_t bytes) {
         const ordered_json json = {
-            {"files", {{{"name", name}, {"type", "text/html"}, {"sha256", hash}, {"gzip", false}}}}};
+            {"files", {{{"name", name}, {"type", "text/html"}, {"sha256", hash}, {"bytes", bytes}}}}};
         write_file(folder.path() / "page.json", json.dump());
     };
-    list("index.html", sha256("<p>page</p>"));
+    list("index.html", sha256(plain), plain.size());
     const Assets assets = load_assets(folder.path());
-    CHECK(assets.at("/").plain == "<p>page</p>");
+    CHECK(assets.at("/").plain == plain);
     CHECK(assets.at("/index.html").type == "text/html");
     CHECK(assets.size() == 2);
-    list("index.html", sha256("another"));
-    CHECK_THROWS_WITH(load_assets(folder.path()), Contains("is not the file that page.json lists"));
-    list("../index.html", sha256("<p>page</p>"));
+    const auto other = Contains("is not the file that page.json lists");
+    list("index.html", sha256("another"), plain.size());
+    CHECK_THROWS_WITH(load_assets(folder.path()), other);
+    for (const std::size_t bytes : {plain.size() - 1, plain.size() + 1}) {
+        list("index.html", sha256(plain), bytes);
+        CHECK_THROWS_WITH(load_assets(folder.path()), other);
+    }
+    list("index.html", sha256(plain), plain.size());
+    write_file(folder.path() / "index.html.gz", std::string(packed.begin(), packed.end() - 9));
+    CHECK_THROWS_WITH(load_assets(folder.path()), other);
+    list("../index.html", sha256(plain), plain.size());
     CHECK_THROWS_WITH(load_assets(folder.path()), Contains("no name of a file"));
     write_file(folder.path() / "page.json", "{}");
     CHECK_THROWS_WITH(load_assets(folder.path()), Contains("build the page again"));

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <vector>
 
+#include "guest.hpp"
 #include "study.hpp"
 
 using namespace haptogram::studio;
@@ -19,7 +20,7 @@ namespace {
 /// What a study tells, for another thread to wait for.
 class Heard {
 public:
-    [[nodiscard]] Study::Settings settings() {
+    [[nodiscard]] Guest::Settings settings() {
         return {.shown = [this](ordered_json shown) { put(std::move(shown)); },
                 .ended =
                     [this](std::optional<int> code) {
@@ -52,7 +53,7 @@ Child::Command shell(const std::string& script) { return {{"/bin/sh", "-c", scri
 
 TEST_CASE("studio study: lines come as they are, words as notes, and the exit code at the end") {
     Heard heard;
-    Study study(shell(R"(echo '{"show":"tell","text":"a"}'; echo "haptogram-study: $STUDY in $PWD" >&2
+    Guest study(shell(R"(echo '{"show":"tell","text":"a"}'; echo "haptogram-study: $STUDY in $PWD" >&2
                          echo '{"no":1}'; printf 'half'; exit 3)"),
                 heard.settings());
     CHECK(heard.next() == ordered_json{{"show", "tell"}, {"text", "a"}});
@@ -64,7 +65,7 @@ TEST_CASE("studio study: lines come as they are, words as notes, and the exit co
 
 TEST_CASE("studio study: answers arrive as lines of JSON") {
     Heard heard;
-    Study study(shell("echo; while read -r line; do printf '%s\\n' \"$line\"; done"), heard.settings());
+    Guest study(shell("echo; while read -r line; do printf '%s\\n' \"$line\"; done"), heard.settings());
     CHECK(heard.next()["text"].get<std::string>().empty());
     study.answer(7, "soft\n\"and\" ü");
     CHECK(ordered_json::parse(heard.next()["text"].get<std::string>()) ==
@@ -76,7 +77,7 @@ TEST_CASE("studio study: answers arrive as lines of JSON") {
 TEST_CASE("studio study: end() is heard at once, and what does not listen is killed with all that it started") {
     Heard heard;
     {
-        Study study(shell("exec 2>/dev/null; trap 'echo ending; exit 1' TERM; echo; while :; do sleep 0.05; done"),
+        Guest study(shell("exec 2>/dev/null; trap 'echo ending; exit 1' TERM; echo; while :; do sleep 0.05; done"),
                     heard.settings());
         CHECK(heard.next()["text"].get<std::string>().empty());
         study.end();
@@ -87,16 +88,16 @@ TEST_CASE("studio study: end() is heard at once, and what does not listen is kil
     }
     const auto begun = std::chrono::steady_clock::now();
     {
-        Study deaf(shell("exec 2>/dev/null; trap '' TERM; echo; sleep 60 & wait; sleep 60"), heard.settings());
+        Guest deaf(shell("exec 2>/dev/null; trap '' TERM; echo; sleep 60 & wait; sleep 60"), heard.settings());
         CHECK(heard.next()["text"].get<std::string>().empty());
     }
     CHECK(heard.next()["code"].is_null());
-    CHECK(std::chrono::steady_clock::now() - begun < Study::most_ending + seconds(10));
+    CHECK(std::chrono::steady_clock::now() - begun < Guest::most_ending + seconds(10));
 }
 
 TEST_CASE("studio study: a program that is not there ends with a code") {
     Heard heard;
-    const Study study({{"/nowhere/python3"}, {}, {}}, heard.settings());
+    const Guest study({{"/nowhere/python3"}, {}, {}}, heard.settings());
     CHECK(heard.next() == ordered_json{{"show", "ended"}, {"code", 127}});
 }
 

@@ -57,6 +57,8 @@ struct ShotReport {
     Pose object;
     double force_n = 0.0;               ///< the sum of the fingers' forces' magnitudes on the object
     double compute_s = 0.0;             ///< processor time from the frame to the path
+    /// From the newest frame whose path has gone to the board to its beginning, by what is in the board's FIFO.
+    std::optional<double> latency_s{};
     std::vector<std::string> troubles;  ///< whole sentences
 };
 

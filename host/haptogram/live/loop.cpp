@@ -111,6 +111,7 @@ bool Loop::take(const Frame& frame, const FrameSource& source, Feeler& feeler, c
     }
     if (now.compute_s == 0.0) now.compute_s = processor_s() - began_s;
     report_.compute_s.push_back(now.compute_s);
+    if (!player_.sent().empty()) now.latency_s = player_.sent().back().expected_s - player_.sent().back().shot_s;
     ++report_.shots;
     last_time_s_ = frame.time_s;
     last_number_ = frame.number;

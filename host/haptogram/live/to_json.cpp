@@ -103,6 +103,7 @@ Json to_json(const ShotReport& shot, const Frame& frame, const std::optional<Pat
             {"object_z", as_list(shot.object.z)},
             {"force_n", shot.force_n},
             {"compute_ms", 1e3 * shot.compute_s},
+            {"latency_ms", shot.latency_s ? Json(1e3 * *shot.latency_s) : Json()},
             {"troubles", shot.troubles}};
 }
 

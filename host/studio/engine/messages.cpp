@@ -345,6 +345,10 @@ Message read_message(std::string_view text) {
                                                            study.participant, most_participant));
         return study;
     }
+    if (type == "live") {
+        members.only({"n", "document", "from"});
+        return LiveMessage{members.whole("n"), members.object("document"), members.short_text("from", longest_port)};
+    }
     if (type == "answer") {
         members.only({"n", "number", "text"});
         return AnswerMessage{members.whole("n"), members.whole("number"),

@@ -122,6 +122,12 @@ struct StudyMessage {
     std::string results;  ///< a file that ends in .jsonl
     std::string port;     ///< that plays the stimuli; "studio": the one the studio is connected to; "": none
 };
+/// Let a hand feel a document's object as it comes, on the board that the studio is connected to.
+struct LiveMessage {
+    std::uint32_t n = 0;
+    nlohmann::ordered_json document;
+    std::string from;  ///< a tracker's named pipe; "": the document's recording
+};
 /// What a person did where the session waits.
 struct AnswerMessage {
     std::uint32_t n = 0;
@@ -146,7 +152,7 @@ struct BeatMessage {
 using Message =
     std::variant<SceneMessage, HandMessage, PathMessage, SliceMessage, ReachMessage, DrivesMessage, AnalyzeMessage,
                  SimulateMessage, CancelMessage, PulsesMessage, ConnectMessage, DisconnectMessage, UploadMessage,
-                 PlayMessage, StreamMessage, IntensityMessage, ModulateMessage, StudiesMessage, StudyMessage,
+                 PlayMessage, StreamMessage, IntensityMessage, ModulateMessage, StudiesMessage, StudyMessage, LiveMessage,
                  AnswerMessage, LeaveMessage, StopMessage, BeatMessage>;
 
 inline constexpr std::size_t most_depth = 16;      ///< of lists and objects within each other in a message

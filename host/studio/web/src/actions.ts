@@ -160,6 +160,12 @@ export function actionsOf(session: Session, link: Link): Actions {
       state.studying.value = on;
       if (on) session.study.list();
     },
+    live(from) {
+      if (state.device.value.connection === "connected") return session.live.begin(from);
+      state.livesNext.value = from;
+      link.send({ t: "connect", port: "virtual", scene: state.scene.value?.name ?? "" });
+    },
+    stop: () => link.stop(),
     beginStudy: (choice) => session.study.begin(choice),
     answer: (text) => session.study.answer(text),
     leaveStudy: () => session.study.leave(),

@@ -13,6 +13,7 @@ import { Gallery } from "./gallery";
 import { HandReport } from "./hand";
 import { offered } from "./keeper";
 import type { Link, Point } from "./link";
+import { Live } from "./live";
 import { Bar, Failed, Numbers, ScaleBar, SliceControls, Status, TakeAway } from "./panels";
 import { moved, placed, placeOf } from "./placing";
 import { Pins } from "./pins";
@@ -73,6 +74,13 @@ export function start(link: Link): void {
   });
   effect(() => {
     const { connection } = state.device.value;
+    const from = state.livesNext.value;
+    if (from === undefined || (connection !== "connected" && connection !== "lost")) return;
+    state.livesNext.value = undefined;
+    if (connection === "connected") actions.live(from);
+  });
+  effect(() => {
+    const { connection } = state.device.value;
     if (!state.playsNext.value || !state.scene.value || !state.current.value) return;
     if (connection === "lost") state.playsNext.value = false;
     if (connection !== "connected") return;
@@ -85,7 +93,10 @@ export function start(link: Link): void {
 }
 
 function takeKeys(actions: Actions): void {
-  const noPlay = (): void => void (state.playsNext.value = false); // whatever was to come, STOP comes first
+  const noPlay = (): void => {
+    state.playsNext.value = false; // whatever was to come, STOP comes first
+    state.livesNext.value = undefined;
+  };
   document.getElementById("stop")?.addEventListener("click", noPlay);
   addEventListener("keydown", (event) => {
     if (event.key === "Escape") {
@@ -133,7 +144,7 @@ function Page({ actions }: { actions: Actions }) {
       <aside id="right" aria-label="Properties" hidden={right} tabIndex={0}>
         {step === "Make" && <>{project.value?.hand ? <HandReport /> : <Properties actions={actions} />}</>}
         {step === "See" && <><SliceControls actions={actions} /><ProfilePlot actions={actions} /><Numbers /></>}
-        {step === "Play" && <Board actions={actions} />}
+        {step === "Play" && <><Board actions={actions} /><Live actions={actions} /></>}
       </aside>
       <Feel actions={actions} />
       <Timeline actions={actions} />

@@ -8,7 +8,7 @@ import { type Actions, boards, state } from "./state";
 function boardWords(device: Device): string {
   if (device.connection === "none") return { program: "No board. Play starts a virtual one", serial: "No board. Play asks for one", none: "This browser cannot reach boards" }[boards.value];
   const name = device.port === "virtual" ? "Virtual board" : device.port === "virtual-rtl" ? "Virtual board of Verilog" : `Board at ${device.port ?? ""}`;
-  if (device.connection === "lent") return `${name}, lent to the study`;
+  if (device.connection === "lent") return `${name}, lent to ${state.live.value?.now === "ended" || !state.live.value ? "the study" : "the live session"}`;
   if (device.connection !== "connected") return `${name}, ${device.connection === "lost" ? "connection lost" : "connecting…"}`;
   const status = device.status;
   return `${name}, outputs ${status?.outputs === "on" ? "ON" : "off"}${status?.mode === "idle" ? "" : `, ${status?.mode ?? ""}`}`;

@@ -188,6 +188,28 @@ export interface StudyQuestion {
   limit_s: number | null;
 }
 
+/** A hand as a tracker sees it: of thumb to pinkie four joints each, from the knuckle. */
+export interface LiveHand {
+  palm_mm: Point;
+  fingers_mm: Point[][];
+}
+
+/** What a live session sees and plays; host/haptogram/live/README.md has the table. */
+export interface LiveScene {
+  scene: 1;
+  shot: number;
+  time_s: number;
+  fingers: number;
+  hands: LiveHand[];
+  contacts_mm: Point[][];
+  /** place and amplitude */
+  foci: [number, number, number, number][];
+  compute_ms: number;
+  latency_ms: number | null;
+}
+
+export type LiveShown = { show: "begun"; n: number } | LiveScene | { show: "note"; text: string } | { show: "ended"; code: number | null };
+
 export interface Hello {
   version: string;
   project: string;
@@ -253,6 +275,7 @@ export type Event =
   | { t: "error"; error: Failure }
   | ({ t: "studies"; n: number } & Studies)
   | { t: "study"; shown: StudyShown }
+  | { t: "live"; shown: LiveShown }
   | { t: "off"; n: number; confirmed: boolean }
   | { t: "notice"; message: string };
 

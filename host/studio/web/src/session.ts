@@ -7,6 +7,7 @@ import { openFirst } from "./files";
 import { begin as keep, type Design } from "./keeper";
 import { HandReader, type HandShown } from "./hand_reader";
 import { Latest } from "./latest";
+import { LiveReader } from "./live_reader";
 import type { Device, Event, Link, Scene } from "./link";
 import { PinReader } from "./pin_reader";
 import { look } from "./quantity";
@@ -24,6 +25,7 @@ export class Session {
   readonly slicer: Slicer;
   readonly pins: PinReader;
   readonly study: StudyReader;
+  readonly live: LiveReader;
   readonly hands: HandReader;
   readonly runner = new Runner((at) => this.mark(at));
   private readonly drives: Latest<true>;
@@ -51,6 +53,7 @@ export class Session {
     this.comparer = new Comparer(link, () => this.slicer.ask(false));
     this.pins = new PinReader(link);
     this.study = new StudyReader(link);
+    this.live = new LiveReader(link, () => this.view);
     this.hands = new HandReader(link, (shown, newest) => this.handCame(shown, newest));
     link.listen((event) => this.take(event));
   }
@@ -199,7 +202,7 @@ export class Session {
     if (event.t === "open") {
       this.asked = undefined;
       this.analysed = undefined;
-      for (const reader of [this.slicer, this.drives, this.comparer, this.pins, this.study, this.hands]) reader.lose();
+      for (const reader of [this.slicer, this.drives, this.comparer, this.pins, this.study, this.live, this.hands]) reader.lose();
       this.begin();
     } else if (event.t === "lost") {
       state.device.value = { t: "device", connection: "none" };
@@ -222,6 +225,7 @@ export class Session {
       if (!this.comparer.take(event.slice) && this.slicer.take(event.slice)) this.sliceCame(event.slice);
     } else if (event.t === "off") {
       state.playsNext.value = false;
+      state.livesNext.value = undefined;
     } else if (event.t === "device") {
       state.device.value = event;
       this.followBoard(event);
@@ -229,6 +233,8 @@ export class Session {
       this.study.came(event.n, event);
     } else if (event.t === "study") {
       this.study.show(event.shown);
+    } else if (event.t === "live") {
+      this.live.show(event.shown);
     } else if (event.t === "failed") {
       this.failed(event);
     } else if (event.t === "error") {
@@ -266,7 +272,7 @@ export class Session {
 
   private failed(event: Extract<Event, { t: "failed" }>): void {
     const { n, error } = event;
-    if (this.study.fail(n, error)) return;
+    if (this.study.fail(n, error) || this.live.fail(n, error)) return;
     const frame = this.hands.fail(n, error);
     if (frame === "older" || frame === "path") return;
     if (frame) {
@@ -278,6 +284,7 @@ export class Session {
     if (!this.sceneEnded(n) && !this.drives.came(n) && this.slicer.fail(n) && state.showsKept.peek()) return this.comparer.resend();
     if (event.work) state.work.value = event;
     state.playsNext.value = false;
+    state.livesNext.value = undefined;
     state.failure.value = error;
   }
 }

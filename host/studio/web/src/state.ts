@@ -3,7 +3,7 @@
 import { computed, signal } from "@preact/signals";
 import type { ProjectDocument } from "./document";
 import type { Design } from "./keeper";
-import type { Analysis, Device, Drawn, Drives, Event, Failure, FileOfScene, FrameReport, HandFrame, Hello, Link, PinReport, Point, PulseWindow, Scene, SliceData, Studies, StudyQuestion } from "./link";
+import type { Analysis, Device, Drawn, Drives, Event, Failure, FileOfScene, FrameReport, HandFrame, Hello, Link, LiveScene, PinReport, Point, PulseWindow, Scene, SliceData, Studies, StudyQuestion } from "./link";
 import type { Edges, Orientation } from "./view";
 
 /** What a user is at: each step shows what it needs. */
@@ -56,6 +56,20 @@ export interface StudySession {
   trials: number;
 }
 
+/** A live session that runs or has ended. */
+export interface LiveSession {
+  now: "starting" | "running" | "ended";
+  /** with which it ended; null: it was cut off */
+  code: number | null;
+  /** what it says beside, as in a terminal */
+  notes: string[];
+  /** scenes that were shown, and the last of them */
+  shots: number;
+  last?: LiveScene;
+  /** of the last paths, ms */
+  latencies: number[];
+}
+
 export const state = {
   hello: signal<Hello | undefined>(undefined),
   scene: signal<Scene | undefined>(undefined),
@@ -66,6 +80,9 @@ export const state = {
   hints: signal(localStorage.getItem("hinted") === null),
   /** Whether the outputs are to go on as soon as the board that was asked for is there. */
   playsNext: signal(false),
+  /** Where the hand is to come from once the board that was asked for is there, as Actions.live() has it. */
+  livesNext: signal<string | undefined>(undefined),
+  live: signal<LiveSession | undefined>(undefined),
   /** The entry of the tour that the board plays, when no point is marked. */
   playsPoint: signal<number | undefined>(undefined),
   /** The scene whose modulation is played, as far as this page said. */
@@ -209,6 +226,10 @@ export interface Actions {
   showKept(on: boolean): void;
   /** Shows the page of studies in place of the object, or the object again. */
   study(on: boolean): void;
+  /** Lets a hand feel the object as it comes. @param from  a tracker's named pipe; "": the document's recording */
+  live(from: string): void;
+  /** Outputs off. */
+  stop(): void;
   beginStudy(choice: StudyChoice): void;
   /** Answers what the session waits for. */
   answer(text: string): void;

@@ -12,7 +12,8 @@ import { TransformControls } from "three/addons/controls/TransformControls.js";
 import { Axes } from "./axes";
 import { type ColourMap, phaseColour, table } from "./colours";
 import { HandDrawing } from "./hand_drawing";
-import type { ArrayOf, Drawn, DrawnHand, Drives, Point, Scene, SliceData } from "./link";
+import { LiveDrawing } from "./live_drawing";
+import type { ArrayOf, Drawn, DrawnHand, Drives, LiveScene, Point, Scene, SliceData } from "./link";
 import { type Look, quantities } from "./quantity";
 
 export type Orientation = "xy" | "xz" | "yz";
@@ -82,6 +83,8 @@ export class View {
   private readonly surface = new Group();
   private readonly path = new Group();
   private readonly hand = new HandDrawing();
+  private readonly live = new LiveDrawing();
+  private drawn: Drawn | undefined;
   private readonly outline = new Group();
   private readonly stroke = new Group();
   private readonly axes = new Axes();
@@ -118,7 +121,7 @@ export class View {
 
     const sun = new DirectionalLight(0xffffff, 2);
     sun.position.set(1, -2, 3);
-    this.world.add(new AmbientLight(0xffffff, 1.6), sun, this.array, this.object, this.surface, this.path, this.hand.group, this.outline, this.stroke, this.plane, this.axes.group);
+    this.world.add(new AmbientLight(0xffffff, 1.6), sun, this.array, this.object, this.surface, this.path, this.hand.group, this.live.group, this.outline, this.stroke, this.plane, this.axes.group);
 
     const { uniforms } = this;
     this.sheet = new Mesh(new PlaneGeometry(1, 1), new ShaderMaterial({ side: DoubleSide, transparent: true, uniforms, vertexShader, fragmentShader }));
@@ -287,6 +290,7 @@ export class View {
   }
 
   showObject(drawn: Drawn): void {
+    this.drawn = drawn;
     this.clear(this.object);
     const surface = geometryOf(drawn.vertices);
     surface.setIndex(new BufferAttribute(drawn.triangles, 1));
@@ -305,6 +309,13 @@ export class View {
   /** A hand and what it feels; without one, none. */
   showHand(hand: DrawnHand | undefined): void {
     this.hand.show(hand);
+    this.paint();
+  }
+
+  /** What a live session sees and plays, in place of what stands still; without one, that again. */
+  showLive(scene: LiveScene | undefined): void {
+    this.live.show(scene, this.drawn);
+    for (const each of [this.object, this.path, this.hand.group, this.plane, this.gizmo.getHelper()]) each.visible = scene === undefined;
     this.paint();
   }
 
@@ -394,6 +405,7 @@ export class View {
     this.frame.material.color = colour("--frame");
     this.focus.material.color = colour("--stop");
     this.hand.paint(colour);
+    this.live.paint(colour);
     this.axes.paint(colour);
     this.paintDiscs();
     for (const group of [this.object, this.surface, this.path, this.outline, this.stroke])

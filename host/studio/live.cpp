@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "live.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <system_error>
+
+#include "haptogram/base/error.hpp"
+#include "haptogram/base/file.hpp"
+
+namespace haptogram::studio {
+namespace {
+
+std::string in_mm(Vec3 p) { return fmt::format("{},{},{}", p.x / millimetre, p.y / millimetre, p.z / millimetre); }
+
+/// Where the hands come from, as `haptogram live --from` takes it.
+std::string source_of(const HandSource& hand, const std::string& pipe) {
+    if (pipe.empty())
+        return hand.recording.starts_with(synthetic_prefix)
+                   ? hand.recording
+                   : fmt::format("{}:{}", hand.model.empty() ? "leap" : "poses", hand.recording);
+    std::error_code ignored;  // what cannot be asked for is none
+    if (!std::filesystem::is_fifo(pipe, ignored))
+        throw bad_argument("from", fmt::format("{} is no named pipe; make one with mkfifo, and let haptogram-leap "
+                                               "write to it",
+                                               pipe));
+    return "leap-pipe:" + pipe;
+}
+
+}  // namespace
+
+LiveStart prepare_live(Scenes& scenes, const LiveMessage& asked) {
+    const HandScene scene = scenes.hand(asked.document);
+    const HandSource& hand = *scene.project.hand;
+    const ObjectSource& object = hand.object;
+    LiveStart start{std::make_shared<TemporaryFolder>(), {}};
+    for (const std::string& name : files_of(hand)) {
+        const std::filesystem::path place = start.folder->path() / name;
+        std::filesystem::create_directories(place.parent_path());
+        write_file(place, scenes.file(name));
+    }
+    const auto add = [&](const std::string& option, const std::string& value) {
+        start.words.push_back(fmt::format("--{}={}", option, value));
+    };
+    add("from", source_of(hand, asked.from));
+    add("algorithm", hand.algorithm);
+    add("object", object.name);
+    if (object.size_m) add("size", fmt::format("{}", *object.size_m / millimetre));
+    if (object.height_m) add("height", fmt::format("{}", *object.height_m / millimetre));
+    if (names_mesh(object)) add("unit", object.unit);
+    add("center", in_mm(object.centre));
+    add("rotate", fmt::format("{},{},{}", object.angles_deg.x, object.angles_deg.y, object.angles_deg.z));
+    const std::optional<std::string>& array = scene.project.array;
+    add("array", array ? scene.project.beside(*array) : scene.instrument.array.name);
+    return start;
+}
+
+Child::Command live_command(const LiveStart& start, const BoardPort& port) {
+    Child::Command command{
+        {own_program().string(), "live", "--scene=-", "--port=" + port.name}, start.folder->path(), {}};
+    if (port.baud) command.words.push_back(fmt::format("--baud={}", *port.baud));
+    command.words.insert(command.words.end(), start.words.begin(), start.words.end());
+    return command;
+}
+
+}  // namespace haptogram::studio
