@@ -55,8 +55,8 @@ struct ShotReport {
     std::vector<Vec3> centres;                      ///< and where they play, predicted
     std::vector<std::vector<Vec3>> contacts;        ///< lines on the skin that are drawn, predicted
     Pose object;
-    double force_n = 0.0;               ///< the sum of the fingers' forces' magnitudes on the object
-    double compute_s = 0.0;             ///< processor time from the frame to the path
+    double force_n = 0.0;    ///< the sum of the fingers' forces' magnitudes on the object
+    double compute_s = 0.0;  ///< processor time from the frame to the path
     /// From the newest frame whose path has gone to the board to its beginning, by what is in the board's FIFO.
     std::optional<double> latency_s{};
     std::vector<std::string> troubles;  ///< whole sentences

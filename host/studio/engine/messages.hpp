@@ -152,8 +152,8 @@ struct BeatMessage {
 using Message =
     std::variant<SceneMessage, HandMessage, PathMessage, SliceMessage, ReachMessage, DrivesMessage, AnalyzeMessage,
                  SimulateMessage, CancelMessage, PulsesMessage, ConnectMessage, DisconnectMessage, UploadMessage,
-                 PlayMessage, StreamMessage, IntensityMessage, ModulateMessage, StudiesMessage, StudyMessage, LiveMessage,
-                 AnswerMessage, LeaveMessage, StopMessage, BeatMessage>;
+                 PlayMessage, StreamMessage, IntensityMessage, ModulateMessage, StudiesMessage, StudyMessage,
+                 LiveMessage, AnswerMessage, LeaveMessage, StopMessage, BeatMessage>;
 
 inline constexpr std::size_t most_depth = 16;      ///< of lists and objects within each other in a message
 inline constexpr std::size_t most_members = 4000;  ///< of a message and all objects in it; a shape has ten at most
