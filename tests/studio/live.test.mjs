@@ -60,10 +60,10 @@ test("a recorded hand feels a ball on the virtual board, which is drawn as it co
   await over(page);
   await boardSays(page, "outputs off");
   await eventually(() => sessions(studio).length === 0);
-  assert.ok(scenes.length >= 20, `${scenes.length} scenes`);
+  assert.ok(scenes.length >= 5, `${scenes.length} scenes`);
   for (const each of scenes) assert.equal(each.hands.length, 1);
   const felt = scenes.filter(({ foci }) => foci.length > 0);
-  assert.ok(felt.length >= 10, `${felt.length} of ${scenes.length} scenes have foci`);
+  assert.ok(felt.length >= 5, `${felt.length} of ${scenes.length} scenes have foci`);
   // A ball of 100 mm around (0, 0, 200): what is felt lies on the skin where that is within it.
   for (const { foci } of felt) for (const [x, y, z] of foci) assert.ok(Math.hypot(x, y, z - 200) < 75, `a focus at ${[x, y, z]}`);
   const late = scenes.flatMap(({ latency_ms: ms }) => (ms === null ? [] : [ms]));
