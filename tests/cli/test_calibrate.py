@@ -266,10 +266,6 @@ def faulty(kind, rng):
         bought.reversed = sorted(map(int, some[: rng.integers(1, 30)]))
         bought.response[bought.reversed] *= -1
         return bought, {}, {"reversed": bought.reversed}
-    if kind == "covered":
-        weak = sorted(map(int, some[: rng.integers(1, 4)]))
-        bought.response[weak] *= 0.4 / abs(bought.response[weak])
-        return bought, {}, {"weak": weak}
     if kind == "connectors":  # of six channels, as the Colorlight's
         a, b = 6 * rng.permutation(16)[:2]
         channel[a : a + 6], channel[b : b + 6] = channel[b : b + 6].copy(), channel[a : a + 6].copy()
@@ -281,7 +277,7 @@ def faulty(kind, rng):
     return bought, {"echo_db": -6.0}, {"echo": []}
 
 
-@pytest.mark.parametrize("kind", ["dead", "reversed", "covered", "connectors", "mirrored", "echo"])
+@pytest.mark.parametrize("kind", ["dead", "reversed", "connectors", "mirrored", "echo"])
 def test_a_fault_is_named_and_no_other(code, tmp_path, kind):
     cases, wrong = CASES, []
     for seed in range(SEED, SEED + cases):
