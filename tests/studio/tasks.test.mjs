@@ -22,7 +22,7 @@ test("ten tasks, each in at most five actions", async (t) => {
   };
   const find = (selector, options) => page.locator(selector, options);
   const button = (name) => page.locator("button", { hasText: name }).first();
-  const design = (title) => page.locator("li button", { hasText: title }).first();
+  const design = (title) => page.locator("li button", { has: page.locator("b", { hasText: new RegExp(`^${title}$`) }) });
   const typed = async (label, value) => {
     await page.locator(`[aria-label="${label}"], .field:has(label:text-is("${label}")) input`).first().fill(value);
     await page.keyboard.press("Enter");
