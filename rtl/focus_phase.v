@@ -36,6 +36,9 @@ module focus_phase #(
         if (BESIDE_BITS < 1) beside_bits_out_of_range error();
     endgenerate
 
+    reg [LATENCY-1:0]  valid_q;
+    wire               used = i_valid || valid_q != {LATENCY{1'b0}};  // as square_root's i_used
+
     reg signed [18:0]  dx_q, dy_q, dz_q;
     wire signed [17:0] dx = dx_q[17:0], dy = dy_q[17:0], dz = dz_q[17:0];
     reg signed [35:0]  xx_q, yy_q, zz_q;
@@ -44,15 +47,18 @@ module focus_phase #(
         dx_q <= {i_focus_x[17], i_focus_x} - {{3{i_x[15]}}, i_x};
         dy_q <= {i_focus_y[17], i_focus_y} - {{3{i_y[15]}}, i_y};
         dz_q <= {i_focus_z[17], i_focus_z} - {{3{i_z[15]}}, i_z};
-        xx_q <= dx * dx;
-        yy_q <= dy * dy;
-        zz_q <= dz * dz;
+        {xx_q, yy_q, zz_q} <= {3*36{1'bx}};
+        if (used) begin
+            xx_q <= dx * dx;
+            yy_q <= dy * dy;
+            zz_q <= dz * dz;
+        end
         square_q <= {2'b00, xx_q[33:0]} + {2'b00, yy_q[33:0]} + {2'b00, zz_q[33:0]};
     end
 
     wire [ROOT_BITS-1:0] root;
     square_root #(.BITS(ROOT_BITS), .STEPS(STEPS)) distance (
-        .clk(clk), .i_radicand({square_q, {2*FRACTION{1'b0}}}), .o_root(root));
+        .clk(clk), .i_used(used), .i_radicand({square_q, {2*FRACTION{1'b0}}}), .o_root(root));
 
     wire [TURN-1:0] product = {{(TURN-ROOT_BITS-1){1'b0}}, root, 1'b1} * {{(TURN-18){1'b0}}, i_wave_number};
     reg  [15:0]     turns_q;
@@ -60,7 +66,6 @@ module focus_phase #(
     // far_q[0] belongs to the squares. A difference of 2^17 or more does not fit 18 bits, but for -2^17, whose square is the
     // only one with bit 34.
     reg [LATENCY-2:0]             far_q;
-    reg [LATENCY-1:0]             valid_q;
     reg [(LATENCY-1)*8-1:0]       offset_q;
     reg [LATENCY*BESIDE_BITS-1:0] beside_q;
     wire too_wide = dx_q[18] != dx_q[17] || dy_q[18] != dy_q[17] || dz_q[18] != dz_q[17];
@@ -68,8 +73,8 @@ module focus_phase #(
         turns_q  <= product[TURN-1 -: 16];
         o_phase  <= {offset_q[(LATENCY-1)*8-1 -: 8], 8'd0} - turns_q;
         far_q    <= {far_q[LATENCY-3:1], far_q[0] || xx_q[34] || yy_q[34] || zz_q[34], too_wide};
-        offset_q <= {offset_q[(LATENCY-2)*8-1:0], i_offset};
-        beside_q <= {beside_q[(LATENCY-1)*BESIDE_BITS-1:0], i_beside};
+        offset_q <= used ? {offset_q[(LATENCY-2)*8-1:0], i_offset} : {(LATENCY-1)*8{1'bx}};
+        beside_q <= used ? {beside_q[(LATENCY-1)*BESIDE_BITS-1:0], i_beside} : {LATENCY*BESIDE_BITS{1'bx}};
         valid_q  <= rst ? {LATENCY{1'b0}} : {valid_q[LATENCY-2:0], i_valid};
     end
     assign o_valid  = valid_q[LATENCY-1];

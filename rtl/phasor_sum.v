@@ -54,6 +54,7 @@ module phasor_sum (
     reg [4:0]    whole_q;
     reg [79:0]   phase_q;
     reg [39:0]   lacks_q;
+    wire         used = i_valid || valid_q != {(TOLD+1){1'b0}};  // as square_root's i_used
     reg          lone_5_q, far_5_q;
     always @(posedge clk) begin
         valid_q <= rst ? {(TOLD+1){1'b0}} : {valid_q[TOLD-1:4], valid_q[3] && last_q[3], valid_q[2:0], i_valid};
@@ -61,7 +62,7 @@ module phasor_sum (
         last_q  <= {last_q[2:0], i_last};
         far_q   <= {far_q[2:0], i_far};
         whole_q <= {whole_q[3:0], i_whole};
-        phase_q <= {phase_q[63:0], i_phase};
+        phase_q <= used ? {phase_q[63:0], i_phase} : 80'bx;
         lacks_q <= {lacks_q[31:0], i_lacks};
         if (valid_q[3]) begin
             lone_5_q <= first_q[3];  // and last, if it is a sum
@@ -103,7 +104,7 @@ module phasor_sum (
     wire        lone, far, whole;
     wire [7:0]  lacks;
     polar #(.BESIDE_BITS(27)) phasor (
-        .clk(clk), .i_re(re_5_q), .i_im(im_5_q), .i_beside({lone_5_q, far_5_q, whole_q[4], phase_q[79:64], lacks_q[39:32]}),
+        .clk(clk), .i_used(used), .i_re(re_5_q), .i_im(im_5_q), .i_beside({lone_5_q, far_5_q, whole_q[4], phase_q[79:64], lacks_q[39:32]}),
         .o_angle(angle), .o_length(length), .o_beside({lone, far, whole, lone_phase, lacks}));
 
     wire [17:0] rounded = length[22:5];  // as long as a factor of a multiplier

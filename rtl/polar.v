@@ -13,6 +13,7 @@ module polar #(
     parameter BESIDE_BITS = 1
 ) (
     input  wire                   clk,
+    input  wire                   i_used,  // as square_root's
     input  wire signed [22:0]     i_re,
     input  wire signed [22:0]     i_im,
     input  wire [BESIDE_BITS-1:0] i_beside,
@@ -91,20 +92,19 @@ module polar #(
             reg             mirrored_d, mirrored_q;
             integer         i;
             always @* begin
-                x_d        = x_in;
-                y_d        = y_in;
-                angle_d    = angle_in;
-                mirrored_d = mirrored_in;
-                turn_x     = {BITS{1'b0}};
-                turn_y     = {BITS{1'b0}};
-                for (i = 0; i < 2; i = i + 1) begin
-                    mirrored_d = mirrored_d ^ y_d[IN-1];
-                    y_d        = y_d ^ {IN{y_d[IN-1]}};
-                    turn_x     = {{(BITS-IN+1){1'b0}}, y_d[IN-2:0]} >> (2 * s + i);
-                    turn_y     = x_d >> (2 * s + i);
-                    y_d        = y_d - turn_y[IN-1:0];
-                    if (2 * s + i < SETTLED) x_d = x_d + turn_x;
-                    angle_d    = angle_d - ({18{mirrored_d}} & TWICE[18*i +: 18]);
+                {x_d, turn_x, turn_y} = {3*BITS{1'bx}};
+                {y_d, angle_d, mirrored_d} = {(IN+19){1'bx}};
+                if (i_used) begin
+                    {x_d, y_d, angle_d, mirrored_d} = {x_in, y_in, angle_in, mirrored_in};
+                    for (i = 0; i < 2; i = i + 1) begin
+                        mirrored_d = mirrored_d ^ y_d[IN-1];
+                        y_d        = y_d ^ {IN{y_d[IN-1]}};
+                        turn_x     = {{(BITS-IN+1){1'b0}}, y_d[IN-2:0]} >> (2 * s + i);
+                        turn_y     = x_d >> (2 * s + i);
+                        y_d        = y_d - turn_y[IN-1:0];
+                        if (2 * s + i < SETTLED) x_d = x_d + turn_x;
+                        angle_d    = angle_d - ({18{mirrored_d}} & TWICE[18*i +: 18]);
+                    end
                 end
             end
             always @(posedge clk) begin
@@ -122,7 +122,7 @@ module polar #(
     endgenerate
 
     reg [LATENCY*BESIDE_BITS-1:0] beside_q;
-    always @(posedge clk) beside_q <= {beside_q[(LATENCY-1)*BESIDE_BITS-1:0], i_beside};
+    always @(posedge clk) beside_q <= i_used ? {beside_q[(LATENCY-1)*BESIDE_BITS-1:0], i_beside} : {LATENCY*BESIDE_BITS{1'bx}};
     assign o_beside = beside_q[LATENCY*BESIDE_BITS-1 -: BESIDE_BITS];
 endmodule
 `default_nettype wire

@@ -4,7 +4,9 @@
 //
 // It is found digit by digit, as on paper: the radicand's next two bits are brought down behind the rest, and the root's next
 // bit is 1 when four times the root so far, plus 1, can be subtracted from that. This takes no multiplier, and each stage works
-// only with the bits that can be set by then. o_root belongs to the i_radicand of BITS / STEPS clocks before.
+// only with the bits that can be set by then. o_root belongs to the i_radicand of BITS / STEPS clocks before,
+// if i_used was set since. In clocks without it the registers are left at x: that costs nothing in hardware, and a simulator can
+// skip the computation.
 // BITS (2 to 32) is the width of the root. STEPS, which divides it, is how many digits are found between two registers: more
 // take fewer registers and a slower clock.
 `default_nettype none
@@ -13,6 +15,7 @@ module square_root #(
     parameter STEPS = 2
 ) (
     input  wire              clk,
+    input  wire              i_used,
     input  wire [2*BITS-1:0] i_radicand,
     output wire [BITS-1:0]   o_root
 );
@@ -44,17 +47,18 @@ module square_root #(
             reg [2*BITS-1:0]   to_come_d, to_come_q;
             integer i;
             always @* begin
-                root_d    = root_in;
-                rest_d    = rest_in;
-                to_come_d = to_come_in;
-                brought   = {(DIGITS+2){1'b0}};
-                trial     = {(DIGITS+2){1'b0}};
-                for (i = 0; i < STEPS; i = i + 1) begin
-                    brought   = {rest_d[DIGITS-1:0], to_come_d[2*BITS-1 -: 2]};
-                    trial     = brought - {root_d[DIGITS-1:0], 2'b01};  // below 0 when its top bit is set
-                    rest_d    = trial[DIGITS+1] ? brought[DIGITS:0] : trial[DIGITS:0];
-                    root_d    = {root_d[DIGITS-1:0], !trial[DIGITS+1]};
-                    to_come_d = to_come_d << 2;
+                {root_d, rest_d} = {2*(DIGITS+1){1'bx}};
+                {brought, trial} = {2*(DIGITS+2){1'bx}};
+                to_come_d        = {2*BITS{1'bx}};
+                if (i_used) begin
+                    {root_d, rest_d, to_come_d} = {root_in, rest_in, to_come_in};
+                    for (i = 0; i < STEPS; i = i + 1) begin
+                        brought   = {rest_d[DIGITS-1:0], to_come_d[2*BITS-1 -: 2]};
+                        trial     = brought - {root_d[DIGITS-1:0], 2'b01};  // below 0 when its top bit is set
+                        rest_d    = trial[DIGITS+1] ? brought[DIGITS:0] : trial[DIGITS:0];
+                        root_d    = {root_d[DIGITS-1:0], !trial[DIGITS+1]};
+                        to_come_d = to_come_d << 2;
+                    end
                 end
             end
             always @(posedge clk) {root_q, rest_q, to_come_q} <= {root_d, rest_d, to_come_d};

@@ -41,7 +41,6 @@ module width_pulse_generators #(
     output wire                   o_settled,    // every pulse from before the last commit has ended
     output reg  [CHANNELS-1:0]    o_pins
 );
-    localparam WORD = 2 * TIMING_BITS + 1;
     localparam [WIDTH_BITS-1:0] NONE = 0, ONE = 1;
 
     generate
@@ -76,29 +75,26 @@ module width_pulse_generators #(
         end
     end
 
-    // A commit copies the shadow registers; of the old words it keeps the low bits of fall, which is all that a pulse from before
-    // needs to find its end.
-    reg  [CHANNELS*WORD-1:0]        shadow_q;
-    reg  [CHANNELS*TIMING_BITS-1:0] rises_q, falls_q;
-    wire [CHANNELS*WORD-1:0]        shifted;
-    reg  [CHANNELS-1:0]             early_q;
-    wire [CHANNELS-1:0]             coming;  // of the words that wait: early
-    generate
-        if (CHANNELS == 1) assign shifted = i_word;
-        else assign shifted = {i_word, shadow_q[CHANNELS*WORD-1:WORD]};
-    endgenerate
-    genvar g;
-    generate
-        for (g = 0; g < CHANNELS; g = g + 1) begin : channel
-            assign coming[g] = shadow_q[g*WORD + 2*TIMING_BITS];
-            always @(posedge clk) begin
-                if (commit_q) {early_q[g], falls_q[g*TIMING_BITS +: TIMING_BITS], rises_q[g*TIMING_BITS +: TIMING_BITS]} <= shadow_q[g*WORD +: WORD];
-                if (commit_q) shadow_q[g*WORD +: WIDTH_BITS] <= falls_q[g*TIMING_BITS +: WIDTH_BITS];
-                else if (i_shift) shadow_q[g*WORD +: WIDTH_BITS] <= shifted[g*WORD +: WIDTH_BITS];
-                if (i_shift && !commit_q) shadow_q[g*WORD + WIDTH_BITS +: WORD-WIDTH_BITS] <= shifted[g*WORD + WIDTH_BITS +: WORD-WIDTH_BITS];
-            end
+    // What waits is shifted through all channels, and a commit copies it. Of the old words a commit keeps the low bits of fall, which
+    // is all that a pulse from before needs to find its end, in place of the rises. All channels are one vector, which a simulator
+    // passes by in the clocks that leave it alone.
+    reg  [CHANNELS*TIMING_BITS-1:0] rises_q, falls_q, next_rises_q, next_falls_q;
+    reg  [CHANNELS-1:0]             early_q, coming_q;
+    localparam [TIMING_BITS-1:0] LOW_BITS = {TIMING_BITS{1'b1}} >> (TIMING_BITS - WIDTH_BITS);
+    localparam [CHANNELS*TIMING_BITS-1:0] LOW = {CHANNELS{LOW_BITS}};
+    always @(posedge clk) begin
+        if (commit_q) begin
+            rises_q      <= next_rises_q;
+            next_rises_q <= (next_rises_q & ~LOW) | (falls_q & LOW);
+            falls_q      <= next_falls_q;
+            early_q      <= coming_q;
+        end else if (i_shift) begin
+            next_rises_q <= next_rises_q >> TIMING_BITS;
+            next_falls_q <= next_falls_q >> TIMING_BITS;
+            coming_q     <= coming_q >> 1;
+            {coming_q[CHANNELS-1], next_falls_q[CHANNELS*TIMING_BITS-1 -: TIMING_BITS], next_rises_q[CHANNELS*TIMING_BITS-1 -: TIMING_BITS]} <= i_word;
         end
-    endgenerate
+    end
 
     reg [CHANNELS-1:0] new_q;  // the channel is in a pulse of the present record
     reg [CHANNELS-1:0] old_q;  // it is in a pulse from before the last commit, whose fall is in the shadow register; ahead: of the coming record
@@ -122,7 +118,7 @@ module width_pulse_generators #(
             ends[k] = off_fall[k*PAIRS +: PAIRS] == {PAIRS{1'b0}};
         end
         if (moves && (ahead_q || old_q != {CHANNELS{1'b0}})) for (k = 0; k < CHANNELS; k = k + 1) begin
-            off_old_fall[k*OLD_PAIRS +: OLD_PAIRS] = differ_old(shadow_q[k*WORD +: WIDTH_BITS], old_count_q);
+            off_old_fall[k*OLD_PAIRS +: OLD_PAIRS] = differ_old(next_rises_q[k*TIMING_BITS +: WIDTH_BITS], old_count_q);
             old_hits[k] = off_old_fall[k*OLD_PAIRS +: OLD_PAIRS] == {OLD_PAIRS{1'b0}};
         end
     end
@@ -140,7 +136,7 @@ module width_pulse_generators #(
 
     wire [CHANNELS-1:0] starts = (begins & {CHANNELS{start_q}} & ~early_q) | (early_q & {CHANNELS{first_q}});
     wire [CHANNELS-1:0] new_d  = (new_q & ~ends) | (~new_q & starts);
-    wire [CHANNELS-1:0] old_d  = ahead_q ? old_q | (old_hits & coming & {CHANNELS{tick_q}}) : old_q & ~old_hits;
+    wire [CHANNELS-1:0] old_d  = ahead_q ? old_q | (old_hits & coming_q & {CHANNELS{tick_q}}) : old_q & ~old_hits;
     wire [CHANNELS-1:0] now    = new_q | old_q;
     wire off = rst || !i_allow;
     initial {o_pins, new_q, old_q} = {3*CHANNELS{1'b0}};

@@ -9,6 +9,7 @@ wire [2*BITS+1:0]        f_root     = {{(BITS+1){1'b0}}, root[STAGES]};
 wire [2*BITS+1:0]        f_rest     = {{(BITS+1){1'b0}}, rest[STAGES]};
 initial f_clocks_q = 8'd0;
 always @(posedge clk) begin
+    assume (i_used);
     f_radicands_q <= {f_radicands_q[2*BITS*(STAGES-1)-1:0], i_radicand};
     if (f_clocks_q != STAGES[7:0]) f_clocks_q <= f_clocks_q + 8'd1;
     if (f_clocks_q == STAGES[7:0]) begin

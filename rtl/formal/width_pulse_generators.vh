@@ -106,6 +106,7 @@ end
 
 // Follows any one word through the chain: f_word_q was shifted in f_age_q shifts ago; 0 means that no word is followed.
 (* anyseq *) wire f_watch;
+localparam WORD = 2 * TIMING_BITS + 1;
 reg [WORD-1:0] f_word_q;
 reg [15:0]     f_age_q;
 always @(posedge clk) begin
@@ -127,7 +128,7 @@ generate
     for (f_k = 0; f_k < CHANNELS; f_k = f_k + 1) begin : f_channel
         // The word that waits or is committed: as the header asks for it.
         wire [F_BITS-1:0]     f_next_length = commit_q ? f_length : f_coming;
-        wire [WORD-1:0]       f_next_word  = shadow_q[f_k*WORD +: WORD];
+        wire [WORD-1:0]       f_next_word  = {coming_q[f_k], next_falls_q[f_k*TIMING_BITS +: TIMING_BITS], next_rises_q[f_k*TIMING_BITS +: TIMING_BITS]};
         wire                  f_next_early = f_next_word[2*TIMING_BITS];
         wire [F_BITS-1:0]     f_next_rise  = {2'b00, f_next_word[TIMING_BITS-1:0]};
         wire [WIDTH_BITS-1:0] f_next_width = f_widths[f_k*WIDTH_BITS +: WIDTH_BITS];
@@ -152,7 +153,7 @@ generate
         // The same, computed from fall: how long new_q and old_q stay high.
         wire [F_BITS-1:0]     f_to_fall  = f_fall_q >= f_count_q ? f_fall_q - f_count_q : f_fall_q + f_length_q - f_count_q;
         wire [F_BITS-1:0]     f_new_left = f_to_fall + {{(F_BITS-1){1'b0}}, tick_q};
-        wire [WIDTH_BITS-1:0] f_old      = shadow_q[f_k*WORD +: WIDTH_BITS] - old_count_q;
+        wire [WIDTH_BITS-1:0] f_old      = next_rises_q[f_k*TIMING_BITS +: WIDTH_BITS] - old_count_q;
         wire [WIDTH_BITS:0]   f_old_left = {1'b0, f_old} + {{WIDTH_BITS{1'b0}}, tick_q};
         wire [F_BITS-1:0]     f_ahead_left = f_behind + f_next_fall + {{(F_BITS-1){1'b0}}, tick_q} + F_ONE;
         wire [F_TICKS-1:0]    f_left_old = f_waits_q ? ~({F_TICKS{1'b1}} << f_ahead_left) : ~({F_TICKS{1'b1}} << f_old_left);
