@@ -39,6 +39,8 @@ void add_bitstream(CLI::App& app, Action& action) {
     sub->add_option("--placed", options->patch.placed, "folder of what 'make bitstream' made")->capture_default_str();
     sub->add_flag("--autostart", options->patch.autostart,
                   "the board plays the image at power-up, with no host and no watchdog");
+    sub->add_option("--rx-delay", options->patch.rx_delay,
+                    "of a board over Ethernet: delay of its inputs, in steps of 25 ps, instead of its file's");
     sub->callback([options, &action] { action = [options] { return bitstream(*options); }; });
 }
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`haptogram bitstream`: what is read back from the bitstream by the tools that unpack it is the image, bit for bit."""
 import json
+import random
 import shutil
 import subprocess
 import time
@@ -174,3 +175,28 @@ def test_a_damaged_placed_design_is_noticed(board, image, tmp_path):
     message = fails(RUN_FAILED, "bitstream", "--board", board, "--image", image, "-o", tmp_path / "out.bin", "--placed", tmp_path / "placed")
     assert "make bitstream" in message
     assert not (tmp_path / "out.bin").exists()
+
+
+def test_another_delay_of_the_inputs_needs_no_placing(tmp_path, monkeypatch):
+    board = "colorlight-5a-75e-v7.1-sdram"
+    (tmp_path / "placed" / board).mkdir(parents=True)
+    (tmp_path / "ecppack").write_text('#!/bin/sh\ncp "$2" "$3"\n')  # what is to be packed
+    (tmp_path / "ecppack").chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
+    words = [random.Random(1).getrandbits(32) ^ n for n in range(1024)]
+    rows = [word >> 9 * part & 0x1FF for word in words for part in range(4)]
+    lines = [" ".join(f"{row:03x}" for row in rows[at : at + 8]) + "\n" for at in range(0, len(rows), 8)]
+    delays = ["1010000"] * 5 + ["0000000"] * 3
+    config = "".join(f"word: IOLOGICA.DELAY.DEL_VALUE {bits}\n" for bits in delays)
+    config += "".join(f".bram_init {n}\n{''.join(lines[256 * n : 256 * n + 256])}\n" for n in range(2))
+    (tmp_path / "placed" / board / "placed.config").write_text(config)
+    (tmp_path / "placed" / board / "sequence_init.hex").write_text("".join(f"{word:08x}\n" for word in words))
+    command = ["bitstream", "--board", board, "--empty", "--placed", tmp_path / "placed", "-o", tmp_path / "out.bit"]
+    run(*command, "--rx-delay", "16")
+    found = [line.split()[-1] for line in (tmp_path / "out.bit").read_text().splitlines() if "DEL_VALUE" in line]
+    assert found == ["0010000"] * 5 + ["0000000"] * 3
+    assert json.loads((tmp_path / "out.bit.json").read_text())["rx_delay"] == 16
+    assert "0 to 127" in fails(USAGE, *command, "--rx-delay", "128")
+    assert "no network" in fails(USAGE, "bitstream", "--board", "ulx3s-85f", "--empty", "-o", tmp_path / "no.bit", "--rx-delay", "1")
+    (tmp_path / "placed" / board / "placed.config").write_text(config.replace("1010000", "1010001", 1))
+    assert "found 4 inputs" in fails(RUN_FAILED, *command, "--rx-delay", "16")

@@ -178,4 +178,23 @@ std::string replace_block_ram(std::string_view config, const std::vector<std::ui
     return result;
 }
 
+std::string replace_rx_delay(std::string config, unsigned from, unsigned to, const std::string& where) {
+    constexpr std::string_view word = ".DELAY.DEL_VALUE ";
+    constexpr std::size_t bits = 7, inputs = 5;
+    const std::string old = std::bitset<bits>(from).to_string(), fresh = std::bitset<bits>(to).to_string();
+    std::size_t found = 0;
+    for (std::size_t at = 0; (at = config.find(word, at)) != std::string::npos;) {
+        at += word.size();
+        if (config.compare(at, bits, old) != 0) continue;
+        config.replace(at, bits, fresh);
+        ++found;
+    }
+    if (found != inputs)
+        throw Error(ErrorCode::failed, where,
+                    fmt::format("found {} inputs with a delay of {}, expected {}; it was not built with the rx_delay "
+                                "of the board's file, or that is 0: run 'make bitstream' again",
+                                found, from, inputs));
+    return config;
+}
+
 }  // namespace haptogram

@@ -31,4 +31,9 @@ namespace haptogram {
                                             const std::vector<std::uint32_t>& to, unsigned width,
                                             const std::string& where);
 
+/// Changes the delay of each input of a network's receiver, of which there are five: four of data, one of control.
+/// @param from, to  in steps of 25 ps, 0 to 127
+/// @throws Error{failed} unless the configuration has just these five delays of `from`
+[[nodiscard]] std::string replace_rx_delay(std::string config, unsigned from, unsigned to, const std::string& where);
+
 }  // namespace haptogram

@@ -129,6 +129,8 @@ std::string patched_ecp5(const Board& board, const PatchOptions& options, const 
     for (const Contents& memory : memories)
         config = replace_block_ram(config, read_words(placed_file(board, options, memory.name + "_init.hex")),
                                    memory.words, memory.width, placed.string());
+    if (options.rx_delay && *options.rx_delay != board.network->rx_delay)
+        config = replace_rx_delay(std::move(config), board.network->rx_delay, *options.rx_delay, placed.string());
     write_file(scratch.path() / "patched.config", config);
     run_tool(scratch.path(), {find_tool("ecppack", options.placed), "--compress", "patched.config", "packed"}, "", "");
     return read_file(scratch.path() / "packed");
@@ -140,6 +142,10 @@ Patched patch(const PatchOptions& options, const Progress& progress) {
     const Board board = load_board(options.board);
     if (!options.image && options.autostart)
         throw bad_argument("autostart", "there is nothing to play in an empty memory; give an image", {"image"});
+    if (options.rx_delay && (!board.network || *options.rx_delay > 127))
+        throw bad_argument(
+            "rx_delay", board.network ? fmt::format("found {}, expected 0 to 127, in steps of 25 ps", *options.rx_delay)
+                                      : fmt::format("{} has no network whose inputs it could delay", board.name));
     if (options.image && board.parameters.sdram != 0)
         throw bad_input(*options.image,
                         fmt::format("the records of {} lie in an SDRAM, which is empty at power-up; upload them, or "
@@ -165,6 +171,7 @@ Patched patch(const PatchOptions& options, const Progress& progress) {
     Patched patched;
     patched.bitstream =
         board.fpga.family == "ice40" ? patched_ice40(board, options, memories) : patched_ecp5(board, options, memories);
+    if (board.network) manifest["rx_delay"] = options.rx_delay.value_or(board.network->rx_delay);
     manifest["autostart"] = options.autostart;
     // A board that starts by itself has no host, so nothing for the watchdog to watch.
     manifest["watchdog_ms"] = options.autostart ? 0 : board.parameters.watchdog_ms;

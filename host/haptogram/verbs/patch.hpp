@@ -11,6 +11,7 @@ namespace haptogram {
 struct PatchOptions {
     std::string board;                 ///< name of a shipped board, or its file
     std::optional<std::string> image;  ///< image or project; none: empty memories, to be filled over the link
+    std::optional<unsigned> rx_delay;  ///< instead of the board's, of its network's inputs, in steps of 25 ps
     bool autostart = false;            ///< the board plays the image at power-up, with no host and no watchdog
     std::filesystem::path placed = "build/boards";  ///< folder of what tools/bitstream.py placed, a folder a board
 };
@@ -20,8 +21,9 @@ struct Patched {
     std::string bitstream, manifest;
 };
 
-/// Puts an image into the block RAMs of a bitstream that was placed once, without placing it again. It calls the
-/// packers of IceStorm or Project Trellis.
+/// Puts an image into the block RAMs of a bitstream that was placed once, without placing it again; and another delay
+/// into its network's inputs, of which whoever has a new board tries some. It calls the packers of IceStorm or Project
+/// Trellis.
 /// @throws Error{bad_input} when the image does not fit the board or nothing was placed, Error{failed} when a packer
 /// fails or the placed design is not what its files say
 [[nodiscard]] Patched patch(const PatchOptions& options, const Progress& progress = {});
