@@ -9,10 +9,10 @@
 namespace haptogram {
 
 struct PatchOptions {
-    std::string board;                 ///< name of a shipped board, or its file
-    std::optional<std::string> image;  ///< image or project; none: empty memories, to be filled over the link
-    std::optional<unsigned> rx_delay;  ///< instead of the board's, of its network's inputs, in steps of 25 ps
-    bool autostart = false;            ///< the board plays the image at power-up, with no host and no watchdog
+    std::string board;                   ///< name of a shipped board, or its file
+    std::optional<std::string> image;    ///< image or project; none: empty memories, to be filled over the link
+    std::optional<unsigned> rx_delay{};  ///< instead of the board's, of its network's inputs, in steps of 25 ps
+    bool autostart = false;              ///< the board plays the image at power-up, with no host and no watchdog
     std::filesystem::path placed = "build/boards";  ///< folder of what tools/bitstream.py placed, a folder a board
 };
 
