@@ -183,7 +183,8 @@ def test_another_delay_of_the_inputs_needs_no_placing(tmp_path, monkeypatch):
     (tmp_path / "ecppack").write_text('#!/bin/sh\ncp "$2" "$3"\n')  # what is to be packed
     (tmp_path / "ecppack").chmod(0o755)
     monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
-    words = [random.Random(1).getrandbits(32) ^ n for n in range(1024)]
+    generator = random.Random(1)
+    words = [generator.getrandbits(32) for _ in range(1024)]
     rows = [word >> 9 * part & 0x1FF for word in words for part in range(4)]
     lines = [" ".join(f"{row:03x}" for row in rows[at : at + 8]) + "\n" for at in range(0, len(rows), 8)]
     delays = ["1010000"] * 5 + ["0000000"] * 3
