@@ -24,7 +24,7 @@ def test_positions_are_a_view_that_outlives_its_array():
     positions, normals = made.positions_m, made.normals
     assert positions.shape == normals.shape == (100, 3)
     assert not positions.flags.owndata and not positions.flags.writeable
-    assert positions.strides == (64, 8)  # position, normal and response of an element lie beside each other
+    assert positions.strides == (72, 8)  # position, normal, response and weight of an element lie beside each other
     del made
     assert np.allclose(positions[0], (-0.045, -0.045, 0.0)) and np.all(normals == (0, 0, 1))
 
