@@ -4,14 +4,18 @@ import json
 import random
 import shutil
 import subprocess
+import sys
 import time
-import tomllib
 from pathlib import Path
 
 import pytest
 import support
 from intelhex import IntelHex
 from support import BAD_INPUT, ROOT, RUN_FAILED, USAGE
+
+sys.path.insert(0, str(ROOT / "tools"))
+import boards  # noqa: E402
+
 
 def run(*args):
     return support.succeed(args)
@@ -25,15 +29,9 @@ def fails(code, *args):
 
 PLACED = ROOT / "build" / "boards"
 VENV = ROOT / "build" / "venv" / "bin"
-FILES = {p.stem: tomllib.loads(p.read_text()) for p in sorted((ROOT / "constraints").glob("*.toml"))}
-
-
-def with_like(file):
-    return with_like(FILES[file["like"]]) | file if "like" in file else file
-
-
-FPGAS = {name: with_like(file)["fpga"] for name, file in FILES.items()}
-BOARDS = {board: "asc" if fpga["family"] == "ice40" else "config" for board, fpga in FPGAS.items() if "sdram" not in FILES[board]}
+FILES = {name: boards.load(name) for name in boards.names()}
+FPGAS = {name: file["fpga"] for name, file in FILES.items()}
+BOARDS = {board: "asc" if file["fpga"]["family"] == "ice40" else "config" for board, file in FILES.items() if "sdram" not in file}
 IDCODES = {"25k": "0x41111043", "85k": "0x41113043"}  # of the ECP5s
 
 
