@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fcntl.h>
+#include <pthread.h>
 #include <unistd.h>
 
 #include <array>
 #include <catch2/catch.hpp>
+#include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <thread>
+#include <utility>
+#include <vector>
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/link/serial_port.hpp"
@@ -42,6 +48,40 @@ TEST_CASE("serial port: programs that are started meanwhile do not have it", "[l
         port.reset();
         REQUIRE_NOTHROW(link::SerialPort(name.data(), 1'000'000));
         CHECK(::pclose(other) == 0);
+    }
+    SECTION("one that takes no bytes is given up, after a signal soon") {
+        unsigned signals = 0;
+        port->set_interrupt([&] { return signals; });
+        const std::vector<std::uint8_t> more(1 << 16, 'x');  // than a pseudo-terminal holds
+        for (const auto& [asked, seconds] : {std::pair(1U, 1.0), {2U, 0.0}, {0U, 10.0}}) {
+            signals = asked;
+            const auto begun = std::chrono::steady_clock::now();
+            CHECK_THROWS_WITH(port->write(more), Contains("takes no bytes"));
+            const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begun;
+            CHECK(taken.count() == Approx(seconds).margin(0.5));
+        }
+    }
+    SECTION("a signal while it takes no bytes does not end it") {
+        struct sigaction quiet {};
+        quiet.sa_handler = [](int) {};  // without SA_RESTART
+        struct sigaction before {};
+        REQUIRE(::sigaction(SIGUSR1, &quiet, &before) == 0);
+        const std::vector<std::uint8_t> sent(1 << 16, 'x');  // more than a pseudo-terminal holds
+        std::size_t arrived = 0;
+        std::thread other([&, writer = ::pthread_self()] {
+            for (int signals = 0; signals < 100; ++signals) {
+                ::pthread_kill(writer, SIGUSR1);
+                std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            }
+            std::array<char, 4096> bytes{};
+            for (ssize_t count = 1; arrived < sent.size() && count > 0; arrived += static_cast<std::size_t>(count))
+                count = ::read(master, bytes.data(), bytes.size());
+        });
+        CHECK_NOTHROW(port->write(sent));
+        port.reset();  // so that the other's read ends, whatever was written
+        other.join();
+        CHECK(arrived == sent.size());
+        ::sigaction(SIGUSR1, &before, nullptr);
     }
     ::close(master);
 }

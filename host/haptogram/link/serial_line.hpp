@@ -20,8 +20,8 @@ using SerialHandle = int;
 void forget(SerialHandle port, bool also_received);
 /// @return false when this line knows no break
 bool hold_break(SerialHandle port, bool on);
-/// Waits until it may take bytes, at most so long.
-void wait_to_write(SerialHandle port, std::chrono::milliseconds patience);
+/// Waits until it may take bytes, at most so long. @return whether it may, or has an error to tell
+[[nodiscard]] bool wait_to_write(SerialHandle port, std::chrono::milliseconds patience);
 
 /// The rate of a port, or of the terminal whose master this is; 0 when it has none.
 [[nodiscard]] std::uint32_t baud_rate(SerialHandle port);

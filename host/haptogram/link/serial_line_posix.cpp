@@ -21,9 +21,9 @@ void forget(SerialHandle port, bool also_received) { ::tcflush(port, also_receiv
 
 bool hold_break(SerialHandle port, bool on) { return ::ioctl(port, on ? TIOCSBRK : TIOCCBRK) == 0; }
 
-void wait_to_write(SerialHandle port, std::chrono::milliseconds patience) {
+bool wait_to_write(SerialHandle port, std::chrono::milliseconds patience) {
     pollfd wait{port, POLLOUT, 0};
-    ::poll(&wait, 1, static_cast<int>(patience.count()));
+    return ::poll(&wait, 1, static_cast<int>(patience.count())) > 0;
 }
 
 #ifdef __APPLE__

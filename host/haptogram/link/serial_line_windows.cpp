@@ -18,7 +18,7 @@ void forget(SerialHandle port, bool also_received) {
 bool hold_break(SerialHandle port, bool on) { return (on ? ::SetCommBreak(port) : ::ClearCommBreak(port)) != 0; }
 
 /// Boost.Asio's writing waits by itself there.
-void wait_to_write(SerialHandle, std::chrono::milliseconds) { std::this_thread::yield(); }
+bool wait_to_write(SerialHandle, std::chrono::milliseconds) { return true; }  // its writes wait themselves
 
 std::uint32_t baud_rate(SerialHandle port) {
     DCB settings{};

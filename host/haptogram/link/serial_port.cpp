@@ -17,7 +17,9 @@ namespace haptogram::link {
 namespace asio = boost::asio;
 namespace {
 
-constexpr std::chrono::seconds most_wait{10};  // for the port to take bytes
+using namespace std::chrono_literals;
+
+constexpr std::chrono::seconds most_wait = 10s, most_wait_interrupted = 1s;  // for the port to take bytes
 
 }  // namespace
 
@@ -65,18 +67,28 @@ SerialPort::SerialPort(const std::string& path, std::uint32_t baud) : port_(std:
 
 SerialPort::~SerialPort() = default;
 
+// write_some() waits without a limit for a port that is full, so it is asked only when there is room.
 void SerialPort::write(std::span<const std::uint8_t> bytes) {
-    const auto deadline = std::chrono::steady_clock::now() + most_wait;
+    auto since = std::chrono::steady_clock::now();  // it took some last, or a signal asked to end
+    unsigned signals = 0;
     while (!bytes.empty()) {
-        boost::system::error_code error;
-        const std::size_t count = port_->serial.write_some(asio::buffer(bytes.data(), bytes.size()), error);
-        if (error && error != asio::error::would_block) throw port_->gone(error);
-        bytes = bytes.subspan(count);
-        if (bytes.empty()) return;
-        if (std::chrono::steady_clock::now() > deadline || (port_->interrupt && port_->interrupt() > 0))
+        if (wait_to_write(port_->serial.native_handle(), 50ms)) {
+            boost::system::error_code error;
+            const std::size_t count = port_->serial.write_some(asio::buffer(bytes.data(), bytes.size()), error);
+            if (error && error != asio::error::would_block && error != asio::error::interrupted)
+                throw port_->gone(error);
+            bytes = bytes.subspan(count);
+            if (bytes.empty()) return;
+            if (count > 0 && signals == 0) since = std::chrono::steady_clock::now();
+        }
+        if (port_->interrupt && port_->interrupt() != signals) {
+            signals = port_->interrupt();
+            since = std::chrono::steady_clock::now();
+        }
+        const std::chrono::seconds patience = signals == 0 ? most_wait : signals == 1 ? most_wait_interrupted : 0s;
+        if (std::chrono::steady_clock::now() - since > patience || signals > 1)
             throw LinkLost(port_->path,
-                           fmt::format("it takes no bytes, not within {} s; is a board behind it?", most_wait.count()));
-        wait_to_write(port_->serial.native_handle(), std::chrono::milliseconds(100));
+                           fmt::format("it takes no bytes, not within {} s; is a board behind it?", patience.count()));
     }
 }
 
