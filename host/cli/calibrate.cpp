@@ -209,6 +209,12 @@ void add_instrument(CLI::App& sub, CalibrateCommand& command) {
                    "Board file, shipped board or configuration (default: what the array's file says)");
 }
 
+std::vector<std::string> names_of_drives() {
+    std::vector<std::string> names;
+    for (const auto& [drive, name] : drive_names) names.emplace_back(name);
+    return names;
+}
+
 }  // namespace
 
 void add_calibrate(CLI::App& app, Action& action) {
@@ -257,7 +263,7 @@ void add_calibrate(CLI::App& app, Action& action) {
     sub->add_option("--drive", fit->drive,
                     "On boards that compute foci: all elements alike, weighed by their gains, or equalised to the "
                     "weakest that is alive")
-        ->check(CLI::IsMember({"full", "weighed", "equalised"}))
+        ->check(CLI::IsMember(names_of_drives()))
         ->capture_default_str();
     sub->add_option("-o,--output", fit->output,
                     "The calibration, TOML, which --array takes wherever it takes an array; - is standard output");

@@ -93,7 +93,7 @@ test("STOP, and a page that goes away, end a session at once", async (t) => {
   await eventually(() => sessions(studio).length === 0);
 });
 
-test("a tracker's pipe is felt as its lines come; what is none is refused, and no second session begins", async (t) => {
+test("a tracker's pipe is felt as its lines come; what is none is refused", async (t) => {
   const where = await folder(t);
   const { page, scenes } = await touching(t);
   const pipe = join(where, "hands");
