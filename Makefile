@@ -16,7 +16,7 @@ export PATH HOME
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  make %-10s %s\n", $$1, $$2}' Makefile
 
-setup: ## install what is missing on Debian 12, TIER=demo, test, dev or hardware; nothing when all is there. No other target installs anything
+setup: ## install what is missing on Debian 12, TIER=demo, test, dev or hardware; nothing when all is there. Other targets install nothing, but bench and dist, in build/
 	@tools/setup $(TIER)
 
 # $(call need,PROGRAMS): one line when some are missing. What the libraries need, CMake says, in one line, too.
@@ -99,7 +99,8 @@ soak: build ## torture of the link, boards on one wire, reference board and fuzz
 	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/test_torture --durations yes
 	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/modules/test_module_carrier_edges --durations yes
 	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/modules/test_module_net_core 'stream*' --durations yes
-	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/test_tiles --durations yes
+	@HAPTOGRAM_SOAK=1 HAPTOGRAM_MODEL=rtl $(BUILD)/tests/test_tiles --durations yes
+	@HAPTOGRAM_MODEL=rtl HAPTOGRAM_PROGRAM=$(CURDIR)/$(BUILD)/host/cli/haptogram $(PYTHON) -m pytest -q -p no:cacheprovider tests/cli tests/python
 	@HAPTOGRAM_SOAK=1 $(BUILD)/tests/test_reference --durations yes
 	@$(PYTHON) tests/fuzz/run.py --program $(BUILD)/host/cli/haptogram --runs $(or $(FUZZ_RUNS),10000000)
 

@@ -8,5 +8,5 @@ if(NOT DEFINED HAPTOGRAM_MODELS)  # not in the cache, which would keep an older 
 endif()
 # Further options of Verilator for a model. The small cores, on which most contract tests run, check in every clock what the
 # proofs assert.
-set(HAPTOGRAM_MODEL_OPTIONS_small-16 --assert -DFORMAL)
-set(HAPTOGRAM_MODEL_OPTIONS_small-16-wide --assert -DFORMAL)
+set(HAPTOGRAM_MODEL_OPTIONS_small-16 --assert -DFORMAL -DFORMAL_WHOLE_CORE)
+set(HAPTOGRAM_MODEL_OPTIONS_small-16-wide --assert -DFORMAL -DFORMAL_WHOLE_CORE)

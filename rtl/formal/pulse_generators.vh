@@ -112,6 +112,9 @@ always @(posedge clk) begin
     if (f_reset_seen_q) assert (f_age_q <= F_CHANNELS);
 end
 
+// With a bit for each of 255 ticks this takes three quarters of the time of a simulated core, whose pins its tests compare with the
+// reference board's; there it is left out.
+`ifndef FORMAL_WHOLE_CORE
 genvar f_k;
 generate
     for (f_k = 0; f_k < CHANNELS; f_k = f_k + 1) begin : f_channel
@@ -159,3 +162,4 @@ generate
         end
     end
 endgenerate
+`endif

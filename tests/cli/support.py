@@ -192,10 +192,21 @@ def open_raw(port):
     return descriptor
 
 
+# Most cases are about the host, and their boards are the reference board. HAPTOGRAM_MODEL=rtl runs all of them on Verilated ones.
+MODEL = os.environ.get("HAPTOGRAM_MODEL", "reference")
+
+
+def board_run(*options):
+    """The command of a virtual board: a Verilated one runs as fast as it can, which is slower than a real one."""
+    model = [] if "--model" in options else ["--model", MODEL]
+    speed = [] if "--speed" in options or "reference" in (*model, *options) else ["--speed", "max"]
+    return [str(PROGRAM), "board", "run", "--json", *model, *speed, *map(str, options)]
+
+
 @contextlib.contextmanager
 def virtual_board(folder, *options):
     """A running board; its port is `folder`/port."""
-    command = [str(PROGRAM), "board", "run", "--json", "--speed", "max", "--pty", "port", *options]
+    command = board_run("--pty", "port", *options)
     process = subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     try:
         process.says = json.loads(process.stdout.readline())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rigs: the files that `compile --rig` writes, what the commands refuse, reference boards that play, and two Verilated ones that play and are streamed to."""
+"""Rigs: the files that `compile --rig` writes, what the commands refuse, and two boards that play and are streamed to."""
 import contextlib
 import json
 import os
@@ -11,7 +11,7 @@ import threading
 import tty
 
 import pytest
-from support import BAD_INPUT, DEVICE, PROGRAM, RATE_NOTE, USAGE, assert_one_message, open_raw, path_file, run, succeed, text
+from support import BAD_INPUT, DEVICE, PROGRAM, RATE_NOTE, USAGE, assert_one_message, board_run, open_raw, path_file, run, succeed, text
 
 PAIR = """format = "haptogram-rig-1"
 name = "pair"
@@ -92,7 +92,7 @@ def test_what_cannot_be_done(pair, args, code, needles):
 
 
 ENABLE = 0x04  # rtl/INTERFACE.md
-PATIENCE_S = 500  # two Verilated boards on a busy machine take a minute for what takes seconds on an idle one
+PATIENCE_S = 500  # two Verilated boards on a busy machine take long
 
 
 def commands_in(data):
@@ -179,8 +179,8 @@ def test_reference_boards_play_a_rig(pair, tmp_path):
 
 @pytest.fixture(scope="module")
 def boards(pair):
-    """Two Verilated boards on one wire, with their images. @return the cables to them, and the options that name their ports"""
-    command = [str(PROGRAM), "board", "run", "--tiles", "2", "--json", "--speed", "max"]
+    """Two boards on one wire, with their images. @return the cables to them, and the options that name their ports"""
+    command = board_run("--tiles", "2")
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     cables = [Cable(port) for port in json.loads(process.stdout.readline())["ports"]]
     try:
@@ -262,8 +262,8 @@ def test_a_path_goes_to_a_rig(pair, boards):
 
 @contextlib.contextmanager
 def chain(folder, *options):
-    """Two Verilated boards behind one pseudo-terminal, called port."""
-    process = subprocess.Popen([str(PROGRAM), "board", "run", "--tiles", "2", "--chain", "--json", "--speed", "max", "--pty", "port", *options], cwd=folder, stdout=subprocess.PIPE)
+    """Two boards behind one pseudo-terminal, called port."""
+    process = subprocess.Popen(board_run("--tiles", "2", "--chain", "--model", "rtl", "--pty", "port", *options), cwd=folder, stdout=subprocess.PIPE)
     try:
         assert json.loads(process.stdout.readline())["ports"] == ["port#1", "port#2"]
         yield process
@@ -287,7 +287,7 @@ def test_a_rig_behind_one_port(pair):
 
 
 def test_a_board_alone_is_listed_as_one(pair):
-    process = subprocess.Popen([str(PROGRAM), "board", "run", "--json", "--speed", "max", "--pty", "alone"], cwd=pair, stdout=subprocess.PIPE)
+    process = subprocess.Popen(board_run("--pty", "alone"), cwd=pair, stdout=subprocess.PIPE)
     try:
         process.stdout.readline()
         found = text(succeed(["device", "list", "--port", "alone"], cwd=pair, timeout=PATIENCE_S).stdout)

@@ -49,9 +49,11 @@ def assert_refused(result, code, *needles):
 
 
 @contextlib.contextmanager
-def virtual_board(folder, *options, speed="max", port="port"):
-    """A running board; its port is `folder`/`port`."""
-    command = [str(PROGRAM), "board", "run", "--json", "--speed", speed, "--pty", port, *map(str, options)]
+def virtual_board(folder, *options, port="port"):
+    """A running board; its port is `folder`/`port`. HAPTOGRAM_MODEL=rtl makes it a Verilated one where no model is named, as in tests/cli."""
+    model = os.environ.get("HAPTOGRAM_MODEL", "reference")
+    as_asked = [] if "--model" in options else ["--model", model, "--speed", "max" if model == "rtl" else "real"]
+    command = [str(PROGRAM), "board", "run", "--json", "--pty", port, *as_asked, *map(str, options)]
     process = subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     try:
         json.loads(process.stdout.readline())

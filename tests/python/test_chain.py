@@ -89,7 +89,7 @@ def test_numbers_that_no_tile_has(port):
 
 
 def test_two_tiles_behind_one_port(folder):
-    with virtual_board(folder, "--tiles", 2, "--chain"):
+    with virtual_board(folder, "--tiles", 2, "--chain", "--model", "rtl", "--speed", "max"):
         for tile in (1, 2):
             with Client.open(str(folder / f"port#{tile}")) as client:
                 assert client.identity.channels == 100

@@ -148,7 +148,7 @@ def test_fingers_before_a_camera_are_felt(tmp_path):
     record(tmp_path / "hand.db3", "111", pictures, inside, unit_m=numbers["unit_mm"] * 1e-3, wait_s=T)
     pose = {key: numbers[key] for key in ("position_mm", "right", "forward")}
     (tmp_path / "poses.toml").write_text('[[camera]]\nserial = "111"\n' + "".join(f"{key} = {value}\n" for key, value in pose.items()))
-    with virtual_board(tmp_path, "--model", "reference", speed="real"):
+    with virtual_board(tmp_path, "--model", "reference"):
         camera = subprocess.Popen(realsense("--recording", "hand.db3", "--poses", "poses.toml"), cwd=tmp_path, env=ENVIRONMENT, stdout=subprocess.PIPE)
         command = [PROGRAM, "live", "--from", "depth-pipe:-", "--size", "60", "--center", "0,0,170", "--port", "port", "--watchdog", "5000", "--record", "again", "--json"]
         felt = run(command, tmp_path, stdin=camera.stdout)
@@ -348,7 +348,7 @@ VERSION = json.dumps({"serviceVersion": "5.0", "version": 6})
 def test_hands_of_the_tracking_service_are_felt(tmp_path, board):
     messages = [VERSION, json.dumps({"event": {"type": "deviceEvent", "state": {"attached": True}}}, indent=1)]
     messages += [json.dumps(hand(5_000_000 + round(i * 1e6 / 110), approach(i))) for i in range(165)]
-    with Service(messages) as service, virtual_board(tmp_path, "--model", "reference", "--board", board, speed="real"):
+    with Service(messages) as service, virtual_board(tmp_path, "--model", "reference", "--board", board):
         tracker = subprocess.Popen(leap("--url", service.url), cwd=tmp_path, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         command = [PROGRAM, "live", "--from", "leap-pipe:-", "--size", "60", "--center", "0,0,170", "--port", "port", "--watchdog", "5000", "--json"]
         felt = run(command, tmp_path, stdin=tracker.stdout)

@@ -3,6 +3,7 @@
 #pragma once
 #include <fmt/format.h>
 
+#include <cstdlib>
 #include <functional>
 #include <string>
 #include <utility>
@@ -56,10 +57,22 @@ private:
     link::Transport& line_;
 };
 
+/// Two boards. Most cases are about the host, so these are reference boards, which are equal to Verilated ones at every
+/// clock (tests/reference, test_reference_tiles.cpp); HAPTOGRAM_MODEL=rtl takes those. Only they can be chained.
+inline std::unique_ptr<sim::Tiles> two_boards(std::mt19937& g, bool chained) {
+    const auto oscillators = sim::random_oscillators(2, 50.0, static_cast<std::uint32_t>(g()));
+    const auto seed = static_cast<std::uint32_t>(g());
+    const char* model = std::getenv("HAPTOGRAM_MODEL");
+    if (chained || (model != nullptr && std::string_view(model) == "rtl"))
+        return std::make_unique<sim::SimulatedTiles>("tile-100-wide", oscillators, seed);
+    return std::make_unique<sim::ReferenceTiles>("tile-100-wide", oscillators, seed);
+}
+
 /// Two tiles in one time, with their images in their memories.
 struct Pair {
     CompiledRig compiled;
-    sim::SimulatedTiles tiles;
+    std::unique_ptr<sim::Tiles> boards;
+    sim::Tiles& tiles;
     std::vector<std::unique_ptr<link::Transport>> wires;
     std::vector<std::unique_ptr<TroubledLine>> lines;
     std::vector<std::unique_ptr<link::Client>> hosts;
@@ -71,8 +84,8 @@ struct Pair {
     /// @param chained  the second's serial line is behind the first's
     Pair(std::mt19937& g, ImageKind kind, bool chained = false)
         : compiled(compile_rig(circle(g, 5, 200.0, kind), "2x2", "wall.json")),
-          tiles("tile-100-wide", sim::random_oscillators(2, 50.0, static_cast<std::uint32_t>(g())),
-                static_cast<std::uint32_t>(g())),
+          boards(two_boards(g, chained)),
+          tiles(*boards),
           played(2) {
         if (chained) tiles.chain();
         const auto chain = std::make_shared<link::Chain>(std::make_unique<sim::TileTransport>(tiles, 0));
@@ -87,9 +100,10 @@ struct Pair {
             rig.push_back({*hosts.back(), compiled.bundle.tiles[i].image, fmt::format("tile {}", i + 1)});
             link::upload(*hosts.back(), rig.back().image);
             tiles.board(i).on_cycle_start([this, i](const sim::CycleStart& start) {
-                if (i == 0) periods.push_back(tiles.now());
+                const Femtoseconds at = tiles.time_of(i, start.clock);
+                if (i == 0) periods.push_back(at);
                 if (start.enabled && (played[i].empty() || played[i].back().second != start.index))
-                    played[i].push_back({tiles.now(), start.index});
+                    played[i].push_back({at, start.index});
             });
         }
     }

@@ -59,7 +59,7 @@ struct Rises {
     explicit Rises(Pair& pair) : of(2) {
         for (std::size_t i = 0; i < 2; ++i)
             pair.tiles.board(i).on_edge([this, &pair, i](const sim::Edge& edge) {
-                if (edge.rises) of[i].push_back({pair.tiles.now(), edge.channel, edge.index});
+                if (edge.rises) of[i].push_back({pair.tiles.time_of(i, edge.clock), edge.channel, edge.index});
             });
     }
 };
