@@ -3,6 +3,7 @@
 import itertools
 import json
 import math
+import os
 import random
 import signal
 import subprocess
@@ -10,6 +11,7 @@ import sys
 import time
 import types
 from dataclasses import replace
+from pathlib import Path
 
 import boards
 import matplotlib
@@ -521,7 +523,7 @@ def test_stimuli_for_a_tracked_hand_are_played(place):
     """`haptogram live` plays from the trial's beginning to its answers; then outputs are off. Without feedback nothing plays."""
     (place / "lift.toml").write_text(protocol.find("fingers_lift_visible").read_text().replace("sets = 25", "sets = 1"))
     command = study("run", "lift.toml", "--participant", "1", "-o", "l.jsonl", "--observer", "simulated:chance", "--port", "port")
-    with virtual_board(place, "--model", "reference", "--board", "tile-100-wide", speed="real"):
+    with virtual_board(place, "--model", "reference", "--board", "tile-100-wide"):
         assert_says(run(command, place), BAD_INPUT, "--from", "tracked hand")
         assert_says(run([*command, "--from", "synthetic:press"], place), OK, "complete")
         found = {r["factors"]["feedback"]: r["stimulus"] for r in records(place / "l.jsonl") if r["kind"] == "trial"}
@@ -531,11 +533,48 @@ def test_stimuli_for_a_tracked_hand_are_played(place):
         assert_says(run([*command, "--from", "nobody:1"], place), DEVICE, "haptogram live", "ended with code")
 
 
+def command_of(process):
+    """Of a folder of /proc; nothing of what has ended."""
+    try:
+        return (process / "cmdline").read_bytes()
+    except OSError:
+        return b""
+
+
+@pytest.mark.parametrize("how", ["killed", "Ctrl-C"])
+def test_no_live_session_outlives_its_runner(place, how):
+    """A killed runner tells nobody anything, and Ctrl-C of a terminal goes to all of its programs: in both cases one signal reaches the session."""
+    os.mkfifo(place / "hands")
+    text = protocol.find("fingers_lift_visible").read_text()
+    (place / "lift.toml").write_text(text.replace('algorithm = "none"', 'algorithm = "still"'))  # each trial has a session
+    command = study("run", "lift.toml", "--participant", "1", "-o", "l.jsonl", "--port", "port", "--from", "leap-pipe:hands")
+    with virtual_board(place, "--board", "tile-100-wide"):
+        host = subprocess.Popen(command, cwd=place, env=boards.ENVIRONMENT, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                text=True, start_new_session=True)  # fmt: skip
+        host.stdin.write("\n")  # begin
+        host.stdin.flush()
+        with open(place / "hands", "w", encoding="utf-8"):  # as soon as the session waits for hands
+            child = next(path for path in Path("/proc").glob("[0-9]*") if b"leap-pipe:hands" in command_of(path) and b"\0live\0" in command_of(path))
+            time.sleep(2)  # it plays
+            if how == "killed":
+                host.kill()
+            else:
+                os.killpg(host.pid, signal.SIGINT)
+            said = host.communicate(timeout=30)[1]
+            end = time.monotonic() + 20
+            while command_of(child):
+                assert time.monotonic() < end, "the session plays on"
+                time.sleep(0.05)
+        assert json.loads(haptogram(place, "device", "status", "--port", "port", "--json"))["outputs"] == "off"
+    if how == "Ctrl-C":
+        assert host.returncode == RUN_FAILED and "confirm" not in said, said
+
+
 def test_two_arrays_side_by_side_play_at_once(place):
     """*Shapes*' comparison: each array has a board, a session of its own and what sees the hand from it."""
     command = study("run", "shapes_comparison", "--participant", "1", "-o", "s.jsonl", "--observer", "simulated:chance", "--port", "port", "--from", "synthetic:press")
     kinds = ("--model", "reference", "--board", "tile-100-wide")
-    with virtual_board(place, *kinds, speed="real"), virtual_board(place, *kinds, speed="real", port="right"):
+    with virtual_board(place, *kinds), virtual_board(place, *kinds, port="right"):
         assert_says(run(command, place), BAD_INPUT, "--port", "2 arrays")
         assert_says(run([*command, "--port", "right"], place), BAD_INPUT, "--from each")
         assert_says(run([*command, "--port", "right", "--from", "nobody:1"], place), DEVICE, "haptogram live", "nobody")
@@ -610,7 +649,7 @@ def test_markers_have_the_time_of_the_board_that_tells_it(place, monkeypatch):
     shown = ("--port", "port", "--program", boards.PROGRAM)
     for event, by in (("start", "board"), ("pass", "host")):
         (place / "out.jsonl").unlink(missing_ok=True)
-        with virtual_board(place, "--board", "ulx3s-85f", "--model", "reference", speed="real"):
+        with virtual_board(place, "--board", "ulx3s-85f", "--model", "reference"):
             before = json.loads(boards.haptogram(place, "device", "trigger", "--out", event, "--port", "port", "--json"))
             markers = markers_of(place, monkeypatch, *shown)
             after = json.loads(boards.haptogram(place, "device", "trigger", "--port", "port", "--json"))

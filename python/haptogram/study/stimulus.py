@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a trial presents: its description and hash, its image by `haptogram compile`, and playing it on a board while a person answers."""
+import ctypes
 import hashlib
 import math
 import os
 import shutil
 import signal
 import subprocess
+import sys
 import threading
 import time
 from collections import deque
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from pathlib import Path
 
 from ..client import Client
@@ -233,12 +235,30 @@ class Board(Compiler):
             self._client.__exit__(None, None, None)
 
 
+def _ends_with_us() -> Callable[[], None] | None:
+    """What a child does first, so that it gets SIGTERM when this program is killed: it drives a board. Linux alone can."""
+    if sys.platform != "linux":
+        return None
+    library, us, set_death_signal = ctypes.CDLL(None), os.getpid(), 1  # PR_SET_PDEATHSIG
+
+    def first() -> None:
+        library.prctl(set_death_signal, signal.SIGTERM)
+        if os.getppid() != us:  # it was killed before that
+            os._exit(1)
+
+    return first
+
+
 class _Session:
     """One `haptogram live`, from its making to stop(). It is made when the board is about to play, or the program has failed to, of which stop() tells."""
 
     def __init__(self, command: Sequence[str]) -> None:
         self._command, self._said, self._begun = command, list[str](), threading.Event()
-        self._running = subprocess.Popen(command, text=True, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        self._plays = self._asked = False
+        # In a session of its own Ctrl-C does not reach it: one signal asks it to turn the outputs off and to wait for the board's word,
+        # and a second one not to wait.
+        self._running = subprocess.Popen(command, text=True, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                                         start_new_session=True, preexec_fn=_ends_with_us())  # fmt: skip
         self._reading = threading.Thread(target=self._listen, daemon=True)
         self._reading.start()
 
@@ -247,17 +267,25 @@ class _Session:
         for line in self._running.stderr:
             self._said.append(line.strip())
             if ": the board " in line:  # what it can do, which is said before the outputs are turned on
+                self._plays = True
                 self._begun.set()
         self._begun.set()
 
     def wait(self) -> None:
         self._begun.wait()
 
+    def ask_to_stop(self) -> None:
+        if not self._asked:
+            self._asked = True
+            self._running.send_signal(signal.SIGINT)
+
     def stop(self) -> None:
         """Outputs off. Raises HaptogramError when playing had failed."""
-        self._running.send_signal(signal.SIGINT)
+        self.ask_to_stop()
         code = self._running.wait()
         self._reading.join()
+        if code == -signal.SIGINT and not self._plays:  # it still waited for its source
+            return
         # Who answers at once stops it before it plays, of which it says so.
         if code and not any("because a signal asked to" in line for line in self._said):
             raise device_error("live", f"'haptogram {' '.join(self._command[1:])}' ended with code {code}: {'; '.join(self._said[-2:])}")
@@ -291,13 +319,16 @@ class Live(Presenter):
 
     def start(self) -> None:
         """Returns when each board is about to play, or its program has failed to, of which stop() tells."""
-        self._running = [_Session(command) for command in self._commands]
+        for command in self._commands:
+            self._running.append(_Session(command))
         for session in self._running:
             session.wait()
         super().start()
 
     def stop(self) -> None:
         """Outputs off, of all boards. Raises HaptogramError when playing had failed."""
+        for session in self._running:
+            session.ask_to_stop()
         running, self._running = self._running, []
         failed: HaptogramError | None = None
         for session in running:
