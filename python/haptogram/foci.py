@@ -94,8 +94,8 @@ class FocusRecords(NamedTuple):
         cycle, room = self._parameter("foci_cycle"), 2 * board.records * (board.channels + 4)
         least, most = 2 * (board.channels + 44), 2 * min((1 << board.width_bits) - 1, board.max_pulse_clocks)
         return (
-            (board.version >= (2, 5) or not any(self.geometry[6::8] + self.geometry[7::8]),
-             "the image is of a calibration, and the board, of a protocol older than 2.5, drives every channel alike"),
+            (board.version >= (2, 5) or not any(self.geometry[6::8]),
+             "the image's channels have weights, and the board is of a protocol older than 2.5, which knows none"),
             (board.foci > 0, "the image has focus records, the board computes no foci"),
             (self.each <= board.foci, f"the image has {self.each} foci a record, the board takes {board.foci}"),
             (self.board_records == board.records,

@@ -160,6 +160,11 @@ void play_on_both(RigBench& bench, live::Player& player, bool still) {
         bench.clock().wait_until(bench.clock().now_s() + 0.1);  // nobody sends anything
         bench.serve(player, 0.2);
         CHECK(bench.device->beginnings() > begun + 1);
+        // Whichever board ran dry, the rig has.
+        unsigned all = 0;
+        for (auto& client : bench.clients) all += client->status().underruns;
+        CHECK(all > 0);
+        CHECK(bench.device->status().underruns == all);
         bench.changes = {{}, {}};  // from here on
         bench.serve(player, 0.2);
     };

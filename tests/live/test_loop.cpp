@@ -430,6 +430,15 @@ TEST_CASE("live: a hand at 200 mm/s with 50 ms of latency has its ring under the
     }
 }
 
+TEST_CASE("live: weights that records cannot have are refused before anything plays") {
+    LiveBench bench("small-16");
+    Array array = find_array("tile-10x10");
+    array.elements.resize(16);
+    array.elements[3].weight = 0.5;
+    CHECK_THROWS_WITH(live::RingPlayer(bench.client, bench.clock, array, 8, Method::distance_weighted),
+                      Catch::Contains("weights") && Catch::Contains("full"));
+}
+
 TEST_CASE("live: ten thousand rings are replaced, and no turn at the pins has steps of two") {
     LiveBench bench("small-16");
     const Array array = [] {

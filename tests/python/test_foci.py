@@ -119,6 +119,11 @@ def test_another_board_is_refused(wide):
             dataclasses.replace(two, foci=change).require_fits(board.identity, "image")
     with pytest.raises(HaptogramError, match="65 samples of modulation, the board holds 64"):
         dataclasses.replace(two, modulation=two.modulation._replace(samples=bytes(65))).require_fits(board.identity, "image")
+    older = dataclasses.replace(board.identity, version=(2, 4))
+    phase = bytes([0, 0, 0, 0, 0, 0, 0, 0x40]) + two.foci.geometry[8:]
+    dataclasses.replace(two, foci=two.foci._replace(geometry=phase)).require_fits(older, "image")
+    with pytest.raises(HaptogramError, match="knows none"):
+        dataclasses.replace(two, foci=two.foci._replace(geometry=b"\0" * 6 + b"\1" + phase[7:])).require_fits(older, "image")
     plain = dataclasses.replace(board.identity, foci=0, width_bits=0, modulation_words=0)
     with pytest.raises(HaptogramError, match="computes no foci"):
         two.require_fits(plain, "image")

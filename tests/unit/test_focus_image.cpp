@@ -8,6 +8,7 @@
 #include "haptogram/acoustics/propagation.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/format/intel_hex.hpp"
+#include "haptogram/link/transfer.hpp"
 #include "haptogram/verbs/compile.hpp"
 #include "haptogram/verbs/focus_check.hpp"
 #include "haptogram/verbs/focus_image.hpp"
@@ -160,6 +161,19 @@ TEST_CASE("focus image: what is written is read back, with its manifest", "[foci
         compile(two_steps(), tile(), wide(), 2, "plain.hex", Method::gauss_newton, {}, ImageKind::records);
     REQUIRE(intel_hex::read(plain.bundle.hex, "f").back().bytes.size() == 16);
     REQUIRE_FALSE(plain.bundle.image.foci);
+}
+
+TEST_CASE("focus image: boards of protocol 2.4 add a channel's phase, and know no weights", "[foci]") {
+    Image image = compile(two_steps(), tile(), wide(), 1, "foci.hex").bundle.image;
+    link::Identity board;
+    board.version_major = 2;
+    board.version_minor = 4;
+    image.foci->engine.geometry[7][3] = 0x4000;
+    CHECK_NOTHROW(link::UploadSteps(image, board));
+    image.foci->engine.geometry[7][3] = 0x4001;
+    CHECK_THROWS_WITH(link::UploadSteps(image, board), Contains("2.4") && Contains("no weights"));
+    board.version_minor = 5;
+    CHECK_NOTHROW(link::UploadSteps(image, board));
 }
 
 TEST_CASE("focus image: a manifest of other foci, of another geometry or modulation is refused", "[foci]") {

@@ -159,8 +159,8 @@ GeometryWords pack_geometry(Vec3 position, double offset_turns, double weight) {
             low_half(static_cast<std::int32_t>(256.0 * offset + lacks))};
 }
 
-bool is_plain(std::span<const GeometryWords> geometry) {
-    return std::ranges::all_of(geometry, [](const GeometryWords& words) { return words[3] == 0; });
+bool weighs(std::span<const GeometryWords> geometry) {
+    return std::ranges::any_of(geometry, [](const GeometryWords& words) { return (words[3] & 0xffU) != 0; });
 }
 
 FocusWords pack_focus(const Focus& focus) {

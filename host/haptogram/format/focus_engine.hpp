@@ -46,8 +46,9 @@ struct ChannelDrive {
 /// @throws Error{bad_input} when a number is out of its range or not finite
 [[nodiscard]] GeometryWords pack_geometry(Vec3 position, double offset_turns = 0.0, double weight = 1.0);
 
-/// Whether every channel has the phase and the amplitude that its place gives it, as boards of protocol 2.4 know it.
-[[nodiscard]] bool is_plain(std::span<const GeometryWords> geometry);
+/// Whether a channel lacks some of its amplitude, of which boards of protocol 2.4 know nothing: they add the whole word
+/// to the phase.
+[[nodiscard]] bool weighs(std::span<const GeometryWords> geometry);
 
 /// @param focus  each coordinate from −1.024 m to less than 1.024 m, the amplitude from 0 to 1
 /// @throws Error{bad_input} when a number is out of its range

@@ -73,15 +73,19 @@ struct RigCommands::Heard {
 /// One request to all tiles.
 struct RigCommands::Asked {
     std::size_t left = 0;
-    std::uint16_t level = 0;
+    std::uint16_t level = 0, underruns = 0;
     Reply first;
     std::function<void(const Reply&)> done;
 
-    void answer(std::size_t place, const Reply& reply) {
+    /// @param status  of the tile, if that was asked for
+    void answer(std::size_t place, const Reply& reply, const Status* status) {
         level = std::max(level, reply.live_level);
+        if (status != nullptr) underruns = static_cast<std::uint16_t>(underruns + status->underruns);
         if (place == 0) first = reply;
         if (--left > 0 || !done) return;
         first.live_level = level;
+        // A rig has run dry wherever one of its tiles has.
+        if (status != nullptr) interface::status_field::underruns.set(first.data, underruns);
         done(first);
     }
 };
@@ -118,8 +122,10 @@ void RigCommands::submit(Request request, std::function<void(const Reply&)> done
     for (std::size_t i = 0; i < tiles_.size(); ++i)
         with(tiles_[i], [&](Client& device) {
             device.submit(request, [asked, i, status, heard = heard_, tile = &tiles_[i]](const Reply& reply) {
-                if (status) heard->hear(*tile, i, to_status(reply.data));
-                asked->answer(i, reply);
+                if (!status) return asked->answer(i, reply, nullptr);
+                const Status told = to_status(reply.data);
+                heard->hear(*tile, i, told);
+                asked->answer(i, reply, &told);
             });
         });
 }

@@ -58,12 +58,13 @@ std::unique_ptr<Commands> connect_again(const Connect& connect, Clock::time_poin
 
 UploadSteps::UploadSteps(const Image& image, const Identity& identity)
     : pieces_(pieces_of(image)), unread_(unread_pieces_of(image)), start_(modulation_request(image, identity)) {
-    if (image.foci && identity.version_major == 2 && identity.version_minor < 5 &&
-        !is_plain(image.foci->engine.geometry))
-        throw Error(ErrorCode::device, "board",
-                    fmt::format("it speaks protocol 2.{}, which drives every channel alike, and the image is of a "
-                                "calibration; give the board a bitstream of 2.5 or later",
-                                identity.version_minor));
+    if (image.foci && identity.version_major == 2 && identity.version_minor < 5 && weighs(image.foci->engine.geometry))
+        throw Error(
+            ErrorCode::device, "board",
+            fmt::format("it speaks protocol 2.{}, in which channels have no weights, and the image's have; give the "
+                        "board a bitstream of 2.5 or later, or compile it with a calibration whose drive is "
+                        "\"full\" and that has no dead elements",
+                        identity.version_minor));
 }
 
 std::optional<std::vector<Request>> UploadSteps::next(const std::vector<Reply>& replies) {

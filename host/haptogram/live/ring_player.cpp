@@ -73,6 +73,7 @@ RingPlayer::RingPlayer(link::Commands& device, const link::HostClock& clock, con
       parts_(parts.empty() ? one_part(device, array) : parts),
       steps_(steps),
       method_(method) {
+    array.require_one_weight();
     const link::Identity& board = device.identity();
     for (const DevicePart& part : parts_)
         if (part.elements > part.device.identity().channels)
