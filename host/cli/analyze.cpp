@@ -182,11 +182,11 @@ void add_analyze(CLI::App& app, Action& action) {
                     "in Table III of doi:10.1109/JSEN.2022.3144888)")
         ->check(positive())
         ->capture_default_str();
-    sub->add_option("--plane", options->plane, "Of the map: xy@z=MM, xz@y=MM or yz@x=MM")->capture_default_str();
-    sub->add_option("--extent", options->extent_mm, "Of the map: half-width, mm")
+    sub->add_option("--plane", options->plane, "Plane of the map: xy@z=MM, xz@y=MM or yz@x=MM")->capture_default_str();
+    sub->add_option("--extent", options->extent_mm, "Extent of the map: half-width, mm")
         ->check(positive())
         ->capture_default_str();
-    sub->add_option("--step", options->step_mm, "Of the map, mm")->check(positive())->capture_default_str();
+    sub->add_option("--step", options->step_mm, "Step of the map, mm")->check(positive())->capture_default_str();
     sub->add_option("-o,--output", options->output,
                     "The map as .csv, .npy, .vti or .png; default CSV on standard output");
     sub->add_option(

@@ -30,17 +30,17 @@ int bitstream(BitstreamOptions options) {
 
 void add_bitstream(CLI::App& app, Action& action) {
     auto options = std::make_shared<BitstreamOptions>();
-    CLI::App* sub = app.add_subcommand("bitstream", "put an image into a board's bitstream, without placing it again");
-    sub->add_option("--board", options->patch.board, "name of a shipped board, or its file")->required();
+    CLI::App* sub = app.add_subcommand("bitstream", "Put an image into a board's bitstream, without placing it again");
+    sub->add_option("--board", options->patch.board, "Name of a shipped board, or its file")->required();
     auto* image =
-        sub->add_option("--image", options->image, "image made by 'haptogram compile --board', or a project (.toml)");
-    sub->add_flag("--empty", options->empty, "no image: empty memories, to be filled over the link")->excludes(image);
-    sub->add_option("-o,--output", options->output, "bitstream; what is in it goes to FILE.json")->required();
-    sub->add_option("--placed", options->patch.placed, "folder of what 'make bitstream' made")->capture_default_str();
+        sub->add_option("--image", options->image, "Image made by 'haptogram compile --board', or a project (.toml)");
+    sub->add_flag("--empty", options->empty, "No image: empty memories, to be filled over the link")->excludes(image);
+    sub->add_option("-o,--output", options->output, "Bitstream; what is in it goes to FILE.json")->required();
+    sub->add_option("--placed", options->patch.placed, "Folder of what 'make bitstream' made")->capture_default_str();
     sub->add_flag("--autostart", options->patch.autostart,
-                  "the board plays the image at power-up, with no host and no watchdog");
+                  "The board plays the image at power-up, with no host and no watchdog");
     sub->add_option("--rx-delay", options->patch.rx_delay,
-                    "of a board over Ethernet: delay of its inputs, in steps of 25 ps, instead of its file's");
+                    "Delay of the inputs of a board over Ethernet, in steps of 25 ps, instead of its file's");
     sub->callback([options, &action] { action = [options] { return bitstream(*options); }; });
 }
 

@@ -309,7 +309,7 @@ void add_board_run(CLI::App& board, Action& action) {
         ->needs(tiles)
         ->check(CLI::Range(0.0, 50.0))
         ->capture_default_str();
-    sub->add_option("--seed", options->tiles.seed, "Of drifts, start phases and what registers hold at power-up")
+    sub->add_option("--seed", options->tiles.seed, "Seed of drifts, start phases and what registers hold at power-up")
         ->needs(tiles)
         ->check(whole(0, 4'294'967'295))
         ->capture_default_str();

@@ -248,7 +248,7 @@ void add_calibrate(CLI::App& app, Action& action) {
         ->check(positive())
         ->capture_default_str();
     sub->add_option("--temperature", fit->temperature_c,
-                    "Of the air, degrees C (default: the array file's speed of sound, to 0.4 %)")
+                    "Temperature of the air, degrees C (default: the array file's speed of sound, to 0.4 %)")
         ->check(CLI::Range(-50.0, 100.0));
     sub->add_option("--microphone", fit->microphone,
                     "A transducer whose directivity it has, facing the array: shipped, or a file (default: it hears "

@@ -271,14 +271,15 @@ void add_compile(CLI::App& app, Action& action) {
                     "(.toml, .haptogram), whose settings the options below then override");
     sub->add_option("--shape", options->shapes,
                     fmt::format("Built-in shape, may be repeated: {}", fmt::join(primitive_kinds(), ", ")));
-    sub->add_option("--diameter", options->primitive.diameter, "Of a built-in round shape, mm")->check(positive());
+    sub->add_option("--diameter", options->primitive.diameter, "Diameter of a built-in round shape, mm")
+        ->check(positive());
     sub->add_option("--length", options->primitive.length,
-                    "Of a built-in line or plus, or the edge of a built-in straight-edged shape, mm")
+                    "Length of a built-in line or plus, or the edge of a built-in straight-edged shape, mm")
         ->check(positive());
-    sub->add_option("--height", options->primitive.height, "Of a built-in cone, cylinder or helix, mm")
+    sub->add_option("--height", options->primitive.height, "Height of a built-in cone, cylinder or helix, mm")
         ->check(positive());
-    sub->add_option("--sides", options->primitive.sides, "Of a built-in polygon")->check(whole(3, 1000));
-    sub->add_option("--turns", options->primitive.turns, "Of a built-in helix")->check(positive());
+    sub->add_option("--sides", options->primitive.sides, "Sides of a built-in polygon")->check(whole(3, 1000));
+    sub->add_option("--turns", options->primitive.turns, "Turns of a built-in helix")->check(positive());
     sub->add_option("--path", options->path,
                     "A path instead of shapes: .json as --save-path writes it, .csv of time_ms, x_mm, y_mm, z_mm and "
                     "intensity, or an .adaptics pattern, looked at --points times");
@@ -304,7 +305,7 @@ void add_compile(CLI::App& app, Action& action) {
     sub->add_option("--points", options->points, "Focal points to take from a surface, a curve or a larger cloud")
         ->check(whole(1, 65535))
         ->default_str(fmt::to_string(standard.points));
-    sub->add_option("--seed", options->seed, "Of the sampling")
+    sub->add_option("--seed", options->seed, "Seed of the sampling")
         ->check(whole(0, std::numeric_limits<std::uint64_t>::max()))
         ->default_str(fmt::to_string(standard.seed));
     auto* rate = sub->add_option("--rate", options->rate_hz, "Passes over the shape a second, Hz")
@@ -329,7 +330,7 @@ void add_compile(CLI::App& app, Action& action) {
                   "equal ones");
     add_am(*sub, options->am, options->am_law);
     sub->add_option("--amplitude", options->amplitude,
-                    "Of all foci, as a fraction of the pressure that the array can make there (default: 1)")
+                    "Amplitude of all foci, as a fraction of the pressure that the array can make there (default: 1)")
         ->check(positive());
     sub->add_option("--magnitude", options->magnitude,
                     "How strong each focus feels to a palm under --am, from the array's force and the Multimodal "

@@ -90,7 +90,7 @@ void add_device_trigger(CLI::App& device, Action& action) {
                      "What makes a pulse at the trigger output: start of playing, mark of an entry, pass of a "
                      "sequence, period of the carrier, or samples of the modulation from the first one")
         ->check(CLI::IsMember(names_up_to(link::Event::samples)));
-    pins->add_option("--every", options->every, "Of period: carrier periods from one pulse to the next")
+    pins->add_option("--every", options->every, "With period: carrier periods from one pulse to the next")
         ->check(whole(1, 65535));
     pins->add_option("--pulse", options->pulse_ms, "How long the output is high, in ms")->check(CLI::Range(0.0, 1e4));
     auto* input =
@@ -110,7 +110,7 @@ void add_device_trigger(CLI::App& device, Action& action) {
                                   "What an oscilloscope sees at the test output: the carrier of a channel, a change at "
                                   "each cycle, or with each new index")
                      ->check(CLI::IsMember(names_up_to(link::Test::index)));
-    pins->add_option("--channel", options->channel, "Of carrier")
+    pins->add_option("--channel", options->channel, "With carrier: the channel")
         ->check(whole(0, 999))
         ->capture_default_str()
         ->needs(test);

@@ -232,7 +232,7 @@ void add_feel(CLI::App& app, Action& action) {
                                  "A hand, as render takes it: each place is the nearest one on its skin, with the "
                                  "normal and the region there")
                      ->excludes(normal);
-    sub->add_option("--hand-frame", options->hand_frame, "Of its recording, from 1")
+    sub->add_option("--hand-frame", options->hand_frame, "Frame of its recording, from 1")
         ->needs(hand)
         ->check(whole(1, std::numeric_limits<std::uint32_t>::max()))
         ->capture_default_str();

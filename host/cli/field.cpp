@@ -139,7 +139,7 @@ void add_field(CLI::App& app, Action& action) {
                     "A .csv, .npy, .vti (ParaView) or .png file, or of a volume an .stl file, the surface --below the "
                     "greatest value; - is CSV on standard output")
         ->capture_default_str();
-    sub->add_option("--below", options->below_db, "Of an .stl file: decibels below the greatest value of the volume")
+    sub->add_option("--below", options->below_db, "In an .stl file: decibels below the greatest value of the volume")
         ->check(positive())
         ->capture_default_str();
     sub->add_flag("--json", options->json, "Print how it was computed, and how far it may be off, as JSON");

@@ -97,7 +97,7 @@ void add_interact(CLI::App& app, Action& action) {
            "A Leap recording, poses, or synthetic:SCRIPT:HEIGHT, as render takes it, whose marker two simulated "
            "cameras see; or a .csv file of the marker: time_ms, x_mm, y_mm, z_mm")
         ->capture_default_str();
-    sub->add_option("--noise", options->noise_px, "Of the marker in each camera's picture, pixels")
+    sub->add_option("--noise", options->noise_px, "Noise of the marker in each camera's picture, pixels")
         ->check(not_negative())
         ->capture_default_str();
     sub->add_option("--palm", options->palm, "The palm's centre from the marker: x,y,z mm")->capture_default_str();
@@ -114,7 +114,7 @@ void add_interact(CLI::App& app, Action& action) {
         ->check(positive())
         ->capture_default_str();
     sub->add_option("--creature", options->creature_mm_s, "Its speed, mm/s")->check(positive())->capture_default_str();
-    sub->add_option("--seed", one.seed, "Of rain, creature and noise")
+    sub->add_option("--seed", one.seed, "Seed of rain, creature and noise")
         ->check(whole(0, UINT64_MAX))
         ->capture_default_str();
     sub->add_flag("--grid", options->grid,

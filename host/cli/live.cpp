@@ -319,13 +319,15 @@ int live_loop(const LiveCommand& command) {
 
 void add_press(CLI::App& sub, LiveCommand& options) {
     PressOptions& press = options.fingers.ring.press;
-    sub.add_option("--press-frequency", press.turns_hz, "Of L: turns a second")
+    sub.add_option("--press-frequency", press.turns_hz, "With L: turns a second")
         ->check(positive())
         ->capture_default_str();
-    sub.add_option("--press-radius", options.press_radius_mm, "Of L: of the circle, mm")
+    sub.add_option("--press-radius", options.press_radius_mm, "With L: radius of the circle, mm")
         ->check(positive())
         ->capture_default_str();
-    sub.add_option("--press-foci", press.foci, "Of L: on each finger")->check(whole(1, 16))->capture_default_str();
+    sub.add_option("--press-foci", press.foci, "With L: foci on each finger")
+        ->check(whole(1, 16))
+        ->capture_default_str();
 }
 
 /// Options of what is seen, and of what fingers do to an object.
@@ -333,15 +335,16 @@ void add_fingers(CLI::App& sub, LiveCommand& options) {
     CloudOptions& cloud = options.fingers.cloud;
     SceneOptions& scene = options.fingers.scene;
     sub.add_option("--workspace-low", options.low,
-                   "Of depth: x,y,z mm of the box out of which all is background (default: -150,-150,20)");
+                   "With depth cameras: x,y,z mm of the box out of which all is background (default: -150,-150,20)");
     sub.add_option("--workspace-high", options.high, "Its other corner (default: 150,150,320)");
-    sub.add_option("--filter", cloud.window_px, "Of depth: pixels of the bilateral filter's window, odd; 1: none")
+    sub.add_option("--filter", cloud.window_px,
+                   "With depth cameras: pixels of the bilateral filter's window, odd; 1: none")
         ->check(whole(1, 31))
         ->capture_default_str();
-    add_mm(sub, "--voxel", cloud.cell_m, "Of depth: edge of the voxels that points are thinned to, mm");
+    add_mm(sub, "--voxel", cloud.cell_m, "With depth cameras: edge of the voxels that points are thinned to, mm");
     add_mm(sub, "--cluster", scene.cluster_m, "Points at most so far apart belong to one finger, mm");
-    add_number(sub, "--stiffness", scene.contact.stiffness_n_m, "Of a finger's spring, N/m");
-    add_number(sub, "--damping", scene.contact.damping_n_s_m, "Of a finger's damper, N s/m");
+    add_number(sub, "--stiffness", scene.contact.stiffness_n_m, "Stiffness of a finger's spring, N/m");
+    add_number(sub, "--damping", scene.contact.damping_n_s_m, "Damping of a finger's damper, N s/m");
     add_number(sub, "--static-friction", scene.contact.static_friction, "Between finger and object");
     add_number(sub, "--dynamic-friction", scene.contact.dynamic_friction, "The same while it slides");
 }
@@ -352,13 +355,14 @@ void add_cameras(CLI::App& sub, LiveCommand& options) {
     options.of_cameras = {
         sub.add_option("--cameras", cameras.count, "Simulated ones, around the object; 1: below it")
             ->check(whole(1, 8)),
-        sub.add_option("--distance", options.distance_mm, "Of simulated cameras from the object, mm")
+        sub.add_option("--distance", options.distance_mm, "Distance of simulated cameras from the object, mm")
             ->check(positive()),
-        sub.add_option("--rate", cameras.rate_hz, "Of simulated cameras, shots a second")->check(positive()),
+        sub.add_option("--rate", cameras.rate_hz, "Rate of simulated cameras, shots a second")->check(positive()),
         sub.add_option("--seconds", cameras.seconds,
-                       "Of simulated cameras, or recorded hands; 0: as long as the script or recording is")
+                       "Seconds of simulated cameras, or recorded hands; 0: as long as the script or recording is")
             ->check(not_negative()),
-        sub.add_option("--seed", cameras.noise.seed, "Of the simulated cameras' noise")->check(whole(0, UINT64_MAX))};
+        sub.add_option("--seed", cameras.noise.seed, "Seed of the simulated cameras' noise")
+            ->check(whole(0, UINT64_MAX))};
     for (CLI::Option* option : options.of_cameras) option->capture_default_str();
 }
 
@@ -367,7 +371,7 @@ void add_cameras(CLI::App& sub, LiveCommand& options) {
 void add_live(CLI::App& app, Action& action) {
     auto options = std::make_shared<LiveCommand>();
     CLI::App* sub = app.add_subcommand(
-        "live", "Bare fingers touch an object, as in Fingers: depth cameras to rings of foci on a board, as it comes");
+        "live", "Bare hands touch an object: what depth cameras or a tracker see becomes foci on a board, as it comes");
     sub->add_option("--from", options->from,
                     "Given again, several at a time: "
                     "depth:FOLDER (a recording of cameras), depth-pipe:- (cameras of another program, such as "
@@ -385,7 +389,7 @@ void add_live(CLI::App& app, Action& action) {
     sub->add_option("--object", options->object.name, object_words())->capture_default_str();
     add_object_options(*sub, options->object);
     sub->add_option("--scene-in", options->scene_in,
-                    "Of A to L: lines of JSON that bring, move and take away objects: a file, whose lines are due at "
+                    "With A to L: lines of JSON that bring, move and take away objects: a file, whose lines are due at "
                     "their time_s, a named pipe or -")
         ->check(CLI::ExistingPath | CLI::IsMember({"-"}));
     sub->add_option("--mass", options->mass_g, "g; 0: it stays where it is. Cube, sphere or cylinder, on a floor")

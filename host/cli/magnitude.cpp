@@ -128,7 +128,7 @@ void add_magnitude(CLI::App& app, Action& action) {
         sub->add_option("--command", options->command, "What this command of the measured device makes, instead")
             ->excludes(magnitude)
             ->check(not_negative());
-    sub->add_option("--frequency", options->frequency_hz, "Of the modulation, Hz")
+    sub->add_option("--frequency", options->frequency_hz, "Frequency of the modulation, Hz")
         ->check(positive())
         ->capture_default_str();
     sub->add_option("--region", options->region, "palm or finger; magnitudes are known for the palm only")
@@ -139,11 +139,11 @@ void add_magnitude(CLI::App& app, Action& action) {
         ->capture_default_str();
     std::vector<std::string> waveforms;
     for (const Waveform waveform : all_waveforms()) waveforms.push_back(name_of(waveform));
-    sub->add_option("--waveform", options->waveform, "Of the modulation")
+    sub->add_option("--waveform", options->waveform, "Waveform of the modulation")
         ->needs(magnitude)
         ->check(CLI::IsMember(waveforms))
         ->capture_default_str();
-    sub->add_option("--duty", options->duty, "Of the square wave, 0 to 1")
+    sub->add_option("--duty", options->duty, "Duty of the square wave, 0 to 1")
         ->needs(magnitude)
         ->check(positive())
         ->capture_default_str();
@@ -155,7 +155,7 @@ void add_magnitude(CLI::App& app, Action& action) {
     auto* array = sub->add_option("--array", options->array,
                                   "The command for this array, from physics, instead of the measured device")
                       ->needs(magnitude);
-    sub->add_option("--focus", options->focus, "Of the array: x,y,z (mm)")->needs(array)->capture_default_str();
+    sub->add_option("--focus", options->focus, "Focus of the array: x,y,z (mm)")->needs(array)->capture_default_str();
     sub->add_option("--tables", options->tables, "Shipped perception file, or a file")->capture_default_str();
     sub->add_flag("--json", options->json, "Print as JSON");
     sub->callback([options, magnitude, command, &action] {

@@ -23,12 +23,20 @@
 namespace haptogram::cli {
 namespace {
 
-/// Every command of the program, in the order of --help. This is the one place to register one.
-constexpr void (*commands[])(CLI::App&, Action&) = {
-    add_compile, add_inspect,   add_simulate, add_solve,     add_render, add_field,    add_scatter,
-    add_analyze, add_report,    add_feel,     add_magnitude, add_robot,  add_movement, add_interact,
-    add_board,   add_bitstream, add_device,   add_calibrate, add_align,  add_upload,   add_download,
-    add_play,    add_stream,    add_live,     add_task,      add_studio, add_serve,    add_completion,
+struct Group {
+    const char* what;
+    std::vector<void (*)(CLI::App&, Action&)> commands;
+};
+
+/// Every command of the program, by what a person wants, in the order of --help. This is the one place to register one.
+const Group groups[] = {
+    {"Make what is to be felt", {add_compile, add_solve, add_render, add_movement, add_interact}},
+    {"See and measure it before it plays",
+     {add_inspect, add_simulate, add_field, add_scatter, add_analyze, add_feel, add_magnitude, add_report}},
+    {"Play it on a board",
+     {add_device, add_upload, add_download, add_play, add_stream, add_board, add_bitstream, add_calibrate}},
+    {"Hands in the loop", {add_live, add_align, add_task, add_robot}},
+    {"From other programs", {add_studio, add_serve, add_completion}},
 };
 
 /// What a command ends with; scripts rely on it.
@@ -164,7 +172,11 @@ int run(int argc, char** argv) {
     app.set_version_flag("--version", about_this_build());
     app.footer("Exit codes: 0 ok, 1 run failed, 2 usage, 3 bad input, 4 device or link.");
     Action action;
-    for (const auto add : commands) add(app, action);
+    for (const Group& group : groups)
+        for (const auto add : group.commands) {
+            add(app, action);
+            app.get_subcommands({}).back()->group(group.what);
+        }
     return guarded(app, [&] { return parse_and_act(app, action, argc, argv); });
 }
 

@@ -81,23 +81,23 @@ void add_movement(CLI::App& app, Action& action) {
         ->check(positive())
         ->capture_default_str();
     sub->add_option("--center", options->center, "x,y,z mm")->capture_default_str();
-    sub->add_option("--direction", options->direction_deg, "Of the line: degrees from x towards y")
+    sub->add_option("--direction", options->direction_deg, "Direction of the line: degrees from x towards y")
         ->capture_default_str();
     MovementOptions& m = options->movement_options;
-    sub->add_option("--turns", m.turns, "Of the spiral")->check(positive())->capture_default_str();
+    sub->add_option("--turns", m.turns, "Turns of the spiral")->check(positive())->capture_default_str();
     sub->add_option("--speed", m.speed_m_s, "Along line, circle and spiral, m/s")
         ->check(positive())
         ->capture_default_str();
     sub->add_option("--spacing", options->spacing_mm, "At most, from one place to the next, mm")
         ->check(positive())
         ->capture_default_str();
-    sub->add_option("--hop", options->hop_ms, "Of random: time at each place, ms")
+    sub->add_option("--hop", options->hop_ms, "With random: time at each place, ms")
         ->check(positive())
         ->capture_default_str();
-    sub->add_option("--seconds", m.seconds, "Of random: before the hops begin again")
+    sub->add_option("--seconds", m.seconds, "With random: before the hops begin again")
         ->check(positive())
         ->capture_default_str();
-    sub->add_option("--seed", m.seed, "Of random")->check(whole(0, UINT64_MAX))->capture_default_str();
+    sub->add_option("--seed", m.seed, "Seed of the random places")->check(whole(0, UINT64_MAX))->capture_default_str();
     sub->add_flag("--grid", options->grid,
                   "Only the device's positions: 18 x 18, 10 mm apart, at the height of the center");
     add_am(*sub, options->am, options->am_law);

@@ -24,11 +24,12 @@ void add_object_options(CLI::App& sub, ObjectArguments& object) {
     sub.add_option("--size", object.size_mm,
                    "Edge or diameter of the object, largest extent of a mesh, mm (default: 100, a mesh as it is)")
         ->check(positive());
-    sub.add_option("--height", object.height_mm, "Of a cone, pyramid or cylinder, mm (default: the size)")
+    sub.add_option("--height", object.height_mm, "Height of a cone, pyramid or cylinder, mm (default: the size)")
         ->check(positive());
-    sub.add_option("--center", object.center, "Of the object: x,y,z mm")->capture_default_str();
-    sub.add_option("--rotate", object.rotate, "Of the object: degrees about x, then y, then z")->capture_default_str();
-    sub.add_option("--unit", object.unit, "Of a mesh file's coordinates")
+    sub.add_option("--center", object.center, "Center of the object: x,y,z mm")->capture_default_str();
+    sub.add_option("--rotate", object.rotate, "Turns of the object: degrees about x, then y, then z")
+        ->capture_default_str();
+    sub.add_option("--unit", object.unit, "Unit of a mesh file's coordinates")
         ->check(CLI::IsMember({"mm", "cm", "m"}))
         ->capture_default_str();
 }

@@ -114,7 +114,8 @@ void add_play(CLI::App& app, Action& action) {
         ->excludes(index);
     sub->add_option("--seconds", options->play.seconds, "Not longer than this")->check(positive());
     sub->add_option("--temperature", options->temperature_c,
-                    "Of the air now, degrees C: a board that computes foci does so for this speed of sound meanwhile")
+                    "Temperature of the air now, degrees C: a board that computes foci does so for this speed of sound "
+                    "meanwhile")
         ->check(CLI::Range(-50.0, 100.0));
     add_am(*sub, options->am, options->am_law);
     add_watchdog_option(*sub, options->play.watchdog_ms);

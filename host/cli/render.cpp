@@ -264,13 +264,13 @@ void add_render(CLI::App& app, Action& action) {
     sub->add_option("--frame", options->frame, "Only this frame, from 1: one pass, to be repeated")
         ->check(whole(1, 1'000'000'000));
     auto* speed = sub->add_option("--speed", options->speed_m_s,
-                                  fmt::format("Of the focus, m/s (default: {:g}; of K 0.1)", usual_speed_m_s))
+                                  fmt::format("Speed of the focus, m/s (default: {:g}; of K 0.1)", usual_speed_m_s))
                       ->check(positive());
     sub->add_option("--frequency", options->frequency_hz,
                     "Passes over all lines a second instead, Hz (default of L: 5)")
         ->check(positive())
         ->excludes(speed);
-    auto* points = sub->add_option("--points", options->points, "Of the pass of one frame, instead of --dwell")
+    auto* points = sub->add_option("--points", options->points, "Points of the pass of one frame, instead of --dwell")
                        ->check(whole(1, 1'000'000));
     sub->add_option("--dwell", options->dwell, "Carrier periods of a step (default: 10; of K and L 400)")
         ->check(whole(1, 1'000'000))
@@ -280,47 +280,48 @@ void add_render(CLI::App& app, Action& action) {
         ->check(CLI::IsMember({"hop", "blank"}))
         ->capture_default_str();
     TouchOptions& touch = options->touch;
-    sub->add_option("--corner", options->corner, "Of B, H, I, J: what is drawn at a corner")
+    sub->add_option("--corner", options->corner, "With B, H, I, J: what is drawn at a corner")
         ->check(CLI::IsMember({"circle", "pulsing-circle", "rotating-line", "triangle", "random-points"}))
         ->capture_default_str();
-    add_mm(*sub, "--corner-radius", touch.feature.radius_m, "Of circles and random points, mm");
+    add_mm(*sub, "--corner-radius", touch.feature.radius_m, "Radius of circles and random points, mm");
     add_mm(*sub, "--corner-line", touch.feature.line_m, "Length of the rotating line, mm");
     add_mm(*sub, "--corner-triangle", touch.feature.triangle_m, "Side of the triangle, mm");
     sub->add_flag("--off-skin", options->off_skin, "Draw edges and corners where the object has them, not on the skin");
-    sub->add_option("--priority", options->priority,
-                    "Of H, I, J: other lines keep a gap from features, or are left out on a finger that has a feature")
+    sub->add_option(
+           "--priority", options->priority,
+           "With H, I, J: other lines keep a gap from features, or are left out on a finger that has a feature")
         ->check(CLI::IsMember({"gap", "finger"}))
         ->capture_default_str();
     sub->add_option("--gap", options->gap_mm, "That gap, mm")->check(not_negative())->capture_default_str();
     sub->add_option("--solid-level", touch.solid_level,
-                    "Of D, I: the second contour's depth over the deepest point's, 0 to 1")
+                    "With D, I: the second contour's depth over the deepest point's, 0 to 1")
         ->capture_default_str();
-    sub->add_flag("--two-foci", touch.two_foci, "Of D: both contours at the same time");
+    sub->add_flag("--two-foci", touch.two_foci, "With D: both contours at the same time");
     add_mm(*sub, "--grain-spacing", touch.grain.spacing_m,
-           "Of E and F: a line for each square or cube of this edge, mm");
-    add_mm(*sub, "--grain-length", touch.grain.length_m, "Of E and F: of a line, mm");
-    add_mm(*sub, "--blob-finger", touch.blob_finger_m, "Of G, J: the largest circle on a fingertip, radius in mm");
-    add_mm(*sub, "--blob-palm", touch.blob_palm_m, "Of G, J: the same on the palm");
+           "With E and F: a line for each square or cube of this edge, mm");
+    add_mm(*sub, "--grain-length", touch.grain.length_m, "With E and F: length of a line, mm");
+    add_mm(*sub, "--blob-finger", touch.blob_finger_m, "With G, J: the largest circle on a fingertip, radius in mm");
+    add_mm(*sub, "--blob-palm", touch.blob_palm_m, "With G, J: the same on the palm");
     add_am(*sub, options->am, options->am_law);
     sub->add_option("--amplitude", options->amplitude,
-                    "Of all foci, as a fraction of the pressure that the array can make there")
+                    "Amplitude of all foci, as a fraction of the pressure that the array can make there")
         ->check(positive())
         ->capture_default_str();
     sub->add_option("--magnitude", options->magnitude,
                     "How strong each focus feels to a palm under --am or the algorithm's own modulation, from the "
                     "array's force and the Multimodal paper's tables (see haptogram magnitude)")
         ->check(positive());
-    sub->add_option("--am-frequency", touch.am_hz, "Of the modulation in C and K, Hz")
+    sub->add_option("--am-frequency", touch.am_hz, "Frequency of the modulation in C and K, Hz")
         ->check(positive())
         ->capture_default_str();
-    sub->add_option("--wait", touch.pointer_wait_s, "Of K: at each corner, s")
+    sub->add_option("--wait", touch.pointer_wait_s, "With K: time at each corner, s")
         ->check(not_negative())
         ->capture_default_str();
-    add_mm(*sub, "--press-radius", touch.press.radius_m, "Of L: of the circles, mm");
-    sub->add_option("--press-foci", touch.press.foci, "Of L: on each circle")
+    add_mm(*sub, "--press-radius", touch.press.radius_m, "With L: radius of the circles, mm");
+    sub->add_option("--press-foci", touch.press.foci, "With L: foci on each circle")
         ->check(whole(1, 16))
         ->capture_default_str();
-    sub->add_option("--seed", touch.feature.seed, "Of what is random")
+    sub->add_option("--seed", touch.feature.seed, "Seed of what is random")
         ->check(whole(0, UINT64_MAX))
         ->capture_default_str();
     sub->add_flag("--report", options->report,

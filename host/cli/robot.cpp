@@ -306,12 +306,13 @@ void add_robot(CLI::App& app, Action& action) {
     CLI::App* tensions =
         add(*robot, "tension", "Tensions that hold the handle and a force of the user", options, action, tension);
     add_pose(*tensions, options, "the handle");
-    auto* force = tensions->add_option("--force", options->force, "Of the user: x,y,z, N")->capture_default_str();
-    auto* torque = tensions->add_option("--torque", options->torque, "Of the user: x,y,z, N m")->capture_default_str();
+    auto* force = tensions->add_option("--force", options->force, "Force of the user: x,y,z, N")->capture_default_str();
+    auto* torque =
+        tensions->add_option("--torque", options->torque, "Torque of the user: x,y,z, N m")->capture_default_str();
     auto* choice = tensions
                        ->add_option("--choice", options->choice,
-                                    "norm, sum: the least; centroid: farthest from the limits; paper: Multimodal eq. "
-                                    "16, which knows no upper limit")
+                                    "norm, sum: the least; centroid: farthest from the limits; paper: eq. 16 of "
+                                    "doi:10.1109/JSEN.2022.3144888, which knows no upper limit")
                        ->check(CLI::IsMember({"norm", "sum", "centroid", "paper"}))
                        ->capture_default_str();
     tensions->add_flag("--largest", options->largest, "The largest forces that can be held, instead")
@@ -322,7 +323,7 @@ void add_robot(CLI::App& app, Action& action) {
     CLI::App* workspace =
         add(*robot, "workspace", "Where the handle can be held at every turn", options, action, reach);
     workspace->add_option("--step", options->step_mm, "Between points, mm")->check(positive())->capture_default_str();
-    workspace->add_option("--angle", options->angle_deg, "Of the turns, degrees")
+    workspace->add_option("--angle", options->angle_deg, "Angle of the turns, degrees")
         ->check(not_negative())
         ->capture_default_str();
     workspace
@@ -345,7 +346,7 @@ void add_robot(CLI::App& app, Action& action) {
         ->excludes(push);
     run->add_option("--fault", options->faults,
                     "KIND:CABLE:TIME: broken, slip (by 5 mm), lost or frozen; cables from 1; may be repeated");
-    run->add_option("--seed", options->seed, "Of the noise and of the hand")->capture_default_str();
+    run->add_option("--seed", options->seed, "Seed of the noise and of the hand")->capture_default_str();
     run->add_option("-o,--output", options->output, "The trace as .csv or .png; - is CSV on standard output");
 
     add_robot_place(*robot, action);

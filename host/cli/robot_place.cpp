@@ -137,7 +137,7 @@ void add_robot_place(CLI::App& robot, Action& action) {
     add_number(*sub, "--target", command->target_mm,
                "Height to find above the array, mm; the robot's frame is around it");
     add_number(*sub, "--start", command->start_mm, "Height at which the cube starts, mm");
-    add_number(*sub, "--weight", place_options.weight_n, "Of the cube, by the cables, N");
+    add_number(*sub, "--weight", place_options.weight_n, "Weight of the cube, by the cables, N");
     add_number(*sub, "--magnitude", place_options.magnitude, "Perceived magnitude of each focus, of G1 and G2");
     add_number(*sub, "--longest", place_options.longest_s, "The run ends after this, s");
     sub->add_option("--robot", command->robot, "Shipped robot, or a robot file (.toml)")->capture_default_str();
@@ -149,7 +149,7 @@ void add_robot_place(CLI::App& robot, Action& action) {
                     "Periods of the robot, evenly over the run, that the simulated board plays; 0: none")
         ->check(whole(0, 100000))
         ->capture_default_str();
-    sub->add_option("--seed", command->seed, "Of the sensors' noise")->capture_default_str();
+    sub->add_option("--seed", command->seed, "Seed of the sensors' noise")->capture_default_str();
     sub->add_option("-o,--output", command->output, "The trace as .csv or .png; - is CSV on standard output");
     sub->add_flag("--json", command->json, "Print as JSON");
     sub->callback([command, &action] { action = [command] { return place(*command); }; });

@@ -192,8 +192,8 @@ void add_common(CLI::App& sub, SceneCommand& command) {
                    "x,y,z, mm above the array: places of the palm, one after the other, straight from each to the next")
         ->capture_default_str();
     add_number(sub, "--speed", command.speed_mm_s, "On that way, mm/s");
-    sub.add_option("--wait", command.wait_s, "At its end, s")->check(not_negative())->capture_default_str();
-    add_number(sub, "--hand-stiffness", command.hand.stiffness_n_m, "Of the hand about its way, N/m");
+    sub.add_option("--wait", command.wait_s, "Wait at its end, s")->check(not_negative())->capture_default_str();
+    add_number(sub, "--hand-stiffness", command.hand.stiffness_n_m, "Stiffness of the hand about its way, N/m");
     sub.add_option("--robot", command.robot, "Shipped robot, or a robot file (.toml)")->capture_default_str();
     sub.add_option("--robot-center", command.centre, "x,y,z, mm: of the robot's frame above the array")
         ->capture_default_str();
@@ -205,7 +205,7 @@ void add_common(CLI::App& sub, SceneCommand& command) {
                    "Periods of the robot, evenly over the run, that the simulated board plays; 0: none")
         ->check(whole(0, 100000))
         ->capture_default_str();
-    sub.add_option("--seed", command.seed, "Of the sensors' noise")->capture_default_str();
+    sub.add_option("--seed", command.seed, "Seed of the sensors' noise")->capture_default_str();
     sub.add_flag("--json", command.json, "Print as JSON");
     sub.add_option("-o,--output", command.outputs,
                    "The ultrasound's path as .json for compile, the trace as .csv, or a .png picture; may be repeated");
@@ -218,7 +218,7 @@ void add_robot_explore(CLI::App& robot, Action& action) {
     command->way = {"-45,0,250", "45,0,250", "45,0,236", "-45,0,236"};
     CLI::App* sub = robot.add_subcommand(
         "explore",
-        "Mode W1, cables and ultrasound together: ultrasound shows where an object's edges and corners meet the hand; "
+        "Cables and ultrasound together: ultrasound shows where an object's edges and corners meet the hand; "
         "the cables give weight, and a surface with friction and texture; exit code 1 when the robot noticed a fault, "
         "or the pins of the simulated board are not as asked");
     ExploreScene& scene = command->scene;
@@ -230,22 +230,22 @@ void add_robot_explore(CLI::App& robot, Action& action) {
     sub->add_option("--size", command->size_mm,
                     "Edge or diameter of the object, largest extent of a mesh, mm (default: 100, a mesh as it is)")
         ->check(positive());
-    sub->add_option("--height", command->height_mm, "Of a cone, pyramid or cylinder, mm (default: the size)")
+    sub->add_option("--height", command->height_mm, "Height of a cone, pyramid or cylinder, mm (default: the size)")
         ->check(positive());
-    sub->add_option("--center", command->object_centre, "Of the object: x,y,z mm")->capture_default_str();
-    sub->add_option("--rotate", command->object_angles, "Of the object: degrees about x, then y, then z")
+    sub->add_option("--center", command->object_centre, "Center of the object: x,y,z mm")->capture_default_str();
+    sub->add_option("--rotate", command->object_angles, "Turns of the object: degrees about x, then y, then z")
         ->capture_default_str();
-    sub->add_option("--unit", command->object.unit, "Of a mesh file's coordinates")
+    sub->add_option("--unit", command->object.unit, "Unit of a mesh file's coordinates")
         ->check(CLI::IsMember({"mm", "cm", "m"}))
         ->capture_default_str();
     add_number(*sub, "--magnitude", scene.magnitude, "Perceived magnitude of each focus");
-    add_number(*sub, "--frequency", scene.frequency_hz, "Of the square wave that modulates them, Hz");
-    sub->add_option("--tilt", scene.tilt_deg, "Of the hand, fingers down, degrees")->capture_default_str();
+    add_number(*sub, "--frequency", scene.frequency_hz, "Frequency of the square wave that modulates them, Hz");
+    sub->add_option("--tilt", scene.tilt_deg, "Tilt of the hand, fingers down, degrees")->capture_default_str();
     sub->add_option("--weight", scene.weight_n, "That the hand carries, N")
         ->check(not_negative())
         ->capture_default_str();
     add_number(*sub, "--surface", command->surface_mm, "Height of the surface above the array, mm");
-    add_number(*sub, "--stiffness", scene.surface.stiffness_n_m, "Of the surface, N/m");
+    add_number(*sub, "--stiffness", scene.surface.stiffness_n_m, "Stiffness of the surface, N/m");
     sub->add_option("--friction", scene.surface.friction, "Tangential over normal force, while it slides")
         ->check(not_negative())
         ->capture_default_str();
@@ -262,7 +262,7 @@ void add_robot_tell(CLI::App& robot, Action& action) {
     command->way = {"-30,0,290", "-30,0,245", "30,0,245"};
     CLI::App* sub = robot.add_subcommand(
         "tell",
-        "Mode W2, cables and ultrasound together: the cables give weight; a pattern on the palm tells a distance, a "
+        "Cables and ultrasound together: the cables give weight; a pattern on the palm tells a distance, a "
         "texture or a hardness; exit code 1 when the robot noticed a fault, or the pins of the simulated board are not "
         "as asked");
     TellScene& scene = command->scene;
@@ -277,20 +277,24 @@ void add_robot_tell(CLI::App& robot, Action& action) {
     sub->add_option("--pattern", command->shape, "On the palm")
         ->check(CLI::IsMember({"focus", "line", "ring"}))
         ->capture_default_str();
-    sub->add_option("--points", scene.points, "Of a line or a ring")->check(whole(2, 1000))->capture_default_str();
+    sub->add_option("--points", scene.points, "Points of a line or a ring")
+        ->check(whole(2, 1000))
+        ->capture_default_str();
     add_number(*sub, "--size", command->size_mm, "Length of the line, diameter of the ring, mm");
     sub->add_option("--low", command->low,
                     "The sign at the value 0: a magnitude (default 1), Hz (80), mm along the hand (-30), degrees (0) "
                     "or a factor (0.5)");
     sub->add_option("--high", command->high, "The same at the value 1 (defaults: 4, 300, 30, 90, 2)");
     add_number(*sub, "--magnitude", scene.pattern.magnitude, "Perceived magnitude, unless it is the sign");
-    add_number(*sub, "--frequency", scene.pattern.frequency_hz, "Of the modulation, Hz, unless it is the sign");
+    add_number(*sub, "--frequency", scene.pattern.frequency_hz,
+               "Frequency of the modulation, Hz, unless it is the sign");
     sub->add_option("--weight", scene.weight_n, "That the hand carries, N")
         ->check(not_negative())
         ->capture_default_str();
     add_number(*sub, "--height", command->height_mm, "Above the array, mm: what is near, or the surface");
-    add_number(*sub, "--range", command->range_mm, "Of the distance, mm: farther away the pattern does not change");
-    add_number(*sub, "--cell", command->cell_mm, "Of the cloth: from thread to thread, mm");
+    add_number(*sub, "--range", command->range_mm,
+               "Range of the distance, mm: farther away the pattern does not change");
+    add_number(*sub, "--cell", command->cell_mm, "Mesh of the cloth: from thread to thread, mm");
     add_number(*sub, "--stiffness", scene.stiffness_n_m, "That is told as hardness, N/m");
     add_number(*sub, "--softest", scene.softest_n_m, "That the value 0 is, N/m");
     add_number(*sub, "--hardest", scene.hardest_n_m, "That the value 1 is, N/m");

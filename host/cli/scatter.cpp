@@ -106,7 +106,7 @@ void add_scatter(CLI::App& app, Action& action) {
                                  "Or ten foci around the built-in finger, where a surface through x,y,z (mm) cuts it")
                      ->excludes(focus)
                      ->excludes(path);
-    sub->add_option("--inward", options->inward, "Of the ring's surface: into the object, x,y,z (default: 0,0,-1)")
+    sub->add_option("--inward", options->inward, "At the ring's surface: into the object, x,y,z (default: 0,0,-1)")
         ->needs(ring);
     sub->add_flag("--weighed", options->source.weighed,
                   "The ring's foci as live plays them: weaker where more of the sound arrives")
@@ -115,10 +115,11 @@ void add_scatter(CLI::App& app, Action& action) {
         sub->add_option("--array", options->source.array, "Array file or shipped array")->capture_default_str();
     sub->add_option("--rig", options->source.rig, "Rig file or shipped rig instead: several arrays in their places")
         ->excludes(array);
-    sub->add_option("--radius", options->radius_mm, "Of a built-in body, mm (default: 8)")->check(positive());
-    sub->add_option("--length", options->length_mm, "Of the finger with its ends, mm (default: 50)")->check(positive());
+    sub->add_option("--radius", options->radius_mm, "Radius of a built-in body, mm (default: 8)")->check(positive());
+    sub->add_option("--length", options->length_mm, "Length of the finger with its ends, mm (default: 50)")
+        ->check(positive());
     sub->add_option("--edge", options->edge_mm,
-                    "Of a built-in body's triangles, mm (default: an eighth of the wavelength)")
+                    "Edge of a built-in body's triangles, mm (default: an eighth of the wavelength)")
         ->check(positive());
     sub->add_option("--unit", options->unit, "Unit of the coordinates in the mesh")
         ->check(CLI::IsMember({"mm", "cm", "m"}))

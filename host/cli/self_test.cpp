@@ -101,7 +101,7 @@ void add_self_test(CLI::App& device, Action& action) {
     sub->add_option("--channel-seconds", options->channel_s, "For how long each channel plays")
         ->check(positive())
         ->capture_default_str();
-    sub->add_option("--height", options->height_mm, "Of the point above the array's centre, mm")
+    sub->add_option("--height", options->height_mm, "Height of the point above the array's centre, mm")
         ->check(positive())
         ->capture_default_str();
     sub->add_option("--point-seconds", options->point_s, "For how long the point plays")

@@ -154,7 +154,8 @@ void add_simulate(CLI::App& app, Action& action) {
                     "The crystals of a rig's boards are off by up to so much, to either side")
         ->check(CLI::Range(0.0, 50.0))
         ->capture_default_str();
-    sub->add_option("--seed", options->rig.seed, "Of a rig's drifts, start phases and what registers hold at power-up")
+    sub->add_option("--seed", options->rig.seed,
+                    "Seed of a rig's drifts, start phases and what registers hold at power-up")
         ->check(whole(0, 4'294'967'295))
         ->capture_default_str();
     sub->add_option("--report", options->report, "Write the report (JSON)");

@@ -149,7 +149,8 @@ void add_solve(CLI::App& app, Action& action) {
                     "pressure (one for all)")
         ->check(CLI::IsMember({"reachable", "pressure"}))
         ->capture_default_str();
-    sub->add_option("--rounds", options->rounds, "Of an iterating solver; by default 10 of gauss-newton, 100 of others")
+    sub->add_option("--rounds", options->rounds,
+                    "Rounds of an iterating solver; by default 10 of gauss-newton, 100 of others")
         ->check(whole(0, 1'000'000));
     sub->add_flag("--follow", options->follow,
                   "Begin each set with the drives of the one before; the first takes the rounds of the default");

@@ -17,9 +17,10 @@ CLI::Option* add_source_file(CLI::App& command, Source& source, const std::strin
 }
 
 void add_array_and_board(CLI::App& command, Source& source) {
-    command.add_option("--array", source.array,
-                       "Of a path, a shape or a focus: array file or shipped array; by default tile-10x10. What was "
-                       "compiled must be for it");
+    command.add_option(
+        "--array", source.array,
+        "Array of a path, a shape or a focus: array file or shipped array; by default tile-10x10. What was "
+        "compiled must be for it");
     command.add_option("--board", source.board, "The same: board file, shipped board or configuration");
 }
 

@@ -195,10 +195,10 @@ void add_stream(CLI::App& app, Action& action) {
                                  "A path file as compile takes it, instead of indices: its records are written into "
                                  "the board, in place of what is there, and its sequence is streamed, however long")
                      ->excludes(file);
-    sub->add_option("--array", options->array, "Of --path, as for compile")->needs(path);
-    sub->add_option("--board", options->board, "Of --path, as for compile")->needs(path);
+    sub->add_option("--array", options->array, "Array of --path, as for compile")->needs(path);
+    sub->add_option("--board", options->board, "Board of --path, as for compile")->needs(path);
     sub->add_option("--points", options->points,
-                    "Of --path, as for compile: how often an .adaptics pattern is looked at")
+                    "Points of --path, as for compile: how often an .adaptics pattern is looked at")
         ->needs(path)
         ->check(whole(1, 65535))
         ->capture_default_str();

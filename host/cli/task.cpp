@@ -47,10 +47,12 @@ void add_shared(CLI::App& sub, TaskCommand& command) {
     sub.add_option("--rig", command.rig, "Arrays that make the rings, a rig file or a shipped rig")
         ->capture_default_str();
     sub.add_option("--trials", command.trials, "How many")->check(whole(1, 10'000))->capture_default_str();
-    sub.add_option("--seed", command.seed, "Of what is drawn and of the cameras' noise")
+    sub.add_option("--seed", command.seed, "Seed of what is drawn and of the cameras' noise")
         ->check(whole(0, UINT64_MAX))
         ->capture_default_str();
-    sub.add_option("--distance", command.distance_mm, "Of the cameras, mm")->check(positive())->capture_default_str();
+    sub.add_option("--distance", command.distance_mm, "Distance of the cameras, mm")
+        ->check(positive())
+        ->capture_default_str();
     sub.add_flag("--exact", command.exact, "Cameras without noise");
     sub.add_flag("--json", command.json, "Print as JSON, each trial among it");
 }
@@ -168,7 +170,7 @@ int find_surfaces(const TaskCommand& command) {
 
 void add_task(CLI::App& app, Action& action) {
     CLI::App* task = app.add_subcommand(
-        "task", "The tasks of Fingers' two experiments, by scripted hands before simulated depth cameras");
+        "task", "Two experiments of Matsubayashi et al. 2019, by scripted hands before simulated depth cameras");
     task->require_subcommand(1);
     auto options = std::make_shared<TaskCommand>();
     CLI::App* lift = task->add_subcommand("lift", "Two fingers lift a cube by 50 mm for 1.5 s");
@@ -181,11 +183,11 @@ void add_task(CLI::App& app, Action& action) {
         ->check(whole(1, 8))
         ->capture_default_str();
     const CLI::Range beside(-60.0, 60.0);
-    lift->add_option("--edge", options->edge_mm, "Of the cube, mm, in every trial (default: drawn)")
+    lift->add_option("--edge", options->edge_mm, "Edge of the cube, mm, in every trial (default: drawn)")
         ->check(CLI::Range(30.0, 50.0));
-    lift->add_option("--x", options->x_mm, "Of its place on the floor, mm, likewise")->check(beside);
+    lift->add_option("--x", options->x_mm, "X of its place on the floor, mm, likewise")->check(beside);
     lift->add_option("--y", options->y_mm, "The same along y")->check(beside);
-    lift->add_option("--turn", options->turn_deg, "Of the cube on the floor, degrees, likewise")
+    lift->add_option("--turn", options->turn_deg, "Turn of the cube on the floor, degrees, likewise")
         ->check(CLI::Range(0.0, 90.0));
     lift->callback([options, &action] { action = [options] { return lift_cubes(*options); }; });
     CLI::App* surface = task->add_subcommand("surface", "A finger finds the angle and the height of a surface");
@@ -194,7 +196,8 @@ void add_task(CLI::App& app, Action& action) {
         ->check(CLI::IsMember({"dynamic", "static", "none"}))
         ->capture_default_str();
     surface
-        ->add_option("--angle", options->angle_deg, "Of the surface, degrees about y, in every trial (default: drawn)")
+        ->add_option("--angle", options->angle_deg,
+                     "Angle of the surface, degrees about y, in every trial (default: drawn)")
         ->check(CLI::Range(-60.0, 60.0));
     surface->add_option("--height", options->height_mm, "Over the middle, mm, in every trial (default: drawn)")
         ->check(CLI::Range(-20.0, 20.0));
