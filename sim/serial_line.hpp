@@ -40,7 +40,6 @@ public:
 
     /// To be told every clock's level in turn; a byte when one is complete.
     std::optional<std::uint8_t> sample(std::uint64_t clock, bool level);
-    [[nodiscard]] std::uint64_t framing_errors() const { return framing_errors_; }
 
 private:
     double clocks_per_bit_;
@@ -49,7 +48,6 @@ private:
     unsigned shift_ = 0;
     double started_ = 0.0;
     std::uint64_t next_sample_ = 0;
-    std::uint64_t framing_errors_ = 0;
 };
 
 }  // namespace haptogram::sim

@@ -10,13 +10,11 @@
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
 #include "haptogram/base/process.hpp"
-#include "haptogram/perception/consistency.hpp"
 #include "haptogram/perception/difference.hpp"
 #include "haptogram/perception/magnitude.hpp"
 #include "haptogram/perception/path_magnitude.hpp"
 #include "haptogram/perception/setting.hpp"
 #include "haptogram/perception/skin_force.hpp"
-#include "haptogram/perception/staircase.hpp"
 #include "haptogram/perception/tables.hpp"
 #include "haptogram/perception/threshold.hpp"
 #include "haptogram/perception/waveform.hpp"
@@ -265,81 +263,6 @@ TEST_CASE("perception: a file that cannot be used names its line", "[perception]
     REQUIRE_THAT(refused("grip_n = 1\n", "grip = 1\n"), Contains("unknown key grip"));
     REQUIRE_THAT(refused("haptogram-perception-1", "haptogram-2"), Contains("haptogram-perception-1"));
     REQUIRE_THAT(message_of([] { (void)find_tables("none"); }), Contains("multimodal"));
-}
-
-TEST_CASE("perception: the staircase of 3 and 1 dB finds the threshold of a probit observer", "[perception]") {
-    constexpr int runs = 4000;
-    const double expected_sd[] = {0.33, 0.51, 0.87};
-    const double observers[] = {0.5, 1.0, 2.0};
-    std::mt19937_64 random(Catch::rngSeed());
-    std::normal_distribution<double> noise;
-    for (std::size_t which = 0; which < 3; ++which)
-        for (const double start : {12.0, -28.0}) {
-            double sum = 0.0, squares = 0.0;
-            for (int run = 0; run < runs; ++run) {
-                // Each run has its steps at other places relative to the threshold.
-                const double threshold = std::uniform_real_distribution<double>(-0.5, 0.5)(random);
-                Staircase staircase(start);
-                while (!staircase.finished())
-                    staircase.answer(staircase.level_db() + observers[which] * noise(random) > threshold);
-                const double error = staircase.threshold_db() - threshold;
-                sum += error;
-                squares += error * error;
-            }
-            const double bias = sum / runs, sd = std::sqrt(squares / runs - bias * bias);
-            CAPTURE(observers[which], start, bias, sd);
-            CHECK(std::abs(bias) <= 0.13 + 0.02);  // 0.02: three standard errors of 4000 runs, roughly
-            CHECK(sd == Approx(expected_sd[which]).margin(0.05));
-        }
-}
-
-TEST_CASE("perception: reversals, and what a staircase refuses", "[perception]") {
-    Staircase staircase(10.0);
-    const bool answers[] = {true, true, false, true, false, false, true, false, true, false, true};
-    const double levels[] = {10, 7, 4, 7, 4, 5, 6, 5, 6, 5, 6};
-    for (std::size_t i = 0; i < std::size(answers); ++i) {
-        CAPTURE(i);
-        REQUIRE_FALSE(staircase.finished());
-        REQUIRE(staircase.level_db() == levels[i]);
-        staircase.answer(answers[i]);
-        if (i + 1 < std::size(answers) && staircase.finished()) {
-            REQUIRE(staircase.reversals_db() == std::vector<double>{4, 7, 4, 6, 5, 6, 5, 6});
-            break;
-        }
-    }
-    REQUIRE(staircase.finished());
-    REQUIRE(staircase.reversals_db().size() == 8);
-    REQUIRE_THROWS_AS(staircase.answer(true), Error);
-    REQUIRE_THROWS_AS(Staircase(0.0).threshold_db(), Error);
-    REQUIRE_THROWS_AS(Staircase(-INFINITY), Error);
-    REQUIRE_THROWS_AS(Staircase(0.0, {3.0, 0.0, 3, 8}), Error);
-    REQUIRE_THROWS_AS(Staircase(0.0, {3.0, 1.0, 8, 8}), Error);
-}
-
-TEST_CASE("perception: printed statistics that cannot be true", "[perception]") {
-    // With two degrees of freedom above, the F distribution has a closed form.
-    const auto closed = [](double f, double df) { return std::pow(1.0 + 2.0 * f / df, -df / 2.0); };
-    REQUIRE(p_of_f(13.11, 2, 24) == Approx(0.000142).margin(0.0000005));
-    REQUIRE(p_of_f(0.43, 2, 24) == Approx(0.655).margin(0.0005));
-    REQUIRE(f_of_p(0.265, 2, 24) == Approx(1.40).margin(0.005));
-    for (const double f : {0.0, 0.43, 1.0, 3.0, 13.11})
-        REQUIRE(p_of_f(f, 2, 24) == Approx(closed(f, 24)).epsilon(1e-12));
-    REQUIRE_THROWS_AS(p_of_f(-1, 2, 24), Error);
-    REQUIRE_THROWS_AS(p_of_f(1, 0, 24), Error);
-    for (const double mean : {3.77, 3.45, 3.51, 4.02, 3.25, 3.63, 2.31}) REQUIRE_FALSE(mean_of_integers(mean, 2, 9));
-    // Exhaustively: a mean passes when one of the sums of nine ratings from 1 to 5 would be printed so.
-    for (int hundredths = 100; hundredths <= 500; ++hundredths) {
-        bool possible = false;
-        for (int sum = 9; sum <= 45; ++sum) possible |= std::abs(sum / 9.0 * 100.0 - hundredths) <= 0.5;
-        REQUIRE(mean_of_integers(hundredths / 100.0, 2, 9) == possible);
-    }
-    const double preferred[] = {48.6, 17.3, 25.5, 8.6};
-    REQUIRE_FALSE(percentages_of(preferred, 1, 9));
-    REQUIRE_FALSE(percentages_of(preferred, 1, 27));
-    REQUIRE(fewest_people(preferred, 1) == 220);
-    const double thirds[] = {33.3, 33.3, 33.3};
-    REQUIRE(fewest_people(thirds, 1) == 3);
-    REQUIRE_THROWS_AS(fewest_people(preferred, 1, 100), Error);
 }
 
 TEST_CASE("perception: a path whose foci feel with one magnitude", "[perception]") {

@@ -136,6 +136,4 @@ Transducer find_transducer(const std::string& name, const std::filesystem::path&
     return load_transducer(path_or_shipped(name, transducer_folder, ".toml", "transducer"));
 }
 
-std::vector<std::string> shipped_transducers() { return shipped_names(transducer_folder, ".toml"); }
-
 }  // namespace haptogram

@@ -34,7 +34,6 @@ struct Transducer {
 /// Finds `name` as a path, relative to `folder`, when it has a slash or ends in .toml, or else among the shipped
 /// transducers.
 [[nodiscard]] Transducer find_transducer(const std::string& name, const std::filesystem::path& folder = {});
-[[nodiscard]] std::vector<std::string> shipped_transducers();
 
 /// Reads a measured pattern: CSV with the columns angle_deg,amplitude, angles rising from 0 to 90, amplitude 1 at 0.
 /// Angles at uneven steps, which must be whole hundredths of a degree, are interpolated linearly to the widest even
