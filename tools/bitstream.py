@@ -302,16 +302,17 @@ def main():
     parser.add_argument("--table", type=Path, metavar="FILE", help="writes the table of all reports in OUTPUT to a Markdown file")
     options = parser.parse_args()
     results, failed = [], False
-    try:
-        for name in options.boards or boards.names():
+    for name in options.boards or boards.names():
+        try:
             result, problems = build(name, options)
-            results.append(result)
-            failed |= bool(problems)
-            for problem in problems:
-                print(f"{name}: over budget: {problem}", file=sys.stderr)
-    except (Failed, boards.Unknown, configurations.Wrong) as error:
-        print(f"bitstream: {error}", file=sys.stderr)
-        failed = True
+        except (Failed, boards.Unknown, configurations.Wrong) as error:
+            print(f"bitstream: {error}", file=sys.stderr)
+            failed = True
+            continue
+        results.append(result)
+        failed |= bool(problems)
+        for problem in problems:
+            print(f"{name}: over budget: {problem}", file=sys.stderr)
     if results:
         print(table(results), end="")
     if options.table:

@@ -18,6 +18,8 @@ A picture of waves is a row for each signal over a common time:
     [[row]]     text, high = [[from, to], …] of a signal that is low or high, or values = [[from, to, "text"], …] of one with a name for each time
     [[mark]]    at, text: a line through all rows
     [[span]]    from, to, row (counted from 0), text: an arrow with two heads above a row
+
+Graphviz would move boxes about with each change, and WaveDrom's times are whole steps.
 """
 import argparse
 import subprocess
