@@ -10,7 +10,8 @@ import { state } from "./state";
 import { pathFile } from "./stroke";
 
 const bundle = ".haptogram";
-const pathName = (number: number): string => `drawn-${number}.csv`;
+/** Another for every line: the server may have files of other pages, and of the folder that it was started in. */
+const pathName = (): string => `drawn-${[...crypto.getRandomValues(new Uint8Array(4))].map((byte) => byte.toString(16).padStart(2, "0")).join("")}.csv`;
 const stem = (name: string): string => name.replace(/^.*\//, "").replace(/\.[^.]*$/, "");
 
 export class Files {
@@ -41,12 +42,10 @@ export class Files {
 
   /** Places that are passed at equal times become the design's path. @return the file's name */
   async takePath(places: Point[], seconds: number): Promise<string> {
-    let number = 1;
-    while (this.session.sent.has(pathName(number))) number++;
-    const name = pathName(number);
+    const name = pathName();
     await this.send([new File([pathFile(places, seconds)], name)]);
-    const { format, array, board, am, am_law, amplitude, loops } = project.peek() ?? { format: "" };
-    edit(having({ format }, { array, board, am, am_law, amplitude, loops, path: name }));
+    const { format, array, board, am, am_law, amplitude, loops, live } = project.peek() ?? { format: "" };
+    edit(having({ format }, { array, board, am, am_law, amplitude, loops, live, path: name }));
     return name;
   }
 

@@ -11,7 +11,7 @@ const smoothings: [string, string][] = [["0", "not at all"], ["30", "over 30 ms"
 export function PathPanel({ actions, now }: { actions: Actions; now: ProjectDocument }) {
   const line = state.line.value;
   const smoothed = state.smoothed.value?.file === now.path ? state.smoothed.value : undefined;
-  const { array, board } = now;
+  const { array, board, live } = now;
   return (
     <Panel title="Path">
       <p class="file">{now.path}</p>
@@ -26,7 +26,7 @@ export function PathPanel({ actions, now }: { actions: Actions; now: ProjectDocu
       )}
       <div class="buttons">
         <button type="button" onClick={() => actions.draw(true)}>Draw another path</button>
-        <button type="button" onClick={() => edit(having({ format: now.format }, { array, board, shape: [{ kind: "hemisphere" }] }))}>Back to a built-in shape</button>
+        <button type="button" onClick={() => edit(having({ format: now.format }, { array, board, live, shape: [{ kind: "hemisphere" }] }))}>Back to a built-in shape</button>
       </div>
     </Panel>
   );
