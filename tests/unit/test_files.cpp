@@ -190,6 +190,13 @@ TEST_CASE("manifest: what is written is read back, what is missing is named", "[
     auto json = to_json(m);
     json["records"][0]["focus_mm"] = {1, 2};
     REQUIRE_THROWS_AS(manifest_from_json(json.dump(), "m"), Error);
+    m.array.elements[3].weight = 0.25;
+    json = to_json(m);
+    REQUIRE(manifest_from_json(json.dump(), "m").array.elements[3].weight == 0.25);
+    for (const double weight : {0.0, -0.5, 1.001, 1e300}) {
+        json["array"]["responses"][3][2] = weight;
+        REQUIRE_THROWS_WITH(manifest_from_json(json.dump(), "m"), Contains("weights above 0 and up to 1"));
+    }
 }
 
 TEST_CASE("pulse files: round trip, and damage named with its line", "[pulses]") {

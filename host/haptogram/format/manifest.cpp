@@ -72,8 +72,14 @@ void read_responses(Array& array, const ordered_json& json, const std::string& w
     if (json.size() != array.elements.size())
         throw bad_member(where, "array.responses", "a list of [real, imaginary, weight], one an element", json);
     for (std::size_t m = 0; m < array.elements.size(); ++m) {
-        array.elements[m].response = {json.at(m).at(0).get<double>(), json.at(m).at(1).get<double>()};
-        if (json.at(m).size() > 2) array.elements[m].weight = json.at(m).at(2).get<double>();
+        const ordered_json& one = json.at(m);
+        Element& element = array.elements[m];
+        element.response = {one.at(0).get<double>(), one.at(1).get<double>()};
+        if (one.size() > 2) element.weight = one.at(2).get<double>();
+        if (one.size() > 3 || !(element.weight > 0.0 && element.weight <= 1.0))
+            throw bad_member(where, "array.responses",
+                             "a list of [real, imaginary, weight], one an element, with weights above 0 and up to 1",
+                             one);
     }
 }
 
