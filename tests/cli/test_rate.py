@@ -2,6 +2,8 @@
 """The rate of a board: found, remembered, fixed; and a virtual board that hears no other one."""
 import json
 import os
+import random
+import re
 import subprocess
 import sys
 import termios
@@ -57,10 +59,32 @@ def test_the_rate_of_each_shipped_board_is_found(board, tmp_path, state):
 
 def test_a_wrong_rate_is_named(tmp_path, state):
     with virtual_board(tmp_path, "--model", "reference"):
+        rate = 1000000
         assert_one_message(run(["device", "info", "--port", "port", "--baud", WRONG], cwd=tmp_path, env=state), DEVICE,
-                           "no answer to identify", f"only {WRONG} baud was tried", "3000000, 1000000, 115200")  # fmt: skip
+                           "no answer to identify", f"it answers at {rate} baud, not {WRONG}")  # fmt: skip
         said = ask_python(tmp_path, state, "info", "--baud", str(WRONG))
         assert said.returncode == DEVICE and f"only {WRONG} baud was tried" in text(said.stderr) and "3000000, 1000000, 115200" in text(said.stderr)
+
+
+def test_a_wrong_rate_is_named_whatever_it_is(tmp_path, state):
+    """HAPTOGRAM_CASES boards and rates drawn by chance; a board of a rate that is not known is named by none."""
+    rng, said = random.Random(int(os.environ.get("HAPTOGRAM_SEED", "1"))), []
+    for _ in range(int(os.environ.get("HAPTOGRAM_CASES", "2"))):
+        board = rng.choice(BOARDS)
+        with virtual_board(tmp_path, "--model", "reference", "--board", board) as running:
+            right = running.says["baud"]
+            wrong = rng.choice([rate for rate in (9600, 57600, 115200, 460800, 921600, 1000000, 2000000, 3000000) if rate != right])
+            told = run(["device", "info", "--port", "port", "--baud", wrong], cwd=tmp_path, env=state)
+            if told.returncode != DEVICE or f"it answers at {right} baud, not {wrong}\n" not in text(told.stderr):
+                said.append((board, right, wrong, text(told.stderr)))
+        (tmp_path / "port").unlink()
+    assert not said
+    shipped = (ROOT / "constraints/ice40-hx8k-breakout.toml").read_text()
+    (tmp_path / "own.toml").write_text(re.sub(r"^BAUD = \d+", "BAUD = 500000", shipped, flags=re.M))
+    with virtual_board(tmp_path, "--model", "reference", "--board", "./own.toml") as running:
+        assert running.says["baud"] == 500000
+        assert_one_message(run(["device", "info", "--port", "port", "--baud", WRONG], cwd=tmp_path, env=state), DEVICE,
+                           f"nor is there one at another rate than {WRONG} baud", "3000000, 1000000, 115200 were tried")  # fmt: skip
 
 
 def test_a_rate_that_is_remembered_and_wrong_is_replaced(tmp_path, state):

@@ -6,18 +6,36 @@
 #include "haptogram/format/interface.hpp"
 #include "haptogram/link/chain.hpp"
 #include "haptogram/link/port_rates.hpp"
+#include "haptogram/link/udp_port.hpp"
 
 namespace haptogram::link {
 
-Device::Device(const PortSettings& settings) : Client(open_port(settings)) {
-    set_interrupt(settings.interrupt);
+namespace {
+
+/// A rate at which something answers behind a port that is not open.
+std::optional<std::uint32_t> rate_of(const PortSettings& asked) {
+    PortSettings any{.port = asked.port, .interrupt = asked.interrupt};
     try {
-        identify();
-    } catch (const LinkLost& lost) {
-        if (!settings.baud) throw;
-        throw LinkLost(lost.where(), fmt::format("{}; only {} baud was tried, as asked; without a rate, {} are",
-                                                 lost.message(), *settings.baud, fmt::join(known_rates, ", ")));
+        static_cast<void>(open_port(any, interface::Command::identify, 2));
+    } catch (const LinkLost&) {
+        return {};
     }
+    return remembered_rate(asked.port);
+}
+
+}  // namespace
+
+Device::Device(const PortSettings& settings) try : Client(open_port(settings)) {
+    set_interrupt(settings.interrupt);
+    identify();
+} catch (const LinkLost& lost) {  // the port is closed
+    if (!settings.baud || names_udp(settings.port)) throw;
+    const auto rate = rate_of(settings);
+    throw LinkLost(lost.where(),
+                   fmt::format("{}; {}", lost.message(),
+                               rate ? fmt::format("it answers at {} baud, not {}", *rate, *settings.baud)
+                                    : fmt::format("nor is there one at another rate than {} baud: {} were tried",
+                                                  *settings.baud, fmt::join(known_rates, ", "))));
 }
 
 std::vector<FoundDevice> devices_behind(const PortSettings& settings) {
