@@ -3,6 +3,7 @@
 core. Pressures are summed up here by numpy, from the pulses alone."""
 import json
 import math
+import signal
 
 import numpy as np
 import pytest
@@ -361,3 +362,56 @@ def test_a_board_takes_its_time_from_others_or_gives_it(tmp_path):
     with virtual_board(tmp_path):
         result = run(["device", "sync", "master", "--port", "port"], cwd=tmp_path)
         assert result.returncode == 4 and "no SYNC" in text(result.stderr)
+
+
+def plays_at_pins(folder, cycle=1250):
+    """Of each play, where in the carrier period the middle of each channel's pulses lies, as a part of a turn from channel 0's."""
+    pulses = np.loadtxt(folder / "pulses.csv", delimiter=",", skiprows=1, dtype=np.int64)
+    pulses = pulses[np.argsort(pulses[:, 1], kind="stable")]
+    plays = np.split(pulses, np.flatnonzero(np.diff(pulses[:, 1]) > 10 * cycle) + 1)
+    turns = []
+    for play in plays:
+        mean = [np.exp(2j * np.pi * play[play[:, 0] == channel][2:-2, 1:3].mean(axis=1) / cycle).mean() for channel in range(100)]
+        turns.append(np.angle(np.array(mean) / mean[0]) / (2 * np.pi))
+    return turns
+
+
+def test_foci_follow_the_temperature_that_is_given_while_they_play(tmp_path):
+    """Waves meet at the focus when pulses come earlier by the ways' differences, in an air where sound goes with the root of the absolute
+    temperature: 331.3 m/s at 0 °C. In the image's air they meet where a lens of that power makes them: z grows as the speed does."""
+    speed = lambda celsius: 331.3 * math.sqrt(1 + celsius / 273.15)  # noqa: E731
+    compile_foci(tmp_path, "tile-100-wide", "--shape", "point", "--center", "0,0,180", "--rate", 400)
+    temperatures = (None, 45, -10, None)
+    with virtual_board(tmp_path, "--board", "tile-100-wide", "--pulses", "pulses.csv") as board:
+        ask(tmp_path, "upload", "image.hex")
+        for celsius in temperatures:
+            told = ask(tmp_path, "play", "--loops", 1, "--watchdog", 0, *([] if celsius is None else [f"--temperature={celsius}"]))
+            if celsius is not None:
+                assert f"foci for sound of {speed(celsius):.1f} m/s; the image has 343.2 m/s" in text(told.stderr)
+        board.send_signal(signal.SIGINT)
+        assert board.wait(120) == 0
+    manifest = read_json(tmp_path / "image.json")
+    elements = np.array(manifest["array"]["elements_mm"])[:, :3] * 1e-3
+    ways = np.linalg.norm(elements - (0, 0, 0.18), axis=1)
+    plays = plays_at_pins(tmp_path)
+    assert len(plays) == len(temperatures)
+    heights = np.arange(0.120, 0.260, 0.0005)
+    for celsius, turns in zip(temperatures, plays, strict=True):
+        off = turns - (ways[0] - ways) * 40e3 / (343.2 if celsius is None else speed(celsius))
+        assert abs(off - np.round(off)).max() < 3e-3, celsius
+        k = 2 * np.pi * 40e3 / 343.2
+        sums = [abs(np.exp(-2j * np.pi * turns - 1j * k * np.linalg.norm(elements - (0, 0, z), axis=1)).sum()) for z in heights]
+        expected = 0.18 * (1 if celsius is None else speed(celsius) / 343.2)
+        assert heights[int(np.argmax(sums))] == pytest.approx(expected, abs=0.003), celsius
+    assert abs(np.exp(2j * np.pi * plays[0]) - np.exp(2j * np.pi * plays[-1])).max() < 1e-9  # its own air is back
+    (tmp_path / "port").unlink(missing_ok=True)
+    succeed(["compile", "--shape", "point", "-o", "plain.hex"], cwd=tmp_path)
+    with virtual_board(tmp_path, "--image", "plain.hex"):
+        refused = run(["play", "--temperature", "30", "--port", "port"], cwd=tmp_path)
+        assert refused.returncode == 4 and "it computes no foci" in text(refused.stderr)
+        assert status(tmp_path)["outputs"] == "off"
+    (tmp_path / "port").unlink()
+    with virtual_board(tmp_path, "--board", "tile-100-wide"):
+        refused = run(["play", "--temperature", "30", "--port", "port"], cwd=tmp_path)
+        assert refused.returncode == 4 and "it holds no image of foci" in text(refused.stderr)
+        assert run(["play", "--temperature", "101", "--port", "port"], cwd=tmp_path).returncode == USAGE
