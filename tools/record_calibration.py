@@ -22,6 +22,8 @@ CARRIER_HZ, RATE_HZ, BANDWIDTH_HZ, RADIUS_M = 40e3, 192000, 2000.0, 4.5e-3
 CHANNELS, HEADER_WORDS, SILENT = 100, 4, 0xFFFF
 GRID = (np.arange(10) - 4.5) * 0.01
 ELEMENTS = np.array([(x, y, 0.0) for y in GRID for x in GRID])
+# An open TTL input beside wires that swing from 0 to 3.3 V: its own capacitance, and what it takes to turn it.
+INPUT_PF, SWING_V, HYSTERESIS_V = 15.0, 3.3, 0.4
 
 
 def read_code(path):
@@ -37,9 +39,28 @@ def read_code(path):
     return phases[(entries & 0xFFFF) - 1], entries >> 16
 
 
+def open_input(phases, near):
+    """What a driver makes of an input that nothing drives or pulls down: `near` has the picofarads to wires beside it. Each record's
+    fundamental, over that of a driven one."""
+    steps = 64
+    times = np.arange(steps) / steps
+    volts = np.zeros((len(phases), steps))
+    for channel, capacitance in near.items():
+        wire = phases[:, channel]
+        high = ((times + np.angle(wire)[:, None] / (2 * np.pi)) % 1 < 0.5) & (abs(wire) > 0)[:, None]
+        volts += capacitance / (INPUT_PF + sum(near.values())) * SWING_V * (high - high.mean(axis=1, keepdims=True))
+    is_high, out = np.zeros(len(phases), bool), np.zeros((len(phases), steps))
+    for step in range(2 * steps):  # the first period settles
+        is_high = np.where(abs(volts[:, step % steps]) > HYSTERESIS_V / 2, volts[:, step % steps] > 0, is_high)
+        out[:, step % steps] = is_high
+    turns = np.exp(-2j * np.pi * times)
+    return out @ turns / ((times < 0.5) @ turns)
+
+
 @dataclasses.dataclass
 class Bought:
-    """An array with faults. `response` is an element's; `channel` is what it is wired to; `speed` is the air's."""
+    """An array with faults. `response` is an element's; `channel` is what it is wired to; `speed` is the air's; `open` has elements whose
+    drivers' inputs are open and not pulled down, with the picofarads to the wires of channels beside them."""
 
     response: np.ndarray
     channel: np.ndarray
@@ -47,6 +68,14 @@ class Bought:
     dead: list
     reversed: list
     exchanged: list
+    open: dict = dataclasses.field(default_factory=dict)
+
+    def drives(self, phases):
+        """What each element's driver gives it, of the channels' phases."""
+        played = phases[:, self.channel]
+        for element, near in self.open.items():
+            played[:, element] = open_input(phases, near)
+        return played
 
     @classmethod
     def random(cls, seed, dead=2, reversed_=10, exchanged=0):
@@ -65,9 +94,9 @@ class Bought:
         return cls(response, channel, speed, *(list(map(int, some)) for some in (dead, turned, sorted(pairs.ravel()))))
 
 
-def transfer(place, speed):
+def transfer(place, speed, elements=ELEMENTS):
     """What each element makes at a place, at the carrier, as if it were its kind, and how long its sound takes."""
-    ray = np.asarray(place) - ELEMENTS
+    ray = np.asarray(place) - elements
     range_m = np.linalg.norm(ray, axis=1)
     ka_sin = 2 * np.pi * CARRIER_HZ / speed * RADIUS_M * np.hypot(ray[:, 0], ray[:, 1]) / range_m + 1e-9
     return 2 * j1(ka_sin) / ka_sin / range_m * np.exp(-2j * np.pi * CARRIER_HZ / speed * range_m), range_m / speed
@@ -76,7 +105,7 @@ def transfer(place, speed):
 def record(code, bought, place, rng, echo_db=-20.0, noise_db=-20.0, clock_ppm=100.0, lead_s=None, passes=2.0):
     """@param noise_db  of one pattern's sound in a bandwidth of 1 / 8 ms, which is what is told apart from it"""
     phases, periods = code
-    played = phases[:, bought.channel]  # by elements
+    played = bought.drives(phases)
     waves, flights = transfer(place, bought.speed)
     paths = [(1.0, waves, flights)]
     if echo_db is not None:  # a wall at x = 0.6 m, as a second microphone behind it

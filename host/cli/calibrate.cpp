@@ -67,7 +67,8 @@ Array array_of(const CalibrateCommand& command) {
 std::string name_beside(const std::string& output, const Array& array) {
     const std::filesystem::path file(array.file);
     if (array.file.starts_with(shipped_prefix)) return file.stem().string();
-    return std::filesystem::relative(file, std::filesystem::absolute(output).parent_path()).string();
+    return std::filesystem::relative(file, std::filesystem::absolute(output.empty() ? "." : output).parent_path())
+        .string();
 }
 
 Report report_of(const Calibrated& found, const std::vector<HeardAt>& heard, const std::vector<std::string>& names) {
@@ -107,7 +108,7 @@ Report report_of(const Calibrated& found, const std::vector<HeardAt>& heard, con
         report.tell(fmt::format("{}; {}", fault.what, fault.advice));
     }
     report.add("faults", faults, faults.empty() ? "no fault was found" : "");
-    if (heard.size() < 3) report.tell("exchanged wires are told from three places on");
+    if (heard.size() < 4) report.tell("exchanged wires are told from three places on, inputs that float from four");
     report.add("focus_before", found.focus_before)
         .add("focus_after", found.focus_after,
              fmt::format("a focus keeps {:.1f} % of the ideal pressure without this calibration, and about {:.1f} % "
@@ -178,13 +179,35 @@ int calibrate(const CalibrateCommand& command) {
     options.place_error_m = command.place_error_mm * millimetre;
     if (command.temperature_c) options.speed_error = 1e-3;
     if (command.microphone) options.microphone = find_transducer(*command.microphone);
-    std::vector<HeardAt> heard;
     std::vector<std::string> names;  // of the files in which they were
-    for (std::size_t k = 0; k < command.recordings.size(); ++k) {
-        hear(command.recordings[k], array, parse_point_mm("at", command.places[k]), heard);
-        names.resize(heard.size(), command.recordings[k]);
+    const auto hear_all = [&](const Array& one) {
+        std::vector<HeardAt> heard;
+        names.clear();
+        for (std::size_t k = 0; k < command.recordings.size(); ++k) {
+            hear(command.recordings[k], one, parse_point_mm("at", command.places[k]), heard);
+            names.resize(heard.size(), command.recordings[k]);
+        }
+        return heard;
+    };
+    std::vector<HeardAt> heard;
+    Calibrated found;
+    try {
+        heard = hear_all(array);
+        found = haptogram::calibrate(array, heard, options);
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::bad_input) throw;
+        const auto other = other_array(array, {}, hear_all, options);
+        if (!other) throw;
+        throw bad_input(error.where(), fmt::format("{}; they are those of the array {}: --array names another one",
+                                                   error.message(), *other));
     }
-    Calibrated found = haptogram::calibrate(array, heard, options);
+    if (const auto other = other_array(
+            array, found.fits, [&](const Array&) { return heard; }, options))
+        found.faults.push_back(
+            {"array",
+             {},
+             fmt::format("the sounds come from where {} has its elements, and not {}", *other, array.name),
+             fmt::format("--array {}, and a new code for it", *other)});
     found.calibration.array = name_beside(command.output, array);
     found.calibration.date = fmt::format("{:%F}", fmt::gmtime(std::time(nullptr)));
     found.calibration.temperature_c = command.temperature_c;
@@ -196,6 +219,7 @@ int calibrate(const CalibrateCommand& command) {
             measured_level(real, parse_point_mm("focus", command.focus.value_or("")), *command.measured_mn * 1e-3);
         found.calibration.source_pa_m = level.source_pa_m;
         found.calibration.measured = level.measured;
+        if (const auto fault = supply_fault(array.transducer, level)) found.faults.push_back(*fault);
     }
     if (!command.output.empty()) write_file(command.output, to_text(found.calibration));
     if (!command.picture.empty()) draw(command.picture, array, found);

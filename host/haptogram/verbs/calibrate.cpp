@@ -24,7 +24,14 @@ using std::numbers::pi;
 /// What transducers of one kind differ by, which is what the fit expects; and what no model has: the rms of a room's
 /// echoes, over the direct sound, where one place alone cannot tell it.
 constexpr double gain_spread = 0.15, phase_spread = 0.3, unmodelled = 0.07;
+constexpr double surely = 20.0;    ///< how much better the logarithm of a likelihood is when there is no doubt
 constexpr double unlikely = 1e-5;  ///< of a test: what it calls wrong is right so often
+
+/// What a sum of squares over their errors reaches so rarely, of so many free numbers.
+double most_of(std::size_t free) {
+    const boost::math::chi_squared squares(static_cast<double>(free));
+    return boost::math::quantile(boost::math::complement(squares, unlikely));
+}
 
 double wrapped(double angle) { return std::remainder(angle, 2.0 * pi); }
 
@@ -39,12 +46,13 @@ class Fit {
 public:
     Fit(const Array& array, std::span<const HeardAt> heard, const CalibrateOptions& options)
         : array_(array),
-          heard_(heard),
+          heard_(heard.begin(), heard.end()),
           options_(options),
           channels_(array.elements.size()),
           wired_(channels_),
           alive_(channels_, true),
           trusted_(channels_, true),
+          weak_(channels_, false),
           reversed_(channels_, false),
           gain_(channels_, 0.0),
           phase_(channels_, 0.0),
@@ -56,13 +64,47 @@ public:
     }
 
     Calibrated run() {
-        begin();
+        const double fits = begin();
+        for (std::size_t k = 0; k < heard_.size(); ++k)
+            if (!(agreement_[k] > 0.5))
+                throw bad_input(
+                    fmt::format("recording {}", k + 1),
+                    fmt::format(
+                        "its phases fit no place within {:g} mm of the one that was named; see that the place is "
+                        "right, that the array file is this array's, and that nothing stood in the way",
+                        2.5 * options_.place_error_m / millimetre));
         find_dead();
+        find_weak();
         begin_elements();
         refine();
         if (heard_.size() >= 3) exchange_channels();
-        return result();
+        Calibrated found = result();
+        found.fits = fits;
+        return found;
     }
+
+    /// Places near those that were named. A cable that was put on the other way round turns or mirrors the whole array,
+    /// so all such ways are tried where three places can tell them apart.
+    /// @return how well they fit, as the logarithm of a likelihood
+    double begin() {
+        const std::vector<std::size_t> straight = wired_;
+        double best = fit_of_places() + surely;
+        if (heard_.size() >= 3)
+            for (int way = 1; way < 8; ++way) {
+                const auto turned = turned_wires(way);
+                if (!turned) continue;
+                wired_ = *turned;
+                const double fits = fit_of_places();
+                if (fits <= best) continue;
+                best = fits;
+                mirrored_ = turned;
+            }
+        wired_ = mirrored_.value_or(straight);
+        return fit_of_places();
+    }
+
+    /// The least of the places' agreements of phases.
+    [[nodiscard]] double agreement() const { return *std::ranges::min_element(agreement_); }
 
 private:
     [[nodiscard]] Complex sound(std::size_t k, std::size_t j) const { return heard_[k].heard.sounds[j]; }
@@ -81,29 +123,68 @@ private:
         return found;
     }
 
-    /// An element is dead when its sound is nearer to none than to that of its kind, both in their own spread.
-    void find_dead() {
-        std::vector<double> ratios(channels_), errors(channels_);
-        for (std::size_t j = 0; j < channels_; ++j) {
-            double weight = 0.0;
-            for (std::size_t k = 0; k < heard_.size(); ++k) {
-                const double scale = scale_at(k), expected = scale * std::abs(wave(wired_[j], places_[k]));
-                const double noise = std::max(heard_[k].heard.noise, 1e-9 * expected);
-                const double certain = expected * expected / (noise * noise);
-                ratios[j] += certain * std::norm(sound(k, j)) / (expected * expected);
-                weight += certain;
-            }
-            ratios[j] = std::sqrt(ratios[j] / weight);
-            errors[j] = std::sqrt(static_cast<double>(heard_.size()) / weight);
+    /// The square of a channel's sound over what its element would make as its kind, rms of the places, and the noise's
+    /// share of it.
+    [[nodiscard]] std::pair<double, double> loudness(std::size_t j) const {
+        double square = 0.0, weight = 0.0;
+        for (std::size_t k = 0; k < heard_.size(); ++k) {
+            const double expected = scale_[k] * std::abs(wave(wired_[j], places_[k]));
+            const double noise = std::max(heard_[k].heard.noise, 1e-9 * expected);
+            weight += expected * expected / (noise * noise);
+            square += std::norm(sound(k, j)) / (noise * noise);
         }
-        for (std::size_t j = 0; j < channels_; ++j)
-            alive_[j] =
-                ratios[j] / std::hypot(errors[j], 0.03) > (1.0 - ratios[j]) / std::hypot(errors[j], gain_spread);
+        return {square / weight, static_cast<double>(heard_.size()) / weight};
+    }
+
+    /// An element is dead when its sound is nearer to none than to that of its kind, both in their own spread, and
+    /// could be noise.
+    void find_dead() {
+        find_scales();
+        constexpr double crosstalk = 0.03;
+        const double most = most_of(2 * heard_.size()) / (2.0 * static_cast<double>(heard_.size()));
+        for (std::size_t j = 0; j < channels_; ++j) {
+            const auto [square, noise] = loudness(j);
+            const double ratio = std::sqrt(square), error = std::sqrt(noise);
+            alive_[j] = ratio / std::hypot(error, crosstalk) > (1.0 - ratio) / std::hypot(error, gain_spread) ||
+                        square > most * noise + crosstalk * crosstalk;
+        }
         const auto count = static_cast<std::size_t>(std::ranges::count(alive_, true));
         if (2 * count <= channels_)
             throw bad_input("calibration", fmt::format("only {} of {} elements are heard; see that the array file is "
                                                        "this array's and the place where the microphone was right",
                                                        count, channels_));
+    }
+
+    /// An element is weak when it makes less than the most that a weak one may, and stands out of the others' spread.
+    void find_weak() {
+        find_scales();
+        constexpr double weakest = 0.6, stands_out = 4.2;  // of the median; of standard deviations
+        constexpr double outlier = 4.5;                    // of median deviations, three standard ones
+        std::vector<double> gains, errors, living, off;
+        for (std::size_t j = 0; j < channels_; ++j) {
+            const auto [square, noise] = loudness(j);
+            gains.push_back(std::sqrt(std::max(0.0, square - noise)));
+            errors.push_back(std::sqrt(noise / (2.0 * static_cast<double>(heard_.size()))));
+            if (alive_[j] && trusted_[j]) living.push_back(gains.back());
+        }
+        const double usual = median(living);
+        for (const double gain : living) off.push_back(std::abs(gain - usual));
+        const double most = outlier * median(off);
+        double squares = 0.0, count = 0.0;
+        for (const double one : off)
+            if (one < most) {
+                squares += one * one;
+                count += 1.0;
+            }
+        spread_ = count > 0.0 ? std::sqrt(squares / count) / usual : 0.0;
+        for (std::size_t j = 0; j < channels_; ++j)
+            weak_[j] = alive_[j] && gains[j] < weakest * usual &&
+                       usual - gains[j] > stands_out * std::hypot(errors[j], spread_ * usual);
+    }
+
+    void find_scales() {
+        scale_.clear();
+        for (std::size_t k = 0; k < heard_.size(); ++k) scale_.push_back(scale_at(k));
     }
 
     /// The microphone's gain at a place: what most elements agree on.
@@ -112,34 +193,6 @@ private:
         for (std::size_t j = 0; j < channels_; ++j)
             ratios.push_back(std::abs(sound(k, j)) / std::abs(wave(wired_[j], places_[k])));
         return median(std::move(ratios));
-    }
-
-    /// Places near those that were named. A cable that was put on the other way round turns or mirrors the whole array,
-    /// so all such ways are tried where three places can tell them apart.
-    void begin() {
-        const std::vector<std::size_t> straight = wired_;
-        constexpr double surely = 20.0;
-        double best = fit_of_places() + surely;
-        if (heard_.size() >= 3)
-            for (int way = 1; way < 8; ++way) {
-                const auto turned = turned_wires(way);
-                if (!turned) continue;
-                wired_ = *turned;
-                const double fits = fit_of_places();
-                if (fits <= best) continue;
-                best = fits;
-                mirrored_ = turned;
-            }
-        wired_ = mirrored_.value_or(straight);
-        (void)fit_of_places();
-        for (std::size_t k = 0; k < heard_.size(); ++k)
-            if (!(agreement_[k] > 0.5))
-                throw bad_input(
-                    fmt::format("recording {}", k + 1),
-                    fmt::format(
-                        "its phases fit no place within {:g} mm of the one that was named; see that the place is "
-                        "right, that the array file is this array's, and that nothing stood in the way",
-                        2.5 * options_.place_error_m / millimetre));
     }
 
     double fit_of_places() {
@@ -289,7 +342,7 @@ private:
         }
         expect(of_speed(), speed_, options_.speed_error);
         for (std::size_t j = 0; j < channels_; ++j) {
-            expect(of_channel(j), gain_[j], gain_spread);
+            expect(of_channel(j), gain_[j], weak_[j] ? 1.0 : gain_spread);
             expect(of_channel(j) + 1, phase_[j], phase_spread);
         }
         for (std::size_t k = 0; k < heard_.size(); ++k)
@@ -357,8 +410,7 @@ private:
     }
 
     [[nodiscard]] std::vector<std::size_t> contradicting() const {
-        const double most = boost::math::quantile(
-            boost::math::complement(boost::math::chi_squared(2.0 * static_cast<double>(heard_.size() - 1)), unlikely));
+        const double most = most_of(2 * (heard_.size() - 1));
         std::vector<std::size_t> found;
         for (std::size_t j = 0; j < channels_; ++j)
             if (alive_[j] && contradiction(j, wired_[j]) > most) found.push_back(j);
@@ -380,8 +432,7 @@ private:
                 open.push_back(j);
                 free.push_back(wired_[j]);
             }
-        const double most = boost::math::quantile(
-            boost::math::complement(boost::math::chi_squared(2.0 * static_cast<double>(heard_.size() - 1)), unlikely));
+        const double most = most_of(2 * (heard_.size() - 1));
         std::map<std::size_t, std::size_t> element_of;
         std::vector<std::size_t> taken;
         for (const std::size_t j : wrong) {
@@ -403,12 +454,52 @@ private:
             rest.erase(at);
         }
         for (const auto& [j, e] : element_of) wired_[j] = e;
-        for (std::size_t j = 0; j < channels_; ++j) trusted_[j] = true;
-        wrong = contradicting();
-        for (const std::size_t j : wrong) trusted_[j] = false;
-        doubtful_ = wrong;
+        find_floating(contradicting());
+        doubtful_ = contradicting();
+        for (std::size_t j = 0; j < channels_; ++j) trusted_[j] = std::ranges::find(doubtful_, j) == doubtful_.end();
+        find_weak();
         begin_elements();
         refine();
+    }
+
+    /// An input that nothing drives or pulls down follows its neighbours' wires: their channels then sound as two
+    /// elements, of which one is heard on no channel of its own. What it adds is taken away.
+    void find_floating(const std::vector<std::size_t>& wrong) {
+        if (heard_.size() < 4) return;  // three places fit two elements too easily
+        for (const std::size_t j : wrong) {
+            std::vector<std::pair<std::size_t, Complex>> with;  // silent elements, and how loud they are
+            for (std::size_t other = 0; other < channels_; ++other)
+                if (!alive_[other])
+                    if (const auto part = part_of(j, wired_[other])) with.emplace_back(wired_[other], *part);
+            if (with.size() != 1) continue;  // none, or it cannot be told which
+            const auto& [element, part] = with.front();
+            floating_[element].push_back(j);
+            for (std::size_t k = 0; k < heard_.size(); ++k)
+                heard_[k].heard.sounds[j] -= part * wave(element, places_[k]) * microphone(k);
+        }
+    }
+
+    [[nodiscard]] Complex microphone(std::size_t k) const { return std::polar(std::exp(mic_gain_[k]), mic_phase_[k]); }
+
+    /// How loud another element must be, over its kind, so that it and the channel's own make the channel's sounds;
+    /// none if it cannot be so.
+    [[nodiscard]] std::optional<Complex> part_of(std::size_t channel, std::size_t other) const {
+        const auto count = static_cast<Eigen::Index>(heard_.size());
+        Eigen::MatrixXcd waves(count, 2);
+        Eigen::VectorXcd sounds(count);
+        for (Eigen::Index i = 0; i < count; ++i) {
+            const auto k = static_cast<std::size_t>(i);
+            const Complex own = wave(wired_[channel], places_[k]);
+            const double error = error_of(k, channel) * std::abs(sound(k, channel) / microphone(k));
+            waves(i, 0) = own / error;
+            waves(i, 1) = wave(other, places_[k]) / error;
+            sounds[i] = sound(k, channel) / microphone(k) / error;
+        }
+        const Eigen::Vector2cd parts = waves.colPivHouseholderQr().solve(sounds);
+        constexpr double least = 0.2, most = 2.0;  // a half of one's kind where it follows two
+        if (std::abs(parts[1]) < least || std::abs(parts[1]) > most) return {};
+        if ((sounds - waves * parts).squaredNorm() > most_of(2 * (heard_.size() - 2))) return {};
+        return parts[1];
     }
 
     [[nodiscard]] double residual() const {
@@ -473,19 +564,28 @@ private:
 
     [[nodiscard]] std::vector<CalibrationFault> faults(const std::vector<MeasuredElement>& elements) const {
         std::vector<std::size_t> dead, weak, reversed, exchanged, contradicting;
-        std::string wires;
+        std::string wires, gains;
+        std::vector<CalibrationFault> found;
         for (std::size_t m = 0; m < elements.size(); ++m) {
             const MeasuredElement& e = elements[m];
-            if (e.dead) dead.push_back(m);
-            if (!e.dead && e.gain + 3.0 * e.gain_error.value_or(0.0) < 0.6) weak.push_back(m);
+            if (e.dead && !floating_.contains(m)) dead.push_back(m);
+            if (weak_[e.channel]) {
+                weak.push_back(m);
+                gains += fmt::format("{}{} at {:.2f}", gains.empty() ? "" : ", ", m, e.gain);
+            }
             if (e.reversed) reversed.push_back(m);
             if (mirrored_ ? (*mirrored_)[e.channel] == m : e.channel == m) continue;
             exchanged.push_back(m);
             wires += fmt::format("{}{} on channel {}", wires.empty() ? "" : ", ", m, e.channel);
         }
+        for (const auto& [element, channels] : floating_)
+            found.push_back({"floating",
+                             {element},
+                             fmt::format("{} plays what channels {} play: its driver's input is open, and floats",
+                                         element, fmt::join(channels, ", ")),
+                             "fit the pull-down that is missing at that input, and mend its wire"});
         for (const std::size_t j : doubtful_) contradicting.push_back(wired_[j]);
         std::ranges::sort(contradicting);
-        std::vector<CalibrationFault> found;
         const auto add = [&](const char* cause, const std::vector<std::size_t>& which, const std::string& what,
                              const char* advice) {
             if (!which.empty()) found.push_back({cause, which, what, advice});
@@ -495,7 +595,7 @@ private:
         };
         add("dead", dead, list("dead", dead),
             "see its solder joints and its driver's output; exchange it with a neighbour to tell which");
-        add("weak", weak, list("weaker than others of its kind", weak),
+        add("weak", weak, fmt::format("weak: {} of the mean, where others differ by ± {:.2f}", gains, spread_),
             "see that nothing covers it, its joints, and its driver's supply");
         add("reversed", reversed, list("reversed", reversed),
             "exchange its legs, or leave it: the calibration turns it");
@@ -520,13 +620,16 @@ private:
     }
 
     const Array& array_;
-    std::span<const HeardAt> heard_;
+    std::vector<HeardAt> heard_;
     const CalibrateOptions& options_;
     std::size_t channels_;
     std::vector<std::size_t> wired_;
-    std::vector<bool> alive_, trusted_, reversed_;
+    std::vector<bool> alive_, trusted_, weak_, reversed_;
     std::vector<double> gain_, phase_;  ///< the gain's logarithm; the phase without a reversed one's half turn
     std::vector<double> mic_gain_, mic_phase_;
+    std::vector<double> scale_;  ///< of what is heard at each place, over what elements make there
+    double spread_ = 0.0;        ///< of the gains of those alive
+    std::map<std::size_t, std::vector<std::size_t>> floating_;  ///< elements, and the channels that they follow
     std::vector<double> agreement_;  ///< of the phases at each place, 1 when all are as their kind's
     std::optional<std::vector<std::size_t>> mirrored_;
     std::vector<Vec3> places_;
@@ -545,6 +648,41 @@ Calibrated calibrate(const Array& array, std::span<const HeardAt> heard, const C
             throw bad_argument(
                 "recordings", fmt::format("{} sounds for {} elements", one.heard.sounds.size(), array.elements.size()));
     return Fit(array, heard, options).run();
+}
+
+std::optional<std::string> other_array(const Array& named, std::optional<double> fits,
+                                       const std::function<std::vector<HeardAt>(const Array&)>& hear,
+                                       const CalibrateOptions& options) {
+    constexpr double alike = 0.7;  // of phases: of elements as they are bought 0.85
+    std::optional<std::string> found;
+    for (const std::string& name : shipped_arrays()) {
+        Array other = find_array(name);
+        other.medium = named.medium;
+        if (other.elements == named.elements || (fits && other.elements.size() != named.elements.size())) continue;
+        std::vector<HeardAt> heard;
+        try {
+            heard = hear(other);
+        } catch (const Error&) {  // it is not this one's code
+            continue;
+        }
+        Fit fit(other, heard, options);
+        const double better = fit.begin();
+        if (fit.agreement() < alike || (fits && better < *fits + surely)) continue;
+        fits = better;
+        found = name;
+    }
+    return found;
+}
+
+std::optional<CalibrationFault> supply_fault(const Transducer& before, const MeasuredLevel& now) {
+    constexpr double alike = 0.15;  // a balance's and a focus's errors are a few hundredths
+    const double ratio = now.source_pa_m / before.source_pa_m;
+    if (before.measured.empty() || std::abs(ratio - 1.0) < alike) return {};
+    return CalibrationFault{
+        "supply",
+        {},
+        fmt::format("all elements alike make {:.2f} of the pressure that was measured before", ratio),
+        fmt::format("measure the drivers' supply, which goes with it: {:.2f} of what it was", ratio)};
 }
 
 }  // namespace haptogram

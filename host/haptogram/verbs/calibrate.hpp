@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -8,6 +9,7 @@
 
 #include "haptogram/array/calibration.hpp"
 #include "haptogram/verbs/calibration_code.hpp"
+#include "haptogram/verbs/level.hpp"
 
 namespace haptogram {
 
@@ -26,7 +28,8 @@ struct CalibrateOptions {
 
 /// A fault that the sounds show.
 struct CalibrationFault {
-    std::string cause;  ///< "dead", "weak", "reversed", "exchanged", "mirrored", "contradicting" or "echo"
+    std::string cause;  ///< "dead", "weak", "floating", "reversed", "exchanged", "mirrored", "contradicting", "echo",
+                        ///< "array" or "supply"
     std::vector<std::size_t> elements;
     std::string what, advice;
 };
@@ -38,6 +41,7 @@ struct Calibrated {
     std::vector<double> place_errors_m;  ///< largest of a place's three
     double speed_error_m_s = 0.0;
     std::vector<CalibrationFault> faults;
+    double fits = 0.0;  ///< how well the array file's places do, as the logarithm of a likelihood
     double focus_before = 0.0, focus_after = 0.0;  ///< share of the ideal pressure where the first microphone was
 };
 
@@ -51,5 +55,15 @@ struct Calibrated {
 /// one
 [[nodiscard]] Calibrated calibrate(const Array& array, std::span<const HeardAt> heard,
                                    const CalibrateOptions& options = {});
+
+/// A shipped array whose elements are where the sounds come from, when those of another array are not, or surely less.
+/// @param fits  of the named array, if its calibration could be made
+/// @param hear  the sounds of an array's code; throws when there is none
+[[nodiscard]] std::optional<std::string> other_array(const Array& named, std::optional<double> fits,
+                                                     const std::function<std::vector<HeardAt>(const Array&)>& hear,
+                                                     const CalibrateOptions& options = {});
+
+/// What it means that a level was measured before and is another now, with the elements' gains taken into account.
+[[nodiscard]] std::optional<CalibrationFault> supply_fault(const Transducer& before, const MeasuredLevel& now);
 
 }  // namespace haptogram

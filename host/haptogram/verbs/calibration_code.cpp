@@ -222,7 +222,14 @@ ElementSounds from_patterns(std::span<const Complex> readings, std::size_t eleme
     ElementSounds found{code.columns(readings)};
     double silent = 0.0;
     for (std::size_t j = elements; j < found.sounds.size(); ++j) silent += std::norm(found.sounds[j]);
-    found.noise = std::sqrt(silent / static_cast<double>(found.sounds.size() - elements));
+    const auto columns = static_cast<double>(code.patterns()), unused = columns - static_cast<double>(elements);
+    double all = silent;
+    for (std::size_t j = 0; j < elements; ++j) all += std::norm(found.sounds[j]);
+    if (!(silent < recognised * all * unused / columns))
+        throw bad_input(name, fmt::format("the code for {} elements is not in it; see that the board played this "
+                                          "array's code",
+                                          elements));
+    found.noise = std::sqrt(silent / unused);
     found.sounds.resize(elements);
     return found;
 }
