@@ -33,11 +33,13 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 namespace websocket = beast::websocket;
 using net::ip::tcp;
+using Clock = std::chrono::steady_clock;
 using Socket = websocket::stream<beast::tcp_stream>;
 
 constexpr std::chrono::seconds most_pause{30};        // of a client that has shown its token
 constexpr std::chrono::seconds stranger_pause{5};     // of any other, until its header is whole
 constexpr std::size_t most_queued = 8 * 1024 * 1024;  // bytes for a page that takes nothing
+constexpr std::chrono::seconds most_stalled{5};       // of a page that has so many waiting
 
 std::string text(beast::string_view view) { return {view.data(), view.size()}; }
 
@@ -75,6 +77,7 @@ public:
     OpenPage(Socket socket, std::uint64_t number) : socket_(std::move(socket)), number_(number) {}
 
     [[nodiscard]] std::uint64_t number() const override { return number_; }
+    [[nodiscard]] const std::string& trouble() const override { return trouble_; }
     void send(std::string message) override { queue(std::move(message)); }
     void send(std::vector<std::uint8_t> bulk) override { queue(std::move(bulk)); }
     void close(const std::string& reason) override {
@@ -100,16 +103,25 @@ private:
 
     void queue(Item item) {
         net::post(socket_.get_executor(), [self = shared_from_this(), item = std::move(item)]() mutable {
+            if (!self->trouble_.empty()) return;
             const std::size_t size = std::visit([](const auto& each) { return each.size(); }, item);
-            if (std::holds_alternative<std::vector<std::uint8_t>>(item) && self->queued_ + size > most_queued &&
-                !self->items_.empty())
-                return;
+            if (self->queued_ + size > most_queued && !self->items_.empty()) {
+                if (std::holds_alternative<std::vector<std::uint8_t>>(item)) return;
+                if (Clock::now() - self->writes_since_ > most_stalled) return self->give_up();
+            }
             self->queued_ += size;
             self->items_.push_back(std::move(item));
             if (self->items_.size() == 1) self->write();
         });
     }
+    /// No closing handshake: that would wait behind what the page does not take.
+    void give_up() {
+        trouble_ = fmt::format("its page has taken nothing for {} s, and {} bytes waited for it", most_stalled.count(),
+                               queued_);
+        socket_.next_layer().close();
+    }
     void write() {
+        writes_since_ = Clock::now();
         const Item& item = items_.front();
         socket_.text(std::holds_alternative<std::string>(item));
         const net::const_buffer bytes = std::visit([](const auto& each) { return net::buffer(each); }, item);
@@ -125,6 +137,8 @@ private:
     std::uint64_t number_;
     std::deque<Item> items_;
     std::size_t queued_ = 0;
+    Clock::time_point writes_since_{};  // the first of the items
+    std::string trouble_;
 };
 
 }  // namespace

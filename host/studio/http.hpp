@@ -20,10 +20,12 @@ namespace haptogram::studio {
 [[nodiscard]] std::string close_reason(std::string message);
 
 /// A page that is connected. A message to it is queued, from any thread. Bulk is dropped while the page takes nothing,
-/// text never.
+/// text never: when too much waits for too long, the connection ends.
 class Page : public Recipient {
 public:
     [[nodiscard]] virtual std::uint64_t number() const = 0;
+    /// Why the server has ended the connection, in words; empty when it has not.
+    [[nodiscard]] virtual const std::string& trouble() const = 0;
     /// Ends the connection and says why.
     virtual void close(const std::string& reason) = 0;
 };

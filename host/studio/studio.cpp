@@ -136,7 +136,8 @@ private:
         computing_.forget(page);
         sessions_.forget(page.number());
         visitors_.erase(page.number());
-        if (driver_ == page.number()) outputs_off("the page that drove the board was closed");
+        if (driver_ == page.number())
+            outputs_off(page.trouble().empty() ? "the page that drove the board was closed" : page.trouble());
         if (guest_ && guest_->page == page.number()) end_guest();
     }
 

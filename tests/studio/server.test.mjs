@@ -159,6 +159,46 @@ test("whoever has shown no token is let go soon, and a second Host is refused", 
   assert.match(await speak(studio, `GET /api/hello HTTP/1.1\r\nHost: evil.example\r\nHost: ${studio.host}\r\n${head}\r\n`), /^HTTP\/1.1 400/);
 });
 
+test("a page that takes nothing is let go of; one that reads is not", async (t) => {
+  const studio = await startStudio(t);
+  const { port } = new URL(studio.origin);
+  const hello = `GET /ws HTTP/1.1\r\nHost: ${studio.host}\r\nOrigin: ${studio.origin}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Protocol: haptogram.1, token.${studio.token}\r\n\r\n`;
+  const open = () => new Promise((done) => {
+    const socket = connect(port, "127.0.0.1", () => socket.write(hello));
+    socket.once("data", () => done(socket));
+  });
+  /** A frame of text, masked by zeros. */
+  const frame = (text) => {
+    const head = Buffer.alloc(14);
+    head.set([0x81, 0xff]);
+    head.writeBigUInt64BE(BigInt(text.length), 2);
+    return Buffer.concat([head, Buffer.from(text)]);
+  };
+  const long = frame(JSON.stringify({ t: "upload", n: 1, scene: "x".repeat(900_000) })); // its answer quotes the name
+  const [dead, slow] = [await open(), await open()];
+  let taken = 0;
+  slow.on("data", (bytes) => (taken += bytes.length));
+  dead.pause();
+  let gone = false;
+  for (const [socket, told] of [[dead, () => (gone = true)], [slow, () => assert.fail("it took all")]]) socket.on("error", () => undefined).on("close", told);
+  for (let i = 0; i < 30; i++) {
+    for (const socket of [dead, slow]) socket.write(long);
+    await sleep(10);
+  }
+  const waited = performance.now();
+  const beat = frame(JSON.stringify({ t: "beat", hidden: false }).padEnd(70_000)); // shorter ones have another head
+  const again = setInterval(() => [dead, slow].forEach((socket) => socket.destroyed || socket.write(socket === dead ? long : beat)), 500);
+  t.after(() => clearInterval(again));
+  while (!gone) {
+    assert.ok(performance.now() - waited < 30_000, "it was kept");
+    await sleep(100);
+  }
+  for (const end = performance.now() + 30_000; taken < 30 * 900_000; await sleep(100)) assert.ok(performance.now() < end, `what is read is sent, and ${taken} bytes were`);
+  slow.removeAllListeners("close");
+  slow.destroy();
+  assert.equal((await ask(studio, "/api/hello", { headers: { Authorization: `Bearer ${studio.token}` } })).status, 200);
+});
+
 test("a project's text becomes a document, and a document a project's text", async (t) => {
   const studio = await startStudio(t);
   const headers = { Authorization: `Bearer ${studio.token}` };
