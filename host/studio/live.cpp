@@ -3,7 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <iterator>
+#include <span>
+#include <string_view>
 #include <system_error>
 
 #include "haptogram/base/error.hpp"
@@ -28,13 +32,39 @@ std::string source_of(const HandSource& hand, const std::string& pipe) {
     return "leap-pipe:" + pipe;
 }
 
+/// What the page, its board and its design decide, and files, which a document must not name. The others of [live]
+/// hold.
+constexpr std::string_view keys_of_page[] = {"from",     "algorithm", "object", "size",     "height", "center",
+                                             "rotate",   "unit",      "array",  "rig",      "port",   "baud",
+                                             "watchdog", "record",    "scene",  "scene_in", "json"};
+
+/// Hands on the project's table [live].
+void take_table(LiveStart& start, std::span<const LiveSetting> settings) {
+    std::vector<LiveSetting> taken;
+    std::string left_out;
+    for (const LiveSetting& setting : settings)
+        if (std::ranges::find(keys_of_page, setting.key) == std::end(keys_of_page))
+            taken.push_back(setting);
+        else
+            left_out += (left_out.empty() ? "" : ", ") + setting.key;
+    if (!left_out.empty())
+        start.left_out = fmt::format(
+            "Of the project's [live] the page does not take: {}. Design, board and page say "
+            "that; haptogram live --settings takes all.",
+            left_out);
+    if (taken.empty()) return;
+    constexpr const char* name = "live-settings.toml";
+    write_file(start.folder->path() / name, to_toml(taken));
+    start.words.push_back(fmt::format("--settings={}", name));
+}
+
 }  // namespace
 
 LiveStart prepare_live(Scenes& scenes, const LiveMessage& asked) {
     const HandScene scene = scenes.hand(asked.document);
     const HandSource& hand = *scene.project.hand;
     const ObjectSource& object = hand.object;
-    LiveStart start{std::make_shared<TemporaryFolder>(), {}};
+    LiveStart start{std::make_shared<TemporaryFolder>(), {}, {}};
     for (const std::string& name : files_of(hand)) {
         const std::filesystem::path place = start.folder->path() / name;
         std::filesystem::create_directories(place.parent_path());
@@ -53,6 +83,7 @@ LiveStart prepare_live(Scenes& scenes, const LiveMessage& asked) {
     add("rotate", fmt::format("{},{},{}", object.angles_deg.x, object.angles_deg.y, object.angles_deg.z));
     const std::optional<std::string>& array = scene.project.array;
     add("array", array ? scene.project.beside(*array) : scene.instrument.array.name);
+    take_table(start, scene.project.live);
     return start;
 }
 

@@ -17,6 +17,7 @@ namespace haptogram::studio {
 struct LiveStart {
     std::shared_ptr<TemporaryFolder> folder;  ///< that it runs in, with the document's files
     std::vector<std::string> words;           ///< of the command line
+    std::string left_out;                     ///< a sentence on settings of [live] that it does not take; may be empty
 };
 
 /// @throws Error as Scenes::hand(), and Error{bad_argument} for a tracker that is no named pipe

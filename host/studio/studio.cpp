@@ -328,6 +328,7 @@ private:
             next.command = live_command(start, lent);
             next.folder = start.folder;
             take_in(std::move(next), n);
+            if (!start.left_out.empty()) tell_guest({{"show", "note"}, {"text", start.left_out}});
         });
     }
 

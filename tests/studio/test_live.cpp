@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a live session of the page is started with.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "haptogram/base/file.hpp"
+#include "live.hpp"
+#include "scenes.hpp"
+
+using namespace haptogram;
+using Catch::Contains;
+
+namespace {
+
+studio::LiveStart started(const nlohmann::ordered_json& table) {
+    studio::Scenes scenes;
+    nlohmann::ordered_json document{{"format", "haptogram-project-1"}, {"hand", {{"recording", "synthetic:press"}}}};
+    if (!table.is_null()) document["live"] = table;
+    return studio::prepare_live(scenes, {.n = 1, .document = document, .from = ""});
+}
+
+bool has(const studio::LiveStart& start, const std::string& word) {
+    return std::ranges::find(start.words, word) != start.words.end();
+}
+
+}  // namespace
+
+TEST_CASE("live: the project's table is handed on, but for what page, board and design decide, which is said") {
+    const studio::LiveStart start = started({{"predict", "none"}, {"workspace_low", {-50, -50, 80}}});
+    REQUIRE(has(start, "--settings=live-settings.toml"));
+    CHECK(read_file(start.folder->path() / "live-settings.toml") ==
+          "\n[live]\npredict = \"none\"\nworkspace_low = [-50, -50, 80]\n");
+    CHECK(start.left_out.empty());
+    const studio::LiveStart less = started({{"port", "/dev/ttyUSB9"}, {"seconds", 2.5}, {"record", "/etc/kept"}});
+    CHECK(read_file(less.folder->path() / "live-settings.toml") == "\n[live]\nseconds = 2.5\n");
+    CHECK_THAT(less.left_out, Contains("port, record"));
+    const studio::LiveStart none = started(nlohmann::ordered_json::object({{"watchdog", 0}}));
+    CHECK_FALSE(has(none, "--settings=live-settings.toml"));
+    CHECK_THAT(none.left_out, Contains("watchdog"));
+    CHECK(started({}).left_out.empty());
+    CHECK(has(started({}), "--from=synthetic:press"));
+}
