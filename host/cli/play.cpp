@@ -3,17 +3,25 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <chrono>
+#include <deque>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <thread>
 
 #include "command.hpp"
 #include "haptogram/array/medium.hpp"
 #include "haptogram/base/error.hpp"
+#include "haptogram/base/live_input.hpp"
 #include "haptogram/link/air.hpp"
 #include "haptogram/link/device.hpp"
 #include "haptogram/link/rig_devices.hpp"
 #include "haptogram/link/to_json.hpp"
+#include "haptogram/link/transfer.hpp"
+#include "haptogram/verbs/project.hpp"
 #include "interrupt.hpp"
 #include "port.hpp"
 #include "progress_line.hpp"
@@ -30,8 +38,61 @@ struct PlayOptions {
     bool sequence = false;  ///< the default, which may be asked for
     std::optional<std::string> am, am_law;
     std::optional<double> temperature_c;
+    std::string triggers;  ///< a project that has them; "": it does not wait for any
     bool json = false;
 };
+
+/// Lines of standard input that fire triggers. What they do not say is told, and goes on.
+class StandardInput final : public link::TriggerSource {
+public:
+    explicit StandardInput(std::span<const Trigger> triggers) : lines_(triggers) {
+        const auto needs_line = [](const Trigger& trigger) { return trigger.on != Trigger::On::pin; };
+        if (std::ranges::any_of(triggers, needs_line)) text_.emplace("-");
+    }
+
+    std::optional<std::size_t> next(std::chrono::milliseconds patience) override {
+        if (ended()) std::this_thread::sleep_for(patience);
+        const auto until = std::chrono::steady_clock::now() + patience;
+        while (fired_.empty() && !ended()) {
+            const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - std::chrono::steady_clock::now());
+            const auto line = text_->next(std::max(left, std::chrono::milliseconds(0)));
+            if (line) take(*line);
+            if (left.count() <= 0) break;
+        }
+        if (fired_.empty()) return {};
+        const std::size_t first = fired_.front();
+        fired_.pop_front();
+        return first;
+    }
+    [[nodiscard]] bool ended() const override { return fired_.empty() && (!text_ || text_->ended()); }
+
+private:
+    void take(const std::string& line) {
+        try {
+            for (const std::size_t number : lines_.fired(line, text_->where())) fired_.push_back(number);
+        } catch (const Error& error) {
+            complain(error.what());
+        }
+    }
+
+    TriggerLines lines_;
+    std::optional<LiveText> text_;
+    std::deque<std::size_t> fired_;
+};
+
+link::Played play_parts(const PlayOptions& options, link::Device& device, const link::PlaySettings& settings,
+                        const link::Watch& watch) {
+    const Project project = load_project(options.triggers);
+    if (project.triggers.empty())
+        throw bad_input(options.triggers, "it has no [[trigger]]; add one, or play without --triggers");
+    const link::DeviceSequence sequence = link::download_sequence(device, "board");
+    const auto carried = std::ranges::find_if(sequence.entries, [](const SequenceEntry& e) { return e.index != 0; });
+    if (carried == sequence.entries.end())
+        throw Error(ErrorCode::device, "board", "the sequence in its memory plays no record; upload an image first");
+    const auto parts = parts_of(project.triggers, sequence.entries, link::record_carrier_hz(device, carried->index));
+    StandardInput input(project.triggers);
+    return link::play(device, settings, parts, input, watch);
+}
 
 int play_rig(const PlayOptions& options) {
     if (options.play.rate > 0.0 || options.am || options.temperature_c)
@@ -71,13 +132,15 @@ int play(const PlayOptions& options) {
     ProgressLine progress("play");
     link::PlaySettings settings = options.play;
     settings.am = {options.am.value_or(""), law_of(options.am_law.value_or("pressure"))};
-    const link::Played played = link::play(device, settings, [&](const link::Playing& now) {
-        progress.note(settings.on_trigger && now.status.waiting
+    const auto watch = [&](const link::Playing& now) {
+        progress.note((settings.on_trigger && now.status.waiting) || (!options.triggers.empty() && is_over(now.status))
                           ? std::string("waits for the trigger")
                           : fmt::format("{:.1f} s, record {}, {} underruns", now.seconds, now.status.present_index,
                                         now.underruns));
         return !interrupted();
-    });
+    };
+    const link::Played played =
+        options.triggers.empty() ? link::play(device, settings, watch) : play_parts(options, device, settings, watch);
     if (options.play.rate > 0.0)
         tell(streamed_to_json(played), options.json,
              fmt::format("{} indices, {} underruns", played.sent, played.underruns));
@@ -97,21 +160,31 @@ void add_play(CLI::App& app, Action& action) {
     auto* rig = add_rig_port_options(*sub, options->ports);
     add_on_loss_option(*sub, rig, options->on_loss);
     auto* index = sub->add_option("--index", options->play.index, "One record, until Ctrl-C")->check(whole(1, 65535));
-    sub->add_option("--loops", options->play.loops,
-                    "Passes over the sequence; 0: until Ctrl-C (default: as the image says)")
-        ->check(whole(0, 65535))
-        ->excludes(index);
+    auto* loops = sub->add_option("--loops", options->play.loops,
+                                  "Passes over the sequence; 0: until Ctrl-C (default: as the image says)")
+                      ->check(whole(0, 65535))
+                      ->excludes(index);
+    auto* triggers =
+        sub->add_option("--triggers", options->triggers,
+                        "Play the parts that the triggers of this project start: by its pin, and by lines of standard "
+                        "input, a key, a word, or a scene of haptogram live; until they end or Ctrl-C")
+            ->check(CLI::ExistingFile)
+            ->excludes(index)
+            ->excludes(loops)
+            ->excludes(rig);
     sub->add_flag("--sequence", options->sequence, "The whole sequence, which is what is played without --index")
         ->excludes(index);
     sub->add_flag("--on-trigger", options->play.on_trigger,
                   "The sequence begins when the board's trigger input says so (device trigger); until then the outputs "
                   "are on, and silent")
         ->excludes(index)
-        ->excludes(rig);
+        ->excludes(rig)
+        ->excludes(triggers);
     sub->add_option("--rate", options->play.rate,
                     "Passes a second, instead of as it was compiled; the indices go over the link then")
         ->check(positive())
-        ->excludes(index);
+        ->excludes(index)
+        ->excludes(triggers);
     sub->add_option("--seconds", options->play.seconds, "Not longer than this")->check(positive());
     sub->add_option("--temperature", options->temperature_c,
                     "Temperature of the air now, degrees C: a board that computes foci does so for this speed of sound "

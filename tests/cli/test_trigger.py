@@ -6,7 +6,7 @@ import subprocess
 import time
 
 import pytest
-from support import DEVICE, PROGRAM, USAGE, ask, assert_one_message, run, status, succeed, virtual_board
+from support import BAD_INPUT, DEVICE, PROGRAM, USAGE, ask, assert_one_message, run, status, succeed, virtual_board
 
 
 @pytest.fixture
@@ -80,3 +80,119 @@ def test_a_board_without_pins_says_so(tmp_path):
     with virtual_board(tmp_path, "--model", "reference", "--board", "tile-100"):
         assert_one_message(run(["device", "trigger", "--port", "port"], cwd=tmp_path), DEVICE, "TRIGGER")
         assert_one_message(run(["device", "start", "--on-trigger", "--port", "port"], cwd=tmp_path), DEVICE, "TRIGGER|SCHEDULE")
+
+
+PROJECT = """format = "haptogram-project-1"
+board = "ulx3s-85f"
+points = 4
+rate_hz = 20
+{triggers}
+[[shape]]
+kind = "circle"
+[[keyframe]]
+time_s = 0
+[[keyframe]]
+time_s = 0.2
+mark = true
+[[keyframe]]
+time_s = 0.4
+"""
+TRIGGERS = """
+[[trigger]]
+on = "key:a"
+to_s = 0.2
+[[trigger]]
+on = "line:go"
+from_s = 0.2
+loops = 2
+[[trigger]]
+on = "region"
+center_mm = [0, 0, 150]
+size_mm = 60
+from_s = 0.2
+"""
+
+
+def design(folder, triggers, name="design.toml"):
+    (folder / name).write_text(PROJECT.format(triggers=triggers))
+    succeed(["compile", name, "-o", "design.hex"], cwd=folder)
+    ask(folder, "upload", "design.hex")
+
+
+def waits_for_triggers(folder, *more):
+    return subprocess.Popen([PROGRAM, "play", "--triggers", "design.toml", "--watchdog", "0", "--port", "port", *more], cwd=folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                            stderr=subprocess.PIPE)  # fmt: skip
+
+
+def test_keys_lines_and_hands_start_their_part(board):
+    """The second half of the pass begins with a mark, the first does not."""
+    design(board, TRIGGERS)
+    trigger(board, "--out", "mark")
+    plays = waits_for_triggers(board)
+
+    def say(line, seconds):
+        plays.stdin.write(line.encode() + b"\n")
+        plays.stdin.flush()
+        time.sleep(seconds)
+
+    def hand(x):
+        return json.dumps({"scene": 1, "hands": [{"palm_mm": [x, 0, 150], "fingers_mm": []}]})
+
+    time.sleep(1.0)
+    say("a", 0.6)
+    say("go", 1.2)  # twice
+    say("nothing of that", 0)
+    say("{", 0)
+    for x in (100, 0, 10, 100):  # it comes in once
+        say(hand(x), 0.5)
+    plays.stdin.write(hand(0).encode())  # a last line without its end
+    _, said = plays.communicate(timeout=20)
+    assert plays.returncode == 0, said
+    assert b"found 'nothing of that', expected 'a', 'go' or a scene" in said and b"standard input:3" in said and b"no scene" in said
+    assert trigger(board)["out_count"] == 4 and status(board)["outputs"] == "off"
+
+
+def test_a_key_alone_starts_what_it_says(board):
+    design(board, TRIGGERS)
+    trigger(board, "--out", "pass")
+    for words, passes in ((b"", 0), (b"a\n", 1), (b"go\n", 3)):
+        plays = waits_for_triggers(board)
+        _, said = plays.communicate(words, timeout=20)
+        assert plays.returncode == 0, said
+        assert trigger(board)["out_count"] == passes, words
+
+
+def test_the_pin_starts_its_part_again_and_again(board):
+    """Nothing drives the pin of a virtual board: it is low, which is active or not as it is set."""
+    design(board, '[[trigger]]\non = "pin"\nto_s = 0.1\n')
+    trigger(board, "--out", "pass", "--in", "high", "--level")
+    ask(board, "play", "--triggers", "design.toml", "--seconds", "0.5", "--watchdog", "0")
+    assert trigger(board)["out_count"] == 0 and not status(board)["waiting"]
+    trigger(board, "--in", "low", "--level")
+    ask(board, "play", "--triggers", "design.toml", "--seconds", "1.5", "--watchdog", "0")
+    assert trigger(board)["out_count"] >= 2 and status(board)["outputs"] == "off"
+
+
+def test_triggers_that_cannot_be_are_refused(board):
+    design(board, "")
+    assert_one_message(run(["play", "--triggers", "design.toml", "--port", "port"], cwd=board), BAD_INPUT, "design.toml", r"no \[\[trigger\]\]")
+    (board / "late.toml").write_text(PROJECT.format(triggers='[[trigger]]\non = "key:a"\nfrom_s = 3\n'))
+    assert_one_message(run(["play", "--triggers", "late.toml", "--port", "port"], cwd=board), BAD_INPUT, "trigger", "a pass lasts 0.4 s")
+    assert_one_message(run(["compile", "late.toml", "-o", "late.hex"], cwd=board), BAD_INPUT, "trigger", "a pass lasts 0.4 s")
+    for more in (["--loops", "2"], ["--index", "1"], ["--rate", "20"], ["--on-trigger"]):
+        assert_one_message(run(["play", "--triggers", "late.toml", "--port", "port", *more], cwd=board), USAGE, "--triggers")
+
+
+BOARD, OTHER = 'board = "ulx3s-85f"', 'board = "tile-100"\narray = "tile-10x10"'
+
+
+def test_a_board_without_the_pin_refuses_a_trigger_of_it(tmp_path):
+    pin = PROJECT.format(triggers='[[trigger]]\non = "pin"\n').replace("mark = true\n", "")
+    (tmp_path / "pin.toml").write_text(pin)
+    (tmp_path / "none.toml").write_text(pin.replace(BOARD, OTHER))
+    assert_one_message(run(["compile", "none.toml", "-o", "none.hex"], cwd=tmp_path), BAD_INPUT, "trigger", "tile-100", "TRIGGER")
+    (tmp_path / "plain.toml").write_text(pin.replace(BOARD, OTHER).replace('[[trigger]]\non = "pin"\n', ""))
+    succeed(["compile", "plain.toml", "-o", "plain.hex"], cwd=tmp_path)
+    with virtual_board(tmp_path, "--model", "reference", "--board", "tile-100"):
+        ask(tmp_path, "upload", "plain.hex")
+        assert_one_message(run(["play", "--triggers", "pin.toml", "--port", "port"], cwd=tmp_path), DEVICE, "trigger", "TRIGGER")

@@ -265,3 +265,30 @@ TEST_CASE("step player: an image that does not fit, and a record that the device
     REQUIRE_THROWS_AS(bench.player.upload(std::make_shared<const Image>(wide)), Error);
     REQUIRE_FALSE(bench.device.enabled());
 }
+
+TEST_CASE("step player: what waits for triggers starts its part at once, and ends at STOP alone") {
+    Bench bench;
+    bench.connect();
+    REQUIRE(message_of([&] { bench.player.trigger(0); }) == "board: nothing waits for this trigger; press Play");
+    REQUIRE(message_of([&] {
+                bench.player.play(image(50), {{1, 31, 1, false}});
+            }) == "trigger: number 1 plays 31 entries from entry 1 on; the sequence has 30");
+    bench.player.play(image(50), {{1, 30, 1, false}, {5, 3, 2, false}});
+    bench.step_until([&] { return bench.told(Stage::plays); });
+    REQUIRE(bench.device.enabled());
+    const auto begun = Clock::now();
+    bench.step_until([&] { return Clock::now() - begun > 1s; });
+    REQUIRE(bench.carried.of({Command::start}).empty());
+    REQUIRE(bench.device.enabled());
+    const auto asked = Clock::now();
+    bench.player.trigger(1);
+    bench.step_until([&] { return !bench.carried.of({Command::start}).empty(); });
+    REQUIRE(Clock::now() - asked < 50ms);
+    REQUIRE(bench.carried.of({Command::start}).back().second == Bytes{5, 0, 3, 0, 2, 0});
+    REQUIRE(message_of([&] { bench.player.trigger(2); }) == "board: nothing waits for this trigger; press Play");
+    bench.step_until([&] { return Clock::now() - asked > 1s; });
+    REQUIRE(bench.device.enabled());
+    const std::uint64_t stop = bench.player.stop();
+    bench.step_until([&] { return bench.player.state().confirmed == stop; });
+    REQUIRE_FALSE(bench.device.enabled());
+}

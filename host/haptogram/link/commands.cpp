@@ -199,6 +199,8 @@ Request start_request(std::uint16_t first, std::uint16_t length, std::uint16_t l
     return {Command::start, payload_of(first, length, loops)};
 }
 
+Request gate_request(When when) { return {Command::gate, payload_of(when.gate, when.gate >> 16, when.gate >> 32)}; }
+
 Request modulate_request(std::uint16_t divider, std::uint16_t length, bool loop, std::uint32_t first) {
     if (first % 2 != 0 || first > 0xffff)
         throw bad_argument("first", fmt::format("sample {}, expected an even number up to 65534", first));
@@ -253,7 +255,7 @@ void Commands::set_gate(When when) {
         throw device_error("its changes cannot wait; that takes a board with the parameter SCHEDULE");
     if (when == When::at_trigger() && !interface::has(identity().features, interface::Feature::trigger))
         throw device_error("it has no trigger input; that takes a board with the parameter TRIGGER");
-    request({Command::gate, payload_of(when.gate, when.gate >> 16, when.gate >> 32)});
+    request(gate_request(when));
 }
 
 std::uint16_t Commands::push(const std::vector<std::uint16_t>& indices, std::uint16_t dwell, When when) {

@@ -123,6 +123,8 @@ struct Request {
 /// What Commands::select(), start(), modulate() and set_watchdog() send, of what takes effect at once.
 [[nodiscard]] Request select_request(std::uint16_t index, std::uint16_t dwell);
 [[nodiscard]] Request start_request(std::uint16_t first, std::uint16_t length, std::uint16_t loops);
+/// What comes next waits.
+[[nodiscard]] Request gate_request(When when);
 [[nodiscard]] Request modulate_request(std::uint16_t divider, std::uint16_t length, bool loop, std::uint32_t first = 0);
 [[nodiscard]] Request watchdog_request(std::uint16_t milliseconds);
 /// Patterns for this carrier period and those after it, for tell().

@@ -74,6 +74,55 @@ std::optional<ModulationOn> modulated(Commands& device, const PlaySettings& sett
     return std::optional<ModulationOn>(std::in_place, device, modulation_of(am, device), settings.warn);
 }
 
+/// How many entries the sequence in its memory has. @throws Error{device} when there is none
+std::uint16_t sequence_length(Commands& device) {
+    const Bytes header = device.read(interface::sequence_base, interface::sequence_word_bits / 8);
+    const auto length = static_cast<std::uint16_t>(interface::sequence_header_field::length.get(header));
+    if (length == 0)
+        throw Error(ErrorCode::device, "board", "there is no sequence in the board's memory; upload an image first");
+    return length;
+}
+
+/// What is particular of playing what is in the memories.
+struct FromMemories {
+    std::function<void()> begin;                          ///< once the outputs are on
+    std::function<void(std::chrono::milliseconds)> wait;  ///< so long at most
+    std::function<bool(const Status&)> waits;             ///< whether its seconds have not begun
+    std::function<bool(const Status&)> goes_on;
+};
+
+Played play_memories(Commands& device, const PlaySettings& settings, const Watch& watch, const FromMemories& what) {
+    using Clock = std::chrono::steady_clock;
+    const Status before = device.status();
+    const auto since = [&](const Status& status, std::uint16_t Status::*counter) {
+        return static_cast<std::uint16_t>(status.*counter - before.*counter);
+    };
+    Playing now{.status = before};
+    bool interrupted = false;
+    const std::optional<ModulationOn> modulation = modulated(device, settings);
+    interrupted |= while_on(device, settings.watchdog_ms, [&] {
+        what.begin();
+        auto begun = Clock::now();
+        // Asking for the status also keeps the watchdog quiet.
+        const std::chrono::milliseconds pause = keep_alive_pause(settings.watchdog_ms);
+        do {
+            what.wait(pause);
+            now.status = sure_status(device);
+            if (what.waits(now.status)) begun = Clock::now();
+            now.seconds = std::chrono::duration<double>(Clock::now() - begun).count();
+            now.underruns = since(now.status, &Status::underruns);
+            interrupted = watch && !watch(now);
+            require_on(now.status, &before);
+        } while (!interrupted && what.goes_on(now.status) &&
+                 (settings.seconds == 0.0 || now.seconds < settings.seconds));
+    });
+    return {.underruns = now.underruns,
+            .refused_records = since(now.status, &Status::refused_records),
+            .watchdog_trips = since(now.status, &Status::watchdog_trips),
+            .guard_trips = since(now.status, &Status::guard_trips),
+            .interrupted = interrupted};
+}
+
 }  // namespace
 
 Played play(Commands& device, const PlaySettings& settings, const Watch& watch) {
@@ -83,49 +132,50 @@ Played play(Commands& device, const PlaySettings& settings, const Watch& watch) 
                            "one record, and what goes over the link, cannot wait for a trigger; the sequence in the "
                            "board's memory can");
     if (live) return play_live(device, settings, wanted(device, settings), watch);
-    using Clock = std::chrono::steady_clock;
-    const Status before = device.status();
-    std::uint16_t length = 0;
-    if (settings.index == 0) {
-        const Bytes header = device.read(interface::sequence_base, interface::sequence_word_bits / 8);
-        length = static_cast<std::uint16_t>(interface::sequence_header_field::length.get(header));
-        if (length == 0)
-            throw Error(ErrorCode::device, "board",
-                        "there is no sequence in the board's memory; upload an image first");
-    }
-    const auto since = [&](const Status& status, std::uint16_t Status::*counter) {
-        return static_cast<std::uint16_t>(status.*counter - before.*counter);
+    const std::uint16_t length = settings.index == 0 ? sequence_length(device) : std::uint16_t{0};
+    // A modulation that somebody else lets wait neither keeps this on nor stops its seconds.
+    const auto waits = [&](const Status& status) { return settings.on_trigger && status.waiting; };
+    return play_memories(device, settings, watch,
+                         {.begin =
+                              [&] {
+                                  if (settings.index != 0)
+                                      device.select(settings.index);
+                                  else
+                                      device.start(1, settings.loops ? length : std::uint16_t{0},
+                                                   settings.loops.value_or(0),
+                                                   settings.on_trigger ? When::at_trigger() : When::at_once());
+                              },
+                          .wait = [](std::chrono::milliseconds pause) { std::this_thread::sleep_for(pause); },
+                          .waits = waits,
+                          .goes_on = [&](const Status& status) { return waits(status) || !is_over(status); }});
+}
+
+Played play(Commands& device, const PlaySettings& settings, std::span<const TriggeredPart> parts, TriggerSource& source,
+            const Watch& watch) {
+    if (!settings.am.waveform.empty() && device.identity().modulation_words == 0)
+        throw bad_argument("am",
+                           "this board has no modulation of its own, and what waits for triggers in its memory "
+                           "can have no other; compile the waveform into the image");
+    require_parts(parts, sequence_length(device), device.identity());
+    constexpr std::chrono::milliseconds pin_pause{20};
+    const TriggeredPart* pin = part_of_pin(parts);
+    const auto start = [&device](const TriggeredPart& part, When when) {
+        device.start(part.first, part.length, part.loops, when);
     };
-    Playing now{.status = before};
-    bool interrupted = false;
-    const std::optional<ModulationOn> modulation = modulated(device, settings);
-    interrupted |= while_on(device, settings.watchdog_ms, [&] {
-        if (settings.index != 0)
-            device.select(settings.index);
-        else
-            device.start(1, settings.loops ? length : std::uint16_t{0}, settings.loops.value_or(0),
-                         settings.on_trigger ? When::at_trigger() : When::at_once());
-        auto begun = Clock::now();
-        // A modulation that somebody else lets wait neither keeps this on nor stops its seconds.
-        const auto waits = [&] { return settings.on_trigger && now.status.waiting; };
-        // Asking for the status also keeps the watchdog quiet.
-        const std::chrono::milliseconds pause = keep_alive_pause(settings.watchdog_ms);
-        do {
-            std::this_thread::sleep_for(pause);
-            now.status = sure_status(device);
-            if (waits()) begun = Clock::now();
-            now.seconds = std::chrono::duration<double>(Clock::now() - begun).count();
-            now.underruns = since(now.status, &Status::underruns);
-            interrupted = watch && !watch(now);
-            require_on(now.status, &before);
-        } while (!interrupted && (waits() || !is_over(now.status)) &&
-                 (settings.seconds == 0.0 || now.seconds < settings.seconds));
-    });
-    return {.underruns = now.underruns,
-            .refused_records = since(now.status, &Status::refused_records),
-            .watchdog_trips = since(now.status, &Status::watchdog_trips),
-            .guard_trips = since(now.status, &Status::guard_trips),
-            .interrupted = interrupted};
+    const auto begin = [&] {
+        if (pin != nullptr) start(*pin, When::at_trigger());
+    };
+    const auto wait = [&](std::chrono::milliseconds pause) {
+        if (const auto fired = source.next(pin != nullptr ? std::min(pause, pin_pause) : pause))
+            start(parts[*fired], When::at_once());
+    };
+    const auto goes_on = [&](const Status& status) {
+        if (pin != nullptr && !status.waiting) start(*pin, When::at_trigger());
+        return pin != nullptr || !source.ended() || !is_over(status);
+    };
+    return play_memories(
+        device, settings, watch,
+        {.begin = begin, .wait = wait, .waits = [](const Status&) { return false; }, .goes_on = goes_on});
 }
 
 }  // namespace haptogram::link

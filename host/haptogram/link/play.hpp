@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 
 #include "haptogram/link/modulate.hpp"
 #include "haptogram/link/outputs.hpp"
@@ -47,5 +50,43 @@ struct Played {
 ///         they are off in the end, Error{bad_argument} for a "rate" that no whole number of carrier cycles makes, and
 ///         for what goes over the link "on_trigger", which has effect on the memory's sequence alone
 Played play(Commands& device, const PlaySettings& settings, const Watch& watch = {});
+
+/// A part of the sequence in a device's memory, which something starts.
+struct TriggeredPart {
+    std::uint16_t first = 1, length = 1;  ///< entries
+    std::uint16_t loops = 1;              ///< passes; 0: until another part starts
+    bool by_pin = false;                  ///< by the device's trigger input, without the host
+    friend bool operator==(const TriggeredPart&, const TriggeredPart&) = default;
+};
+
+/// What starts parts and is no pin.
+class TriggerSource {
+public:
+    TriggerSource() = default;
+    TriggerSource(const TriggerSource&) = delete;
+    TriggerSource& operator=(const TriggerSource&) = delete;
+    virtual ~TriggerSource() = default;
+
+    /// The number of the part that is to start, after waiting for it at most so long.
+    [[nodiscard]] virtual std::optional<std::size_t> next(std::chrono::milliseconds patience) = 0;
+    /// Whether nothing more will come.
+    [[nodiscard]] virtual bool ended() const = 0;
+};
+
+/// @param length  of the sequence
+/// @throws Error{bad_argument} naming the "trigger" of a part that the sequence does not have, and a second one of the
+/// pin; Error{device} for a device without the pin
+void require_parts(std::span<const TriggeredPart> parts, std::size_t length, const Identity& identity);
+
+/// That of the pin, if there is one.
+[[nodiscard]] const TriggeredPart* part_of_pin(std::span<const TriggeredPart> parts);
+
+/// Turns the outputs on, and plays nothing until a part is started, which ends what plays. It is over when the source
+/// has ended, no pin is waited for and nothing plays, or after `seconds`. Of what starts at the pin while a part of it
+/// was started less than 20 ms ago, nothing is played.
+/// @param settings  of which index, loops, rate and on_trigger have no effect
+/// @throws as require_parts(), and as play() does; Error{bad_argument} for a waveform that only the host could play
+Played play(Commands& device, const PlaySettings& settings, std::span<const TriggeredPart> parts, TriggerSource& source,
+            const Watch& watch = {});
 
 }  // namespace haptogram::link

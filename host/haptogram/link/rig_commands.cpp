@@ -27,12 +27,6 @@ std::uint16_t dwell_of(const Request& request) {
     return static_cast<std::uint16_t>(request.payload.at(0) | request.payload.at(1) << 8);
 }
 
-Request gate_request(When when) {
-    Bytes payload;
-    for (unsigned shift = 0; shift < 48; shift += 8) payload.push_back(static_cast<std::uint8_t>(when.gate >> shift));
-    return {Command::gate, std::move(payload)};
-}
-
 /// One device with the channels of all, and no more of anything else than each has.
 Identity identity_of(std::span<const Tile> tiles) {
     Identity all = tiles.front().device.identity();

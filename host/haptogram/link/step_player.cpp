@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 #include "haptogram/base/error.hpp"
@@ -20,6 +21,14 @@ constexpr std::chrono::milliseconds longest_slice{20};  // a shut-off is looked 
 constexpr unsigned sure = 2;                            // statuses that must say that all is over: sure_status()
 
 bool is_shutting_off(const Client& client) { return !client.is_off().has_value(); }
+
+/// The part that the pin starts, if there is one, waits for it.
+void wait_for_pin(std::vector<Request>& requests, std::span<const TriggeredPart> parts) {
+    const TriggeredPart* pin = part_of_pin(parts);
+    if (pin == nullptr) return;
+    requests.push_back(gate_request(When::at_trigger()));
+    requests.push_back(start_request(pin->first, pin->length, pin->loops));
+}
 
 }  // namespace
 
@@ -185,35 +194,44 @@ void StepPlayer::begin_to_play() {
     work.phase = Phase::begins;
     work.shown = work.index;
     work.before = state_.status;
-    ask({watchdog_request(settings_.watchdog_ms),
-         {Command::enable, {}},
-         work.index == 0 ? start_request(1, 0, 0) : select_request(work.index, 0)});
+    std::vector<Request> requests{watchdog_request(settings_.watchdog_ms), {Command::enable, {}}};
+    if (!work.parts.empty())
+        wait_for_pin(requests, work.parts);
+    else
+        requests.push_back(work.index == 0 ? start_request(1, 0, 0) : select_request(work.index, 0));
+    ask(std::move(requests));
 }
 
 /// Looks at the newest status, and sends what is to be played otherwise.
 void StepPlayer::go_on_playing() {
     Work& work = works_.front();
     batch_.reset();
+    if (const auto part = std::exchange(work.triggered, {})) {
+        const auto& [first, length, loops, by_pin] = work.parts[*part];
+        return ask({start_request(first, length, loops)});
+    }
     if (!std::exchange(work.heard, false)) return;
     const Status& now = state_.status;
     require_on(now, &work.before);
     work.told.stage = Stage::plays;
     work.told.seconds = std::chrono::duration<double>(line_->now() - work.begun).count();
     settings_.work(work.told);
-    if (work.silent >= sure && work.index == 0) {
+    if (work.silent >= sure && work.index == 0 && work.parts.empty()) {
         work.phase = Phase::ends;
         return ask({{Command::disable, {}}, {Command::stop, {}}});
     }
     if (modulation_) return ask(*std::exchange(modulation_, {}));
     const bool weaker = work.factor != wanted_;
-    if (!weaker && work.shown == work.index) return;
     std::vector<Request> requests;
-    if (weaker) requests = work.intensity->requests(client_.identity(), now.modulated, wanted_);
+    if (!now.waiting) wait_for_pin(requests, work.parts);
+    if (weaker)
+        for (Request& request : work.intensity->requests(client_.identity(), now.modulated, wanted_))
+            requests.push_back(std::move(request));
+    // A record that is held takes its new strength when it is chosen again.
+    if (work.index != 0 && (weaker || work.shown != work.index)) requests.push_back(select_request(work.index, 0));
     work.factor = wanted_;
     work.shown = work.index;
-    // A record that is held takes its new strength when it is chosen again.
-    if (work.index != 0) requests.push_back(select_request(work.index, 0));
-    ask(std::move(requests));
+    if (!requests.empty()) ask(std::move(requests));
 }
 
 /// Ends the first work. One that has outputs on, and did not end by itself, has them turned off.
@@ -249,17 +267,30 @@ void StepPlayer::drop_work(Stage stage, const std::optional<Error>& error) {
     }
 }
 
-std::uint64_t StepPlayer::add(const char* name, std::shared_ptr<const Image> image, std::uint16_t index) {
+std::uint64_t StepPlayer::add(const char* name, std::shared_ptr<const Image> image, std::uint16_t index,
+                              std::vector<TriggeredPart> parts) {
     if (state_.connection != Connection::connected)
         throw Error(ErrorCode::device, "board", state_.trouble.empty() ? "it has not answered yet" : state_.trouble);
     require_fits(*image, state_.identity, "scene");
-    works_.push_back({.told = {.name = name, .number = ++numbers_}, .image = std::move(image), .index = index});
+    require_parts(parts, image->sequence.size(), state_.identity);
+    works_.push_back({.told = {.name = name, .number = ++numbers_},
+                      .image = std::move(image),
+                      .index = index,
+                      .parts = std::move(parts)});
     return numbers_;
 }
 
 std::uint64_t StepPlayer::upload(std::shared_ptr<const Image> image) { return add("upload", std::move(image), 0); }
 
-std::uint64_t StepPlayer::play(std::shared_ptr<const Image> image) { return add("play", std::move(image), 0); }
+std::uint64_t StepPlayer::play(std::shared_ptr<const Image> image, std::vector<TriggeredPart> parts) {
+    return add("play", std::move(image), 0, std::move(parts));
+}
+
+void StepPlayer::trigger(std::size_t part) {
+    if (works_.empty() || works_.front().phase != Phase::plays || part >= works_.front().parts.size())
+        throw Error(ErrorCode::device, "board", "nothing waits for this trigger; press Play");
+    works_.front().triggered = part;
+}
 
 std::uint64_t StepPlayer::stream(std::shared_ptr<const Image> image, std::uint32_t index) {
     if (!place_of(*image, index)) throw bad_argument("index", fmt::format("{} is no record of the scene", index));

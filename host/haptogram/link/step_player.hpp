@@ -57,7 +57,11 @@ public:
     /// @throws Error{device} while there is no connection, Error{bad_input} for an image that does not fit the device
     std::uint64_t upload(std::shared_ptr<const Image> image);
     /// The same, then plays it until its end or stop().
-    std::uint64_t play(std::shared_ptr<const Image> image);
+    /// @param parts  of it, if it waits for trigger() and the device's pin, each of which starts one
+    /// @throws as require_parts() does
+    std::uint64_t play(std::shared_ptr<const Image> image, std::vector<TriggeredPart> parts = {});
+    /// Starts a part of what plays, at once. @throws Error{device} when nothing waits for it
+    void trigger(std::size_t part);
     /// The same, then plays one record until the next call names another. The same image is brought only once.
     /// @throws Error{bad_argument} for a record that the image does not have, Error{device} while another image streams
     std::uint64_t stream(std::shared_ptr<const Image> image, std::uint32_t index);
@@ -96,6 +100,8 @@ private:
         bool heard = false;       ///< a status, while it plays, that was not looked at yet
         std::chrono::nanoseconds begun{};
         unsigned silent = 0;  ///< statuses in a row that say that all is over
+        std::vector<TriggeredPart> parts{};
+        std::optional<std::size_t> triggered{};  ///< that is to start
     };
     /// Requests under way whose replies the work needs all together.
     struct Batch {
@@ -115,7 +121,8 @@ private:
     void go_on_playing();
     void end(StepWork::Stage stage, std::optional<Error> error = {});
     void drop_work(StepWork::Stage stage, const std::optional<Error>& error);
-    std::uint64_t add(const char* name, std::shared_ptr<const Image> image, std::uint16_t index);
+    std::uint64_t add(const char* name, std::shared_ptr<const Image> image, std::uint16_t index,
+                      std::vector<TriggeredPart> parts = {});
     void tell_state() const;
 
     Settings settings_;

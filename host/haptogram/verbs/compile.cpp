@@ -655,7 +655,12 @@ Shape shape_of(const Project& project) {
 }
 
 Compiled compile(const Project& project, const std::string& name, const Progress& progress, Shape* shape) {
-    return compile_on(instrument_of(project), project, name, progress, shape);
+    const ProjectInstrument instrument = instrument_of(project);
+    require_pin(project.triggers, instrument.core);
+    Compiled compiled = compile_on(instrument, project, name, progress, shape);
+    compiled.parts =
+        parts_of(project.triggers, compiled.bundle.image.sequence, compiled.bundle.manifest.timer.carrier_hz());
+    return compiled;
 }
 
 Compiled compile(const ProjectInstrument& instrument, const Project& project, const std::string& name,

@@ -42,6 +42,7 @@ struct Compiled {
     std::optional<perception::PathMagnitude> magnitude;  ///< of foci that shall feel with a magnitude
     PressureLeft pressure_left;                          ///< by the transducers' bandwidth
     std::vector<std::string> warnings;                   ///< whole sentences
+    std::vector<link::TriggeredPart> parts{};            ///< that the project's triggers start
 
     /// The least time that any focus lasts, s.
     [[nodiscard]] double shortest_dwell_s() const;

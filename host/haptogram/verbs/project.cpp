@@ -234,9 +234,9 @@ void check_subject(const Project& project, const Section& whole, const std::stri
 Project project_from_toml(std::string_view text, const std::string& where) {
     const toml::table root = section::parse_text(text, where);
     const Section whole(where, root);
-    whole.only({"format",       "array", "board", "points", "seed",   "clip",      "rate_hz",   "speed_m_s",
-                "frequency_hz", "jump",  "even",  "am",     "am_law", "magnitude", "amplitude", "quantise",
-                "image",        "loops", "place", "shape",  "path",   "hand",      "keyframe",  "live"});
+    whole.only({"format", "array", "board", "points", "seed",      "clip",      "rate_hz",  "speed_m_s", "frequency_hz",
+                "jump",   "even",  "am",    "am_law", "magnitude", "amplitude", "quantise", "image",     "loops",
+                "place",  "shape", "path",  "hand",   "keyframe",  "live",      "trigger"});
     const auto format = whole.required(whole.text("format"), "format", fmt::format("\"{}\"", format_name));
     if (format != format_name)
         throw whole.wrong(*whole.find("format"), "format", fmt::format("\"{}\" for this version", format_name));
@@ -280,6 +280,7 @@ Project project_from_toml(std::string_view text, const std::string& where) {
                                       [](const std::string& name) { return name == "records" || name == "foci"; }))
         project.image = *image == "foci" ? ImageKind::foci : ImageKind::records;
     project.live = live_table_from_toml(text, where);
+    project.triggers = triggers_from_toml(text, where);
     check_subject(project, whole, where);
     return project;
 }
@@ -348,7 +349,7 @@ std::string to_toml(const Project& project) {
     if (!placed.empty()) text += "\n[place]\n" + placed;
     for (const ShapeSource& shape : project.shapes) text += to_toml(shape);
     for (const KeyFrame& frame : project.key_frames) text += to_toml(frame);
-    return text + to_toml(project.live);
+    return text + to_toml(project.triggers) + to_toml(project.live);
 }
 
 bool is_project(const std::string& path) { return path.ends_with(".toml") || is_bundle(path); }

@@ -14,6 +14,7 @@
 #include "haptogram/shape/primitives.hpp"
 #include "haptogram/verbs/hand_source.hpp"
 #include "haptogram/verbs/live_table.hpp"
+#include "haptogram/verbs/trigger_table.hpp"
 
 namespace haptogram {
 
@@ -58,6 +59,7 @@ struct Project {
     std::optional<std::string> array;  ///< file or shipped array; by default the board's, or tile-10x10
     std::optional<std::string> board;  ///< file, shipped board or configuration; by default what the array's file says
     std::vector<LiveSetting> live{};   ///< of `haptogram live`; what is compiled does not depend on it
+    std::vector<Trigger> triggers{};   ///< of parts of what is played; nor on these
     std::filesystem::path folder;      ///< that relative paths start from; empty: the present one
 
     /// Whether it plays shapes, not a path or what a hand feels.
