@@ -56,6 +56,33 @@ private:
     std::uint16_t last_ = 0;
 };
 
+/// The parts that are to start.
+class Player::Fired final : public link::TriggerSource {
+public:
+    explicit Fired(std::size_t parts) : parts_(parts) {}
+
+    void put(std::size_t part) {
+        if (part >= parts_) throw bad_argument("trigger", fmt::format("found {}, of {} from 0 on", part, parts_));
+        {
+            const std::lock_guard lock(mutex_);
+            asked_ = part;
+        }
+        changed_.notify_all();
+    }
+    std::optional<std::size_t> next(std::chrono::milliseconds patience) override {
+        std::unique_lock lock(mutex_);
+        changed_.wait_for(lock, patience, [this] { return asked_.has_value(); });
+        return std::exchange(asked_, {});
+    }
+    [[nodiscard]] bool ended() const override { return false; }
+
+private:
+    const std::size_t parts_;
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    std::optional<std::size_t> asked_;
+};
+
 Player::Player(Settings settings) : settings_(std::move(settings)), thread_([this] { run(); }) {}
 
 Player::~Player() {
@@ -245,20 +272,30 @@ std::uint64_t Player::upload(std::shared_ptr<const Scene> scene) {
     return ask({.name = "upload", .act = act});
 }
 
-std::uint64_t Player::play(std::shared_ptr<const Scene> scene) {
-    const auto act = [this, scene = std::move(scene)](link::Commands& device, std::uint64_t number) {
+std::uint64_t Player::play(std::shared_ptr<const Scene> scene, std::vector<link::TriggeredPart> parts) {
+    const auto act = [this, scene = std::move(scene), parts = std::move(parts)](link::Commands& device,
+                                                                                std::uint64_t number) {
         ordered_json report;
         bring(device, "play", number, *scene, report);
         link::Intensity intensity(scene->compiled.bundle.image);
+        const auto fired = parts.empty() ? nullptr : std::make_shared<Fired>(parts.size());
         {
             const std::lock_guard lock(mutex_);
             playing_ = scene;
+            fired_ = fired;
         }
-        const link::Played played = link::play(device, {}, watch(device, "play", number, intensity, [] {}));
+        const link::Watch told = watch(device, "play", number, intensity, [] {});
+        const link::Played played = fired ? link::play(device, {}, parts, *fired, told) : link::play(device, {}, told);
         report.update(link::played_to_json(played));
         return report;
     };
     return ask({.name = "play", .act = act});
+}
+
+void Player::trigger(std::size_t part) {
+    const std::lock_guard lock(mutex_);
+    if (!fired_) throw Error(ErrorCode::device, "board", "nothing waits for this trigger; press Play");
+    fired_->put(part);
 }
 
 std::uint64_t Player::stream(std::shared_ptr<const Scene> scene, std::uint32_t index) {
@@ -321,6 +358,7 @@ void Player::run() {
             const std::lock_guard lock(mutex_);
             if (work.scrub && scrub_ == work.scrub) scrub_.reset();
             playing_.reset();
+            fired_.reset();
             modulation_.reset();
         }
         settings_.work(std::move(report));

@@ -59,7 +59,10 @@ public:
     /// @throws Error{device} without a connection
     std::uint64_t upload(std::shared_ptr<const Scene> scene);
     /// The same, then plays it until its end or stop().
-    std::uint64_t play(std::shared_ptr<const Scene> scene);
+    /// @param parts  of it, if it waits for trigger() and the board's pin, each of which starts one
+    std::uint64_t play(std::shared_ptr<const Scene> scene, std::vector<link::TriggeredPart> parts = {});
+    /// Starts a part of what plays, at once. @throws Error{device} when nothing waits for it
+    void trigger(std::size_t part);
 
     /// The same, then plays one record until the next call names another. Calls while it plays cost one message each.
     /// @param index  of the record, from 1 on
@@ -83,6 +86,7 @@ public:
 
 private:
     class Scrub;
+    class Fired;
     struct Work {
         std::string name;
         std::function<nlohmann::ordered_json(link::Commands&, std::uint64_t number)> act;
@@ -109,6 +113,7 @@ private:
     bool over_ = false;
     std::atomic<double> intensity_ = 1.0;
     std::uint64_t stops_ = 0, asked_ = 0;
+    std::shared_ptr<Fired> fired_;                       // of what plays, if it waits for triggers
     std::shared_ptr<Scrub> scrub_;                       // what a stream under way plays
     std::shared_ptr<const Scene> playing_, modulation_;  // what plays, and whose modulation it is to have
     Open open_;                                          // of the present connection

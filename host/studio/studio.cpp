@@ -192,7 +192,14 @@ private:
     }
 
     void act(Visitor& visitor, const PlayMessage& message) {
-        drive(visitor, message.n, [&] { return player_.play(scenes_.find(message.scene)); });
+        drive(visitor, message.n, [&] { return player_.play(scenes_.find(message.scene), message.triggers); });
+    }
+
+    void act(Visitor& visitor, const TriggerMessage& message) {
+        tell_failure(*visitor.page, message.n, [&] {
+            require_no_other_driver(visitor);
+            player_.trigger(message.number);
+        });
     }
 
     void act(Visitor& visitor, const StreamMessage& message) {
@@ -322,6 +329,10 @@ private:
         tell_failure(*visitor->second.page, n, [&] {
             require_no_guest();
             require_no_other_driver(visitor->second);
+            if (player_.intensity() != 1.0)
+                throw Error(
+                    ErrorCode::failed, "session",
+                    "a live session plays at full strength, and the intensity is lower; move it to 100 % first");
             UnderWay next{.page = page, .number = ++guest_number_, .live = true, .plays = true, .borrowed = true};
             const BoardPort lent =
                 player_.lend([this, number = next.number] { server_.post([this, number] { begin_guest(number); }); });

@@ -513,6 +513,36 @@ def test_a_hand_that_lifts_answers_what_the_task_found(place):
     assert [r["answers"] for r in records(place / "h.jsonl")] == [json.loads(line)["answers"] for line in kept]
 
 
+def test_a_hand_that_compares_two_arrays_judges_what_each_plays(place):
+    """*Shapes* 2: two renderings, each with noise of its own; swapped sides swap the answer, and one rendering against itself is a guess."""
+    command = study("run", "shapes_comparison", "--participant", "1", "--seed", "3", "-o", "c.jsonl", "--observer", "simulated:hand")
+    assert_says(run(command, place), OK, "complete, 7 new answers")
+    answers = [r["answers"] for r in records(place / "c.jsonl") if r["kind"] == "trial"]
+    assert len(answers) == 6 and {one["stronger"]["value"] for one in answers} <= {"left", "right"} and all(1 <= one["surface_confidence"]["value"] <= 5 for one in answers)
+
+    def votes(path, question):
+        """How often the left side, in 60 trials of a cube with H at the left."""
+        p = protocol.read(path)
+        hand = touching.Hand(p, str(boards.PROGRAM))
+        trial = next(c for c in cells(p, 1, 7) if c.levels["shape"].name == "cube" and c.levels["side_of_h"].name == "left")
+        asked = next(q for q in p.questions if q.name == question)
+        return sum(hand.ask(asked, Occasion(person, 7, trial, None, ("trial", 1, 1)))[0] == "left" for person in range(60))
+
+    text = protocol.find("shapes_comparison").read_text()
+
+    def variant(name, left, right):
+        path = place / name
+        path.write_text(text.replace('left = "H", right = "A"', f'left = "{left}", right = "{right}"'))
+        return path
+
+    same, weaker, stronger = variant("same.toml", "A", "A"), variant("weaker.toml", "E", "A"), variant("stronger.toml", "A", "E")
+    assert 18 <= votes(same, "stronger") <= 42
+    assert votes(weaker, "stronger") < 15 < 45 < votes(stronger, "stronger")
+    other = variant("other.toml", "A", "H")
+    other.write_text(other.read_text().replace("similar", "alike"))
+    assert_says(run(study("run", "other.toml", "--participant", "1", "-o", "o.jsonl", "--observer", "simulated:hand"), place), BAD_INPUT, "cannot answer 'alike'")
+
+
 def test_placeholders_with_numbers():
     values = {"edge_mm": "40.5", "freq-2": "7"}
     assert protocol.fill("{edge_mm*0.5+100},{edge_mm-1},{edge_mm},{freq-2}", values) == "120.25,39.5,40.5,7"

@@ -5,7 +5,7 @@ import { execFileSync } from "node:child_process";
 import { openSync, readdirSync, readFileSync, writeSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
-import { accessible, boardSays, eventually, folder, keptPicture, openDesign, openPage, panel, picture, quantile, settled, startBrowser, startStudio } from "./support.mjs";
+import { accessible, boardSays, drop, eventually, folder, keptPicture, openDesign, openPage, panel, picture, quantile, settled, startBrowser, startStudio } from "./support.mjs";
 
 /** The live sessions whose parent is this server. */
 const sessions = (studio) =>
@@ -73,6 +73,41 @@ test("a recorded hand feels a ball on the virtual board, which is drawn as it co
   assert.match(await panel(page, "Live hand").locator(".notes").textContent(), /shots +\d+/);
   await page.getByRole("button", { name: "Upload" }).click();
   await page.getByText("pieces had to be written").waitFor();
+  // At less than full strength a session is refused; while one runs there is no intensity to choose. Then a second one.
+  const intensity = page.getByLabel("Intensity", { exact: true });
+  await intensity.fill("30");
+  await page.locator(".unit", { hasText: /^30 %$/ }).waitFor();
+  await page.getByRole("button", { name: "Feel it again" }).click();
+  await page.locator(".failed", { hasText: "plays at full strength" }).waitFor();
+  await boardSays(page, "outputs off");
+  await intensity.fill("100");
+  await page.locator(".unit", { hasText: /^100 %$/ }).waitFor();
+  const before = scenes.length;
+  await begin(page);
+  await runs(page);
+  await boardSays(page, "lent to the live session");
+  assert.equal(await intensity.count(), 0);
+  await over(page);
+  assert.ok(scenes.length >= before + 5, `${scenes.length - before} scenes of the second session`);
+  await boardSays(page, "outputs off");
+  await eventually(() => sessions(studio).length === 0);
+});
+
+test("the project's table [live] holds, and a design without a hand says what is missing", async (t) => {
+  const { page, scenes } = await touching(t);
+  await page.locator("[data-step=Make]").click();
+  await openDesign(page, "Dome");
+  await page.locator("[data-step=Play]").click();
+  await panel(page, "Live hand").getByText("This design has no hand, and a live session needs one").waitFor();
+  const project = 'format = "haptogram-project-1"\n[hand]\nrecording = "synthetic:press"\nframe = 30\n[live]\nseconds = 1\nport = "/dev/nowhere"\n';
+  await drop(page, [{ name: "short.toml", bytes: Buffer.from(project) }]);
+  await page.locator("footer", { hasText: "short: " }).waitFor();
+  await settled(page);
+  await begin(page);
+  await over(page);
+  assert.match(await panel(page, "Live hand").locator(".notes").textContent(), /does not take: port/);
+  const last = Math.max(...scenes.map(({ time_s }) => time_s));
+  assert.ok(last <= 1.1, `a scene at ${last} s`);
 });
 
 test("STOP, and a page that goes away, end a session at once", async (t) => {

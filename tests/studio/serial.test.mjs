@@ -9,7 +9,7 @@ import { accessible, boardSays, drop, eventually, folder, openPage, panel, pictu
 import { requests, serialShim, tap } from "./serial_shim.mjs";
 import { host, skip } from "./site.mjs";
 
-const [write, enable, disable, digest, modulate] = [0x02, 0x04, 0x05, 0x0c, 0x0f];
+const [write, enable, disable, begin, digest, modulate] = [0x02, 0x04, 0x05, 0x08, 0x0c, 0x0f];
 
 async function startBoard(t, ...args) {
   const where = await folder(t);
@@ -175,6 +175,32 @@ test("a modulation gives way to another while the page plays", { skip }, async (
   await page.getByRole("button", { name: "Modulate as shown" }).click();
   await eventually(() => requests(bytesOf(shim)).filter(({ command }) => command === modulate).length > before);
   await page.getByText(/Playing for/).waitFor();
+  await page.keyboard.press("Escape");
+  await boardSays(page, "outputs off");
+  await page.getByRole("button", { name: "Disconnect" }).click();
+  await eventually(() => shim.child === undefined);
+  await endsSilent(board);
+});
+
+test("a key starts its part on the board, and nothing plays before", { skip }, async (t) => {
+  const board = await startBoard(t);
+  const { page, shim } = await openAtBoard(t, board);
+  const project = 'format = "haptogram-project-1"\npoints = 8\nrate_hz = 10\n[[shape]]\nkind = "circle"\n[[trigger]]\non = "key:a"\nfrom_s = 0.05\nto_s = 0.0875\nloops = 2\n';
+  await drop(page, [{ name: "ring.toml", bytes: Buffer.from(project) }]);
+  await page.locator("footer", { hasText: "ring: 8 focal points" }).waitFor();
+  await settled(page);
+  await connect(page);
+  await page.locator("button.play").click();
+  await boardSays(page, "outputs ON");
+  await show(page, "Play");
+  await page.getByText("Outputs are on; it waits for a trigger.").waitFor();
+  const begun = () => requests(bytesOf(shim)).filter(({ command }) => command === begin).map(({ payload }) => payload);
+  await page.locator("body").press("b");
+  await sleep(500);
+  assert.deepEqual(begun(), []);
+  await page.locator("body").press("a");
+  await eventually(() => begun().length === 1);
+  assert.deepEqual(begun(), ["5 0 3 0 2 0"]); // entries of 12.5 ms: from the fifth on, three, twice
   await page.keyboard.press("Escape");
   await boardSays(page, "outputs off");
   await page.getByRole("button", { name: "Disconnect" }).click();

@@ -43,6 +43,17 @@ public:
                            message_[name].get<std::uint64_t>() <= std::numeric_limits<std::uint32_t>::max();
         return get(name, right, "a whole number of 32 bits").get<std::uint32_t>();
     }
+    [[nodiscard]] std::uint16_t whole16(const char* name) const {
+        const std::uint32_t found = whole(name);
+        return static_cast<std::uint16_t>(get(name, found <= 0xffff, "a whole number of 16 bits").get<std::uint32_t>());
+    }
+    /// Of objects, so many at most.
+    [[nodiscard]] const ordered_json& list(const char* name, std::size_t most) const {
+        const bool right = has(name) && message_[name].is_array() && message_[name].size() <= most &&
+                           std::all_of(message_[name].begin(), message_[name].end(),
+                                       [](const ordered_json& each) { return each.is_object(); });
+        return get(name, right, "a list of objects, 100 at most");
+    }
     [[nodiscard]] std::string text(const char* name) const {
         return get(name, has(name) && message_[name].is_string(), "text").get<std::string>();
     }
@@ -242,6 +253,17 @@ SliceMessage slice_of(const Members& members) {
     return slice;
 }
 
+std::vector<link::TriggeredPart> triggers_of(const Members& members) {
+    std::vector<link::TriggeredPart> parts;
+    if (!members.has("triggers")) return parts;
+    for (const ordered_json& each : members.list("triggers", most_triggers)) {
+        const Members part(each, fmt::format("{}, trigger {}", members.type(), parts.size() + 1));
+        part.only({"first", "length", "loops", "pin"});
+        parts.push_back({part.whole16("first"), part.whole16("length"), part.whole16("loops"), part.truth("pin")});
+    }
+    return parts;
+}
+
 }  // namespace
 
 Message read_message(std::string_view text) {
@@ -316,8 +338,12 @@ Message read_message(std::string_view text) {
         return UploadMessage{members.whole("n"), members.text("scene")};
     }
     if (type == "play") {
-        members.only({"n", "scene"});
-        return PlayMessage{members.whole("n"), members.text("scene")};
+        members.only({"n", "scene", "triggers"});
+        return PlayMessage{members.whole("n"), members.text("scene"), triggers_of(members)};
+    }
+    if (type == "trigger") {
+        members.only({"n", "number"});
+        return TriggerMessage{members.whole("n"), members.whole("number")};
     }
     if (type == "stream") {
         members.only({"n", "scene", "index"});

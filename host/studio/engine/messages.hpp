@@ -10,6 +10,7 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/hand/object.hpp"
+#include "haptogram/link/play.hpp"
 #include "haptogram/shape/shape.hpp"
 #include "haptogram/verbs/hand_project.hpp"
 #include "haptogram/verbs/slice.hpp"
@@ -89,11 +90,18 @@ struct UploadMessage {
     std::uint32_t n = 0;
     std::string scene;
 };
-/// The same, and play it.
+/// The same, and play it, or the parts of it that triggers start.
 struct PlayMessage {
     std::uint32_t n = 0;
     std::string scene;
+    std::vector<link::TriggeredPart> triggers;  ///< as the scene's answer has them; none: all of it, at once
 };
+/// Start such a part.
+struct TriggerMessage {
+    std::uint32_t n = 0;
+    std::uint32_t number = 0;  ///< from 0 on
+};
+inline constexpr std::size_t most_triggers = 100;
 /// Bring the image, and play one record until the next such message names another: the page's scrubber moves.
 struct StreamMessage {
     std::uint32_t n = 0;
@@ -152,8 +160,8 @@ struct BeatMessage {
 using Message =
     std::variant<SceneMessage, HandMessage, PathMessage, SliceMessage, ReachMessage, DrivesMessage, AnalyzeMessage,
                  SimulateMessage, CancelMessage, PulsesMessage, ConnectMessage, DisconnectMessage, UploadMessage,
-                 PlayMessage, StreamMessage, IntensityMessage, ModulateMessage, StudiesMessage, StudyMessage,
-                 LiveMessage, AnswerMessage, LeaveMessage, StopMessage, BeatMessage>;
+                 PlayMessage, TriggerMessage, StreamMessage, IntensityMessage, ModulateMessage, StudiesMessage,
+                 StudyMessage, LiveMessage, AnswerMessage, LeaveMessage, StopMessage, BeatMessage>;
 
 inline constexpr std::size_t most_depth = 16;      ///< of lists and objects within each other in a message
 inline constexpr std::size_t most_members = 4000;  ///< of a message and all objects in it; a shape has ten at most

@@ -81,9 +81,14 @@ ordered_json to_json(const Scene& scene) {
         for (const Focus& focus : step.foci) foci.push_back(millimetres(focus.position));
     ordered_json findings = ordered_json::array();
     for (const Finding& finding : findings_of(scene.settings, c)) findings.push_back(to_json(finding));
+    ordered_json triggers = ordered_json::array();
+    for (const link::TriggeredPart& part : c.parts)
+        triggers.push_back(
+            {{"first", part.first}, {"length", part.length}, {"loops", part.loops}, {"pin", part.by_pin}});
     return {{"name", scene.name},        {"array", to_json(m.array)},      {"foci", foci},
             {"tour", tour_of(c.bundle)}, {"pass_s", 1.0 / m.rate_hz},      {"channels", m.core.parameters.channels},
-            {"numbers", numbers_of(c)},  {"image_sha256", m.image_sha256}, {"findings", findings}};
+            {"numbers", numbers_of(c)},  {"image_sha256", m.image_sha256}, {"findings", findings},
+            {"triggers", triggers}};
 }
 
 ordered_json drives_json(const Scene& scene, std::uint32_t record) {

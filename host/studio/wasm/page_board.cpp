@@ -160,8 +160,10 @@ void PageBoard::act(const UploadMessage& message) { player().upload(image_of(mes
 
 void PageBoard::act(const PlayMessage& message) {
     sight_.seen();
-    player().play(image_of(message.scene));
+    player().play(image_of(message.scene), message.triggers);
 }
+
+void PageBoard::act(const TriggerMessage& message) { player().trigger(message.number); }
 
 void PageBoard::act(const StreamMessage& message) {
     sight_.seen();

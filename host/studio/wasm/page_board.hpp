@@ -43,6 +43,7 @@ public:
     void act(const DisconnectMessage& message);
     void act(const UploadMessage& message);
     void act(const PlayMessage& message);
+    void act(const TriggerMessage& message);
     void act(const StreamMessage& message);
     void act(const IntensityMessage& message);
     void act(const ModulateMessage& message);

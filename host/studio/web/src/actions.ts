@@ -60,7 +60,7 @@ export function actionsOf(session: Session, link: Link): Actions {
         state.playsNext.value = true;
         link.send({ t: "connect", port: noProgram.value ? "" : "virtual", scene: scene.name });
       } else {
-        link.send({ t: "play", scene: scene.name });
+        link.send({ t: "play", scene: scene.name, triggers: scene.triggers });
         state.played.value = scene.name;
       }
     },

@@ -30,6 +30,7 @@ import { Surfaces } from "./surface";
 import { theme } from "./theme";
 import { Timeline } from "./timeline";
 import { PlayButton, Tools } from "./top";
+import { firedBy } from "./triggers";
 import { View } from "./view";
 
 export function start(link: Link): void {
@@ -103,13 +104,22 @@ function takeKeys(actions: Actions): void {
       noPlay();
       actions.draw(false);
     }
-    if (!(event.ctrlKey || event.metaKey)) return;
+    if (!(event.ctrlKey || event.metaKey)) return fire(event, actions);
     const key = event.key.toLowerCase();
     const does = key === "s" ? () => void actions.saveBundle() : key === "y" || (key === "z" && event.shiftKey) ? redo : key === "z" ? undo : undefined;
     if (!does) return;
     event.preventDefault();
     does();
   });
+}
+
+/** A key that is a trigger of what plays starts its part, unless it is typed into a field. */
+function fire(event: KeyboardEvent, actions: Actions): void {
+  const [scene, work] = [state.scene.peek(), state.work.peek()];
+  const plays = work?.t === "progress" && work.work === "play" && scene !== undefined && scene.name === state.played.peek();
+  const typed = (event.target as Element | null)?.closest("input, textarea, select");
+  const number = plays && !event.repeat && !event.altKey && !typed ? firedBy(event.key, project.peek()) : -1;
+  if (number >= 0) actions.send("trigger", { number });
 }
 
 /** All of the page but the bar at the top and the view's canvas. */

@@ -2,8 +2,10 @@
 // The board: connecting, playing, and what it says of itself.
 import { useId, useState } from "preact/hooks";
 import { Panel } from "./controls";
+import { project } from "./document";
 import type { Device } from "./link";
 import { type Actions, boards, state } from "./state";
+import { Firing } from "./triggers";
 
 function boardWords(device: Device): string {
   if (device.connection === "none") return { program: "No board. Play starts a virtual one", serial: "No board. Play asks for one", none: "This browser cannot reach boards" }[boards.value];
@@ -111,13 +113,14 @@ export function Board({ actions }: { actions: Actions }) {
             <button type="button" disabled={!ready || state.at.value === undefined} onClick={() => actions.stream()}>▶ Follow the slider</button>
             <button type="button" onClick={() => actions.send("disconnect")}>Disconnect</button>
           </div>
-          <div class="field">
+          {device.connection !== "lent" && <div class="field">
             <label for={`${id}-intensity`}>Intensity</label>
             <input id={`${id}-intensity`} type="range" min={0} max={100} step={1} value={Math.round(100 * (device.intensity ?? 1))} onInput={(e) => actions.send("intensity", { value: Number(e.currentTarget.value) / 100 })} />
             <span class="unit">{Math.round(100 * (device.intensity ?? 1))} %</span>
-          </div>
+          </div>}
           <p class="hint">Playing turns the outputs on: ultrasound at these levels is loud though inaudible, so keep ears away. They go off when this page is closed, or hidden for 10 s.</p>
-          <Work />
+          {busy && work?.work === "play" && work.stage === "play" && scene !== undefined && scene.name === played && project.value && <Firing actions={actions} triggers={scene.triggers} now={project.value} />}
+          <Work waits={scene?.name === played && (scene?.triggers.length ?? 0) > 0 && device.status?.mode === "idle"} />
         </>
       )}
     </Panel>
@@ -129,12 +132,14 @@ export function NeedsProgram({ what }: { what: string }) {
   return <p class="hint">{what} by the program, and none is behind this page. Save the design as a bundle, install Haptogram and open the bundle: <code>haptogram studio NAME.haptogram</code>.</p>;
 }
 
-function Work() {
+/** @param waits  for a trigger */
+function Work({ waits }: { waits: boolean }) {
   const work = state.work.value;
   if (!work) return null;
   if (work.t === "progress" && work.stage === "upload")
     return <div class="field"><label for="upload">Uploading</label><progress id="upload" max={1} value={work.fraction ?? 0} /><span class="unit">{Math.round(100 * (work.fraction ?? 0))} %</span></div>;
   if (work.t === "progress" && work.work === "stream") return <p>Playing the marked focal point for {(work.seconds ?? 0).toFixed(1)} s; the slider below the view moves it.</p>;
+  if (work.t === "progress" && waits) return <p>Outputs are on; it waits for a trigger.</p>;
   if (work.t === "progress") return <p>Playing for {(work.seconds ?? 0).toFixed(1)} s.</p>;
   if (work.t === "done" && work.work === "upload") return <p>Uploaded: {work.report?.frames_written} of {work.report?.frames} pieces had to be written.</p>;
   if (work.t === "done") return <p>Played to its end.</p>;

@@ -52,6 +52,19 @@ export interface KeyFrame {
   shape?: number;
 }
 
+/** What starts a part of the pass. */
+export interface TriggerTable {
+  /** "pin", "region", "key:" and a character, or "line:" and a word */
+  on: string;
+  /** of a region, a ball */
+  center_mm?: number[];
+  size_mm?: number;
+  from_s?: number;
+  to_s?: number;
+  /** passes, 0 until another trigger */
+  loops?: number;
+}
+
 export interface ProjectDocument {
   format: string;
   array?: string;
@@ -71,6 +84,7 @@ export interface ProjectDocument {
   shape?: ShapeEntry[];
   /** between which the shapes move */
   keyframe?: KeyFrame[];
+  trigger?: TriggerTable[];
   /** a file in place of shapes, with places and times of its own */
   path?: string;
   /** in place of shapes */

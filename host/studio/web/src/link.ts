@@ -36,6 +36,15 @@ export interface Scene {
   numbers: Numbers;
   image_sha256: string;
   findings: Finding[];
+  /** parts of the sequence that the design's triggers start */
+  triggers: Trigger[];
+}
+
+export interface Trigger {
+  first: number;
+  length: number;
+  loops: number;
+  pin: boolean;
 }
 
 /** What is not as a user may expect, where, and which edits of the document mend it. */

@@ -32,7 +32,7 @@ function Begin({ actions, again }: WithActions & { again: boolean }) {
   if (!hand)
     return (
       <>
-        <p class="hint">A hand feels an object as it touches it: the design says which object, and by which algorithm.</p>
+        <p class="hint">This design has no hand, and a live session needs one: a design with a hand says which object it feels, and by which algorithm.</p>
         <button type="button" class="wide" onClick={() => void actions.openShipped("touch", "Touched ball")}>Begin with a ball</button>
       </>
     );

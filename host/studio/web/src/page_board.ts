@@ -9,7 +9,7 @@ export type ToBoard = { message: string } | { scene: string; hex: ArrayBuffer } 
 /** What it tells: that it cannot be, or an answer. */
 export type FromBoard = { broken: string } | { text: string };
 
-const ofBoards = new Set(["connect", "disconnect", "upload", "play", "stream", "intensity", "modulate", "stop"]);
+const ofBoards = new Set(["connect", "disconnect", "upload", "play", "trigger", "stream", "intensity", "modulate", "stop"]);
 const mostImages = 4; // that the Worker keeps
 const beatPause = 200; // ms between signs of life
 

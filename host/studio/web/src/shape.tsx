@@ -8,6 +8,7 @@ import { KeyFrames } from "./key_frames";
 import { PathPanel } from "./path";
 import { moved, nameOf, placed, placeOf, withAnother, without } from "./placing";
 import { type Actions, state } from "./state";
+import { Triggers } from "./triggers";
 
 /** What says how fast the object is played; the others follow. `usual` is what a change of pace begins with. */
 const paces = [
@@ -123,6 +124,7 @@ export function Properties({ actions }: { actions: Actions }) {
         </More>
       </Panel>
       {!now.path && <KeyFrames actions={actions} now={now} />}
+      <Triggers now={now} />
     </>
   );
 }

@@ -76,6 +76,7 @@ export function Timeline({ actions }: { actions: Actions }) {
   const shown = windowOf(scene, zoom, at);
   const scale = width / (shown.to - shown.from);
   const keys = (project.value?.keyframe ?? []).map(({ time_s }) => time_s);
+  const starts = [...new Set((project.value?.trigger ?? []).map(({ from_s }) => from_s ?? 0))];
   const scrub = (event: PointerEvent): void => {
     const box = lane.current?.getBoundingClientRect();
     if (!box || event.buttons !== 1) return;
@@ -85,9 +86,10 @@ export function Timeline({ actions }: { actions: Actions }) {
   const ms = (seconds: number): string => `${short(seconds * 1e3)} ms`;
   return (
     <div class="scrubber" role="group" aria-label="Timeline">
-      {!folded && <svg ref={lane} class="lane" viewBox={`0 0 ${width} ${height}`} preserveAspectRatio="none" role="img" aria-label={`${tour.length} entries${keys.length > 0 ? ` and ${keys.length} key frames` : ""} in ${ms(scene.pass_s)}, shown from ${ms(shown.from)} to ${ms(shown.to)}`} onPointerDown={scrub} onPointerMove={scrub}>
+      {!folded && <svg ref={lane} class="lane" viewBox={`0 0 ${width} ${height}`} preserveAspectRatio="none" role="img" aria-label={`${tour.length} entries${keys.length > 0 ? ` and ${keys.length} key frames` : ""}${starts.length > 0 ? ` and ${starts.length} places where triggers begin` : ""} in ${ms(scene.pass_s)}, shown from ${ms(shown.from)} to ${ms(shown.to)}`} onPointerDown={scrub} onPointerMove={scrub}>
         <path class="blocks" d={blocks(scene, shown)} />
         {keys.map((time) => <path key={time} class="key" d={`M${(time - shown.from) * scale} 0v${height}`} />)}
+        {starts.map((time) => <path key={`t${time}`} class="trigger-at" d={`M${(time - shown.from) * scale} 0l8 5l-8 5z`} />)}
         {entry && <rect class="mark-here" x={(entry.from_s - shown.from) * scale} y={0} width={Math.max(3, entry.dwell_s * scale)} height={height} />}
       </svg>}
       <div class="row">

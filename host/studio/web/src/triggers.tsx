@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// Triggers: what starts a part of the pass while the outputs are on.
+import { Choice, MaybeField, NumberField, Panel, PointField } from "./controls";
+import { edit, having, type ProjectDocument, type TriggerTable } from "./document";
+import type { Trigger } from "./link";
+import { type Actions, state } from "./state";
+
+const kinds = [["key", "a key"], ["pin", "the board's trigger pin"], ["region", "a hand that enters a region"], ["line", "a line of a script"]] as const;
+type Kind = (typeof kinds)[number][0];
+const kindOf = ({ on }: TriggerTable): Kind => (on.startsWith("key:") ? "key" : on.startsWith("line:") ? "line" : on === "region" ? "region" : "pin");
+const wordOf = ({ on }: TriggerTable): string => on.slice(on.indexOf(":") + 1);
+/** As buttons call it. */
+const nameOf = (trigger: TriggerTable): string => ({ key: `Key ${wordOf(trigger)}`, line: `Line ${wordOf(trigger)}`, region: "Region", pin: "Pin" })[kindOf(trigger)];
+
+/** The first word of this kind that no other trigger has. */
+function freeWord(triggers: TriggerTable[], kind: "key" | "line"): string {
+  const all = [..."abcdefghijklmnopqrstuvwxyz0123456789"].map((each) => (kind === "key" ? each : `go-${each}`));
+  return all.find((word) => !triggers.some((each) => wordOf(each) === word)) ?? "";
+}
+
+function ofKind(of: TriggerTable, kind: Kind, others: TriggerTable[]): TriggerTable {
+  const { on: _, center_mm: _c, size_mm: _s, ...part } = of;
+  if (kind === "pin") return { on: "pin", ...part };
+  if (kind === "region") return { on: "region", center_mm: [0, 0, 150], size_mm: 60, ...part };
+  return { on: `${kind}:${freeWord(others, kind)}`, ...part };
+}
+
+export function Triggers({ now }: { now: ProjectDocument }) {
+  const triggers = now.trigger ?? [];
+  const pass = state.scene.value?.pass_s ?? 0;
+  const put = (trigger: TriggerTable[]): void => edit(having(now, { trigger: trigger.length > 0 ? trigger : undefined }));
+  const add = (): void => put([...triggers, { on: `key:${freeWord(triggers, "key")}` }]);
+  return (
+    <Panel title="Triggers">
+      {triggers.map((each, i) => {
+        const others = triggers.filter((_, k) => k !== i);
+        const change = (changes: Partial<Record<keyof TriggerTable, unknown>>): void => put(triggers.map((old, k) => (k === i ? (Object.fromEntries(Object.entries({ ...old, ...changes }).filter(([, value]) => value !== undefined)) as unknown as TriggerTable) : old)));
+        const kind = kindOf(each);
+        const word = (text: string): void => {
+          const most = kind === "key" ? 1 : 40;
+          const given = kind === "key" ? text.slice(-1) : text.trim();
+          if (/^[!-z|}~]([ -~]*[!-~])?$/.test(given) && given.length <= most && !others.some((other) => wordOf(other) === given)) change({ on: `${kind}:${given}` });
+        };
+        return (
+          <fieldset key={i} class="trigger">
+            <legend>Trigger {i + 1}</legend>
+            <Choice label={`Trigger ${i + 1} is`} value={kind} choices={kinds.filter(([key]) => key !== "pin" || kind === "pin" || !others.some(({ on }) => on === "pin")).map(([key, name]): [string, string] => [key, name])} onValue={(key) => put(triggers.map((old, k) => (k === i ? ofKind(old, key as Kind, others) : old)))} />
+            {(kind === "key" || kind === "line") && <label class="field">{kind === "key" ? "Key" : "Line"} <input type="text" class="name" aria-label={`${kind === "key" ? "Key" : "Line"} of trigger ${i + 1}`} value={wordOf(each)} onChange={(e) => { word(e.currentTarget.value); e.currentTarget.value = wordOf(each); }} /></label>}
+            {kind === "region" && <PointField label="Centre" each={`Region ${i + 1}`} unit="mm" value={each.center_mm ?? [0, 0, 150]} onValue={(center_mm) => change({ center_mm })} />}
+            {kind === "region" && <NumberField label={`Diameter of region ${i + 1}`} unit="mm" value={each.size_mm ?? 60} least={1} most={1000} onValue={(size_mm) => change({ size_mm })} />}
+            <NumberField label={`Trigger ${i + 1} plays from`} unit="s" value={each.from_s ?? 0} step={0.1} least={0} onValue={(from_s) => change({ from_s: from_s || undefined })} />
+            <MaybeField label={`Trigger ${i + 1} plays to`} unit="s" empty={pass > 0 ? `the end, ${Number(pass.toFixed(3))}` : "the end"} value={each.to_s} step={0.1} least={0.001} onValue={(to_s) => change({ to_s })} />
+            <NumberField label={`Trigger ${i + 1} plays so often`} unit="×" value={each.loops ?? 1} least={0} most={65535} whole onValue={(loops) => change({ loops: loops === 1 ? undefined : loops })} />
+            {each.loops === 0 && <p class="hint">Until another trigger.</p>}
+            <button type="button" onClick={() => put(others)} aria-label={`Remove trigger ${i + 1}`}>Remove</button>
+          </fieldset>
+        );
+      })}
+      <button type="button" class="wide" onClick={add}>Add a trigger</button>
+      <p class="hint">{triggers.length === 0 ? "Play then turns the outputs on and waits: a key, a pin, a hand or a script starts a part of the movement." : "Keys and the pin work here, and each trigger's button in the step Play. Regions and lines are for “haptogram play --triggers”, which reads them."}</p>
+    </Panel>
+  );
+}
+
+/** While a design that has triggers plays: a button for each that is not the board's own. */
+export function Firing({ actions, triggers, now }: { actions: Actions; triggers: Trigger[]; now: ProjectDocument }) {
+  const tables = now.trigger ?? [];
+  if (tables.length !== triggers.length) return null;
+  return <div class="buttons" role="group" aria-label="Triggers">{tables.map((each, i) => (each.on === "pin" ? <span key={i} class="hint">Pin: the board starts it.</span> : <button key={i} type="button" onClick={() => actions.send("trigger", { number: i })}>{nameOf(each)}</button>))}</div>;
+}
+
+/** The number of the trigger that a key fires. */
+export const firedBy = (key: string, now: ProjectDocument | undefined): number => (now?.trigger ?? []).findIndex(({ on }) => on === `key:${key}`);
