@@ -12,6 +12,7 @@
 
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/base/shipped.hpp"
 
 namespace haptogram::studio {
 namespace {
@@ -70,6 +71,12 @@ LiveStart prepare_live(Scenes& scenes, const LiveMessage& asked) {
         std::filesystem::create_directories(place.parent_path());
         write_file(place, scenes.file(name));
     }
+    if (!hand.model.empty())  // where it is looked for beside a recording
+        write_file((start.folder->path() / hand.recording).parent_path() / "model_hand.json", scenes.file(hand.model));
+    if (hand.rate_hz != HandSource{}.rate_hz)
+        throw bad_input("hand.frames_hz", fmt::format("found {:g}; a live session plays a .pose file at {:g} frames a "
+                                                      "second, so leave it out",
+                                                      hand.rate_hz, HandSource{}.rate_hz));
     const auto add = [&](const std::string& option, const std::string& value) {
         start.words.push_back(fmt::format("--{}={}", option, value));
     };
@@ -81,9 +88,13 @@ LiveStart prepare_live(Scenes& scenes, const LiveMessage& asked) {
     if (names_mesh(object)) add("unit", object.unit);
     add("center", in_mm(object.centre));
     add("rotate", fmt::format("{},{},{}", object.angles_deg.x, object.angles_deg.y, object.angles_deg.z));
-    const std::optional<std::string>& array = scene.project.array;
-    add("array", array ? scene.project.beside(*array) : scene.instrument.array.name);
+    // By its file: a name may be that of a shipped one, too. The session runs in a folder of its own.
+    const std::string& array = scene.instrument.array.file;
+    add("array", array.starts_with(shipped_prefix) ? array : std::filesystem::absolute(array).string());
     take_table(start, scene.project.live);
+    if (hand.frame)
+        start.left_out += fmt::format("{}The whole recording plays, not frame {} alone.",
+                                      start.left_out.empty() ? "" : " ", *hand.frame);
     return start;
 }
 

@@ -103,6 +103,7 @@ private:
     Answer answer_at_once(Request request) {
         if (request.path == "/api/hello") return {.body = to_text(hello())};
         if (request.path == "/api/stop" && request.method == "POST") {
+            ++stops_asked_;
             const bool connected = player_.stop().has_value() || guest_plays();
             end_guest();
             return {.body = to_text({{"connected", connected}})};
@@ -135,6 +136,7 @@ private:
     void close(Page& page) {
         computing_.forget(page);
         sessions_.forget(page.number());
+        live_starts_.forget(page.number());
         visitors_.erase(page.number());
         if (driver_ == page.number())
             outputs_off(page.trouble().empty() ? "the page that drove the board was closed" : page.trouble());
@@ -247,6 +249,7 @@ private:
     }
 
     void act(Visitor& visitor, const StopMessage& message) {
+        ++stops_asked_;
         driver_ = {};
         const std::optional<std::uint64_t> number = player_.stop();
         if (number || guest_plays())
@@ -314,19 +317,20 @@ private:
 
     void act(Visitor& visitor, const LiveMessage& message) {
         // What the document names is opened in another thread, as it may take a while.
-        sessions_.ask(visitor.page->number(), [this, page = visitor.page, message] {
+        live_starts_.ask(visitor.page->number(), [this, page = visitor.page, message, stops = stops_asked_] {
             tell_failure(*page, message.n, [&] {
-                server_.post([this, number = page->number(), n = message.n, start = prepare_live(scenes_, message)] {
-                    begin_live(number, n, start);
-                });
+                server_.post([this, number = page->number(), n = message.n, stops,
+                              start = prepare_live(scenes_, message)] { begin_live(number, n, stops, start); });
             });
         });
     }
 
-    void begin_live(std::uint64_t page, std::uint32_t n, const LiveStart& start) {
+    /// @param stops  that had been asked for when the session was
+    void begin_live(std::uint64_t page, std::uint32_t n, std::uint64_t stops, const LiveStart& start) {
         const auto visitor = visitors_.find(page);
         if (visitor == visitors_.end()) return;
         tell_failure(*visitor->second.page, n, [&] {
+            if (stops != stops_asked_) throw Error(ErrorCode::cancelled, "session", "STOP was pressed before it began");
             require_no_guest();
             require_no_other_driver(visitor->second);
             if (player_.intensity() != 1.0)
@@ -358,7 +362,7 @@ private:
     void begin_guest(std::uint64_t number) {
         if (!guest_ || guest_->number != number) return;
         if (guest_->ends) {
-            guest_ended({});
+            guest_ended(0);  // nothing of it has played
             return;
         }
         guest_->session = std::make_unique<Guest>(std::move(guest_->command), guest_settings(number));
@@ -434,11 +438,12 @@ private:
             player_.take_back();
             broadcast(device_json());
         }
-        // Its runner turned the outputs off before it ended. Of one that was killed the board's watchdog does it, and
-        // nobody says so.
+        // Its runner turned the outputs off before it ended, but for one that says that nobody confirmed it. Of one
+        // that was killed the board's watchdog does it, and nobody says so.
+        constexpr int not_confirmed = 4;
         std::erase_if(stops_, [&](const Stop& stop) {
             if (stop.number) return false;
-            tell_off(stop, code.has_value());
+            tell_off(stop, code && *code != not_confirmed);
             return true;
         });
     }
@@ -480,6 +485,7 @@ private:
     }
 
     void outputs_off(const std::string& why) {
+        ++stops_asked_;
         driver_ = {};
         player_.stop();
         if (guest_plays()) end_guest();
@@ -519,7 +525,8 @@ private:
     std::uint32_t baud_ = 0;  // 0: it is found
     Player player_;           // after what it tells of
     Computing computing_{scenes_, [this](std::function<void()> work) { server_.post(std::move(work)); }};
-    Worker sessions_;
+    std::uint64_t stops_asked_ = 0;  // what was asked for before one must not begin after it
+    Worker sessions_, live_starts_;
     std::uint64_t guest_number_ = 0;
     std::optional<UnderWay> guest_;  // the last, so that it ends before the board that it may play on
 };

@@ -42,3 +42,15 @@ TEST_CASE("live: the project's table is handed on, but for what page, board and 
     CHECK(started({}).left_out.empty());
     CHECK(has(started({}), "--from=synthetic:press"));
 }
+
+TEST_CASE("live: the array is named by its file, and what the session cannot do is said") {
+    CHECK(has(started({}), "--array=shipped:arrays/tile-10x10.toml"));
+    studio::Scenes scenes;
+    nlohmann::ordered_json document{{"format", "haptogram-project-1"},
+                                    {"hand", {{"recording", "synthetic:press"}, {"frame", 5}}}};
+    CHECK_THAT(studio::prepare_live(scenes, {.n = 1, .document = document, .from = ""}).left_out,
+               Contains("not frame 5"));
+    document["hand"] = {{"recording", "synthetic:press"}, {"frames_hz", 30}};
+    CHECK_THROWS_WITH(studio::prepare_live(scenes, {.n = 1, .document = document, .from = ""}),
+                      Contains("frames_hz") && Contains("30"));
+}
