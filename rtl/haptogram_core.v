@@ -40,6 +40,10 @@ module haptogram_core #(
     output wire [31:0]         o_sdram_data,
     output wire                o_sdram_drive,
     input  wire [31:0]         i_sdram_data,
+    output wire                o_flash_cs_n,      // the flash that it is filled from
+    output wire                o_flash_clk,
+    output wire                o_flash_data,
+    input  wire                i_flash_data,
     input  wire                i_trigger,      // not synchronous to clk
     output wire                o_trigger,
     output wire                o_test,         // for an oscilloscope
@@ -80,6 +84,9 @@ module haptogram_core #(
 
     wire        frame_valid, frame_take, frame_good, frame_damaged, stale, unplayed, stops, heard, line_broken;
     wire        reply_valid, reply_ready, reply_last;
+    wire        image, image_valid, image_read, line_valid;  // an image is read out of the flash
+    wire [7:0]  image_byte;
+    wire [1:0]  flash;
     wire [15:0] frame_word, reply_word;
 
     link #(
@@ -89,6 +96,7 @@ module haptogram_core #(
         .i_rx(i_rx), .o_tx(o_tx), .i_next(i_next), .o_next(o_next),
         .i_net_valid(i_net_valid), .i_net_byte(i_net_byte), .i_net_break(i_net_break), .i_net_stop(i_net_stop),
         .o_net_valid(o_net_valid), .i_net_ready(i_net_ready), .o_net_byte(o_net_byte),
+        .i_image(image), .i_image_valid(image_valid), .i_image_byte(image_byte), .o_line_valid(line_valid),
         .o_valid(frame_valid), .o_word(frame_word), .i_take(frame_take),
         .o_good(frame_good), .o_damaged(frame_damaged),
         .i_done(execute || repeated || refused), .i_off(stopped || expired || guard_trip || sync_lost),
@@ -210,9 +218,9 @@ module haptogram_core #(
         .o_valid(live_valid), .o_entry(live_entry), .i_take(live_take));
 
     index_source #(.SEQUENCE_DEPTH(SEQUENCE_DEPTH)) source (
-        .clk(clk), .rst(play_rst),
+        .clk(clk), .rst(play_rst || image_read), .i_fills(image),
         .i_select(does_select), .i_start(starts), .i_stop(stops || (stream_begins && !supplants)), .i_live(plays_live),
-        .i_follow(follow && !streams), .o_followed(followed), .i_host((execute && !asks) || heard || line_broken),
+        .i_follow(follow && !streams), .o_followed(followed), .i_host((execute && !asks && !image) || heard || line_broken),
         .i_header(write && region == `HG_REGION_SEQUENCE && command_address == {WORD_BITS{1'b0}}), .i_header_word(frame_word[14:0]),
         .o_header_valid(header_valid),
         .i_argument_0(start_0), .i_argument_1(start_1), .i_argument_2(start_2),
@@ -269,11 +277,17 @@ module haptogram_core #(
                 .o_sdram_command(o_sdram_command), .o_sdram_bank(o_sdram_bank), .o_sdram_address(o_sdram_address),
                 .o_sdram_data(o_sdram_data), .o_sdram_drive(o_sdram_drive), .i_sdram_data(i_sdram_data));
             wire unused_word = &{1'b0, primary_word};
+            flash_image from_flash (
+                .clk(clk), .rst(rst), .i_valid(line_valid), .i_ends(line_broken || (NET != 0 && i_net_stop)), .i_failed(frame_damaged || refused),
+                .o_active(image), .o_valid(image_valid), .o_byte(image_byte), .o_read(image_read), .o_state(flash),
+                .o_cs_n(o_flash_cs_n), .o_clk(o_flash_clk), .o_data(o_flash_data), .i_data(i_flash_data));
         end else begin : in_block_ram
             assign {to_play, record_word} = {entry, primary_word};
             assign {sdram_hold, sdram_granted, sdram_word} = 18'd0;
             assign {o_sdram_command, o_sdram_bank, o_sdram_address, o_sdram_data, o_sdram_drive} = 49'd0;
-            wire unused_sdram = &{1'b0, puts, more, i_sdram_data, foci_base, foci_count, foci_last};
+            assign {image, image_valid, image_read, image_byte, flash} = 13'd0;
+            assign {o_flash_cs_n, o_flash_clk, o_flash_data} = 3'b100;
+            wire unused_sdram = &{1'b0, i_flash_data, line_valid, puts, more, i_sdram_data, foci_base, foci_count, foci_last};
         end
     endgenerate
 
@@ -446,7 +460,7 @@ module haptogram_core #(
         .i_frame_good(frame_good), .i_frame_damaged(frame_damaged), .i_frame_repeated(repeated), .i_frame_refused(refused),
         .i_watchdog_trip(expired), .i_guard_trip(guard_trip), .i_bent_period(bent_period), .i_far_foci(far_foci),
         .i_sync_missed(sync_missed), .i_sync_lost(sync_lost),
-        .i_late_change(late_change), .i_stream(stream_counts), .i_waiting(waiting), .i_streaming(streams), .i_answer(answer), .i_period(period));
+        .i_late_change(late_change), .i_stream(stream_counts), .i_waiting(waiting), .i_streaming(streams), .i_flash(flash), .i_answer(answer), .i_period(period));
 
     reg fault_q;
     initial fault_q = 1'b0;

@@ -13,7 +13,7 @@
 // comes after everything was offered already and may have been loaded, o_drop asks for that alone to be dropped.
 // After a reset the sequence header is read without a command: if its autostart bit is set, and no host has taken over since
 // power-up, the sequence starts and o_autostart strobes. That is how a bitstream with an image plays without a host, and how it goes
-// on after the PLL has lost its lock for a moment.
+// on after the PLL has lost its lock for a moment. While i_fills is high the memories are being filled, and a header that is read starts nothing.
 // SEQUENCE_DEPTH is the core's: the number of words of sequence memory.
 `default_nettype none
 `include "interface.vh"
@@ -30,6 +30,7 @@ module index_source #(
     input  wire        i_follow,  // a START waits for the end of what plays; its arguments are valid while no command strobes
     output wire        o_followed,  // it begins
     input  wire        i_host,    // strobe: a host has done more than ask
+    input  wire        i_fills,
     input  wire        i_header,  // strobe: a host writes the lower half of the sequence header, i_header_word
     input  wire [14:0] i_header_word,  // its length
     output reg         o_header_valid,  // its length is in range
@@ -102,7 +103,7 @@ module index_source #(
     assign o_tag              = mode_q == LIVE ? 2'b00 : tag_q;
     assign o_live_take        = mode_q == LIVE && i_take;
     assign o_live_clear       = commanded;
-    assign o_autostart        = after_reset_q && alone_q && header && in_range && i_sequence_word[`HG_AUTOSTART_BIT] && !rst;
+    assign o_autostart        = after_reset_q && alone_q && !i_fills && header && in_range && i_sequence_word[`HG_AUTOSTART_BIT] && !rst;
 
     initial {alone_q, after_reset_q, fetch_q} = 5'b11000;  // so nothing starts before reset, whatever the registers wake up with
     always @(posedge clk) begin

@@ -33,6 +33,10 @@ module link #(
     output wire        o_net_valid,
     input  wire        i_net_ready,
     output wire [7:0]  o_net_byte,
+    input  wire        i_image,        // an image is read out of the flash: nobody hears answers
+    input  wire        i_image_valid,  // a byte of it, in the place of one of the line
+    input  wire [7:0]  i_image_byte,
+    output wire        o_line_valid,   // strobe: a byte has come by the line, or the network
     output wire        o_valid,
     output wire [15:0] o_word,
     input  wire        i_take,
@@ -66,8 +70,10 @@ module link #(
         if (NET != 0 && REPLY_BYTES > 1024) net_with_too_many_channels error();  // a reply must fit into a datagram
     endgenerate
 
-    wire       rx_valid, data_valid, data_end, data_intact, data_right;
-    wire [7:0] rx_byte, data_byte;
+    wire       data_valid, data_end, data_intact, data_right;
+    wire [7:0] line_byte, data_byte;
+    wire       rx_valid = i_image_valid || o_line_valid;
+    wire [7:0] rx_byte  = i_image_valid ? i_image_byte : line_byte;
     cobs_decoder decoder (
         .clk(clk), .rst(rst), .i_valid(rx_valid), .i_byte(rx_byte),
         .o_valid(data_valid), .o_byte(data_byte), .o_end(data_end), .o_intact(data_intact));
@@ -80,18 +86,19 @@ module link #(
         .i_right(data_right), .i_good(o_good), .i_done(i_done), .i_off(i_off || o_break), .i_stops(NET != 0 && i_net_stop),
         .o_disable(o_disable), .o_stop(o_stop), .o_stops(o_stops), .o_heard(o_heard));
 
-    wire       plain_valid, plain_ready, plain_last, own_valid, own_ready;
+    wire       plain_valid, plain_ready, plain_last, made_valid, own_ready;
+    wire       own_valid = made_valid && !i_image;
     wire [7:0] plain_byte, own_byte;
     frame_transmitter replies (
         .clk(clk), .rst(rst), .i_valid(i_reply_valid), .o_ready(o_reply_ready), .i_word(i_reply_word), .i_last(i_reply_last),
         .o_valid(plain_valid), .i_ready(plain_ready), .o_byte(plain_byte), .o_last(plain_last));
     cobs_encoder #(.BYTES(REPLY_BYTES)) encoder (
         .clk(clk), .rst(rst), .i_valid(plain_valid), .o_ready(plain_ready), .i_byte(plain_byte), .i_last(plain_last),
-        .o_valid(own_valid), .i_ready(own_ready), .o_byte(own_byte));
+        .o_valid(made_valid), .i_ready(own_ready || i_image), .o_byte(own_byte));
 
     generate
         if (NET != 0) begin : over_network
-            assign {rx_valid, rx_byte, o_break} = {i_net_valid, i_net_byte, i_net_break};
+            assign {o_line_valid, line_byte, o_break} = {i_net_valid, i_net_byte, i_net_break};
             assign {o_net_valid, own_ready, o_net_byte} = {own_valid, i_net_ready, own_byte};
             assign {o_tx, o_next} = 2'b11;
             wire unused = &{1'b0, i_rx, i_next, STEP_64};
@@ -101,7 +108,7 @@ module link #(
             wire [7:0] tx_byte;
             synchronizer #(.RESET_VALUE(1'b1)) rx_synchronizer (.clk(clk), .rst(rst), .i_foreign(i_rx), .o_synchronous(line));
             uart_rx #(.STEP(STEP_64[19:0])) receiver (
-                .clk(clk), .rst(rst), .i_line(own_line), .o_byte(rx_byte), .o_valid(rx_valid), .o_sample(unused_sample), .o_bits_left(unused_bits));
+                .clk(clk), .rst(rst), .i_line(own_line), .o_byte(line_byte), .o_valid(o_line_valid), .o_sample(unused_sample), .o_bits_left(unused_bits));
             line_break #(.BIT_CLOCKS(CLOCK_HZ / BAUD)) silence (.clk(clk), .rst(rst), .i_line(line), .o_break(o_break));
             uart_tx #(.STEP(STEP_64[19:0])) transmitter (
                 .clk(clk), .rst(rst), .i_valid(tx_valid), .o_ready(tx_ready), .i_byte(tx_byte), .o_line(o_tx));

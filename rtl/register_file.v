@@ -42,6 +42,7 @@ module register_file #(
     input  wire [3:0]  i_stream,    // repeated, early, lost, late
     input  wire        i_waiting,
     input  wire        i_streaming,
+    input  wire [1:0]  i_flash,
     input  wire        i_answer,    // strobe: a reply begins, and the period that it tells is the present one
     input  wire [47:0] i_period
 );
@@ -86,7 +87,7 @@ module register_file #(
     always @(posedge clk) if (i_read) begin
         if (i_is_identity) o_word <= i_identity_word;
         else case (i_address)
-            `HG_STATUS_FLAGS:            o_word <= {9'd0, i_streaming, i_waiting, i_modulated, i_stopped, i_mode, i_enabled};
+            `HG_STATUS_FLAGS:            o_word <= {7'd0, i_flash, i_streaming, i_waiting, i_modulated, i_stopped, i_mode, i_enabled};
             `HG_STATUS_PRESENT_INDEX:    o_word <= i_present_index;
             `HG_STATUS_UNDERRUNS:        o_word <= underruns_q;
             `HG_STATUS_REFUSED_RECORDS:  o_word <= records_refused_q;

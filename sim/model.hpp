@@ -45,6 +45,8 @@ public:
     /// The memories' words, to read and to write beside the link; empty where they cannot be reached, as in a netlist.
     [[nodiscard]] virtual std::span<std::uint16_t> primary_memory() = 0;
     [[nodiscard]] virtual std::span<std::uint32_t> sequence_memory() = 0;
+    /// What the flash holds from an address on, of a core that reads one.
+    virtual void write_flash(std::uint32_t address, const std::vector<std::uint8_t>& bytes) = 0;
     /// Writes every signal of every further clock to an FST file.
     virtual void trace(const std::filesystem::path& file) = 0;
     virtual void end_trace() = 0;

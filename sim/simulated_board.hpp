@@ -58,6 +58,9 @@ public:
 
     [[nodiscard]] std::span<std::uint16_t> primary_memory() override { return model_->primary_memory(); }
     [[nodiscard]] std::span<std::uint32_t> sequence_memory() override { return model_->sequence_memory(); }
+    void write_flash(std::uint32_t address, const std::vector<std::uint8_t>& bytes) {
+        model_->write_flash(address, bytes);
+    }
     void trace(const std::filesystem::path& file) { model_->trace(file); }
     /// Ends the trace; its file is complete after this.
     void end_trace() { model_->end_trace(); }

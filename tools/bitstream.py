@@ -170,9 +170,10 @@ def network_sites(net):
 
 
 def sdram_sites(chip):
-    """Ports and balls of the SDRAM."""
+    """Ports and balls of the SDRAM, and of the flash that fills it."""
+    flash = list(zip(("o_flash_cs_n", "o_flash_data", "i_flash_data"), chip["flash"]))
     lists = {"o_sdram_bank": "bank", "o_sdram_address": "address", "io_sdram_data": "data"}
-    return [(f"o_sdram_{key}", chip[key]) for key in ("clk", "ras_n", "cas_n", "we_n")] + [
+    return flash + [(f"o_sdram_{key}", chip[key]) for key in ("clk", "ras_n", "cas_n", "we_n")] + [
         (f"{port}[{k}]", ball) for port, key in lists.items() for k, ball in enumerate(chip[key])]
 
 

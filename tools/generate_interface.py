@@ -95,6 +95,7 @@ def verilog(table):
         for position, word in enumerate(words):
             define(f"{name}_{word}", f"5'd{position}")
     define("TRIGGER_SETTINGS", trigger_settings(table))
+    define("FLASH_FIRST", f"24'h{table['flash_image']['first']:06x}")
     # What every core has, and what it has when one of its parameters is not 0.
     define("FEATURES", f"16'h{sum(1 << row['bit'] for row in table['feature'] if 'parameter' not in row):04x}")
     for row in table["feature"]:
@@ -106,6 +107,8 @@ def verilog(table):
         define(f"MODE_{mode['name']}", f"2'd{mode['value']}")
     for role in table["role"]:
         define(f"ROLE_{role['name']}", f"2'd{role['value']}")
+    for flash in table["flash"]:
+        define(f"FLASH_{flash['name']}", f"2'd{flash['value']}")
     for event in table["event"]:
         define(f"EVENT_{event['name']}", f"3'd{event['value']}")
     for test in table["test"]:
@@ -285,6 +288,8 @@ def cpp(table):
     out += [f"inline constexpr unsigned {row['name']} = {row['value']};" for row in table["link"]] + ["}  // namespace link_policy"]
     out += ["", "/// What stands before each frame in a chain of tiles; rtl/INTERFACE.md says how it is used.", "namespace chain {"]
     out += [f"inline constexpr unsigned {name} = {value};" for name, value in table["chain"].items()] + ["}  // namespace chain"]
+    out += ["", "/// Where an image lies in the flash, in bytes; rtl/sdram/flash_image.v reads it.", "namespace flash_image {"]
+    out += [f"inline constexpr unsigned {name} = {value:#x};" for name, value in table["flash_image"].items()] + ["}  // namespace flash_image"]
     out += ["", "/// Boards with a network port; rtl/INTERFACE.md says how they are spoken to.", "namespace network {"]
     out += [f"inline constexpr unsigned {name} = {value};" for name, value in table["network"].items()] + ["}  // namespace network"]
     for name, words in blocks(table).items():
@@ -305,6 +310,8 @@ def cpp(table):
     out += [f"    {row['name']} = {row['value']},  // {row['about']}" for row in table["mode"]] + ["};"]
     out += ["", "/// How its carrier cycles are kept in step with other boards.", "enum class Role : unsigned {"]
     out += [f"    {row['name']} = {row['value']},  // {row['about']}" for row in table["role"]] + ["};"]
+    out += ["", "/// What became of the image in the flash.", "enum class Flash : unsigned {"]
+    out += [f"    {row['name']} = {row['value']},  // {row['about']}" for row in table["flash"]] + ["};"]
     out += ["", "/// What makes a pulse at the trigger output.", "enum class Event : unsigned {"]
     out += [f"    {row['name']} = {row['value']},  // {row['about']}" for row in table["event"]] + ["};"]
     out += ["", "/// What is at the test output.", "enum class Test : unsigned {"]
@@ -313,7 +320,7 @@ def cpp(table):
     out += ["", "enum class Status : std::uint8_t {"] + [f"    {s['name']} = 0x{s['code']:02x}," for s in table["status"]] + ["};", ""]
     replying = " || ".join(f"command == Command::{c['name']}" for c in table["command"] if "reply" in c)
     out += ["/// Whether its reply carries data.", "constexpr bool replies(Command command) {", f"    return {replying};", "}", ""]
-    for title, rows in (("Mode", table["mode"]), ("Role", table["role"]), ("Event", table["event"]), ("Test", table["test"]), ("Command", table["command"])):
+    for title, rows in (("Mode", table["mode"]), ("Role", table["role"]), ("Flash", table["flash"]), ("Event", table["event"]), ("Test", table["test"]), ("Command", table["command"])):
         variable = title.lower()
         out += [f"constexpr std::string_view to_string({title} {variable}) {{", f"    switch ({variable}) {{"]
         out += [f'        case {title}::{row["name"]}: return "{row["name"]}";' for row in rows]
@@ -405,7 +412,7 @@ def python(table):
     out += ["", "", PYTHON_TYPES, ""]
     for name, rows, _ in layouts(table):
         out += [f"{name.upper()}_FIELDS = {{"] + [f'    "{field}": BitField({first}, {width}),' for field, first, width, _ in rows] + ["}"]
-    for title, rows in (("Kind", [dict(r, code=r["value"]) for r in table["kind"]]), ("Feature", [dict(r, code=r["bit"]) for r in table["feature"]]), ("Mode", [dict(r, code=r["value"]) for r in table["mode"]]), ("Role", [dict(r, code=r["value"]) for r in table["role"]]), ("Event", [dict(r, code=r["value"]) for r in table["event"]]), ("Test", [dict(r, code=r["value"]) for r in table["test"]])):
+    for title, rows in (("Kind", [dict(r, code=r["value"]) for r in table["kind"]]), ("Feature", [dict(r, code=r["bit"]) for r in table["feature"]]), ("Mode", [dict(r, code=r["value"]) for r in table["mode"]]), ("Role", [dict(r, code=r["value"]) for r in table["role"]]), ("Flash", [dict(r, code=r["value"]) for r in table["flash"]]), ("Event", [dict(r, code=r["value"]) for r in table["event"]]), ("Test", [dict(r, code=r["value"]) for r in table["test"]])):
         out += ["", "", f"class {title}(enum.IntEnum):"]
         out += [f"    {row['name'].upper()} = {row['code']}" for row in rows]
     for title, rows in (("Command", table["command"]), ("Status", table["status"])):

@@ -4,6 +4,7 @@
 #include "command.hpp"
 #include "haptogram/base/error.hpp"
 #include "haptogram/base/file.hpp"
+#include "haptogram/format/board.hpp"
 #include "haptogram/verbs/patch.hpp"
 
 namespace haptogram::cli {
@@ -21,7 +22,11 @@ int bitstream(BitstreamOptions options) {
     if (!options.empty) options.patch.image = options.image;
     const std::string beside = options.output + ".json";
     require_distinct({{"--image", options.image}}, {{"--output", options.output}, {"the manifest", beside}});
-    const Patched patched = patch(options.patch);
+    // No bitstream holds what an SDRAM is filled with.
+    const bool in_flash = !options.empty && load_board(options.patch.board).sdram;
+    if (in_flash && options.patch.rx_delay)
+        throw bad_argument("rx-delay", "an image for the flash has no inputs; give it with --empty");
+    const Patched patched = in_flash ? flash_contents(options.patch) : patch(options.patch);
     write_files({{options.output, patched.bitstream}, {beside, patched.manifest}});
     return 0;
 }
@@ -30,7 +35,9 @@ int bitstream(BitstreamOptions options) {
 
 void add_bitstream(CLI::App& app, Action& action) {
     auto options = std::make_shared<BitstreamOptions>();
-    CLI::App* sub = app.add_subcommand("bitstream", "Put an image into a board's bitstream, without placing it again");
+    CLI::App* sub = app.add_subcommand("bitstream",
+                                       "Put an image into a board's bitstream, without placing it again; with an "
+                                       "SDRAM, make what goes into its flash");
     sub->add_option("--board", options->patch.board, "Name of a shipped board, or its file")->required();
     auto* image =
         sub->add_option("--image", options->image, "Image made by 'haptogram compile --board', or a project (.toml)");

@@ -97,7 +97,7 @@ ordered_json to_json(const std::optional<Board::Network>& net) {
 ordered_json to_json(const std::optional<Board::Sdram>& sdram) {
     if (!sdram) return nullptr;
     return {{"clk", sdram->clk},   {"ras_n", sdram->ras_n},     {"cas_n", sdram->cas_n}, {"we_n", sdram->we_n},
-            {"bank", sdram->bank}, {"address", sdram->address}, {"data", sdram->data}};
+            {"bank", sdram->bank}, {"address", sdram->address}, {"data", sdram->data},   {"flash", sdram->flash}};
 }
 
 ordered_json to_json(const Pinout& pinout) {

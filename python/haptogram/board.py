@@ -15,6 +15,7 @@ from .interface import (
     STATUS_WORDS,
     VERSION,
     Feature,
+    Flash,
     Mode,
     Role,
     unpack,
@@ -116,6 +117,7 @@ class Status:
     stream_lost: int
     stream_early: int
     stream_repeated: int
+    flash: str  # a name of Flash, in lower case
     period: int | None  # number of the carrier period at the pins since reset; None on boards that keep no time
 
     @classmethod
@@ -130,5 +132,8 @@ class Status:
         if values["role"] not in list(Role):
             raise device_error(where, f"the board says that its role is {values['role']}, expected 0 to {max(Role)}")
         role = Role(values.pop("role")).name.lower()
+        if values["flash"] not in list(Flash):
+            raise device_error(where, f"the board says that its flash is {values['flash']}, expected 0 to {max(Flash)}")
+        flash = Flash(values.pop("flash")).name.lower()
         flags = {name: bool(values.pop(name)) for name in ("enabled", "stopped", "modulated", "in_step", "numbered", "waiting", "streaming")}
-        return cls(mode=mode, role=role, **flags, **values)
+        return cls(mode=mode, role=role, flash=flash, **flags, **values)

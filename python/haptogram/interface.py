@@ -157,6 +157,7 @@ STATUS_FIELDS = {
     "modulated": BitField(4, 1),
     "waiting": BitField(5, 1),
     "streaming": BitField(6, 1),
+    "flash": BitField(7, 2),
     "present_index": BitField(16, 16),
     "underruns": BitField(32, 16),
     "refused_records": BitField(48, 16),
@@ -276,6 +277,12 @@ class Role(enum.IntEnum):
     ALONE = 0
     MASTER = 1
     SLAVE = 2
+
+
+class Flash(enum.IntEnum):
+    NONE = 0
+    WHOLE = 1
+    BROKEN = 2
 
 
 class Event(enum.IntEnum):

@@ -13,7 +13,7 @@
 //   HG_ALIVE          when it has a pin that changes as long as there is a clock
 //   HG_ACTIVE_LOW     when a transducer's driver is on while its pin is low
 //   HG_NET            when a gigabit PHY is in the place of the serial line, with HG_NET_MAC, HG_NET_IP, HG_NET_RX_DELAY, HG_NET_TX_DELAY
-//   HG_SDRAM          when the records lie in a chip beside the FPGA, of SDRAM MiB
+//   HG_SDRAM          when the records lie in a chip beside the FPGA, of SDRAM MiB, which is filled from the FPGA's flash
 // The enable is taken away by clock_watch, which has a clock of its own, when this one stops.
 `default_nettype none
 module ecp5_board #(
@@ -41,6 +41,9 @@ module ecp5_board #(
     output wire [SDRAM/8:0]    o_sdram_bank,
     output wire [10:0]         o_sdram_address,
     inout  wire [31:0]         io_sdram_data,
+    output wire                o_flash_cs_n,
+    output wire                o_flash_data,
+    input  wire                i_flash_data,
 `endif
 `ifdef HG_STOP
     input  wire                i_stop,
@@ -147,14 +150,17 @@ module ecp5_board #(
     wire [10:0] sdram_address;
     wire [31:0] sdram_data, sdram_word;
     wire        sdram_drive;
+    wire        flash_cs_n, flash_clk, to_flash, from_flash;
 `ifdef HG_SDRAM
     ecp5_sdram #(.BANK_BITS(SDRAM / 8 + 1)) chip (
         .clk(clk), .i_late(late), .i_command(sdram_command), .i_bank(sdram_bank[SDRAM/8:0]), .i_address(sdram_address),
         .i_data(sdram_data), .i_drive(sdram_drive), .o_data(sdram_word),
         .o_clk(o_sdram_clk), .o_ras_n(o_sdram_ras_n), .o_cas_n(o_sdram_cas_n), .o_we_n(o_sdram_we_n), .o_bank(o_sdram_bank),
         .o_address(o_sdram_address), .io_data(io_sdram_data));
+    assign {o_flash_cs_n, o_flash_data, from_flash} = {flash_cs_n, to_flash, i_flash_data};
+    USRMCLK flash_pin (.USRMCLKI(flash_clk), .USRMCLKTS(1'b0));  // its clock's ball is the configuration's own
 `else
-    assign sdram_word = 32'd0;
+    assign {sdram_word, from_flash} = 33'd0;
 `endif
     haptogram_core #(
         `include "parameter_connections.vh"
@@ -164,7 +170,7 @@ module ecp5_board #(
         .i_net_valid(net_valid), .i_net_byte(net_byte), .i_net_break(net_break), .i_net_stop(net_stop), .o_net_valid(reply_valid),
         .i_net_ready(reply_ready), .o_net_byte(reply_byte), .i_identity_place(identity_place), .o_identity_word(identity_word),
         .o_sdram_command(sdram_command), .o_sdram_bank(sdram_bank), .o_sdram_address(sdram_address), .o_sdram_data(sdram_data),
-        .o_sdram_drive(sdram_drive), .i_sdram_data(sdram_word), .o_pins(pins), .o_enabled(enabled), .o_alive(alive),
+        .o_sdram_drive(sdram_drive), .i_sdram_data(sdram_word), .o_flash_cs_n(flash_cs_n), .o_flash_clk(flash_clk), .o_flash_data(to_flash), .i_flash_data(from_flash), .o_pins(pins), .o_enabled(enabled), .o_alive(alive),
         .o_playing(playing), .o_fault(fault), .o_index(), .o_cycle_start(cycle_start));
     clock_watch watch (.i_alive(alive), .o_running(running));
 `ifdef HG_DRIVER_ENABLE

@@ -31,6 +31,8 @@ always @(posedge clk) begin
         if (fetch_q != 3'd0) assert (!offer_q);
         if (mode_q == IDLE) assert (offer_q ? entry_q == 32'd0 : f_taken_q == 32'd0);
         if (after_reset_q) assert (fetch_q != 3'd0);
+        // What is not read to its end does not start by itself.
+        if (i_fills) assert (!o_autostart);
         if (fetch_q != 3'd0) assert (mode_q == SEQUENCE ? !after_reset_q : mode_q == IDLE && header_q && after_reset_q);
         if (mode_q != IDLE || after_reset_q) assert (ended_q == IDLE);
         if (!$past(rst)) begin
@@ -46,6 +48,7 @@ always @(posedge clk) begin
         end
         cover (follows && mode_q == SEQUENCE && loops_q == 16'd0 && first_q != last_q);
         cover (o_drop);
+        cover (o_autostart);
         cover (mode_q == IDLE && ended_q == SEQUENCE);
         cover (follows && mode_q == LIVE);
         cover (f_follows_q[2]);

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`haptogram bitstream`: what is read back from the bitstream by the tools that unpack it is the image, bit for bit."""
+import binascii
 import json
 import random
 import shutil
@@ -155,12 +156,57 @@ def test_what_cannot_be_patched(board, image, tmp_path):
     assert not (tmp_path / "out.bin.json").exists()
 
 
-def test_records_in_an_sdram_are_in_no_bitstream(tmp_path):
-    for board in FPGAS.keys() - BOARDS.keys():
-        run("compile", "--shape", "circle", "--points", "20", "--board", board, "--records", "-o", tmp_path / "image.hex")
-        said = fails(BAD_INPUT, "bitstream", "--board", board, "--image", tmp_path / "image.hex", "-o", tmp_path / "out.bin")
-        assert "SDRAM" in said and "upload" in said and not (tmp_path / "out.bin").exists()
-    assert FPGAS.keys() > BOARDS.keys()
+def frames(data):
+    """The frames of a line, decoded and without their CRC, which is right."""
+    found = []
+    for code in data.split(b"\0"):
+        if not code:
+            continue
+        frame, at = b"", 0
+        while at < len(code):
+            frame += code[at + 1 : at + code[at]] + (b"\0" if code[at] != 255 else b"")
+            at += code[at]
+        frame = frame[:-1]
+        assert binascii.crc_hqx(frame, 0xFFFF) == 0
+        found.append(frame[:-2])
+    return found
+
+
+@pytest.mark.parametrize("autostart", [False, True])
+@pytest.mark.parametrize("board", sorted(FPGAS.keys() - BOARDS.keys()))
+def test_an_image_for_the_flash_of_a_board_with_an_sdram(tmp_path, board, autostart):
+    run("compile", "--shape", "circle", "--points", "20", "--board", board, "-o", tmp_path / "image.hex")
+    out = tmp_path / "out.raw"
+    run("bitstream", "--board", board, "--image", tmp_path / "image.hex", *(["--autostart"] if autostart else []), "-o", out)
+    data = out.read_bytes()
+    assert data[:1] == b"\0" and data[-2:] == b"\0\0" and b"\0\0" not in data[:-2]
+    written = {}
+    for number, frame in enumerate(frames(data)):
+        assert frame[0] == number % 256 and frame[1] == (2 if number else 1)  # IDENTIFY, then WRITEs
+        for i, byte in enumerate(frame[6:] if number else b""):
+            written[int.from_bytes(frame[2:6], "little") + i] = byte
+    expected = IntelHex(str(tmp_path / "image.hex"))
+    wanted = {address: expected[address] for address in expected.addresses() if address >> 28 != 4}  # the description is for hosts
+    if autostart:
+        wanted[0x10000001] |= 0x80
+    assert written == wanted
+    said = json.loads((tmp_path / "out.raw.json").read_text())
+    assert (said["autostart"], said["watchdog_ms"], said["flash_offset"]) == (autostart, 0 if autostart else 500, 0x100000)
+    dry = subprocess.run([sys.executable, ROOT / "tools/flash.py", board, "--program", "haptogram", "--image", "i.hex", "--autostart", "--write", "--dry-run"],
+                         capture_output=True, text=True, check=True)  # fmt: skip
+    assert [line.split()[0] for line in dry.stdout.splitlines()] == ["haptogram", "openFPGALoader", "openFPGALoader"]
+    assert "--offset 1048576 --file-type raw" in dry.stdout.splitlines()[2]
+
+
+def test_what_does_not_go_into_a_flash(tmp_path):
+    board = "colorlight-5a-75e-v6.0-sdram"
+    run("compile", "--shape", "circle", "--points", "20", "--board", board, "-o", tmp_path / "image.hex")
+    command = ["bitstream", "--board", board, "--image", tmp_path / "image.hex", "-o", tmp_path / "out.raw"]
+    assert "--empty" in fails(USAGE, *command, "--rx-delay", "3")
+    loads = subprocess.run([sys.executable, ROOT / "tools/flash.py", board, "--program", "haptogram", "--image", "i.hex", "--dry-run"],
+                           capture_output=True, text=True)  # fmt: skip
+    assert loads.returncode == USAGE and "--write" in loads.stderr
+    assert not (tmp_path / "out.raw").exists()
 
 
 def test_a_damaged_placed_design_is_noticed(board, image, tmp_path):

@@ -458,11 +458,14 @@ we_n = "M4"
 bank = ["M5"]
 address = [{", ".join(f'"M{k}"' for k in range(6, 17))}]
 data = [{", ".join(f'"D{k}"' for k in range(32))}]
+flash = ["E1", "E2", "E3"]
 """
 WITH_SDRAM = GOOD.replace("CHANNELS = 3", "CHANNELS = 2").replace("[flash]", "SDRAM = 4\n[flash]") + SDRAM
 BAD_SDRAM = {
     "two bank balls": ('["M5"]', '["M5", "M20"]', [r"sdram\.bank", "1 balls"]),
     "a ball less": ('"D0", ', "", [r"sdram\.data", "32 balls"]),
+    "a flash without its data": ('"E2", ', "", [r"sdram\.flash", "three balls"]),
+    "a flash on the chip's ball": ('"E2"', '"M6"', ["ball M6"]),
     "used twice": ('"D1"', '"P1"', ["ball P1", r"pins\.clk", "sdram"]),
     "unknown": ("we_n", "cke", [r"sdram\.cke", "we_n"]),
     "none": (SDRAM, "", ["sdram is missing"]),

@@ -55,6 +55,17 @@ struct Bench {
         std::ranges::copy(sequence_words(image), board.sequence_memory().begin());
     }
 
+    /// Puts an image where the board finds it at power-up and plays it: into its memories, or into its flash. A reset
+    /// must come behind it.
+    void load_autostart(const Image& image) {
+        if (board.parameters().sdram != 0)
+            return board.write_flash(interface::flash_image::first, link::flash_image(image, true, "image"));
+        load(image);
+        interface::sequence_header_field::autostart.set(board.sequence_memory(), 1);
+    }
+    /// Clocks from the reset until it plays at the latest; a byte of flash takes 32.
+    [[nodiscard]] std::uint64_t autostart_clocks() const { return board.parameters().sdram != 0 ? 80'000 : 3000; }
+
     /// Sends raw bytes and returns every reply that comes within a millisecond.
     std::vector<link::Reply> talk(const Bytes& bytes) {
         board.send(bytes);

@@ -164,9 +164,8 @@ TEST_CASE("contract 4: the bound holds for a board that starts by itself, whatev
         CAPTURE(seed);
         Bench bench("small-16", {.power_up_seed = seed, .reset_clocks = 4});
         if (bench.board.sequence_memory().empty()) return;  // a netlist's memories cannot be filled before it starts
-        bench.load(too_long(5));
-        interface::sequence_header_field::autostart.set(bench.board.sequence_memory(), 1);
-        bench.board.run(40'000);
+        bench.load_autostart(too_long(5));
+        bench.board.run(37'000 + bench.autostart_clocks());
         for (const Pulse& p : bench.recorder.pulses()) REQUIRE(p.fall - p.rise <= 20'000);
         started += bench.recorder.pulses().size();
     }

@@ -274,8 +274,7 @@ TEST_CASE("safety: a DISABLE ahead of a lost frame acts although it is refused, 
     REQUIRE(bench.board.outputs().enabled);
     if (bench.board.sequence_memory().empty()) return;  // a netlist's memories cannot be filled before it starts
     Bench alone;
-    alone.load(dense());
-    interface::sequence_header_field::autostart.set(alone.board.sequence_memory(), 1);
+    alone.load_autostart(dense());
     alone.board.reset();
     alone.wait_for_index(1);
     REQUIRE(alone.board.outputs().enabled);
@@ -332,8 +331,7 @@ TEST_CASE("safety: a line break disables, a byte of zeros does not, nor a line t
 
     if (bench.board.sequence_memory().empty()) return;
     Bench alone;
-    alone.load(dense());
-    interface::sequence_header_field::autostart.set(alone.board.sequence_memory(), 1);
+    alone.load_autostart(dense());
     alone.board.force_line(false);
     alone.board.reset();
     alone.board.run(100'000);
@@ -548,11 +546,10 @@ TEST_CASE("safety: START by a header whose length is out of range is refused", "
 TEST_CASE("safety: an autostart goes on after a reset, until a host has taken over", "[safety]") {
     Bench bench;
     if (bench.board.sequence_memory().empty()) return;  // a netlist's memories cannot be filled before it starts
-    bench.load(dense());
-    interface::sequence_header_field::autostart.set(bench.board.sequence_memory(), 1);
+    bench.load_autostart(dense());
     const auto starts = [&] {
         bench.board.reset();
-        bench.board.run(bench.board.parameters().sdram != 0 ? 13'500 : 3000);  // such a chip is ready after 0.2 ms
+        bench.board.run(bench.autostart_clocks());
         return bench.board.outputs().enabled && bench.board.outputs().playing;
     };
     REQUIRE(starts());

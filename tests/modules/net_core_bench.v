@@ -24,8 +24,8 @@ module net_core_bench #(
     wire [4:0]  identity_place;
     wire [15:0] identity_word;
     wire        trigger, test, sync, tx, next, alive, playing, fault;
-    wire [48:0] sdram;
-    wire        unused = &{1'b0, sdram, trigger, test, sync, tx, next, alive, playing, fault};
+    wire [51:0] beside;
+    wire        unused = &{1'b0, beside, trigger, test, sync, tx, next, alive, playing, fault};
     udp_link #(.PEER_CLOCKS(PEER_CLOCKS)) network (
         .eth_clk(eth_clk), .i_link(i_link), .i_dv(i_dv), .i_er(1'b0), .i_data(i_data), .o_en(o_en), .o_data(o_data),
         .clk(clk), .rst(rst), .o_valid(valid), .o_byte(data), .i_take(valid), .i_valid(reply_valid), .o_ready(reply_ready), .i_byte(reply),
@@ -39,8 +39,8 @@ module net_core_bench #(
         .i_net_valid(valid), .i_net_byte(data), .i_net_break(network_break), .i_net_stop(network_stop),
         .o_net_valid(reply_valid), .i_net_ready(reply_ready), .o_net_byte(reply),
         .i_identity_place(identity_place), .o_identity_word(identity_word),
-        .o_sdram_command(sdram[2:0]), .o_sdram_bank(sdram[4:3]), .o_sdram_address(sdram[15:5]), .o_sdram_data(sdram[47:16]), .o_sdram_drive(sdram[48]),
-        .i_sdram_data(32'd0), .o_pins(o_pins), .o_enabled(o_enabled), .o_alive(alive), .o_playing(playing), .o_fault(fault), .o_index(o_index),
+        .o_sdram_command(beside[2:0]), .o_sdram_bank(beside[4:3]), .o_sdram_address(beside[15:5]), .o_sdram_data(beside[47:16]), .o_sdram_drive(beside[48]),
+        .i_sdram_data(32'd0), .o_flash_cs_n(beside[49]), .o_flash_clk(beside[50]), .o_flash_data(beside[51]), .i_flash_data(1'b1), .o_pins(o_pins), .o_enabled(o_enabled), .o_alive(alive), .o_playing(playing), .o_fault(fault), .o_index(o_index),
         .o_cycle_start(o_cycle_start));
 endmodule
 `default_nettype wire

@@ -238,10 +238,11 @@ Board::Network read_network(const Section& section) {
 }
 
 Board::Sdram read_sdram(const Section& section, std::uint32_t mib) {
-    section.only({"clk", "ras_n", "cas_n", "we_n", "bank", "address", "data"});
-    Board::Sdram sdram{ball(section, "clk"),          ball(section, "ras_n"),         ball(section, "cas_n"),
-                       ball(section, "we_n"),         list(section, "bank", is_word), list(section, "address", is_word),
-                       list(section, "data", is_word)};
+    section.only({"clk", "ras_n", "cas_n", "we_n", "bank", "address", "data", "flash"});
+    Board::Sdram sdram{ball(section, "clk"),           ball(section, "ras_n"),
+                       ball(section, "cas_n"),         ball(section, "we_n"),
+                       list(section, "bank", is_word), list(section, "address", is_word),
+                       list(section, "data", is_word), list(section, "flash", is_word)};
     const auto require = [&section](const std::string& key, std::size_t found, std::size_t count) {
         if (found != count)
             throw section.wrong(*section.find(key), key, fmt::format("a list of {} balls, that of bit 0 first", count));
@@ -249,6 +250,8 @@ Board::Sdram read_sdram(const Section& section, std::uint32_t mib) {
     require("bank", sdram.bank.size(), mib == 8 ? 2 : 1);
     require("address", sdram.address.size(), 11);
     require("data", sdram.data.size(), 32);
+    if (sdram.flash.size() != 3)
+        throw section.wrong(*section.find("flash"), "flash", "three balls: chip select, to, and from the flash");
     return sdram;
 }
 
@@ -299,7 +302,7 @@ std::vector<Board::Output> read_outputs(const Section& root, const std::string& 
     }
     if (sdram) {
         for (const auto* one : {&sdram->clk, &sdram->ras_n, &sdram->cas_n, &sdram->we_n}) use(file, *one, "in sdram");
-        for (const auto* several : {&sdram->bank, &sdram->address, &sdram->data})
+        for (const auto* several : {&sdram->bank, &sdram->address, &sdram->data, &sdram->flash})
             for (const std::string& ball : *several) use(file, ball, "in sdram");
     }
     if (pins.led) use(file, *pins.led, "pins.led");

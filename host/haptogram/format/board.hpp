@@ -55,6 +55,7 @@ struct Board {
     struct Sdram {
         std::string clk, ras_n, cas_n, we_n;           ///< balls
         std::vector<std::string> bank, address, data;  ///< bit 0 first
+        std::vector<std::string> flash;                ///< chip select, to, and from the flash that fills it
     };
     struct Output {
         std::string connector, pin, net, ball;

@@ -93,7 +93,7 @@ inline constexpr BitField kind = {"kind", 56, 8};  // what its words are; a reco
 
 namespace sequence_header_field {  // words of 32 bits
 inline constexpr BitField length = {"length", 0, 15};  // entries of the sequence
-inline constexpr BitField autostart = {"autostart", 15, 1};  // in a bitstream: the board enables its outputs and plays the sequence with no host and no watchdog, at power-up and after a reset of the FPGA, until a host sends a command that does more than ask
+inline constexpr BitField autostart = {"autostart", 15, 1};  // in a bitstream or the flash: the board enables its outputs and plays the sequence with no host and no watchdog, at power-up and after a reset of the FPGA, until a host sends a command that does more than ask
 inline constexpr BitField loops = {"loops", 16, 16};  // how many times it is played; 0 is for ever
 }  // namespace sequence_header_field
 
@@ -131,6 +131,7 @@ inline constexpr BitField stopped = {"stopped", 3, 1};  // the stop input is act
 inline constexpr BitField modulated = {"modulated", 4, 1};  // the modulation runs
 inline constexpr BitField waiting = {"waiting", 5, 1};  // a start, a modulation or pushed indices wait for their time
 inline constexpr BitField streaming = {"streaming", 6, 1};  // a stream plays; the mode is then live
+inline constexpr BitField flash = {"flash", 7, 2};  // of the image in the flash, of boards with SDRAM: 0 none, 1 whole, 2 broken: damaged, refused, or cut by a host
 inline constexpr BitField present_index = {"present_index", 16, 16};  // record at the pins; 0 is silence
 inline constexpr BitField underruns = {"underruns", 32, 16};  // changes that were due before their record was ready, and periods whose pulses were not ready
 inline constexpr BitField refused_records = {"refused_records", 48, 16};  // records that could not be played; silence took their place
@@ -238,6 +239,12 @@ namespace chain {
 inline constexpr unsigned all = 2;
 inline constexpr unsigned most_tiles = 126;
 }  // namespace chain
+
+/// Where an image lies in the flash, in bytes; rtl/sdram/flash_image.v reads it.
+namespace flash_image {
+inline constexpr unsigned first = 0x100000;
+inline constexpr unsigned bytes = 0x300000;
+}  // namespace flash_image
 
 /// Boards with a network port; rtl/INTERFACE.md says how they are spoken to.
 namespace network {
@@ -423,6 +430,13 @@ enum class Role : unsigned {
     slave = 2,  // takes the time from SYNC
 };
 
+/// What became of the image in the flash.
+enum class Flash : unsigned {
+    none = 0,  // there is none, or a host came before it
+    whole = 1,  // it was read, and plays if it has the autostart bit
+    broken = 2,  // a frame of it was damaged or refused, or a host came while it was read: it does not play
+};
+
 /// What makes a pulse at the trigger output.
 enum class Event : unsigned {
     none = 0,  // no pulses
@@ -499,6 +513,15 @@ constexpr std::string_view to_string(Role role) {
         case Role::alone: return "alone";
         case Role::master: return "master";
         case Role::slave: return "slave";
+    }
+    return "unknown";
+}
+
+constexpr std::string_view to_string(Flash flash) {
+    switch (flash) {
+        case Flash::none: return "none";
+        case Flash::whole: return "whole";
+        case Flash::broken: return "broken";
     }
     return "unknown";
 }

@@ -147,6 +147,8 @@ Status to_status(const Bytes& block) {
     const bool streamed = block.size() >= std::size_t{2} * interface::status_words;
     if (const auto role = field::role.get(block); role > static_cast<unsigned>(Role::slave))
         throw device_error(fmt::format("it says that its role is {}, expected 0 to 2; is it a Haptogram?", role));
+    if (const auto flash = field::flash.get(block); flash > static_cast<unsigned>(Flash::broken))
+        throw device_error(fmt::format("it says that its flash is {}, expected 0 to 2; is it a Haptogram?", flash));
     const auto word = [&block](const interface::BitField& f) { return static_cast<std::uint16_t>(f.get(block)); };
     return {.enabled = field::enabled.get(block) != 0,
             .stopped = field::stopped.get(block) != 0,
@@ -180,7 +182,8 @@ Status to_status(const Bytes& block) {
                                                             .lost = word(field::stream_lost),
                                                             .early = word(field::stream_early),
                                                             .repeated = word(field::stream_repeated)})
-                               : std::nullopt};
+                               : std::nullopt,
+            .flash = static_cast<Flash>(field::flash.get(block))};
 }
 
 When When::at_period(std::uint64_t period) {

@@ -58,6 +58,7 @@ struct Identity {
     }
 };
 
+using interface::Flash;
 using interface::Mode;
 using interface::Role;
 
@@ -89,6 +90,7 @@ struct Status {
     std::uint16_t late_changes = 0;
     std::optional<std::uint64_t> period{};
     std::optional<StreamCounts> stream{};  ///< of a device that takes streams of patterns
+    Flash flash = Flash::none;             ///< what became of the image in its flash, of a device with an SDRAM
     friend bool operator==(const Status&, const Status&) = default;
 };
 

@@ -51,7 +51,8 @@ ordered_json to_json(const Status& s) {
                       {"in_step", s.in_step},
                       {"numbered", s.numbered},
                       {"sync_misses", s.sync_misses},
-                      {"sync_losses", s.sync_losses}};
+                      {"sync_losses", s.sync_losses},
+                      {"flash", to_string(s.flash)}};
     if (s.period) json.update({{"late_changes", s.late_changes}, {"period", *s.period}});
     if (s.stream)
         json["stream"] = {{"playing", s.stream->playing},

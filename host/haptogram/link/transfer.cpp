@@ -37,6 +37,11 @@ std::vector<Piece> unread_pieces_of(const Image& image) {
     return pieces;
 }
 
+/// Over and over, from the first sample on.
+Request played(const SampledModulation& modulation) {
+    return modulate_request(modulation.divider, static_cast<std::uint16_t>(modulation.samples.size()), true);
+}
+
 using Clock = std::chrono::steady_clock;
 
 /// Connects again after a loss, until then. @return empty when the device did not come back
@@ -120,9 +125,7 @@ std::vector<Request> settings_requests(const Image& image) {
 void write_settings(Commands& device, const Image& image) { device.pipeline(settings_requests(image)); }
 
 std::optional<Request> modulation_request(const Image& image, const Identity& identity) {
-    if (image.modulation)
-        return modulate_request(image.modulation->divider, static_cast<std::uint16_t>(image.modulation->samples.size()),
-                                true);
+    if (image.modulation) return played(*image.modulation);
     if (identity.modulation_words > 0) return modulate_request(0, 0, false);
     return {};
 }
@@ -130,6 +133,31 @@ std::optional<Request> modulation_request(const Image& image, const Identity& id
 void start_modulation(Commands& device, const Image& image) {
     if (std::optional<Request> request = modulation_request(image, device.identity()))
         device.request(std::move(*request));
+}
+
+Bytes flash_image(const Image& image, bool autostart, const std::string& where) {
+    Bytes bytes{0};
+    std::uint8_t number = 0;
+    const auto add = [&](const Request& request) {
+        const Bytes frame = encode_request(number++, request.command, request.payload);
+        bytes.insert(bytes.end(), frame.begin(), frame.end());
+    };
+    add({Command::identify, {}});
+    std::vector<Piece> pieces = unread_pieces_of(image);
+    std::ranges::move(pieces_of(image), std::back_inserter(pieces));
+    for (Piece& piece : pieces) {
+        if (autostart && piece.address == interface::sequence_base)
+            interface::sequence_header_field::autostart.set(piece.bytes, 1);
+        add(writing(piece));
+    }
+    if (image.modulation) add(played(*image.modulation));
+    bytes.push_back(0);
+    if (bytes.size() > interface::flash_image::bytes)
+        throw bad_input(where,
+                        fmt::format("it takes {} bytes of the board's flash, which has room for {}; leave some records "
+                                    "out, or upload it",
+                                    bytes.size(), interface::flash_image::bytes));
+    return bytes;
 }
 
 std::uint32_t highest_index(Commands& device) {

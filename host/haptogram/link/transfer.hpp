@@ -69,6 +69,12 @@ void write_settings(Commands& device, const Image& image);
 /// Sends it.
 void start_modulation(Commands& device, const Image& image);
 
+/// What a board with an SDRAM reads out of its flash at power-up, to be written at interface::flash_image::first: the
+/// frames that a host would send for this image.
+/// @param autostart  the board then plays its sequence, with no host and no watchdog
+/// @throws Error{bad_input} when there is no room for it in the flash
+[[nodiscard]] Bytes flash_image(const Image& image, bool autostart, const std::string& where);
+
 /// The highest index of a record that a device holds; of foci, as its parameters say.
 [[nodiscard]] std::uint32_t highest_index(Commands& device);
 

@@ -15,6 +15,7 @@
 #include "haptogram/format/ecp5_config.hpp"
 #include "haptogram/format/image.hpp"
 #include "haptogram/format/manifest.hpp"
+#include "haptogram/link/transfer.hpp"
 #include "haptogram/verbs/source.hpp"
 
 namespace haptogram {
@@ -82,7 +83,7 @@ Image image_for(const Board& board, const std::string& hex, const std::string& f
     Image image = from_intel_hex(hex, file);
     require_fits(image, board.parameters, file);
     require_playable(image, file);
-    if (image.foci || image.modulation)
+    if (board.parameters.sdram == 0 && (image.foci || image.modulation))
         throw bad_input(file,
                         "its parameters, geometry and modulation are in no bitstream; compile it with --records, or "
                         "upload it",
@@ -136,7 +137,33 @@ std::string patched_ecp5(const Board& board, const PatchOptions& options, const 
     return read_file(scratch.path() / "packed");
 }
 
+void say_image(nlohmann::ordered_json& manifest, const PatchOptions& options, const std::string& hex) {
+    manifest["image"] = *options.image;
+    manifest["image_sha256"] = sha256(hex);
+}
+
+void say_start(nlohmann::ordered_json& manifest, const Board& board, const PatchOptions& options) {
+    manifest["autostart"] = options.autostart;
+    // A board that starts by itself has no host, so nothing for the watchdog to watch.
+    manifest["watchdog_ms"] = options.autostart ? 0 : board.parameters.watchdog_ms;
+}
+
 }  // namespace
+
+Patched flash_contents(const PatchOptions& options) {
+    const Board board = load_board(options.board);
+    const std::string hex = open_hex(*options.image);
+    const link::Bytes bytes =
+        link::flash_image(image_for(board, hex, *options.image), options.autostart, *options.image);
+    Patched made{std::string(bytes.begin(), bytes.end()), {}};
+    nlohmann::ordered_json manifest = {{"haptogram", version()}, {"board", board.name}};
+    say_image(manifest, options, hex);
+    manifest["flash_offset"] = interface::flash_image::first;
+    say_start(manifest, board, options);
+    manifest["flash_sha256"] = sha256(made.bitstream);
+    made.manifest = manifest.dump(2) + "\n";
+    return made;
+}
 
 Patched patch(const PatchOptions& options, const Progress& progress) {
     const Board board = load_board(options.board);
@@ -147,11 +174,12 @@ Patched patch(const PatchOptions& options, const Progress& progress) {
             "rx_delay", board.network ? fmt::format("found {}, expected 0 to 127, in steps of 25 ps", *options.rx_delay)
                                       : fmt::format("{} has no network whose inputs it could delay", board.name));
     if (options.image && board.parameters.sdram != 0)
-        throw bad_input(*options.image,
-                        fmt::format("the records of {} lie in an SDRAM, which is empty at power-up; upload them, or "
-                                    "build a board that keeps them in the FPGA",
-                                    board.name),
-                        {"image"});
+        throw bad_input(
+            *options.image,
+            fmt::format("the records of {} lie in an SDRAM, so no bitstream holds them; 'haptogram bitstream "
+                        "--image' makes what goes into its flash, or upload them",
+                        board.name),
+            {"image"});
     std::vector<Contents> memories = {{"primary", interface::primary_word_bits, {}},
                                       {"sequence", interface::sequence_word_bits, {}}};
     nlohmann::ordered_json manifest = {{"haptogram", version()}, {"board", board.name}};
@@ -161,8 +189,7 @@ Patched patch(const PatchOptions& options, const Progress& progress) {
         for (const std::uint16_t word : primary_words(image)) memories[0].words.push_back(word);
         memories[1].words = sequence_words(image);
         if (options.autostart) interface::sequence_header_field::autostart.set(memories[1].words, 1);
-        manifest["image"] = *options.image;
-        manifest["image_sha256"] = sha256(hex);
+        say_image(manifest, options, hex);
     }
     memories[0].words.resize(std::size_t{board.parameters.records} * record_words(board.parameters.channels));
     memories[1].words.resize(board.parameters.sequence_depth);
@@ -172,9 +199,7 @@ Patched patch(const PatchOptions& options, const Progress& progress) {
     patched.bitstream =
         board.fpga.family == "ice40" ? patched_ice40(board, options, memories) : patched_ecp5(board, options, memories);
     if (board.network) manifest["rx_delay"] = options.rx_delay.value_or(board.network->rx_delay);
-    manifest["autostart"] = options.autostart;
-    // A board that starts by itself has no host, so nothing for the watchdog to watch.
-    manifest["watchdog_ms"] = options.autostart ? 0 : board.parameters.watchdog_ms;
+    say_start(manifest, board, options);
     manifest["bitstream_sha256"] = sha256(patched.bitstream);
     patched.manifest = manifest.dump(2) + "\n";
     progress(1.0);

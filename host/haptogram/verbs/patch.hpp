@@ -28,4 +28,9 @@ struct Patched {
 /// fails or the placed design is not what its files say
 [[nodiscard]] Patched patch(const PatchOptions& options, const Progress& progress = {});
 
+/// What a board with an SDRAM reads out of its flash at power-up, in the place of a bitstream, and where it goes.
+/// Nothing is placed for it.
+/// @throws Error{bad_input} when the image does not fit the board or its flash
+[[nodiscard]] Patched flash_contents(const PatchOptions& options);
+
 }  // namespace haptogram
