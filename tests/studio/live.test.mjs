@@ -5,7 +5,7 @@ import { execFileSync } from "node:child_process";
 import { openSync, readdirSync, readFileSync, writeSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
-import { accessible, boardSays, drop, eventually, folder, keptPicture, openDesign, openPage, panel, picture, quantile, settled, startBrowser, startStudio } from "./support.mjs";
+import { accessible, boardSays, drop, eventually, folder, keptPicture, openDesign, openPage, panel, picture, quantile, settled, sleep, startBrowser, startStudio } from "./support.mjs";
 
 /** The live sessions whose parent is this server. */
 const sessions = (studio) =>
@@ -118,6 +118,16 @@ test("STOP, and a page that goes away, end a session at once", async (t) => {
   await over(page);
   await boardSays(page, "outputs off");
   assert.equal(sessions(studio).length, 0);
+  // One that is still being prepared must not begin behind it.
+  await page.evaluate(() => {
+    const press = (words) => [...document.querySelectorAll("button")].find((button) => words.test(button.textContent)).click();
+    press(/^Feel it/);
+    press(/^STOP/);
+  });
+  await page.getByText("STOP was pressed before it began").waitFor();
+  await sleep(500);
+  assert.equal(sessions(studio).length, 0);
+  await boardSays(page, "outputs off");
   await begin(page);
   await runs(page);
   await eventually(async () => Number(await row(page, "Foci in turn")) > 0);
