@@ -81,9 +81,11 @@ TEST_CASE("triggers: each plays the entries that begin in its time") {
     const std::vector<SequenceEntry> sequence{
         {1, 10}, {2, 20}, {0, 30}, {3, 40}};  // begin at 0, 10, 30, 60, end at 100
     const auto part = [&](double from, std::optional<double> to, std::uint16_t loops = 1) {
-        const std::vector<Trigger> one{
-            {.from_s = from / 1000, .to_s = to ? std::optional(*to / 1000) : to, .loops = loops}};
-        return parts_of(one, sequence, 1000.0).at(0);
+        Trigger one;
+        one.from_s = from / 1000;
+        if (to) one.to_s = *to / 1000;
+        one.loops = loops;
+        return parts_of(std::vector{one}, sequence, 1000.0).at(0);
     };
     CHECK(part(0, {}) == link::TriggeredPart{1, 4, 1, true});
     CHECK(part(10, 30) == link::TriggeredPart{2, 1, 1, true});

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Triggers: what starts a part of the pass while the outputs are on.
 import { Choice, MaybeField, NumberField, Panel, PointField } from "./controls";
-import { edit, having, type ProjectDocument, type TriggerTable } from "./document";
+import { edit, having, project, type ProjectDocument, type TriggerTable } from "./document";
 import type { Trigger } from "./link";
 import { type Actions, state } from "./state";
 
@@ -28,13 +28,18 @@ function ofKind(of: TriggerTable, kind: Kind, others: TriggerTable[]): TriggerTa
 export function Triggers({ now }: { now: ProjectDocument }) {
   const triggers = now.trigger ?? [];
   const pass = state.scene.value?.pass_s ?? 0;
-  const put = (trigger: TriggerTable[]): void => edit(having(now, { trigger: trigger.length > 0 ? trigger : undefined }));
-  const add = (): void => put([...triggers, { on: `key:${freeWord(triggers, "key")}` }]);
+  /** Changes what the design has now: a hand is quicker than the next drawing of this panel. */
+  const put = (changed: (all: TriggerTable[]) => TriggerTable[]): void => {
+    const design = project.peek() ?? now;
+    const trigger = changed(design.trigger ?? []);
+    edit(having(design, { trigger: trigger.length > 0 ? trigger : undefined }));
+  };
+  const add = (): void => put((all) => [...all, { on: `key:${freeWord(all, "key")}` }]);
   return (
     <Panel title="Triggers">
       {triggers.map((each, i) => {
         const others = triggers.filter((_, k) => k !== i);
-        const change = (changes: Partial<Record<keyof TriggerTable, unknown>>): void => put(triggers.map((old, k) => (k === i ? (Object.fromEntries(Object.entries({ ...old, ...changes }).filter(([, value]) => value !== undefined)) as unknown as TriggerTable) : old)));
+        const change = (changes: Partial<Record<keyof TriggerTable, unknown>>): void => put((all) => all.map((old, k) => (k === i ? (Object.fromEntries(Object.entries({ ...old, ...changes }).filter(([, value]) => value !== undefined)) as unknown as TriggerTable) : old)));
         const kind = kindOf(each);
         const word = (text: string): void => {
           const most = kind === "key" ? 1 : 40;
@@ -44,7 +49,7 @@ export function Triggers({ now }: { now: ProjectDocument }) {
         return (
           <fieldset key={i} class="trigger">
             <legend>Trigger {i + 1}</legend>
-            <Choice label={`Trigger ${i + 1} is`} value={kind} choices={kinds.filter(([key]) => key !== "pin" || kind === "pin" || !others.some(({ on }) => on === "pin")).map(([key, name]): [string, string] => [key, name])} onValue={(key) => put(triggers.map((old, k) => (k === i ? ofKind(old, key as Kind, others) : old)))} />
+            <Choice label={`Trigger ${i + 1} is`} value={kind} choices={kinds.filter(([key]) => key !== "pin" || kind === "pin" || !others.some(({ on }) => on === "pin")).map(([key, name]): [string, string] => [key, name])} onValue={(key) => put((all) => all.map((old, k) => (k === i ? ofKind(old, key as Kind, all.filter((each) => each !== old)) : old)))} />
             {(kind === "key" || kind === "line") && <label class="field">{kind === "key" ? "Key" : "Line"} <input type="text" class="name" aria-label={`${kind === "key" ? "Key" : "Line"} of trigger ${i + 1}`} value={wordOf(each)} onChange={(e) => { word(e.currentTarget.value); e.currentTarget.value = wordOf(each); }} /></label>}
             {kind === "region" && <PointField label="Centre" each={`Region ${i + 1}`} unit="mm" value={each.center_mm ?? [0, 0, 150]} onValue={(center_mm) => change({ center_mm })} />}
             {kind === "region" && <NumberField label={`Diameter of region ${i + 1}`} unit="mm" value={each.size_mm ?? 60} least={1} most={1000} onValue={(size_mm) => change({ size_mm })} />}
@@ -52,7 +57,7 @@ export function Triggers({ now }: { now: ProjectDocument }) {
             <MaybeField label={`Trigger ${i + 1} plays to`} unit="s" empty={pass > 0 ? `the end, ${Number(pass.toFixed(3))}` : "the end"} value={each.to_s} step={0.1} least={0.001} onValue={(to_s) => change({ to_s })} />
             <NumberField label={`Trigger ${i + 1} plays so often`} unit="×" value={each.loops ?? 1} least={0} most={65535} whole onValue={(loops) => change({ loops: loops === 1 ? undefined : loops })} />
             {each.loops === 0 && <p class="hint">Until another trigger.</p>}
-            <button type="button" onClick={() => put(others)} aria-label={`Remove trigger ${i + 1}`}>Remove</button>
+            <button type="button" onClick={() => put((all) => all.filter((_, k) => k !== i))} aria-label={`Remove trigger ${i + 1}`}>Remove</button>
           </fieldset>
         );
       })}
