@@ -139,7 +139,7 @@ std::vector<link::TriggeredPart> parts_of(std::span<const Trigger> triggers, std
     for (const SequenceEntry& entry : sequence) begins.push_back(begins.back() + entry.dwell);
     const double all = begins.back();
     const auto entry_at = [&](double periods) {  // that begins then or is the next to begin
-        return static_cast<std::size_t>(std::ranges::lower_bound(begins, periods - 0.5) - begins.begin());
+        return static_cast<std::size_t>(std::lower_bound(begins.begin(), begins.end(), periods - 0.5) - begins.begin());
     };
     std::vector<link::TriggeredPart> parts;
     for (std::size_t i = 0; i < triggers.size(); ++i) {
