@@ -12,7 +12,8 @@ PERIOD = 1250  # clocks
 
 def at_the_pins(folder, image, command):
     """What a command says, and all pulses: channel, start and end in clocks from the first one's start, index."""
-    with virtual_board(folder, "--image", image, "--pulses", "pulses.csv") as board:
+    # The Verilated board waits for a busy machine.
+    with virtual_board(folder, "--image", image, "--pulses", "pulses.csv", "--model", "rtl") as board:
         said = json.loads(ask(folder, *command, "--json").stdout)
         assert status(folder)["modulated"] is ("--path" in command and "--am" in command)  # as after an upload of that path
         board.send_signal(signal.SIGINT)
