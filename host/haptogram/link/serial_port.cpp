@@ -70,8 +70,8 @@ SerialPort::~SerialPort() = default;
 // write_some() waits without a limit for a port that is full, so it is asked only when there is room.
 void SerialPort::write(std::span<const std::uint8_t> bytes) {
     auto since = std::chrono::steady_clock::now();  // it took some last, or a signal asked to end
+    std::chrono::steady_clock::time_point took_some{};
     unsigned signals = 0;
-    bool took_some = false;  // since a signal
     while (!bytes.empty()) {
         if (wait_to_write(port_->serial.native_handle(), 50ms)) {
             boost::system::error_code error;
@@ -80,17 +80,16 @@ void SerialPort::write(std::span<const std::uint8_t> bytes) {
                 throw port_->gone(error);
             bytes = bytes.subspan(count);
             if (bytes.empty()) return;
-            took_some = took_some || (count > 0 && signals > 0);
-            if (count > 0 && signals == 0) since = std::chrono::steady_clock::now();
+            if (count > 0) took_some = std::chrono::steady_clock::now();
+            if (count > 0 && signals == 0) since = took_some;
         }
         if (port_->interrupt && port_->interrupt() != signals) {
             signals = port_->interrupt();
-            took_some = false;
             since = std::chrono::steady_clock::now();
         }
         const std::chrono::seconds patience = signals == 0 ? most_wait : signals == 1 ? most_wait_interrupted : 0s;
         if (std::chrono::steady_clock::now() - since >= patience)
-            throw LinkLost(port_->path, took_some
+            throw LinkLost(port_->path, std::chrono::steady_clock::now() - took_some < 500ms
                                             ? "a signal came while it was still taking bytes, too slowly to wait for"
                                             : "it takes no bytes; is a board behind it?");
     }
