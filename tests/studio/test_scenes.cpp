@@ -357,10 +357,9 @@ TEST_CASE("studio live: a session has the document's files in its folder, and no
     CHECK(read_file(start.folder->path() / "solid.stl") == stl);
     const Child::Command command = live_command(start, {"-port", 115200});
     CHECK(command.folder == start.folder->path());
-    for (const std::string word :
-         {"live", "--scene=-", "--port=-port", "--baud=115200", "--from=synthetic:press", "--object=solid.stl",
-          "--size=60", "--center=0,5,180", "--rotate=0,0,0", "--unit=mm", "--algorithm=B",
-          "--array=shipped:arrays/tile-10x10.toml"}) {
+    for (const std::string word : {"live", "--scene=-", "--port=-port", "--baud=115200", "--from=synthetic:press",
+                                   "--object=solid.stl", "--size=60", "--center=0,5,180", "--rotate=0,0,0", "--unit=mm",
+                                   "--algorithm=B", "--array=shipped:arrays/tile-10x10.toml"}) {
         INFO(word);
         CHECK(std::ranges::find(command.words, word) != command.words.end());
     }
