@@ -114,13 +114,13 @@ test("a path is drawn by the keyboard and by a finger", { skip }, async (t) => {
   await page.keyboard.press("Enter");
   await page.locator("footer", { hasText: "200 focal points" }).waitFor();
   await settled(page);
+  const first = await page.locator("p.file").textContent();
+  assert.match(first, /^drawn-[0-9a-f]{8}\.csv$/);
   const rows = rowsOf(await takeAway(page, "Bundle (.haptogram)"));
   assert.deepEqual(rows[0].slice(1), [-10, 0, 130]);
   assert.deepEqual(rows.at(-1).slice(1), [10, 2, 130]);
   assert.ok(rows.every(([, x, y, z]) => Math.abs(x) <= 10 && y >= 0 && y <= 2 && z === 130));
   // A finger does what the pointer does.
-  const first = await page.locator("p.file").textContent();
-  assert.match(first, /^drawn-[0-9a-f]{8}\.csv$/);
   await page.getByRole("button", { name: "Draw another path" }).click();
   const at = await circleOf(page);
   const fingers = await page.context().newCDPSession(page);
