@@ -112,7 +112,7 @@ always @(posedge clk) begin
     if (f_reset_seen_q) assert (f_age_q <= F_CHANNELS);
 end
 
-// With a bit for each of 255 ticks this takes three quarters of the time of a simulated core, whose pins its tests compare with the
+// With a bit for each of 255 ticks this takes more than half of the time of a simulated core, whose pins its tests compare with the
 // reference board's; there it is left out.
 `ifndef FORMAL_WHOLE_CORE
 genvar f_k;

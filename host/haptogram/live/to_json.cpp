@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "haptogram/verbs/trigger_table.hpp"
+
 namespace haptogram::live {
 namespace {
 
@@ -32,7 +34,6 @@ Json times_of(const std::vector<SentRing>& rings) {
     return list;
 }
 
-constexpr int scene_version = 1;
 constexpr std::size_t most_foci_told = 64;  ///< of a path; longer ones are told at even distances
 
 Json hands_of(const Frame& frame) {

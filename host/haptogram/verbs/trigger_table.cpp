@@ -20,7 +20,6 @@ using section::number_text;
 using section::Section;
 
 constexpr std::string_view key_prefix = "key:", line_prefix = "line:";
-constexpr int scene_version = 1;
 
 bool is_word(std::string_view word) {
     return !word.empty() && word.front() != '{' && word.front() != ' ' && word.back() != ' ' &&

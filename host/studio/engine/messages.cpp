@@ -52,7 +52,7 @@ public:
         const bool right = has(name) && message_[name].is_array() && message_[name].size() <= most &&
                            std::all_of(message_[name].begin(), message_[name].end(),
                                        [](const ordered_json& each) { return each.is_object(); });
-        return get(name, right, "a list of objects, 100 at most");
+        return get(name, right, fmt::format("a list of objects, {} at most", most).c_str());
     }
     [[nodiscard]] std::string text(const char* name) const {
         return get(name, has(name) && message_[name].is_string(), "text").get<std::string>();
