@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bench.hpp"
+#include "haptogram/format/core.hpp"
 #include "haptogram/format/focus_engine.hpp"
 
 using namespace haptogram;
@@ -150,7 +151,7 @@ TEST_CASE("frame loader: the words of timings and of amplitudes, in CHANNELS + 8
         const Load load = loader.load(at / record_words + 1);
         REQUIRE(load.first_address == at);
         REQUIRE(!load.silent);
-        REQUIRE(load.clocks == std::max<int>(channels + 8, 33));
+        REQUIRE(load.clocks == static_cast<int>(load_clocks({.channels = channels, .width_bits = 1})));
         REQUIRE((loader.bench->o_amplitudes != 0) == amplitudes);
         const auto words = loader.take_over();
         for (std::uint32_t k = 0; k < channels; ++k) {
@@ -174,7 +175,8 @@ TEST_CASE("frame loader: one to eight foci, in as many clocks as rtl/README.md s
             REQUIRE(load.first_address == 4 * place);
             REQUIRE(!load.refused);
             REQUIRE(loader.bench->o_cycle_length == 1250);
-            REQUIRE(load.clocks == std::max(4 * foci + 7, 29) + foci * static_cast<int>(channels) + 35);
+            REQUIRE(load.clocks ==
+                    static_cast<int>(load_clocks({.channels = channels}, static_cast<std::uint32_t>(foci))));
             loader.require_foci(loader.take_over(), written);
         }
     }
@@ -223,7 +225,7 @@ TEST_CASE("frame loader: a load that is dropped at any clock leaves nothing behi
         for (int i = 0; i < clocks; ++i) loader.clock();
         loader.drop();
         const Load load = loader.load(PARAMETER_RECORDS + 2);
-        REQUIRE(load.clocks == 39 + 8 * static_cast<int>(channels) + 35);
+        REQUIRE(load.clocks == static_cast<int>(load_clocks({.channels = channels}, 8)));
         REQUIRE(!load.refused);
         loader.require_foci(loader.take_over(), written);
     }

@@ -148,6 +148,11 @@ TEST_CASE("formation: the paper's geometry, as recomputed", "[focus]") {
     REQUIRE(above.flight_spread_s == Approx(53.8e-6).margin(0.1e-6));
     REQUIRE(above.periods == 3);
     REQUIRE(above.formation_s == Approx(3.0 / 40e3 + 107.0 / 50e6));
+    // A board that computes foci takes longer, and one with amplitudes a clock more for each channel's words.
+    const Core wide = find_configuration("tile-100-wide");
+    REQUIRE(formation(array, wide, from_mm(0, 0, 100)).formation_s == Approx(3.0 / 40e3 + 108.0 / 50e6));
+    REQUIRE(formation(array, wide, from_mm(0, 0, 100), 1).formation_s == Approx(3.0 / 40e3 + 164.0 / 50e6));
+    REQUIRE(formation(array, wide, from_mm(0, 0, 100), 8).formation_s == Approx(3.0 / 40e3 + 874.0 / 50e6));
     REQUIRE(above.ring_up_s == Approx(366e-6).margin(1e-6));
     REQUIRE(formation(array, core, from_mm(200, 200, 100)).flight_spread_s == Approx(352e-6).margin(3e-6));
     // The paper's eq. 13 with its own numbers: 26 periods, 30 Hz.

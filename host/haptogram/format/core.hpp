@@ -53,6 +53,13 @@ inline constexpr std::uint32_t least_timed_cycle = 8;
     return 2 * std::min((1U << core.width_bits) - 1U, max_pulse_clocks(core));
 }
 
+/// Clocks from when an index is known until its record is loaded (rtl/README.md, "Switch"): C in Haptogram eq. 12.
+/// @param foci  of a record whose foci the core computes; 0 for records of each channel's words
+[[nodiscard]] constexpr std::uint32_t load_clocks(const interface::CoreParameters& core, std::uint32_t foci = 0) {
+    if (foci != 0) return std::max(4 * foci + 7, 29U) + foci * core.channels + 35;
+    return std::max(core.channels + (core.width_bits != 0 ? 8 : 7), 33U);
+}
+
 /// A named configuration of the core, such as "tile-100".
 /// @throws Error{bad_input} naming those that there are
 [[nodiscard]] Core find_configuration(const std::string& name);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <algorithm>
 #include <cstdint>
 #include <span>
 
@@ -19,14 +18,13 @@ struct Formation {
     [[nodiscard]] double with_ring_up_s() const { return formation_s + ring_up_s; }
 };
 
-/// Clocks from when an index is known until its record is loaded (rtl/memory_controller.v): C in Haptogram eq. 12.
-[[nodiscard]] constexpr std::uint32_t load_clocks(std::uint32_t channels) { return std::max(channels + 7, 33U); }
-
 /// @param focus  metres, array frame
-[[nodiscard]] Formation formation(const Array& array, const Core& core, Vec3 focus);
+/// @param foci   as in load_clocks()
+[[nodiscard]] Formation formation(const Array& array, const Core& core, Vec3 focus, std::uint32_t foci = 0);
 
 /// The largest of each member over several foci.
-[[nodiscard]] Formation slowest_formation(const Array& array, const Core& core, std::span<const Vec3> foci);
+[[nodiscard]] Formation slowest_formation(const Array& array, const Core& core, std::span<const Vec3> points,
+                                          std::uint32_t foci = 0);
 
 /// The largest number of focal points that each get their full pressure at a rendering rate (Haptogram eq. 13):
 /// ⌊1/(f_R·T_f)⌋.

@@ -483,7 +483,7 @@ Compiled compile_path(Path path, const ProjectInstrument& instrument, std::uint1
     std::uint64_t periods = 0;
     for (const SequenceEntry& entry : image.sequence) periods += entry.dwell;
     manifest.rate_hz = manifest.timer.carrier_hz() / static_cast<double>(periods);
-    manifest.formation = slowest_formation(array, core, manifest.points());
+    manifest.formation = slowest_formation(array, core, manifest.points(), image.foci ? image.foci->each : 0);
     Manifest before;  // the members that do not depend on the points
     before.array = array;
     before.core = manifest.core;

@@ -83,12 +83,6 @@ RecordMeaning meaning_of(const RecordWords& words) {
     return meaning;
 }
 
-/// A record is read and computed while the one before it plays (rtl/README.md, "Switch").
-std::uint32_t clocks_to_make(const FocusRecords& foci, std::uint32_t channels) {
-    constexpr std::uint32_t least_load = 29;
-    return std::max(4 * foci.each + 5, least_load) + foci.each * channels + 35;
-}
-
 }  // namespace
 
 FocusImage focus_image_of(const Path& path, const Array& array, const Core& core, std::uint16_t loops,
@@ -162,7 +156,8 @@ FocusImage focus_image_of(const Path& path, const Array& array, const Core& core
     foci.engine.gain = gain_word(longest / std::sin(std::numbers::pi * made.timer.duty()));
     for (const SequenceEntry& entry : image.sequence)
         if (const auto place = place_of(image, entry.index)) made.records[*place].dwell_cycles += entry.dwell;
-    if (const std::uint32_t clocks = clocks_to_make(foci, p.channels); clocks > foci.cycle_ticks)
+    // A record is read and computed while the one before it plays.
+    if (const std::uint32_t clocks = load_clocks(p, foci.each); clocks > foci.cycle_ticks)
         made.warnings.push_back(
             fmt::format("the board needs {} clocks for a record of {} foci, and a carrier period has {}; foci that "
                         "last less than {} "
