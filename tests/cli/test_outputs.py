@@ -104,6 +104,22 @@ def test_a_disk_that_fills_up_with_the_last_file(tiny_disk):
            outputs=("image.hex", "image.json", "words.primary.mem"))
 
 
+@pytest.mark.parametrize("name, command", [("a.png", ("feel", "image.hex")), ("a.svg", ("board", "pinout", "ulx3s-85f"))])
+def test_a_disk_that_has_no_room_for_a_picture(name, command, tiny_disk, small):
+    (tiny_disk / "ballast").write_bytes(b"x" * (60 << 10))
+    result = run([*command, "-o", str(tiny_disk / name)], cwd=small.folder)
+    assert_one_message(result, BAD_INPUT, name, "No space left")
+    assert b"Traceback" not in result.stderr and [file.name for file in tiny_disk.iterdir()] == ["ballast"]
+
+
+def test_a_python_without_matplotlib(tmp_path, small):
+    python = tmp_path / "python"
+    python.write_text("#!/bin/sh\nexec python3 -S -I \"$@\"\n")
+    python.chmod(0o755)
+    result = run(["feel", "image.hex", "-o", str(tmp_path / "picture.png")], cwd=small.folder, env={**os.environ, "HAPTOGRAM_PYTHON": str(python)})
+    assert_one_message(result, BAD_INPUT, "No module named", "needs python3 with matplotlib")
+
+
 @pytest.mark.parametrize("limit", [0, 100, 1000, 5000])
 def test_a_limit_on_the_size_of_files(limit, tmp_path):
     refuse(tmp_path, [*CIRCLE, "--points", "8", "-o", "image.hex"], BAD_INPUT, r"image\.(hex|json)", "File too large",

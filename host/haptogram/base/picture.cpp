@@ -26,11 +26,16 @@ void Picture::draw(const std::string& path, const std::string& others) const {
             return ProcessResult{false, error.what()};
         }
     }();
-    if (!drawn.succeeded)
-        throw bad_input(path, fmt::format("the picture could not be drawn; it needs python3 with matplotlib "
-                                          "(HAPTOGRAM_PYTHON names another one), and room "
-                                          "for the file; {} need neither{}{}",
-                                          others, drawn.said.empty() ? "" : "\n", drawn.said));
+    if (!drawn.succeeded) {
+        // Of a Python traceback the last line says what happened.
+        std::string_view why = drawn.said;
+        while (why.ends_with('\n')) why.remove_suffix(1);
+        why.remove_prefix(why.rfind('\n') + 1);
+        throw bad_input(path,
+                        fmt::format("the picture could not be drawn{}{}; it needs python3 with matplotlib "
+                                    "(HAPTOGRAM_PYTHON names another one), and room for the file; {} need neither",
+                                    why.empty() ? "" : ": ", why, others));
+    }
     staged.commit();
 }
 
