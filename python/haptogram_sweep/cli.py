@@ -92,12 +92,17 @@ def run(options: argparse.Namespace) -> int:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    options = _parser().parse_args(arguments)
     try:
-        return run(options)
+        code = run(_parser().parse_args(arguments))
+        sys.stdout.flush()
+        return code
     except SweepError as error:
         print(f"haptogram-sweep: {error}", file=sys.stderr)
         return error.code
+    except OSError as error:  # files of its own are told by SweepError
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # or Python tries again at its end
+        print(f"haptogram-sweep: standard output: {error.strerror}; what was printed is incomplete", file=sys.stderr)
+        return FAILED
     except KeyboardInterrupt:
         print("haptogram-sweep: ended; what is done is kept, and the same command goes on from there", file=sys.stderr)
         return FAILED

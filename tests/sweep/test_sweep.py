@@ -12,6 +12,7 @@ import numpy as np
 import pyarrow.parquet
 from conftest import command
 from haptogram_sweep import plan, run
+from haptogram_sweep.errors import FAILED
 from haptogram_sweep.store import Store
 from scipy.special import j1
 
@@ -168,3 +169,9 @@ def test_messages(sweep, tmp_path):
     assert ".jpg" in sweep("plan.toml", "--plot", "x.jpg", expected=2).stderr
     (tmp_path / "plan.parquet").write_text("no table")
     assert "no result of a sweep" in sweep("plan.toml", expected=3).stderr
+
+
+def test_a_full_device():
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        done = subprocess.run(command("--help"), stdout=full, stderr=subprocess.PIPE, text=True, timeout=120, check=False)
+    assert done.returncode == FAILED and done.stderr == "haptogram-sweep: standard output: No space left on device; what was printed is incomplete\n"
