@@ -177,10 +177,10 @@ def test_a_mesh_of_another_program_gives_points_on_its_surface(name, tmp_path):
 # Reach: the tile's farthest angle is 60°, its nearest range 23.6 mm (10·d²/4λ for d = 9 mm).
 
 OUT_OF_REACH = {
-    "behind": (b"0 0 100\n7 8 -5\n", r"\(7\.00, 8\.00, -5\.00\) mm: on or behind the array"),
-    "on the array": (b"0 0 100\n7 8 0\n", r"\(7\.00, 8\.00, 0\.00\) mm: on or behind the array"),
-    "too near": (b"0 0 100\n5 5 23\n", r"\(5\.00, 5\.00, 23\.00\) mm: 23\.00 mm from element \d+, nearer than 23\.\d+ mm"),
-    "beyond the angle": (b"0 0 100\n180 0 100\n", r"\(180\.00, 0\.00, 100\.00\) mm: 60\.9° off the axis, beyond 60\.0°"),
+    "behind": (b"0 0 100\n7 8 -5\n", r"\(7, 8, -5\) mm: on or behind the array"),
+    "on the array": (b"0 0 100\n7 8 0\n", r"\(7, 8, 0\) mm: on or behind the array"),
+    "too near": (b"0 0 100\n5 5 23\n", r"\(5, 5, 23\) mm: 23\.00 mm from element \d+, nearer than 23\.\d+ mm"),
+    "beyond the angle": (b"0 0 100\n180 0 100\n", r"\(180, 0, 100\) mm: 60\.9° off the axis, beyond 60\.0°"),
 }
 
 

@@ -130,6 +130,9 @@ Bundle bundle_of(std::string hex, Manifest manifest, const std::string& name, co
 }
 
 Bundle load_bundle(const std::string& image, const std::string& manifest) {
+    if (image == "-" && manifest.empty())
+        throw bad_argument("image", "an image from standard input has no manifest beside it; name the manifest",
+                           {"manifest"});
     const std::string beside = manifest.empty() ? manifest_path(image) : manifest;
     std::string hex = read_file(image);
     Image read = from_intel_hex(hex, image);

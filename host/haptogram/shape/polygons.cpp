@@ -124,7 +124,7 @@ Piece as_piece(Polygons polygons, const std::string& name) {
     if (crossed_area > rounding * area)
         mesh.flaw = fmt::format(
             "{} of its {} faces cross themselves, face {} first, and were cut into triangles as they "
-            "are, {:.2g} % of the area upside down; export the shape as triangles",
+            "are, {:.3g} % of the area upside down; export the shape as triangles",
             crossed.size(), polygons.face_ends.size(), crossed.front(), 100.0 * crossed_area / area);
     return mesh;
 }

@@ -23,7 +23,7 @@ std::vector<std::size_t> reachable_points(const std::vector<Vec3>& points, const
             continue;
         }
         if (++count <= most_listed)
-            listed += fmt::format("\n  ({:.2f}, {:.2f}, {:.2f}) mm: {}", p.x / millimetre, p.y / millimetre,
+            listed += fmt::format("\n  ({:.6g}, {:.6g}, {:.6g}) mm: {}", p.x / millimetre, p.y / millimetre,
                                   p.z / millimetre, reason);
     }
     if (count == 0) return reachable;
