@@ -94,5 +94,5 @@ def test_without_matplotlib_an_error_says_what_to_install(ring, monkeypatch):
         return real(name, *rest)
 
     monkeypatch.setattr(builtins, "__import__", without)
-    with pytest.raises(native.Failed, match=r"matplotlib is missing; pip install 'haptogram\[pictures\]'"):
+    with pytest.raises(native.Failed, match=r"matplotlib is missing; pip install matplotlib"):
         ring.plot()

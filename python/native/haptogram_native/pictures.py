@@ -26,7 +26,7 @@ def _axes(axes: "Axes | None", **options: Any) -> Any:
     try:
         import matplotlib.pyplot as plt
     except ImportError as error:
-        raise Failed(1, "plot", "matplotlib is missing; pip install 'haptogram[pictures]'") from error
+        raise Failed(1, "plot", "matplotlib is missing; pip install matplotlib") from error
     return plt.subplots(constrained_layout=True, subplot_kw=options)[1]
 
 
