@@ -43,7 +43,7 @@ def main():
         commands.append([options.program, "bitstream", "--board", options.board, "--placed", folder.parent, "--image", options.image,
                          "-o", image, *(["--autostart"] if options.autostart else [])])
     if bitstream.name != f"flash.{suffix}" and not options.dry_run and not bitstream.exists():
-        print(f"flash: {bitstream} is not there; run 'make bitstream BOARD={options.board}' first", file=sys.stderr)
+        print(f"flash: {bitstream} is not there; run 'make bitstream BOARD={options.board}', or put a release's there, gunzipped", file=sys.stderr)
         return 1
     commands.append(["openFPGALoader", *board["flash"]["write" if options.write else "load"], bitstream])
     if in_flash:
