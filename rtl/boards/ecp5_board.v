@@ -129,13 +129,13 @@ module ecp5_board #(
     wire [4:0] identity_place;
     wire [15:0] identity_word;
 `ifdef HG_NET
-    wire       net_clk, net_link, net_dv, net_er, net_en;
+    wire       net_clk, net_dv, net_er, net_en;
     wire [7:0] net_data, net_sent;
     ecp5_rgmii #(.RX_DELAY(`HG_NET_RX_DELAY), .TX_DELAY(`HG_NET_TX_DELAY)) phy (
         .i_rx_clk(i_net_rx_clk), .i_rx_ctl(i_net_rx_ctl), .i_rx(i_net_rx), .o_tx_clk(o_net_tx_clk), .o_tx_ctl(o_net_tx_ctl), .o_tx(o_net_tx),
-        .clk(net_clk), .o_link(net_link), .o_dv(net_dv), .o_er(net_er), .o_data(net_data), .i_en(net_en), .i_data(net_sent));
+        .clk(net_clk), .o_dv(net_dv), .o_er(net_er), .o_data(net_data), .i_en(net_en), .i_data(net_sent));
     udp_link #(.MAC(48'h`HG_NET_MAC), .IP(32'h`HG_NET_IP)) network (
-        .eth_clk(net_clk), .i_link(net_link), .i_dv(net_dv), .i_er(net_er), .i_data(net_data), .o_en(net_en), .o_data(net_sent),
+        .eth_clk(net_clk), .i_dv(net_dv), .i_er(net_er), .i_data(net_data), .o_en(net_en), .o_data(net_sent),
         .clk(clk), .rst(rst), .o_valid(net_valid), .o_byte(net_byte), .i_take(net_valid), .i_valid(reply_valid), .o_ready(reply_ready),
         .i_byte(reply_byte), .o_break(net_break), .o_stop(net_stop), .i_enabled(enabled),
         .o_identity_place(identity_place), .i_identity_word(identity_word));

@@ -2,8 +2,7 @@
 //
 // The pins of a gigabit PHY (RGMII 2.0) for the ECP5: two bits a clock at each pin, and GMII inside.
 //
-// clk, for both ways, is what the PHY receives with: 125 MHz at 1 Gbit/s. It may stand, or run slower, without such a link; o_link says
-// whether there is one, by what the PHY tells between frames (in-band status).
+// clk, for both ways, is what the PHY receives with: 125 MHz at 1 Gbit/s. It may stand, or run slower, without such a link.
 // RX_DELAY delays data and control against the clock, TX_DELAY the clock that goes out, both in steps of 25 ps, 0 to 127. The PHY is never
 // reset, because its clock may be the board's.
 `default_nettype none
@@ -18,7 +17,6 @@ module ecp5_rgmii #(
     output wire       o_tx_ctl,
     output wire [3:0] o_tx,
     output wire       clk,
-    output reg        o_link,
     output wire       o_dv,
     output wire       o_er,
     output wire [7:0] o_data,
@@ -42,9 +40,5 @@ module ecp5_rgmii #(
     assign {o_tx_ctl, o_tx} = out;
     ODDRX1F sends_clk (.D0(1'b1), .D1(1'b0), .SCLK(clk), .RST(1'b0), .Q(clk_out));
     DELAYG #(.DEL_MODE("USER_DEFINED"), .DEL_VALUE(TX_DELAY)) delays_clk (.A(clk_out), .Z(o_tx_clk));
-
-    // Between frames: bit 0 the link, bits 2…1 its speed, of which 2 is 1 Gbit/s.
-    initial o_link = 1'b0;
-    always @(posedge clk) if (!rising[4] && !falling[4]) o_link <= rising[2:0] == 3'b101;
 endmodule
 `default_nettype wire

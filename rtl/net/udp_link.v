@@ -3,7 +3,7 @@
 // An Ethernet port in the place of the serial line: what one peer sends by UDP comes out as bytes in the instrument's clock domain, and the
 // bytes of replies go back to it. The modules beside this one do it; README.md shows them, INTERFACE.md says what a host sees.
 //
-// eth_clk is the PHY's 125 MHz; i_dv to o_data are GMII. i_link is high while there is a link of 1 Gbit/s. In clk's domain o_byte is a
+// eth_clk is the PHY's 125 MHz; i_dv to o_data are GMII, and between frames i_data is what RGMII has there, the PHY's status. In clk's domain o_byte is a
 // valid/take stream of whole, checked datagrams, and i_byte a valid/ready stream of replies that end with a zero each. o_break strobes when the
 // link is lost and when anybody sends DISABLE to the open port, o_stop for a STOP there.
 // RX_BITS: there is room for 2^RX_BITS bytes of datagrams. PEER_CLOCKS, GATHER_CLOCKS: of eth_clk, after which a silent peer is none, and a reply goes.
@@ -17,7 +17,6 @@ module udp_link #(
     parameter GATHER_CLOCKS = 6250
 ) (
     input  wire        eth_clk,
-    input  wire        i_link,
     input  wire        i_dv,
     input  wire        i_er,
     input  wire [7:0]  i_data,
@@ -39,11 +38,12 @@ module udp_link #(
 );
     localparam REPLY_BITS = 10;
 
-    reg eth_rst;
+    wire link, lost;
+    reg  eth_rst;
     initial eth_rst = 1'b1;
-    always @(posedge eth_clk) eth_rst <= !i_link;
-    wire lost;
-    link_watch watch (.eth_clk(eth_clk), .i_link(i_link), .clk(clk), .rst(rst), .o_lost(lost));
+    always @(posedge eth_clk) eth_rst <= !link;
+    link_status status (.clk(eth_clk), .i_dv(i_dv), .i_er(i_er), .i_status(i_data[2:0]), .o_link(link));
+    link_watch watch (.eth_clk(eth_clk), .i_link(link), .clk(clk), .rst(rst), .o_lost(lost));
 
     // ---- In
 

@@ -30,16 +30,16 @@ public:
     std::vector<unsigned> played;  ///< the index of each carrier period that began, with outputs on
     std::vector<link::Reply> replies;
     double now_ns = 0;
+    std::uint8_t phy_status = 0xdd;  ///< what the PHY tells between frames: a link of 1 Gbit/s
     bool rests = false;  ///< the PHY's clock is slow while nothing comes in: quicker, but answers are late then
     std::function<void()> before_clock = [] {};  ///< what is looked at before each rising edge of the core's clock
 
     Network() {
-        bench->eth_clk = bench->i_link = bench->i_dv = bench->i_data = 0;
+        bench->eth_clk = bench->i_dv = bench->i_data = 0;
         run(2000);
         bench->rst = 0;
         listens_ = true;  // what was sent before was what its registers held at power-up
         frame_.clear();
-        bench->i_link = 1;
         run(5000);
     }
 
@@ -95,8 +95,9 @@ private:
         const bool sends = gap_ == 0 && !line_.empty();
         bench->i_dv = sends;
         if (gap_ > 0) --gap_;
-        if (sends) active_ps_ = time_ps_;
+        if (!sends) bench->i_data = phy_status;
         if (sends) {
+            active_ps_ = time_ps_;
             bench->i_data = line_.front();
             line_.pop_front();
             if (--ends_.front() == 0) {

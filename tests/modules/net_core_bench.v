@@ -7,7 +7,6 @@ module net_core_bench #(
     parameter PEER_CLOCKS = 125000000
 ) (
     input  wire                eth_clk,
-    input  wire                i_link,
     input  wire                i_dv,
     input  wire [7:0]          i_data,
     output wire                o_en,
@@ -27,7 +26,7 @@ module net_core_bench #(
     wire [51:0] beside;
     wire        unused = &{1'b0, beside, trigger, test, sync, tx, next, alive, playing, fault};
     udp_link #(.PEER_CLOCKS(PEER_CLOCKS)) network (
-        .eth_clk(eth_clk), .i_link(i_link), .i_dv(i_dv), .i_er(1'b0), .i_data(i_data), .o_en(o_en), .o_data(o_data),
+        .eth_clk(eth_clk), .i_dv(i_dv), .i_er(1'b0), .i_data(i_data), .o_en(o_en), .o_data(o_data),
         .clk(clk), .rst(rst), .o_valid(valid), .o_byte(data), .i_take(valid), .i_valid(reply_valid), .o_ready(reply_ready), .i_byte(reply),
         .o_break(network_break), .o_stop(network_stop), .i_enabled(o_enabled),
         .o_identity_place(identity_place), .i_identity_word(identity_word));

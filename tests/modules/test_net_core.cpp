@@ -53,7 +53,7 @@ TEST_CASE("over Ethernet: a session begins, outputs go on, and off when the link
             network.send(host, many);
         }
         network.run(60'000);
-        network.bench->i_link = 0;
+        network.phy_status = 0xcc;
         network.run(10'000);
         CHECK(!network.bench->o_enabled);
         network.run(500'000);

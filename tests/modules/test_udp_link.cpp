@@ -18,6 +18,7 @@ namespace {
 
 constexpr long peer_clocks = PARAMETER_PEER_CLOCKS;
 constexpr long half_eth_ps = 4000, half_clk_ps = 10003;
+constexpr std::uint8_t up = 0xdd, down = 0xcc, at_100_mbit = 0xbb, untold = 0;  // RGMII's in-band status, on both edges
 const Bytes preamble = {0x55, 0x55, 0x55, 0x55, 0x55, 0x55, 0x55, 0xd5};
 
 std::uint16_t identity_word(unsigned place) { return static_cast<std::uint16_t>(0xa5c3U ^ (place * 0x1357U)); }
@@ -39,16 +40,15 @@ public:
     unsigned breaks = 0, stops = 0;
     long now = 0;  ///< in clocks of the PHY
     bool clock_runs = true;
+    std::uint8_t status;  ///< what the PHY tells between frames
 
-    Port() {
+    explicit Port(std::uint8_t told = up) : status(told) {
         bench->eth_clk = 0;
-        bench->i_link = 0;
         bench->i_dv = bench->i_er = bench->i_data = 0;
         bench->i_take = bench->i_valid = bench->i_byte = bench->i_enabled = 0;
         idle(20);
         bench->rst = 0;
-        bench->i_link = 1;
-        idle(100);
+        idle(600);  // until the status counts
         sent.clear();  // what its registers held at power-up
     }
 
@@ -67,7 +67,7 @@ public:
         ++now;
     }
     void idle(long clocks) {
-        for (long k = 0; k < clocks; ++k) clock(false);
+        for (long k = 0; k < clocks; ++k) clock(false, status);
     }
     /// Until nothing has gone out or in for a while.
     void settle() {
@@ -75,7 +75,7 @@ public:
         while (quiet < 140) {
             const bool busy = bench->o_en || bench->o_valid || !replies_.empty();
             quiet = busy ? 0 : quiet + 1;
-            clock(false);
+            clock(false, status);
         }
     }
     /// @param error  the byte behind the preamble at which the PHY reports an error
@@ -363,14 +363,17 @@ TEST_CASE("a link that is lost is a break, makes the peer a stranger, and leaves
     if (stops_clock)
         port.clock_runs = false;
     else
-        port.bench->i_link = 0;
+        port.status = down;
     port.idle(1000);
     CHECK(port.breaks == 1);
     port.idle(5000);
     CHECK(port.breaks == 1);
     port.clock_runs = true;
-    port.bench->i_link = 1;
-    if (!stops_clock) port.rules.lose_link();
+    port.status = up;
+    if (!stops_clock) {
+        port.rules.lose_link();
+        port.idle(600);
+    }
     for (std::size_t k = all.size() / 2; k < all.size(); ++k) port.clock(true, all[k]);
     port.settle();
     if (stops_clock) {
@@ -383,6 +386,65 @@ TEST_CASE("a link that is lost is a break, makes the peer a stranger, and leaves
     port.settle();
     port.check(net::whole(net::udp_frame(net::stranger, net::board, random_bytes(port, 20))));
     CHECK(port.breaks == 0);
+}
+
+TEST_CASE("a status of the PHY that was received wrongly is no loss of the link, and one that stays is") {
+    using namespace net;
+    Port port;
+    const auto wrong = static_cast<std::uint8_t>(GENERATE(as<int>{}, down, at_100_mbit, untold, 0xff));
+    const Bytes mine = whole(udp_frame(host, board, Bytes(30, 5))),
+                other = whole(udp_frame(stranger, board, Bytes(30, 6)));
+    const auto says = [&](std::uint8_t what, long readings) {
+        port.status = what;
+        port.idle(readings);
+        port.status = up;
+    };
+    port.check(mine);
+    port.breaks = 0;
+    for (const long readings : {1, 2, 511}) {
+        says(wrong, readings);
+        port.idle(1 + port.bench.number(0, 20));
+        port.check(other);  // is refused: there is a peer
+    }
+    for (int k = 0; k < 500; ++k) {
+        says(wrong, 1);
+        port.idle(1);
+    }
+    port.settle();
+    CHECK(port.breaks == 0);
+    port.check(other);
+    CHECK(port.rules.refused == 4);
+    // Not even when each gap of many frames ends in a wrong one.
+    for (int k = 0; k < 100; ++k) {
+        port.send(mine);
+        port.rules.take(mine, port.now);
+        says(wrong, 1);
+    }
+    port.settle();
+    CHECK(port.breaks == 0);
+    port.breaks = 0;
+    says(wrong, 514);  // and it is there again as soon as can be
+    port.idle(1000);
+    CHECK(port.breaks == 1);
+    port.rules.lose_link();
+    port.check(other);
+    port.check(mine);
+    CHECK(port.rules.refused == 5);
+    port.check_counters();
+}
+
+TEST_CASE("a PHY that tells no status has a link as long as its clock runs") {
+    using namespace net;
+    Port port(static_cast<std::uint8_t>(GENERATE(as<int>{}, untold, at_100_mbit, 0xff)));
+    port.check(whole(udp_frame(host, board, Bytes(30, 5))));
+    port.check(whole(udp_frame(stranger, board, Bytes(30, 6))));
+    port.breaks = 0;
+    port.idle(5000);
+    CHECK(port.breaks == 0);
+    port.check_counters();
+    port.clock_runs = false;
+    port.idle(1000);
+    CHECK(port.breaks == 1);
 }
 
 TEST_CASE("replies that come within a short time go in one datagram, and without a peer nowhere") {
