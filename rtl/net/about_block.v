@@ -2,8 +2,7 @@
 //
 // What the open port answers, byte by byte: INTERFACE.md has its fields. o_byte is that of i_place two clocks later.
 //
-// The counters are of datagrams: taken from the peer, refused from others, and damaged, which are frames that were not whole and
-// datagrams without room.
+// The counters are of datagrams: taken from the peer, refused from others, and damaged, as udp_receiver says.
 `default_nettype none
 `include "interface.vh"
 module about_block (

@@ -44,7 +44,7 @@ module udp_receiver #(
     output reg         o_stop,
     output reg         o_accepted,   // strobes, to be counted: a datagram of the peer was taken,
     output reg         o_refused,    // one of another sender was not,
-    output reg         o_damaged     // a frame was not whole, or a datagram found no room
+    output reg         o_damaged     // a frame was not whole, or a datagram to PORT had a wrong sum or found no room
 );
     localparam [15:0] OPEN = PORT + 16'd1, OPEN_DATAGRAM = 16'd12;  // its UDP length: 8 and 4 bytes
 
@@ -134,7 +134,7 @@ module udp_receiver #(
     reg         lost_q;        // a byte found no room
     reg  [15:0] total_q, datagram_q, last_q;
     reg  [16:0] header_sum_q, sum_q;  // one's complement, the carry of the byte before on top
-    reg         is_ip_q, sum_good_q, asks_q;  // settled long before the frame's end, because the FCS follows
+    reg         is_ip_q, sum_good_q, wrong_sum_q, asks_q;  // settled long before the frame's end, because the FCS follows
     reg  [7:0]  asked_q;
     wire        own    = byte_q == own_q;
     wire        zero   = byte_q == 8'd0;
@@ -142,13 +142,17 @@ module udp_receiver #(
     wire        stops  = in_length_q && place_q == last_q[10:0] && last_q[15:11] == 5'd0;
     wire [16:0] header_sum_d = {1'b0, header_sum_q[15:0]} + (valid_q && in_header_q ? {1'b0, addend} : 17'd0) + {16'd0, header_sum_q[16]};
     wire [16:0] sum_d        = {1'b0, sum_q[15:0]} + (valid_q && in_sum_q && !done_q ? {1'b0, addend} : 17'd0) + {16'd0, sum_q[16]};
+    wire        sum_is_good    = no_sum_q || sum_q[15:0] == 16'hffff;
+    wire        header_is_good = header_sum_q[15:0] == 16'hffff;
+    wire        is_whole_ip    = ipv4_q && done_q && after_q == 3'd4 && !short_q;
     wire        knows  = asked_q == `HG_COMMAND_IDENTIFY || (mine_q && (asked_q == `HG_COMMAND_DISABLE || asked_q == `HG_COMMAND_STOP));
 
     always @(posedge clk) begin
         datagram_q <= total_q - 16'd20;
         last_q     <= total_q + 16'd13;
-        sum_good_q <= no_sum_q || sum_q[15:0] == 16'hffff;
-        is_ip_q    <= ipv4_q && done_q && after_q == 3'd4 && !short_q && header_sum_q[15:0] == 16'hffff;
+        sum_good_q <= sum_is_good;
+        is_ip_q    <= is_whole_ip && header_is_good;
+        wrong_sum_q <= is_whole_ip && !(header_is_good && sum_is_good) && udp_q && lengths_q && port_q && mine_q && ip_q;
         // To all, only the question who is there; to which address, routers differ in.
         asks_q     <= open_q && udp_q && lengths_q && datagram_q == OPEN_DATAGRAM && knows && ((mine_q && ip_q) || all_q);
         if (gone_q || rst) begin
@@ -205,7 +209,7 @@ module udp_receiver #(
         o_drop     <= rst || (gone_q && !keeps);
         o_accepted <= keeps;
         o_refused  <= o_taken && !i_may;
-        o_damaged  <= !rst && gone_q && (!whole_q || (o_taken && i_may && lost_q));
+        o_damaged  <= !rst && gone_q && (!whole_q || wrong_sum_q || (o_taken && i_may && lost_q));
         o_disable  <= !rst && asks && asked_q == `HG_COMMAND_DISABLE;
         o_stop     <= !rst && asks && asked_q == `HG_COMMAND_STOP;
     end

@@ -134,10 +134,15 @@ public:
             return cut(body, 38, 42) == board.ip && (mine || all) ? answer(arp_reply(body)) : Outcome{};
         const std::optional<Bytes> ip = datagram(body);
         if (!ip || (!mine && !all)) return {};
+        const bool header_wrong = sum(cut(*ip, 0, 20)) != 0xffff;
         const bool to_us = mine && cut(*ip, 16, 20) == board.ip;
-        if ((*ip)[9] == 1 && to_us && at(*ip, 20) == 0x0800) return answer(echo(body, *ip));
+        if ((*ip)[9] == 1 && to_us && at(*ip, 20) == 0x0800)
+            return header_wrong ? Outcome{} : answer(echo(body, *ip));
         if ((*ip)[9] != 17 || at(*ip, 24) != ip->size() - 20) return {};
-        if (at(*ip, 26) != 0 && udp_sum(*ip) != 0xffff) return {};
+        if (header_wrong || (at(*ip, 26) != 0 && udp_sum(*ip) != 0xffff)) {
+            damaged += to_us && at(*ip, 22) == board.port;
+            return {};
+        }
         const Address from{cut(body, 6, 12), cut(*ip, 12, 16), at(*ip, 20)};
         const Bytes payload = cut(*ip, 28, ip->size());
         if (at(*ip, 22) == open_port) return asked(from, payload, mine, to_us, all);
@@ -156,14 +161,14 @@ private:
     }
     static Outcome answer(const Bytes& frame) { return {{}, padded(frame)}; }
 
-    /// The IP datagram in a frame, if it is one that we take: of version 4, without options, whole and no fragment.
+    /// The IP datagram in a frame, if it is one that we take, but for its sum: of version 4, without options, whole and no fragment.
     static std::optional<Bytes> datagram(const Bytes& body) {
         if (at(body, 12) != 0x0800 || body[14] != 0x45) return {};
         const unsigned length = at(body, 16);
         if (length < 28 || 14 + length > body.size()) return {};
         const Bytes ip = cut(body, 14, 14 + length);
         const bool fragment = (at(ip, 6) & 0xbfff) != 0;
-        if (fragment || sum(cut(ip, 0, 20)) != 0xffff) return {};
+        if (fragment) return {};
         return ip;
     }
     static Bytes arp_reply(const Bytes& body) {

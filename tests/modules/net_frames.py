@@ -57,27 +57,28 @@ class Model:
             return (ANSWERS, ARP_KIND, 42, None, None, b"") if arp.pdst == ADDRESS else NOTHING
         if not isinstance(ether.payload, IP) or not self.is_taken(ip, frame):
             return NOTHING
-        here, message = mine and ip.dst == ADDRESS, frame[34 : 14 + ip.len]
-        if here and ip.proto == 1 and message[:2] == b"\x08\x00":
+        here, message, header_good = mine and ip.dst == ADDRESS, frame[34 : 14 + ip.len], checksum(frame[14:34]) == 0
+        if header_good and here and ip.proto == 1 and message[:2] == b"\x08\x00":
             total = int.from_bytes(message[2:4], "big") + 0x0800
             return (ANSWERS, ICMP_KIND, 14 + ip.len, (total & 0xFFFF) + (total >> 16), None, b"")
         if ip.proto != 17:
             return NOTHING
         udp = ip.payload
-        if udp.len != len(message) or (udp.chksum != 0 and in4_chksum(17, ip, message) != 0):
+        if udp.len != len(message):
             return NOTHING
+        if not header_good or (udp.chksum != 0 and in4_chksum(17, ip, message) != 0):
+            return (DAMAGED, *NOTHING[1:]) if here and udp.dport == PORT else NOTHING
         if udp.dport == PORT + 1:
             return self.asked(message[8:], mine, here or everybody)
         return self.spoken((ether.src, ip.src, udp.sport), message[8:]) if here and udp.dport == PORT else NOTHING
 
     @staticmethod
     def is_taken(ip, frame):
-        """Whether it is a whole datagram of version 4 without options, and no fragment."""
+        """Whether it is a whole datagram of version 4 without options, and no fragment, whatever its sum says."""
         return (
             (ip.version, ip.ihl, ip.frag) == (4, 5, 0)
             and int(ip.flags) in (0, 2)
             and 28 <= ip.len <= len(frame) - 18
-            and checksum(frame[14:34]) == 0
         )
 
     def asked(self, payload, mine, may):
