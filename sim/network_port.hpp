@@ -30,8 +30,8 @@ struct DatagramCounters {
 };
 
 /// The UDP side of a board with a network port, with the rules of rtl/net/ from the IP datagram on: one peer, and an
-/// open port for anybody. Ethernet, ARP and the checksums are the machine's: a TAP device, which needs rights, would only
-/// show what tests/modules compares byte by byte.
+/// open port for anybody. Ethernet, ARP and the checksums are the machine's: a TAP device, which needs rights, would
+/// only show what tests/modules compares byte by byte.
 class NetworkPort final : public HostLine {
 public:
     /// @param port  the open port is the next one; 0: two that are free

@@ -136,8 +136,7 @@ public:
         if (!ip || (!mine && !all)) return {};
         const bool header_wrong = sum(cut(*ip, 0, 20)) != 0xffff;
         const bool to_us = mine && cut(*ip, 16, 20) == board.ip;
-        if ((*ip)[9] == 1 && to_us && at(*ip, 20) == 0x0800)
-            return header_wrong ? Outcome{} : answer(echo(body, *ip));
+        if ((*ip)[9] == 1 && to_us && at(*ip, 20) == 0x0800) return header_wrong ? Outcome{} : answer(echo(body, *ip));
         if ((*ip)[9] != 17 || at(*ip, 24) != ip->size() - 20) return {};
         if (header_wrong || (at(*ip, 26) != 0 && udp_sum(*ip) != 0xffff)) {
             damaged += to_us && at(*ip, 22) == board.port;
@@ -161,7 +160,8 @@ private:
     }
     static Outcome answer(const Bytes& frame) { return {{}, padded(frame)}; }
 
-    /// The IP datagram in a frame, if it is one that we take, but for its sum: of version 4, without options, whole and no fragment.
+    /// The IP datagram in a frame, if it is one that we take, but for its sum: of version 4, without options, whole and
+    /// no fragment.
     static std::optional<Bytes> datagram(const Bytes& body) {
         if (at(body, 12) != 0x0800 || body[14] != 0x45) return {};
         const unsigned length = at(body, 16);

@@ -48,7 +48,7 @@ public:
         bench->i_take = bench->i_valid = bench->i_byte = bench->i_enabled = 0;
         idle(20);
         bench->rst = 0;
-        idle(600);  // until the status counts
+        idle(600);     // until the status counts
         sent.clear();  // what its registers held at power-up
     }
 
