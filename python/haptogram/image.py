@@ -101,13 +101,15 @@ class Image:
         return any(index > HIGHEST_INDEX for index, _ in list(struct.iter_unpack("<HH", self.sequence))[1:])
 
     @property
-    def _has_amplitudes(self) -> bool:
+    def has_amplitudes(self) -> bool:
+        """Whether its channels have amplitudes of their own."""
         return self.foci is not None or any(record.kind == Kind.AMPLITUDES for record in self.records)
 
     def pieces(self) -> list[Piece]:
         """A record a frame, and all else in pieces no longer."""
         size = self.record_bytes // 4 * 4
-        found = _cut(PRIMARY_BASE, self.primary, self.record_bytes) + _cut(SEQUENCE_BASE, self.sequence, size)
+        primary = self.primary.ljust(self.foci.base, b"\0") if self.foci else self.primary
+        found = _cut(PRIMARY_BASE, primary, self.record_bytes) + _cut(SEQUENCE_BASE, self.sequence, size)
         if self.foci:
             found += _cut(PRIMARY_BASE + self.foci.base, self.foci.data, size) + _cut(PARAMETERS_BASE, self.foci.parameters, size)
         if self.modulation:
@@ -133,7 +135,7 @@ class Image:
              "the image has records of amplitudes, the board has no amplitudes"),
             (board.width_bits == 0 or all(record.cycle_length * record.prescaler >= 8 for record in self.records),
              "the image has a record with a cycle of fewer than 8 clocks, which a board with amplitudes refuses"),
-            (not self._has_amplitudes or self.min_pulse_clocks == board.min_pulse_clocks,
+            (not self.has_amplitudes or self.min_pulse_clocks == board.min_pulse_clocks,
              f"the image is for shortest pulses of {self.min_pulse_clocks} clocks, the board's have {board.min_pulse_clocks}"),
             *(self.foci.fits(board) if self.foci else ()),
             (not self.modulation or len(self.modulation.samples) <= 2 * board.modulation_words,
@@ -141,7 +143,7 @@ class Image:
              f"{2 * board.modulation_words}"),
         ):  # fmt: skip
             if not fits:
-                raise bad_input(where, f"{what}; compile it for this board (--array), or use the board it was made for")
+                raise bad_input(where, f"{what}; compile it for this board, or use the board it was made for")
 
     def require_playable(self, where: str) -> None:
         """Raises HaptogramError saying what would keep it from being played as it is."""
@@ -184,7 +186,7 @@ class Image:
 
     def save(self, path: str) -> None:
         """As Intel HEX. `-` is standard output."""
-        is_long = self._has_amplitudes or self.modulation is not None
+        is_long = self.has_amplitudes or self.modulation is not None
         description = pack(
             DESCRIPTION_FIELDS, 2 * len(DESCRIPTION_WORDS), magic=DESCRIPTION_MAGIC,
             format=DESCRIPTION_LONG_FORMAT if is_long else DESCRIPTION_FORMAT, channels=self.channels,
@@ -232,11 +234,13 @@ def _from_regions(regions: dict[int, bytes], where: str) -> Image:
     if has_foci:
         foci = FocusRecords(says["board_records"], region(PARAMETERS_BASE, 2 * len(PARAMETERS_WORDS), "the parameters block"),
                             region(GEOMETRY_BASE, 8 * channels, "the geometry"), b"")  # fmt: skip
-        if foci.base != -(-size // 8) * 8 or foci.count == 0:
+        if foci.base < size or foci.count == 0:
             raise bad_input(where, f"its parameters say {foci.count} focus records from byte {foci.base} on, behind {records} records that "
                             f"fill {size} bytes; the image is garbled")  # fmt: skip
         primary = region(PRIMARY_BASE, foci.base + 8 * foci.each * foci.count, "primary memory")
         foci = foci._replace(data=primary[foci.base :])
+        if any(primary[size : foci.base]):
+            raise bad_input(where, f"primary memory is not empty between its {records} records and the foci from byte {foci.base} on; the image is garbled")
     else:
         primary = region(PRIMARY_BASE, size, "primary memory")
     if is_long and says["modulation_samples"]:

@@ -34,7 +34,8 @@ TEST_CASE("rig: a shape on four tiles, from the compiler to the pins, is where o
 
 TEST_CASE("rig: no output is enabled before every tile is as it must be") {
     std::mt19937 g(Catch::rngSeed());
-    Pair pair(g, ImageKind::records);
+    // Images of foci are alike but for their geometry, which boards do not give back.
+    Pair pair(g, GENERATE(ImageKind::records, ImageKind::foci));
     std::set<std::size_t> enabled;
     for (std::size_t i = 0; i < 2; ++i)
         pair.tiles.board(i).on_cycle_start([&enabled, i](const sim::CycleStart& start) {

@@ -41,8 +41,11 @@ std::vector<Word> from_little_endian(const std::vector<std::uint8_t>& bytes) {
 /// Words of a description in the first format, which knows records and a sequence alone.
 constexpr std::size_t short_description_words = description_field::board_records.offset / 16;
 
-/// Where focus records begin, in units of four words.
-std::size_t foci_base(const Image& image) { return (image.records.size() * record_words(image.channels) + 3) / 4; }
+/// Where the records of channels end, in units of four words.
+std::size_t records_end(const Image& image) { return (image.records.size() * record_words(image.channels) + 3) / 4; }
+
+/// Where focus records begin, likewise.
+std::size_t foci_base(const Image& image) { return records_end(image) + image.foci->gap; }
 
 std::vector<std::uint16_t> description_words(const Image& image) {
     const bool is_long = image.foci || image.modulation || std::ranges::any_of(image.records, [](const Record& r) {
@@ -270,11 +273,13 @@ FocusRecords foci_from(const Image& image, const std::vector<std::uint16_t>& par
     found.each = parameters_field::foci_last.get(parameters) + 1;
     found.whole = parameters_field::foci_whole.get(parameters) != 0;
     found.cycle_ticks = parameters_field::foci_cycle.get(parameters);
+    const std::size_t base = parameters_field::foci_base.get(parameters), end = records_end(image);
+    if (base > end) found.gap = static_cast<std::uint32_t>(base - end);
     found.engine.wave_number = parameters_field::wave_number.get(parameters);
     found.engine.gain = static_cast<std::uint16_t>(parameters_field::gain.get(parameters));
     for (std::size_t k = 0; k + 3 < geometry.size(); k += 4)
         found.engine.geometry.push_back({geometry[k], geometry[k + 1], geometry[k + 2], geometry[k + 3]});
-    for (std::size_t i = 4 * foci_base(image); i + 3 < primary.size(); i += 4)
+    for (std::size_t i = 4 * (end + found.gap); i + 3 < primary.size(); i += 4)
         found.foci.push_back({primary[i], primary[i + 1], primary[i + 2], primary[i + 3]});
     if (found.foci.empty() || board_records < image.records.size() || board_records + found.count() > 65535)
         throw bad_input(where,
@@ -283,7 +288,7 @@ FocusRecords foci_from(const Image& image, const std::vector<std::uint16_t>& par
                                     found.count(), image.records.size(), board_records));
     Image only = image;
     only.foci = found;
-    if (parameters_words(only) != parameters)
+    if (parameters_words(only) != parameters || primary_words(only) != primary)
         throw bad_input(
             where,
             fmt::format("its parameters say {} focus records from word {} on, with what else they hold, "
@@ -356,8 +361,9 @@ Image from_intel_hex(std::string_view text, const std::string& where) {
     if (has_foci) {
         parameters = from_little_endian<std::uint16_t>(region(
             segments, interface::parameters_base, 2UL * interface::parameters_words, "the parameters block", where));
-        primary_size = (primary_size + 3) / 4 * 4 + std::size_t{4} * parameters_field::foci_count.get(parameters) *
-                                                        (parameters_field::foci_last.get(parameters) + 1);
+        primary_size = 4 * (std::size_t{parameters_field::foci_base.get(parameters)} +
+                            std::size_t{parameters_field::foci_count.get(parameters)} *
+                                (parameters_field::foci_last.get(parameters) + 1));
     }
     auto primary = from_little_endian<std::uint16_t>(
         region(segments, interface::primary_base, 2 * primary_size, "primary memory", where));

@@ -30,6 +30,7 @@ struct FocusRecords {
     std::uint32_t board_records = 0;   ///< the board's RECORDS
     FocusEngine engine;                ///< with the geometry of all of the board's channels
     std::uint32_t each = 1;            ///< foci of a record, 1…8
+    std::uint32_t gap = 0;             ///< foci that are left empty before them; tells tiles of a rig apart
     std::uint32_t cycle_ticks = 1250;  ///< their carrier period, in ticks of one clock
     bool whole = false;                ///< all channels at full amplitude
     std::vector<FocusWords> foci;      ///< `each` for the first record, then those of the second

@@ -34,7 +34,9 @@ Bundle finished(Image image, Manifest manifest, const std::string& name) {
     return bundle_of(std::move(hex), manifest_from_json(to_text(manifest), name), name, name);
 }
 
-Bundle tile_of(const Bundle& whole, std::size_t first, const TilePart& part, const std::string& name) {
+/// @param number  of the tile, counted from 0
+Bundle tile_of(const Bundle& whole, std::size_t number, std::size_t first, const TilePart& part,
+               const std::string& name) {
     const interface::CoreParameters& core = part.core.parameters;
     Image image = whole.image;
     image.channels = core.channels;
@@ -42,7 +44,19 @@ Bundle tile_of(const Bundle& whole, std::size_t first, const TilePart& part, con
         record.timings = part_of(record.timings, first, part.elements);
         record.timings.resize(core.channels, interface::silent_timing);
     }
-    if (image.foci) image.foci->engine.geometry = part_of(image.foci->engine.geometry, first, part.elements);
+    if (image.foci) {
+        image.foci->engine.geometry = part_of(image.foci->engine.geometry, first, part.elements);
+        // Images of foci differ only in their geometry, which no board gives back. The place of their records tells
+        // which tile holds what.
+        image.foci->gap = static_cast<std::uint32_t>(number);
+        if (const std::size_t room = std::size_t{core.records} * record_words(core.channels),
+            needed = primary_words(image).size();
+            needed > room)
+            throw bad_input(name,
+                            fmt::format("its foci need {} words of primary memory, the board has {}; take fewer points",
+                                        needed, room),
+                            {"points"});
+    }
     Manifest manifest = whole.manifest;
     manifest.array.name = part.array;
     manifest.array.elements = part_of(whole.manifest.array.elements, first, part.elements);
@@ -121,7 +135,8 @@ RigBundle split(const Bundle& whole, const std::string& rig, std::span<const Til
                                           whole.manifest.array.elements.size(), rig, elements));
     std::size_t first = 0;
     for (const TilePart& part : parts) {
-        bundle.tiles.push_back(tile_of(whole, first, part, tile_image_path(name, bundle.tiles.size() + 1)));
+        const std::size_t number = bundle.tiles.size();
+        bundle.tiles.push_back(tile_of(whole, number, first, part, tile_image_path(name, number + 1)));
         first += part.elements;
     }
     return bundle;
@@ -133,7 +148,10 @@ Bundle joined(std::span<const Bundle> tiles, const std::string& name) {
     Manifest manifest = tiles.front().manifest;
     manifest.array.elements.clear();
     for (Record& record : image.records) record.timings.clear();
-    if (image.foci) image.foci->engine.geometry.clear();
+    if (image.foci) {
+        image.foci->engine.geometry.clear();
+        image.foci->gap = 0;
+    }
     const std::string common = common_of(tiles.front());
     for (const Bundle& tile : tiles) {
         if (common_of(tile) != common)

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "haptogram/base/error.hpp"
+#include "haptogram/link/rig_stream.hpp"
 #include "haptogram/link/rig_tiles.hpp"
 #include "haptogram/link/transfer.hpp"
 
@@ -21,7 +22,7 @@ Error tile_error(const Tile& tile, const std::string& message) { return {ErrorCo
 std::string found_instead(std::span<const Tile> tiles, const Tile& tile) {
     for (const Tile& other : tiles)
         if (&other != &tile && other.image.channels == tile.image.channels &&
-            with(tile, [&](Client& device) { return holds(device, other.image); }))
+            with(tile, [&](Client& device) { return holds_records(device, other.image); }))
             return fmt::format("it holds the image of {}: the two ports are swapped, or the images are", other.name);
     return "it holds another image than its own; upload the rig to it";
 }
@@ -67,11 +68,11 @@ void require_same_numbers(std::span<const Tile> tiles) {
 void require_images(std::span<const Tile> tiles) {
     for (const Tile& tile : tiles) {
         require_fits(tile.image, tile.device.identity(), tile.name);
+        if (!with(tile, [&](Client& device) { return holds_records(device, tile.image); }))
+            throw tile_error(tile, found_instead(tiles, tile));
         with(tile, [&](Client& device) {
             if (tile.image.foci) write_settings(device, tile.image);
         });
-        if (!with(tile, [&](Client& device) { return holds(device, tile.image); }))
-            throw tile_error(tile, found_instead(tiles, tile));
     }
 }
 
@@ -95,6 +96,10 @@ void keep_together(std::span<const Tile> tiles) {
 }
 
 RigPlayed play(std::span<const Tile> tiles, const RigSettings& settings, const RigWatch& watch) {
+    if (const Image& image = tiles.front().image; settings.index != 0 && !place_of(image, settings.index))
+        throw bad_argument(
+            "index", fmt::format("{}: expected one of the {} records of the images, from {} to {}", settings.index,
+                                 image.record_count(), index_of(image, 0), highest_index(image)));
     prepare(tiles);
     PlayingTiles playing(tiles, settings);
     const auto arm = [&](const Tile& tile, When when) {

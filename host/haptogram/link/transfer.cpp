@@ -21,10 +21,15 @@ using interface::Command;
 std::size_t frame_bytes(const Image& image) { return std::size_t{2} * record_words(image.channels); }
 
 /// An image in frames: a record in each, then foci, the sequence, parameters and samples in pieces of the same length.
-std::vector<Piece> pieces_of(const Image& image) {
+std::vector<Piece> records_of(const Image& image) {
     std::vector<Piece> pieces;
     cut(pieces, interface::primary_base, primary_words(image), frame_bytes(image));
     cut(pieces, interface::sequence_base, sequence_words(image), frame_bytes(image));
+    return pieces;
+}
+
+std::vector<Piece> pieces_of(const Image& image) {
+    std::vector<Piece> pieces = records_of(image);
     cut(pieces, interface::parameters_base, parameters_words(image), frame_bytes(image));
     cut(pieces, interface::modulation_base, modulation_words(image), frame_bytes(image));
     return pieces;
@@ -114,6 +119,8 @@ Uploaded upload(Commands& device, const Image& image, const Progress& progress) 
 }
 
 bool holds(Commands& device, const Image& image) { return differing(device, pieces_of(image)).empty(); }
+
+bool holds_records(Commands& device, const Image& image) { return differing(device, records_of(image)).empty(); }
 
 std::vector<Request> settings_requests(const Image& image) {
     std::vector<Piece> pieces = unread_pieces_of(image);

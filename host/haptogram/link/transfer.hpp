@@ -57,6 +57,9 @@ Uploaded upload(Commands& device, const Image& image, const Progress& progress =
 /// Whether a device's memories hold an image, told by their digests; of the geometry of foci nothing can be told.
 [[nodiscard]] bool holds(Commands& device, const Image& image);
 
+/// The same of its records and its sequence alone, which tells tiles of a rig apart.
+[[nodiscard]] bool holds_records(Commands& device, const Image& image);
+
 /// Requests that write what an image has of parameters, geometry and modulation, which no bitstream holds. They start
 /// nothing.
 [[nodiscard]] std::vector<Request> settings_requests(const Image& image);
